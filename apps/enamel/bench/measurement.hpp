@@ -1,0 +1,43 @@
+// The one registry of measurements: `enamel bench` prints it, the timing tests check it. Every row has the error
+// beside the time, because a fast wrong answer is worth nothing.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace enamel::bench {
+
+/// One row of the table. Times are per call; NaN stands for "does not apply".
+struct Measurement {
+  std::string group;                                               ///< module, for example "device"
+  std::string name;                                                ///< what was done
+  double median_us = 0.0;                                          ///< median over batches of the time per call
+  double p99_us = 0.0;                                             ///< 99th percentile over batches
+  double error = 0.0;                                              ///< largest error seen
+  std::string errorOf;                                             ///< what the error is, its unit, and against what
+  double goal_us = std::numeric_limits<double>::quiet_NaN();       ///< stated goal
+  double reference_us = std::numeric_limits<double>::quiet_NaN();  ///< the same job done conventionally, same run
+};
+
+struct Timing {
+  double median_us;
+  double p99_us;
+};
+
+/// Times batches of calls: `run(first, count)` makes `count` calls, numbered from `first`. One warm-up batch first.
+Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int first, int count)>& run);
+
+/// Keeps the compiler from dropping a result that is not used otherwise.
+template <typename T>
+inline void keep(const T& value) {
+  asm volatile("" : : "r"(&value) : "memory");
+}
+
+/// Runs every measurement whose group or name contains `filter`. `scale` multiplies the number of batches.
+std::vector<Measurement> measureAll(const std::string& filter, double scale);
+
+std::vector<Measurement> measureDevice(double scale);
+
+}  // namespace enamel::bench

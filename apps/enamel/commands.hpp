@@ -1,0 +1,13 @@
+// The subcommands of `enamel`, one file each. A command reports failure by an exception; main prints it in one line.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace enamel::app {
+
+void addEvaluate(CLI::App& app);
+void addBench(CLI::App& app);
+
+}  // namespace enamel::app

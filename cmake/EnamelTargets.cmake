@@ -1,0 +1,29 @@
+# How every target of this project is compiled, and the two functions that make them.
+
+add_library(enamel_compile_options INTERFACE)
+target_compile_features(enamel_compile_options INTERFACE cxx_std_17)
+# One rounding of every product and sum, whatever the target machine: the same bits everywhere.
+target_compile_options(enamel_compile_options INTERFACE
+  -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wconversion
+  -Wno-sign-conversion $<$<BOOL:${ENAMEL_WARNINGS_AS_ERRORS}>:-Werror>)
+if(ENAMEL_SANITIZE)
+  target_compile_options(enamel_compile_options INTERFACE
+    -fsanitize=${ENAMEL_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(enamel_compile_options INTERFACE -fsanitize=${ENAMEL_SANITIZE})
+endif()
+
+# enamel_add_module(<name> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>]): one static library a
+# module of lib/, target enamel::<name>, installed and exported.
+function(enamel_add_module name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;PRIVATE")
+  set(target enamel_${name})
+  add_library(${target} STATIC ${arg_SOURCES})
+  add_library(enamel::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON CXX_EXTENSIONS OFF)
+  target_include_directories(${target}
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/lib/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PRIVATE ${PROJECT_SOURCE_DIR}/lib/src)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE $<BUILD_INTERFACE:enamel_compile_options> ${arg_PRIVATE})
+  install(TARGETS ${target} EXPORT EnamelTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endfunction()

@@ -1,0 +1,34 @@
+#!/bin/sh
+# Installs what is missing, builds, runs every test: with assertions, with sanitizers, and the allocation and timing
+# tests in the release build. `check.sh --long` runs the full counts (millions of poses, soaks).
+set -eu
+cd "$(dirname "$0")/.."
+. cmake/packages.sh
+
+case "${1:-}" in
+  "") ;;
+  --long) ENAMEL_LONG=1; export ENAMEL_LONG ;;
+  *) echo "usage: check.sh [--long]" >&2; exit 2 ;;
+esac
+install_packages
+
+build() { # preset, targets...
+  preset=$1; shift
+  echo "== $preset: configure and build"
+  cmake --preset "$preset" >/dev/null
+  cmake --build --preset "$preset" "$@"
+}
+
+build ci
+echo "== ci: all tests"
+ctest --preset ci
+
+build asan
+echo "== asan: all tests that can run under sanitizers"
+ctest --preset asan -LE timing
+
+build release
+echo "== release: allocations and timing"
+ctest --preset release -L 'realtime|timing'
+build/release/apps/enamel/enamel bench --scale 0.2
+echo "== all checks passed"

@@ -1,0 +1,30 @@
+# Sourced by demo.sh and check.sh: installs the Debian packages that are missing, and says which.
+
+packages="g++ cmake make libeigen3-dev libopenmesh-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev catch2"
+
+is_installed() { dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'install ok installed'; }
+
+install_packages() {
+  missing=
+  for package in $packages; do
+    is_installed "$package" || missing="$missing $package"
+  done
+  [ -n "$missing" ] || return 0
+  echo "== installing:$missing"
+  as_root=
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null 2>&1; then
+      echo "error: these Debian packages are missing and there is neither root nor sudo to install them:$missing" >&2
+      exit 1
+    fi
+    as_root=sudo
+  fi
+  if ! { $as_root apt-get update -qq &&
+         $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing; } \
+         >/tmp/enamel-packages.$$ 2>&1; then
+    tail -n 5 "/tmp/enamel-packages.$$" >&2
+    echo "error: cannot install these Debian packages:$missing" >&2
+    exit 1
+  fi
+  rm -f "/tmp/enamel-packages.$$"
+}

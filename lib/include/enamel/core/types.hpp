@@ -1,0 +1,41 @@
+// Vectors, poses and the conventions that the whole library shares.
+//
+// SI units. World frame W: x right, y up, z from the wall towards the user, origin at the centre of the
+// workspace. Platform frame P has its origin at the tool centre point (TCP) and equals W at the home pose.
+// A twist is [v; w], a wrench [f; m]: both at the TCP and in the axes of W.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace enamel {
+
+using Vec3 = Eigen::Matrix<double, 3, 1>;
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat3 = Eigen::Matrix<double, 3, 3>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// Pose of the platform frame P in the world frame W.
+struct Pose {
+  Vec3 position = Vec3::Zero();      ///< TCP in W, m
+  Mat3 rotation = Mat3::Identity();  ///< axes of P in W (orthonormal, right-handed)
+};
+
+/// Rotation matrix of the Euler angles (alpha, beta, gamma), rad: R = Rz(gamma) Ry(beta) Rx(alpha).
+/// Realtime: yes.
+Mat3 rotationFromEuler(const Vec3& eulerXyz) noexcept;
+
+/// Euler angles (alpha, beta, gamma), rad, of a rotation matrix; beta in [-pi/2, pi/2]. At beta = +-pi/2 only
+/// alpha -+ gamma is determined: alpha is then reported as 0. Realtime: yes.
+Vec3 eulerFromRotation(const Mat3& rotation) noexcept;
+
+/// Angle between two orientations, rad, in [0, pi]; accurate for small angles. Realtime: yes.
+double angleBetween(const Mat3& a, const Mat3& b) noexcept;
+
+/// Matrix of the cross product: crossMatrix(a) b = a x b. Realtime: yes.
+inline Mat3 crossMatrix(const Vec3& a) noexcept {
+  Mat3 m;
+  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+  return m;
+}
+
+}  // namespace enamel

@@ -1,0 +1,16 @@
+#include "enamel/core/status.hpp"
+
+namespace enamel {
+
+const char* toString(Status status) noexcept {
+  switch (status) {
+    case Status::ok: return "ok";
+    case Status::notFinite: return "not finite";
+    case Status::unreachable: return "unreachable";
+    case Status::singular: return "singular";
+    case Status::notConverged: return "not converged";
+  }
+  return "unknown status";
+}
+
+}  // namespace enamel

@@ -1,0 +1,33 @@
+#include "enamel/core/types.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace enamel {
+
+Mat3 rotationFromEuler(const Vec3& eulerXyz) noexcept {
+  const double ca = std::cos(eulerXyz.x()), sa = std::sin(eulerXyz.x());
+  const double cb = std::cos(eulerXyz.y()), sb = std::sin(eulerXyz.y());
+  const double cg = std::cos(eulerXyz.z()), sg = std::sin(eulerXyz.z());
+  Mat3 rotation;
+  rotation << cg * cb, cg * sb * sa - sg * ca, cg * sb * ca + sg * sa,  //
+      sg * cb, sg * sb * sa + cg * ca, sg * sb * ca - cg * sa,          //
+      -sb, cb * sa, cb * ca;
+  return rotation;
+}
+
+Vec3 eulerFromRotation(const Mat3& rotation) noexcept {
+  const double cosBeta = std::hypot(rotation(0, 0), rotation(1, 0));
+  const double beta = std::atan2(-rotation(2, 0), cosBeta);
+  if (cosBeta < 1e-12) return {0.0, beta, std::atan2(-rotation(0, 1), rotation(1, 1))};
+  return {std::atan2(rotation(2, 1), rotation(2, 2)), beta, std::atan2(rotation(1, 0), rotation(0, 0))};
+}
+
+double angleBetween(const Mat3& a, const Mat3& b) noexcept {
+  const Mat3 r = a.transpose() * b;
+  const double sine = 0.5 * Vec3(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1)).norm();
+  return std::atan2(sine, 0.5 * (r.trace() - 1.0));
+}
+
+}  // namespace enamel

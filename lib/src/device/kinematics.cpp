@@ -1,0 +1,511 @@
+#include "enamel/device/kinematics.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.hpp"
+#include "loop.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kSingular = 1e-6;  // sin c, rho / (L1 + L2) and loop measure below this count as singular
+constexpr double kPi = 3.14159265358979323846;
+
+Vec3 elevated(const ChainConfiguration& c, double cosine, double sine) noexcept {
+  return {cosine * c.sinYaw, sine, cosine * c.cosYaw};
+}
+
+Vec3 link2Direction(const ChainConfiguration& c) noexcept { return elevated(c, c.cosLink2, c.sinLink2); }
+
+std::array<Vec3, 3> sidesOf(const Configuration& configuration) noexcept {
+  const auto& c = configuration.chain;
+  return {c[0].tip - c[1].tip, c[1].tip - c[2].tip, c[2].tip - c[0].tip};
+}
+
+std::array<Vec3, 3> slopesOf(const DeviceModel& model, const Configuration& configuration) noexcept {
+  return {tipPerElevation(model.chain[0], configuration.chain[0]),
+          tipPerElevation(model.chain[1], configuration.chain[1]),
+          tipPerElevation(model.chain[2], configuration.chain[2])};
+}
+
+// ---- forward kinematics ----------------------------------------------------------------------------------------
+
+// What the driven angles alone determine.
+struct Knees {
+  std::array<double, 3> sinYaw, cosYaw, sinLift, cosLift;
+  std::array<Vec3, 3> point;  // K_i, m
+};
+
+// Elevations of the three links 2 as points on the unit circle.
+struct Elevations {
+  std::array<double, 3> cosine, sine;
+};
+
+Knees kneesAt(const DeviceModel& model, const Vec6& q) noexcept {
+  Knees k;
+  for (int i = 0; i < 3; ++i) {
+    k.sinYaw[i] = std::sin(q[2 * i]);
+    k.cosYaw[i] = std::cos(q[2 * i]);
+    k.sinLift[i] = std::sin(q[2 * i + 1]);
+    k.cosLift[i] = std::cos(q[2 * i + 1]);
+    const double l1 = model.chain[i].length1;
+    const double horizontal = l1 * k.cosLift[i];
+    k.point[i] = model.chain[i].base + Vec3(horizontal * k.sinYaw[i], l1 * k.sinLift[i], horizontal * k.cosYaw[i]);
+  }
+  return k;
+}
+
+// Directions from the knees to given tips, projected onto the legs' planes.
+Elevations projected(const Knees& knees, const Configuration& configuration) noexcept {
+  Elevations e;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 d = configuration.chain[i].tip - knees.point[i];
+    const double horizontal = d.x() * knees.sinYaw[i] + d.z() * knees.cosYaw[i];
+    const double norm = std::sqrt(horizontal * horizontal + d.y() * d.y());
+    const bool defined = norm > 0.0;
+    e.cosine[i] = defined ? horizontal / norm : 1.0;
+    e.sine[i] = defined ? d.y() / norm : 0.0;
+  }
+  return e;
+}
+
+// Turns the elevations by the angles, to third order in the angle: always exactly on the circle, no trigonometry.
+void turn(Elevations& e, const Vec3& angle) noexcept {
+  for (int i = 0; i < 3; ++i) {
+    const double half = angle[i] * (0.5 + angle[i] * angle[i] * (1.0 / 24.0));  // tan(angle / 2)
+    const double scale = 1.0 / (1.0 + half * half);
+    const double c = (1.0 - half * half) * scale, s = 2.0 * half * scale;
+    const double cosine = e.cosine[i] * c - e.sine[i] * s;
+    e.sine[i] = e.sine[i] * c + e.cosine[i] * s;
+    e.cosine[i] = cosine;
+  }
+}
+
+// One evaluation of the loop equations: residuals, matrix, and what the second-order term needs.
+struct Loop {
+  std::array<Vec3, 3> tip, slope, side;
+  Vec3 residual;  // m^2
+  LoopMatrix matrix;
+  double determinant;
+};
+
+Loop evaluate(const DeviceModel& model, const Knees& knees, const Elevations& e) noexcept {
+  Loop loop;
+  for (int i = 0; i < 3; ++i) {
+    const double l2 = model.chain[i].length2;
+    const double c = l2 * e.cosine[i], s = l2 * e.sine[i];
+    loop.tip[i] = knees.point[i] + Vec3(c * knees.sinYaw[i], s, c * knees.cosYaw[i]);
+    loop.slope[i] = Vec3(-s * knees.sinYaw[i], c, -s * knees.cosYaw[i]);
+  }
+  for (int k = 0; k < 3; ++k) {
+    loop.side[k] = loop.tip[k] - loop.tip[(k + 1) % 3];
+    loop.residual[k] = 0.5 * (loop.side[k].squaredNorm() - model.side[k] * model.side[k]);
+  }
+  loop.matrix = loopMatrix(loop.side, loop.slope);
+  loop.determinant = loop.matrix.determinant();
+  return loop;
+}
+
+struct Correction {
+  Vec3 step;      // the whole step, rad
+  double newton;  // largest element of its Newton part, rad
+};
+
+// Newton's step plus Chebyshev's term -J^-1 f''(d, d) / 2.
+Correction correction(const Knees& knees, const Loop& loop) noexcept {
+  const double inverse = 1.0 / loop.determinant;
+  const Vec3 d = -inverse * loop.matrix.solveScaled(loop.residual);
+  Vec3 curvature;
+  for (int k = 0; k < 3; ++k) {
+    const int j = (k + 1) % 3;
+    const double own = (loop.tip[k] - knees.point[k]).dot(loop.tip[j] - knees.point[k]);
+    const double next = (loop.tip[j] - knees.point[j]).dot(loop.tip[k] - knees.point[j]);
+    curvature[k] = 0.5 * (d[k] * d[k] * own + d[j] * d[j] * next) - d[k] * d[j] * loop.slope[k].dot(loop.slope[j]);
+  }
+  return {d - inverse * loop.matrix.solveScaled(curvature), d.cwiseAbs().maxCoeff()};
+}
+
+// The iteration converges cubically: after a Newton step below this the next error is below 1e-14 rad.
+constexpr double kLastStep = 2e-6;  // rad
+constexpr int kMaxIterations = 8;
+constexpr double kContraction = 0.3;    // of successive steps; cubic convergence does far better
+constexpr double kLargestFirst = 0.35;  // rad: a start further away is no near start
+
+struct Solution {
+  bool converged = false;
+  int iterations = 0;
+  double firstStep = 0.0;         // rad
+  double firstDeterminant = 0.0;  // at the start, m^6
+  double determinant = 0.0;       // at the last evaluation
+};
+
+// Iterates from `e`, as long as the steps contract and the determinant keeps `sign`.
+Solution iterate(const DeviceModel& model, const Knees& knees, double smallestDeterminant, double largestFirst,
+                 Elevations& e) noexcept {
+  Solution solution;
+  double limit = largestFirst;
+  while (solution.iterations < kMaxIterations) {
+    const Loop loop = evaluate(model, knees, e);
+    solution.determinant = loop.determinant;
+    if (solution.iterations == 0) solution.firstDeterminant = loop.determinant;
+    if (!(loop.determinant * model.homeSign > smallestDeterminant)) return solution;
+    const Correction c = correction(knees, loop);
+    ++solution.iterations;
+    if (!(c.newton <= limit && c.step.cwiseAbs().maxCoeff() <= 2.0 * limit)) return solution;
+    if (solution.iterations == 1) solution.firstStep = c.newton;
+    turn(e, c.step);
+    if (c.newton <= kLastStep) {
+      solution.converged = true;
+      return solution;
+    }
+    limit = std::max(kContraction * c.newton, kLastStep);
+  }
+  return solution;
+}
+
+// Whether the elbows have the signs of the home branch and the tips stand before their yaw axes.
+bool chainsOnBranch(const DeviceModel& model, const Knees& knees, const Elevations& e) noexcept {
+  for (int i = 0; i < 3; ++i) {
+    const ChainModel& chain = model.chain[i];
+    const double sinElbow = e.sine[i] * knees.cosLift[i] - e.cosine[i] * knees.sinLift[i];
+    const double radius = chain.length1 * knees.cosLift[i] + chain.length2 * e.cosine[i];
+    if (!(sinElbow * chain.elbow > kSingular)) return false;
+    if (!(radius > kSingular * (chain.length1 + chain.length2))) return false;
+  }
+  return true;
+}
+
+// Fills the configuration from a solution and returns its residual, m.
+double fill(const DeviceModel& model, const Knees& knees, const Elevations& e, Configuration& configuration) noexcept {
+  for (int i = 0; i < 3; ++i) {
+    const ChainModel& chain = model.chain[i];
+    ChainConfiguration& c = configuration.chain[i];
+    c.sinYaw = knees.sinYaw[i];
+    c.cosYaw = knees.cosYaw[i];
+    c.sinLift = knees.sinLift[i];
+    c.cosLift = knees.cosLift[i];
+    c.sinLink2 = e.sine[i];
+    c.cosLink2 = e.cosine[i];
+    c.sinElbow = c.sinLink2 * c.cosLift - c.cosLink2 * c.sinLift;
+    c.radius = chain.length1 * c.cosLift + chain.length2 * c.cosLink2;
+    c.tip = knees.point[i] + chain.length2 * link2Direction(c);
+  }
+  const Vec3 &p0 = configuration.chain[0].tip, &p1 = configuration.chain[1].tip, &p2 = configuration.chain[2].tip;
+  const Vec3 side1 = p1 - p0, side2 = p2 - p0;
+  Mat3 triad;
+  triad.col(0) = side1;
+  triad.col(1) = side2;
+  triad.col(2) = side1.cross(side2);
+  Mat3& rotation = configuration.pose.rotation;
+  rotation.noalias() = triad.lazyProduct(model.triadInverse);
+  configuration.pose.position = (p0 + p1 + p2) * (1.0 / 3.0) - rotation * model.platformCentre;
+  for (int i = 0; i < 3; ++i) configuration.chain[i].arm = rotation * model.chain[i].platform;
+  // |d| - side to first order in the error, without a square root.
+  const auto error = [&model](const Vec3& d, int k) {
+    return std::abs(d.squaredNorm() - model.side[k] * model.side[k]) / (2.0 * model.side[k]);
+  };
+  return std::max({error(side1, 0), error(p2 - p1, 1), error(side2, 2)});
+}
+
+// A necessary condition: the knees are close enough for the tips' distances.
+bool tipsCanMeet(const DeviceModel& model, const Knees& knees) noexcept {
+  for (int k = 0; k < 3; ++k) {
+    const int j = (k + 1) % 3;
+    const double reach = model.chain[k].length2 + model.chain[j].length2 + model.side[k];
+    if ((knees.point[k] - knees.point[j]).norm() > reach) return false;
+  }
+  return true;
+}
+
+double wrapped(double angle) noexcept { return std::remainder(angle, 2.0 * kPi); }
+
+}  // namespace
+
+Status configure(const DeviceModel& model, const Pose& pose, Configuration& configuration) noexcept {
+  if (!pose.position.allFinite() || !pose.rotation.allFinite()) return Status::notFinite;
+  Configuration result;
+  result.pose = pose;
+  for (int i = 0; i < 3; ++i) {
+    const ChainModel& chain = model.chain[i];
+    ChainConfiguration& c = result.chain[i];
+    c.arm = pose.rotation * chain.platform;
+    c.tip = pose.position + c.arm;
+    const Vec3 d = c.tip - chain.base;
+    const double l1 = chain.length1, l2 = chain.length2;
+
+    const double radiusSquared = d.x() * d.x() + d.z() * d.z();
+    const double distanceSquared = radiusSquared + d.y() * d.y();
+    const double cosElbow = (distanceSquared - l1 * l1 - l2 * l2) / (2.0 * l1 * l2);
+    const double sineSquared = (1.0 - cosElbow) * (1.0 + cosElbow);
+    if (!(sineSquared >= -kSingular * kSingular)) return Status::unreachable;
+    c.radius = std::sqrt(radiusSquared);
+    if (!(sineSquared > kSingular * kSingular && c.radius > kSingular * (l1 + l2))) return Status::singular;
+    c.sinElbow = chain.elbow * std::sqrt(sineSquared);
+
+    const double inverseRadius = 1.0 / c.radius;
+    c.sinYaw = d.x() * inverseRadius;
+    c.cosYaw = d.z() * inverseRadius;
+    // In the leg's plane, as complex numbers: rho + i h = e^{ib} (L1 + L2 e^{ic}).
+    const double along = l1 + l2 * cosElbow, across = l2 * c.sinElbow;
+    const double inverse = 1.0 / distanceSquared;
+    c.cosLift = (c.radius * along + d.y() * across) * inverse;
+    c.sinLift = (d.y() * along - c.radius * across) * inverse;
+    c.cosLink2 = c.cosLift * cosElbow - c.sinLift * c.sinElbow;
+    c.sinLink2 = c.sinLift * cosElbow + c.cosLift * c.sinElbow;
+  }
+  configuration = result;
+  return Status::ok;
+}
+
+Vec6 jointAngles(const Configuration& configuration) noexcept {
+  Vec6 q;
+  for (int i = 0; i < 3; ++i) {
+    const ChainConfiguration& c = configuration.chain[i];
+    q[2 * i] = std::atan2(c.sinYaw, c.cosYaw);
+    q[2 * i + 1] = std::atan2(c.sinLift, c.cosLift);
+  }
+  return q;
+}
+
+Vec3 elbowAngles(const Configuration& configuration) noexcept {
+  Vec3 elbow;
+  for (int i = 0; i < 3; ++i) {
+    const ChainConfiguration& c = configuration.chain[i];
+    elbow[i] = std::atan2(c.sinElbow, c.cosLink2 * c.cosLift + c.sinLink2 * c.sinLift);
+  }
+  return elbow;
+}
+
+Status inverseKinematics(const DeviceModel& model, const Pose& pose, Vec6& q) noexcept {
+  Configuration configuration;
+  const Status status = configure(model, pose, configuration);
+  if (status == Status::ok) q = jointAngles(configuration);
+  return status;
+}
+
+ForwardKinematicsReport forwardKinematics(const DeviceModel& model, const Vec6& q,
+                                          Configuration& configuration) noexcept {
+  if (!q.allFinite()) return {Status::notFinite, 0, 0.0};
+  const Knees knees = kneesAt(model, q);
+  Elevations e = projected(knees, configuration);
+  const Solution solution = iterate(model, knees, kSingular * loopScale(model), kLargestFirst, e);
+  if (solution.converged && chainsOnBranch(model, knees, e))
+    return {Status::ok, solution.iterations, fill(model, knees, e, configuration)};
+  ForwardKinematicsReport report = forwardKinematicsFromHome(model, q, configuration);
+  report.iterations += solution.iterations;
+  return report;
+}
+
+ForwardKinematicsReport forwardKinematicsFromHome(const DeviceModel& model, const Vec6& q,
+                                                  Configuration& configuration) noexcept {
+  if (!q.allFinite()) return {Status::notFinite, 0, 0.0};
+  const Knees target = kneesAt(model, q);
+  if (!tipsCanMeet(model, target)) return {Status::unreachable, 0, 0.0};
+
+  Vec6 way;
+  for (int i = 0; i < 6; ++i) way[i] = wrapped(q[i] - model.homeAngles[i]);
+  const double smallest = kSingular * loopScale(model);
+  const double length = way.cwiseAbs().maxCoeff();
+
+  Configuration current = model.home;
+  Vec3 tangent = Vec3::Zero();  // of the elevations along the way, for the whole way; zero before the first step
+  double done = 0.0;            // share of the way behind us
+  double share = length > 0.0 ? std::min(1.0, 0.05 / length) : 1.0;
+  double determinant = model.homeSign * std::abs(loopMeasure(model, model.home)) * loopScale(model);
+  int iterations = 0;
+  while (iterations < kMaxWalkIterations) {
+    const double next = std::min(1.0, done + share);
+    const Knees knees = next < 1.0 ? kneesAt(model, model.homeAngles + next * way) : target;
+    Elevations e;
+    for (int i = 0; i < 3; ++i) {
+      e.cosine[i] = current.chain[i].cosLink2;
+      e.sine[i] = current.chain[i].sinLink2;
+    }
+    const Vec3 predicted = (next - done) * tangent;
+    const bool shortEnough = predicted.cwiseAbs().maxCoeff() <= 0.1;
+    Solution solution;
+    if (shortEnough) {
+      turn(e, predicted);
+      solution = iterate(model, knees, smallest, 0.05, e);
+      iterations += solution.iterations;
+    }
+    const auto near = [determinant](double other) {
+      const double ratio = other / determinant;
+      return ratio > 0.6 && ratio < 1.6;
+    };
+    if (shortEnough && solution.converged && near(solution.firstDeterminant) && near(solution.determinant) &&
+        chainsOnBranch(model, knees, e)) {
+      const double residual = fill(model, knees, e, current);
+      if (next >= 1.0) {
+        configuration = current;
+        return {Status::ok, iterations, residual};
+      }
+      // Direction of the elevations along the way, from the loop equations' derivative.
+      const auto sides = sidesOf(current);
+      std::array<Vec3, 3> velocity;  // of the tips at fixed elevations
+      for (int i = 0; i < 3; ++i) {
+        const ChainConfiguration& c = current.chain[i];
+        const double yaw = way[2 * i], lift = model.chain[i].length1 * way[2 * i + 1];
+        velocity[i] = Vec3(yaw * c.radius * c.cosYaw - lift * c.sinLift * c.sinYaw, lift * c.cosLift,
+                           -yaw * c.radius * c.sinYaw - lift * c.sinLift * c.cosYaw);
+      }
+      Vec3 drift;
+      for (int k = 0; k < 3; ++k) drift[k] = sides[k].dot(velocity[k] - velocity[(k + 1) % 3]);
+      const LoopMatrix matrix = loopMatrix(sides, slopesOf(model, current));
+      tangent = matrix.solveScaled(drift) / -matrix.determinant();
+      determinant = solution.determinant;
+      done = next;
+      share *= 2.0;
+    } else {
+      share *= 0.5;
+      ++iterations;  // bounds the walk also where no iteration was made
+      if (share * length < 1e-4) return {Status::singular, iterations, 0.0};
+    }
+  }
+  return {Status::notConverged, iterations, 0.0};
+}
+
+// ---- velocities ------------------------------------------------------------------------------------------------
+
+namespace {
+
+// Rows of q' by the tip's velocity.
+struct RateRows {
+  Vec3 yaw, lift;
+};
+
+RateRows rateRows(const ChainModel& chain, const ChainConfiguration& c) noexcept {
+  const double inverseRadius = 1.0 / c.radius;
+  return {{c.cosYaw * inverseRadius, 0.0, -c.sinYaw * inverseRadius},
+          link2Direction(c) * (1.0 / (chain.length1 * c.sinElbow))};
+}
+
+}  // namespace
+
+Mat6 inverseJacobian(const DeviceModel& model, const Configuration& configuration) noexcept {
+  Mat6 inverse;
+  for (int i = 0; i < 3; ++i) {
+    const ChainConfiguration& c = configuration.chain[i];
+    const RateRows rows = rateRows(model.chain[i], c);
+    inverse.row(2 * i) << rows.yaw.transpose(), c.arm.cross(rows.yaw).transpose();
+    inverse.row(2 * i + 1) << rows.lift.transpose(), c.arm.cross(rows.lift).transpose();
+  }
+  return inverse;
+}
+
+Vec6 jointRates(const DeviceModel& model, const Configuration& configuration, const Vec6& twist) noexcept {
+  Vec6 rates;
+  for (int i = 0; i < 3; ++i) {
+    const ChainConfiguration& c = configuration.chain[i];
+    const RateRows rows = rateRows(model.chain[i], c);
+    const Vec3 velocity = twist.head<3>() + twist.tail<3>().cross(c.arm);
+    rates[2 * i] = rows.yaw.dot(velocity);
+    rates[2 * i + 1] = rows.lift.dot(velocity);
+  }
+  return rates;
+}
+
+namespace {
+
+// The map from rates to the twist, prepared once a configuration: tips' velocities with free elevations, then the
+// elevations' rates from the loop equations, then the rigid motion of the three tips.
+class TwistMap {
+ public:
+  TwistMap(const DeviceModel& model, const Configuration& configuration) noexcept
+      : slopes_(slopesOf(model, configuration)),
+        sides_(sidesOf(configuration)),
+        matrix_(loopMatrix(sides_, slopes_)),
+        arm0_(configuration.chain[0].arm) {
+    const double determinant = matrix_.determinant();
+    inverse_ = determinant != 0.0 ? 1.0 / determinant : 0.0;
+    d1_ = -sides_[0];
+    d2_ = sides_[2];
+    normal_ = d1_.cross(d2_);
+    const double scale = 1.0 / normal_.squaredNorm();
+    normal_ *= scale;                                           // n / |n|^2
+    inPlane_ = normal_.cross(d1_) * (1.0 / d1_.squaredNorm());  // (n x d1) / (|n|^2 |d1|^2)
+    unscaled_ = normal_ / scale;
+  }
+
+  /// Twist when the tips move with `velocity` at fixed elevations.
+  Vec6 twist(const std::array<Vec3, 3>& velocity) const noexcept {
+    Vec3 drift;
+    for (int k = 0; k < 3; ++k) drift[k] = sides_[k].dot(velocity[k] - velocity[(k + 1) % 3]);
+    const Vec3 rates = matrix_.solveScaled(drift) * -inverse_;
+    const Vec3 v0 = velocity[0] + rates[0] * slopes_[0];
+    const Vec3 dot1 = velocity[1] + rates[1] * slopes_[1] - v0;
+    const Vec3 dot2 = velocity[2] + rates[2] * slopes_[2] - v0;
+    // w x d1 = d1', w x d2 = d2', solved along d1, d2 and their normal.
+    const Vec3 omega = normal_.dot(dot2) * d1_ - normal_.dot(dot1) * d2_ + inPlane_.dot(dot1) * unscaled_;
+    Vec6 result;
+    result << v0 - omega.cross(arm0_), omega;
+    return result;
+  }
+
+ private:
+  std::array<Vec3, 3> slopes_, sides_;
+  LoopMatrix matrix_;
+  Vec3 arm0_, d1_, d2_, normal_, inPlane_, unscaled_;
+  double inverse_;
+};
+
+// Velocity of a tip per unit yaw rate and per unit lift rate, at fixed elevation of link 2.
+Vec3 tipPerYaw(const ChainConfiguration& c) noexcept { return {c.radius * c.cosYaw, 0.0, -c.radius * c.sinYaw}; }
+
+Vec3 tipPerLift(const ChainModel& chain, const ChainConfiguration& c) noexcept {
+  return chain.length1 * elevated(c, -c.sinLift, c.cosLift);
+}
+
+}  // namespace
+
+Vec6 twistFromRates(const DeviceModel& model, const Configuration& configuration, const Vec6& rates) noexcept {
+  std::array<Vec3, 3> velocity;
+  for (int i = 0; i < 3; ++i) {
+    const ChainConfiguration& c = configuration.chain[i];
+    velocity[i] = rates[2 * i] * tipPerYaw(c) + rates[2 * i + 1] * tipPerLift(model.chain[i], c);
+  }
+  return TwistMap(model, configuration).twist(velocity);
+}
+
+Mat6 jacobian(const DeviceModel& model, const Configuration& configuration) noexcept {
+  const TwistMap map(model, configuration);
+  Mat6 j;
+  for (int i = 0; i < 3; ++i) {
+    std::array<Vec3, 3> velocity{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+    velocity[i] = tipPerYaw(configuration.chain[i]);
+    j.col(2 * i) = map.twist(velocity);
+    velocity[i] = tipPerLift(model.chain[i], configuration.chain[i]);
+    j.col(2 * i + 1) = map.twist(velocity);
+  }
+  return j;
+}
+
+// ---- singularities ---------------------------------------------------------------------------------------------
+
+double loopMeasure(const DeviceModel& model, const Configuration& configuration) noexcept {
+  return loopMatrix(sidesOf(configuration), slopesOf(model, configuration)).determinant() / loopScale(model);
+}
+
+SingularityMeasures singularity(const DeviceModel& model, const Configuration& configuration) noexcept {
+  SingularityMeasures measures{1.0, 1.0, std::abs(loopMeasure(model, configuration))};
+  for (int i = 0; i < 3; ++i) {
+    const ChainModel& chain = model.chain[i];
+    const ChainConfiguration& c = configuration.chain[i];
+    measures.elbow = std::min(measures.elbow, std::abs(c.sinElbow));
+    measures.yaw = std::min(measures.yaw, c.radius / (chain.length1 + chain.length2));
+  }
+  return measures;
+}
+
+double inverseCondition(const Mat6& jacobian, double length) noexcept {
+  ENAMEL_ASSERT(length > 0.0);
+  Mat6 scaled = jacobian;
+  scaled.topRows<3>() /= length;
+  const Eigen::JacobiSVD<Mat6> svd(scaled);
+  return svd.singularValues()[0] > 0.0 ? svd.singularValues()[5] / svd.singularValues()[0] : 0.0;
+}
+
+}  // namespace enamel

@@ -1,0 +1,52 @@
+// The loop equations of the TAU in the three elevations w_i: f_k = (|P_i - P_j|^2 - side_k^2) / 2 = 0 for the pairs
+// (0,1), (1,2), (2,0). Each depends on two elevations, so the 3 x 3 matrix is cyclic and solved in closed form.
+#pragma once
+
+#include <array>
+
+#include "enamel/device/model.hpp"
+
+namespace enamel {
+
+/// Matrix of the loop equations: row k has `own[k]` at column k and `next[k]` at column k + 1 (mod 3).
+struct LoopMatrix {
+  std::array<double, 3> own;
+  std::array<double, 3> next;
+
+  double determinant() const noexcept { return own[0] * own[1] * own[2] + next[0] * next[1] * next[2]; }
+
+  /// Solution of the system times the determinant (Cramer's rule).
+  Vec3 solveScaled(const Vec3& r) const noexcept {
+    return {(r[0] * own[1] - next[0] * r[1]) * own[2] + next[0] * next[1] * r[2],
+            (r[1] * own[2] - next[1] * r[2]) * own[0] + next[1] * next[2] * r[0],
+            (r[2] * own[0] - next[2] * r[0]) * own[1] + next[2] * next[0] * r[1]};
+  }
+};
+
+/// Derivative of a tip by its elevation, L2 n2, in W, m.
+inline Vec3 tipPerElevation(const ChainModel& chain, const ChainConfiguration& c) noexcept {
+  const double s = -chain.length2 * c.sinLink2;
+  return {s * c.sinYaw, chain.length2 * c.cosLink2, s * c.cosYaw};
+}
+
+/// Loop matrix of tips and their derivatives by the elevations.
+inline LoopMatrix loopMatrix(const std::array<Vec3, 3>& sides, const std::array<Vec3, 3>& slopes) noexcept {
+  LoopMatrix m;
+  for (int k = 0; k < 3; ++k) {
+    m.own[k] = sides[k].dot(slopes[k]);
+    m.next[k] = -sides[k].dot(slopes[(k + 1) % 3]);
+  }
+  return m;
+}
+
+/// Product that makes the determinant dimensionless: it then lies in [-2, 2].
+inline double loopScale(const DeviceModel& model) noexcept {
+  double scale = 1.0;
+  for (int k = 0; k < 3; ++k) scale *= model.chain[k].length2 * model.side[k];
+  return scale;
+}
+
+/// Determinant of the loop matrix of a configuration, dimensionless; 0 at a parallel singularity.
+double loopMeasure(const DeviceModel& model, const Configuration& configuration) noexcept;
+
+}  // namespace enamel

@@ -1,0 +1,29 @@
+// Uses the installed package: loads a shipped device, goes to a pose and back, and looks at the layout of types.
+#include <cstdio>
+
+#include "enamel/core/error.hpp"
+#include "enamel/device/dynamics.hpp"
+#include "enamel/device/kinematics.hpp"
+
+// What the library was compiled with; a consumer with AVX-512 must agree.
+static_assert(alignof(enamel::Mat6) == 16 && sizeof(enamel::Mat6) == 36 * sizeof(double), "layout of Mat6");
+
+int main() {
+  try {
+    const enamel::DeviceModel model =
+        enamel::makeModel(enamel::loadDevice(ENAMEL_DATA_DIR "/devices/tau-nominal.toml"));
+    enamel::Pose pose;
+    pose.position = {0.010, -0.005, 0.015};
+    enamel::Vec6 q;
+    enamel::Configuration solved = model.home;
+    if (enamel::inverseKinematics(model, pose, q) != enamel::Status::ok) return 1;
+    if (enamel::forwardKinematics(model, q, solved).status != enamel::Status::ok) return 1;
+    const double error = (solved.pose.position - pose.position).norm();
+    const double mass = enamel::massMatrix(model, solved).trace();
+    std::printf("forward kinematics of the inverse: %.1e m off; trace of the mass matrix %.6f kg m^2\n", error, mass);
+    return error < 1e-12 && mass > 0.0 ? 0 : 1;
+  } catch (const enamel::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,52 @@
+// No tick-time function of the device allocates: counted by interposition, with good and with bad input.
+#include <memory>
+#include <vector>
+
+#include "enamel/device/dynamics.hpp"
+#include "enamel/device/kinematics.hpp"
+#include "enamel/sim/integrator.hpp"
+#include "support/allocation_counter.hpp"
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+
+using namespace enamel;
+
+TEST_CASE("the counter counts", "[realtime]") {
+  const long before = test::allocationCount();
+  std::vector<double>(100).swap(*std::make_unique<std::vector<double>>(200));
+  CHECK(test::allocationCount() >= before + 2);
+}
+
+TEST_CASE("the device module allocates nothing in a tick", "[realtime]") {
+  const DeviceModel model = makeModel(test::detailed());
+  test::Random random(61);
+  double sum = 0.0;
+  long allocated = 0;
+  for (int i = 0; i < 1000; ++i) {
+    Pose pose = random.workspacePose();
+    if (i % 10 == 0) pose.position *= 20.0;
+    if (i % 25 == 0) pose.position[0] = std::nan("");
+    const Vec6 v = random.vector6(1.0, 1.0);
+    const long before = test::allocationCount();
+    Configuration c = model.home, cold = model.home;
+    Vec6 q = model.homeAngles;
+    if (inverseKinematics(model, pose, q) == Status::ok) sum += q[0];
+    if (forwardKinematics(model, q + 0.3 * v, c).status == Status::ok) sum += c.pose.position[0];
+    if (forwardKinematicsFromHome(model, q + 0.3 * v, cold).status == Status::ok) sum += cold.pose.position[0];
+    sum += jacobian(model, c)(0, 0) + inverseJacobian(model, c)(0, 0) + massMatrix(model, c)(0, 0);
+    sum += gravityTorque(model, c)[0] + biasTorque(model, c, v)[0] + jointRates(model, c, v)[0];
+    const Vec6 acceleration = forwardDynamics(model, c, v, v, v);
+    sum += jointAccelerations(model, c, v, acceleration)[0] + inverseDynamics(model, c, v, acceleration, v)[0];
+    sum += kineticEnergy(model, c, v) + potentialEnergy(model, c) + twistFromRates(model, c, v)[0];
+    sum += effectiveMass(model, c, Vec3::Zero(), Vec3::UnitZ()) + singularity(model, c).parallel;
+    sum += inverseCondition(jacobian(model, c), 0.04);
+    DeviceState state;
+    if (stepRungeKutta4(
+            model, 0.0, 1e-3, v, [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); }, state) ==
+        Status::ok)
+      sum += state.position[0];
+    allocated += test::allocationCount() - before;
+  }
+  CHECK(std::isfinite(sum));
+  CHECK(allocated == 0);
+}

@@ -1,0 +1,37 @@
+// Rows of the reference files in data/reference (computed with two independent multibody engines; see the README
+// there) and small helpers to compare with them.
+#pragma once
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "enamel/core/types.hpp"
+
+namespace enamel::test {
+
+inline nlohmann::json referenceFile(const std::string& name) {
+  return nlohmann::json::parse(std::ifstream(ENAMEL_SOURCE_DIR "/data/reference/" + name));
+}
+
+template <int rows>
+Eigen::Matrix<double, rows, 1> vectorFrom(const nlohmann::json& list) {
+  Eigen::Matrix<double, rows, 1> v;
+  for (int i = 0; i < rows; ++i) v[i] = list.at(static_cast<std::size_t>(i)).get<double>();
+  return v;
+}
+
+inline Eigen::MatrixXd matrixFrom(const nlohmann::json& rows) {
+  Eigen::MatrixXd m(rows.size(), rows.at(0).size());
+  for (int i = 0; i < m.rows(); ++i)
+    for (int j = 0; j < m.cols(); ++j)
+      m(i, j) = rows.at(static_cast<std::size_t>(i)).at(static_cast<std::size_t>(j)).get<double>();
+  return m;
+}
+
+/// Largest difference over the largest entry of the reference.
+inline double relativeError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference) {
+  return (value - reference).cwiseAbs().maxCoeff() / reference.cwiseAbs().maxCoeff();
+}
+
+}  // namespace enamel::test

@@ -1,0 +1,14 @@
+// Reports the device's measurements (the functions behind `enamel bench`). Times are printed, never judged; the
+// errors beside them are.
+#include <cstdio>
+
+#include "bench/measurement.hpp"
+#include "support/catch.hpp"
+
+TEST_CASE("speed against error of the device module", "[timing]") {
+  for (const auto& row : enamel::bench::measureDevice(0.1)) {
+    std::printf("%-60s %9.4f us  error %.1e (%s)\n", row.name.c_str(), row.median_us, row.error, row.errorOf.c_str());
+    CHECK(row.error < 1e-12);
+    CHECK(row.median_us > 0.0);
+  }
+}

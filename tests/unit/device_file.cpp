@@ -1,0 +1,155 @@
+// Strict device files: what is accepted, and the message for everything that is not.
+#include <string>
+
+#include "enamel/core/error.hpp"
+#include "enamel/device/model.hpp"
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+
+using namespace enamel;
+
+namespace {
+
+// A device file with one piece of text replaced.
+std::string edited(const std::string& from, const std::string& to) {
+  std::string text =
+      "name = \"test\"\n"
+      "gravity = [0.0, -9.81, 0.0]\n"
+      "[[chain]]\n"
+      "base     = [ 0.115, -0.080, -0.050]\n"
+      "platform = [ 0.037,  0.030, -0.014]\n"
+      "link1 = { length = 0.088, mass = 0.045, radius = 0.004 }\n"
+      "link2 = { length = 0.132, mass = 0.025, com = [0, 0, 0.066], inertia = [4e-5, 4e-5, 1e-6] }\n"
+      "elbow = 1\n"
+      "[[chain]]\n"
+      "base     = [-0.115, -0.080, -0.050]\n"
+      "platform = [-0.037,  0.030, -0.014]\n"
+      "link1 = { length = 0.088, mass = 0.045, radius = 0.004 }\n"
+      "link2 = { length = 0.132, mass = 0.025, radius = 0.004 }\n"
+      "elbow = 1\n"
+      "[[chain]]\n"
+      "base     = [ 0.000,  0.014, -0.080]\n"
+      "platform = [ 0.000, -0.024,  0.014]\n"
+      "link1 = { length = 0.060, mass = 0.045, radius = 0.004 }\n"
+      "link2 = { length = 0.095, mass = 0.025, radius = 0.004 }\n"
+      "elbow = 1\n"
+      "[platform]\n"
+      "mass = 0.120\n"
+      "com = [0.0, 0.0, 0.020]\n"
+      "inertia = [6.0e-5, 6.0e-5, 3.0e-5]\n"
+      "[motor]\n"
+      "max_torque = 2.0\n"
+      "rotor_inertia = 1.0e-4\n"
+      "encoder_counts = 163840\n";
+  if (from.empty()) return text;
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+void requireRefused(const std::string& from, const std::string& to, const std::string& message) {
+  INFO(from << " -> " << to);
+  try {
+    parseDevice(edited(from, to), "device.toml");
+    FAIL("accepted");
+  } catch (const ConfigurationError& error) {
+    INFO(error.what());
+    CHECK(std::string(error.what()) == message);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the shipped device files load", "[device_file]") {
+  const DeviceParameters nominal = test::nominal(), detailed = test::detailed();
+  CHECK(nominal.name == "TAU nominal");
+  CHECK(nominal.chain[0].link2.length == 0.132);
+  CHECK(detailed.chain[1].link1.com == Vec3(-0.003, -0.002, 0.031));
+  CHECK(detailed.platform.inertia(1, 2) == -9.0e-6);
+  // A uniform rod: m (3 r^2 + L^2) / 12 across, m r^2 / 2 along, centre at half the length.
+  CHECK(nominal.chain[0].link1.com == Vec3(0.0, 0.0, 0.044));
+  CHECK(nominal.chain[0].link1.inertia(0, 0) ==
+        Approx(0.045 * (3 * 0.004 * 0.004 + 0.088 * 0.088) / 12).epsilon(1e-15));
+  CHECK(nominal.chain[0].link1.inertia(2, 2) == Approx(0.045 * 0.004 * 0.004 / 2).epsilon(1e-15));
+  CHECK_NOTHROW(makeModel(nominal));
+  CHECK_NOTHROW(makeModel(detailed));
+}
+
+TEST_CASE("optional keys default to zero and are read where they stand", "[device_file]") {
+  const DeviceParameters plain = parseDevice(edited("", ""), "device.toml");
+  CHECK(plain.motor.viscousFriction == 0.0);
+  CHECK(plain.platform.damping == Vec6::Zero());
+  CHECK(
+      parseDevice(edited("max_torque = 2.0", "max_torque = 2.0\nviscous_friction = 0.01"), "f").motor.viscousFriction ==
+      0.01);
+  CHECK(parseDevice(edited("mass = 0.120", "mass = 0.120\ndamping = [0, 0, 4, 0, 0, 0.5]"), "f").platform.damping[2] ==
+        4.0);
+}
+
+TEST_CASE("a bad device file is refused with file, line, key, value and limit", "[device_file]") {
+  requireRefused("elbow = 1", "elbow = 1\nelbwo = 1", "device.toml:9: chain[0].elbwo: is not a known key");
+  requireRefused("mass = 0.120\n", "", "device.toml:21: platform.mass: is missing");
+  requireRefused("name = \"test\"", "name = 3", "device.toml:1: name: is an integer, must be a string");
+  requireRefused("mass = 0.120", "mass = \"heavy\"", "device.toml:22: platform.mass: is a string, must be a number");
+  requireRefused("mass = 0.120", "mass = nan", "device.toml:22: platform.mass: is nan, must be finite");
+  requireRefused("length = 0.088", "length = 0.0",
+                 "device.toml:6: chain[0].link1.length: is 0, must be greater than 0 m and finite");
+  requireRefused("mass = 0.045", "mass = -0.045",
+                 "device.toml:6: chain[0].link1.mass: is -0.045, must be greater than 0 kg and finite");
+  requireRefused("radius = 0.004", "radius = 0.0",
+                 "device.toml:6: chain[0].link1.radius: is 0, must be greater than 0 m");
+  requireRefused("radius = 0.004", "radius = 0.004, com = [0, 0, 0]",
+                 "device.toml:6: chain[0].link1.radius: stands beside com or inertia: a link has either a radius "
+                 "(uniform rod) or com and inertia");
+  requireRefused(
+      "inertia = [4e-5, 4e-5, 1e-6]", "inertia = [4e-5, 4e-5, 1e-4]",
+      "device.toml:7: chain[0].link2.inertia: is that of no body: the largest principal moment 1e-04 exceeds "
+      "the sum of the others, 8e-05 kg m^2");
+  requireRefused("inertia = [4e-5, 4e-5, 1e-6]", "inertia = [4e-5, 4e-5, -1e-6]",
+                 "device.toml:7: chain[0].link2.inertia: has the principal moment -1e-06, must be at least 0 kg m^2");
+  requireRefused(
+      "inertia = [4e-5, 4e-5, 1e-6]", "inertia = [[4e-5, 1e-6, 0], [0, 4e-5, 0], [0, 0, 1e-5]]",
+      "device.toml:7: chain[0].link2.inertia: is not symmetric: element (0,1) is 1e-06 and (1,0) is 0 kg m^2");
+  requireRefused("elbow = 1", "elbow = 0", "device.toml:8: chain[0].elbow: is 0, must be 1 or -1");
+  requireRefused("elbow = 1", "elbow = 1.0", "device.toml:8: chain[0].elbow: is a number, must be an integer");
+  requireRefused("[ 0.037,  0.030, -0.014]", "[ 0.037,  0.030]",
+                 "device.toml:5: chain[0].platform: has 2 elements, must be a list of 3 numbers");
+  requireRefused("[ 0.037,  0.030, -0.014]", "[ 0.037,  true, -0.014]",
+                 "device.toml:5: chain[0].platform[1]: is a boolean, must be a number");
+  requireRefused("base     = [ 0.115, -0.080, -0.050]", "base     = [ 0.337, 0.030, -0.014]",
+                 "device.toml:5: chain[0].platform: is [0.037, 0.03, -0.014] m, 0.30000000000000004 m from the base at "
+                 "home: the links of this chain close between 0.04400000000000001 and 0.22 m");
+  requireRefused("[ 0.000, -0.024,  0.014]", "[ 0.010, 0.030,  -0.014]",
+                 "device.toml:17: chain[2].platform: is [0.01, 0.03, -0.014] m: the three platform points lie on one "
+                 "line, they must span a plane");
+  requireRefused("encoder_counts = 163840", "encoder_counts = 0",
+                 "device.toml:28: motor.encoder_counts: is 0, must be greater than 0 per revolution and finite");
+  requireRefused("[motor]", "[[chain]]\nbase = [0,0,0]\n[motor]",
+                 "device.toml:3: chain: occurs 4 times, a TAU has exactly 3 chains");
+}
+
+TEST_CASE("malformed TOML and unreadable files are refused", "[device_file]") {
+  try {
+    parseDevice("name = \"a\"\ngravity = [0, 1\n", "broken.toml");
+    FAIL("accepted");
+  } catch (const ConfigurationError& error) {
+    CHECK(error.file() == "broken.toml");
+    CHECK(error.line() >= 2);
+    CHECK(std::string(error.what()).find("not valid TOML") != std::string::npos);
+  }
+  CHECK_THROWS_WITH(loadDevice("no/such/file.toml"), "no/such/file.toml: cannot open the file");
+  CHECK_THROWS_AS(loadDevice("."), ConfigurationError);
+}
+
+TEST_CASE("parameters that came from no file are checked alike", "[device_file]") {
+  DeviceParameters device = test::nominal();
+  device.chain[1].link2.mass = 0.0;
+  CHECK_THROWS_WITH(makeModel(device),
+                    "device \"TAU nominal\": chain[1].link2.mass: is 0, must be greater than 0 kg and finite");
+  device = test::nominal();
+  device.chain[1].elbow = 2;
+  CHECK_THROWS_AS(makeModel(device), ConfigurationError);
+  device = test::nominal();
+  device.gravity[0] = std::nan("");
+  CHECK_THROWS_AS(makeModel(device), ConfigurationError);
+}
