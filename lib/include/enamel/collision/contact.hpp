@@ -1,0 +1,29 @@
+// What a contact query answers: a fixed-size snapshot that renderers read and never change.
+#pragma once
+
+#include <array>
+
+#include "enamel/core/types.hpp"
+
+namespace enamel {
+
+/// One place where the tool is near or in an obstacle. In W.
+struct Contact {
+  Vec3 point = Vec3::Zero();             ///< point of the tool nearest to, or deepest in, the obstacle, m
+  Vec3 normal = Vec3::UnitZ();           ///< outward unit normal of the obstacle there
+  double gap = 0.0;                      ///< signed distance, m; negative inside the obstacle
+  Vec3 obstacleVelocity = Vec3::Zero();  ///< of the obstacle's material at the point, m/s
+  int obstacle = 0;                      ///< number of the obstacle in its scene
+  int material = 0;                      ///< number that the scene gave the obstacle
+};
+
+/// Most contacts that one query reports.
+inline constexpr int kMaxContacts = 8;
+
+/// All contacts of one tick, the deepest first. Plain data of fixed size.
+struct ContactSnapshot {
+  std::array<Contact, kMaxContacts> contacts{};
+  int count = 0;
+};
+
+}  // namespace enamel
