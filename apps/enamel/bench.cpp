@@ -23,12 +23,12 @@ std::string cell(double value, const char* format) {
 void run(const Options& options) {
   const auto rows = bench::measureAll(options.filter, options.scale);
   if (rows.empty()) throw Error("no measurement matches --filter " + options.filter);
-  fmt::print("{:<62} {:>10} {:>10} {:>8} {:>8} {:>9}  {}\n", "per call", "median us", "p99 us", "goal us", "ratio*",
-             "error", "error of");
+  fmt::print("{:<62} {:>10} {:>10} {:>10} {:>8} {:>8} {:>9}  {}\n", "per call", "median us", "p99 us", "p99.9 us",
+             "goal us", "ratio*", "error", "error of");
   for (const auto& row : rows)
-    fmt::print("{:<62} {:>10.4g} {:>10.4g} {:>8} {:>8} {:>9.1e}  {}\n", row.group + ": " + row.name, row.median_us,
-               row.p99_us, cell(row.goal_us, "{:.4g}"), cell(row.reference_us / row.median_us, "{:.1f}"), row.error,
-               row.errorOf);
+    fmt::print("{:<62} {:>10.4g} {:>10.4g} {:>10} {:>8} {:>8} {:>9.1e}  {}\n", row.group + ": " + row.name,
+               row.median_us, row.p99_us, cell(row.p999_us, "{:.4g}"), cell(row.goal_us, "{:.4g}"),
+               cell(row.reference_us / row.median_us, "{:.1f}"), row.error, row.errorOf);
   fmt::print(
       "* how many times faster than the conventional way, measured in the same run. Times are noisy on a shared\n"
       "  machine: trust the ratios. p99 is over batches of calls.\n");

@@ -130,7 +130,7 @@ TEST_CASE("garbage joint angles get a status, and ok only on the branch of home"
         case Status::unreachable: ++unreachable; break;
         case Status::singular: ++singular; break;
         case Status::notFinite: ++notFinite; break;
-        case Status::notConverged: ++unfinished; break;
+        default: ++unfinished; break;
       }
       REQUIRE((report.status == Status::notFinite) == !q.allFinite());
       if (report.status != Status::ok) CHECK(cold.pose.position == model.home.pose.position);

@@ -101,6 +101,8 @@ TEST_CASE("inverse dynamics invert forward dynamics, and split into their parts"
       const Vec6 stillJoints = jointAccelerations(model, m.configuration, Vec6::Zero(), still);
       CHECK(relativeError(mass * stillJoints + gravityTorque(model, m.configuration), torque + j.transpose() * wrench) <
             1e-11);
+      CHECK(relativeError(staticTorque(model, m.configuration, wrench),
+                          gravityTorque(model, m.configuration) + j.transpose() * wrench) < 1e-12);
       // The bias torque is what is needed for V' = 0, less gravity.
       const Vec6 atRestTorque = inverseDynamics(model, m.configuration, m.twist, Vec6::Zero(), Vec6::Zero());
       CHECK(relativeError(biasTorque(model, m.configuration, m.twist) + gravityTorque(model, m.configuration),

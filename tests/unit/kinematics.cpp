@@ -112,6 +112,8 @@ TEST_CASE("the Jacobian is the derivative of the inverse kinematics", "[kinemati
       const Vec6 twist = twistFromRates(model, c, rates);
       CHECK(relativeError(twist, j * rates) < 1e-13);
       CHECK(relativeError(jointRates(model, c, twist), rates) < 1e-12);
+      const Vec6 torque = random.vector6(2.0, 2.0);
+      CHECK(relativeError(j.transpose() * wrenchFromTorques(model, c, torque), torque) < 1e-12);
     }
   }
 }

@@ -95,7 +95,15 @@ std::vector<Measurement> measureDevice(double scale) {
   std::vector<Measurement> rows;
   const auto add = [&rows](const char* name, const Timing& t, double error, const char* errorOf, double goal_us,
                            double reference_us = std::numeric_limits<double>::quiet_NaN()) {
-    rows.push_back({"", name, t.median_us, t.p99_us, error, errorOf, goal_us, reference_us});
+    Measurement row;
+    row.name = name;
+    row.median_us = t.median_us;
+    row.p99_us = t.p99_us;
+    row.error = error;
+    row.errorOf = errorOf;
+    row.goal_us = goal_us;
+    row.reference_us = reference_us;
+    rows.push_back(std::move(row));
   };
 
   {

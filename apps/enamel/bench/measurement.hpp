@@ -19,6 +19,7 @@ struct Measurement {
   std::string errorOf;                                             ///< what the error is, its unit, and against what
   double goal_us = std::numeric_limits<double>::quiet_NaN();       ///< stated goal
   double reference_us = std::numeric_limits<double>::quiet_NaN();  ///< the same job done conventionally, same run
+  double p999_us = std::numeric_limits<double>::quiet_NaN();       ///< where every call was timed on its own
 };
 
 struct Timing {
@@ -39,5 +40,6 @@ inline void keep(const T& value) {
 std::vector<Measurement> measureAll(const std::string& filter, double scale);
 
 std::vector<Measurement> measureDevice(double scale);
+std::vector<Measurement> measureTick(double scale);
 
 }  // namespace enamel::bench

@@ -9,6 +9,9 @@ const char* toString(Status status) noexcept {
     case Status::unreachable: return "unreachable";
     case Status::singular: return "singular";
     case Status::notConverged: return "not converged";
+    case Status::outOfRange: return "out of range";
+    case Status::stale: return "stale";
+    case Status::inactive: return "inactive";
   }
   return "unknown status";
 }

@@ -256,10 +256,14 @@ Mat6 massMatrix(const DeviceModel& model, const Configuration& configuration) no
 }
 
 Vec6 gravityTorque(const DeviceModel& model, const Configuration& configuration) noexcept {
-  Vec6 wrench;
+  return staticTorque(model, configuration, Vec6::Zero());
+}
+
+Vec6 staticTorque(const DeviceModel& model, const Configuration& configuration, const Vec6& wrench) noexcept {
+  Vec6 gravity;
   Mat6 unused;
-  assemble<true, false, false>(model, configuration, Vec6::Zero(), Vec6::Zero(), wrench, unused);
-  return jacobian(model, configuration).transpose() * wrench;
+  assemble<true, false, false>(model, configuration, Vec6::Zero(), Vec6::Zero(), gravity, unused);
+  return jacobian(model, configuration).transpose() * (gravity + wrench);
 }
 
 Vec6 biasTorque(const DeviceModel& model, const Configuration& configuration, const Vec6& twist) noexcept {

@@ -408,6 +408,18 @@ Vec6 jointRates(const DeviceModel& model, const Configuration& configuration, co
   return rates;
 }
 
+Vec6 wrenchFromTorques(const DeviceModel& model, const Configuration& configuration, const Vec6& torque) noexcept {
+  Vec6 wrench = Vec6::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const ChainConfiguration& c = configuration.chain[i];
+    const RateRows rows = rateRows(model.chain[i], c);
+    const Vec3 force = torque[2 * i] * rows.yaw + torque[2 * i + 1] * rows.lift;
+    wrench.head<3>() += force;
+    wrench.tail<3>() += c.arm.cross(force);
+  }
+  return wrench;
+}
+
 namespace {
 
 // The map from rates to the twist, prepared once a configuration: tips' velocities with free elevations, then the

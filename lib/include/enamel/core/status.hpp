@@ -12,6 +12,9 @@ enum class Status : std::uint8_t {
   unreachable,   ///< no configuration of the device has this pose or these joint angles
   singular,      ///< the configuration is at, or the way there passes, a singularity
   notConverged,  ///< the iteration limit was reached
+  outOfRange,    ///< an input is finite but beyond what a device can do
+  stale,         ///< the input's time has not advanced
+  inactive,      ///< step() without activate()
 };
 
 /// Name of a status in plain words, for messages. Realtime: yes.

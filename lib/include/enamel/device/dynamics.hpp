@@ -22,6 +22,9 @@ Mat6 massMatrix(const DeviceModel& model, const Configuration& configuration) no
 /// Joint torque that balances gravity at rest, N m. Realtime: yes.
 Vec6 gravityTorque(const DeviceModel& model, const Configuration& configuration) noexcept;
 
+/// Joint torque that balances gravity and puts the wrench F on the platform at rest, N m: g(q) + J^T F. Realtime: yes.
+Vec6 staticTorque(const DeviceModel& model, const Configuration& configuration, const Vec6& wrench) noexcept;
+
 /// Joint torque that balances everything that depends on velocity, N m: Coriolis and centrifugal terms, viscous
 /// friction of the joints and damping of the TCP. Realtime: yes.
 Vec6 biasTorque(const DeviceModel& model, const Configuration& configuration, const Vec6& twist) noexcept;

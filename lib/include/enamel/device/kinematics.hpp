@@ -71,6 +71,9 @@ Vec6 jointRates(const DeviceModel& model, const Configuration& configuration, co
 /// Twist of the TCP, [m/s; rad/s], of joint rates, rad/s. Realtime: yes.
 Vec6 twistFromRates(const DeviceModel& model, const Configuration& configuration, const Vec6& rates) noexcept;
 
+/// Wrench on the platform at the TCP, [N; N m], that joint torques (N m) put there: F = J^-T tau. Realtime: yes.
+Vec6 wrenchFromTorques(const DeviceModel& model, const Configuration& configuration, const Vec6& torque) noexcept;
+
 /// Distances to the singularities, dimensionless: 0 at a singularity, at most about 1 far from it.
 struct SingularityMeasures {
   double elbow;     ///< smallest |sin c|: serial, a chain straight or folded

@@ -1,0 +1,100 @@
+// The renderer contract: measured state and contacts in, joint torques out, once a tick.
+//
+// Life of a renderer: construct (configure, throws) -> activate(dt) -> step ... reset ... step -> deactivate. step()
+// and reset() run in the real-time thread: no allocation, lock, exception or I/O. A renderer proposes a torque; what
+// reaches the motors is decided behind it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "enamel/collision/contact.hpp"
+#include "enamel/core/status.hpp"
+#include "enamel/core/types.hpp"
+
+namespace enamel {
+
+/// What is known at a tick. All in SI; poses, twists and contacts in W.
+struct TickInput {
+  double time = 0.0;          ///< s, strictly increasing
+  Vec6 q = Vec6::Zero();      ///< measured joint angles, rad
+  Vec6 rates = Vec6::Zero();  ///< measured or filtered joint rates, rad/s
+  Pose pose;                  ///< of the platform, by forward kinematics of q
+  Vec6 twist = Vec6::Zero();  ///< [v; w] of the TCP, J q', m/s, rad/s
+  ContactSnapshot contacts;   ///< at `pose`; the deepest first
+  double maxTorque = 0.0;     ///< limit of every motor, N m
+};
+
+/// What a renderer is doing.
+enum class RenderMode : std::uint8_t {
+  free = 0,  ///< no contact: gravity is balanced
+  contact,   ///< a wall is rendered
+  fault,     ///< the input was unusable: see the status
+};
+
+/// Name of a mode in plain words. Realtime: yes.
+const char* toString(RenderMode mode) noexcept;
+
+/// What a renderer asks for.
+struct TickOutput {
+  Vec6 torque = Vec6::Zero();  ///< N m, finite and within +-maxTorque whatever the status
+  RenderMode mode = RenderMode::fault;
+  bool saturated = false;    ///< a motor's limit cut the torque
+  double normalForce = 0.0;  ///< of the wall on the tool along the deepest contact's normal, N
+};
+
+/// A renderer. The state between ticks is explicit: a block of stateSize() bytes that can be copied out, compared and
+/// put back, so that a run can be replayed from any tick.
+class Renderer {
+ public:
+  Renderer() = default;
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+  virtual ~Renderer() = default;
+
+  /// Prepares for ticks of `period` s and resets. Throws Error: a period outside (0, 0.1] s, or one that this renderer
+  /// was not designed for. Realtime: no.
+  void activate(double period);
+
+  /// One tick: checkInput(), then the renderer's law. Statuses: ok; notFinite, outOfRange, stale (bad input);
+  /// unreachable, singular (no such pose); inactive. On any but ok the torque is zero, the mode is fault and the state
+  /// is unchanged. Realtime: yes.
+  [[nodiscard]] Status step(const TickInput& input, TickOutput& output) noexcept;
+
+  /// Back to the state after activate(). Realtime: yes.
+  void reset() noexcept;
+
+  /// Ends the ticks; step() answers inactive until the next activate(). Realtime: no.
+  void deactivate() noexcept { active_ = false; }
+
+  /// Size of the state, bytes; copies it out to and back from stateSize() bytes. Realtime: yes.
+  std::size_t stateSize() const noexcept;
+  void saveState(void* state) const noexcept;
+  void loadState(const void* state) noexcept;
+
+ protected:
+  /// The bytes of a renderer's own state: plain data.
+  struct StateBlock {
+    void* data;
+    std::size_t size;
+  };
+
+  virtual void prepare(double period) = 0;  // throws
+  virtual Status render(const TickInput& input, TickOutput& output) noexcept = 0;
+  virtual void resetState() noexcept = 0;
+  virtual StateBlock stateBlock() noexcept = 0;
+
+ private:
+  bool active_ = false;
+  double lastTime_ = 0.0;  // s
+};
+
+/// Checks what every renderer checks first: finite numbers, sizes that a device can have (angles to 1000 rad, rates to
+/// 1000 rad/s, positions to 10 m, speeds to 100 m/s, gaps to 100 m), a rotation matrix, unit normals (to 1e-6), a count
+/// within capacity, and a time later than `lastTime`. Returns ok, notFinite, outOfRange or stale. Realtime: yes.
+[[nodiscard]] Status checkInput(const TickInput& input, double lastTime) noexcept;
+
+/// Cuts every torque at +-maxTorque; true if one was cut. Realtime: yes.
+bool saturate(Vec6& torque, double maxTorque) noexcept;
+
+}  // namespace enamel

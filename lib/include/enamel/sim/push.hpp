@@ -1,0 +1,51 @@
+// A push against a flat wall: the scenarios of "A Position-Control Based Approach to Haptic Rendering of Stiff
+// Objects", section V, on the virtual device, tick by tick.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "enamel/sim/virtual_loop.hpp"
+
+namespace enamel {
+
+/// The person who pushes. Scenario 1: a step of force at 1 s. Scenario 2: a hand with a spring and a damper along z
+/// that moves in from 1 s to 2 s (eq. 14). White noise, one sample held a tick, from 1 s (scenario 1) or 2 s (scenario
+/// 2).
+struct Person {
+  int scenario = 1;
+  double force = 12.0;  ///< F_c, N
+  double noise = 0.5;   ///< standard deviation, N
+  /// Keeps the TCP's x, y (100 N/m, 3.6 N s/m) and its orientation (0.5 N m/rad, 0.014 N m s/rad) about the start pose,
+  /// as a hand does; without it the five free directions drift.
+  bool guide = true;
+};
+
+/// Everything that determines a push.
+struct PushSetup : LoopSetup {
+  Person person;
+  double duration = 3.0;  ///< s
+};
+
+/// Why a run ended.
+struct PushResult {
+  Status status;        ///< ok, or the status of the configuration that the plant could not leave
+  std::uint64_t ticks;  ///< that were run
+};
+
+/// Checks a setup. Throws Error: as checkLoop(); a scenario other than 1 and 2; a force or noise outside 0 to 1000 N; a
+/// duration outside 0 to 1 h. Realtime: no.
+void checkPush(const PushSetup& setup);
+
+/// Runs a push on a VirtualLoop, `record` once a tick. The renderer is deactivated at the end. Throws what checkPush()
+/// and VirtualLoop throw. The same setup gives the same bits. Realtime: no (each tick is).
+PushResult runPush(const DeviceModel& model, Renderer& renderer, const PushSetup& setup,
+                   const std::function<void(const TickRecord&)>& record);
+
+/// Position of the hand in scenario 2 along z relative to its start, m, and its velocity, m/s. Realtime: yes.
+struct HandMotion {
+  double position, velocity;
+};
+HandMotion handMotion(double force, double time) noexcept;
+
+}  // namespace enamel

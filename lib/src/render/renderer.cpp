@@ -1,0 +1,118 @@
+#include "enamel/render/renderer.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "core/toml.hpp"
+#include "enamel/core/error.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kLargestAngle = 1e3;      // rad
+constexpr double kLargestRate = 1e3;       // rad/s
+constexpr double kLargestPosition = 10.0;  // m
+constexpr double kLargestSpeed = 100.0;    // m/s
+constexpr double kLargestGap = 100.0;      // m
+
+// False for NaN as well.
+template <typename Vector>
+bool within(const Vector& v, double limit) noexcept {
+  return (v.array().abs() <= limit).all();
+}
+
+bool isFinite(const TickInput& in, int contacts) noexcept {
+  bool finite = std::isfinite(in.time) && std::isfinite(in.maxTorque) && in.q.allFinite() && in.rates.allFinite() &&
+                in.pose.position.allFinite() && in.pose.rotation.allFinite() && in.twist.allFinite();
+  for (int i = 0; i < contacts; ++i) {
+    const Contact& c = in.contacts.contacts[i];
+    finite =
+        finite && c.point.allFinite() && c.normal.allFinite() && c.obstacleVelocity.allFinite() && std::isfinite(c.gap);
+  }
+  return finite;
+}
+
+}  // namespace
+
+const char* toString(RenderMode mode) noexcept {
+  switch (mode) {
+    case RenderMode::free: return "free";
+    case RenderMode::contact: return "contact";
+    case RenderMode::fault: return "fault";
+  }
+  return "unknown mode";
+}
+
+Status checkInput(const TickInput& input, double lastTime) noexcept {
+  const int contacts = input.contacts.count;
+  if (contacts < 0 || contacts > kMaxContacts) return Status::outOfRange;
+  if (!isFinite(input, contacts)) return Status::notFinite;
+  const Mat3& r = input.pose.rotation;
+  const bool rotation =
+      within(r, 1.0 + 1e-6) && within(r.lazyProduct(r.transpose()) - Mat3::Identity(), 1e-6) && r.determinant() > 0.0;
+  bool plausible = rotation && within(input.q, kLargestAngle) && within(input.rates, kLargestRate) &&
+                   within(input.pose.position, kLargestPosition) && within(input.twist.head<3>(), kLargestSpeed) &&
+                   within(input.twist.tail<3>(), kLargestRate) && input.maxTorque >= 0.0;
+  for (int i = 0; i < contacts; ++i) {
+    const Contact& c = input.contacts.contacts[i];
+    plausible = plausible && std::abs(c.gap) <= kLargestGap && within(c.point, kLargestPosition) &&
+                within(c.obstacleVelocity, kLargestSpeed) && std::abs(c.normal.squaredNorm() - 1.0) <= 1e-6;
+  }
+  if (!plausible) return Status::outOfRange;
+  return input.time > lastTime ? Status::ok : Status::stale;
+}
+
+void Renderer::activate(double period) {
+  if (!(period > 0.0 && period <= 0.1))
+    throw Error("renderer: the period is " + formatNumber(period) + ", must be in (0, 0.1] s");
+  prepare(period);
+  reset();
+  active_ = true;
+}
+
+Status Renderer::step(const TickInput& input, TickOutput& output) noexcept {
+  output = TickOutput{};
+  if (!active_) return Status::inactive;
+  Status status = checkInput(input, lastTime_);
+  if (status == Status::ok) status = render(input, output);
+  if (status == Status::ok) {
+    output.saturated = saturate(output.torque, input.maxTorque);
+    lastTime_ = input.time;
+  } else {
+    output = TickOutput{};
+  }
+  return status;
+}
+
+void Renderer::reset() noexcept {
+  lastTime_ = -std::numeric_limits<double>::infinity();
+  resetState();
+}
+
+// stateBlock() is not const because loadState() writes through it; these two only read.
+std::size_t Renderer::stateSize() const noexcept {
+  return sizeof(lastTime_) + const_cast<Renderer*>(this)->stateBlock().size;
+}
+
+void Renderer::saveState(void* state) const noexcept {
+  const StateBlock block = const_cast<Renderer*>(this)->stateBlock();
+  std::memcpy(state, &lastTime_, sizeof(lastTime_));
+  if (block.size > 0) std::memcpy(static_cast<char*>(state) + sizeof(lastTime_), block.data, block.size);
+}
+
+void Renderer::loadState(const void* state) noexcept {
+  const StateBlock block = stateBlock();
+  std::memcpy(&lastTime_, state, sizeof(lastTime_));
+  if (block.size > 0) std::memcpy(block.data, static_cast<const char*>(state) + sizeof(lastTime_), block.size);
+}
+
+bool saturate(Vec6& torque, double maxTorque) noexcept {
+  const Vec6 limited = torque.cwiseMin(maxTorque).cwiseMax(-maxTorque);
+  const bool cut = limited != torque;
+  torque = limited;
+  return cut;
+}
+
+}  // namespace enamel

@@ -1,0 +1,93 @@
+// A million random ticks of garbage into each renderer: the output is always finite, within limits, and the status
+// right.
+#include <cstring>
+#include <iostream>
+
+#include "support/catch.hpp"
+#include "support/pushes.hpp"
+#include "support/run_length.hpp"
+
+using namespace enamel;
+
+namespace {
+
+// Any bit pattern, or an ordinary number, or an extreme one.
+double garbage(test::Random& random) {
+  const double kind = random.uniform(0.0, 1.0);
+  if (kind < 0.5) return random.uniform(-1.0, 1.0);
+  if (kind < 0.6) return std::nan("");
+  if (kind < 0.7) return random.uniform(0.0, 1.0) < 0.5 ? HUGE_VAL : -HUGE_VAL;
+  if (kind < 0.8) return random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-320.0, 308.0));
+  const std::uint64_t bits = (static_cast<std::uint64_t>(random.uniform(0.0, 0x1p32)) << 32) |
+                             static_cast<std::uint64_t>(random.uniform(0.0, 0x1p32));
+  double value;
+  std::memcpy(&value, &bits, sizeof(value));
+  return value;
+}
+
+}  // namespace
+
+TEST_CASE("garbage into the renderers", "[hard]") {
+  constexpr std::uint64_t seed = 71;
+  const int ticks = test::count(200000, 1000000);
+  const DeviceModel model = makeModel(test::nominal());
+  PositionControlRenderer hold = test::positionControl(model),
+                          paper = test::positionControl(model, test::asInThePaper());
+  ImpedanceRenderer spring(model, {6000.0, 5.0, 4.0});
+  for (Renderer* renderer :
+       {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&paper), static_cast<Renderer*>(&spring)}) {
+    test::Random random(seed);
+    renderer->activate(1e-3);
+    double lastTime = -HUGE_VAL;
+    int ok = 0, refused = 0;
+    for (int i = 0; i < ticks; ++i) {
+      Vec6 twist = random.vector6(0.5, 5.0);
+      TickInput input = test::inputAt(model, random.workspacePose(), 1e-3 * i, twist);
+      const int damage = static_cast<int>(random.uniform(0.0, 8.0));
+      double* numbers[] = {&input.time,
+                           input.q.data(),
+                           input.rates.data(),
+                           input.pose.position.data(),
+                           input.pose.rotation.data(),
+                           input.twist.data(),
+                           &input.contacts.contacts[0].gap,
+                           input.contacts.contacts[0].normal.data(),
+                           &input.maxTorque,
+                           input.contacts.contacts[0].point.data()};
+      const int sizes[] = {1, 6, 6, 3, 9, 6, 1, 3, 1, 3};
+      for (int k = 0; k < damage; ++k) {
+        const int field = static_cast<int>(random.uniform(0.0, 10.0));
+        numbers[field][static_cast<int>(random.uniform(0.0, sizes[field]))] = garbage(random);
+      }
+      if (random.uniform(0.0, 1.0) < 0.05) input.contacts.count = static_cast<int>(random.uniform(-20.0, 20.0));
+      TickOutput output;
+      output.torque.setConstant(std::nan(""));
+      const Status status = renderer->step(input, output);
+      REQUIRE(output.torque.allFinite());
+      REQUIRE(std::isfinite(output.normalForce));
+      const Status expected = checkInput(input, lastTime);
+      if (expected != Status::ok) {
+        REQUIRE(status == expected);
+      } else {
+        REQUIRE((status == Status::ok || status == Status::unreachable || status == Status::singular));
+      }
+      if (status == Status::ok) {
+        ++ok;
+        lastTime = input.time;
+        REQUIRE(output.torque.cwiseAbs().maxCoeff() <= input.maxTorque);
+        REQUIRE(output.mode != RenderMode::fault);
+        if (lastTime > 1e-3 * ticks) {  // garbage carried the clock into the far future: start again
+          renderer->reset();
+          lastTime = -HUGE_VAL;
+        }
+      } else {
+        ++refused;
+        REQUIRE(output.torque == Vec6::Zero());
+        REQUIRE(output.mode == RenderMode::fault);
+      }
+    }
+    std::cout << ticks << " ticks, seed " << seed << ": ok " << ok << ", refused " << refused << "\n";
+    CHECK(ok > ticks / 50);
+    CHECK(refused > ticks / 50);
+  }
+}

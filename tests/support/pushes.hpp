@@ -1,0 +1,66 @@
+// Renderers and pushes as the tests use them.
+#pragma once
+
+#include <vector>
+
+#include "enamel/render/impedance.hpp"
+#include "enamel/render/position_control.hpp"
+#include "enamel/sim/push.hpp"
+#include "support/devices.hpp"
+#include "support/reference.hpp"
+
+namespace enamel::test {
+
+/// The gain of data/reference/servo-nominal.json: designed for the nominal device at 1 ms.
+inline PositionControlRenderer::Gain referenceGain() {
+  static const nlohmann::json servo = referenceFile("servo-nominal.json");
+  return matrixFrom(servo.at("K"));
+}
+
+inline PositionControlRenderer positionControl(const DeviceModel& model, const PositionControlOptions& options = {}) {
+  return {model, referenceGain(), 1e-3, options};
+}
+
+inline PositionControlOptions asInThePaper() {
+  PositionControlOptions options;
+  options.release = false;
+  return options;
+}
+
+/// The plant of the impedance scenarios: 4 N s/m of mechanical damping on the TCP along z.
+inline DeviceParameters dampedNominal() {
+  DeviceParameters device = nominal();
+  device.platform.damping[2] = 4.0;
+  return device;
+}
+
+inline std::vector<TickRecord> recordPush(const DeviceModel& plant, Renderer& renderer, const PushSetup& setup) {
+  std::vector<TickRecord> ticks;
+  const PushResult result = runPush(plant, renderer, setup, [&ticks](const TickRecord& t) { ticks.push_back(t); });
+  if (result.status != Status::ok) throw Error(std::string("the plant became ") + toString(result.status));
+  return ticks;
+}
+
+/// An input at a pose that a renderer accepts, with the TCP's contact with the wall z = 0.
+inline TickInput inputAt(const DeviceModel& model, const Pose& pose, double time, const Vec6& twist = Vec6::Zero()) {
+  Configuration c;
+  if (configure(model, pose, c) != Status::ok) throw Error("pose outside the workspace");
+  TickInput input;
+  input.time = time;
+  input.q = jointAngles(c);
+  input.rates = jointRates(model, c, twist);
+  input.pose = pose;
+  input.twist = twist;
+  input.contacts.contacts[0] = contactWith(HalfSpace{}, pose.position);
+  input.contacts.count = 1;
+  input.maxTorque = model.maxTorque;
+  return input;
+}
+
+inline Pose poseAtDepth(double depth) {
+  Pose pose;
+  pose.position.z() = -depth;
+  return pose;
+}
+
+}  // namespace enamel::test
