@@ -10,6 +10,7 @@ using namespace enamel;
 
 TEST_CASE("a tick of either renderer allocates nothing", "[realtime]") {
   const DeviceModel model = makeModel(test::nominal());
+  const Scene wall = flatWall({});
   PositionControlRenderer hold = test::positionControl(model);
   ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
   for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&spring)}) {
@@ -33,8 +34,8 @@ TEST_CASE("a tick of either renderer allocates nothing", "[realtime]") {
       Measurement m = encoders.measure(q, Vec6::Zero());
       if (i % 100 == 7) m.q[2] = std::nan("");
       if (i % 100 == 9) m.q[2] += 2.0;
-      const Status status = hapticTick(model, HalfSpace{}, 1e-3 * static_cast<double>(i), m.q, m.rates, tracked,
-                                       *renderer, input, output);
+      const Status status =
+          hapticTick(model, wall, 1e-3 * static_cast<double>(i), m.q, m.rates, tracked, *renderer, input, output);
       ok += status == Status::ok;
       contact += output.mode == RenderMode::contact;
       sum += motors.actuate(i, output.torque, stream)[0] + stream.normal(RandomStream::Purpose::noise, i);

@@ -2,7 +2,7 @@
 
 namespace enamel {
 
-Status hapticTick(const DeviceModel& model, const HalfSpace& wall, double time, const Vec6& q, const Vec6& rates,
+Status hapticTick(const DeviceModel& model, const Scene& scene, double time, const Vec6& q, const Vec6& rates,
                   Configuration& tracked, Renderer& renderer, TickInput& input, TickOutput& output) noexcept {
   output = TickOutput{};
   const Status status = forwardKinematics(model, q, tracked).status;
@@ -12,8 +12,7 @@ Status hapticTick(const DeviceModel& model, const HalfSpace& wall, double time, 
   input.rates = rates;
   input.pose = tracked.pose;
   input.twist = twistFromRates(model, tracked, rates);
-  input.contacts.contacts[0] = contactWith(wall, tracked.pose.position);
-  input.contacts.count = 1;
+  queryContacts(scene, tracked.pose.position, input.contacts);
   input.maxTorque = model.maxTorque;
   return renderer.step(input, output);
 }

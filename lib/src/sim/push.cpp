@@ -95,7 +95,9 @@ void checkPush(const PushSetup& setup) {
 PushResult runPush(const DeviceModel& model, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record) {
   checkPush(setup);
-  VirtualLoop loop(model, renderer, setup);
+  LoopSetup onWall = setup;
+  onWall.scene = flatWall(setup.wall);
+  VirtualLoop loop(model, renderer, onWall);
   PersonLoad person(setup.person, setup.start);
   const RandomStream random(setup.seed, setup.run);
   const std::uint64_t onset = tickAt(kOnset, setup.period);

@@ -35,6 +35,10 @@ class PositionControlRenderer final : public Renderer {
   PositionControlRenderer(const DeviceModel& model, const Gain& gain, double period,
                           const PositionControlOptions& options);
 
+  /// Whether the servo holds, and at which joint angles q_ref, rad. Realtime: yes.
+  bool holding() const noexcept { return state_.phase == kHolding; }
+  const Vec6& reference() const noexcept { return state_.reference; }
+
  private:
   struct State {
     Vec6 reference = Vec6::Zero();    // q_ref, rad

@@ -21,8 +21,9 @@ struct Person {
   bool guide = true;
 };
 
-/// Everything that determines a push.
+/// Everything that determines a push. The scene is the wall alone, whatever `scene` holds.
 struct PushSetup : LoopSetup {
+  HalfSpace wall;
   Person person;
   double duration = 3.0;  ///< s
 };

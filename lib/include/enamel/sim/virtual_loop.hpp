@@ -10,8 +10,8 @@ namespace enamel {
 
 /// What determines a loop, but for the person.
 struct LoopSetup {
-  Pose start;  ///< at rest; usually on the wall's surface
-  HalfSpace wall;
+  Pose start;  ///< at rest
+  Scene scene = flatWall({});
   EncoderOptions encoders;
   Delay delay;
   double period = 1e-3;  ///< Ts, s
@@ -20,8 +20,8 @@ struct LoopSetup {
   std::uint32_t run = 0;  ///< number of the random stream
 };
 
-/// Checks a setup. Throws Error: substeps outside 1 to 1000; a period outside (0, 0.1] s; delays outside 0 to kMaxDelay
-/// ticks or low > high; a cutoff that is not positive. Realtime: no.
+/// Checks a setup. Throws Error: a scene without obstacles; substeps outside 1 to 1000; a period outside (0, 0.1] s;
+/// delays outside 0 to kMaxDelay ticks or low > high; a cutoff that is not positive. Realtime: no.
 void checkLoop(const LoopSetup& setup);
 
 /// What happened at one tick. State and measurement are those before the tick's torque acts.
@@ -35,7 +35,7 @@ struct TickRecord {
   Vec6 torque = Vec6::Zero();    ///< that acts during this tick, N m
   Vec6 person = Vec6::Zero();    ///< wrench of the person at the TCP at the beginning of this tick, N, N m
   Vec6 rendered = Vec6::Zero();  ///< wrench of the motors on the tool beyond gravity during this tick, N, N m
-  double gap = 0.0;              ///< of the plant's TCP to the wall, m; negative inside
+  double gap = 0.0;              ///< of the plant's TCP to the nearest obstacle, m; negative inside
   double normalForce = 0.0;      ///< of the wall on the tool, as the renderer reports it, N
   RenderMode mode = RenderMode::free;
   bool saturated = false;
@@ -66,6 +66,9 @@ class VirtualLoop {
     return Status::ok;
   }
 
+  /// What the renderer saw at the last tick. Realtime: yes.
+  const TickInput& input() const noexcept { return input_; }
+
   /// State of the plant now. Realtime: yes.
   const DeviceState& state() const noexcept { return state_; }
 
@@ -80,6 +83,7 @@ class VirtualLoop {
   Configuration plant_, measured_;  // the latter is the warm start of the forward kinematics
   Encoders encoders_;
   Motors motors_;
+  ContactSnapshot plantContacts_;
   TickInput input_;
   TickOutput output_;
   std::uint64_t tick_ = 0;

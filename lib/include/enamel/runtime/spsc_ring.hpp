@@ -1,0 +1,40 @@
+// A queue of fixed capacity from one thread to another, without waiting on either side.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+
+namespace enamel {
+
+/// One producer, one consumer, first in first out (Lamport 1983). Capacity: a power of two. T is copied.
+template <typename T, std::size_t capacity>
+class SpscRing {
+  static_assert(capacity >= 2 && (capacity & (capacity - 1)) == 0, "the capacity must be a power of two");
+
+ public:
+  /// Appends; false if the ring is full, the value is then dropped. Producer's thread. Realtime: yes.
+  bool push(const T& value) noexcept {
+    const std::size_t tail = tail_.load(std::memory_order_relaxed);
+    if (tail - head_.load(std::memory_order_acquire) == capacity) return false;
+    slots_[tail % capacity] = value;
+    tail_.store(tail + 1, std::memory_order_release);
+    return true;
+  }
+
+  /// Takes the oldest; false if the ring is empty. Consumer's thread. Realtime: yes.
+  bool pop(T& value) noexcept {
+    const std::size_t head = head_.load(std::memory_order_relaxed);
+    if (head == tail_.load(std::memory_order_acquire)) return false;
+    value = slots_[head % capacity];
+    head_.store(head + 1, std::memory_order_release);
+    return true;
+  }
+
+ private:
+  alignas(64) std::atomic<std::size_t> head_{0};  // next to pop
+  alignas(64) std::atomic<std::size_t> tail_{0};  // next to push
+  std::array<T, capacity> slots_{};
+};
+
+}  // namespace enamel

@@ -1,0 +1,136 @@
+// Exchange of data between threads, and the periodic thread. Run under the thread sanitizer too (preset tsan).
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "enamel/core/error.hpp"
+#include "enamel/runtime/periodic_thread.hpp"
+#include "enamel/runtime/spsc_ring.hpp"
+#include "enamel/runtime/triple_buffer.hpp"
+#include "support/catch.hpp"
+#include "support/run_length.hpp"
+
+using namespace enamel;
+
+namespace {
+
+// Large enough that a torn copy shows.
+struct Message {
+  std::uint64_t words[64] = {};
+};
+
+void fill(Message& message, std::uint64_t number) {
+  for (auto& word : message.words) word = number;
+}
+
+bool whole(const Message& message) {
+  for (const auto word : message.words)
+    if (word != message.words[0]) return false;
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("triple buffer: the newest whole value, never an older one", "[runtime]") {
+  TripleBuffer<Message> buffer;
+  CHECK_FALSE(buffer.refresh());
+  const std::uint64_t last = static_cast<std::uint64_t>(test::count(200000, 5000000));
+  std::thread writer([&buffer, last] {
+    for (std::uint64_t i = 1; i <= last; ++i) {
+      fill(buffer.next(), i);
+      buffer.publish();
+    }
+  });
+  std::uint64_t seen = 0, torn = 0, older = 0;
+  while (seen < last) {
+    if (!buffer.refresh()) continue;
+    const Message& message = buffer.latest();
+    torn += !whole(message);
+    older += message.words[0] <= seen;
+    seen = message.words[0];
+  }
+  writer.join();
+  CHECK(torn == 0);
+  CHECK(older == 0);
+  CHECK_FALSE(buffer.refresh());
+  CHECK(buffer.latest().words[0] == last);
+}
+
+TEST_CASE("ring: everything in order, nothing twice, full and empty are told", "[runtime]") {
+  SpscRing<int, 4> small;
+  int value = 0;
+  CHECK_FALSE(small.pop(value));
+  for (int i = 0; i < 4; ++i) CHECK(small.push(i));
+  CHECK_FALSE(small.push(4));
+  for (int i = 0; i < 4; ++i) {
+    REQUIRE(small.pop(value));
+    CHECK(value == i);
+  }
+  CHECK_FALSE(small.pop(value));
+
+  SpscRing<Message, 64> ring;
+  const std::uint64_t last = static_cast<std::uint64_t>(test::count(200000, 5000000));
+  std::thread producer([&ring, last] {
+    Message message;
+    for (std::uint64_t i = 1; i <= last;) {
+      fill(message, i);
+      if (ring.push(message))
+        ++i;
+      else
+        std::this_thread::yield();
+    }
+  });
+  std::uint64_t expected = 1, wrong = 0;
+  Message message;
+  while (expected <= last) {
+    if (!ring.pop(message)) {
+      std::this_thread::yield();
+      continue;
+    }
+    wrong += !whole(message) || message.words[0] != expected;
+    ++expected;
+  }
+  producer.join();
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("histogram: quantiles to within a class of 9 %", "[runtime]") {
+  DurationHistogram histogram;
+  CHECK(histogram.quantile(0.5) == 0.0);
+  for (int i = 1; i <= 1000; ++i) histogram.add(1e-6 * i);
+  CHECK(histogram.count() == 1000);
+  for (const double p : {0.1, 0.5, 0.9, 0.999}) {
+    CHECK(histogram.quantile(p) >= p * 1e-3 * (1.0 - 1e-9));
+    CHECK(histogram.quantile(p) <= p * 1e-3 * std::exp2(0.125) * (1.0 + 1e-9));
+  }
+  CHECK(histogram.largest() == 1e-3);
+  histogram.add(-1.0);
+  histogram.add(1e9);
+  CHECK(histogram.count() == 1002);
+  CHECK(histogram.largest() == 1e9);
+}
+
+TEST_CASE("periodic thread: one call a period, late deadlines skipped and counted", "[runtime]") {
+  using Clock = std::chrono::steady_clock;
+  CHECK_THROWS_WITH(PeriodicThread(0.0, [] {}), "periodic thread: the period is 0, must be in 1e-05 to 10 s");
+  std::atomic<int> calls{0};
+  {
+    const auto begin = Clock::now();
+    PeriodicThread thread(2e-3, [&calls] {
+      // Every 20th call overruns two deadlines.
+      if (calls.fetch_add(1) % 20 == 19) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    });
+    while (calls < 100) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const double elapsed = std::chrono::duration<double>(Clock::now() - begin).count();
+    const PeriodicTiming& timing = thread.timing();
+    // Calls and skipped deadlines together make up the time; a burst would give more calls than periods.
+    CHECK(static_cast<double>(calls) <= elapsed / 2e-3 + 2.0);
+    CHECK(timing.missed >= 4 * 2);
+    CHECK(timing.compute.largest() >= 5e-3);
+    CHECK(timing.periods >= 99);
+    CHECK(static_cast<double>(timing.periods + timing.missed) >= 0.9 * elapsed / 2e-3 - 4.0);
+  }
+  const int after = calls;
+  std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK(calls == after);
+}
