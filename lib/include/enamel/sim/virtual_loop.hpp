@@ -69,6 +69,9 @@ class VirtualLoop {
   /// What the renderer saw at the last tick. Realtime: yes.
   const TickInput& input() const noexcept { return input_; }
 
+  /// Time of the next tick, s. Realtime: yes.
+  double time() const noexcept { return static_cast<double>(tick_) * setup_.period; }
+
   /// State of the plant now. Realtime: yes.
   const DeviceState& state() const noexcept { return state_; }
 

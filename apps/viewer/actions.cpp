@@ -1,0 +1,63 @@
+#define GLFW_INCLUDE_NONE
+#include "actions.hpp"
+
+#include <GLFW/glfw3.h>
+
+namespace enamel::viewer {
+
+const std::vector<ActionRow>& actionRows() {
+  static const std::vector<ActionRow> rows{
+      {Action::swapRenderers, "swap", "Tab", "A/B: position control or spring", GLFW_KEY_TAB, false},
+      {Action::testPush, "push", "P", "test push: a step of 12 N on the surface", GLFW_KEY_P, false},
+      {Action::grip, "grip", "G", "firm grip 400 N/m, or the paper's 40 N/m", GLFW_KEY_G, false},
+      {Action::home, "home", "H", "hand back to the start", GLFW_KEY_H, false},
+      {Action::reset, "reset", "Backspace", "everything back to the start", GLFW_KEY_BACKSPACE, false},
+      {Action::nextScene, "next-scene", "N", "next scene", GLFW_KEY_N, false},
+      {Action::pause, "pause", "Space", "pause or go on", GLFW_KEY_SPACE, false},
+      {Action::step, "step", "Right", "one tick (pauses first)", GLFW_KEY_RIGHT, false},
+      {Action::faster, "faster", "+", "faster, up to real time", GLFW_KEY_EQUAL, false},
+      {Action::slower, "slower", "-", "slow motion, down to 1:1000", GLFW_KEY_MINUS, false},
+      {Action::camera1, "camera-user", "1", "view: user", GLFW_KEY_1, false},
+      {Action::camera2, "camera-side", "2", "view: side", GLFW_KEY_2, false},
+      {Action::camera3, "camera-top", "3", "view: top", GLFW_KEY_3, false},
+      {Action::camera4, "camera-close", "4", "view: close to the contact", GLFW_KEY_4, false},
+      {Action::nextCamera, "next-camera", "]", "next view", GLFW_KEY_RIGHT_BRACKET, false},
+      {Action::previousCamera, "previous-camera", "[", "previous view", GLFW_KEY_LEFT_BRACKET, false},
+      {Action::help, "help", "F1", "this help", GLFW_KEY_F1, false},
+      {Action::panels, "panels", "F2", "panels", GLFW_KEY_F2, false},
+      {Action::timing, "timing", "F3", "timing of the haptic loop", GLFW_KEY_F3, false},
+      {Action::charts, "charts", "F4", "charts", GLFW_KEY_F4, false},
+      {Action::fullScreen, "full-screen", "F5", "full screen", GLFW_KEY_F5, false},
+      {Action::screenshot, "screenshot", "Ctrl+P", "picture (PNG) into the working folder", GLFW_KEY_P, true},
+      {Action::quit, "quit", "Esc", "close the help, or the viewer", GLFW_KEY_ESCAPE, false},
+  };
+  return rows;
+}
+
+const std::vector<HelpRow>& drivingRows() {
+  static const std::vector<HelpRow> rows{
+      {"Left drag", "the hand, across the view"},
+      {"Wheel, E / Q", "the hand into the nearest wall, out of it"},
+      {"A D W S", "the hand left, right, up, down"},
+      {"Right drag", "turn the view"},
+      {"Middle drag", "shift the view"},
+      {"Ctrl+wheel", "nearer, farther"},
+  };
+  return rows;
+}
+
+const ActionRow* actionOfKey(int key, bool control) {
+  if (key == GLFW_KEY_KP_ADD) key = GLFW_KEY_EQUAL;
+  if (key == GLFW_KEY_KP_SUBTRACT) key = GLFW_KEY_MINUS;
+  for (const ActionRow& row : actionRows())
+    if (row.key == key && row.control == control) return &row;
+  return nullptr;
+}
+
+const ActionRow* actionOfName(std::string_view name) {
+  for (const ActionRow& row : actionRows())
+    if (name == row.name) return &row;
+  return nullptr;
+}
+
+}  // namespace enamel::viewer

@@ -1,0 +1,59 @@
+// Everything that a key, a button or a script can do.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace enamel::viewer {
+
+enum class Action : std::uint8_t {
+  swapRenderers,
+  testPush,
+  grip,
+  home,
+  reset,
+  nextScene,
+  pause,
+  step,
+  faster,
+  slower,
+  camera1,
+  camera2,
+  camera3,
+  camera4,
+  nextCamera,
+  previousCamera,
+  help,
+  panels,
+  timing,
+  charts,
+  fullScreen,
+  screenshot,
+  quit,
+};
+
+/// A row of the help, of the key bindings and of the script's vocabulary.
+struct ActionRow {
+  Action action;
+  const char* name;  ///< in scripts
+  const char* keys;  ///< as the help shows them
+  const char* meaning;
+  int key;       ///< GLFW's number
+  bool control;  ///< with Ctrl
+};
+
+const std::vector<ActionRow>& actionRows();
+
+/// The rows of the help that are not single actions.
+struct HelpRow {
+  const char* keys;
+  const char* meaning;
+};
+const std::vector<HelpRow>& drivingRows();
+
+/// The action bound to a key, or of a name in a script; null if there is none.
+const ActionRow* actionOfKey(int key, bool control);
+const ActionRow* actionOfName(std::string_view name);
+
+}  // namespace enamel::viewer

@@ -1,0 +1,206 @@
+#include "charts.hpp"
+
+#include <vtkAxis.h>
+#include <vtkContextActor.h>
+#include <vtkPen.h>
+#include <vtkPlotLine.h>
+#include <vtkRenderWindow.h>
+#include <vtkTextProperty.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "palette.hpp"
+
+namespace enamel::viewer {
+namespace {
+
+constexpr int kTorqueChart = 2;
+
+vtkColor4ub bytes(unsigned rgb, unsigned char alpha = 255) {
+  return {static_cast<unsigned char>(rgb >> 16 & 255), static_cast<unsigned char>(rgb >> 8 & 255),
+          static_cast<unsigned char>(rgb & 255), alpha};
+}
+
+// The smallest of 1, 2, 5 times a power of ten that holds a value.
+double niceAbove(double value, double smallest) {
+  double nice = smallest;
+  while (nice < value) {
+    const double mantissa = nice / std::pow(10.0, std::floor(std::log10(nice) + 1e-9));
+    nice *= mantissa > 1.5 && mantissa < 3.0 ? 2.5 : 2.0;
+  }
+  return nice;
+}
+
+}  // namespace
+
+Charts::Charts(vtkRenderer* renderer, const std::string& font, double torqueLimit)
+    : bins_(kBins + 1), torqueLimit_(torqueLimit) {
+  const Colour paper = colour(kPaper);
+  renderer->SetBackground(paper.r, paper.g, paper.b);
+  vtkNew<vtkContextActor> actor;
+  scene_ = actor->GetScene();
+  scene_->SetRenderer(renderer);
+  renderer->AddActor(actor);
+
+  constexpr int rows = 2 * kBins;
+  time_->SetName("time");
+  time_->SetNumberOfValues(rows);
+  for (int i = 0; i < rows; ++i) time_->SetValue(i, static_cast<float>(-kWindow + kWindow * (0.5 * i + 0.25) / kBins));
+  table_->AddColumn(time_);
+  for (int s = 0; s < kSignals; ++s) {
+    values_[static_cast<std::size_t>(s)]->SetName(("signal" + std::to_string(s)).c_str());
+    values_[static_cast<std::size_t>(s)]->SetNumberOfValues(rows);
+    table_->AddColumn(values_[static_cast<std::size_t>(s)]);
+  }
+  limitTime_->SetName("time");
+  limitTime_->InsertNextValue(static_cast<float>(-kWindow));
+  limitTime_->InsertNextValue(0.0f);
+  limits_->AddColumn(limitTime_);
+  for (std::size_t i = 0; i < limitValues_.size(); ++i) {
+    limitValues_[i]->SetName(("limit" + std::to_string(i)).c_str());
+    limitValues_[i]->SetNumberOfValues(2);
+    limits_->AddColumn(limitValues_[i]);
+  }
+
+  for (auto& chart : charts_) {
+    chart = vtkSmartPointer<vtkChartXY>::New();
+    chart->SetAutoSize(false);
+    chart->SetShowLegend(false);
+    chart->SetHiddenAxisBorder(0);
+    chart->SetBackgroundBrush(nullptr);
+    for (const int side : {vtkAxis::LEFT, vtkAxis::BOTTOM}) {
+      vtkAxis* axis = chart->GetAxis(side);
+      axis->SetTitle("");
+      axis->SetBehavior(vtkAxis::FIXED);
+      axis->GetGridPen()->SetColorF(colour(kLine).r, colour(kLine).g, colour(kLine).b);
+      axis->GetPen()->SetColorF(colour(kCubeLine).r, colour(kCubeLine).g, colour(kCubeLine).b);
+      axis->SetGridVisible(side == vtkAxis::LEFT);
+      vtkTextProperty* text = axis->GetLabelProperties();
+      text->SetColor(colour(kMuted).r, colour(kMuted).g, colour(kMuted).b);
+      if (!font.empty()) {
+        text->SetFontFamily(VTK_FONT_FILE);
+        text->SetFontFile(font.c_str());
+      }
+    }
+    vtkAxis* bottom = chart->GetAxis(vtkAxis::BOTTOM);
+    bottom->SetRange(-kWindow, 0.0);
+    bottom->SetNumberOfTicks(4);
+    bottom->SetNotation(vtkAxis::FIXED_NOTATION);
+    bottom->SetPrecision(0);
+    scene_->AddItem(chart);
+  }
+  plotLimit(0, 0);
+  plotLimit(1, 1);
+  plotLimit(kTorqueChart, 2);
+  plotLimit(kTorqueChart, 3);
+  plotSignal(0, 0, kBlue, false);
+  plotSignal(1, 1, kVermilion, false);
+  constexpr unsigned chains[] = {kBlue, kOrange, kGreen};
+  for (int joint = 0; joint < 6; ++joint) plotSignal(kTorqueChart, 2 + joint, chains[joint / 2], joint % 2 == 1);
+  clear();
+}
+
+void Charts::plotSignal(int chart, int signal, unsigned colour, bool dashed) {
+  vtkPlot* plot = charts_[static_cast<std::size_t>(chart)]->AddPlot(vtkChart::LINE);
+  plot->SetInputData(table_, 0, 1 + signal);
+  const vtkColor4ub c = bytes(colour);
+  plot->SetColor(c[0], c[1], c[2], 255);
+  plot->GetPen()->SetLineType(dashed ? vtkPen::DASH_LINE : vtkPen::SOLID_LINE);
+  lines_.push_back(plot);
+  widths_.push_back(chart == kTorqueChart ? 1.3f : 1.8f);
+}
+
+void Charts::plotLimit(int chart, int index) {
+  vtkPlot* plot = charts_[static_cast<std::size_t>(chart)]->AddPlot(vtkChart::LINE);
+  plot->SetInputData(limits_, 0, 1 + index);
+  const vtkColor4ub c = bytes(kInk);
+  plot->SetColor(c[0], c[1], c[2], 200);
+  plot->GetPen()->SetLineType(vtkPen::DASH_LINE);
+  limitLines_.push_back(plot);
+}
+
+void Charts::clear() {
+  for (Bin& bin : bins_) {
+    bin.low.fill(0.0f);
+    bin.high.fill(0.0f);
+    bin.lowFirst.fill(true);
+    bin.count = kBinTicks;
+  }
+  current_ = 0;
+  bins_[0].count = 0;
+}
+
+void Charts::add(const Sample& sample) {
+  std::array<float, kSignals> now;
+  now[0] = static_cast<float>(std::max(0.0, -1e3 * sample.gap));
+  now[1] = static_cast<float>(sample.normalForce);
+  for (int i = 0; i < 6; ++i) now[static_cast<std::size_t>(2 + i)] = static_cast<float>(sample.torque[i]);
+  if (bins_[current_].count == kBinTicks) {
+    current_ = (current_ + 1) % bins_.size();
+    bins_[current_].count = 0;
+  }
+  Bin& bin = bins_[current_];
+  for (std::size_t s = 0; s < kSignals; ++s) {
+    if (bin.count == 0) {
+      bin.low[s] = bin.high[s] = now[s];
+      bin.lowFirst[s] = true;
+    } else if (now[s] > bin.high[s]) {
+      bin.high[s] = now[s];
+      bin.lowFirst[s] = true;
+    } else if (now[s] < bin.low[s]) {
+      bin.low[s] = now[s];
+      bin.lowFirst[s] = false;
+    }
+  }
+  ++bin.count;
+}
+
+void Charts::update(const std::array<ChartPlace, kCharts>& places, float scale, double forceLimit) {
+  std::array<double, kSignals> largest{};
+  for (int b = 0; b < kBins; ++b) {
+    // The oldest complete bin first; the current one is still filling.
+    const Bin& bin = bins_[(current_ + 1 + static_cast<std::size_t>(b)) % bins_.size()];
+    for (std::size_t s = 0; s < kSignals; ++s) {
+      values_[s]->SetValue(2 * b, bin.lowFirst[s] ? bin.low[s] : bin.high[s]);
+      values_[s]->SetValue(2 * b + 1, bin.lowFirst[s] ? bin.high[s] : bin.low[s]);
+      largest[s] = std::max(largest[s], static_cast<double>(std::max(bin.high[s], -bin.low[s])));
+    }
+  }
+  for (auto& values : values_) values->Modified();
+  table_->Modified();
+
+  const std::array<double, 4> limits{1.0, forceLimit, torqueLimit_, -torqueLimit_};
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    limitValues_[i]->SetValue(0, static_cast<float>(limits[i]));
+    limitValues_[i]->SetValue(1, static_cast<float>(limits[i]));
+    limitValues_[i]->Modified();
+  }
+  limits_->Modified();
+
+  // A range grows at once and shrinks after a while.
+  const std::array<double, kCharts> wanted{niceAbove(1.08 * largest[0], 0.05), niceAbove(1.08 * largest[1], 5.0),
+                                           1.2 * torqueLimit_};
+  for (std::size_t i = 0; i < kCharts; ++i) {
+    shrink_[i] = wanted[i] < ranges_[i] ? shrink_[i] + 1 : 0;
+    if (wanted[i] > ranges_[i] || shrink_[i] > 30) ranges_[i] = wanted[i];
+    vtkAxis* axis = charts_[i]->GetAxis(vtkAxis::LEFT);
+    const bool signedRange = i == kTorqueChart;
+    axis->SetRange(signedRange ? -ranges_[i] : -0.04 * ranges_[i], ranges_[i]);
+    axis->SetNumberOfTicks(signedRange ? 5 : 6);
+    const ChartPlace& p = places[i];
+    charts_[i]->SetSize(vtkRectf(p.x, p.y, p.width, p.height));
+    charts_[i]->GetAxis(vtkAxis::LEFT)->GetLabelProperties()->SetFontSize(11);
+    charts_[i]->GetAxis(vtkAxis::BOTTOM)->GetLabelProperties()->SetFontSize(11);
+    axis->GetGridPen()->SetWidth(scale);
+  }
+  for (std::size_t i = 0; i < lines_.size(); ++i) lines_[i]->GetPen()->SetWidth(widths_[i] * scale);
+  for (std::size_t i = 0; i < limitLines_.size(); ++i) {
+    limitLines_[i]->GetPen()->SetWidth(scale);
+    const std::size_t chart = i < 2 ? i : kTorqueChart;
+    limitLines_[i]->SetVisible(std::abs(limits[i]) <= ranges_[chart]);
+  }
+  scene_->SetDirty(true);
+}
+
+}  // namespace enamel::viewer

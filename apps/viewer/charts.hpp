@@ -1,0 +1,73 @@
+// Live charts of penetration, normal force and joint torques.
+#pragma once
+
+#include <vtkChartXY.h>
+#include <vtkContextScene.h>
+#include <vtkFloatArray.h>
+#include <vtkNew.h>
+#include <vtkPlot.h>
+#include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
+#include <vtkTable.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "runner.hpp"
+
+namespace enamel::viewer {
+
+/// Where a chart stands, pixels from the bottom left of its renderer's viewport.
+struct ChartPlace {
+  float x, y, width, height;
+};
+
+class Charts {
+ public:
+  static constexpr int kCharts = 3;
+  static constexpr double kWindow = 3.0;  ///< s that are shown
+
+  /// `font`: a TrueType file, or empty.
+  Charts(vtkRenderer* renderer, const std::string& font, double torqueLimit);
+
+  void add(const Sample& sample);
+  void clear();
+  void setTorqueLimit(double limit) { torqueLimit_ = limit; }
+
+  /// Draws what was added. `forceLimit`: what the motors can give along the normal, N.
+  void update(const std::array<ChartPlace, kCharts>& places, float scale, double forceLimit);
+
+  /// Upper ends of the axes: mm, N, N m.
+  const std::array<double, kCharts>& ranges() const { return ranges_; }
+
+ private:
+  static constexpr int kSignals = 8;  // penetration [mm], force [N], six torques [N m]
+  static constexpr int kBins = 250;   // of the window, each with its smallest and largest value
+  static constexpr int kBinTicks = 12;
+
+  struct Bin {
+    std::array<float, kSignals> low, high;
+    std::array<bool, kSignals> lowFirst;
+    int count = 0;
+  };
+
+  void plotSignal(int chart, int signal, unsigned colour, bool dashed);
+  void plotLimit(int chart, int index);
+
+  vtkSmartPointer<vtkContextScene> scene_;
+  std::array<vtkSmartPointer<vtkChartXY>, kCharts> charts_;
+  vtkNew<vtkTable> table_, limits_;
+  vtkNew<vtkFloatArray> time_, limitTime_;
+  std::array<vtkNew<vtkFloatArray>, kSignals> values_;
+  std::array<vtkNew<vtkFloatArray>, 4> limitValues_;
+  std::vector<vtkPlot*> lines_, limitLines_;
+  std::vector<float> widths_;
+  std::vector<Bin> bins_;  // a ring
+  std::size_t current_ = 0;
+  double torqueLimit_;
+  std::array<double, kCharts> ranges_{0.1, 5.0, 2.0};
+  std::array<int, kCharts> shrink_{};  // frames since a smaller range would do
+};
+
+}  // namespace enamel::viewer

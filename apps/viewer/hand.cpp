@@ -1,0 +1,57 @@
+#include "hand.hpp"
+
+#include <algorithm>
+
+namespace enamel::viewer {
+namespace {
+
+constexpr Grip kGuide{100.0, 3.6};                              // N/m, N s/m, along x and y
+constexpr double kTurnStiffness = 0.5, kTurnDamping = 0.014;    // N m/rad, N m s/rad
+constexpr double kHandRate = 30.0;                              // rad/s
+constexpr double kStopStiffness = 3000.0, kStopDamping = 20.0;  // N/m, N s/m
+
+}  // namespace
+
+Vec3 stiffnessOf(const Grip& grip) noexcept {
+  const double across = std::max(grip.stiffness, kGuide.stiffness);
+  return {across, across, grip.stiffness};
+}
+
+Vec3 dampingOf(const Grip& grip) noexcept {
+  const double across = std::max(grip.damping, kGuide.damping);
+  return {across, across, grip.damping};
+}
+
+void moveHand(Hand& hand, const Vec3& tool, double dt) noexcept {
+  const Vec3 stretch = hand.target - tool;
+  const double force = stiffnessOf(hand.grip).cwiseProduct(stretch).norm();
+  if (force > kLargestHandForce) hand.target = tool + (kLargestHandForce / force) * stretch;
+  const Vec3 acceleration = kHandRate * kHandRate * (hand.target - hand.position) - 2.0 * kHandRate * hand.velocity;
+  hand.velocity += dt * acceleration;
+  hand.position += dt * hand.velocity;
+}
+
+HandLoad::HandLoad(const Hand& hand, double since, const Vec3& held) noexcept
+    : stiffness_(stiffnessOf(hand.grip)),
+      damping_(dampingOf(hand.grip)),
+      position_(hand.position),
+      velocity_(hand.velocity),
+      held_(held),
+      since_(since) {}
+
+Vec6 HandLoad::operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
+  const Vec3 point = position_ + (time - since_) * velocity_;
+  const Mat3& r = pose.rotation;
+  const Vec3 turn = 0.5 * Vec3(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));
+  Vec6 wrench;
+  wrench.head<3>() =
+      held_ + stiffness_.cwiseProduct(point - pose.position) + damping_.cwiseProduct(velocity_ - twist.head<3>());
+  wrench.tail<3>() = -kTurnStiffness * turn - kTurnDamping * twist.tail<3>();
+  for (int i = 0; i < 3; ++i) {
+    const double excess = pose.position[i] - std::clamp(pose.position[i], -kStop, kStop);
+    if (excess != 0.0) wrench[i] -= kStopStiffness * excess + kStopDamping * twist[i];
+  }
+  return wrench;
+}
+
+}  // namespace enamel::viewer

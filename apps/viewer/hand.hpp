@@ -1,0 +1,54 @@
+// The person's hand: a spring and a damper between a point that the mouse moves and the tool.
+#pragma once
+
+#include "enamel/core/types.hpp"
+
+namespace enamel::viewer {
+
+/// How firmly the hand holds the tool along z.
+struct Grip {
+  double stiffness;  ///< N/m
+  double damping;    ///< N s/m
+};
+
+/// The hand of "A Position-Control Based Approach to Haptic Rendering of Stiff Objects", section V, and a firmer one.
+inline constexpr Grip kPaperGrip{40.0, 3.6};
+inline constexpr Grip kFirmGrip{400.0, 12.0};
+
+/// Largest force that the hand builds up, N: beyond it, the hand follows the tool.
+inline constexpr double kLargestHandForce = 15.0;
+
+/// Half the side of the cube at whose faces the device's mechanical stops begin, m.
+inline constexpr double kStop = 0.028;
+
+/// The hand in motion. Its point follows `target` like a critically damped spring of kHandRate; along x and y it is at
+/// least as firm as the guide that a person's hand is (100 N/m, 3.6 N s/m), and it holds the tool's orientation about
+/// the axes of W with 0.5 N m/rad (of the sine of the angle), 0.014 N m s/rad.
+struct Hand {
+  Grip grip = kFirmGrip;
+  Vec3 target = Vec3::Zero();    ///< m
+  Vec3 position = Vec3::Zero();  ///< m
+  Vec3 velocity = Vec3::Zero();  ///< m/s
+};
+
+/// Stiffness and damping along x, y, z. Realtime: yes.
+Vec3 stiffnessOf(const Grip& grip) noexcept;
+Vec3 dampingOf(const Grip& grip) noexcept;
+
+/// Moves the hand towards its target for `dt` s; the target stays within reach of the tool's point: where the springs
+/// give kLargestHandForce. Realtime: yes.
+void moveHand(Hand& hand, const Vec3& tool, double dt) noexcept;
+
+/// Wrench on the platform at the TCP: of the hand (its point moving on from time `since`), of a held force, and of the
+/// mechanical stops (3 kN/m, 20 N s/m outside the cube of kStop). A load for VirtualLoop::tick(). Realtime: yes.
+class HandLoad {
+ public:
+  HandLoad(const Hand& hand, double since, const Vec3& held) noexcept;
+  Vec6 operator()(double time, const Pose& pose, const Vec6& twist) const noexcept;
+
+ private:
+  Vec3 stiffness_, damping_, position_, velocity_, held_;
+  double since_;
+};
+
+}  // namespace enamel::viewer

@@ -1,0 +1,56 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "data_folder.hpp"
+#include "viewer.hpp"
+
+int main(int argc, char** argv) {
+  using namespace enamel::viewer;
+  const double started = steadySeconds();
+  CLI::App app{
+      "Push the tool of a virtual TAU against a wall and see what stiff means. F1 in the window lists every key.\n"
+      "Lengths in scripts are mm; W has x right, y up, z from the wall to the user."};
+  Options options;
+  options.scene = dataFolder() + "/scenes/flat-wall.toml";
+  options.device = dataFolder() + "/devices/tau-nominal.toml";
+  std::string renderer = "position-control", size = "1280x720";
+  app.add_option("scene", options.scene, "scene file (TOML)");
+  app.add_option("--device", options.device, "device file (TOML)");
+  app.add_option("--renderer", renderer, "the wall to begin with")
+      ->check(CLI::IsMember({"position-control", "impedance"}));
+  app.add_flag("--headless", options.headless, "no display: run the script on simulated time");
+  app.add_option("--script", options.script, "what to do, with times");
+  app.add_option("--record", options.record, "folder for pictures (made if it is missing)");
+  app.add_option("--report", options.report, "how the run went: frame rate, timing, memory (JSON)");
+  app.add_option("--size", size, "WIDTHxHEIGHT of the picture");
+  app.add_option("--scale", options.scale, "pixels per unit of layout, headless")->check(CLI::Range(1.0, 4.0));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "enamel-viewer: %s (see enamel-viewer --help)\n", error.what());
+    return 2;
+  }
+  try {
+    options.wall = renderer == "impedance" ? Wall::impedance : Wall::positionControl;
+    try {
+      options.size = parseSize(size);
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "enamel-viewer: --size %s\n", error.what());
+      return 2;
+    }
+    if (options.headless)
+      runHeadless(options, started);
+    else
+      runInWindow(options, started);
+  } catch (const std::exception& error) {
+    std::string message = error.what();
+    for (char& c : message)
+      if (c == '\n') c = ' ';
+    std::fprintf(stderr, "enamel-viewer: %s\n", message.c_str());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,594 @@
+#include "overlay.hpp"
+
+#include <imgui.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include "palette.hpp"
+
+namespace enamel::viewer {
+namespace {
+
+ImFont* gText = nullptr;  // ImGui keeps fonts for the life of its context, of which there is one
+ImFont* gSmall = nullptr;
+ImFont* gBold = nullptr;
+ImFont* gLarge = nullptr;
+
+ImU32 ink(unsigned rgb, double alpha = 1.0) {
+  return IM_COL32(rgb >> 16 & 255, rgb >> 8 & 255, rgb & 255, static_cast<int>(255.0 * alpha));
+}
+
+ImVec4 tone(unsigned rgb, double alpha = 1.0) { return ImGui::ColorConvertU32ToFloat4(ink(rgb, alpha)); }
+
+std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+std::string format(const char* pattern, ...) {
+  char text[256];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof(text), pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+constexpr unsigned kWallColour[2] = {kBlue, kOrange};
+constexpr const char* kWallName[2] = {"Position control", "Spring"};
+
+// ---- drawing primitives ------------------------------------------------------------------------------------------
+
+struct Brush {
+  ImDrawList* list;
+  float s;  // scale
+
+  void text(ImFont* font, float x, float y, unsigned rgb, const std::string& text) const {
+    list->AddText(font, font->FontSize, {std::round(x), std::round(y)}, ink(rgb), text.c_str());
+  }
+  static float width(ImFont* font, const std::string& text) {
+    return font->CalcTextSizeA(font->FontSize, 1e6f, 0.0f, text.c_str()).x;
+  }
+  void textRight(ImFont* font, float x, float y, unsigned rgb, const std::string& t) const {
+    text(font, x - width(font, t), y, rgb, t);
+  }
+  void card(const Area& a, double alpha) const {
+    list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper, alpha), 6 * s);
+    list->AddRect({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kLine), 6 * s, 0, s);
+  }
+  void arrow(ImVec2 from, ImVec2 to, unsigned rgb, float width) const {
+    const float dx = to.x - from.x, dy = to.y - from.y, length = std::sqrt(dx * dx + dy * dy);
+    if (length < 1e-3f) return;
+    const float ux = dx / length, uy = dy / length, head = std::min(9 * s, 0.7f * length);
+    const ImVec2 neck{to.x - head * ux, to.y - head * uy};
+    list->AddLine(from, neck, ink(rgb), width);
+    list->AddTriangleFilled(to, {neck.x - 0.55f * head * uy, neck.y + 0.55f * head * ux},
+                            {neck.x + 0.55f * head * uy, neck.y - 0.55f * head * ux}, ink(rgb));
+  }
+};
+
+// ---- controls ----------------------------------------------------------------------------------------------------
+
+void heading(const char* text) {
+  ImGui::Dummy({0, 2});
+  ImGui::PushFont(gBold);
+  ImGui::TextUnformatted(text);
+  ImGui::PopFont();
+}
+
+void remark(const std::string& text, unsigned rgb = kMuted) {
+  ImGui::PushFont(gSmall);
+  ImGui::PushStyleColor(ImGuiCol_Text, tone(rgb));
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+  ImGui::PopFont();
+}
+
+// A slider with its name above; true when a change is complete. `factor`: shown unit per SI unit.
+bool slider(const char* name, const char* pattern, double& value, double low, double high, double factor = 1.0) {
+  float shown = static_cast<float>(value * factor);
+  ImGui::PushID(name);
+  ImGui::PushFont(gSmall);
+  ImGui::TextColored(tone(kMuted), "%s", name);
+  ImGui::PopFont();
+  ImGui::SetNextItemWidth(-1.0f);
+  if (ImGui::SliderFloat("##value", &shown, static_cast<float>(low), static_cast<float>(high), pattern,
+                         ImGuiSliderFlags_AlwaysClamp))
+    value = static_cast<double>(shown) / factor;
+  const bool done = ImGui::IsItemDeactivatedAfterEdit();
+  ImGui::PopID();
+  return done;
+}
+
+bool toggle(const char* name, bool on, float width, unsigned colour = kBlue) {
+  ImGui::PushStyleColor(ImGuiCol_Button, on ? tone(colour) : tone(0xFFFFFF));
+  ImGui::PushStyleColor(ImGuiCol_ButtonHovered, on ? tone(colour, 0.85) : tone(kLine));
+  ImGui::PushStyleColor(ImGuiCol_ButtonActive, tone(colour, 0.7));
+  ImGui::PushStyleColor(ImGuiCol_Text, on ? (colour == kOrange ? tone(kInk) : tone(0xFFFFFF)) : tone(kInk));
+  const bool pressed = ImGui::Button(name, {width, 0});
+  ImGui::PopStyleColor(4);
+  return pressed;
+}
+
+void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state) {
+  const float s = layout.scale;
+  const Frame& frame = input.frame;
+  ImGui::SetNextWindowPos({layout.panel.x, layout.panel.y});
+  ImGui::SetNextWindowSize({layout.panel.width, layout.panel.height});
+  ImGui::Begin("panel", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoNav);
+  const float whole = ImGui::GetContentRegionAvail().x, half = 0.5f * (whole - 6 * s), third = (whole - 12 * s) / 3.0f;
+  const auto ask = [&state](Action action) { state.actions.push_back(action); };
+  Settings& settings = state.settings;
+  const bool spring = frame.wall == Wall::impedance;
+
+  heading("Wall");
+  if (toggle("A  Position", !spring, half, kBlue) && spring) ask(Action::swapRenderers);
+  ImGui::SameLine(0, 6 * s);
+  if (toggle("B  Spring", spring, half, kOrange) && !spring) ask(Action::swapRenderers);
+  if (spring) {
+    state.settingsChanged |= slider("stiffness", "%.0f N/m", settings.spring.stiffness, 200, 20000);
+    state.settingsChanged |= slider("wall damping", "%.1f N s/m", settings.spring.damping, 0, 20);
+    settings.spring.deviceDamping = settings.toolDamping;
+    const DampingBound bound = dampingBound(settings.spring, kPeriod);
+    remark(format("eq. 16 asks for %.1f N s/m of device damping, there is %.1f%s", bound.required, bound.available,
+                  bound.met ? "" : ": not met"),
+           bound.met ? kMuted : kVermilion);
+  } else {
+    state.settingsChanged |= ImGui::Checkbox("let go when pulled", &settings.hold.release);
+    state.settingsChanged |= ImGui::Checkbox("anti-windup", &settings.hold.antiWindup);
+    remark("Holds the pose of first touch: it cannot slide.");
+  }
+
+  heading("Hand");
+  const bool firm = state.grip.stiffness == kFirmGrip.stiffness;
+  if (toggle("40 N/m", !firm, half) && firm) ask(Action::grip);
+  ImGui::SameLine(0, 6 * s);
+  if (toggle("400 N/m", firm, half) && !firm) ask(Action::grip);
+  if (toggle(frame.testing ? "pushing ..." : "Test push 12 N  (P)", frame.testing, whole, kGreen))
+    ask(Action::testPush);
+  state.settingsChanged |= slider("tremor of the hand", "%.2f N", settings.noise, 0, 2);
+
+  heading("Device");
+  state.settingsChanged |= slider("added mass", "%.0f g", settings.extraMass, 0, 300, 1e3);
+  state.settingsChanged |= slider("joint friction", "%.1f mN m s/rad", settings.friction, 0, 20, 1e3);
+  state.settingsChanged |= slider("tool damping", "%.1f N s/m", settings.toolDamping, 0, 20);
+  ImGui::PushFont(gSmall);
+  ImGui::TextColored(tone(kMuted), "delay, ticks");
+  ImGui::PopFont();
+  constexpr Delay delays[] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 3}};
+  constexpr const char* names[] = {"0", "1", "2", "3", "0-3"};
+  for (int i = 0; i < 5; ++i) {
+    if (i > 0) ImGui::SameLine(0, 4 * s);
+    const bool on = settings.delay.low == delays[i].low && settings.delay.high == delays[i].high;
+    if (toggle(names[i], on, (whole - 16 * s) / 5.0f) && !on) {
+      settings.delay = delays[i];
+      state.settingsChanged = true;
+    }
+  }
+  state.settingsChanged |= ImGui::Checkbox("encoders round to counts", &settings.encoders.quantised);
+  ImGui::PushFont(gSmall);
+  ImGui::TextColored(tone(kMuted), "joint rates");
+  ImGui::PopFont();
+  constexpr RateSource sources[] = {RateSource::exact, RateSource::difference, RateSource::lowPass};
+  constexpr const char* rates[] = {"exact", "differ.", "low pass"};
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0) ImGui::SameLine(0, 6 * s);
+    const bool on = settings.encoders.rates == sources[i];
+    if (toggle(rates[i], on, third) && !on) {
+      settings.encoders.rates = sources[i];
+      state.settingsChanged = true;
+    }
+  }
+
+  heading("Time and view");
+  if (toggle(frame.paused ? "go on" : "pause", frame.paused, third)) ask(Action::pause);
+  ImGui::SameLine(0, 6 * s);
+  if (toggle("tick", false, third)) ask(Action::step);
+  ImGui::SameLine(0, 6 * s);
+  if (toggle(frame.slowdown == 1 ? "slow" : format("1:%d", frame.slowdown).c_str(), frame.slowdown != 1, third))
+    ask(Action::slower);
+  constexpr const char* views[] = {"user", "side", "top", "close"};
+  for (int i = 0; i < 4; ++i) {
+    if (i > 0) ImGui::SameLine(0, 4 * s);
+    if (toggle(views[i], std::string(input.cameraName) == views[i], (whole - 12 * s) / 4.0f))
+      ask(static_cast<Action>(static_cast<int>(Action::camera1) + i));
+  }
+  ImGui::SetNextItemWidth(-1.0f);
+  if (ImGui::BeginCombo("##scene", input.sceneName.c_str())) {
+    for (int i = 0; i < static_cast<int>(input.scenes.size()); ++i)
+      if (ImGui::Selectable(input.scenes[static_cast<std::size_t>(i)].c_str(), i == input.sceneIndex))
+        state.sceneAsked = i;
+    ImGui::EndCombo();
+  }
+  ImGui::End();
+}
+
+// ---- over the scene ----------------------------------------------------------------------------------------------
+
+double handForce(const Frame& frame) { return -frame.contacts.contacts[0].normal.dot(frame.record.person.head<3>()); }
+
+void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+  const float s = layout.scale;
+  const Frame& frame = input.frame;
+  const Area& area = layout.scene;
+  const float x = area.x + 18 * s, right = area.x + area.width - 18 * s;
+  brush.text(gLarge, x, area.y + 12 * s, kInk, input.sceneName);
+  const int wall = static_cast<int>(frame.wall);
+  const float y = area.y + 46 * s;
+  brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(kWallColour[wall]));
+  brush.text(gText, x + 16 * s, y, kMuted, format("%s on %s", kWallName[wall], input.deviceName.c_str()));
+
+  const bool contact = frame.record.gap <= 0.0 || frame.record.mode == RenderMode::contact;
+  std::string chip = contact ? "contact" : "free";
+  unsigned fill = contact ? kVermilion : kMuted;
+  if (frame.testing) chip = "test push", fill = kGreen;
+  if (frame.record.status != Status::ok) chip = std::string("fault: ") + toString(frame.record.status), fill = kInk;
+  if (frame.plant != Status::ok) chip = std::string("stopped: ") + toString(frame.plant), fill = kInk;
+  const float chipWidth = Brush::width(gBold, chip) + 20 * s;
+  brush.list->AddRectFilled({right - chipWidth, area.y + 16 * s}, {right, area.y + 40 * s}, ink(fill), 12 * s);
+  brush.text(gBold, right - chipWidth + 10 * s, area.y + 20 * s, 0xFFFFFF, chip);
+  std::string time = format("%.3f s", input.simulated);
+  if (frame.paused) time += "   paused";
+  if (frame.slowdown != 1) time += format("   slow motion 1:%d", frame.slowdown);
+  brush.textRight(gText, right, y, kMuted, time);
+}
+
+void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+  const float s = layout.scale;
+  const Frame& frame = input.frame;
+  const Area& area = layout.scene;
+  const double depth = -1e3 * frame.record.gap;
+  struct Number {
+    std::string value;
+    const char* unit;
+    const char* name;
+    unsigned colour;
+  };
+  const double now = handForce(frame) / std::max(1e-9, -frame.record.gap);
+  const bool inside = depth > 1e-3;
+  const Number numbers[] = {
+      {depth > -0.0005 ? format("%.3f", std::max(0.0, depth)) : format("%.1f", -depth), "mm",
+       depth > -0.0005 ? "penetration" : "to the wall", kBlue},
+      {format("%.1f", frame.record.normalForce), "N", "force of the wall", kVermilion},
+      {format("%.1f", handForce(frame)), "N", "force of the hand", kOrange},
+      {!inside     ? "-"
+       : now < 1e6 ? format("%.1f", 1e-3 * now)
+                   : "> 1000",
+       "kN/m", "hand force / depth now", kInk},
+  };
+  float y = area.y + area.height - 4 * 46 * s - 14 * s;
+  const float x = area.x + 18 * s;
+  for (const Number& n : numbers) {
+    brush.list->AddRectFilled({x, y + 3 * s}, {x + 3 * s, y + 38 * s}, ink(n.colour));
+    brush.text(gLarge, x + 12 * s, y, kInk, n.value);
+    brush.text(gText, x + 18 * s + Brush::width(gLarge, n.value), y + 8 * s, kMuted, n.unit);
+    brush.text(gSmall, x + 12 * s, y + 27 * s, kMuted, n.name);
+    y += 46 * s;
+  }
+}
+
+// The contact, seen along the wall, magnified: the wall below, the tool above, whatever the normal.
+void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
+  constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // mm a bar
+  constexpr int kSteps = 9;
+  const float s = layout.scale;
+  const Area& area = layout.inset;
+  const Frame& frame = input.frame;
+  const Contact& contact = frame.contacts.contacts[0];
+  const Vec3 n = contact.normal;
+  const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
+  const Vec3 across = vertical.cross(n).normalized();
+  const Vec3 tool = frame.record.pose.position;
+  const Vec3 surface = tool - frame.record.gap * n;
+  const Vec3 origin = input.ghost ? input.ghostPosition - n * n.dot(input.ghostPosition - surface) : surface;
+  const float bar = 46 * s;
+
+  const Vec3 offset = tool - origin;
+  const double reach = 1e3 * std::max(std::abs(n.dot(offset)), 0.6 * std::abs(across.dot(offset)));
+  int wanted = 0;
+  while (wanted < kSteps - 1 && reach * bar / steps[wanted] > 58 * s) ++wanted;
+  state.insetPatience = wanted < state.insetStep ? state.insetPatience + 1 : 0;
+  if (wanted > state.insetStep || state.insetPatience > 20) state.insetStep = wanted;
+  const double perMillimetre = static_cast<double>(bar) / steps[state.insetStep];
+
+  const float cx = area.x + 0.5f * area.width, cy = area.y + 0.56f * area.height;
+  const auto at = [&](const Vec3& point) {
+    const Vec3 d = 1e3 * (point - origin);
+    return ImVec2(cx + static_cast<float>(std::clamp(perMillimetre * across.dot(d), -1e4, 1e4)),
+                  cy - static_cast<float>(std::clamp(perMillimetre * n.dot(d), -1e4, 1e4)));
+  };
+  brush.card(area, 0.96);
+  const float top = area.y + 26 * s, bottom = area.y + area.height - s;
+  brush.list->PushClipRect({area.x + s, top}, {area.x + area.width - s, bottom}, true);
+  // The wall, with a grid of one bar.
+  brush.list->AddRectFilled({area.x, cy}, {area.x + area.width, bottom}, ink(kEnamel));
+  for (float x = std::fmod(cx - area.x, bar) + area.x; x < area.x + area.width; x += bar)
+    brush.list->AddLine({x, cy}, {x, bottom}, ink(kEnamelGrid, 0.6), s);
+  for (float y = cy + bar; y < bottom; y += bar)
+    brush.list->AddLine({area.x, y}, {area.x + area.width, y}, ink(kEnamelGrid, 0.6), s);
+  brush.list->AddLine({area.x, cy}, {area.x + area.width, cy}, ink(kEnamelEdge), 2 * s);
+  // Normal.
+  brush.list->AddLine({cx, cy}, {cx, top}, ink(kMuted, 0.6), s);
+
+  const auto wedge = [&](ImVec2 apex, ImU32 fill, ImU32 outline) {
+    const float height = std::max(apex.y - top + 4 * s, 20 * s), wide = 0.17f * height;
+    const ImVec2 a{apex.x - wide, apex.y - height}, b{apex.x + wide, apex.y - height};
+    if (fill != 0) brush.list->AddTriangleFilled(apex, a, b, fill);
+    if (outline != 0) {
+      brush.list->AddLine(apex, a, outline, 1.5f * s);
+      brush.list->AddLine(apex, b, outline, 1.5f * s);
+    }
+  };
+  const ImVec2 tip = at(tool);
+  for (std::size_t i = 1; i < input.trail.size(); ++i)
+    brush.list->AddLine(at(input.trail[i - 1]), at(input.trail[i]),
+                        ink(kBlue, 0.7 * static_cast<double>(i) / static_cast<double>(input.trail.size())), 1.5f * s);
+  wedge(tip, ink(kNeedle, 0.88), 0);
+  if (input.ghost) {
+    const ImVec2 reference = at(input.ghostPosition);
+    wedge(reference, 0, ink(kBlue));
+    brush.list->AddCircle(reference, 4 * s, ink(kBlue), 0, 1.5f * s);
+  }
+  const float forceLength = static_cast<float>(std::clamp(4.0 * frame.record.normalForce, 0.0, 80.0)) * s;
+  if (frame.record.normalForce > 0.05)
+    brush.arrow({tip.x, tip.y}, {tip.x, tip.y - forceLength - 8 * s}, kVermilion, 3 * s);
+  const double pressed = handForce(frame);
+  if (pressed > 0.05) {
+    const float from = std::max(top, tip.y - 118 * s);
+    const float length = static_cast<float>(std::clamp(3.0 * pressed, 0.0, 50.0)) * s + 8 * s;
+    brush.arrow({tip.x - 26 * s, from}, {tip.x - 26 * s, from + length}, kOrange, 3 * s);
+  }
+  // Dimension of the depth.
+  const double depth = -1e3 * frame.record.gap;
+  if (depth > 0.0) {
+    const float x = cx + 62 * s, y = tip.y;
+    brush.list->AddLine({tip.x, y}, {x + 5 * s, y}, ink(kInk, 0.5), s);
+    brush.list->AddLine({x, cy}, {x, y}, ink(kInk), 1.5f * s);
+    brush.list->AddLine({x - 4 * s, cy}, {x + 4 * s, cy}, ink(kInk), 1.5f * s);
+    brush.list->AddLine({x - 4 * s, y}, {x + 4 * s, y}, ink(kInk), 1.5f * s);
+    brush.text(gText, cx + 40 * s, std::max(y, cy) + 4 * s, kInk, format("%.3f mm", depth));
+  }
+  brush.list->PopClipRect();
+
+  brush.text(gBold, area.x + 10 * s, area.y + 6 * s, kInk, "Contact, magnified");
+  const float bx = area.x + 12 * s, by = area.y + area.height - 12 * s;
+  brush.list->AddLine({bx, by}, {bx + bar, by}, ink(kInk), 2 * s);
+  brush.list->AddLine({bx, by - 4 * s}, {bx, by + 4 * s}, ink(kInk), 1.5f * s);
+  brush.list->AddLine({bx + bar, by - 4 * s}, {bx + bar, by + 4 * s}, ink(kInk), 1.5f * s);
+  brush.text(gSmall, bx, by - 19 * s, kInk, format("%g mm", steps[state.insetStep]));
+}
+
+void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+  const float s = layout.scale;
+  const TickRecord& record = input.frame.record;
+  const std::string values[] = {format("%.3f mm", std::max(0.0, -1e3 * record.gap)),
+                                format("%.1f N", record.normalForce),
+                                format("%.2f N m", record.torque.cwiseAbs().maxCoeff())};
+  const std::string limits[] = {"paper's bound 1 mm", format("motors allow %.0f N", input.limit.largestForce),
+                                "limit 2 N m"};
+  const char* names[] = {"Penetration", "Force of the wall", "Joint torques"};
+  for (std::size_t i = 0; i < Charts::kCharts; ++i) {
+    const Area& a = layout.chart[i];
+    const float x = a.x + 14 * s;
+    brush.text(gBold, x, a.y + 6 * s, kInk, names[i]);
+    brush.text(gSmall, x + Brush::width(gBold, names[i]) + 8 * s, a.y + 8 * s, kMuted, limits[i]);
+    brush.textRight(gBold, a.x + a.width - 14 * s, a.y + 6 * s, kInk, values[i]);
+  }
+  // Key of the torques: chains by colour, lift dashed.
+  const Area& a = layout.chart[2];
+  const unsigned colours[] = {kBlue, kOrange, kGreen};
+  float x = a.x + 52 * s;
+  const float y = a.y + a.height - 46 * s;
+  for (int chain = 0; chain < 3; ++chain) {
+    brush.list->AddLine({x, y + 7 * s}, {x + 14 * s, y + 7 * s}, ink(colours[chain]), 3 * s);
+    brush.text(gSmall, x + 18 * s, y, kMuted, format("chain %d", chain + 1));
+    x += 66 * s;
+  }
+  brush.text(gSmall, x, y, kMuted, "lift dashed");
+}
+
+void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+  const float s = layout.scale;
+  const Area& a = layout.gauge;
+  const float x = a.x + 14 * s, right = a.x + a.width - 14 * s;
+  brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper));
+  brush.list->AddLine({x, a.y}, {right, a.y}, ink(kLine), s);
+  brush.text(gBold, x, a.y + 8 * s, kInk, "Perceived stiffness");
+  brush.text(gSmall, x + Brush::width(gBold, "Perceived stiffness") + 8 * s, a.y + 10 * s, kMuted,
+             "first impact of a 12 N step");
+  float y = a.y + 32 * s;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const TestPush& test = input.frame.tests[i];
+    const bool active = static_cast<std::size_t>(input.frame.wall) == i;
+    brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(kWallColour[i]));
+    brush.text(active ? gBold : gText, x + 17 * s, y, kInk, kWallName[i]);
+    if (test.valid) {
+      brush.text(gBold, x + 150 * s, y, kInk, stiffnessText(test.stiffness));
+      brush.textRight(gText, right, y, kMuted,
+                      format("%.1f %% of the limit", 100.0 * test.stiffness / input.limit.stiffness));
+    } else {
+      brush.text(gText, x + 150 * s, y, kMuted, "press P to measure");
+    }
+    y += 23 * s;
+  }
+  // A logarithmic bar from 1 kN/m to 1 MN/m.
+  const float bar = a.y + 108 * s, height = 8 * s;
+  const auto place = [&](double stiffness) {
+    const double share = std::log10(std::clamp(stiffness, 1e3, 1e6) / 1e3) / 3.0;
+    return x + static_cast<float>(share) * (right - x);
+  };
+  brush.list->AddRectFilled({x, bar}, {right, bar + height}, ink(kLine), 3 * s);
+  const float limit = place(input.limit.stiffness);
+  brush.list->AddRectFilled({limit, bar}, {right, bar + height}, ink(kMuted, 0.55), 3 * s);
+  brush.list->AddLine({limit, bar - 6 * s}, {limit, bar + height + 6 * s}, ink(kInk), 2 * s);
+  const std::string text = "limit " + stiffnessText(input.limit.stiffness);
+  const float wide = Brush::width(gSmall, text);
+  brush.text(gSmall, std::min(limit - 0.5f * wide, right - wide), bar - 22 * s, kInk, text);
+  constexpr const char* ticks[] = {"1 kN/m", "10", "100", "1 MN/m"};
+  for (int i = 0; i < 4; ++i) {
+    const float tx = x + static_cast<float>(i) * (right - x) / 3.0f, tw = Brush::width(gSmall, ticks[i]);
+    brush.list->AddLine({tx, bar + height}, {tx, bar + height + 4 * s}, ink(kMuted), s);
+    brush.text(gSmall, std::clamp(tx - 0.5f * tw, x, right - tw), bar + height + 6 * s, kMuted, ticks[i]);
+  }
+  for (std::size_t i = 0; i < 2; ++i)
+    if (input.frame.tests[i].valid) {
+      const ImVec2 centre{place(input.frame.tests[i].stiffness), bar + 0.5f * height};
+      brush.list->AddCircleFilled(centre, 8 * s, ink(0xFFFFFF));
+      brush.list->AddCircleFilled(centre, 6.5f * s, ink(kWallColour[i]));
+    }
+}
+
+void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+  const float s = layout.scale;
+  const TimingNumbers& t = input.timing;
+  const Area card{layout.scene.x + 18 * s, layout.scene.y + 76 * s, 300 * s, 104 * s};
+  brush.card(card, 0.94);
+  const float x = card.x + 12 * s;
+  float y = card.y + 8 * s;
+  const auto line = [&](const std::string& text) {
+    brush.text(gText, x, y, kInk, text);
+    y += 22 * s;
+  };
+  if (t.available) {
+    line(format("haptic loop 1 kHz, %s", t.realtime ? "real-time class" : "normal class"));
+    line(format("wake-up  median %.0f us, p99.9 %.0f us", 1e6 * t.wakeMedian, 1e6 * t.wakeHigh));
+    line(format("compute  median %.1f us, p99.9 %.1f us", 1e6 * t.computeMedian, 1e6 * t.computeHigh));
+    line(format("missed %llu of %llu    %.0f pictures/s", t.missed, t.periods, t.framesPerSecond));
+  } else {
+    line("simulated time: no haptic thread");
+  }
+}
+
+void drawHelp(const Layout& layout, const Brush& brush) {
+  const float s = layout.scale;
+  const auto &actions = actionRows(), rows = actionRows();
+  const auto& driving = drivingRows();
+  const float wide = std::min(640 * s, static_cast<float>(layout.size.x) - 20 * s);
+  const float row = 23 * s;
+  const std::size_t left = driving.size() + 8, all = driving.size() + actions.size();
+  const float high = 66 * s + row * static_cast<float>(std::max(left, all - left));
+  const Area card{0.5f * (static_cast<float>(layout.size.x) - wide),
+                  std::max(0.0f, 0.5f * (static_cast<float>(layout.size.y) - high)), wide, high};
+  brush.list->AddRectFilled({0, 0}, {static_cast<float>(layout.size.x), static_cast<float>(layout.size.y)},
+                            ink(kInk, 0.25));
+  brush.card(card, 1.0);
+  brush.text(gLarge, card.x + 20 * s, card.y + 12 * s, kInk, "Push the tool against the wall");
+  for (std::size_t i = 0; i < all; ++i) {
+    const bool second = i >= left;
+    const float x = card.x + 20 * s + (second ? 0.52f * wide : 0.0f);
+    const float y = card.y + 52 * s + row * static_cast<float>(second ? i - left : i);
+    const bool drive = i < driving.size();
+    const char* keys = drive ? driving[i].keys : actions[i - driving.size()].keys;
+    const char* meaning = drive ? driving[i].meaning : actions[i - driving.size()].meaning;
+    brush.text(gBold, x, y, kInk, keys);
+    brush.text(gText, x + (second ? 82 : 92) * s, y, kMuted, meaning);
+  }
+}
+
+}  // namespace
+
+std::string stiffnessText(double stiffness) {
+  if (stiffness >= 999.5e3) return format("%.2f MN/m", 1e-6 * stiffness);
+  if (stiffness >= 99.95e3) return format("%.0f kN/m", 1e-3 * stiffness);
+  if (stiffness >= 9.995e3) return format("%.1f kN/m", 1e-3 * stiffness);
+  return format("%.2f kN/m", 1e-3 * stiffness);
+}
+
+Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts) {
+  Layout layout;
+  layout.scale = scale;
+  layout.size = size;
+  const float w = static_cast<float>(size.x), h = static_cast<float>(size.y);
+  const float panel = 248 * scale, column = 372 * scale, gauge = 152 * scale;
+  const float sceneLeast = 300 * scale;
+  const bool showCharts = charts && w >= column + sceneLeast && h >= 420 * scale;
+  const bool showPanel = panels && w >= panel + sceneLeast + (showCharts ? column : 0.0f);
+  const float left = showPanel ? panel : 0.0f, right = showCharts ? column : 0.0f;
+  layout.panel = {0, 0, left, h};
+  layout.scene = {left, 0, w - left - right, h};
+  layout.charts = {w - right, 0, right, showCharts ? h - gauge : 0};
+  layout.gauge = {w - right, h - gauge, right, showCharts ? gauge : 0};
+  // The torques get a little more: six lines and their key.
+  const float unit = layout.charts.height / 3.2f, heights[] = {unit, unit, 1.2f * unit};
+  float y = 0;
+  for (std::size_t i = 0; i < Charts::kCharts; ++i) {
+    layout.chart[i] = {layout.charts.x, y, right, heights[i]};
+    y += heights[i];
+  }
+  const float side = std::min({236 * scale, 0.5f * layout.scene.width, 0.45f * h});
+  if (side > 120 * scale)
+    layout.inset = {layout.scene.x + layout.scene.width - side - 14 * scale, h - side - 14 * scale, side, side};
+  return layout;
+}
+
+void setUpOverlay(const std::string& font, const std::string& boldFont, float scale) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.Fonts->Clear();
+  const auto load = [&io, scale](const std::string& file, float size) {
+    if (!file.empty())
+      if (ImFont* loaded = io.Fonts->AddFontFromFileTTF(file.c_str(), std::round(size * scale))) return loaded;
+    ImFontConfig config;
+    config.SizePixels = std::round(size * scale);
+    return io.Fonts->AddFontDefault(&config);
+  };
+  gText = load(font, 15.0f);
+  gSmall = load(font, 13.0f);
+  gBold = load(boldFont, 15.0f);
+  gLarge = load(boldFont, 26.0f);
+  io.Fonts->Build();
+
+  ImGui::GetStyle() = ImGuiStyle();
+  ImGui::StyleColorsLight();
+  ImGuiStyle& style = ImGui::GetStyle();
+  style.WindowRounding = 0.0f;
+  style.WindowBorderSize = 0.0f;
+  style.FrameRounding = 4.0f;
+  style.GrabRounding = 4.0f;
+  style.FrameBorderSize = 1.0f;
+  style.WindowPadding = {14, 8};
+  style.ItemSpacing = {6, 4};
+  style.FramePadding = {6, 3};
+  style.ScrollbarSize = 8;
+  style.GrabMinSize = 10;
+  style.AntiAliasedLinesUseTex = true;
+  style.ScaleAllSizes(scale);
+  ImVec4* c = style.Colors;
+  c[ImGuiCol_Text] = tone(kInk);
+  c[ImGuiCol_WindowBg] = tone(kPaper);
+  c[ImGuiCol_PopupBg] = tone(0xFFFFFF);
+  c[ImGuiCol_Border] = tone(kLine);
+  c[ImGuiCol_FrameBg] = tone(0xFFFFFF);
+  c[ImGuiCol_FrameBgHovered] = tone(kGround);
+  c[ImGuiCol_FrameBgActive] = tone(kLine);
+  c[ImGuiCol_SliderGrab] = tone(kBlue, 0.8);
+  c[ImGuiCol_SliderGrabActive] = tone(kBlue);
+  c[ImGuiCol_CheckMark] = tone(kBlue);
+  c[ImGuiCol_Header] = tone(kBlue, 0.2);
+  c[ImGuiCol_HeaderHovered] = tone(kBlue, 0.3);
+  c[ImGuiCol_Button] = tone(0xFFFFFF);
+  c[ImGuiCol_ButtonHovered] = tone(kLine);
+}
+
+void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& state) {
+  if (layout.panel.width > 0) drawPanel(layout, input, state);
+  const Brush brush{ImGui::GetBackgroundDrawList(), layout.scale};
+  drawHeader(layout, input, brush);
+  drawNumbers(layout, input, brush);
+  if (layout.inset.width > 0) drawInset(layout, input, state, brush);
+  if (layout.charts.width > 0) {
+    drawChartTitles(layout, input, brush);
+    drawGauge(layout, input, brush);
+  }
+  if (state.timing) drawTiming(layout, input, brush);
+  if (!state.notice.empty()) {
+    const float s = layout.scale, wide = Brush::width(gText, state.notice) + 24 * s;
+    const float x = layout.scene.x + 0.5f * (layout.scene.width - wide), y = layout.scene.y + 76 * s;
+    brush.list->AddRectFilled({x, y}, {x + wide, y + 28 * s}, ink(kInk, 0.85), 14 * s);
+    brush.text(gText, x + 12 * s, y + 5 * s, 0xFFFFFF, state.notice);
+  }
+  if (state.help) drawHelp(layout, Brush{ImGui::GetForegroundDrawList(), layout.scale});
+}
+
+}  // namespace enamel::viewer

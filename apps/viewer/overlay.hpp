@@ -1,0 +1,75 @@
+// What Dear ImGui draws over the scene: panels, numbers, the magnified contact, the gauge of stiffness, help.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "actions.hpp"
+#include "charts.hpp"
+#include "experiment.hpp"
+
+namespace enamel::viewer {
+
+/// A rectangle, pixels from the top left.
+struct Area {
+  float x = 0, y = 0, width = 0, height = 0;
+};
+
+/// Where everything stands at a size and a scale.
+struct Layout {
+  float scale = 1.0f;
+  glm::ivec2 size{0};
+  Area panel, scene, charts, inset, gauge;  ///< width 0: not shown
+  std::array<Area, Charts::kCharts> chart;  ///< each with room for its title
+};
+Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts);
+inline constexpr float kChartTitle = 24.0f;  // units of layout, above each chart
+
+/// What the overlay shows and, of the settings, changes.
+struct OverlayState {
+  bool panels = true, charts = true, help = false, timing = false;
+  Settings settings;
+  Grip grip = kFirmGrip;
+  std::string notice;  ///< one line at the bottom, for a while
+  bool settingsChanged = false;
+  std::vector<Action> actions;  ///< asked for by buttons
+  int sceneAsked = -1;
+  int insetStep = 4;  ///< of the magnification, with hysteresis
+  int insetPatience = 0;
+};
+
+/// Timing as numbers.
+struct TimingNumbers {
+  bool available = false;  ///< no haptic thread in simulated time
+  bool realtime = false;
+  double wakeMedian = 0, wakeHigh = 0, computeMedian = 0, computeHigh = 0, computeLargest = 0;  ///< s; high: p99.9
+  unsigned long long periods = 0, missed = 0;
+  double framesPerSecond = 0;
+};
+
+struct OverlayInput {
+  const Frame& frame;
+  const std::string& sceneName;
+  const std::string& deviceName;
+  const std::vector<std::string>& scenes;  ///< names to choose from
+  int sceneIndex;
+  StiffnessLimit limit;  ///< for a test push at this pose
+  bool ghost;
+  Vec3 ghostPosition;              ///< TCP of the reference pose, m
+  const std::vector<Vec3>& trail;  ///< last positions of the TCP, oldest first, m
+  TimingNumbers timing;
+  double simulated;  ///< s
+  const char* cameraName;
+};
+
+/// Loads the font at a scale; call again when the scale changes. `font`: a TrueType file, or empty for the built-in.
+void setUpOverlay(const std::string& font, const std::string& boldFont, float scale);
+
+/// Draws everything into the current ImGui frame.
+void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& state);
+
+/// A stiffness as people read it: "27.1 kN/m".
+std::string stiffnessText(double stiffness);
+
+}  // namespace enamel::viewer

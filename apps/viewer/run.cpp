@@ -1,0 +1,302 @@
+// The two loops that drive a viewer: a person's in a window, a script's without a display.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <imgui.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "enamel/core/error.hpp"
+#include "viewer.hpp"
+
+namespace enamel::viewer {
+namespace {
+
+constexpr double kFrame = 1.0 / 60.0;  // s
+
+// ---- pictures and the report -------------------------------------------------------------------------------------
+
+std::string picturePath(const Options& options, const std::string& name) {
+  const std::filesystem::path folder = options.record.empty() ? "." : options.record;
+  if (!name.empty()) return (folder / (name + ".png")).string();
+  for (int i = 1;; ++i) {
+    char free[32];
+    std::snprintf(free, sizeof(free), "enamel-%03d.png", i);
+    if (!std::filesystem::exists(folder / free)) return (folder / free).string();
+  }
+}
+
+void takePictures(const Options& options, Viewer& viewer) {
+  for (const std::string& name : viewer.takePictures()) {
+    const std::string path = picturePath(options, name);
+    writePng(viewer.stage().read(), path);
+    std::printf("%s\n", path.c_str());
+    std::fflush(stdout);
+  }
+}
+
+long residentKilobytes() {
+  std::ifstream file("/proc/self/statm");
+  long total = 0, resident = 0;
+  file >> total >> resident;
+  return resident * (sysconf(_SC_PAGESIZE) / 1024);
+}
+
+TimingNumbers numbersOf(const PeriodicTiming& timing, double framesPerSecond) {
+  TimingNumbers n;
+  n.available = true;
+  n.realtime = timing.realtime;
+  n.wakeMedian = timing.wakeUp.quantile(0.5);
+  n.wakeHigh = timing.wakeUp.quantile(0.999);
+  n.computeMedian = timing.compute.quantile(0.5);
+  n.computeHigh = timing.compute.quantile(0.999);
+  n.computeLargest = timing.compute.largest();
+  n.periods = timing.periods;
+  n.missed = timing.missed;
+  n.framesPerSecond = framesPerSecond;
+  return n;
+}
+
+// What a run was like, for tests and for people who tune.
+class Report {
+ public:
+  explicit Report(double started) : started_(started) {}
+
+  void frame(double now) {
+    if (frames_++ == 0) firstFrame_ = now - started_;
+    if (now - lastMemory_ >= 1.0) {
+      lastMemory_ = now;
+      memory_.push_back(residentKilobytes());
+    }
+  }
+
+  void write(const std::string& path, double seconds, Viewer& viewer, const TimingNumbers& timing) const {
+    if (path.empty()) return;
+    nlohmann::ordered_json json;
+    json["seconds"] = seconds;
+    json["frames"] = frames_;
+    json["frames_per_second"] = seconds > 0.0 ? static_cast<double>(frames_) / seconds : 0.0;
+    json["first_frame_s"] = firstFrame_;
+    json["opengl_errors"] = viewer.stage().errors();
+    json["dropped_samples"] = viewer.frame().droppedSamples;
+    json["resident_kB"] = memory_;
+    if (timing.available)
+      json["haptics"] = {{"realtime_class", timing.realtime},
+                         {"periods", timing.periods},
+                         {"missed", timing.missed},
+                         {"wake_up_us", {{"p50", 1e6 * timing.wakeMedian}, {"p99.9", 1e6 * timing.wakeHigh}}},
+                         {"compute_us",
+                          {{"p50", 1e6 * timing.computeMedian},
+                           {"p99.9", 1e6 * timing.computeHigh},
+                           {"max", 1e6 * timing.computeLargest}}}};
+    std::ofstream file(path);
+    file << json.dump(1) << '\n';
+    file.close();
+    if (!file) throw Error(path + ": cannot write the report");
+  }
+
+ private:
+  double started_, firstFrame_ = 0.0, lastMemory_ = -1.0;
+  std::uint64_t frames_ = 0;
+  std::vector<long> memory_;
+};
+
+// Steps of a script that are due.
+class ScriptPlayer {
+ public:
+  explicit ScriptPlayer(const std::string& path) {
+    if (!path.empty()) steps_ = loadScript(path);
+  }
+
+  template <typename Function>
+  void play(double now, const Function& follow) {
+    for (; next_ < steps_.size() && steps_[next_].time <= now + 1e-9; ++next_) follow(steps_[next_]);
+  }
+
+ private:
+  std::vector<ScriptStep> steps_;
+  std::size_t next_ = 0;
+};
+
+// ---- input -------------------------------------------------------------------------------------------------------
+
+struct Input {
+  Viewer* viewer;
+  glm::dvec2 cursor{0.0};
+  int dragged = -1;  // mouse button
+};
+
+Input& inputOf(GLFWwindow* window) { return *static_cast<Input*>(glfwGetWindowUserPointer(window)); }
+
+void onKey(GLFWwindow* window, int key, int, int action, int modifiers) {
+  if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput) return;
+  const ActionRow* row = actionOfKey(key, (modifiers & GLFW_MOD_CONTROL) != 0);
+  if (row != nullptr && (action == GLFW_PRESS || row->action == Action::step)) inputOf(window).viewer->act(row->action);
+}
+
+void onButton(GLFWwindow* window, int button, int action, int) {
+  Input& input = inputOf(window);
+  if (action == GLFW_RELEASE)
+    input.dragged = -1;
+  else if (!ImGui::GetIO().WantCaptureMouse)
+    input.dragged = button;
+}
+
+void onCursor(GLFWwindow* window, double x, double y) {
+  Input& input = inputOf(window);
+  const glm::dvec2 before = input.cursor, now(x, y);
+  input.cursor = now;
+  if (input.dragged < 0) return;
+  Viewer& viewer = *input.viewer;
+  const Area& area = viewer.layout().scene;
+  const glm::dvec2 size(std::max(1.0f, area.width), std::max(1.0f, area.height)), corner(area.x, area.y);
+  const Vec3 tool = kMillimetres * viewer.frame().record.pose.position;
+  const glm::dvec3 like(tool.x(), tool.y(), tool.z());
+  const glm::dvec3 moved =
+      unproject(viewer.camera(), size, now - corner, like) - unproject(viewer.camera(), size, before - corner, like);
+  if (input.dragged == GLFW_MOUSE_BUTTON_LEFT) {
+    viewer.moveHandBy(moved);
+  } else if (input.dragged == GLFW_MOUSE_BUTTON_RIGHT) {
+    orbit(viewer.camera(), 4.0 * (now.x - before.x) / size.y, 4.0 * (now.y - before.y) / size.y);
+  } else {
+    viewer.camera().focus -= moved;
+  }
+}
+
+void onWheel(GLFWwindow* window, double, double notches) {
+  if (ImGui::GetIO().WantCaptureMouse) return;
+  Viewer& viewer = *inputOf(window).viewer;
+  const bool control = glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
+                       glfwGetKey(window, GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS;
+  if (control)
+    zoom(viewer.camera(), std::pow(0.9, notches));
+  else
+    viewer.pressBy(0.4 * notches);
+}
+
+// Keys that act as long as they are down.
+void holdKeys(GLFWwindow* window, double seconds) {
+  constexpr double speed = 25.0, pressing = 8.0;  // mm/s, N/s
+  if (ImGui::GetIO().WantTextInput) return;
+  Viewer& viewer = *inputOf(window).viewer;
+  const auto down = [window](int key) { return glfwGetKey(window, key) == GLFW_PRESS ? 1.0 : 0.0; };
+  const glm::dvec3 way(down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_W) - down(GLFW_KEY_S), 0.0);
+  if (way.x != 0.0 || way.y != 0.0) viewer.moveHandBy(speed * seconds * way);
+  const double press = down(GLFW_KEY_E) - down(GLFW_KEY_Q);
+  if (press != 0.0) viewer.pressBy(pressing * seconds * press);
+}
+
+void makeFolder(const std::string& path) {
+  if (path.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (!std::filesystem::is_directory(path)) throw Error(path + ": cannot make the folder for pictures");
+}
+
+// Dear ImGui's part of a window; ends before the stage does.
+struct WindowInput {
+  explicit WindowInput(GLFWwindow* window) { ImGui_ImplGlfw_InitForOpenGL(window, true); }
+  ~WindowInput() { ImGui_ImplGlfw_Shutdown(); }
+  WindowInput(const WindowInput&) = delete;
+  WindowInput& operator=(const WindowInput&) = delete;
+};
+
+}  // namespace
+
+void runInWindow(const Options& options, double started) {
+  ScriptPlayer script(options.script);
+  makeFolder(options.record);
+  const auto surface = openWindow("Enamel", options.size);
+  Viewer viewer(options, *surface);
+  GLFWwindow* window = surface->window();
+  Input input{&viewer};
+  glfwSetWindowUserPointer(window, &input);
+  glfwSetKeyCallback(window, onKey);
+  glfwSetMouseButtonCallback(window, onButton);
+  glfwSetCursorPosCallback(window, onCursor);
+  glfwSetScrollCallback(window, onWheel);
+  const WindowInput imgui(window);
+
+  Report report(started);
+  const double begin = steadySeconds();
+  double last = begin, rate = 0.0;
+  {
+    const PeriodicThread haptics(kPeriod, [&viewer] { viewer.runner().period(); });
+    while (glfwWindowShouldClose(window) == GLFW_FALSE && !viewer.wantsToEnd()) {
+      glfwPollEvents();
+      const double now = steadySeconds(), passed = now - last;
+      last = now;
+      if (passed > 0.0) rate += 0.1 * (1.0 / passed - rate);
+      bool scripted = false;
+      script.play(now - begin, [&](const ScriptStep& step) {
+        viewer.follow(step, now - begin);
+        scripted = scripted || step.kind == ScriptStep::Kind::end;
+      });
+      holdKeys(window, std::min(passed, 0.1));
+      surface->setFullScreen(viewer.fullScreen());
+      viewer.update(now - begin, numbersOf(haptics.timing(), rate));
+      ImGui_ImplGlfw_NewFrame();
+      viewer.draw();
+      takePictures(options, viewer);
+      surface->present();
+      report.frame(steadySeconds());
+      if (scripted) {
+        report.write(options.report, steadySeconds() - begin, viewer, numbersOf(haptics.timing(), rate));
+        return;
+      }
+      const double spare = kFrame - (steadySeconds() - now);
+      if (spare > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(spare));
+    }
+    report.write(options.report, steadySeconds() - begin, viewer, numbersOf(haptics.timing(), rate));
+  }
+  if (viewer.frame().record.gap < 0.0)
+    throw Error("the window was closed while the tool was in contact; the force ended at once");
+}
+
+void runHeadless(const Options& options, double started) {
+  if (options.script.empty()) throw Error("--headless needs --script FILE: there is nobody to drive");
+  ScriptPlayer script(options.script);
+  makeFolder(options.record);
+  const auto surface = openHeadless(options.size, options.scale);
+  Viewer viewer(options, *surface);
+  ImGui::GetIO().DeltaTime = static_cast<float>(kFrame);
+  Report report(started);
+  const double begin = steadySeconds();
+  const auto ticksAt = [](std::uint64_t frame) { return frame * 1000 / 60; };  // of kPeriod in frames of kFrame
+  int recorded = 0, recordEvery = 0;
+  for (std::uint64_t frame = 0; !viewer.wantsToEnd(); ++frame) {
+    const double now = static_cast<double>(frame) * kFrame;
+    script.play(now, [&](const ScriptStep& step) {
+      if (step.kind == ScriptStep::Kind::frames)
+        recordEvery = step.number == 0 ? 0 : std::max(1, 60 / step.number);
+      else
+        viewer.follow(step, now);
+    });
+    viewer.update(now, TimingNumbers{});
+    std::vector<std::string> names = viewer.takePictures();
+    if (recordEvery > 0 && frame % static_cast<std::uint64_t>(recordEvery) == 0) {
+      char name[32];
+      std::snprintf(name, sizeof(name), "frame-%05d", recorded++);
+      names.emplace_back(name);
+    }
+    if (!names.empty()) {
+      viewer.draw();
+      for (const std::string& name : names) {
+        const std::string path = picturePath(options, name);
+        writePng(viewer.stage().read(), path);
+        std::printf("%s\n", path.c_str());
+      }
+      report.frame(steadySeconds());
+    }
+    for (std::uint64_t tick = ticksAt(frame); tick < ticksAt(frame + 1); ++tick) viewer.runner().period();
+  }
+  report.write(options.report, steadySeconds() - begin, viewer, TimingNumbers{});
+}
+
+}  // namespace enamel::viewer

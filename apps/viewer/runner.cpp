@@ -1,0 +1,82 @@
+#include "runner.hpp"
+
+#include <algorithm>
+
+namespace enamel::viewer {
+
+Runner::Runner(std::unique_ptr<Experiment> experiment) : experiment_(experiment.release()) {
+  frames_.next() = experiment_->frame();
+  frames_.publish();
+}
+
+// The haptic side has ended.
+Runner::~Runner() {
+  collect();
+  Command command;
+  while (commands_.pop(command)) delete command.experiment;
+  delete experiment_;
+}
+
+void Runner::replace(std::unique_ptr<Experiment> experiment) {
+  collect();
+  Command command{Command::Kind::replace};
+  command.experiment = experiment.get();
+  if (commands_.push(command)) experiment.release();
+}
+
+void Runner::collect() noexcept {
+  for (Experiment* old = nullptr; retired_.pop(old);) delete old;
+}
+
+const Frame& Runner::frame() noexcept {
+  frames_.refresh();
+  return frames_.latest();
+}
+
+void Runner::obey(const Command& command) noexcept {
+  switch (command.kind) {
+    case Command::Kind::handTo: experiment_->moveHandTo(command.target); break;
+    case Command::Kind::handBy: experiment_->moveHandBy(command.target); break;
+    case Command::Kind::select: experiment_->select(static_cast<Wall>(command.number)); break;
+    case Command::Kind::grip: experiment_->setGrip(command.grip); break;
+    case Command::Kind::testPush: experiment_->startTestPush(); break;
+    case Command::Kind::pause: paused_ = true; break;
+    case Command::Kind::resume: paused_ = false; break;
+    case Command::Kind::step: steps_ += command.number; break;
+    case Command::Kind::slowdown: slowdown_ = std::clamp(command.number, 1, 1000); break;
+    case Command::Kind::replace: {
+      // There is room: replace() empties this ring, which holds as many as that of the commands.
+      (void)retired_.push(experiment_);
+      experiment_ = command.experiment;
+      break;
+    }
+  }
+}
+
+void Runner::tick() noexcept {
+  experiment_->tick();
+  const TickRecord& record = experiment_->frame().record;
+  if (experiment_->frame().plant != Status::ok) return;
+  if (!samples_.push({record.pose.position, record.gap, record.normalForce, record.torque})) ++dropped_;
+}
+
+void Runner::period() noexcept {
+  for (Command command; commands_.pop(command);) obey(command);
+  if (paused_) {
+    for (; steps_ > 0; --steps_) tick();
+  } else {
+    steps_ = 0;
+    if (++waited_ >= slowdown_) {
+      waited_ = 0;
+      tick();
+    }
+  }
+  Frame& frame = frames_.next();
+  frame = experiment_->frame();
+  frame.paused = paused_;
+  frame.slowdown = slowdown_;
+  frame.droppedSamples = dropped_;
+  frames_.publish();
+}
+
+}  // namespace enamel::viewer

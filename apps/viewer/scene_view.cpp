@@ -1,0 +1,271 @@
+#include "scene_view.hpp"
+
+#include <vtkCamera.h>
+#include <vtkLight.h>
+#include <vtkProperty.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace enamel::viewer {
+namespace {
+
+// Sizes of drawn parts that no device file knows, m (radii in mm where a Rod takes them).
+constexpr double kMotorHeight = 0.030, kHub = 0.020, kNeedleLength = 0.032, kHandleEnd = 0.082;
+constexpr double kCube = 0.025, kPane = 0.028, kPaneDepth = 0.006, kGridStep = 0.005;
+constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010;  // m/N, m
+
+Vec3 knee(const ChainModel& chain, const ChainConfiguration& c) {
+  const double horizontal = chain.length1 * c.cosLift;
+  return chain.base + Vec3(horizontal * c.sinYaw, chain.length1 * c.sinLift, horizontal * c.cosYaw);
+}
+
+Vec3 inPlatform(const Pose& pose, const Vec3& local) { return pose.position + pose.rotation * local; }
+
+// A face with lines of a grid and an outline.
+struct Face {
+  Vec3 centre, across, up;  // the two half sides
+};
+
+struct Drawing {
+  std::vector<Polygon> faces, backs;
+  std::vector<std::array<Vec3, 2>> grid, edges;
+};
+
+void addOutline(const Polygon& polygon, std::vector<std::array<Vec3, 2>>& lines) {
+  for (std::size_t i = 0; i < polygon.size(); ++i) lines.push_back({polygon[i], polygon[(i + 1) % polygon.size()]});
+}
+
+// Lines of the grid are polygons of two corners: cut() works on them too.
+void addGrid(const Face& face, const std::vector<HalfSpace>& others, const Vec3& lift, Drawing& drawing) {
+  for (const bool turned : {false, true}) {
+    const Vec3 along = turned ? face.up : face.across, step = turned ? face.across : face.up;
+    const double reach = step.norm();
+    const int count = static_cast<int>(reach / kGridStep + 1e-9);
+    for (int i = -count; i <= count; ++i) {
+      const Vec3 middle = face.centre + i * kGridStep / reach * step + lift;
+      Polygon line{middle - along, middle + along};
+      for (const HalfSpace& other : others) line = cut(line, other.point, other.normal);
+      if (line.size() >= 2) drawing.grid.push_back({line[0], line[1]});
+    }
+  }
+}
+
+void drawWall(const HalfSpace& wall, const std::vector<HalfSpace>& others, Drawing& drawing) {
+  const Vec3 n = wall.normal;
+  const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
+  const Vec3 across = vertical.cross(n).normalized(), up = n.cross(across);
+  const Vec3 centre = wall.point - n * 0.0;
+  // Centred on the part of the plane that is nearest to the middle of the workspace.
+  const Vec3 middle = Vec3::Zero() - n.dot(Vec3::Zero() - centre) * n;
+  const Face face{middle, kPane * across, kPane * up};
+  Polygon pane{middle - face.across - face.up, middle + face.across - face.up, middle + face.across + face.up,
+               middle - face.across + face.up};
+  for (const HalfSpace& other : others) pane = cut(pane, other.point, other.normal);
+  drawing.faces.push_back(pane);
+  addOutline(pane, drawing.edges);
+  addGrid(face, others, 5e-5 * n, drawing);
+  for (std::size_t i = 0; i < pane.size(); ++i) {
+    const Vec3 &a = pane[i], &b = pane[(i + 1) % pane.size()];
+    drawing.backs.push_back({a, b, b - kPaneDepth * n, a - kPaneDepth * n});
+  }
+  Polygon back;
+  for (const Vec3& corner : pane) back.push_back(corner - kPaneDepth * n);
+  std::reverse(back.begin(), back.end());
+  drawing.backs.push_back(back);
+}
+
+void drawBox(const Box& box, Drawing& drawing) {
+  const Mat3& r = box.pose.rotation;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+      const Vec3 n = sign * r.col(axis);
+      const Face face{box.pose.position + box.halfSize[axis] * n, box.halfSize[i] * r.col(i),
+                      box.halfSize[j] * r.col(j)};
+      drawing.faces.push_back({face.centre - face.across - face.up, face.centre + face.across - face.up,
+                               face.centre + face.across + face.up, face.centre - face.across + face.up});
+      addOutline(drawing.faces.back(), drawing.edges);
+      addGrid(face, {}, 5e-5 * n, drawing);
+    }
+}
+
+void addLight(vtkRenderer* renderer, double x, double y, double z, double intensity) {
+  vtkNew<vtkLight> light;
+  light->SetLightTypeToCameraLight();
+  light->SetPosition(x, y, z);
+  light->SetFocalPoint(0.0, 0.0, 0.0);
+  light->SetIntensity(intensity);
+  renderer->AddLight(light);
+}
+
+}  // namespace
+
+struct SceneView::Parts {
+  Parts(vtkRenderer* renderer, const DeviceModel& deviceModel);
+
+  struct Chain {
+    Rod link1, link2;
+    Ball knee, tip;
+  };
+  struct Tool {
+    Tool(vtkRenderer* renderer, const DeviceModel& model, unsigned body, unsigned grip, unsigned tip, double opacity,
+         double growth);
+    void place(const DeviceModel& model, const Pose& pose);
+    void show(bool visible);
+    Rod needle, handle, hub;
+    std::vector<Rod> arms, posts;
+  };
+
+  DeviceModel model;
+  std::vector<Chain> chains;
+  Tool tool, ghost;
+  Rod arrow, arrowHead, normal, pull;
+  Ball contact, hand;
+};
+
+SceneView::Parts::Tool::Tool(vtkRenderer* renderer, const DeviceModel& model, unsigned body, unsigned grip,
+                             unsigned tip, double opacity, double growth)
+    : needle(renderer, 2.6 * growth, {tip, opacity}, true),
+      handle(renderer, 5.0 * growth, {grip, opacity, 0.35}),
+      hub(renderer, 8.5 * growth, {body, opacity}) {
+  for (std::size_t i = 0; i < model.chain.size(); ++i) {
+    arms.emplace_back(renderer, 2.6 * growth, Finish{body, opacity});
+    posts.emplace_back(renderer, 2.6 * growth, Finish{body, opacity});
+  }
+}
+
+void SceneView::Parts::Tool::place(const DeviceModel& model, const Pose& pose) {
+  needle.place(pose.position, inPlatform(pose, {0.0, 0.0, kNeedleLength}));
+  handle.place(inPlatform(pose, {0.0, 0.0, kHub}), inPlatform(pose, {0.0, 0.0, kHandleEnd}));
+  hub.place(inPlatform(pose, {0.0, 0.0, kHub - 0.003}), inPlatform(pose, {0.0, 0.0, kHub + 0.004}));
+  for (std::size_t i = 0; i < arms.size(); ++i) {
+    const Vec3& r = model.chain[i].platform;
+    const Vec3 bend(r.x(), r.y(), kHub);
+    arms[i].place(inPlatform(pose, {0.0, 0.0, kHub}), inPlatform(pose, bend));
+    posts[i].place(inPlatform(pose, bend), inPlatform(pose, r));
+  }
+}
+
+void SceneView::Parts::Tool::show(bool visible) {
+  for (Rod* rod : {&needle, &handle, &hub}) rod->show(visible);
+  for (auto* rods : {&arms, &posts})
+    for (Rod& rod : *rods) rod.show(visible);
+}
+
+SceneView::Parts::Parts(vtkRenderer* renderer, const DeviceModel& deviceModel)
+    : model(deviceModel),
+      tool(renderer, model, kPlatform, kHandle, kNeedle, 1.0, 1.0),
+      ghost(renderer, model, kBlue, kBlue, kBlue, 0.22, 1.25),
+      arrow(renderer, 3.0, {kVermilion, 1.0, 0.1}),
+      arrowHead(renderer, 7.0, {kVermilion, 1.0, 0.1}, true),
+      normal(renderer, 0.5, {kInk, 1.0, 0.0}),
+      pull(renderer, 1.2, {kOrange, 1.0, 0.0}),
+      contact(renderer, 2.2, {kVermilion, 1.0, 0.1}),
+      hand(renderer, 7.0, {kOrange, 1.0, 0.2}) {
+  for (std::size_t i = 0; i < model.chain.size(); ++i) {
+    chains.push_back({Rod(renderer, 5.0, {kLink1}), Rod(renderer, 3.6, {kLink2}), Ball(renderer, 6.5, {kMotor}),
+                      Ball(renderer, 5.2, {kMotor, 1.0, 0.4})});
+    const Vec3 base = model.chain[i].base, y(0.0, 0.5 * kMotorHeight, 0.0);
+    Rod(renderer, 13.0, {kMotor}).place(base - y, base + y);
+    Rod(renderer, 9.0, {kLink1}).place(base + y, base + y + Vec3(0.0, 0.005, 0.0));
+  }
+  // The column: a beam through the two lower bases, and a mast from it to the upper one.
+  const Vec3 &left = model.chain[1].base, &right = model.chain[0].base, &top = model.chain[2].base;
+  const Vec3 foot = 0.5 * (left + right);
+  Rod(renderer, 8.0, {kColumn}).place(left, right);
+  Rod(renderer, 8.0, {kColumn}).place(foot, Vec3(foot.x(), foot.y(), top.z()));
+  Rod(renderer, 10.0, {kColumn}).place(Vec3(foot.x(), foot.y() - 0.02, top.z()), top + Vec3(0.0, 0.03, 0.0));
+  Ball(renderer, 10.0, {kColumn}).place(Vec3(foot.x(), foot.y(), top.z()));
+}
+
+SceneView::SceneView(vtkRenderer* renderer) : renderer_(renderer) {
+  const Colour ground = colour(kGround);
+  renderer->SetBackground(ground.r, ground.g, ground.b);
+  renderer->SetAutomaticLightCreation(false);
+  addLight(renderer, 0.6, 1.0, 0.8, 0.85);
+  addLight(renderer, -1.0, 0.2, 0.6, 0.35);
+}
+
+SceneView::~SceneView() = default;
+
+void SceneView::build(const DeviceModel& model, const Scene& scene, float scale) {
+  renderer_->RemoveAllViewProps();
+  Drawing drawing;
+  std::vector<HalfSpace> walls;
+  for (const Obstacle& obstacle : scene.obstacles)
+    if (const auto* wall = std::get_if<HalfSpace>(&obstacle.shape)) walls.push_back(*wall);
+  std::size_t next = 0;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    if (std::holds_alternative<HalfSpace>(obstacle.shape)) {
+      std::vector<HalfSpace> others = walls;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(next++));
+      drawWall(std::get<HalfSpace>(obstacle.shape), others, drawing);
+    } else {
+      drawBox(std::get<Box>(obstacle.shape), drawing);
+    }
+  }
+  addFaces(renderer_, drawing.faces, {kEnamel, 1.0, 0.1});
+  addFaces(renderer_, drawing.backs, {kEnamelGrid, 1.0, 0.0});
+  addLines(renderer_, drawing.grid, kEnamelGrid, scale);
+  addLines(renderer_, drawing.edges, kEnamelEdge, 2.0f * scale);
+
+  std::vector<std::array<Vec3, 2>> cube;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int corner = 0; corner < 4; ++corner) {
+      Vec3 from;
+      from[axis] = -kCube;
+      from[(axis + 1) % 3] = (corner & 1) != 0 ? kCube : -kCube;
+      from[(axis + 2) % 3] = (corner & 2) != 0 ? kCube : -kCube;
+      Vec3 to = from;
+      to[axis] = kCube;
+      cube.push_back({from, to});
+    }
+  addLines(renderer_, cube, kCubeLine, scale);
+  parts_ = std::make_unique<Parts>(renderer_, model);
+}
+
+void SceneView::update(const SceneState& state) {
+  Parts& p = *parts_;
+  for (std::size_t i = 0; i < p.chains.size(); ++i) {
+    const ChainConfiguration& c = state.device.chain[i];
+    const Vec3 elbow = knee(p.model.chain[i], c);
+    p.chains[i].link1.place(p.model.chain[i].base, elbow);
+    p.chains[i].link2.place(elbow, c.tip);
+    p.chains[i].knee.place(elbow);
+    p.chains[i].tip.place(c.tip);
+  }
+  const Pose& pose = state.device.pose;
+  p.tool.place(p.model, pose);
+  p.ghost.show(state.ghost.has_value());
+  if (state.ghost) p.ghost.place(p.model, *state.ghost);
+
+  const Vec3 grip = pose.rotation * Vec3(0.0, 0.0, kHandleEnd);
+  p.hand.place(state.hand + grip);
+  p.pull.place(pose.position + grip, state.hand + grip);
+
+  const double length = kArrowPerNewton * std::max(0.0, state.force);
+  const bool arrow = state.touching && length > 1e-4;
+  p.contact.show(state.touching);
+  p.normal.show(state.touching);
+  p.arrow.show(arrow);
+  p.arrowHead.show(arrow);
+  p.contact.place(state.point);
+  p.normal.place(state.point, state.point + 0.06 * state.normal);
+  p.arrow.place(state.point, state.point + length * state.normal);
+  const Vec3 tip = state.point + (length + kArrowHead) * state.normal;
+  p.arrowHead.place(tip, tip - kArrowHead * state.normal);
+}
+
+void SceneView::look(const Camera& camera) {
+  vtkCamera* c = renderer_->GetActiveCamera();
+  const glm::dvec3 eye = camera.eye();
+  c->SetPosition(eye.x, eye.y, eye.z);
+  c->SetFocalPoint(camera.focus.x, camera.focus.y, camera.focus.z);
+  c->SetViewUp(0.0, 1.0, 0.0);
+  c->SetViewAngle(glm::degrees(camera.angle));
+  renderer_->ResetCameraClippingRange();
+}
+
+}  // namespace enamel::viewer

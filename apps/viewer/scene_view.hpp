@@ -1,0 +1,47 @@
+// The scene as VTK draws it: the device from its kinematics, the obstacles, and what happens at the contact.
+#pragma once
+
+#include <vtkNew.h>
+#include <vtkRenderer.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "camera.hpp"
+#include "enamel/collision/scene.hpp"
+#include "enamel/device/kinematics.hpp"
+#include "shapes.hpp"
+
+namespace enamel::viewer {
+
+/// What a frame shows. All in W, SI.
+struct SceneState {
+  Configuration device;
+  std::optional<Pose> ghost;  ///< reference pose
+  Vec3 hand;                  ///< where the hand pulls the TCP to
+  bool touching = false;
+  Vec3 point, normal;  ///< of the nearest contact; the point on the obstacle's surface
+  double force = 0.0;  ///< of the wall on the tool along the normal, N
+};
+
+class SceneView {
+ public:
+  explicit SceneView(vtkRenderer* renderer);
+  ~SceneView();
+  SceneView(const SceneView&) = delete;
+  SceneView& operator=(const SceneView&) = delete;
+
+  /// Rebuilds what does not move. `scale`: pixels per unit of layout, for the width of lines.
+  void build(const DeviceModel& model, const Scene& scene, float scale);
+  void update(const SceneState& state);
+  void look(const Camera& camera);
+
+ private:
+  struct Parts;
+
+  vtkRenderer* renderer_;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace enamel::viewer

@@ -1,0 +1,168 @@
+#include "script.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "enamel/core/error.hpp"
+
+namespace enamel::viewer {
+namespace {
+
+constexpr double kLongest = 7200.0;  // s
+
+class Line {
+ public:
+  Line(const std::string& text, const std::string& file, int number) : file_(file), number_(number) {
+    std::istringstream stream(text.substr(0, text.find('#')));
+    for (std::string word; stream >> word;) words_.push_back(word);
+  }
+
+  bool empty() const { return next_ >= words_.size(); }
+
+  [[noreturn]] void fail(const std::string& key, const std::string& problem) const {
+    throw ConfigurationError(file_, number_, key, problem);
+  }
+
+  std::string word(const char* what) {
+    if (empty()) fail(what, "is missing");
+    return words_[next_++];
+  }
+
+  double number(const char* what, double low, double high) {
+    const std::string text = word(what);
+    double value = 0.0;
+    const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (result.ec != std::errc() || result.ptr != text.data() + text.size() || !std::isfinite(value))
+      fail(what, "is \"" + text + "\", must be a number");
+    if (!(value >= low && value <= high)) {
+      std::ostringstream range;
+      range << "is " << text << ", must be in " << low << " to " << high;
+      fail(what, range.str());
+    }
+    return value;
+  }
+
+  int integer(const char* what, int low, int high) {
+    const double value = number(what, low, high);
+    if (value != std::floor(value)) fail(what, "must be a whole number");
+    return static_cast<int>(value);
+  }
+
+  bool accept(const char* keyword) {
+    if (empty() || words_[next_] != keyword) return false;
+    ++next_;
+    return true;
+  }
+
+  void finish() const {
+    if (!empty()) fail(words_[next_], "is not expected here");
+  }
+
+ private:
+  std::string file_;
+  int number_;
+  std::vector<std::string> words_;
+  std::size_t next_ = 0;
+};
+
+// A name that stays in the folder it is written to.
+std::string pictureName(Line& line) {
+  const std::string name = line.word("picture");
+  for (const char c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_')
+      line.fail("picture", "is \"" + name + "\", must consist of letters, digits, - and _");
+  return name;
+}
+
+ScriptStep parseStep(Line& line, const std::string& file) {
+  using Kind = ScriptStep::Kind;
+  ScriptStep step;
+  step.time = line.number("time", 0.0, kLongest);
+  const std::string command = line.word("command");
+  if (const ActionRow* row = actionOfName(command); row != nullptr) {
+    step.kind = Kind::action;
+    step.action = row->action;
+  } else if (command == "hand") {
+    step.kind = Kind::hand;
+    for (int i = 0; i < 3; ++i) step.target[i] = line.number("hand", -1000.0, 1000.0);
+    if (line.accept("over")) step.over = line.number("over", 0.0, kLongest);
+  } else if (command == "renderer") {
+    step.kind = Kind::wall;
+    const std::string name = line.word("renderer");
+    if (name != "position-control" && name != "impedance")
+      line.fail("renderer", "is \"" + name + "\", must be position-control or impedance");
+    step.number = name == "impedance" ? 1 : 0;
+  } else if (command == "scene") {
+    step.kind = Kind::scene;
+    const std::filesystem::path path = line.word("scene");
+    step.name = path.is_absolute() ? path.string() : (std::filesystem::path(file).parent_path() / path).string();
+  } else if (command == "slow") {
+    step.kind = Kind::slowdown;
+    step.number = line.integer("slow", 1, 1000);
+  } else if (command == "size") {
+    step.kind = Kind::size;
+    try {
+      step.size = parseSize(line.word("size"));
+    } catch (const ConfigurationError&) {
+      throw;
+    } catch (const Error& error) {
+      line.fail("size", error.what());
+    }
+  } else if (command == "frames") {
+    step.kind = Kind::frames;
+    step.number = line.integer("frames", 0, 60);
+  } else if (command == "picture") {
+    step.kind = Kind::picture;
+    step.name = pictureName(line);
+  } else if (command == "end") {
+    step.kind = Kind::end;
+  } else {
+    line.fail(command, "is not a known command");
+  }
+  line.finish();
+  return step;
+}
+
+}  // namespace
+
+glm::ivec2 parseSize(const std::string& text) {
+  glm::ivec2 size{0};
+  const char* end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.x);
+  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+    const auto height = std::from_chars(width.ptr + 1, end, size.y);
+    if (height.ec == std::errc() && height.ptr == end && size.x >= 160 && size.y >= 160 && size.x <= 8192 &&
+        size.y <= 8192)
+      return size;
+  }
+  throw Error("is \"" + text + "\", must be WIDTHxHEIGHT, each 160 to 8192 pixels");
+}
+
+std::vector<ScriptStep> parseScript(std::string_view text, const std::string& file) {
+  std::vector<ScriptStep> steps;
+  std::istringstream stream{std::string(text)};
+  int number = 0;
+  for (std::string content; std::getline(stream, content);) {
+    Line line(content, file, ++number);
+    if (line.empty()) continue;
+    if (!steps.empty() && steps.back().kind == ScriptStep::Kind::end) line.fail("", "stands after the end");
+    ScriptStep step = parseStep(line, file);
+    if (!steps.empty() && step.time < steps.back().time) line.fail("time", "is earlier than that of the step before");
+    steps.push_back(std::move(step));
+  }
+  if (steps.empty() || steps.back().kind != ScriptStep::Kind::end)
+    throw ConfigurationError(file, number, "end", "is missing: the last step must be an end");
+  return steps;
+}
+
+std::vector<ScriptStep> loadScript(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(path)) throw ConfigurationError(path, 0, "", "cannot open the file");
+  return parseScript(std::string(std::istreambuf_iterator<char>(stream), {}), path);
+}
+
+}  // namespace enamel::viewer

@@ -1,0 +1,36 @@
+// Scripts: what a person would do, with times.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "actions.hpp"
+
+namespace enamel::viewer {
+
+/// One line of a script.
+struct ScriptStep {
+  enum class Kind { action, hand, wall, scene, slowdown, size, frames, picture, end } kind = Kind::end;
+  double time = 0.0;  ///< s of wall time since the start
+  Action action = Action::pause;
+  glm::dvec3 target{0.0};  ///< of hand, mm
+  double over = 0.0;       ///< of hand: moves there in so many seconds
+  int number = 0;          ///< of wall (0, 1), slowdown, frames (a second)
+  glm::ivec2 size{0};
+  std::string name;  ///< of picture and scene
+};
+
+/// Reads a script: one step a line, "TIME COMMAND", with times that do not decrease and # before remarks. Commands:
+/// the actions' names (see the help); `hand X Y Z [over S]` [mm]; `renderer position-control|impedance`; `scene FILE`
+/// (relative to the script's folder); `slow N` (1:N); `size WxH`; `frames FPS` (records every frame from here on; 0
+/// ends it); `picture NAME`; `end`, which must be the last.
+/// Throws ConfigurationError. Realtime: no.
+std::vector<ScriptStep> loadScript(const std::string& path);
+std::vector<ScriptStep> parseScript(std::string_view text, const std::string& file);
+
+/// Reads "WxH", each 160 to 8192. Throws Error.
+glm::ivec2 parseSize(const std::string& text);
+
+}  // namespace enamel::viewer

@@ -1,0 +1,147 @@
+#include "shapes.hpp"
+
+#include <vtkCellArray.h>
+#include <vtkConeSource.h>
+#include <vtkCylinderSource.h>
+#include <vtkMatrix4x4.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkSphereSource.h>
+#include <vtkTrivialProducer.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace enamel::viewer {
+namespace {
+
+// Maps the unit rod (along y from 0 to 1, radius 1) between two points.
+void between(vtkMatrix4x4* matrix, const Vec3& from, const Vec3& to, double radius) {
+  const Vec3 along = kMillimetres * (to - from);
+  const double length = std::max(along.norm(), 1e-6);
+  const Vec3 y = along / length;
+  const Vec3 x = y.unitOrthogonal(), z = x.cross(y);
+  for (int i = 0; i < 3; ++i) {
+    matrix->SetElement(i, 0, radius * x[i]);
+    matrix->SetElement(i, 1, length * y[i]);
+    matrix->SetElement(i, 2, radius * z[i]);
+    matrix->SetElement(i, 3, kMillimetres * from[i]);
+  }
+}
+
+vtkSmartPointer<vtkActor> addData(vtkRenderer* renderer, vtkPolyData* data, const Finish& finish) {
+  vtkNew<vtkTrivialProducer> producer;
+  producer->SetOutput(data);
+  return addActor(renderer, producer->GetOutputPort(), finish);
+}
+
+vtkIdType append(vtkPoints* points, const Vec3& point) {
+  return points->InsertNextPoint((kMillimetres * point).eval().data());
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkActor> addActor(vtkRenderer* renderer, vtkAlgorithmOutput* source, const Finish& finish) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputConnection(source);
+  mapper->ScalarVisibilityOff();
+  vtkSmartPointer<vtkActor> actor = vtkSmartPointer<vtkActor>::New();
+  actor->SetMapper(mapper);
+  const Colour c = colour(finish.colour);
+  vtkProperty* property = actor->GetProperty();
+  property->SetColor(c.r, c.g, c.b);
+  property->SetOpacity(finish.opacity);
+  property->SetAmbient(0.25);
+  property->SetDiffuse(0.8);
+  property->SetSpecular(finish.shine);
+  property->SetSpecularPower(25.0);
+  renderer->AddActor(actor);
+  return actor;
+}
+
+Rod::Rod(vtkRenderer* renderer, double radius, const Finish& finish, bool sharp) : radius_(radius) {
+  if (sharp) {
+    vtkNew<vtkConeSource> cone;
+    cone->SetDirection(0.0, -1.0, 0.0);
+    cone->SetCenter(0.0, 0.5, 0.0);
+    cone->SetHeight(1.0);
+    cone->SetRadius(1.0);
+    cone->SetResolution(24);
+    actor_ = addActor(renderer, cone->GetOutputPort(), finish);
+  } else {
+    vtkNew<vtkCylinderSource> cylinder;
+    cylinder->SetCenter(0.0, 0.5, 0.0);
+    cylinder->SetRadius(1.0);
+    cylinder->SetResolution(20);
+    actor_ = addActor(renderer, cylinder->GetOutputPort(), finish);
+  }
+  vtkNew<vtkMatrix4x4> matrix;
+  actor_->SetUserMatrix(matrix);
+}
+
+void Rod::place(const Vec3& from, const Vec3& to) {
+  between(actor_->GetUserMatrix(), from, to, radius_);
+  actor_->Modified();
+}
+
+void Rod::show(bool visible) { actor_->SetVisibility(visible); }
+
+Ball::Ball(vtkRenderer* renderer, double radius, const Finish& finish) {
+  vtkNew<vtkSphereSource> sphere;
+  sphere->SetRadius(radius);
+  sphere->SetThetaResolution(24);
+  sphere->SetPhiResolution(16);
+  actor_ = addActor(renderer, sphere->GetOutputPort(), finish);
+}
+
+void Ball::place(const Vec3& centre) {
+  const Vec3 c = kMillimetres * centre;
+  actor_->SetPosition(c.x(), c.y(), c.z());
+}
+
+Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal) {
+  Polygon result;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3& a = polygon[i];
+    const Vec3& b = polygon[(i + 1) % polygon.size()];
+    const double da = normal.dot(a - point), db = normal.dot(b - point);
+    if (da >= 0.0) result.push_back(a);
+    if ((da < 0.0) != (db < 0.0)) result.push_back(a + da / (da - db) * (b - a));
+  }
+  return result;
+}
+
+vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
+  for (const Polygon& face : faces) {
+    if (face.size() < 3) continue;
+    cells->InsertNextCell(static_cast<int>(face.size()));
+    for (const Vec3& corner : face) cells->InsertCellPoint(append(points, corner));
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  return addData(renderer, data, finish);
+}
+
+vtkSmartPointer<vtkActor> addLines(vtkRenderer* renderer, const std::vector<std::array<Vec3, 2>>& lines,
+                                   unsigned colour, float width) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
+  for (const auto& line : lines) {
+    cells->InsertNextCell(2);
+    for (const Vec3& end : line) cells->InsertCellPoint(append(points, end));
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetLines(cells);
+  vtkSmartPointer<vtkActor> actor = addData(renderer, data, {colour, 1.0, 0.0});
+  actor->GetProperty()->LightingOff();
+  actor->GetProperty()->SetLineWidth(width);
+  return actor;
+}
+
+}  // namespace enamel::viewer

@@ -1,0 +1,61 @@
+// Small solids for the scene, in mm of W.
+#pragma once
+
+#include <vtkActor.h>
+#include <vtkAlgorithmOutput.h>
+#include <vtkNew.h>
+#include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
+
+#include <array>
+#include <vector>
+
+#include "enamel/core/types.hpp"
+#include "palette.hpp"
+
+namespace enamel::viewer {
+
+inline constexpr double kMillimetres = 1e3;  // of the scene in a metre
+
+/// How a solid looks.
+struct Finish {
+  unsigned colour;
+  double opacity = 1.0;
+  double shine = 0.15;  ///< 0: matt
+};
+
+vtkSmartPointer<vtkActor> addActor(vtkRenderer* renderer, vtkAlgorithmOutput* source, const Finish& finish);
+
+/// A rod of radius `radius` (mm) between two points that place() sets, m; a cone where `sharp` (its apex at the first).
+class Rod {
+ public:
+  Rod(vtkRenderer* renderer, double radius, const Finish& finish, bool sharp = false);
+  void place(const Vec3& from, const Vec3& to);
+  void show(bool visible);
+
+ private:
+  vtkSmartPointer<vtkActor> actor_;
+  double radius_;
+};
+
+/// A ball of radius `radius` (mm).
+class Ball {
+ public:
+  Ball(vtkRenderer* renderer, double radius, const Finish& finish);
+  void place(const Vec3& centre);
+  void show(bool visible) { actor_->SetVisibility(visible); }
+
+ private:
+  vtkSmartPointer<vtkActor> actor_;
+};
+
+/// A convex polygon in W, m, and what is left of it outside the half space behind a plane.
+using Polygon = std::vector<Vec3>;
+Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal);
+
+/// Flat faces, and lines, as one actor each.
+vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish);
+vtkSmartPointer<vtkActor> addLines(vtkRenderer* renderer, const std::vector<std::array<Vec3, 2>>& lines,
+                                   unsigned colour, float width);
+
+}  // namespace enamel::viewer

@@ -1,0 +1,148 @@
+#include "stage.hpp"
+
+#include <GL/glew.h>  // before anything that includes OpenGL
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+#include <vtkCallbackCommand.h>
+#include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkImageData.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+#include <vtkPNGWriter.h>
+
+#include <cstdio>
+#include <cstring>
+
+#include "enamel/core/error.hpp"
+
+namespace enamel::viewer {
+namespace {
+
+// VTK's messages: a line each on stderr instead of a page.
+class Messages final : public vtkOutputWindow {
+ public:
+  static Messages* New();
+  vtkTypeMacro(Messages, vtkOutputWindow)
+  void DisplayText(const char* text) override {
+    std::string line(text);
+    for (char& c : line)
+      if (c == '\n') c = ' ';
+    std::fprintf(stderr, "enamel-viewer: VTK: %s\n", line.c_str());
+  }
+};
+vtkStandardNewMacro(Messages)
+
+void observe(vtkObject* subject, unsigned long event, void* client,
+             void (*callback)(vtkObject*, unsigned long, void*, void*)) {
+  vtkNew<vtkCallbackCommand> command;
+  command->SetClientData(client);
+  command->SetCallback(callback);
+  subject->AddObserver(event, command);
+}
+
+}  // namespace
+
+void writePng(const Picture& picture, const std::string& path) {
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(picture.size.x, picture.size.y, 1);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  std::memcpy(image->GetScalarPointer(), picture.rgb.data(), picture.rgb.size());
+  // VTK would print its own message besides.
+  std::FILE* probe = std::fopen(path.c_str(), "wb");
+  if (probe == nullptr) throw Error(path + ": cannot write the picture");
+  std::fclose(probe);
+  vtkNew<vtkPNGWriter> writer;
+  writer->SetFileName(path.c_str());
+  writer->SetInputData(image);
+  writer->Write();
+  if (writer->GetErrorCode() != 0) throw Error(path + ": cannot write the picture");
+}
+
+Stage::Stage(Surface& surface, const std::string& font, const std::string& boldFont)
+    : surface_(surface), font_(font), boldFont_(boldFont) {
+  vtkNew<Messages> messages;
+  vtkOutputWindow::SetInstance(messages);
+  surface_.makeCurrent();
+  window_ = vtkSmartPointer<vtkGenericOpenGLRenderWindow>::New();
+  window_->SetReadyForRendering(false);
+  window_->SetOwnContext(0);
+  window_->SetMultiSamples(0);
+  observe(window_, vtkCommand::WindowMakeCurrentEvent, this,
+          [](vtkObject*, unsigned long, void* self, void*) { static_cast<Stage*>(self)->surface_.makeCurrent(); });
+  observe(window_, vtkCommand::WindowIsCurrentEvent, this, [](vtkObject*, unsigned long, void* self, void* answer) {
+    *static_cast<bool*>(answer) = static_cast<Stage*>(self)->surface_.isCurrent();
+  });
+  observe(window_, vtkCommand::WindowSupportsOpenGLEvent, this,
+          [](vtkObject*, unsigned long, void*, void* answer) { *static_cast<int*>(answer) = 1; });
+  window_->SetFrameBlitModeToBlitToCurrent();
+  const glm::ivec2 size = surface_.size();
+  window_->SetSize(size.x, size.y);
+  window_->SetMapped(1);
+  window_->OpenGLInitContext();
+  window_->SetReadyForRendering(true);
+  window_->OpenGLInit();
+  window_->AddRenderer(scene_);
+  window_->AddRenderer(charts_);
+
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;
+  ImGui::GetIO().LogFilename = nullptr;
+  if (!ImGui_ImplOpenGL3_Init("#version 150")) throw Error("Dear ImGui cannot draw in this OpenGL context");
+}
+
+Stage::~Stage() {
+  surface_.makeCurrent();
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui::DestroyContext();
+  window_->Finalize();
+  window_->RemoveAllObservers();
+}
+
+void Stage::draw(const Layout& layout, const std::function<void()>& overlay) {
+  surface_.makeCurrent();
+  if (layout.scale != fontScale_) {
+    fontScale_ = layout.scale;
+    setUpOverlay(font_, boldFont_, layout.scale);
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+    window_->SetDPI(static_cast<int>(72.0f * layout.scale));
+  }
+  const double w = layout.size.x, h = layout.size.y;
+  const auto place = [w, h](vtkRenderer* renderer, const Area& area) {
+    renderer->SetDraw(area.width > 0 && area.height > 0);
+    renderer->SetViewport(area.x / w, 1.0 - (area.y + area.height) / h, (area.x + area.width) / w, 1.0 - area.y / h);
+  };
+  place(scene_, layout.scene);
+  place(charts_, layout.charts);
+  glBindFramebuffer(GL_FRAMEBUFFER, surface_.framebuffer());
+  if (window_->GetSize()[0] != layout.size.x || window_->GetSize()[1] != layout.size.y)
+    window_->SetSize(layout.size.x, layout.size.y);
+  window_->Render();
+
+  glBindFramebuffer(GL_FRAMEBUFFER, surface_.framebuffer());
+  glViewport(0, 0, layout.size.x, layout.size.y);
+  glDisable(GL_SCISSOR_TEST);
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::GetIO().DisplaySize = {static_cast<float>(layout.size.x), static_cast<float>(layout.size.y)};
+  ImGui::NewFrame();
+  overlay();
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  for (GLenum error = glGetError(); error != GL_NO_ERROR; error = glGetError()) {
+    if (errors_++ == 0) std::fprintf(stderr, "enamel-viewer: OpenGL error 0x%04x\n", error);
+    if (errors_ > 1000) break;
+  }
+}
+
+Picture Stage::read() {
+  Picture picture;
+  picture.size = surface_.size();
+  picture.rgb.resize(3 * static_cast<std::size_t>(picture.size.x) * static_cast<std::size_t>(picture.size.y));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, surface_.framebuffer());
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, picture.size.x, picture.size.y, GL_RGB, GL_UNSIGNED_BYTE, picture.rgb.data());
+  return picture;
+}
+
+}  // namespace enamel::viewer

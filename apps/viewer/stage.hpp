@@ -1,0 +1,59 @@
+// One OpenGL context for everything: VTK's scene and charts, and Dear ImGui over them.
+#pragma once
+
+#include <vtkNew.h>
+#include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "overlay.hpp"
+#include "surface.hpp"
+
+class vtkGenericOpenGLRenderWindow;
+
+namespace enamel::viewer {
+
+/// Pixels of a picture, three bytes each, the bottom row first, as OpenGL has them.
+struct Picture {
+  glm::ivec2 size{0};
+  std::vector<unsigned char> rgb;
+};
+
+/// Writes a PNG. Throws Error: the file cannot be written.
+void writePng(const Picture& picture, const std::string& path);
+
+class Stage {
+ public:
+  /// Throws Error: VTK cannot draw in the surface's context.
+  Stage(Surface& surface, const std::string& font, const std::string& boldFont);
+  ~Stage();
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  vtkRenderer* scene() { return scene_; }
+  vtkRenderer* charts() { return charts_; }
+
+  /// Draws VTK's part, then what `overlay` gives to ImGui, into the surface; does not present.
+  void draw(const Layout& layout, const std::function<void()>& overlay);
+
+  Picture read();
+
+  /// OpenGL errors so far.
+  std::uint64_t errors() const { return errors_; }
+
+ private:
+  Surface& surface_;
+  std::string font_, boldFont_;
+  float fontScale_ = 0.0f;
+  bool current_ = false;
+  int supported_ = 1;
+  vtkSmartPointer<vtkGenericOpenGLRenderWindow> window_;
+  vtkNew<vtkRenderer> scene_, charts_;
+  std::uint64_t errors_ = 0;
+};
+
+}  // namespace enamel::viewer

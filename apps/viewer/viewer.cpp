@@ -1,0 +1,319 @@
+#include "viewer.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "enamel/core/error.hpp"
+#include "enamel/device/dynamics.hpp"
+
+namespace enamel::viewer {
+namespace {
+
+constexpr double kNotice = 4.0;       // s
+constexpr std::size_t kTrail = 150;   // ticks
+constexpr double kDrawnForce = 60.0;  // N: a longer arrow says no more
+
+const std::string& existing(const std::string& file) {
+  static const std::string none;
+  return std::filesystem::exists(file) ? file : none;
+}
+
+Hand handAt(const Vec3& position, const Grip& grip) {
+  Hand hand;
+  hand.grip = grip;
+  hand.target = hand.position = position;
+  return hand;
+}
+
+std::unique_ptr<Experiment> firstExperiment(const ServoedDevice& device, const Scene& scene, Wall wall) {
+  Pose start;
+  start.position = scene.start;
+  return std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), wall);
+}
+
+Vec3 metres(const glm::dvec3& millimetres) { return Vec3(millimetres.x, millimetres.y, millimetres.z) / kMillimetres; }
+
+}  // namespace
+
+double steadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Viewer::Viewer(const Options& options, Surface& surface)
+    : surface_(surface),
+      device_(loadServoedDevice(options.device)),
+      model_(makeModel(device_.parameters)),
+      scene_(enamel::loadScene(options.scene)),
+      wall_(options.wall),
+      runner_(firstExperiment(device_, scene_, wall_)),
+      stage_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
+      view_(stage_.scene()),
+      charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), model_.maxTorque) {
+  configuration_ = model_.home;
+  const std::filesystem::path folder = std::filesystem::absolute(options.scene).parent_path();
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".toml") sceneFiles_.push_back(entry.path().string());
+  std::sort(sceneFiles_.begin(), sceneFiles_.end());
+  const std::string own = std::filesystem::absolute(options.scene).string();
+  for (std::size_t i = 0; i < sceneFiles_.size(); ++i) {
+    if (std::filesystem::path(sceneFiles_[i]) == std::filesystem::path(own)) sceneIndex_ = static_cast<int>(i);
+    sceneNames_.push_back(std::filesystem::path(sceneFiles_[i]).stem().string());
+  }
+  selectCamera(0);
+}
+
+void Viewer::notify(const std::string& text) {
+  overlay_.notice = text;
+  noticeEnd_ = now_ + kNotice;
+}
+
+void Viewer::selectCamera(int preset) {
+  preset_ = preset;
+  camera_ = cameraPresets()[static_cast<std::size_t>(preset)].camera;
+}
+
+// A replaced experiment begins at rest where the tool is.
+void Viewer::rebuild(const Pose& start, const Hand& hand) {
+  try {
+    runner_.replace(std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, wall_));
+  } catch (const Error& error) {
+    notify(error.what());
+  }
+}
+
+void Viewer::startAgain() {
+  Pose start;
+  start.position = scene_.start;
+  path_.reset();
+  rebuild(start, handAt(scene_.start, overlay_.grip));
+}
+
+void Viewer::loadScene(const std::string& path) {
+  try {
+    scene_ = enamel::loadScene(path);
+    builtScale_ = 0.0f;
+    startAgain();
+  } catch (const Error& error) {
+    notify(error.what());
+  }
+}
+
+std::vector<std::string> Viewer::takePictures() {
+  std::vector<std::string> names;
+  names.swap(pictures_);
+  return names;
+}
+
+void Viewer::act(Action action) {
+  constexpr int speeds[] = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000};
+  const auto send = [this](Command::Kind kind, int number) {
+    Command command{kind};
+    command.number = number;
+    runner_.send(command);
+  };
+  switch (action) {
+    case Action::swapRenderers:
+      wall_ = wall_ == Wall::impedance ? Wall::positionControl : Wall::impedance;
+      send(Command::Kind::select, static_cast<int>(wall_));
+      break;
+    case Action::testPush:
+      path_.reset();
+      send(Command::Kind::testPush, 0);
+      break;
+    case Action::grip: {
+      overlay_.grip = overlay_.grip.stiffness == kFirmGrip.stiffness ? kPaperGrip : kFirmGrip;
+      Command command{Command::Kind::grip};
+      command.grip = overlay_.grip;
+      runner_.send(command);
+      break;
+    }
+    case Action::home: {
+      path_.reset();
+      Command command{Command::Kind::handTo};
+      command.target = scene_.start;
+      runner_.send(command);
+      break;
+    }
+    case Action::reset: startAgain(); break;
+    case Action::nextScene:
+      if (!sceneFiles_.empty()) {
+        sceneIndex_ = (sceneIndex_ + 1) % static_cast<int>(sceneFiles_.size());
+        loadScene(sceneFiles_[static_cast<std::size_t>(sceneIndex_)]);
+      }
+      break;
+    case Action::pause:
+      paused_ = !paused_;
+      send(paused_ ? Command::Kind::pause : Command::Kind::resume, 0);
+      break;
+    case Action::step:
+      if (!paused_) act(Action::pause);
+      send(Command::Kind::step, 1);
+      break;
+    case Action::faster:
+      for (int i = 9; i >= 0; --i)
+        if (speeds[i] < slowdown_) {
+          slowdown_ = speeds[i];
+          break;
+        }
+      send(Command::Kind::slowdown, slowdown_);
+      break;
+    case Action::slower:
+      for (const int speed : speeds)
+        if (speed > slowdown_) {
+          slowdown_ = speed;
+          break;
+        }
+      send(Command::Kind::slowdown, slowdown_);
+      break;
+    case Action::camera1:
+    case Action::camera2:
+    case Action::camera3:
+    case Action::camera4: selectCamera(static_cast<int>(action) - static_cast<int>(Action::camera1)); break;
+    case Action::nextCamera: selectCamera((preset_ + 1) % 4); break;
+    case Action::previousCamera: selectCamera((preset_ + 3) % 4); break;
+    case Action::help: overlay_.help = !overlay_.help; break;
+    case Action::panels: overlay_.panels = !overlay_.panels; break;
+    case Action::timing: overlay_.timing = !overlay_.timing; break;
+    case Action::charts: overlay_.charts = !overlay_.charts; break;
+    case Action::fullScreen: fullScreen_ = !fullScreen_; break;
+    case Action::screenshot: pictures_.emplace_back(); break;
+    case Action::quit:
+      end_ = !overlay_.help;
+      overlay_.help = false;
+      break;
+  }
+}
+
+void Viewer::moveHandBy(const glm::dvec3& millimetres) {
+  path_.reset();
+  Command command{Command::Kind::handBy};
+  command.target = metres(millimetres);
+  runner_.send(command);
+}
+
+void Viewer::pressBy(double newtons) {
+  path_.reset();
+  Command command{Command::Kind::handBy};
+  command.target = -newtons * frame_.contacts.contacts[0].normal.cwiseQuotient(stiffnessOf(overlay_.grip));
+  runner_.send(command);
+}
+
+void Viewer::follow(const ScriptStep& step, double now) {
+  now_ = now;
+  switch (step.kind) {
+    case ScriptStep::Kind::action: act(step.action); break;
+    case ScriptStep::Kind::hand: {
+      const Vec3 from = kMillimetres * frame_.hand.target;
+      path_ = Path{{from.x(), from.y(), from.z()}, step.target, now, step.over};
+      break;
+    }
+    case ScriptStep::Kind::wall:
+      if (static_cast<int>(wall_) != step.number) act(Action::swapRenderers);
+      break;
+    case ScriptStep::Kind::scene: loadScene(step.name); break;
+    case ScriptStep::Kind::slowdown: {
+      slowdown_ = step.number;
+      Command command{Command::Kind::slowdown};
+      command.number = step.number;
+      runner_.send(command);
+      break;
+    }
+    case ScriptStep::Kind::size: surface_.resize(step.size); break;
+    case ScriptStep::Kind::picture: pictures_.push_back(step.name); break;
+    case ScriptStep::Kind::frames: break;  // of the headless loop
+    case ScriptStep::Kind::end: end_ = true; break;
+  }
+}
+
+void Viewer::update(double now, const TimingNumbers& timing) {
+  now_ = now;
+  timing_ = timing;
+  if (path_) {
+    const double share = path_->over > 0.0 ? std::min(1.0, (now - path_->begin) / path_->over) : 1.0;
+    Command command{Command::Kind::handTo};
+    command.target = metres(glm::mix(path_->from, path_->to, share));
+    runner_.send(command);
+    if (share >= 1.0) path_.reset();
+  }
+  runner_.collect();
+  frame_ = runner_.frame();
+  for (Sample sample; runner_.nextSample(sample);) {
+    charts_.add(sample);
+    trail_.push_back(sample.position);
+    simulated_ += kPeriod;
+  }
+  if (trail_.size() > kTrail) trail_.erase(trail_.begin(), trail_.end() - static_cast<std::ptrdiff_t>(kTrail));
+  if (frame_.plant != Status::ok) {
+    notify("The tool left the reach of the device: back to the start.");
+    startAgain();
+  }
+
+  if (overlay_.settingsChanged) {
+    overlay_.settingsChanged = false;
+    rebuild(frame_.record.pose, frame_.hand);
+  }
+  if (overlay_.sceneAsked >= 0) {
+    sceneIndex_ = overlay_.sceneAsked;
+    overlay_.sceneAsked = -1;
+    loadScene(sceneFiles_[static_cast<std::size_t>(sceneIndex_)]);
+  }
+  std::vector<Action> actions;
+  actions.swap(overlay_.actions);
+  for (const Action action : actions) act(action);
+  if (now > noticeEnd_) overlay_.notice.clear();
+
+  Configuration at;
+  if (enamel::configure(model_, frame_.record.pose, at) == Status::ok) configuration_ = at;
+  const Contact& contact = frame_.contacts.contacts[0];
+  shown_.device = configuration_;
+  shown_.hand = frame_.hand.position;
+  shown_.touching = contact.gap <= 0.0 || frame_.record.mode == RenderMode::contact;
+  shown_.normal = contact.normal;
+  shown_.point = contact.point - contact.gap * contact.normal;
+  shown_.force = std::min(kDrawnForce, frame_.record.normalForce);
+  shown_.ghost.reset();
+  if (frame_.holding) {
+    Configuration reference = configuration_;
+    if (forwardKinematics(model_, frame_.reference, reference).status == Status::ok) shown_.ghost = reference.pose;
+  } else if (contact.gap < 0.0) {
+    shown_.ghost = Pose{shown_.point, frame_.record.pose.rotation};
+  }
+  const double preload = frame_.tests[static_cast<std::size_t>(frame_.wall)].preload;
+  limit_ = stiffnessLimit(model_, configuration_, contact.normal, kTestForce, preload, overlay_.settings.delay.high);
+
+  layout_ = layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts);
+  std::array<ChartPlace, Charts::kCharts> places;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Area& a = layout_.chart[i];
+    const float title = kChartTitle * layout_.scale, side = 6 * layout_.scale;
+    places[i] = {side, layout_.charts.height - a.y - a.height, std::max(1.0f, a.width - 2 * side),
+                 std::max(1.0f, a.height - title)};
+  }
+  charts_.update(places, layout_.scale, limit_.largestForce);
+}
+
+void Viewer::draw() {
+  if (builtScale_ != layout_.scale) {
+    view_.build(model_, scene_, layout_.scale);
+    builtScale_ = layout_.scale;
+  }
+  view_.update(shown_);
+  view_.look(camera_);
+  const OverlayInput input{frame_,
+                           scene_.name,
+                           device_.parameters.name,
+                           sceneNames_,
+                           sceneIndex_,
+                           limit_,
+                           shown_.ghost.has_value(),
+                           shown_.ghost ? shown_.ghost->position : Vec3::Zero(),
+                           trail_,
+                           timing_,
+                           simulated_,
+                           cameraPresets()[static_cast<std::size_t>(preset_)].name};
+  stage_.draw(layout_, [&] { drawOverlay(layout_, input, overlay_); });
+}
+
+}  // namespace enamel::viewer

@@ -1,0 +1,110 @@
+// The viewer between a surface, an experiment and a person.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera.hpp"
+#include "charts.hpp"
+#include "overlay.hpp"
+#include "runner.hpp"
+#include "scene_view.hpp"
+#include "script.hpp"
+#include "servo_gain.hpp"
+#include "stage.hpp"
+#include "surface.hpp"
+
+namespace enamel::viewer {
+
+/// What the command line says.
+struct Options {
+  std::string scene, device;
+  Wall wall = Wall::positionControl;
+  bool headless = false;
+  std::string script, record, report;
+  glm::ivec2 size{1280, 720};
+  float scale = 1.0f;
+};
+
+/// Everything but the loop that drives it: see runInWindow() and runHeadless().
+class Viewer {
+ public:
+  /// Loads scene and device, designs the servo, builds the picture. Throws Error.
+  Viewer(const Options& options, Surface& surface);
+
+  Runner& runner() { return runner_; }
+  Stage& stage() { return stage_; }
+  const Frame& frame() const { return frame_; }
+  Camera& camera() { return camera_; }
+  const Layout& layout() const { return layout_; }
+  bool wantsToEnd() const { return end_; }
+  bool fullScreen() const { return fullScreen_; }
+  /// Names of pictures that were asked for since the last call; an empty name stands for the next free one.
+  std::vector<std::string> takePictures();
+
+  void act(Action action);
+  void moveHandBy(const glm::dvec3& millimetres);
+  void pressBy(double newtons);  ///< along the wall's normal, inwards
+  /// One step of a script, at `now`, s.
+  void follow(const ScriptStep& step, double now);
+
+  /// Takes what the haptic side has sent and prepares the next picture; `now` in s.
+  void update(double now, const TimingNumbers& timing);
+  /// Draws it.
+  void draw();
+
+ private:
+  void loadScene(const std::string& path);
+  void rebuild(const Pose& start, const Hand& hand);
+  void startAgain();
+  void notify(const std::string& text);
+  void selectCamera(int preset);
+
+  Surface& surface_;
+  ServoedDevice device_;
+  DeviceModel model_;
+  std::vector<std::string> sceneFiles_, sceneNames_;
+  int sceneIndex_ = 0;
+  Scene scene_;
+  OverlayState overlay_;
+  Wall wall_;
+  Runner runner_;
+  Stage stage_;
+  SceneView view_;
+  Charts charts_;
+  Camera camera_;
+  int preset_ = 0;
+  float builtScale_ = 0.0f;
+  Layout layout_;
+
+  Frame frame_;
+  Configuration configuration_;
+  SceneState shown_;
+  std::vector<Vec3> trail_;
+  StiffnessLimit limit_{};
+  TimingNumbers timing_;
+  double simulated_ = 0.0, now_ = 0.0, noticeEnd_ = 0.0;
+  bool paused_ = false, end_ = false, fullScreen_ = false;
+  int slowdown_ = 1;
+  std::vector<std::string> pictures_;
+
+  struct Path {
+    glm::dvec3 from, to;
+    double begin, over;
+  };
+  std::optional<Path> path_;
+};
+
+/// Runs in a window until it is closed or the script ends. Throws Error; also where the window is closed while the tool
+/// is in contact. `started`: seconds on the steady clock when the program began.
+void runInWindow(const Options& options, double started);
+
+/// Runs a script without a display on simulated time: the same script gives the same pictures. Throws Error.
+void runHeadless(const Options& options, double started);
+
+/// Seconds on the steady clock.
+double steadySeconds();
+
+}  // namespace enamel::viewer
