@@ -24,7 +24,7 @@ glm::dmat4 Camera::projection(double aspect) const { return glm::perspective(ang
 
 const std::array<CameraPreset, 4>& cameraPresets() {
   static const std::array<CameraPreset, 4> presets{{
-      {"user", {{0.0, -18.0, -8.0}, glm::radians(38.0), glm::radians(22.0), 640.0, 0.45}},
+      {"user", {{4.0, -30.0, -6.0}, glm::radians(44.0), glm::radians(20.0), 560.0, 0.45}},
       {"side", {{0.0, -14.0, -4.0}, glm::radians(82.0), glm::radians(8.0), 560.0, 0.45}},
       {"top", {{0.0, -10.0, -10.0}, glm::radians(4.0), glm::radians(72.0), 620.0, 0.45}},
       {"close", {{0.0, 0.0, 6.0}, glm::radians(52.0), glm::radians(20.0), 230.0, 0.45}},

@@ -2,13 +2,15 @@
 
 #include <vtkAxis.h>
 #include <vtkContextActor.h>
+#include <vtkDoubleArray.h>
 #include <vtkPen.h>
 #include <vtkPlotLine.h>
-#include <vtkRenderWindow.h>
+#include <vtkStringArray.h>
 #include <vtkTextProperty.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "palette.hpp"
 
@@ -30,6 +32,29 @@ double niceAbove(double value, double smallest) {
     nice *= mantissa > 1.5 && mantissa < 3.0 ? 2.5 : 2.0;
   }
   return nice;
+}
+
+void setTicks(vtkAxis* axis, const std::vector<double>& places, const std::vector<std::string>& names) {
+  vtkNew<vtkDoubleArray> positions;
+  vtkNew<vtkStringArray> labels;
+  for (const double place : places) positions->InsertNextValue(place);
+  for (const std::string& name : names) labels->InsertNextValue(name);
+  axis->SetCustomTickPositions(positions, labels);
+}
+
+// Ticks at 1, 2 and 5 times powers of ten.
+void setTicks(vtkAxis* axis, double low, double high) {
+  const double raw = high / 5.0, power = std::pow(10.0, std::floor(std::log10(raw) + 1e-9));
+  const double step = raw / power < 1.01 ? power : raw / power < 2.01 ? 2.0 * power : 5.0 * power;
+  std::vector<double> places;
+  std::vector<std::string> names;
+  for (int i = static_cast<int>(std::ceil(low / step)); i * step <= high * (1.0 + 1e-9); ++i) {
+    char text[16];
+    std::snprintf(text, sizeof(text), "%g", i * step);
+    places.push_back(i * step);
+    names.emplace_back(text);
+  }
+  setTicks(axis, places, names);
 }
 
 }  // namespace
@@ -85,9 +110,7 @@ Charts::Charts(vtkRenderer* renderer, const std::string& font, double torqueLimi
     }
     vtkAxis* bottom = chart->GetAxis(vtkAxis::BOTTOM);
     bottom->SetRange(-kWindow, 0.0);
-    bottom->SetNumberOfTicks(4);
-    bottom->SetNotation(vtkAxis::FIXED_NOTATION);
-    bottom->SetPrecision(0);
+    setTicks(bottom, {-3.0, -2.0, -1.0, 0.0}, {"-3 s", "-2 s", "-1 s", "now"});
     scene_->AddItem(chart);
   }
   plotLimit(0, 0);
@@ -180,14 +203,17 @@ void Charts::update(const std::array<ChartPlace, kCharts>& places, float scale, 
 
   // A range grows at once and shrinks after a while.
   const std::array<double, kCharts> wanted{niceAbove(1.08 * largest[0], 0.05), niceAbove(1.08 * largest[1], 5.0),
-                                           1.2 * torqueLimit_};
+                                           1.5 * torqueLimit_};
   for (std::size_t i = 0; i < kCharts; ++i) {
     shrink_[i] = wanted[i] < ranges_[i] ? shrink_[i] + 1 : 0;
     if (wanted[i] > ranges_[i] || shrink_[i] > 30) ranges_[i] = wanted[i];
     vtkAxis* axis = charts_[i]->GetAxis(vtkAxis::LEFT);
-    const bool signedRange = i == kTorqueChart;
-    axis->SetRange(signedRange ? -ranges_[i] : -0.04 * ranges_[i], ranges_[i]);
-    axis->SetNumberOfTicks(signedRange ? 5 : 6);
+    if (ranges_[i] != drawnRanges_[i]) {
+      drawnRanges_[i] = ranges_[i];
+      const double low = i == kTorqueChart ? -1.1 * torqueLimit_ : -0.03 * ranges_[i];
+      axis->SetRange(low, ranges_[i]);
+      setTicks(axis, low, i == kTorqueChart ? torqueLimit_ : ranges_[i]);
+    }
     const ChartPlace& p = places[i];
     charts_[i]->SetSize(vtkRectf(p.x, p.y, p.width, p.height));
     charts_[i]->GetAxis(vtkAxis::LEFT)->GetLabelProperties()->SetFontSize(11);

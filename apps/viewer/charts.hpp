@@ -67,6 +67,7 @@ class Charts {
   std::size_t current_ = 0;
   double torqueLimit_;
   std::array<double, kCharts> ranges_{0.1, 5.0, 2.0};
+  std::array<double, kCharts> drawnRanges_{};
   std::array<int, kCharts> shrink_{};  // frames since a smaller range would do
 };
 

@@ -299,7 +299,7 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     return ImVec2(cx + static_cast<float>(std::clamp(perMillimetre * across.dot(d), -1e4, 1e4)),
                   cy - static_cast<float>(std::clamp(perMillimetre * n.dot(d), -1e4, 1e4)));
   };
-  brush.card(area, 0.96);
+  brush.card(area, 1.0);
   const float top = area.y + 26 * s, bottom = area.y + area.height - s;
   brush.list->PushClipRect({area.x + s, top}, {area.x + area.width - s, bottom}, true);
   // The wall, with a grid of one bar.
@@ -342,7 +342,7 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   }
   // Dimension of the depth.
   const double depth = -1e3 * frame.record.gap;
-  if (depth > 0.0) {
+  if (depth > 5e-4) {
     const float x = cx + 62 * s, y = tip.y;
     brush.list->AddLine({tip.x, y}, {x + 5 * s, y}, ink(kInk, 0.5), s);
     brush.list->AddLine({x, cy}, {x, y}, ink(kInk), 1.5f * s);
@@ -379,8 +379,8 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
   // Key of the torques: chains by colour, lift dashed.
   const Area& a = layout.chart[2];
   const unsigned colours[] = {kBlue, kOrange, kGreen};
-  float x = a.x + 52 * s;
-  const float y = a.y + a.height - 46 * s;
+  float x = a.x + 56 * s;
+  const float y = a.y + 34 * s;
   for (int chain = 0; chain < 3; ++chain) {
     brush.list->AddLine({x, y + 7 * s}, {x + 14 * s, y + 7 * s}, ink(colours[chain]), 3 * s);
     brush.text(gSmall, x + 18 * s, y, kMuted, format("chain %d", chain + 1));

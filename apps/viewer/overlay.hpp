@@ -24,7 +24,7 @@ struct Layout {
   std::array<Area, Charts::kCharts> chart;  ///< each with room for its title
 };
 Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts);
-inline constexpr float kChartTitle = 24.0f;  // units of layout, above each chart
+inline constexpr float kChartTitle = 28.0f;  // units of layout, above each chart
 
 /// What the overlay shows and, of the settings, changes.
 struct OverlayState {

@@ -56,9 +56,8 @@ void drawWall(const HalfSpace& wall, const std::vector<HalfSpace>& others, Drawi
   const Vec3 n = wall.normal;
   const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
   const Vec3 across = vertical.cross(n).normalized(), up = n.cross(across);
-  const Vec3 centre = wall.point - n * 0.0;
   // Centred on the part of the plane that is nearest to the middle of the workspace.
-  const Vec3 middle = Vec3::Zero() - n.dot(Vec3::Zero() - centre) * n;
+  const Vec3 middle = n.dot(wall.point) * n;
   const Face face{middle, kPane * across, kPane * up};
   Polygon pane{middle - face.across - face.up, middle + face.across - face.up, middle + face.across + face.up,
                middle - face.across + face.up};
@@ -68,7 +67,7 @@ void drawWall(const HalfSpace& wall, const std::vector<HalfSpace>& others, Drawi
   addGrid(face, others, 5e-5 * n, drawing);
   for (std::size_t i = 0; i < pane.size(); ++i) {
     const Vec3 &a = pane[i], &b = pane[(i + 1) % pane.size()];
-    drawing.backs.push_back({a, b, b - kPaneDepth * n, a - kPaneDepth * n});
+    drawing.backs.push_back({b, a, a - kPaneDepth * n, b - kPaneDepth * n});
   }
   Polygon back;
   for (const Vec3& corner : pane) back.push_back(corner - kPaneDepth * n);
@@ -86,6 +85,7 @@ void drawBox(const Box& box, Drawing& drawing) {
                       box.halfSize[j] * r.col(j)};
       drawing.faces.push_back({face.centre - face.across - face.up, face.centre + face.across - face.up,
                                face.centre + face.across + face.up, face.centre - face.across + face.up});
+      if (sign < 0.0) std::reverse(drawing.faces.back().begin(), drawing.faces.back().end());
       addOutline(drawing.faces.back(), drawing.edges);
       addGrid(face, {}, 5e-5 * n, drawing);
     }
@@ -103,7 +103,7 @@ void addLight(vtkRenderer* renderer, double x, double y, double z, double intens
 }  // namespace
 
 struct SceneView::Parts {
-  Parts(vtkRenderer* renderer, const DeviceModel& deviceModel);
+  Parts(vtkRenderer* renderer, vtkRenderer* above, const DeviceModel& deviceModel);
 
   struct Chain {
     Rod link1, link2;
@@ -154,44 +154,49 @@ void SceneView::Parts::Tool::show(bool visible) {
     for (Rod& rod : *rods) rod.show(visible);
 }
 
-SceneView::Parts::Parts(vtkRenderer* renderer, const DeviceModel& deviceModel)
+SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const DeviceModel& deviceModel)
     : model(deviceModel),
       tool(renderer, model, kPlatform, kHandle, kNeedle, 1.0, 1.0),
       ghost(renderer, model, kBlue, kBlue, kBlue, 0.22, 1.25),
-      arrow(renderer, 3.0, {kVermilion, 1.0, 0.1}),
-      arrowHead(renderer, 7.0, {kVermilion, 1.0, 0.1}, true),
-      normal(renderer, 0.5, {kInk, 1.0, 0.0}),
-      pull(renderer, 1.2, {kOrange, 1.0, 0.0}),
-      contact(renderer, 2.2, {kVermilion, 1.0, 0.1}),
-      hand(renderer, 7.0, {kOrange, 1.0, 0.2}) {
+      arrow(above, 2.0, {kVermilion, 1.0, 0.1}),
+      arrowHead(above, 5.0, {kVermilion, 1.0, 0.1}, true),
+      normal(above, 0.5, {kInk, 1.0, 0.0}),
+      pull(above, 1.0, {kOrange, 1.0, 0.0}),
+      contact(above, 2.4, {kVermilion, 1.0, 0.1}),
+      hand(above, 6.0, {kOrange, 1.0, 0.2}) {
   for (std::size_t i = 0; i < model.chain.size(); ++i) {
     chains.push_back({Rod(renderer, 5.0, {kLink1}), Rod(renderer, 3.6, {kLink2}), Ball(renderer, 6.5, {kMotor}),
                       Ball(renderer, 5.2, {kMotor, 1.0, 0.4})});
     const Vec3 base = model.chain[i].base, y(0.0, 0.5 * kMotorHeight, 0.0);
-    Rod(renderer, 13.0, {kMotor}).place(base - y, base + y);
-    Rod(renderer, 9.0, {kLink1}).place(base + y, base + y + Vec3(0.0, 0.005, 0.0));
+    Rod(renderer, 11.5, {kMotor}).place(base - y, base + y);
+    Rod(renderer, 8.0, {kLink1}).place(base + y, base + y + Vec3(0.0, 0.005, 0.0));
   }
   // The column: a beam through the two lower bases, and a mast from it to the upper one.
   const Vec3 &left = model.chain[1].base, &right = model.chain[0].base, &top = model.chain[2].base;
   const Vec3 foot = 0.5 * (left + right);
-  Rod(renderer, 8.0, {kColumn}).place(left, right);
-  Rod(renderer, 8.0, {kColumn}).place(foot, Vec3(foot.x(), foot.y(), top.z()));
-  Rod(renderer, 10.0, {kColumn}).place(Vec3(foot.x(), foot.y() - 0.02, top.z()), top + Vec3(0.0, 0.03, 0.0));
-  Ball(renderer, 10.0, {kColumn}).place(Vec3(foot.x(), foot.y(), top.z()));
+  Rod(renderer, 6.0, {kColumn}).place(left, right);
+  Rod(renderer, 6.0, {kColumn}).place(foot, Vec3(foot.x(), foot.y(), top.z()));
+  Rod(renderer, 7.5, {kColumn}).place(Vec3(foot.x(), foot.y() - 0.02, top.z()), top + Vec3(0.0, 0.03, 0.0));
+  Ball(renderer, 7.5, {kColumn}).place(Vec3(foot.x(), foot.y(), top.z()));
 }
 
-SceneView::SceneView(vtkRenderer* renderer) : renderer_(renderer) {
+SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(renderer), above_(above) {
   const Colour ground = colour(kGround);
   renderer->SetBackground(ground.r, ground.g, ground.b);
   renderer->SetAutomaticLightCreation(false);
-  addLight(renderer, 0.6, 1.0, 0.8, 0.85);
-  addLight(renderer, -1.0, 0.2, 0.6, 0.35);
+  above->SetAutomaticLightCreation(false);
+  above->SetActiveCamera(renderer->GetActiveCamera());
+  for (vtkRenderer* lit : {renderer, above}) {
+    addLight(lit, -0.7, 0.9, 0.9, 0.85);
+    addLight(lit, 1.0, 0.3, 0.5, 0.35);
+  }
 }
 
 SceneView::~SceneView() = default;
 
 void SceneView::build(const DeviceModel& model, const Scene& scene, float scale) {
   renderer_->RemoveAllViewProps();
+  above_->RemoveAllViewProps();
   Drawing drawing;
   std::vector<HalfSpace> walls;
   for (const Obstacle& obstacle : scene.obstacles)
@@ -223,7 +228,7 @@ void SceneView::build(const DeviceModel& model, const Scene& scene, float scale)
       cube.push_back({from, to});
     }
   addLines(renderer_, cube, kCubeLine, scale);
-  parts_ = std::make_unique<Parts>(renderer_, model);
+  parts_ = std::make_unique<Parts>(renderer_, above_, model);
 }
 
 void SceneView::update(const SceneState& state) {

@@ -27,7 +27,8 @@ struct SceneState {
 
 class SceneView {
  public:
-  explicit SceneView(vtkRenderer* renderer);
+  /// `above`: the same view in a layer over the first; what it shows is never hidden.
+  SceneView(vtkRenderer* renderer, vtkRenderer* above);
   ~SceneView();
   SceneView(const SceneView&) = delete;
   SceneView& operator=(const SceneView&) = delete;
@@ -41,6 +42,7 @@ class SceneView {
   struct Parts;
 
   vtkRenderer* renderer_;
+  vtkRenderer* above_;
   std::unique_ptr<Parts> parts_;
 };
 

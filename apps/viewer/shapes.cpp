@@ -3,7 +3,9 @@
 #include <vtkCellArray.h>
 #include <vtkConeSource.h>
 #include <vtkCylinderSource.h>
+#include <vtkFloatArray.h>
 #include <vtkMatrix4x4.h>
+#include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
@@ -53,8 +55,8 @@ vtkSmartPointer<vtkActor> addActor(vtkRenderer* renderer, vtkAlgorithmOutput* so
   vtkProperty* property = actor->GetProperty();
   property->SetColor(c.r, c.g, c.b);
   property->SetOpacity(finish.opacity);
-  property->SetAmbient(0.25);
-  property->SetDiffuse(0.8);
+  property->SetAmbient(0.36);
+  property->SetDiffuse(0.74);
   property->SetSpecular(finish.shine);
   property->SetSpecularPower(25.0);
   renderer->AddActor(actor);
@@ -116,14 +118,21 @@ Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal) {
 vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish) {
   vtkNew<vtkPoints> points;
   vtkNew<vtkCellArray> cells;
+  vtkNew<vtkFloatArray> normals;
+  normals->SetNumberOfComponents(3);
   for (const Polygon& face : faces) {
     if (face.size() < 3) continue;
+    const Vec3 normal = (face[1] - face[0]).cross(face[2] - face[0]).normalized();
     cells->InsertNextCell(static_cast<int>(face.size()));
-    for (const Vec3& corner : face) cells->InsertCellPoint(append(points, corner));
+    for (const Vec3& corner : face) {
+      cells->InsertCellPoint(append(points, corner));
+      normals->InsertNextTuple3(normal.x(), normal.y(), normal.z());
+    }
   }
   vtkNew<vtkPolyData> data;
   data->SetPoints(points);
   data->SetPolys(cells);
+  data->GetPointData()->SetNormals(normals);
   return addData(renderer, data, finish);
 }
 

@@ -53,7 +53,7 @@ class Ball {
 using Polygon = std::vector<Vec3>;
 Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal);
 
-/// Flat faces, and lines, as one actor each.
+/// Flat faces, with their corners anticlockwise as seen from outside, and lines, as one actor each.
 vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish);
 vtkSmartPointer<vtkActor> addLines(vtkRenderer* renderer, const std::vector<std::array<Vec3, 2>>& lines,
                                    unsigned colour, float width);

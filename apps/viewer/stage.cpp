@@ -22,8 +22,7 @@ namespace {
 class Messages final : public vtkOutputWindow {
  public:
   static Messages* New();
-  vtkTypeMacro(Messages, vtkOutputWindow)
-  void DisplayText(const char* text) override {
+  vtkTypeMacro(Messages, vtkOutputWindow) void DisplayText(const char* text) override {
     std::string line(text);
     for (char& c : line)
       if (c == '\n') c = ' ';
@@ -32,8 +31,8 @@ class Messages final : public vtkOutputWindow {
 };
 vtkStandardNewMacro(Messages)
 
-void observe(vtkObject* subject, unsigned long event, void* client,
-             void (*callback)(vtkObject*, unsigned long, void*, void*)) {
+    void observe(vtkObject* subject, unsigned long event, void* client,
+                 void (*callback)(vtkObject*, unsigned long, void*, void*)) {
   vtkNew<vtkCallbackCommand> command;
   command->SetClientData(client);
   command->SetCallback(callback);
@@ -81,7 +80,10 @@ Stage::Stage(Surface& surface, const std::string& font, const std::string& boldF
   window_->OpenGLInitContext();
   window_->SetReadyForRendering(true);
   window_->OpenGLInit();
+  window_->SetNumberOfLayers(2);
+  above_->SetLayer(1);
   window_->AddRenderer(scene_);
+  window_->AddRenderer(above_);
   window_->AddRenderer(charts_);
 
   IMGUI_CHECKVERSION();
@@ -114,6 +116,7 @@ void Stage::draw(const Layout& layout, const std::function<void()>& overlay) {
     renderer->SetViewport(area.x / w, 1.0 - (area.y + area.height) / h, (area.x + area.width) / w, 1.0 - area.y / h);
   };
   place(scene_, layout.scene);
+  place(above_, layout.scene);
   place(charts_, layout.charts);
   glBindFramebuffer(GL_FRAMEBUFFER, surface_.framebuffer());
   if (window_->GetSize()[0] != layout.size.x || window_->GetSize()[1] != layout.size.y)

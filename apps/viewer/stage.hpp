@@ -35,6 +35,7 @@ class Stage {
   Stage& operator=(const Stage&) = delete;
 
   vtkRenderer* scene() { return scene_; }
+  vtkRenderer* above() { return above_; }  ///< a layer over the scene
   vtkRenderer* charts() { return charts_; }
 
   /// Draws VTK's part, then what `overlay` gives to ImGui, into the surface; does not present.
@@ -52,7 +53,7 @@ class Stage {
   bool current_ = false;
   int supported_ = 1;
   vtkSmartPointer<vtkGenericOpenGLRenderWindow> window_;
-  vtkNew<vtkRenderer> scene_, charts_;
+  vtkNew<vtkRenderer> scene_, above_, charts_;
   std::uint64_t errors_ = 0;
 };
 

@@ -49,7 +49,7 @@ Viewer::Viewer(const Options& options, Surface& surface)
       wall_(options.wall),
       runner_(firstExperiment(device_, scene_, wall_)),
       stage_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
-      view_(stage_.scene()),
+      view_(stage_.scene(), stage_.above()),
       charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), model_.maxTorque) {
   configuration_ = model_.home;
   const std::filesystem::path folder = std::filesystem::absolute(options.scene).parent_path();
@@ -287,8 +287,8 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   std::array<ChartPlace, Charts::kCharts> places;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Area& a = layout_.chart[i];
-    const float title = kChartTitle * layout_.scale, side = 6 * layout_.scale;
-    places[i] = {side, layout_.charts.height - a.y - a.height, std::max(1.0f, a.width - 2 * side),
+    const float title = kChartTitle * layout_.scale, side = 6 * layout_.scale, right = 14 * layout_.scale;
+    places[i] = {side, layout_.charts.height - a.y - a.height, std::max(1.0f, a.width - side - right),
                  std::max(1.0f, a.height - title)};
   }
   charts_.update(places, layout_.scale, limit_.largestForce);
