@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "layout.hpp"
 #include "runner.hpp"
 
 namespace enamel::viewer {
@@ -25,7 +26,6 @@ struct ChartPlace {
 
 class Charts {
  public:
-  static constexpr int kCharts = 3;
   static constexpr double kWindow = 3.0;  ///< s that are shown
 
   /// `font`: a TrueType file, or empty.

@@ -249,8 +249,10 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   const double now = handForce(frame) / std::max(1e-9, -frame.record.gap);
   const bool inside = depth > 1e-3;
   const Number numbers[] = {
-      {depth > -0.0005 ? format("%.3f", std::max(0.0, depth)) : format("%.1f", -depth), "mm",
-       depth > -0.0005 ? "penetration" : "to the wall", kBlue},
+      {depth > -0.0005 ? format("%.3f", std::max(0.0, depth))
+       : depth > -0.1  ? format("%.3f", -depth)
+                       : format("%.1f", -depth),
+       "mm", depth > -0.0005 ? "penetration" : "to the wall", kBlue},
       {format("%.1f", frame.record.normalForce), "N", "force of the wall", kVermilion},
       {format("%.1f", handForce(frame)), "N", "force of the hand", kOrange},
       {!inside     ? "-"
@@ -288,7 +290,7 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   const Vec3 offset = tool - origin;
   const double reach = 1e3 * std::max(std::abs(n.dot(offset)), 0.6 * std::abs(across.dot(offset)));
   int wanted = 0;
-  while (wanted < kSteps - 1 && reach * bar / steps[wanted] > 58 * s) ++wanted;
+  while (wanted < kSteps - 1 && reach * bar / steps[wanted] > 70 * s) ++wanted;
   state.insetPatience = wanted < state.insetStep ? state.insetPatience + 1 : 0;
   if (wanted > state.insetStep || state.insetPatience > 20) state.insetStep = wanted;
   const double perMillimetre = static_cast<double>(bar) / steps[state.insetStep];
@@ -324,7 +326,7 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   const ImVec2 tip = at(tool);
   for (std::size_t i = 1; i < input.trail.size(); ++i)
     brush.list->AddLine(at(input.trail[i - 1]), at(input.trail[i]),
-                        ink(kBlue, 0.7 * static_cast<double>(i) / static_cast<double>(input.trail.size())), 1.5f * s);
+                        ink(kBlue, static_cast<double>(i) / static_cast<double>(input.trail.size())), 1.5f * s);
   wedge(tip, ink(kNeedle, 0.88), 0);
   if (input.ghost) {
     const ImVec2 reference = at(input.ghostPosition);
@@ -369,7 +371,7 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
   const std::string limits[] = {"paper's bound 1 mm", format("motors allow %.0f N", input.limit.largestForce),
                                 "limit 2 N m"};
   const char* names[] = {"Penetration", "Force of the wall", "Joint torques"};
-  for (std::size_t i = 0; i < Charts::kCharts; ++i) {
+  for (std::size_t i = 0; i < kCharts; ++i) {
     const Area& a = layout.chart[i];
     const float x = a.x + 14 * s;
     brush.text(gBold, x, a.y + 6 * s, kInk, names[i]);
@@ -443,7 +445,7 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
 void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const TimingNumbers& t = input.timing;
-  const Area card{layout.scene.x + 18 * s, layout.scene.y + 76 * s, 300 * s, 104 * s};
+  const Area card{layout.scene.x + 18 * s, layout.scene.y + 76 * s, 300 * s, (t.available ? 104 : 38) * s};
   brush.card(card, 0.94);
   const float x = card.x + 12 * s;
   float y = card.y + 8 * s;
@@ -463,9 +465,9 @@ void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& br
 
 void drawHelp(const Layout& layout, const Brush& brush) {
   const float s = layout.scale;
-  const auto &actions = actionRows(), rows = actionRows();
+  const auto& actions = actionRows();
   const auto& driving = drivingRows();
-  const float wide = std::min(640 * s, static_cast<float>(layout.size.x) - 20 * s);
+  const float wide = std::min(720 * s, static_cast<float>(layout.size.x) - 20 * s);
   const float row = 23 * s;
   const std::size_t left = driving.size() + 8, all = driving.size() + actions.size();
   const float high = 66 * s + row * static_cast<float>(std::max(left, all - left));
@@ -477,7 +479,7 @@ void drawHelp(const Layout& layout, const Brush& brush) {
   brush.text(gLarge, card.x + 20 * s, card.y + 12 * s, kInk, "Push the tool against the wall");
   for (std::size_t i = 0; i < all; ++i) {
     const bool second = i >= left;
-    const float x = card.x + 20 * s + (second ? 0.52f * wide : 0.0f);
+    const float x = card.x + 20 * s + (second ? 0.53f * wide : 0.0f);
     const float y = card.y + 52 * s + row * static_cast<float>(second ? i - left : i);
     const bool drive = i < driving.size();
     const char* keys = drive ? driving[i].keys : actions[i - driving.size()].keys;
@@ -494,33 +496,6 @@ std::string stiffnessText(double stiffness) {
   if (stiffness >= 99.95e3) return format("%.0f kN/m", 1e-3 * stiffness);
   if (stiffness >= 9.995e3) return format("%.1f kN/m", 1e-3 * stiffness);
   return format("%.2f kN/m", 1e-3 * stiffness);
-}
-
-Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts) {
-  Layout layout;
-  layout.scale = scale;
-  layout.size = size;
-  const float w = static_cast<float>(size.x), h = static_cast<float>(size.y);
-  const float panel = 248 * scale, column = 372 * scale, gauge = 152 * scale;
-  const float sceneLeast = 300 * scale;
-  const bool showCharts = charts && w >= column + sceneLeast && h >= 420 * scale;
-  const bool showPanel = panels && w >= panel + sceneLeast + (showCharts ? column : 0.0f);
-  const float left = showPanel ? panel : 0.0f, right = showCharts ? column : 0.0f;
-  layout.panel = {0, 0, left, h};
-  layout.scene = {left, 0, w - left - right, h};
-  layout.charts = {w - right, 0, right, showCharts ? h - gauge : 0};
-  layout.gauge = {w - right, h - gauge, right, showCharts ? gauge : 0};
-  // The torques get a little more: six lines and their key.
-  const float unit = layout.charts.height / 3.2f, heights[] = {unit, unit, 1.2f * unit};
-  float y = 0;
-  for (std::size_t i = 0; i < Charts::kCharts; ++i) {
-    layout.chart[i] = {layout.charts.x, y, right, heights[i]};
-    y += heights[i];
-  }
-  const float side = std::min({236 * scale, 0.5f * layout.scene.width, 0.45f * h});
-  if (side > 120 * scale)
-    layout.inset = {layout.scene.x + layout.scene.width - side - 14 * scale, h - side - 14 * scale, side, side};
-  return layout;
 }
 
 void setUpOverlay(const std::string& font, const std::string& boldFont, float scale) {

@@ -8,23 +8,9 @@
 #include "actions.hpp"
 #include "charts.hpp"
 #include "experiment.hpp"
+#include "layout.hpp"
 
 namespace enamel::viewer {
-
-/// A rectangle, pixels from the top left.
-struct Area {
-  float x = 0, y = 0, width = 0, height = 0;
-};
-
-/// Where everything stands at a size and a scale.
-struct Layout {
-  float scale = 1.0f;
-  glm::ivec2 size{0};
-  Area panel, scene, charts, inset, gauge;  ///< width 0: not shown
-  std::array<Area, Charts::kCharts> chart;  ///< each with room for its title
-};
-Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts);
-inline constexpr float kChartTitle = 28.0f;  // units of layout, above each chart
 
 /// What the overlay shows and, of the settings, changes.
 struct OverlayState {

@@ -255,8 +255,8 @@ void runInWindow(const Options& options, double started) {
     }
     report.write(options.report, steadySeconds() - begin, viewer, numbersOf(haptics.timing(), rate));
   }
-  if (viewer.frame().record.gap < 0.0)
-    throw Error("the window was closed while the tool was in contact; the force ended at once");
+  if (viewer.frame().record.gap < 0.0 || viewer.frame().record.mode == RenderMode::contact)
+    throw Error("the window was closed while the tool was in contact: the wall was gone at once");
 }
 
 void runHeadless(const Options& options, double started) {

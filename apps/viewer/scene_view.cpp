@@ -14,7 +14,9 @@ namespace {
 // Sizes of drawn parts that no device file knows, m (radii in mm where a Rod takes them).
 constexpr double kMotorHeight = 0.030, kHub = 0.020, kNeedleLength = 0.032, kHandleEnd = 0.082;
 constexpr double kCube = 0.025, kPane = 0.028, kPaneDepth = 0.006, kGridStep = 0.005;
-constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010;  // m/N, m
+constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010, kNormal = 0.055;  // m/N, m, m
+constexpr double kSmallestForce = 0.1, kLargestForce = 40.0;                    // N: that the arrow shows
+constexpr std::size_t kShownContacts = 3;
 
 Vec3 knee(const ChainModel& chain, const ChainConfiguration& c) {
   const double horizontal = chain.length1 * c.cosLift;
@@ -106,70 +108,60 @@ struct SceneView::Parts {
   Parts(vtkRenderer* renderer, vtkRenderer* above, const DeviceModel& deviceModel);
 
   struct Chain {
-    Rod link1, link2;
+    Rod link1, link2, arm, post;
     Ball knee, tip;
   };
   struct Tool {
-    Tool(vtkRenderer* renderer, const DeviceModel& model, unsigned body, unsigned grip, unsigned tip, double opacity,
-         double growth);
-    void place(const DeviceModel& model, const Pose& pose);
+    Tool(vtkRenderer* renderer, unsigned body, unsigned grip, unsigned tip, double opacity, double growth);
+    void place(const Pose& pose);
     void show(bool visible);
     Rod needle, handle, hub;
-    std::vector<Rod> arms, posts;
   };
 
   DeviceModel model;
   std::vector<Chain> chains;
   Tool tool, ghost;
-  Rod arrow, arrowHead, normal, pull;
-  Ball contact, hand;
+  Rod arrow, arrowHead, pull;
+  Ball hand;
+  std::vector<Rod> normals;
+  std::vector<Ball> contacts;
 };
 
-SceneView::Parts::Tool::Tool(vtkRenderer* renderer, const DeviceModel& model, unsigned body, unsigned grip,
-                             unsigned tip, double opacity, double growth)
+SceneView::Parts::Tool::Tool(vtkRenderer* renderer, unsigned body, unsigned grip, unsigned tip, double opacity,
+                             double growth)
     : needle(renderer, 2.6 * growth, {tip, opacity}, true),
       handle(renderer, 5.0 * growth, {grip, opacity, 0.35}),
-      hub(renderer, 8.5 * growth, {body, opacity}) {
-  for (std::size_t i = 0; i < model.chain.size(); ++i) {
-    arms.emplace_back(renderer, 2.6 * growth, Finish{body, opacity});
-    posts.emplace_back(renderer, 2.6 * growth, Finish{body, opacity});
-  }
-}
+      hub(renderer, 8.5 * growth, {body, opacity}) {}
 
-void SceneView::Parts::Tool::place(const DeviceModel& model, const Pose& pose) {
+void SceneView::Parts::Tool::place(const Pose& pose) {
   needle.place(pose.position, inPlatform(pose, {0.0, 0.0, kNeedleLength}));
   handle.place(inPlatform(pose, {0.0, 0.0, kHub}), inPlatform(pose, {0.0, 0.0, kHandleEnd}));
   hub.place(inPlatform(pose, {0.0, 0.0, kHub - 0.003}), inPlatform(pose, {0.0, 0.0, kHub + 0.004}));
-  for (std::size_t i = 0; i < arms.size(); ++i) {
-    const Vec3& r = model.chain[i].platform;
-    const Vec3 bend(r.x(), r.y(), kHub);
-    arms[i].place(inPlatform(pose, {0.0, 0.0, kHub}), inPlatform(pose, bend));
-    posts[i].place(inPlatform(pose, bend), inPlatform(pose, r));
-  }
 }
 
 void SceneView::Parts::Tool::show(bool visible) {
   for (Rod* rod : {&needle, &handle, &hub}) rod->show(visible);
-  for (auto* rods : {&arms, &posts})
-    for (Rod& rod : *rods) rod.show(visible);
 }
 
 SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const DeviceModel& deviceModel)
     : model(deviceModel),
-      tool(renderer, model, kPlatform, kHandle, kNeedle, 1.0, 1.0),
-      ghost(renderer, model, kBlue, kBlue, kBlue, 0.22, 1.25),
+      tool(renderer, kPlatform, kHandle, kNeedle, 1.0, 1.0),
+      ghost(renderer, kBlue, kBlue, kBlue, 0.25, 1.3),
       arrow(above, 2.0, {kVermilion, 1.0, 0.1}),
       arrowHead(above, 5.0, {kVermilion, 1.0, 0.1}, true),
-      normal(above, 0.5, {kInk, 1.0, 0.0}),
       pull(above, 1.0, {kOrange, 1.0, 0.0}),
-      contact(above, 2.4, {kVermilion, 1.0, 0.1}),
       hand(above, 6.0, {kOrange, 1.0, 0.2}) {
   for (std::size_t i = 0; i < model.chain.size(); ++i) {
-    chains.push_back({Rod(renderer, 5.0, {kLink1}), Rod(renderer, 3.6, {kLink2}), Ball(renderer, 6.5, {kMotor}),
+    chains.push_back({Rod(renderer, 5.0, {kLink1}), Rod(renderer, 3.6, {kLink2}), Rod(renderer, 2.6, {kPlatform}),
+                      Rod(renderer, 2.6, {kPlatform}), Ball(renderer, 6.5, {kMotor}),
                       Ball(renderer, 5.2, {kMotor, 1.0, 0.4})});
     const Vec3 base = model.chain[i].base, y(0.0, 0.5 * kMotorHeight, 0.0);
     Rod(renderer, 11.5, {kMotor}).place(base - y, base + y);
     Rod(renderer, 8.0, {kLink1}).place(base + y, base + y + Vec3(0.0, 0.005, 0.0));
+  }
+  for (std::size_t i = 0; i < kShownContacts; ++i) {
+    normals.emplace_back(above, 0.5, Finish{kInk, 1.0, 0.0});
+    contacts.emplace_back(above, 2.2, Finish{kVermilion, 1.0, 0.1});
   }
   // The column: a beam through the two lower bases, and a mast from it to the upper one.
   const Vec3 &left = model.chain[1].base, &right = model.chain[0].base, &top = model.chain[2].base;
@@ -187,8 +179,8 @@ SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(rend
   above->SetAutomaticLightCreation(false);
   above->SetActiveCamera(renderer->GetActiveCamera());
   for (vtkRenderer* lit : {renderer, above}) {
-    addLight(lit, -0.7, 0.9, 0.9, 0.85);
-    addLight(lit, 1.0, 0.3, 0.5, 0.35);
+    addLight(lit, -0.9, 0.6, 1.0, 0.8);
+    addLight(lit, 1.0, 0.5, 0.5, 0.4);
   }
 }
 
@@ -233,6 +225,7 @@ void SceneView::build(const DeviceModel& model, const Scene& scene, float scale)
 
 void SceneView::update(const SceneState& state) {
   Parts& p = *parts_;
+  const Pose& pose = state.device.pose;
   for (std::size_t i = 0; i < p.chains.size(); ++i) {
     const ChainConfiguration& c = state.device.chain[i];
     const Vec3 elbow = knee(p.model.chain[i], c);
@@ -240,27 +233,39 @@ void SceneView::update(const SceneState& state) {
     p.chains[i].link2.place(elbow, c.tip);
     p.chains[i].knee.place(elbow);
     p.chains[i].tip.place(c.tip);
+    const Vec3& r = p.model.chain[i].platform;
+    const Vec3 bend = inPlatform(pose, {r.x(), r.y(), kHub});
+    p.chains[i].arm.place(inPlatform(pose, {0.0, 0.0, kHub}), bend);
+    p.chains[i].post.place(bend, c.tip);
   }
-  const Pose& pose = state.device.pose;
-  p.tool.place(p.model, pose);
+  p.tool.place(pose);
   p.ghost.show(state.ghost.has_value());
-  if (state.ghost) p.ghost.place(p.model, *state.ghost);
+  if (state.ghost) p.ghost.place(*state.ghost);
 
   const Vec3 grip = pose.rotation * Vec3(0.0, 0.0, kHandleEnd);
   p.hand.place(state.hand + grip);
   p.pull.place(pose.position + grip, state.hand + grip);
 
-  const double length = kArrowPerNewton * std::max(0.0, state.force);
-  const bool arrow = state.touching && length > 1e-4;
-  p.contact.show(state.touching);
-  p.normal.show(state.touching);
+  for (std::size_t i = 0; i < kShownContacts; ++i) {
+    const bool touching = i < state.touching.size();
+    p.contacts[i].show(touching);
+    p.normals[i].show(touching);
+    if (!touching) continue;
+    const Contact& contact = state.touching[i];
+    const Vec3 surface = contact.point - contact.gap * contact.normal;
+    p.contacts[i].place(surface);
+    p.normals[i].place(surface, surface + kNormal * contact.normal);
+  }
+  const double force = state.force.norm();
+  const bool arrow = !state.touching.empty() && force > kSmallestForce;
   p.arrow.show(arrow);
   p.arrowHead.show(arrow);
-  p.contact.place(state.point);
-  p.normal.place(state.point, state.point + 0.06 * state.normal);
-  p.arrow.place(state.point, state.point + length * state.normal);
-  const Vec3 tip = state.point + (length + kArrowHead) * state.normal;
-  p.arrowHead.place(tip, tip - kArrowHead * state.normal);
+  if (arrow) {
+    const Vec3 along = state.force / force;
+    const Vec3 neck = pose.position + kArrowPerNewton * std::min(force, kLargestForce) * along;
+    p.arrow.place(pose.position, neck);
+    p.arrowHead.place(neck + kArrowHead * along, neck);
+  }
 }
 
 void SceneView::look(const Camera& camera) {

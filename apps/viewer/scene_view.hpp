@@ -20,9 +20,8 @@ struct SceneState {
   Configuration device;
   std::optional<Pose> ghost;  ///< reference pose
   Vec3 hand;                  ///< where the hand pulls the TCP to
-  bool touching = false;
-  Vec3 point, normal;  ///< of the nearest contact; the point on the obstacle's surface
-  double force = 0.0;  ///< of the wall on the tool along the normal, N
+  std::vector<Contact> touching;
+  Vec3 force = Vec3::Zero();  ///< of the motors on the tool beyond gravity, N: what stands for the wall
 };
 
 class SceneView {

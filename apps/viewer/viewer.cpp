@@ -11,9 +11,8 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr double kNotice = 4.0;       // s
-constexpr std::size_t kTrail = 150;   // ticks
-constexpr double kDrawnForce = 60.0;  // N: a longer arrow says no more
+constexpr double kNotice = 4.0;      // s
+constexpr std::size_t kTrail = 150;  // ticks
 
 const std::string& existing(const std::string& file) {
   static const std::string none;
@@ -269,22 +268,24 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   const Contact& contact = frame_.contacts.contacts[0];
   shown_.device = configuration_;
   shown_.hand = frame_.hand.position;
-  shown_.touching = contact.gap <= 0.0 || frame_.record.mode == RenderMode::contact;
-  shown_.normal = contact.normal;
-  shown_.point = contact.point - contact.gap * contact.normal;
-  shown_.force = std::min(kDrawnForce, frame_.record.normalForce);
+  shown_.force = frame_.record.rendered.head<3>();
+  shown_.touching.clear();
+  for (int i = 0; i < frame_.contacts.count; ++i) {
+    const bool held = i == 0 && frame_.record.mode == RenderMode::contact;
+    if (held || frame_.contacts.contacts[i].gap <= 0.0) shown_.touching.push_back(frame_.contacts.contacts[i]);
+  }
   shown_.ghost.reset();
   if (frame_.holding) {
     Configuration reference = configuration_;
     if (forwardKinematics(model_, frame_.reference, reference).status == Status::ok) shown_.ghost = reference.pose;
   } else if (contact.gap < 0.0) {
-    shown_.ghost = Pose{shown_.point, frame_.record.pose.rotation};
+    shown_.ghost = Pose{contact.point - contact.gap * contact.normal, frame_.record.pose.rotation};
   }
   const double preload = frame_.tests[static_cast<std::size_t>(frame_.wall)].preload;
   limit_ = stiffnessLimit(model_, configuration_, contact.normal, kTestForce, preload, overlay_.settings.delay.high);
 
   layout_ = layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts);
-  std::array<ChartPlace, Charts::kCharts> places;
+  std::array<ChartPlace, kCharts> places;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Area& a = layout_.chart[i];
     const float title = kChartTitle * layout_.scale, side = 6 * layout_.scale, right = 14 * layout_.scale;

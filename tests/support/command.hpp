@@ -19,8 +19,8 @@ struct CommandResult {
   std::string output;  // stdout and stderr
 };
 
-inline CommandResult run(const std::string& arguments) {
-  FILE* pipe = popen((std::string("'") + ENAMEL_TOOL + "' " + arguments + " 2>&1").c_str(), "r");
+inline CommandResult runCommand(const std::string& command) {
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
   if (pipe == nullptr) return {-1, "popen failed"};
   CommandResult result{0, ""};
   std::array<char, 4096> buffer;
@@ -29,6 +29,10 @@ inline CommandResult run(const std::string& arguments) {
   const int status = pclose(pipe);
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return result;
+}
+
+inline CommandResult run(const std::string& arguments) {
+  return runCommand(std::string("'") + ENAMEL_TOOL + "' " + arguments);
 }
 
 /// A folder that goes away with the test.

@@ -1,0 +1,34 @@
+#include "layout.hpp"
+
+#include <algorithm>
+
+namespace enamel::viewer {
+
+Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts) {
+  Layout layout;
+  layout.scale = scale;
+  layout.size = size;
+  const float w = static_cast<float>(size.x), h = static_cast<float>(size.y);
+  const float panel = 248 * scale, column = 372 * scale, gauge = 152 * scale;
+  const float sceneLeast = 300 * scale;
+  const bool showCharts = charts && w >= column + sceneLeast && h >= 420 * scale;
+  const bool showPanel = panels && w >= panel + sceneLeast + (showCharts ? column : 0.0f);
+  const float left = showPanel ? panel : 0.0f, right = showCharts ? column : 0.0f;
+  layout.panel = {0, 0, left, h};
+  layout.scene = {left, 0, w - left - right, h};
+  layout.charts = {w - right, 0, right, showCharts ? h - gauge : 0};
+  layout.gauge = {w - right, h - gauge, right, showCharts ? gauge : 0};
+  // The torques get a little more: six lines and their key.
+  const float unit = layout.charts.height / 3.2f, heights[] = {unit, unit, 1.2f * unit};
+  float y = 0;
+  for (std::size_t i = 0; i < kCharts; ++i) {
+    layout.chart[i] = {layout.charts.x, y, right, heights[i]};
+    y += heights[i];
+  }
+  const float side = std::min({236 * scale, 0.5f * layout.scene.width, 0.45f * h});
+  if (side > 120 * scale)
+    layout.inset = {layout.scene.x + layout.scene.width - side - 14 * scale, h - side - 14 * scale, side, side};
+  return layout;
+}
+
+}  // namespace enamel::viewer

@@ -1,0 +1,26 @@
+// Where the parts of the picture stand.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+
+namespace enamel::viewer {
+
+inline constexpr int kCharts = 3;
+
+/// A rectangle, pixels from the top left.
+struct Area {
+  float x = 0, y = 0, width = 0, height = 0;
+};
+
+/// Where everything stands at a size and a scale.
+struct Layout {
+  float scale = 1.0f;
+  glm::ivec2 size{0};
+  Area panel, scene, charts, inset, gauge;  ///< width 0: not shown
+  std::array<Area, kCharts> chart;          ///< each with room for its title
+};
+Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts);
+inline constexpr float kChartTitle = 28.0f;  // units of layout, above each chart
+
+}  // namespace enamel::viewer

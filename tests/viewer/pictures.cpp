@@ -1,0 +1,173 @@
+// What the viewer draws, in software GL without any X server, and in a window under Xvfb.
+#include "camera.hpp"
+#include "enamel/device/kinematics.hpp"
+#include "layout.hpp"
+#include "palette.hpp"
+#include "support/devices.hpp"
+#include "viewer/support.hpp"
+
+using namespace enamel;
+using namespace enamel::viewer;
+using test::hasHue;
+using test::patchOf;
+using test::Pixels;
+
+namespace {
+
+const char* const kScript =
+    "0.0 picture before\n"
+    "0.1 hand 0 18 8 over 0.3\n"
+    "1.5 picture moved\n"
+    "1.6 hand 0 0 -20 over 0.5\n"
+    "3.2 picture contact\n"
+    "3.2 swap\n"
+    "4.2 picture swapped\n"
+    "4.3 home\n"
+    "5.6 picture after\n"
+    "5.7 end\n";
+
+// Where a point of the platform is in the picture of the first view, pixels.
+glm::dvec2 seen(const Pose& pose, const Vec3& inPlatform, const Layout& layout) {
+  const Vec3 p = 1e3 * (pose.position + pose.rotation * inPlatform);
+  const glm::dvec3 at =
+      project(cameraPresets()[0].camera, {layout.scene.width, layout.scene.height}, {p.x(), p.y(), p.z()});
+  return {layout.scene.x + at.x, layout.scene.y + at.y};
+}
+
+int distinctColours(const Pixels& pixels, const Area& area) {
+  std::vector<bool> seen(1 << 15, false);
+  int count = 0;
+  for (int y = static_cast<int>(area.y); y < static_cast<int>(area.y + area.height); ++y)
+    for (int x = static_cast<int>(area.x); x < static_cast<int>(area.x + area.width); ++x) {
+      const glm::ivec3 p = pixels.at(x, y) / 8;
+      const std::size_t index = static_cast<std::size_t>(p.r << 10 | p.g << 5 | p.b);
+      count += !seen[index];
+      seen[index] = true;
+    }
+  return count;
+}
+
+// The force arrow, near the tool and away from the words above.
+int arrowPixels(const Pixels& pixels, const Layout& layout) {
+  const glm::dvec2 tool = seen(Pose{}, Vec3(0.0, 0.0, 0.02), layout);
+  const int reach = static_cast<int>(80.0f * layout.scale);
+  return patchOf(pixels, kVermilion, glm::ivec2(tool) - reach, glm::ivec2(tool) + reach).count;
+}
+
+void checkPictures(const std::string& folder, const Layout& layout, bool exactPoses) {
+  const Pixels before(folder + "/before.png"), moved(folder + "/moved.png"), contact(folder + "/contact.png"),
+      swapped(folder + "/swapped.png"), after(folder + "/after.png");
+  REQUIRE(before.size() == layout.size);
+
+  // Not blank: a lit scene has hundreds of tones, a cleared one has one.
+  for (const Pixels* picture : {&before, &contact}) {
+    CHECK(distinctColours(*picture, layout.scene) > 100);
+    CHECK(distinctColours(*picture, layout.charts) > 20);
+    CHECK(distinctColours(*picture, layout.panel) > 20);
+  }
+
+  // The tool is where the kinematics says: the handle's middle has the handle's colour there, and nowhere near it once
+  // the tool has gone.
+  Pose start, aside;
+  start.position = {0.0, 0.0, 0.008};
+  aside.position = {0.0, 0.018, 0.008};
+  const Vec3 middle(0.0, 0.0, 0.060);
+  const auto handleAt = [&](const Pixels& picture, const Pose& pose) {
+    const glm::ivec2 at(seen(pose, middle, layout));
+    const int reach = static_cast<int>(3 * layout.scale);
+    const auto patch = patchOf(picture, kHandle, at - reach, at + reach + 1, 0.08);
+    return static_cast<double>(patch.count) / ((2 * reach + 1) * (2 * reach + 1));
+  };
+  CHECK(handleAt(before, start) > 0.6);
+  CHECK(handleAt(after, start) > 0.6);
+  CHECK(handleAt(before, aside) < 0.2);
+  if (exactPoses) {
+    CHECK(handleAt(moved, aside) > 0.6);
+    CHECK(handleAt(moved, start) < 0.2);
+  }
+
+  // The arrow appears on contact, with either wall, and goes.
+  CHECK(arrowPixels(before, layout) == 0);
+  CHECK(arrowPixels(contact, layout) > 100);
+  CHECK(arrowPixels(swapped, layout) > 100);
+  CHECK(arrowPixels(after, layout) == 0);
+
+  // The charts move: the force's line stands at the bottom, then higher.
+  const auto forceLine = [&](const Pixels& picture) {
+    const Area& a = layout.chart[1];
+    const float s = layout.scale;
+    return patchOf(picture, kVermilion, glm::ivec2(glm::vec2(a.x + 40 * s, a.y + kChartTitle * s)),
+                   glm::ivec2(glm::vec2(a.x + a.width, a.y + a.height)));
+  };
+  REQUIRE(forceLine(before).count > 100);
+  REQUIRE(forceLine(contact).count > 100);
+  CHECK(forceLine(contact).centre.y < forceLine(before).centre.y - 8 * layout.scale);
+}
+
+}  // namespace
+
+TEST_CASE("headless pictures show the scene, at both scales, and the same bytes every time", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "script.txt", kScript);
+  for (const int scale : {1, 2}) {
+    const glm::ivec2 size = glm::ivec2(1280, 720) * scale;
+    const std::string out = folder / ("scale" + std::to_string(scale));
+    const std::string arguments = "--headless --script '" + folder / "script.txt" + "' --size " +
+                                  std::to_string(size.x) + "x" + std::to_string(size.y) + " --scale " +
+                                  std::to_string(scale);
+    const auto result = test::viewer(arguments + " --record '" + out + "' --report '" + out + ".json'");
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    checkPictures(out, layOut(size, static_cast<float>(scale), true, true), true);
+    CHECK(nlohmann::json::parse(test::readFile(out + ".json")).at("opengl_errors") == 0);
+    if (scale == 2) continue;
+    REQUIRE(test::viewer(arguments + " --record '" + out + "-again'").status == 0);
+    for (const char* name : {"before", "moved", "contact", "swapped", "after"}) {
+      const std::string first = test::readFile(out + "/" + name + ".png");
+      REQUIRE(first.size() > 10000);
+      CHECK(first == test::readFile(out + "-again/" + name + ".png"));
+    }
+  }
+}
+
+TEST_CASE("a window under Xvfb shows the same", "[viewer]") {
+  if (!test::haveXvfb()) {
+    WARN("xvfb-run or xauth is missing: windows are not tested");
+    return;
+  }
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "script.txt", kScript);
+  const std::string out = folder / "window";
+  const auto result = test::viewer(
+      "--script '" + folder / "script.txt" + "' --record '" + out + "' --report '" + out + ".json'", test::kXvfb);
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  // In real time a loaded machine may be late: the tool on its way is not looked at.
+  checkPictures(out, layOut({1280, 720}, 1.0f, true, true), false);
+  const auto report = nlohmann::json::parse(test::readFile(out + ".json"));
+  CHECK(report.at("opengl_errors") == 0);
+  CHECK(report.at("frames") > 10);
+  WARN("first frame after " << report.at("first_frame_s").get<double>() << " s, "
+                            << report.at("frames_per_second").get<double>() << " frames/s, haptics "
+                            << report.at("haptics").dump());
+}
+
+TEST_CASE("every scene in contact: the walls are there, and the force", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "script.txt", "0 hand -9 -4 -18 over 0.5\n1.5 picture contact\n1.6 end\n");
+  const Layout layout = layOut({1280, 720}, 1.0f, true, true);
+  for (const std::string name : {"flat-wall", "oblique-wall", "corner", "box"}) {
+    for (const char* renderer : {"position-control", "impedance"}) {
+      INFO(name << " " << renderer);
+      const auto result =
+          test::viewer(test::shippedScene(name + ".toml") + " --renderer " + renderer + " --headless --script '" +
+                       folder / "script.txt" + "' --record '" + folder / name + "'");
+      INFO(result.output);
+      REQUIRE(result.status == 0);
+      const Pixels picture(folder / name + "/contact.png");
+      const glm::dvec2 tool = seen(Pose{}, Vec3(-0.005, 0.0, 0.0), layout);
+      CHECK(patchOf(picture, kVermilion, glm::ivec2(tool) - 120, glm::ivec2(tool) + 120).count > 100);
+      CHECK(patchOf(picture, kEnamel, glm::ivec2(tool) - 120, glm::ivec2(tool) + 120, 0.03).count > 1000);
+    }
+  }
+}

@@ -1,0 +1,74 @@
+// Bad input: one clear line and a status that is not zero.
+#include <algorithm>
+
+#include "viewer/support.hpp"
+
+using namespace enamel;
+
+namespace {
+
+void requireRefused(const test::CommandResult& result, int status, const std::string& message) {
+  INFO(result.output);
+  CHECK(result.status == status);
+  CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+  CHECK(result.output.rfind("enamel-viewer: ", 0) == 0);
+  CHECK(result.output.find(message) != std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "good.txt", "0 end\n");
+  const std::string headless = "--headless --script '" + folder / "good.txt" + "' ";
+  requireRefused(test::viewer(headless + "/no/such/scene.toml"), 1, "/no/such/scene.toml: cannot open the file");
+  test::writeFile(folder / "broken.toml", "name = \"a\"\nstart = [0, 0,\n");
+  requireRefused(test::viewer(headless + "'" + folder / "broken.toml'"), 1, "not valid TOML");
+  test::writeFile(folder / "unknown.toml",
+                  "name = \"a\"\nstart = [0, 0, 0]\ncolour = 1\n[[obstacle]]\nname = \"w\"\n"
+                  "shape = \"half_space\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n");
+  requireRefused(test::viewer(headless + "'" + folder / "unknown.toml'"), 1,
+                 "unknown.toml:3: colour: is not a known key");
+  requireRefused(test::viewer(headless + "--device /no/such/device.toml"), 1, "/no/such/device.toml: cannot open");
+  requireRefused(test::viewer("--headless --script /no/such/script"), 1, "/no/such/script: cannot open the file");
+  requireRefused(test::viewer("--headless"), 1, "--headless needs --script FILE");
+  requireRefused(test::viewer(headless + "--renderer granite"), 2, "granite");
+  requireRefused(test::viewer(headless + "--size huge"), 2, "--size is \"huge\", must be WIDTHxHEIGHT");
+  requireRefused(test::viewer(headless + "--record /proc/nowhere"), 1, "/proc/nowhere: cannot make the folder");
+  const auto script = [&](const std::string& text, const std::string& message) {
+    test::writeFile(folder / "bad.txt", text);
+    requireRefused(test::viewer("--headless --script '" + folder / "bad.txt'"), 1, message);
+  };
+  script("0 jump\n0 end\n", "bad.txt:1: jump: is not a known command");
+  script("# remark\n1 pause\n0.5 end\n", "bad.txt:3: time: is earlier than that of the step before");
+  script("0 hand 1 2\n1 end\n", "bad.txt:1: hand: is missing");
+  script("0 hand 1 2 nan\n1 end\n", "bad.txt:1: hand: is \"nan\", must be a number");
+  script("0 slow 0\n1 end\n", "bad.txt:1: slow: is 0, must be in 1 to 1000");
+  script("0 picture ../x\n1 end\n", "bad.txt:1: picture: is \"../x\", must consist of letters");
+  script("0 size 10x10\n1 end\n", "bad.txt:1: size: is \"10x10\", must be WIDTHxHEIGHT");
+  script("0 pause\n", "bad.txt:1: end: is missing");
+  script("0 end\n1 pause\n", "bad.txt:2: stands after the end");
+  script("0 pause now\n1 end\n", "bad.txt:1: now: is not expected here");
+}
+
+TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "good.txt", "0 end\n");
+  const std::string script = "--script '" + folder / "good.txt'";
+  requireRefused(test::viewer(script), 1, "no display to open a window on");
+  requireRefused(test::viewer("--headless " + script, "env __EGL_VENDOR_LIBRARY_DIRS=/nonexistent"), 1,
+                 "no OpenGL without a display");
+  if (!test::haveXvfb()) {
+    WARN("xvfb-run or xauth is missing: windows are not tested");
+    return;
+  }
+  requireRefused(test::viewer(script, "xvfb-run -a -s '-screen 0 1280x720x24 -extension GLX'"), 1,
+                 "cannot open a window");
+  for (const char* renderer : {"position-control", "impedance"}) {
+    test::writeFile(folder / "close.txt", "0 hand 0 0 -20 over 0.3\n2.5 quit\n60 end\n");
+    requireRefused(test::viewer("--script '" + folder / "close.txt' --renderer " + renderer, test::kXvfb), 1,
+                   "the window was closed while the tool was in contact");
+  }
+  test::writeFile(folder / "close.txt", "0.5 quit\n60 end\n");
+  CHECK(test::viewer("--script '" + folder / "close.txt'", test::kXvfb).status == 0);
+}

@@ -1,0 +1,76 @@
+// Runs the built viewer as a user would, and looks at its pictures.
+#pragma once
+
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPNGReader.h>
+
+#include <cmath>
+#include <glm/glm.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "support/catch.hpp"
+#include "support/command.hpp"
+
+namespace enamel::test {
+
+/// A picture with its first row on top.
+class Pixels {
+ public:
+  explicit Pixels(const std::string& path) {
+    vtkNew<vtkPNGReader> reader;
+    reader->SetFileName(path.c_str());
+    reader->Update();
+    image_->ShallowCopy(reader->GetOutput());
+    REQUIRE(image_->GetNumberOfScalarComponents() == 3);
+  }
+  glm::ivec2 size() const { return {image_->GetDimensions()[0], image_->GetDimensions()[1]}; }
+  glm::ivec3 at(int x, int y) const {
+    const auto* p = static_cast<const unsigned char*>(image_->GetScalarPointer(x, size().y - 1 - y, 0));
+    return {p[0], p[1], p[2]};
+  }
+
+ private:
+  mutable vtkNew<vtkImageData> image_;
+};
+
+/// Whether a lit pixel has a colour's hue: its shares of red, green and blue, whatever the brightness.
+inline bool hasHue(const glm::ivec3& pixel, unsigned rgb, double tolerance = 0.06) {
+  const glm::dvec3 p(pixel), c(rgb >> 16 & 255, rgb >> 8 & 255, rgb & 255);
+  const double sum = p.x + p.y + p.z;
+  return sum > 60.0 && glm::distance(p / sum, c / (c.x + c.y + c.z)) < tolerance;
+}
+
+/// Pixels of a hue in a rectangle: how many, and where they are on the average.
+struct Patch {
+  int count = 0;
+  glm::dvec2 centre{0.0};
+};
+inline Patch patchOf(const Pixels& pixels, unsigned rgb, glm::ivec2 from, glm::ivec2 to, double tolerance = 0.06) {
+  Patch patch;
+  from = glm::clamp(from, glm::ivec2(0), pixels.size());
+  to = glm::clamp(to, glm::ivec2(0), pixels.size());
+  for (int y = from.y; y < to.y; ++y)
+    for (int x = from.x; x < to.x; ++x)
+      if (hasHue(pixels.at(x, y), rgb, tolerance)) {
+        ++patch.count;
+        patch.centre += glm::dvec2(x, y);
+      }
+  if (patch.count > 0) patch.centre /= patch.count;
+  return patch;
+}
+
+/// Runs enamel-viewer, after `before` (environment, xvfb-run), with at most `seconds` to do it.
+inline CommandResult viewer(const std::string& arguments,
+                            const std::string& before = "env -u DISPLAY -u WAYLAND_DISPLAY", int seconds = 120) {
+  return runCommand("timeout " + std::to_string(seconds) + " " + before + " '" + ENAMEL_VIEWER + "' " + arguments);
+}
+
+inline const char* kXvfb = "xvfb-run -a -s '-screen 0 1280x720x24'";
+
+inline bool haveXvfb() { return runCommand("command -v xvfb-run && command -v xauth").status == 0; }
+
+inline std::string shippedScene(const std::string& name) { return "'" ENAMEL_SOURCE_DIR "/data/scenes/" + name + "'"; }
+
+}  // namespace enamel::test
