@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs what is missing, builds, runs every test: with assertions, with sanitizers, and the allocation and timing
+# Installs what is missing, builds, runs every test: with assertions, with sanitizers, the threads with theirs, and the allocation and timing
 # tests in the release build. `check.sh --long` runs the full counts (millions of poses, soaks).
 set -eu
 cd "$(dirname "$0")/.."
@@ -26,6 +26,10 @@ ctest --preset ci
 build asan
 echo "== asan: all tests that can run under sanitizers"
 ctest --preset asan -LE timing
+
+build tsan --target test_unit_runtime test_unit_experiment
+echo "== tsan: threads and their exchange of data"
+ctest --preset tsan -R 'unit.(runtime|experiment)'
 
 build release
 echo "== release: allocations and timing"

@@ -1,12 +1,17 @@
 # Sourced by demo.sh and check.sh: installs the Debian packages that are missing, and says which.
 
 packages="g++ cmake make libeigen3-dev libopenmesh-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev catch2"
+# The viewer: without these, everything else is built all the same. VTK is 400 MB of download: a step of its own.
+viewer_packages="libglfw3-dev libglm-dev libglew-dev libimgui-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri \
+pkg-config fonts-roboto-unhinted xvfb xauth"
+vtk_packages="libvtk9-dev"
 
 is_installed() { dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'install ok installed'; }
 
-install_packages() {
+# Installs what is missing of the packages named; fails with the last lines of apt-get where that does not work.
+install_step() {
   missing=
-  for package in $packages; do
+  for package in "$@"; do
     is_installed "$package" || missing="$missing $package"
   done
   [ -n "$missing" ] || return 0
@@ -15,7 +20,7 @@ install_packages() {
   if [ "$(id -u)" -ne 0 ]; then
     if ! command -v sudo >/dev/null 2>&1; then
       echo "error: these Debian packages are missing and there is neither root nor sudo to install them:$missing" >&2
-      exit 1
+      return 1
     fi
     as_root=sudo
   fi
@@ -24,7 +29,12 @@ install_packages() {
          >/tmp/enamel-packages.$$ 2>&1; then
     tail -n 5 "/tmp/enamel-packages.$$" >&2
     echo "error: cannot install these Debian packages:$missing" >&2
-    exit 1
+    return 1
   fi
   rm -f "/tmp/enamel-packages.$$"
+}
+
+install_packages() {
+  install_step $packages || exit 1
+  { install_step $viewer_packages && install_step $vtk_packages; } || echo "== going on without the viewer" >&2
 }

@@ -202,6 +202,8 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
         state.sceneAsked = i;
     ImGui::EndCombo();
   }
+  ImGui::Dummy({0, 4 * s});
+  remark("Drag moves the hand, the wheel presses it into the wall. F1 lists every key.");
   ImGui::End();
 }
 
