@@ -3,6 +3,7 @@
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <imgui.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -73,6 +74,8 @@ class Report {
     if (now - lastMemory_ >= 1.0) {
       lastMemory_ = now;
       memory_.push_back(residentKilobytes());
+      const struct mallinfo2 heap = mallinfo2();
+      heap_.push_back(static_cast<long>((heap.uordblks + heap.hblkhd) / 1024));
     }
   }
 
@@ -86,6 +89,7 @@ class Report {
     json["opengl_errors"] = viewer.stage().errors();
     json["dropped_samples"] = viewer.frame().droppedSamples;
     json["resident_kB"] = memory_;
+    json["heap_in_use_kB"] = heap_;
     if (timing.available)
       json["haptics"] = {{"realtime_class", timing.realtime},
                          {"periods", timing.periods},
@@ -104,7 +108,7 @@ class Report {
  private:
   double started_, firstFrame_ = 0.0, lastMemory_ = -1.0;
   std::uint64_t frames_ = 0;
-  std::vector<long> memory_;
+  std::vector<long> memory_, heap_;  // once a second
 };
 
 // Steps of a script that are due.

@@ -1,5 +1,6 @@
 #include "script.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -96,6 +97,15 @@ ScriptStep parseStep(Line& line, const std::string& file) {
     if (name != "position-control" && name != "impedance")
       line.fail("renderer", "is \"" + name + "\", must be position-control or impedance");
     step.number = name == "impedance" ? 1 : 0;
+  } else if (command == "set") {
+    step.kind = Kind::set;
+    step.name = line.word("set");
+    const SettingRow* found = nullptr;
+    for (const SettingRow& candidate : settingRows())
+      if (step.name == candidate.name) found = &candidate;
+    if (found == nullptr) line.fail("set", "\"" + step.name + "\" is not a known setting");
+    step.value = found->whole ? line.integer(found->name, static_cast<int>(found->low), static_cast<int>(found->high))
+                              : line.number(found->name, found->low, found->high);
   } else if (command == "scene") {
     step.kind = Kind::scene;
     const std::filesystem::path path = line.word("scene");
@@ -128,6 +138,27 @@ ScriptStep parseStep(Line& line, const std::string& file) {
 }
 
 }  // namespace
+
+const std::vector<SettingRow>& settingRows() {
+  static const std::vector<SettingRow> rows{
+      {"stiffness", 0.0, 1e5, false, [](Settings& s, double v) { s.spring.stiffness = v; }},         // N/m
+      {"wall-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.spring.damping = v; }},      // N s/m
+      {"release", 0.0, 1.0, true, [](Settings& s, double v) { s.hold.release = v != 0.0; }},         // 0 or 1
+      {"anti-windup", 0.0, 1.0, true, [](Settings& s, double v) { s.hold.antiWindup = v != 0.0; }},  // 0 or 1
+      {"added-mass", 0.0, 1.0, false, [](Settings& s, double v) { s.extraMass = v; }},               // kg
+      {"joint-friction", 0.0, 1.0, false, [](Settings& s, double v) { s.friction = v; }},            // N m s/rad
+      {"tool-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.toolDamping = v; }},         // N s/m
+      {"tremor", 0.0, 10.0, false, [](Settings& s, double v) { s.noise = v; }},                      // N
+      {"delay", 0.0, kMaxDelay, true,
+       [](Settings& s, double v) { s.delay.low = s.delay.high = static_cast<int>(v); }},  // ticks
+      {"delay-low", 0.0, kMaxDelay, true,
+       [](Settings& s, double v) { s.delay.low = std::min(s.delay.high, static_cast<int>(v)); }},  // of a random delay
+      {"encoders", 0.0, 1.0, true, [](Settings& s, double v) { s.encoders.quantised = v != 0.0; }},  // 0 or 1
+      {"rates", 0.0, 2.0, true,  // 0 exact, 1 difference, 2 low pass
+       [](Settings& s, double v) { s.encoders.rates = static_cast<RateSource>(static_cast<int>(v)); }},
+  };
+  return rows;
+}
 
 glm::ivec2 parseSize(const std::string& text) {
   glm::ivec2 size{0};

@@ -7,28 +7,39 @@
 #include <vector>
 
 #include "actions.hpp"
+#include "experiment.hpp"
 
 namespace enamel::viewer {
 
 /// One line of a script.
 struct ScriptStep {
-  enum class Kind { action, hand, wall, scene, slowdown, size, frames, picture, end } kind = Kind::end;
+  enum class Kind { action, hand, wall, set, scene, slowdown, size, frames, picture, end } kind = Kind::end;
   double time = 0.0;  ///< s of wall time since the start
   Action action = Action::pause;
   glm::dvec3 target{0.0};  ///< of hand, mm
   double over = 0.0;       ///< of hand: moves there in so many seconds
   int number = 0;          ///< of wall (0, 1), slowdown, frames (a second)
   glm::ivec2 size{0};
-  std::string name;  ///< of picture and scene
+  double value = 0.0;  ///< of set
+  std::string name;    ///< of picture and scene
 };
 
 /// Reads a script: one step a line, "TIME COMMAND", with times that do not decrease and # before remarks. Commands:
 /// the actions' names (see the help); `hand X Y Z [over S]` [mm]; `renderer position-control|impedance`; `scene FILE`
 /// (relative to the script's folder); `slow N` (1:N); `size WxH`; `frames FPS` (records every frame from here on; 0
-/// ends it); `picture NAME`; `end`, which must be the last.
+/// ends it); `picture NAME`; `set NAME VALUE` with a name of settingRows(); `end`, which must be the last.
 /// Throws ConfigurationError. Realtime: no.
 std::vector<ScriptStep> loadScript(const std::string& path);
 std::vector<ScriptStep> parseScript(std::string_view text, const std::string& file);
+
+/// What `set` changes, with its range.
+struct SettingRow {
+  const char* name;
+  double low, high;
+  bool whole;  ///< must be a whole number
+  void (*apply)(Settings& settings, double value);
+};
+const std::vector<SettingRow>& settingRows();
 
 /// Reads "WxH", each 160 to 8192. Throws Error.
 glm::ivec2 parseSize(const std::string& text);

@@ -211,6 +211,11 @@ void Viewer::follow(const ScriptStep& step, double now) {
     case ScriptStep::Kind::wall:
       if (static_cast<int>(wall_) != step.number) act(Action::swapRenderers);
       break;
+    case ScriptStep::Kind::set:
+      for (const SettingRow& row : settingRows())
+        if (step.name == row.name) row.apply(overlay_.settings, step.value);
+      overlay_.settingsChanged = true;
+      break;
     case ScriptStep::Kind::scene: loadScene(step.name); break;
     case ScriptStep::Kind::slowdown: {
       slowdown_ = step.number;

@@ -171,3 +171,48 @@ TEST_CASE("every scene in contact: the walls are there, and the force", "[viewer
     }
   }
 }
+
+TEST_CASE("settings of a script act: a delay of three ticks shakes the spring wall, a soft one lets the tool in",
+          "[viewer]") {
+  const test::TemporaryFolder folder;
+  const Layout layout = layOut({1280, 720}, 1.0f, true, true);
+  const auto depthLine = [&](const std::string& name, const std::string& set) {
+    test::writeFile(folder / (name + ".txt"), "0 renderer impedance\n0 " + set +
+                                                  "\n0 hand 0 0 -20 over 0.5\n2.5 picture " + name + "\n2.6 end\n");
+    const auto result =
+        test::viewer("--headless --script '" + folder / (name + ".txt") + "' --record '" + folder / "out'");
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return test::readFile(folder / "out/" + name + ".png");
+  };
+  const std::string plain = depthLine("plain", "set stiffness 6000"), soft = depthLine("soft", "set stiffness 1000"),
+                    late = depthLine("late", "set delay 3"), again = depthLine("plain", "set stiffness 6000");
+  CHECK(plain == again);
+  CHECK(plain != soft);
+  CHECK(plain != late);
+  // The soft wall is left behind: 20 mm of hand at 400 N/m against 1000 N/m are 5.7 mm, and the ghost shows where.
+  const Pixels softPicture(folder / "out/soft.png"), plainPicture(folder / "out/plain.png");
+  Pose in;
+  in.position = {0.0, 0.0, -0.0057};
+  const auto tip = [&](const Pixels& picture) {
+    const glm::dvec2 at = seen(Pose{}, Vec3::Zero(), layout);
+    return patchOf(picture, kVermilion, glm::ivec2(at) - 100, glm::ivec2(at) + 100).centre;
+  };
+  const glm::dvec2 expected = seen(in, Vec3::Zero(), layout) - seen(Pose{}, Vec3::Zero(), layout);
+  CHECK(glm::dot(tip(softPicture) - tip(plainPicture), expected) > 0.0);
+}
+
+TEST_CASE("camera: unproject inverts project", "[viewer]") {
+  test::Random random(603);
+  for (int i = 0; i < 1000; ++i) {
+    Camera camera = cameraPresets()[static_cast<std::size_t>(i % 4)].camera;
+    orbit(camera, random.uniform(-3.0, 3.0), random.uniform(-1.0, 1.0));
+    pan(camera, random.uniform(-20.0, 20.0), random.uniform(-20.0, 20.0));
+    zoom(camera, random.uniform(0.7, 1.3));
+    const glm::dvec2 size(random.uniform(200.0, 2000.0), random.uniform(200.0, 2000.0));
+    const Vec3 v = random.vector(30.0);
+    const glm::dvec3 point(v.x(), v.y(), v.z()), seenAt = project(camera, size, point);
+    // The depth of a picture from 10 mm to 4 m keeps 1e-16 * 4000 / 10 of a point's distance.
+    CHECK(glm::distance(unproject(camera, size, glm::dvec2(seenAt), point), point) < 1e-9);
+  }
+}

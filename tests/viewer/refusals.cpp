@@ -44,6 +44,9 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
   script("0 hand 1 2\n1 end\n", "bad.txt:1: hand: is missing");
   script("0 hand 1 2 nan\n1 end\n", "bad.txt:1: hand: is \"nan\", must be a number");
   script("0 slow 0\n1 end\n", "bad.txt:1: slow: is 0, must be in 1 to 1000");
+  script("0 set colour 1\n1 end\n", "bad.txt:1: set: \"colour\" is not a known setting");
+  script("0 set delay 1.5\n1 end\n", "bad.txt:1: delay: must be a whole number");
+  script("0 set delay 64\n1 end\n", "bad.txt:1: delay: is 64, must be in 0 to 63");
   script("0 picture ../x\n1 end\n", "bad.txt:1: picture: is \"../x\", must consist of letters");
   script("0 size 10x10\n1 end\n", "bad.txt:1: size: is \"10x10\", must be WIDTHxHEIGHT");
   script("0 pause\n", "bad.txt:1: end: is missing");
