@@ -137,7 +137,9 @@ TEST_CASE("garbage joint angles get a status, and ok only on the branch of home"
       if (report.status == Status::ok) {
         REQUIRE(report.residual < 1e-14);
         const test::Legs legs = test::legsAt(device, q);
-        const test::Walk walk = test::slowWalk(device, model.homeAngles, elevations, wayTo(model, q), 2e-3);
+        // Plain Newton without prediction needs shorter steps near a fold.
+        test::Walk walk = test::slowWalk(device, model.homeAngles, elevations, wayTo(model, q), 2e-3);
+        if (!walk.arrived) walk = test::slowWalk(device, model.homeAngles, elevations, wayTo(model, q), 1e-4);
         REQUIRE(walk.arrived);
         REQUIRE(walk.smallestSinElbow > 0.0);
         REQUIRE(distance(test::poseOfMode(device, legs, walk.elevations), cold.pose) < 1e-9);
