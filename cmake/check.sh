@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what is missing, builds, runs every test: with assertions, with sanitizers, the threads with theirs, and the allocation and timing
-# tests in the release build. `check.sh --long` runs the full counts (millions of poses, soaks).
+# Installs what is missing, builds, runs every test: with assertions, with sanitizers, the threads with theirs, and the
+# allocation and timing tests in the release build. `check.sh --long` runs the full counts (millions of poses, soaks).
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh
@@ -35,4 +35,18 @@ build release
 echo "== release: allocations and timing"
 ctest --preset release -L 'realtime|timing'
 build/release/apps/enamel/enamel bench --scale 0.2
+
+build dev --target enamel
+echo "== debug and release: the same bits"
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+for preset in dev release; do
+  for renderer in position-control impedance; do
+    build/$preset/apps/enamel/enamel push --device data/devices/tau-nominal.toml --renderer $renderer --seed 7 \
+      --encoders --rates low-pass --output "$folder/$preset-$renderer.csv" >/dev/null
+  done
+done
+for renderer in position-control impedance; do
+  cmp "$folder/dev-$renderer.csv" "$folder/release-$renderer.csv"
+done
 echo "== all checks passed"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what is missing, builds, and lets you push a tool against a stiff wall: in a window where there is a display,
-# else as a recording with both renderers.
+# Installs what is missing, builds, pushes a tool against a stiff wall with both renderers, and opens the viewer to do the
+# same by hand; where there is no display, the viewer records the push.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh
@@ -11,8 +11,13 @@ cmake --preset release -DENAMEL_BUILD_TESTS=OFF >/dev/null
 cmake --build --preset release
 viewer=build/release/apps/viewer/enamel-viewer
 
-echo "== enamel bench: speed against error"
-build/release/apps/enamel/enamel bench --scale 0.5
+echo "== a push of 12 N against the wall: the position servo beside the spring"
+mkdir -p out
+build/release/apps/enamel/enamel push --device data/devices/tau-nominal.toml \
+  --renderer position-control,impedance --noise 0 --output out/push.csv
+
+echo "== speed against error"
+build/release/apps/enamel/enamel bench --scale 0.2
 
 if [ ! -x "$viewer" ]; then
   echo "== no viewer: VTK, GLFW, GLM or Dear ImGui is missing"
@@ -20,6 +25,6 @@ elif [ -n "${DISPLAY:-}" ]; then
   echo "== the viewer: drag to move the hand, wheel to press, Tab swaps the renderers, F1 lists every key"
   exec "$viewer"
 else
-  echo "== no display: a push of 12 N with both renderers, recorded; the pictures:"
+  echo "== no display: the push is recorded; the pictures:"
   "$viewer" --headless --script data/scripts/push.txt --record out
 fi

@@ -8,6 +8,8 @@ class App;
 namespace enamel::app {
 
 void addEvaluate(CLI::App& app);
+void addDesign(CLI::App& app);
+void addPush(CLI::App& app);
 void addBench(CLI::App& app);
 
 }  // namespace enamel::app

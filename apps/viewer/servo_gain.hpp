@@ -7,7 +7,8 @@
 
 namespace enamel::viewer {
 
-/// Loads a device and the gain of its position servo at kPeriod. Throws Error. Realtime: no.
+/// Loads a device and designs its position servo at home for kPeriod, with the paper's weights. Throws Error: as
+/// loadDevice(), makeModel() and designServo(). Realtime: no.
 ServoedDevice loadServoedDevice(const std::string& path);
 
 }  // namespace enamel::viewer

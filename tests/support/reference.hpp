@@ -3,6 +3,7 @@
 #pragma once
 
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -10,8 +11,12 @@
 
 namespace enamel::test {
 
-inline nlohmann::json referenceFile(const std::string& name) {
-  return nlohmann::json::parse(std::ifstream(ENAMEL_SOURCE_DIR "/data/reference/" + name));
+/// A reference file; it is read once and stays.
+inline const nlohmann::json& referenceFile(const std::string& name) {
+  static std::map<std::string, nlohmann::json> files;
+  nlohmann::json& file = files[name];
+  if (file.is_null()) file = nlohmann::json::parse(std::ifstream(ENAMEL_SOURCE_DIR "/data/reference/" + name));
+  return file;
 }
 
 template <int rows>

@@ -1,6 +1,8 @@
-// How much a test does: a short run by default, the full one with ENAMEL_LONG=1 (`check.sh --long`).
+// How much a test does: a short run by default, a tenth of it under a sanitizer (which costs about that factor), the
+// full one with ENAMEL_LONG=1 (`check.sh --long`).
 #pragma once
 
+#include <algorithm>
 #include <cstdlib>
 #include <string_view>
 
@@ -11,6 +13,12 @@ inline bool longRun() {
   return value != nullptr && std::string_view(value) == "1";
 }
 
-inline int count(int shortRun, int fullRun) { return longRun() ? fullRun : shortRun; }
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr int kSlowdown = 10;
+#else
+inline constexpr int kSlowdown = 1;
+#endif
+
+inline int count(int shortRun, int fullRun) { return longRun() ? fullRun : std::max(1, shortRun / kSlowdown); }
 
 }  // namespace enamel::test

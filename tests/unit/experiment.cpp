@@ -2,6 +2,7 @@
 // sanitizer too (preset tsan).
 #include "experiment.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <thread>
 
@@ -144,7 +145,7 @@ TEST_CASE("the mechanical stops keep a free tool within reach, whatever the hand
   const auto e = experiment(shipped("oblique-wall.toml"), Wall::positionControl);
   test::Random random(601);
   double farthest = 0.0;
-  for (int i = 0; i < test::count(200, 5000); ++i) {
+  for (int i = 0; i < test::count(1000, 5000); ++i) {
     e->moveHandTo(random.vector(0.3));
     if (i % 3 == 0) e->setGrip(i % 2 == 0 ? kPaperGrip : kFirmGrip);
     if (i % 7 == 0) e->select(i % 2 == 0 ? Wall::positionControl : Wall::impedance);
@@ -223,7 +224,7 @@ TEST_CASE("beside a haptic thread: random commands, no sample lost or out of ord
   std::uint64_t samples = 0, frames = 0;
   {
     const PeriodicThread haptics(kPeriod, [&runner] { runner.period(); });
-    const int rounds = test::count(150, 30000);
+    const int rounds = std::max(150, test::count(300, 30000));
     for (int i = 0; i < rounds; ++i) {
       Command command{Command::Kind::handTo};
       switch (static_cast<int>(random.uniform(0.0, 6.0))) {

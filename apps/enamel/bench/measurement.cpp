@@ -24,7 +24,8 @@ Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int fi
 
 std::vector<Measurement> measureAll(const std::string& filter, double scale) {
   std::vector<Measurement> all;
-  for (const auto& [group, measure] : {std::pair{"device", &measureDevice}}) {
+  for (const auto& [group, measure] :
+       {std::pair{"device", &measureDevice}, std::pair{"control", &measureControl}, std::pair{"tick", &measureTick}}) {
     std::vector<Measurement> rows = measure(scale);
     for (Measurement& row : rows) {
       row.group = group;

@@ -40,6 +40,7 @@ inline void keep(const T& value) {
 std::vector<Measurement> measureAll(const std::string& filter, double scale);
 
 std::vector<Measurement> measureDevice(double scale);
+std::vector<Measurement> measureControl(double scale);
 std::vector<Measurement> measureTick(double scale);
 
 }  // namespace enamel::bench

@@ -33,6 +33,8 @@ std::array<Vec3, 3> slopesOf(const DeviceModel& model, const Configuration& conf
 
 // ---- forward kinematics ----------------------------------------------------------------------------------------
 
+constexpr double kNearShare = 0.25;  // of link 2
+
 // What the driven angles alone determine.
 struct Knees {
   std::array<double, 3> sinYaw, cosYaw, sinLift, cosLift;
@@ -58,18 +60,22 @@ Knees kneesAt(const DeviceModel& model, const Vec6& q) noexcept {
   return k;
 }
 
-// Directions from the knees to given tips, projected onto the legs' planes.
-Elevations projected(const Knees& knees, const Configuration& configuration) noexcept {
-  Elevations e;
+// Directions from the knees to the tips of a start, projected onto the legs' planes; false where a tip would have to
+// move by more than kNearShare of link 2 to get there: that is no near start.
+bool project(const DeviceModel& model, const Knees& knees, const Configuration& start, Elevations& e) noexcept {
+  bool near = true;
   for (int i = 0; i < 3; ++i) {
-    const Vec3 d = configuration.chain[i].tip - knees.point[i];
+    const double length = model.chain[i].length2;
+    const Vec3 d = start.chain[i].tip - knees.point[i];
     const double horizontal = d.x() * knees.sinYaw[i] + d.z() * knees.cosYaw[i];
+    const double lateral = d.x() * knees.cosYaw[i] - d.z() * knees.sinYaw[i];
     const double norm = std::sqrt(horizontal * horizontal + d.y() * d.y());
-    const bool defined = norm > 0.0;
-    e.cosine[i] = defined ? horizontal / norm : 1.0;
-    e.sine[i] = defined ? d.y() / norm : 0.0;
+    const double radial = norm - length;
+    near = near && norm > 0.0 && lateral * lateral + radial * radial < kNearShare * kNearShare * length * length;
+    e.cosine[i] = horizontal / norm;
+    e.sine[i] = d.y() / norm;
   }
-  return e;
+  return near;
 }
 
 // Turns the elevations by the angles, to third order in the angle: always exactly on the circle, no trigonometry.
@@ -131,8 +137,8 @@ Correction correction(const Knees& knees, const Loop& loop) noexcept {
 // The iteration converges cubically: after a Newton step below this the next error is below 1e-14 rad.
 constexpr double kLastStep = 2e-6;  // rad
 constexpr int kMaxIterations = 8;
-constexpr double kContraction = 0.3;    // of successive steps; cubic convergence does far better
-constexpr double kLargestFirst = 0.35;  // rad: a start further away is no near start
+constexpr double kContraction = 0.3;   // of successive steps; cubic convergence does far better
+constexpr double kLargestFirst = 0.2;  // rad: a start further away is no near start
 
 struct Solution {
   bool converged = false;
@@ -164,6 +170,12 @@ Solution iterate(const DeviceModel& model, const Knees& knees, double smallestDe
     limit = std::max(kContraction * c.newton, kLastStep);
   }
   return solution;
+}
+
+// Whether no singularity can lie between two configurations this close: the determinant hardly changes.
+bool sameSide(double determinant, double other) noexcept {
+  const double ratio = other / determinant;
+  return ratio > 0.6 && ratio < 1.6;
 }
 
 // Whether the elbows have the signs of the home branch and the tips stand before their yaw axes.
@@ -290,9 +302,12 @@ ForwardKinematicsReport forwardKinematics(const DeviceModel& model, const Vec6& 
                                           Configuration& configuration) noexcept {
   if (!q.allFinite()) return {Status::notFinite, 0, 0.0};
   const Knees knees = kneesAt(model, q);
-  Elevations e = projected(knees, configuration);
-  const Solution solution = iterate(model, knees, kSingular * loopScale(model), kLargestFirst, e);
-  if (solution.converged && chainsOnBranch(model, knees, e))
+  Elevations e;
+  Solution solution;
+  if (project(model, knees, configuration, e))
+    solution = iterate(model, knees, kSingular * loopScale(model), kLargestFirst, e);
+  if (solution.converged && sameSide(solution.firstDeterminant, solution.determinant) &&
+      chainsOnBranch(model, knees, e))
     return {Status::ok, solution.iterations, fill(model, knees, e, configuration)};
   ForwardKinematicsReport report = forwardKinematicsFromHome(model, q, configuration);
   report.iterations += solution.iterations;
@@ -332,12 +347,8 @@ ForwardKinematicsReport forwardKinematicsFromHome(const DeviceModel& model, cons
       solution = iterate(model, knees, smallest, 0.05, e);
       iterations += solution.iterations;
     }
-    const auto near = [determinant](double other) {
-      const double ratio = other / determinant;
-      return ratio > 0.6 && ratio < 1.6;
-    };
-    if (shortEnough && solution.converged && near(solution.firstDeterminant) && near(solution.determinant) &&
-        chainsOnBranch(model, knees, e)) {
+    if (shortEnough && solution.converged && sameSide(determinant, solution.firstDeterminant) &&
+        sameSide(determinant, solution.determinant) && chainsOnBranch(model, knees, e)) {
       const double residual = fill(model, knees, e, current);
       if (next >= 1.0) {
         configuration = current;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/toml.hpp"
+#include "enamel/control/impedance_map.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/device/dynamics.hpp"
 #include "enamel/device/kinematics.hpp"
@@ -22,7 +23,7 @@ void requireNotNegative(double value, const char* name, const char* unit) {
 }  // namespace
 
 DampingBound dampingBound(const ImpedanceOptions& options, double period) noexcept {
-  const double required = 0.5 * options.stiffness * period + std::abs(options.damping);
+  const double required = passiveDamping({options.stiffness, options.damping, 0}, period);
   return {required, options.deviceDamping, options.deviceDamping > required};
 }
 

@@ -1,0 +1,148 @@
+#include "enamel/render/tick.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "bench/measurement.hpp"
+#include "bench/nominal_device.hpp"
+#include "enamel/control/device_plant.hpp"
+#include "enamel/control/servo_design.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/render/position_control.hpp"
+#include "enamel/sim/push.hpp"
+
+namespace enamel::bench {
+namespace {
+
+constexpr double kPeriod = 1e-3;  // s
+
+struct Percentiles {
+  double p50, p99, p999;  // us
+};
+
+// Times every call on its own; the clock's own cost (about 20 ns) is inside.
+template <typename Call>
+Percentiles timeEach(int calls, const Call& call) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<double> times_us(static_cast<std::size_t>(calls));
+  for (int i = 0; i < calls; ++i) {
+    const auto start = Clock::now();
+    call(i);
+    times_us[static_cast<std::size_t>(i)] = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+  }
+  std::sort(times_us.begin(), times_us.end());
+  const auto at = [&](double share) { return times_us[static_cast<std::size_t>(share * (calls - 1))]; };
+  return {at(0.5), at(0.99), at(0.999)};
+}
+
+// A tool that goes in and out of the wall at 1 kHz, as measured.
+struct Path {
+  std::vector<Vec6> q, rates;
+  std::vector<Pose> poses;
+};
+
+Path pathThroughTheWall(const DeviceModel& model, int ticks) {
+  Path path;
+  for (int i = 0; i < ticks; ++i) {
+    const double t = kPeriod * i;
+    Pose pose;
+    pose.position = {0.01 * std::sin(2.0 * t), 0.01 * std::cos(3.0 * t), 2e-4 * std::sin(25.0 * t)};
+    Vec6 twist = Vec6::Zero();
+    twist.head<3>() << 0.02 * std::cos(2.0 * t), -0.03 * std::sin(3.0 * t), 5e-3 * std::cos(25.0 * t);
+    Configuration c;
+    if (configure(model, pose, c) != Status::ok) throw std::logic_error("path outside the workspace");
+    path.q.push_back(jointAngles(c));
+    path.rates.push_back(jointRates(model, c, twist));
+    path.poses.push_back(pose);
+  }
+  return path;
+}
+
+}  // namespace
+
+std::vector<Measurement> measureTick(double scale) {
+  const DeviceModel model = makeModel(nominalDevice());
+  const DevicePlant plant = devicePlant(model, Pose{});
+  const ServoDesign servo =
+      designServo(outputsAsStates(linearise(plant.f, plant.h, plant.x0, plant.u0)), kPeriod, ServoWeights{});
+  PositionControlRenderer hold(model, servo.K, kPeriod, {});
+  ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
+  const int ticks = std::max(2000, static_cast<int>(50000 * scale));
+  const Path path = pathThroughTheWall(model, ticks);
+
+  std::vector<Measurement> rows;
+  const auto add = [&rows](std::string name, const Percentiles& p, double error, const char* errorOf, double goal_us) {
+    Measurement row;
+    row.name = std::move(name);
+    row.median_us = p.p50;
+    row.p99_us = p.p99;
+    row.p999_us = p.p999;
+    row.error = error;
+    row.errorOf = errorOf;
+    row.goal_us = goal_us;
+    rows.push_back(std::move(row));
+  };
+  const double none = std::numeric_limits<double>::quiet_NaN();
+
+  add("nothing (the clock's own cost)", timeEach(ticks, [](int) {}), 0.0, "-", none);
+  {
+    Configuration tracked = model.home;
+    double error = 0.0;
+    const Percentiles p = timeEach(ticks, [&](int i) {
+      keep(forwardKinematics(model, path.q[static_cast<std::size_t>(i)], tracked));
+      keep(tracked);
+    });
+    tracked = model.home;
+    for (std::size_t i = 0; i < path.q.size(); ++i) {
+      if (forwardKinematics(model, path.q[i], tracked).status != Status::ok) error = 1.0;
+      error = std::max(error, (tracked.pose.position - path.poses[i].position).norm());
+    }
+    add("its forward kinematics", p, error, "position, m", none);
+  }
+  const Scene wall = flatWall({});
+  for (const auto& [name, renderer] :
+       {std::pair<const char*, Renderer*>{"position-control", &hold}, {"impedance", &spring}}) {
+    renderer->activate(kPeriod);
+    Configuration tracked = model.home;
+    TickInput input;
+    TickOutput output;
+    int faults = 0;
+    std::vector<TickInput> inputs(static_cast<std::size_t>(ticks));
+    const Percentiles whole = timeEach(ticks, [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      faults += hapticTick(model, wall, kPeriod * i, path.q[k], path.rates[k], tracked, *renderer, input, output) !=
+                Status::ok;
+    });
+    add(std::string("whole tick, ") + name, whole, faults, "ticks that were not ok", 3.0);
+    renderer->reset();
+    tracked = model.home;
+    for (std::size_t k = 0; k < inputs.size(); ++k) {
+      faults += hapticTick(model, wall, kPeriod * static_cast<double>(k), path.q[k], path.rates[k], tracked, *renderer,
+                           inputs[k], output) != Status::ok;
+    }
+    renderer->reset();
+    const Percentiles part = timeEach(
+        ticks, [&](int i) { faults += renderer->step(inputs[static_cast<std::size_t>(i)], output) != Status::ok; });
+    add(std::string("its renderer, ") + name, part, faults, "ticks that were not ok", none);
+  }
+  {
+    PushSetup setup;
+    const auto finalPose = [&](int substeps) {
+      setup.substeps = substeps;
+      Pose pose;
+      (void)runPush(model, hold, setup, [&](const TickRecord& t) { pose = t.pose; });
+      return pose;
+    };
+    const double error = (finalPose(1).position - finalPose(8).position).norm();
+    setup.substeps = 1;
+    const Percentiles p = timeEach(std::max(10, static_cast<int>(100 * scale)), [&](int) {
+      (void)runPush(model, hold, setup, [](const TickRecord& t) { keep(t); });
+    });
+    add("a push of 3 s on the virtual device", p, error, "last position, m, against 8 substeps", 10e3);
+  }
+  return rows;
+}
+
+}  // namespace enamel::bench

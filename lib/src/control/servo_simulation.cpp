@@ -1,0 +1,127 @@
+#include "enamel/control/servo_simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "enamel/core/error.hpp"
+
+namespace enamel {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+SampledPlant linearPlant(const ServoDesign& design, const MatrixXd& jacobian) {
+  const Index states = design.plant.A.rows();
+  return
+      [A = MatrixXd(design.augmented.A.topLeftCorner(states, states)), B = MatrixXd(design.augmented.B.topRows(states)),
+       transposed = MatrixXd(jacobian.transpose())](const VectorXd& y, const VectorXd& torque, const VectorXd& wrench) {
+        return VectorXd(A * y + B * (torque + transposed * wrench));
+      };
+}
+
+ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, const ServoExperiment& experiment) {
+  const Index n = design.K.rows();
+  if (experiment.reference.size() != n || experiment.delay < 0 || experiment.ticks < 0)
+    throw DesignError("servo simulation: the reference needs one entry a joint; delay and ticks must not be negative");
+  ServoTrace trace{MatrixXd::Zero(2 * n, experiment.ticks + 1), MatrixXd::Zero(n, experiment.ticks)};
+  VectorXd y = VectorXd::Zero(2 * n), state = VectorXd::Zero(3 * n), previous = VectorXd::Zero(n);
+  for (int j = 0; j < experiment.ticks; ++j) {
+    VectorXd q = y.tail(n), rate = y.head(n);
+    if (experiment.encoderStep > 0.0) {
+      q = experiment.encoderStep * (q / experiment.encoderStep).array().round();
+      rate = (q - previous) / design.period;
+      previous = q;
+    }
+    state.head(n) = rate;
+    state.segment(n, n) = q;
+    trace.torque.col(j) = (-design.K * state).cwiseMax(-experiment.maxTorque).cwiseMin(experiment.maxTorque);
+    state.tail(n) += design.period * (experiment.reference - q);
+    const int acting = j - experiment.delay;
+    y = plant(y, acting < 0 ? VectorXd(VectorXd::Zero(n)) : VectorXd(trace.torque.col(acting)), experiment.wrench);
+    trace.y.col(j + 1) = y;
+  }
+  return trace;
+}
+
+double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& normal, double force) {
+  const Index n = normal.size();
+  for (Index j = 1; j < trace.y.cols(); ++j) {
+    const double z = normal * trace.y.col(j).tail(n), rate = normal * trace.y.col(j).head(n);
+    const double before = normal * trace.y.col(j - 1).head(n);
+    if (z < 0.0 && before < 0.0 && rate >= 0.0) return -force / z;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+double torqueDeviation(const ServoTrace& trace, int ticks) {
+  const MatrixXd last = trace.torque.rightCols(std::min<Index>(ticks, trace.torque.cols()));
+  const VectorXd mean = last.rowwise().mean();
+  return std::sqrt((last.colwise() - mean).rowwise().squaredNorm().maxCoeff() / static_cast<double>(last.cols()));
+}
+
+double Requirement::worst() const {
+  double worst = 0.0;
+  for (const double value : values) worst = std::isfinite(value) ? std::max(worst, value) : HUGE_VAL;
+  return worst;
+}
+
+namespace {
+
+constexpr double kStep = 0.01;     // rad
+constexpr double kForce = 10.0;    // N
+constexpr double kMoment = 0.1;    // N m
+constexpr double kDuration = 1.0;  // s
+constexpr double kRiseLow = 0.1, kRiseHigh = 0.9, kSettled = 0.02;
+
+// Time at which a response (1 = reached) first passes `level`, between ticks by interpolation; infinite if never.
+double passes(const Eigen::RowVectorXd& response, double level, double period) {
+  for (Index j = 1; j < response.size(); ++j)
+    if (response[j] >= level)
+      return period * (static_cast<double>(j) - (response[j] - level) / (response[j] - response[j - 1]));
+  return HUGE_VAL;
+}
+
+// Time after which a response stays within +-band of 1; infinite if it never does.
+double settles(const Eigen::RowVectorXd& response, double band, double period) {
+  Index j = response.size() - 1;
+  if (!(std::abs(response[j] - 1.0) <= band)) return HUGE_VAL;
+  while (j > 0 && std::abs(response[j - 1] - 1.0) <= band) --j;
+  if (j == 0) return 0.0;
+  const double outside = std::abs(response[j - 1] - 1.0), inside = std::abs(response[j] - 1.0);
+  return period * (static_cast<double>(j) - (band - inside) / (outside - inside));
+}
+
+}  // namespace
+
+std::vector<Requirement> measureRequirements(const ServoDesign& design, const SampledPlant& plant,
+                                             const MatrixXd& jacobian) {
+  const Index n = design.K.rows();
+  Requirement overshoot{"step reference: overshoot", "%", 2.0, {}};
+  Requirement rise{"step reference: rise time", "s", 0.05, {}};
+  Requirement settling{"step reference: settling time", "s", 0.1, {}};
+  Requirement joints{"force/torque step: joint deviation", "rad", 0.001, {}};
+  Requirement position{"force/torque step: TCP position deviation", "m", 0.001, {}};
+  Requirement orientation{"force/torque step: TCP orientation deviation", "rad", 0.001, {}};
+  ServoExperiment experiment;
+  experiment.ticks = static_cast<int>(std::lround(kDuration / design.period));
+  for (Index joint = 0; joint < n; ++joint) {
+    experiment.reference = kStep * VectorXd::Unit(n, joint);
+    experiment.wrench = VectorXd::Zero(6);
+    const Eigen::RowVectorXd response = simulateServo(design, plant, experiment).y.row(n + joint) / kStep;
+    overshoot.values.push_back(100.0 * std::max(0.0, response.maxCoeff() - 1.0));
+    rise.values.push_back(passes(response, kRiseHigh, design.period) - passes(response, kRiseLow, design.period));
+    settling.values.push_back(settles(response, kSettled, design.period));
+  }
+  for (Index axis = 0; axis < 6; ++axis) {
+    experiment.reference = VectorXd::Zero(n);
+    experiment.wrench = (axis < 3 ? kForce : kMoment) * VectorXd::Unit(6, axis);
+    const MatrixXd q = simulateServo(design, plant, experiment).y.bottomRows(n), X = jacobian * q;
+    joints.values.push_back(q.cwiseAbs().maxCoeff());
+    position.values.push_back(X.topRows(3).colwise().norm().maxCoeff());
+    orientation.values.push_back(X.bottomRows(3).colwise().norm().maxCoeff());
+  }
+  return {overshoot, rise, settling, joints, position, orientation};
+}
+
+}  // namespace enamel

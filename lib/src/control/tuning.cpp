@@ -1,0 +1,99 @@
+#include "enamel/control/tuning.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "enamel/control/margins.hpp"
+#include "enamel/core/error.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kPush = 12.0;           // N
+constexpr double kImpactSeconds = 0.2;   // the first impact is over long before
+constexpr double kChatterSeconds = 1.5;  // of which the last second counts
+
+using LogWeights = std::array<double, 3>;  // log10 of velocity, position, integral
+
+ServoWeights weightsOf(const LogWeights& w) {
+  return {std::pow(10.0, w[0]), std::pow(10.0, w[1]), std::pow(10.0, w[2]), 1.0};
+}
+
+int ticksOf(double seconds, double period) { return static_cast<int>(std::lround(seconds / period)); }
+
+bool keepsTo(const TuneProblem& problem, const TuneRequirements& requirements, const TunedServo& servo) {
+  if (servo.diskMargin < requirements.diskMargin || !(servo.chatter <= requirements.chatter)) return false;
+  if (!requirements.stepResponse) return true;
+  const auto rows = measureRequirements(servo.design, linearPlant(servo.design, problem.jacobian), problem.jacobian);
+  return std::all_of(rows.begin(), rows.begin() + 3, [](const Requirement& row) { return row.met(); });
+}
+
+// As judgeServo; empty also where the stiffness is not above `toBeat`, which is known long before the rest.
+std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const ServoWeights& weights, double toBeat) {
+  TunedServo servo;
+  try {
+    servo.design = designServo(problem.plant, problem.period, weights);
+  } catch (const DesignError&) {
+    return std::nullopt;  // weights that leave no stabilising solution
+  }
+  const SampledPlant plant = linearPlant(servo.design, problem.jacobian);
+  ServoExperiment experiment;
+  experiment.reference = Eigen::VectorXd::Zero(servo.design.K.rows());
+  experiment.wrench = -kPush * Eigen::VectorXd::Unit(6, 2);
+  experiment.delay = delay;
+  experiment.maxTorque = problem.maxTorque;
+  experiment.ticks = ticksOf(kImpactSeconds, problem.period);
+  servo.stiffness =
+      firstImpactStiffness(simulateServo(servo.design, plant, experiment), problem.jacobian.row(2), kPush);
+  if (!(servo.stiffness > toBeat)) return std::nullopt;
+  const StateSpace loop = runningLoop(servo.design);
+  servo.toleratedDelay = toleratedDelay(loop, servo.design.K);
+  if (servo.toleratedDelay < delay) return std::nullopt;
+  servo.diskMargin = diskMargin(loop, servo.design.K, problem.period, delay);
+  experiment.ticks = ticksOf(kChatterSeconds, problem.period);
+  experiment.encoderStep = problem.encoderStep;
+  servo.chatter = torqueDeviation(simulateServo(servo.design, plant, experiment), ticksOf(1.0, problem.period));
+  return servo;
+}
+
+}  // namespace
+
+std::optional<TunedServo> judgeServo(const TuneProblem& problem, int delay, const ServoWeights& weights) {
+  return judge(problem, delay, weights, 0.0);
+}
+
+std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequirements& requirements) {
+  std::optional<TunedServo> best;
+  LogWeights at{};
+  const auto improve = [&](const LogWeights& candidate) {
+    const double toBeat = best ? best->stiffness : 0.0;
+    std::optional<TunedServo> servo = judge(problem, requirements.delay, weightsOf(candidate), toBeat);
+    if (!servo || !keepsTo(problem, requirements, *servo)) return false;
+    best = std::move(servo);
+    at = candidate;
+    return true;
+  };
+  for (double velocity = -4.0; velocity <= 3.0; velocity += 1.0)
+    for (double position = 0.0; position <= 7.0; position += 0.5)
+      for (double integral = 0.0; integral <= 12.0; integral += 0.5) improve({velocity, position, integral});
+  if (!best) return best;
+  for (double step = 0.5; step > 0.02; step *= 0.5) {
+    bool improved = true;
+    while (improved) {
+      improved = false;
+      for (int direction = 0; direction < 27; ++direction)  // diagonals too: the best servos lie on ridges
+        improved = improve({at[0] + step * (direction % 3 - 1), at[1] + step * (direction / 3 % 3 - 1),
+                            at[2] + step * (direction / 9 - 1)}) ||
+                   improved;
+    }
+  }
+  return best;
+}
+
+double firstImpactLimit(double mass, double period, int delay, double force, double largestForce) noexcept {
+  const double reaction = (delay + 1) * period;
+  return std::max(0.0, 2.0 * mass * (1.0 - force / largestForce) / (reaction * reaction));
+}
+
+}  // namespace enamel

@@ -1,0 +1,14 @@
+// Reports the tick's measurements (the functions behind `enamel bench`). Times are printed, never judged.
+#include <cstdio>
+
+#include "bench/measurement.hpp"
+#include "support/catch.hpp"
+
+TEST_CASE("speed against error of a tick and of a push", "[timing]") {
+  for (const auto& row : enamel::bench::measureTick(0.1)) {
+    std::printf("%-45s p50 %9.3f us, p99 %9.3f us, p99.9 %9.3f us, error %.1e (%s)\n", row.name.c_str(), row.median_us,
+                row.p99_us, row.p999_us, row.error, row.errorOf.c_str());
+    CHECK(row.error < 1e-9);
+    CHECK(row.median_us > 0.0);
+  }
+}

@@ -1,0 +1,115 @@
+// `enamel design` as a user runs it.
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/control_systems.hpp"
+#include "support/devices.hpp"
+
+using namespace enamel;
+using test::run;
+
+namespace {
+
+std::string design(const std::string& rest) {
+  return "design --device '" + test::deviceFile("tau-nominal.toml") + "' " + rest;
+}
+
+}  // namespace
+
+TEST_CASE("design writes the reference servo, with its poles, margins and requirements", "[design]") {
+  const test::TemporaryFolder folder;
+  const auto result = run(design("--output '" + (folder / "servo.json") + "'"));
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  const auto servo = nlohmann::json::parse(test::readFile(folder / "servo.json"));
+  const auto reference = test::referenceFile("servo-nominal.json");
+  for (const auto& [key, value] : reference.items()) {
+    INFO(key);
+    REQUIRE(servo.contains(key));
+    if (!value.is_array()) continue;
+    // The project's bars: 1e-8 for the model, 1e-9 for the held model, 1e-7 for the gain.
+    const double bar = key == "Ad" || key == "Bd" ? 1e-9 : key == "K" || key == "P" ? 1e-7 : 1e-8;
+    if (value[0].is_array())
+      CHECK(test::relativeError(test::matrixFrom(servo[key]), test::matrixFrom(value)) < bar);
+    else
+      CHECK(test::relativeError(test::vectorFrom<6>(servo[key]), test::vectorFrom<6>(value)) < bar);
+  }
+  CHECK(servo.at("model") == "tau-nominal.toml");
+  CHECK(servo.at("period") == 1e-3);
+  CHECK(servo.at("poles").size() == 18);
+  CHECK(servo.at("spectral_radius").get<double>() == Approx(0.9582).margin(5e-5));
+  CHECK(servo.at("margins").at("tolerated_delay") == 1);
+  CHECK(servo.at("margins").at("inputs").size() == 6);
+  REQUIRE(servo.at("requirements").size() == 6);
+  CHECK(servo.at("requirements")[0].at("met") == false);
+  CHECK(servo.at("requirements")[0].at("worst").get<double>() == Approx(3.0).margin(0.05));
+  CHECK(result.output.find("NOT MET") != std::string::npos);
+  CHECK(result.output.find("disk margin") != std::string::npos);
+}
+
+TEST_CASE("design takes other weights, rates and places", "[design]") {
+  const test::TemporaryFolder folder;
+  const auto result =
+      run(design("--rate 2000 --q-velocity 2 --q-position 500 --q-integral 1e6 --r 4 --at 0.01,-0.01,0.005 "
+                 "--output '" +
+                 (folder / "servo.json") + "'"));
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  const auto servo = nlohmann::json::parse(test::readFile(folder / "servo.json"));
+  CHECK(servo.at("period") == 5e-4);
+  CHECK(servo.at("weights").at("torque") == 4.0);
+  CHECK(servo.at("position")[1] == -0.01);
+  const Eigen::MatrixXd Ad = test::matrixFrom(servo.at("Ad")), Bd = test::matrixFrom(servo.at("Bd")),
+                        K = test::matrixFrom(servo.at("K")), P = test::matrixFrom(servo.at("P"));
+  Eigen::VectorXd q(18);
+  q << Eigen::VectorXd::Constant(6, 2.0), Eigen::VectorXd::Constant(6, 500.0), Eigen::VectorXd::Constant(6, 1e6);
+  const Eigen::MatrixXd closed = Ad - Bd * K, Q = q.asDiagonal();
+  // The cost of the gain satisfies its Stein equation; rounding of P is amplified by nothing here.
+  CHECK(test::relativeError(closed.transpose() * P * closed + Q + 4.0 * K.transpose() * K, P) < 1e-12);
+}
+
+TEST_CASE("design writes the stability map of the impedance wall", "[design]") {
+  const test::TemporaryFolder folder;
+  const auto result = run(design("--impedance-map '" + (folder / "map.csv") + "'"));
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  std::istringstream lines(test::readFile(folder / "map.csv"));
+  std::string line;
+  std::getline(lines, line);
+  CHECK(line == "delay_samples,stiffness_N_per_m,damping_Ns_per_m,stable,eq16_damping_Ns_per_m,eq16_met");
+  int rows = 0, passiveAndUnstable = 0;
+  while (std::getline(lines, line)) {
+    ++rows;
+    int delay = 0, stable = 0, met = 0;
+    double stiffness = 0.0, damping = 0.0, needed = 0.0;
+    REQUIRE(std::sscanf(line.c_str(), "%d,%lf,%lf,%d,%lf,%d", &delay, &stiffness, &damping, &stable, &needed, &met) ==
+            6);
+    CHECK(needed == Approx(0.5e-3 * stiffness + damping).epsilon(1e-5));  // as printed
+    passiveAndUnstable += delay == 0 && met == 1 && stable == 0;
+  }
+  CHECK(rows == 4 * 25 * 14);
+  CHECK(passiveAndUnstable == 0);
+}
+
+TEST_CASE("design says in one line what is wrong", "[design]") {
+  const test::TemporaryFolder folder;
+  const std::string output = " --output '" + (folder / "servo.json") + "'";
+  for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
+           {design(""), "nothing to do"},
+           {design("--at 0,0,1" + output), "device plant: the pose is"},
+           {design("--r 0" + output), "weight of the torque must be positive"},
+           {design("--q-integral 0" + output), "no stabilising solution"},
+           {design("--q-position -1" + output), "negative"},
+           {design("--rate 0" + output), "--rate"},
+           {design("--output /nonexistent/servo.json"), "/nonexistent/servo.json"},
+           {"design --device /nonexistent.toml" + output, "/nonexistent.toml"}}) {
+    INFO(arguments);
+    const auto result = run(arguments);
+    INFO(result.output);
+    CHECK(result.status != 0);
+    CHECK(result.output.find(message) != std::string::npos);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+  }
+}

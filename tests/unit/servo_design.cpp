@@ -1,0 +1,72 @@
+#include "enamel/control/servo_design.hpp"
+
+#include "enamel/control/discretise.hpp"
+#include "enamel/core/error.hpp"
+#include "support/catch.hpp"
+#include "support/control_systems.hpp"
+
+using namespace enamel;
+using namespace enamel::test;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+TEST_CASE("the servo of the reference plant agrees with an independent program") {
+  const ServoDesign design = designServo(referencePlant(), 1e-3, ServoWeights{});
+  // The project's bar; the stored numbers themselves are good to 8e-14 (see the test of riccati).
+  CHECK(relativeError(design.augmented.A, reference("Ad")) < 1e-12);
+  CHECK(relativeError(design.augmented.B, reference("Bd")) < 1e-12);
+  CHECK(relativeError(design.P, reference("P")) < 1e-12);
+  CHECK(relativeError(design.K, reference("K")) < 1e-12);
+  CHECK(radius(design.augmented.A - design.augmented.B * design.K) == Approx(0.9582).margin(5e-5));
+}
+
+TEST_CASE("a servo may be designed in other units of time") {
+  // In milliseconds: t = 1000 s, rates and integrals scale with it, torque stays. q' weighs 1e6 times as much, the
+  // integral 1e-6, and the sum of the cost is the same.
+  const StateSpace plant = referencePlant();
+  const ServoDesign seconds = designServo(plant, 1e-3, ServoWeights{});
+  VectorXd toMilliseconds(12);
+  toMilliseconds << VectorXd::Constant(6, 1e-3), VectorXd::Ones(6);
+  const VectorXd back = toMilliseconds.cwiseInverse();
+  const StateSpace slow{1e-3 * (toMilliseconds.asDiagonal() * plant.A * back.asDiagonal()),
+                        1e-3 * (toMilliseconds.asDiagonal() * plant.B)};
+  const ServoDesign milliseconds = designServo(slow, 1.0, {1e6, 1e3, 1e1, 1.0});
+  VectorXd units(18);
+  units << toMilliseconds, VectorXd::Constant(6, 1e3);
+  CHECK(relativeError(milliseconds.K * units.asDiagonal(), seconds.K) < 1e-12);  // rounding of the scaled data
+  CHECK(relativeError(units.asDiagonal() * milliseconds.P * units.asDiagonal(), seconds.P) < 1e-12);
+}
+
+TEST_CASE("a common factor of all weights changes nothing") {
+  const ServoDesign one = designServo(referencePlant(), 1e-3, ServoWeights{});
+  const ServoDesign other = designServo(referencePlant(), 1e-3, {1e-5, 1e-2, 1e2, 1e-5});
+  CHECK(relativeError(other.K, one.K) < 1e-12);
+}
+
+TEST_CASE("integrals: xi' = -q, and the running loop updates them as a tick does") {
+  const StateSpace plant = referencePlant();
+  const StateSpace augmented = augmentWithIntegrals(plant);
+  VectorXd x = VectorXd::LinSpaced(18, 1.0, 18.0);
+  const VectorXd u = VectorXd::LinSpaced(6, -1.0, 1.0), rate = augmented.A * x + augmented.B * u;
+  CHECK(relativeError(rate.head(12), plant.A * x.head(12) + plant.B * u) < 1e-15);
+  CHECK(rate.tail(6) == -x.segment(6, 6));
+  const ServoDesign design = designServo(plant, 1e-3, ServoWeights{});
+  const StateSpace loop = runningLoop(design), held = zeroOrderHold(plant, 1e-3);
+  const VectorXd next = loop.A * x + loop.B * u;
+  CHECK(relativeError(next.head(12), held.A * x.head(12) + held.B * u) < 1e-15);
+  CHECK(relativeError(next.tail(6), x.tail(6) - 1e-3 * x.segment(6, 6)) < 1e-15);
+}
+
+TEST_CASE("unusable plants and weights are refused") {
+  const StateSpace plant = referencePlant();
+  const StateSpace odd{plant.A, plant.B.leftCols(5)};
+  CHECK_THROWS_AS(designServo(odd, 1e-3, ServoWeights{}), DesignError);
+  CHECK_THROWS_AS(designServo(plant, -1e-3, ServoWeights{}), DesignError);
+  CHECK_THROWS_AS(designServo(plant, 1e-3, {-1.0, 1e3, 1e7, 1.0}), DesignError);
+  CHECK_THROWS_AS(designServo(plant, 1e-3, {1.0, 1e3, NAN, 1.0}), DesignError);
+  CHECK_THROWS_AS(designServo(plant, 1e-3, {1.0, 1e3, 1e7, 0.0}), DesignError);
+  // Integrals that cost nothing cannot be stabilised at no cost: their modes stay on the unit circle.
+  CHECK_THROWS_AS(designServo(plant, 1e-3, {1.0, 1e3, 0.0, 1.0}), DesignError);
+  const StateSpace dead{plant.A, 0.0 * plant.B};
+  CHECK_THROWS_WITH(designServo(dead, 1e-3, ServoWeights{}), Catch::Matchers::Contains("not stabilisable"));
+}
