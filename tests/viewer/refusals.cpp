@@ -65,7 +65,7 @@ TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
     WARN("xvfb-run or xauth is missing: windows are not tested");
     return;
   }
-  requireRefused(test::viewer(script, "xvfb-run -a -s '-screen 0 1280x720x24 -extension GLX'"), 1,
+  requireRefused(test::viewer(script, test::underXvfb("-screen 0 1280x720x24 -extension GLX")), 1,
                  "cannot open a window");
   for (const char* renderer : {"position-control", "impedance"}) {
     test::writeFile(folder / "close.txt", "0 hand 0 0 -20 over 0.3\n2.5 quit\n60 end\n");

@@ -67,7 +67,12 @@ inline CommandResult viewer(const std::string& arguments,
   return runCommand("timeout " + std::to_string(seconds) + " " + before + " '" + ENAMEL_VIEWER + "' " + arguments);
 }
 
-inline const char* kXvfb = "xvfb-run -a -s '-screen 0 1280x720x24'";
+/// Runs what follows under Xvfb. The pause lets xvfb-run finish writing what it then removes: without it, it fails now
+/// and then after a program that ends at once.
+inline std::string underXvfb(const std::string& server) {
+  return "xvfb-run -a -s '" + server + "' sh -c '\"$@\"; status=$?; sleep 1; exit $status' sh";
+}
+inline const std::string kXvfb = underXvfb("-screen 0 1280x720x24");
 
 inline bool haveXvfb() { return runCommand("command -v xvfb-run && command -v xauth").status == 0; }
 
