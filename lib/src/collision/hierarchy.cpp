@@ -1,0 +1,351 @@
+// Builds and repairs the hierarchy of a mesh: a binary tree by the surface area heuristic (Goldsmith & Salmon 1987;
+// binned as by Wald 2007) whose leaves are full wherever possible, folded into nodes of 16 children.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+
+#include "mesh_data.hpp"
+
+namespace enamel::kernel {
+namespace {
+
+constexpr int kBins = 16;
+constexpr int kDepthOfHalving = 14;   // from here on pieces are halved, so that the depth stays bounded
+constexpr float kEmptyBox = 3e38f;    // its square is infinite
+constexpr float kFarAway = 1e18f;     // its square is finite, and larger than that of any local coordinate
+constexpr double kThin = 1e-3;        // height over longest edge, below which the careful path is taken
+constexpr double kEdgesOnly = 0x1p-20;  // local height below which the float bound uses the edges alone
+
+struct Box {
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(kEmptyBox), high = Eigen::Vector3f::Constant(-kEmptyBox);
+  void add(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  float halfArea() const {
+    if (low.x() > high.x()) return 0.0f;
+    const Eigen::Vector3f d = high - low;
+    return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
+  }
+};
+
+float below(double x) { return std::nextafterf(std::nextafterf(static_cast<float>(x), -kEmptyBox), -kEmptyBox); }
+float above(double x) { return std::nextafterf(std::nextafterf(static_cast<float>(x), kEmptyBox), kEmptyBox); }
+
+Vec3 local(const Mesh& view, const Vec3& p) {
+  return (p - Vec3(view.centre[0], view.centre[1], view.centre[2])) * view.scale;
+}
+
+Box boxOf(const MeshData& data, std::int32_t triangle) {
+  Box box;
+  for (const int v : data.mesh.triangles[triangle]) {
+    const Vec3 q = local(data.view, data.mesh.vertices[v]);
+    for (int k = 0; k < 3; ++k) {
+      box.low[k] = std::min(box.low[k], below(q[k]));
+      box.high[k] = std::max(box.high[k], above(q[k]));
+    }
+  }
+  return box;
+}
+
+void writeBox(MeshData& data, Parent at, const Box& box) {
+  Node& node = data.nodes[at.node];
+  for (int k = 0; k < 3; ++k) {
+    node.low[k][at.lane] = box.low[k];
+    node.high[k][at.lane] = box.high[k];
+  }
+}
+
+Box boxOfNode(const Node& node) {
+  Box box;
+  for (int k = 0; k < 3; ++k) {
+    box.low[k] = *std::min_element(node.low[k], node.low[k] + kWidth);
+    box.high[k] = *std::max_element(node.high[k], node.high[k] + kWidth);
+  }
+  return box;
+}
+
+Box boxOfLeaf(const MeshData& data, std::int32_t leaf) {
+  Box box;
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::int32_t t = data.triangles[leaf * kWidth + lane].index;
+    if (t >= 0) box.add(boxOf(data, t));
+  }
+  return box;
+}
+
+// A binary tree over ranges of `order`.
+struct Binary {
+  Box box;
+  int left = -1, right = -1;  // -1: a leaf
+  int first = 0, count = 0;
+};
+
+class Builder {
+ public:
+  explicit Builder(MeshData& data) : data_(data) {
+    const std::size_t count = data.mesh.triangles.size();
+    boxes_.reserve(count);
+    for (std::size_t t = 0; t < count; ++t) boxes_.push_back(boxOf(data, static_cast<std::int32_t>(t)));
+    order_.resize(count);
+    std::iota(order_.begin(), order_.end(), 0);
+  }
+
+  void run() {
+    const int root = split(0, static_cast<int>(order_.size()), 0);
+    data_.view.root = fold(root, {});
+  }
+
+ private:
+  float centre(int triangle, int axis) const {
+    return 0.5f * (boxes_[triangle].low[axis] + boxes_[triangle].high[axis]);
+  }
+
+  int split(int first, int count, int depth) {
+    const int self = static_cast<int>(tree_.size());
+    tree_.emplace_back();
+    Box box, centres;
+    for (int i = first; i < first + count; ++i) {
+      box.add(boxes_[order_[i]]);
+      for (int k = 0; k < 3; ++k) {
+        const float c = centre(order_[i], k);
+        centres.low[k] = std::min(centres.low[k], c);
+        centres.high[k] = std::max(centres.high[k], c);
+      }
+    }
+    tree_[self].box = box;
+    tree_[self].first = first;
+    tree_[self].count = count;
+    if (count <= kWidth) return self;
+
+    int axis = 0, cut = count / 2;
+    (centres.high - centres.low).maxCoeff(&axis);
+    if (depth < kDepthOfHalving) chooseCut(first, count, centres, axis, cut);
+    cut = (cut + kWidth / 2) / kWidth * kWidth;  // full leaves
+    if (cut == 0) cut = kWidth;
+    if (cut >= count) cut = (count - 1) / kWidth * kWidth;
+    std::nth_element(order_.begin() + first, order_.begin() + first + cut, order_.begin() + first + count,
+                     [&](int a, int b) {
+                       const float ca = centre(a, axis), cb = centre(b, axis);
+                       return ca != cb ? ca < cb : a < b;
+                     });
+    const int left = split(first, cut, depth + 1);
+    const int right = split(first + cut, count - cut, depth + 1);
+    tree_[self].left = left;
+    tree_[self].right = right;
+    return self;
+  }
+
+  // The axis and number of triangles on the left that cost least: area times number of leaves, summed.
+  void chooseCut(int first, int count, const Box& centres, int& axis, int& cut) const {
+    float least = kEmptyBox;
+    for (int k = 0; k < 3; ++k) {
+      const float extent = centres.high[k] - centres.low[k];
+      if (!(extent > 0.0f)) continue;
+      const float toBin = static_cast<float>(kBins) * 0.9999f / extent;
+      std::array<Box, kBins> boxes;
+      std::array<int, kBins> counts{};
+      for (int i = first; i < first + count; ++i) {
+        const int bin = static_cast<int>((centre(order_[i], k) - centres.low[k]) * toBin);
+        const int safe = std::min(std::max(bin, 0), kBins - 1);
+        boxes[safe].add(boxes_[order_[i]]);
+        ++counts[safe];
+      }
+      std::array<float, kBins> rightCost{};
+      Box sum;
+      int number = 0;
+      for (int b = kBins - 1; b > 0; --b) {
+        sum.add(boxes[b]);
+        number += counts[b];
+        rightCost[b] = sum.halfArea() * static_cast<float>((number + kWidth - 1) / kWidth);
+      }
+      sum = Box();
+      number = 0;
+      for (int b = 0; b + 1 < kBins; ++b) {
+        sum.add(boxes[b]);
+        number += counts[b];
+        if (number == 0 || number == count) continue;
+        const float cost = sum.halfArea() * static_cast<float>((number + kWidth - 1) / kWidth) + rightCost[b + 1];
+        if (cost < least) {
+          least = cost;
+          axis = k;
+          cut = number;
+        }
+      }
+    }
+  }
+
+  std::int32_t fold(int binary, Parent parent) {
+    const Binary& top = tree_[binary];
+    if (top.left < 0) {
+      const auto leaf = static_cast<std::int32_t>(data_.leaves.size());
+      data_.leaves.emplace_back();
+      data_.leafParent.push_back(parent);
+      data_.triangles.resize(data_.triangles.size() + kWidth);
+      for (int lane = 0; lane < kWidth; ++lane) {
+        const std::int32_t slot = leaf * kWidth + lane;
+        if (lane < top.count) {
+          writeSlot(data_, slot, order_[top.first + lane]);
+        } else {
+          clearSlot(data_, slot);
+        }
+      }
+      return ~leaf;
+    }
+    std::array<int, kWidth> child{top.left, top.right};
+    int count = 2;
+    while (count < kWidth) {  // open the largest
+      int largest = -1;
+      for (int i = 0; i < count; ++i)
+        if (tree_[child[i]].left >= 0 &&
+            (largest < 0 || tree_[child[i]].box.halfArea() > tree_[child[largest]].box.halfArea()))
+          largest = i;
+      if (largest < 0) break;
+      const Binary& opened = tree_[child[largest]];
+      child[largest] = opened.left;
+      child[count++] = opened.right;
+    }
+    const auto self = static_cast<std::int32_t>(data_.nodes.size());
+    data_.nodes.emplace_back();
+    data_.nodeParent.push_back(parent);
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const bool used = lane < count;
+      const std::int32_t number = used ? fold(child[lane], {self, lane}) : 0;
+      data_.nodes[self].child[lane] = number;
+      writeBox(data_, {self, lane}, used ? tree_[child[lane]].box : Box());
+    }
+    return self;
+  }
+
+  MeshData& data_;
+  std::vector<Box> boxes_;
+  std::vector<int> order_;
+  std::vector<Binary> tree_;
+};
+
+}  // namespace
+
+std::uint64_t nextRevision() noexcept {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+void writeSlot(MeshData& data, std::int32_t slot, std::int32_t number) {
+  Triangle& triangle = data.triangles[slot];
+  Leaf& leaf = data.leaves[slot / kWidth];
+  const int lane = slot % kWidth;
+  const auto& t = data.mesh.triangles[number];
+  std::array<Vec3, 3> v;
+  for (int i = 0; i < 3; ++i) {
+    v[i] = data.mesh.vertices[t[i]];
+    const Vec3 q = local(data.view, v[i]);
+    for (int k = 0; k < 3; ++k) {
+      triangle.corner[i][k] = v[i][k];
+      leaf.corner[i][k][lane] = static_cast<float>(q[k]);
+    }
+  }
+  const double longest = std::sqrt(
+      std::max({(v[1] - v[0]).squaredNorm(), (v[2] - v[1]).squaredNorm(), (v[0] - v[2]).squaredNorm()}));
+  const Vec3 product = (v[1] - v[0]).cross(v[2] - v[0]);
+  const double height = longest > 0.0 ? product.norm() / longest : 0.0;
+  const bool edgesOnly = !(height * data.view.scale > kEdgesOnly);
+  const Vec3 normal = edgesOnly ? Vec3(Vec3::Zero()) : unitNormal(v[0], v[1], v[2]);
+  for (int k = 0; k < 3; ++k) leaf.normal[k][lane] = static_cast<float>(normal[k]);
+  leaf.inside[lane] = normal.isZero(0.0) ? -1e30f : 0.0f;
+  triangle.index = number;
+  triangle.thin = !(height > kThin * longest);
+  data.slotOf[number] = slot;
+}
+
+void clearSlot(MeshData& data, std::int32_t slot) {
+  Triangle& triangle = data.triangles[slot];
+  Leaf& leaf = data.leaves[slot / kWidth];
+  const int lane = slot % kWidth;
+  triangle = Triangle{};
+  triangle.index = -1;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) leaf.corner[i][k][lane] = kFarAway;
+  for (int k = 0; k < 3; ++k) leaf.normal[k][lane] = 0.0f;
+  leaf.inside[lane] = -1e30f;
+}
+
+void refitLeaf(MeshData& data, std::int32_t leaf) {
+  Parent at = data.leafParent[leaf];
+  Box box = boxOfLeaf(data, leaf);
+  while (at.node >= 0) {
+    writeBox(data, at, box);
+    box = boxOfNode(data.nodes[at.node]);
+    at = data.nodeParent[at.node];
+  }
+}
+
+void buildHierarchy(MeshData& data) {
+  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
+  for (const auto& t : data.mesh.triangles)
+    for (const int v : t) {
+      low = low.cwiseMin(data.mesh.vertices[v]);
+      high = high.cwiseMax(data.mesh.vertices[v]);
+    }
+  const Vec3 centre = 0.5 * (low + high);
+  for (int k = 0; k < 3; ++k) data.view.centre[k] = centre[k];
+  const double half = 0.5 * (high - low).maxCoeff();
+  int exponent = 0;
+  std::frexp(half, &exponent);
+  data.view.scale = half > 0.0 ? std::ldexp(1.0, -exponent) : 1.0;
+  data.size = (high - low).norm();
+
+  data.nodes.clear();
+  data.leaves.clear();
+  data.triangles.clear();
+  data.nodeParent.clear();
+  data.leafParent.clear();
+  data.slotOf.assign(data.mesh.triangles.size(), -1);
+  Builder(data).run();
+  data.view.nodes = data.nodes.data();
+  data.view.leaves = data.leaves.data();
+  data.view.triangles = data.triangles.data();
+  data.view.revision = nextRevision();
+}
+
+void buildNormals(MeshData& data) {
+  const TriangleMesh& mesh = data.mesh;
+  data.place = weld(mesh);
+  const std::size_t places = data.place.empty() ? 0 : *std::max_element(data.place.begin(), data.place.end()) + 1u;
+  data.cornerNormal.assign(places, Vec3::Zero());
+  data.edgeNormals.assign(data.triangles.size(), EdgeNormals{});
+  std::vector<Vec3> normal(mesh.triangles.size());
+  std::vector<char> taintedPlace(places, 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& v = mesh.triangles[t];
+    normal[t] = unitNormal(mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]]);
+    for (int i = 0; i < 3; ++i) {
+      if (normal[t].isZero(0.0)) taintedPlace[data.place[v[i]]] = 1;
+      data.cornerNormal[data.place[v[i]]] +=
+          normal[t] * cornerAngle(mesh.vertices[v[i]], mesh.vertices[v[(i + 1) % 3]], mesh.vertices[v[(i + 2) % 3]]);
+    }
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (taintedPlace[data.place[mesh.triangles[t][i]]] != 0)
+        data.edgeNormals[data.slotOf[t]].tainted |= 1u << (kCorner0 + i);
+  const std::vector<EdgeUse> edges = sortedEdges(mesh, data.place);
+  for (std::size_t first = 0, last; first < edges.size(); first = last) {
+    Vec3 sum = Vec3::Zero();
+    bool tainted = false;
+    for (last = first; last < edges.size() && edges[last].low == edges[first].low &&
+                       edges[last].high == edges[first].high;
+         ++last) {
+      sum += normal[edges[last].triangle];
+      tainted = tainted || normal[edges[last].triangle].isZero(0.0);
+    }
+    for (std::size_t i = first; i < last; ++i) {
+      EdgeNormals& at = data.edgeNormals[data.slotOf[edges[i].triangle]];
+      for (int k = 0; k < 3; ++k) at.edge[edges[i].edge][k] = static_cast<float>(sum[k]);
+      if (tainted) at.tainted |= 1u << (kEdge01 + edges[i].edge);
+    }
+  }
+}
+
+}  // namespace enamel::kernel

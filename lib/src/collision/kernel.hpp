@@ -1,0 +1,82 @@
+// The hot loops of the mesh queries and the plain data they read. The loops are compiled once per SIMD level, each in
+// a file of its own, from kernel_loops.inl. Nothing here may contain inline functions of Eigen or of the standard
+// library: the linker would keep one copy of them for all levels, possibly one that this machine cannot run.
+//
+// Local coordinates: q = (p - centre) * scale, so that the mesh fills [-1, 1]. Floats only ever bound distances from
+// below; every distance that is answered is computed in double from the original coordinates, so the answer does
+// not depend on the order of the search, on the cache or on the SIMD level.
+#pragma once
+
+#include <stdint.h>
+
+#include "enamel/collision/proximity_cache.hpp"
+
+namespace enamel::kernel {
+
+inline constexpr int kWidth = 16;        ///< children of a node, triangles of a leaf
+inline constexpr int kListCapacity = ProximityCache::kCapacity;
+inline constexpr int kMaxDepth = 48;    ///< levels that the builder may make
+inline constexpr int kStackSize = 768;  ///< entries; a level of the tree needs at most kWidth - 1
+static_assert(kStackSize >= kMaxDepth * (kWidth - 1) + kWidth, "the stack holds every child on a path");
+
+/// 16 child boxes, local coordinates, rounded outwards. Unused lanes hold an empty box.
+struct alignas(64) Node {
+  float low[3][kWidth];
+  float high[3][kWidth];
+  int32_t child[kWidth];  ///< node number, or ~leaf number
+};
+
+/// 16 triangles in local coordinates, rounded to nearest. Unused lanes lie far away.
+struct alignas(64) Leaf {
+  float corner[3][3][kWidth];  ///< [vertex][axis][lane]
+  float normal[3][kWidth];     ///< unit normal; 0 where the triangle is too thin to have one
+  float inside[kWidth];        ///< 0; -1e30 for a triangle that is bounded by its edges alone
+};
+
+/// One triangle in double, in the order of the leaves: slot = 16 * leaf + lane.
+struct Triangle {
+  double corner[3][3];
+  int32_t index;  ///< number in the mesh; -1 for an unused slot
+  int32_t thin;   ///< 1: long or without area, needs the careful path
+};
+
+/// What the loops see of a mesh.
+struct Mesh {
+  const Node* nodes;
+  const Leaf* leaves;
+  const Triangle* triangles;
+  int32_t root;  ///< as Node::child
+  double centre[3];
+  double scale;
+  uint64_t revision;
+};
+
+/// Parts of a triangle, as the closest point's place.
+enum Feature : int32_t { kCorner0, kCorner1, kCorner2, kEdge01, kEdge12, kEdge20, kFace };
+
+using Cache = ProximityCache;
+
+struct Answer {
+  double squared;   ///< distance^2; the limit^2 where nothing was found
+  double point[3];  ///< on the mesh
+  int32_t slot;     ///< -1 where nothing was found
+  int32_t feature;
+};
+
+/// Called for every triangle that may be within reach; answers the reach from now on.
+using Visit = double (*)(void* context, int32_t slot, double reach);
+
+struct Loops {
+  /// Nearest triangle not farther than sqrt(limitSquared); of equally near ones the one of smallest index.
+  void (*closest)(const Mesh& mesh, const double point[3], double limitSquared, Cache* cache, Answer* answer);
+  /// Every triangle within `reach` of the segment from -> to (and some more), in no particular order.
+  void (*visit)(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visit, void* context);
+};
+
+extern const Loops kBaselineLoops;
+#ifdef ENAMEL_X86_KERNELS
+extern const Loops kAvx2Loops;
+extern const Loops kAvx512Loops;
+#endif
+
+}  // namespace enamel::kernel
