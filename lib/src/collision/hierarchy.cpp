@@ -76,6 +76,56 @@ Box boxOfLeaf(const MeshData& data, std::int32_t leaf) {
   return box;
 }
 
+// The axes follow the surface: the mean normal, and the direction in which the corners spread most across it.
+void writeLeafBox(MeshData& data, std::int32_t leaf) {
+  std::vector<Vec3>& corners = data.scratch;
+  corners.clear();
+  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::int32_t t = data.triangles[leaf * kWidth + lane].index;
+    if (t < 0) continue;
+    for (const int v : data.mesh.triangles[t]) {
+      corners.push_back(local(data.view, data.mesh.vertices[v]));
+      mean += corners.back();
+    }
+    const Vec3* c = &corners[corners.size() - 3];
+    normal += (c[1] - c[0]).cross(c[2] - c[0]);
+  }
+  const Parent at = data.leafParent[leaf];
+  LeafBoxes& box = data.boxes[at.node];
+  for (auto& row : box.row) row[at.lane] = 0.0f;
+  if (corners.empty()) {  // far away
+    for (int i = 0; i < 3; ++i) box.row[9 + i][at.lane] = kFarAway;
+    return;
+  }
+  mean /= static_cast<double>(corners.size());
+  Mat3 axes;
+  axes.row(2) = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());
+  const Vec3 n = axes.row(2);
+  const Vec3 s = n.unitOrthogonal(), t = n.cross(s);
+  double ss = 0.0, st = 0.0, tt = 0.0;
+  for (const Vec3& c : corners) {
+    const double a = s.dot(c - mean), b = t.dot(c - mean);
+    ss += a * a;
+    st += a * b;
+    tt += b * b;
+  }
+  const double angle = 0.5 * std::atan2(2.0 * st, ss - tt);
+  axes.row(0) = std::cos(angle) * s + std::sin(angle) * t;
+  axes.row(1) = n.cross(Vec3(axes.row(0)));
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (const Vec3& c : corners) {
+    const Vec3 f = axes * c;
+    low = low.cwiseMin(f);
+    high = high.cwiseMax(f);
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) box.row[3 * i + k][at.lane] = static_cast<float>(axes(i, k));
+    box.row[9 + i][at.lane] = static_cast<float>(-0.5 * (low[i] + high[i]));
+    box.row[12 + i][at.lane] = above(0.5 * (high[i] - low[i]));
+  }
+}
+
 // A binary tree over ranges of `order`.
 struct Binary {
   Box box;
@@ -179,7 +229,7 @@ class Builder {
 
   std::int32_t fold(int binary, Parent parent) {
     const Binary& top = tree_[binary];
-    if (top.left < 0) {
+    if (top.left < 0 && parent.node >= 0) {
       const auto leaf = static_cast<std::int32_t>(data_.leaves.size());
       data_.leaves.emplace_back();
       data_.leafParent.push_back(parent);
@@ -192,10 +242,15 @@ class Builder {
           clearSlot(data_, slot);
         }
       }
+      writeLeafBox(data_, leaf);
       return ~leaf;
     }
     std::array<int, kWidth> child{top.left, top.right};
     int count = 2;
+    if (top.left < 0) {  // the root is a node also above a single leaf
+      child[0] = binary;
+      count = 1;
+    }
     while (count < kWidth) {  // open the largest
       int largest = -1;
       for (int i = 0; i < count; ++i)
@@ -209,14 +264,18 @@ class Builder {
     }
     const auto self = static_cast<std::int32_t>(data_.nodes.size());
     data_.nodes.emplace_back();
+    data_.boxes.emplace_back();
     data_.nodeParent.push_back(parent);
+    std::int32_t flags = 0;
     for (int lane = 0; lane < kWidth; ++lane) {
       const bool used = lane < count;
       const std::int32_t number = used ? fold(child[lane], {self, lane}) : 0;
+      if (used && number < 0) data_.boxes[self].lanes |= 1u << lane;
+      if (used) flags |= number < 0 ? kHasLeaves : kHasNodes;
       data_.nodes[self].child[lane] = number;
       writeBox(data_, {self, lane}, used ? tree_[child[lane]].box : Box());
     }
-    return self;
+    return self | flags;
   }
 
   MeshData& data_;
@@ -237,23 +296,47 @@ void writeSlot(MeshData& data, std::int32_t slot, std::int32_t number) {
   Leaf& leaf = data.leaves[slot / kWidth];
   const int lane = slot % kWidth;
   const auto& t = data.mesh.triangles[number];
-  std::array<Vec3, 3> v;
+  std::array<Vec3, 3> v, q;
   for (int i = 0; i < 3; ++i) {
     v[i] = data.mesh.vertices[t[i]];
-    const Vec3 q = local(data.view, v[i]);
-    for (int k = 0; k < 3; ++k) {
-      triangle.corner[i][k] = v[i][k];
-      leaf.corner[i][k][lane] = static_cast<float>(q[k]);
+    q[i] = local(data.view, v[i]);
+    for (int k = 0; k < 3; ++k) triangle.corner[i][k] = v[i][k];
+  }
+  // Frame: the longest edge from a to b, the third corner c on the side of v.
+  int first = 0;
+  double longest = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double length = (q[(i + 1) % 3] - q[i]).norm();
+    if (length > longest) {
+      longest = length;
+      first = i;
     }
   }
-  const double longest = std::sqrt(
-      std::max({(v[1] - v[0]).squaredNorm(), (v[2] - v[1]).squaredNorm(), (v[0] - v[2]).squaredNorm()}));
-  const Vec3 product = (v[1] - v[0]).cross(v[2] - v[0]);
-  const double height = longest > 0.0 ? product.norm() / longest : 0.0;
-  const bool edgesOnly = !(height * data.view.scale > kEdgesOnly);
-  const Vec3 normal = edgesOnly ? Vec3(Vec3::Zero()) : unitNormal(v[0], v[1], v[2]);
-  for (int k = 0; k < 3; ++k) leaf.normal[k][lane] = static_cast<float>(normal[k]);
-  leaf.inside[lane] = normal.isZero(0.0) ? -1e30f : 0.0f;
+  const Vec3 &a = q[first], &b = q[(first + 1) % 3], &c = q[(first + 2) % 3];
+  Mat3 axes;
+  axes.row(0) = longest > 0.0 ? Vec3((b - a) / longest) : Vec3(Vec3::UnitX());
+  const Vec3 u = axes.row(0);
+  const Vec3 up = (c - a) - u * u.dot(c - a);
+  const double height = up.norm();
+  axes.row(1) = height > 0.0 ? Vec3(up / height) : Vec3(u.unitOrthogonal());
+  axes.row(1) = (Vec3(axes.row(1)) - u * u.dot(Vec3(axes.row(1)))).normalized();
+  axes.row(2) = u.cross(Vec3(axes.row(1)));
+  const Vec3 toB = axes * (b - a), toC = axes * (c - a);
+  const auto setEdge = [&](int edge, double du, double dv) {
+    const double length = std::hypot(du, dv);
+    leaf.length[edge][lane] = static_cast<float>(length);
+    leaf.cosine[edge - 1][lane] = static_cast<float>(length > 0.0 ? du / length : 1.0);
+    leaf.sine[edge - 1][lane] = static_cast<float>(length > 0.0 ? dv / length : 0.0);
+  };
+  leaf.length[0][lane] = static_cast<float>(toB.x());
+  setEdge(1, toC.x() - toB.x(), toC.y());
+  setEdge(2, toC.x(), toC.y());
+  const Vec3 offset = axes * a;
+  for (int i = 0; i < 3; ++i) {
+    leaf.offset[i][lane] = static_cast<float>(-offset[i]);
+    for (int k = 0; k < 3; ++k) leaf.axis[i][k][lane] = static_cast<float>(axes(i, k));
+  }
+  leaf.inside[lane] = height > kEdgesOnly ? 0.0f : -1e30f;
   triangle.index = number;
   triangle.thin = !(height > kThin * longest);
   data.slotOf[number] = slot;
@@ -265,13 +348,20 @@ void clearSlot(MeshData& data, std::int32_t slot) {
   const int lane = slot % kWidth;
   triangle = Triangle{};
   triangle.index = -1;
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k) leaf.corner[i][k][lane] = kFarAway;
-  for (int k = 0; k < 3; ++k) leaf.normal[k][lane] = 0.0f;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) leaf.axis[i][k][lane] = 0.0f;
+    leaf.offset[i][lane] = kFarAway;
+    leaf.length[i][lane] = 0.0f;
+  }
+  for (int i = 0; i < 2; ++i) {
+    leaf.cosine[i][lane] = 1.0f;
+    leaf.sine[i][lane] = 0.0f;
+  }
   leaf.inside[lane] = -1e30f;
 }
 
 void refitLeaf(MeshData& data, std::int32_t leaf) {
+  writeLeafBox(data, leaf);
   Parent at = data.leafParent[leaf];
   Box box = boxOfLeaf(data, leaf);
   while (at.node >= 0) {
@@ -298,6 +388,7 @@ void buildHierarchy(MeshData& data) {
 
   data.nodes.clear();
   data.leaves.clear();
+  data.boxes.clear();
   data.triangles.clear();
   data.nodeParent.clear();
   data.leafParent.clear();
@@ -305,6 +396,7 @@ void buildHierarchy(MeshData& data) {
   Builder(data).run();
   data.view.nodes = data.nodes.data();
   data.view.leaves = data.leaves.data();
+  data.view.boxes = data.boxes.data();
   data.view.triangles = data.triangles.data();
   data.view.revision = nextRevision();
 }

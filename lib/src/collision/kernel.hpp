@@ -14,7 +14,9 @@
 namespace enamel::kernel {
 
 inline constexpr int kWidth = 16;        ///< children of a node, triangles of a leaf
-inline constexpr int kListCapacity = ProximityCache::kCapacity;
+inline constexpr int32_t kHasLeaves = 1 << 30;  ///< added to the number of a node with leaves among its children
+inline constexpr int32_t kHasNodes = 1 << 29;   ///< added to the number of a node with nodes among its children
+inline constexpr int32_t kNumber = kHasNodes - 1;  ///< mask that takes both off
 inline constexpr int kMaxDepth = 48;    ///< levels that the builder may make
 inline constexpr int kStackSize = 768;  ///< entries; a level of the tree needs at most kWidth - 1
 static_assert(kStackSize >= kMaxDepth * (kWidth - 1) + kWidth, "the stack holds every child on a path");
@@ -23,14 +25,24 @@ static_assert(kStackSize >= kMaxDepth * (kWidth - 1) + kWidth, "the stack holds 
 struct alignas(64) Node {
   float low[3][kWidth];
   float high[3][kWidth];
-  int32_t child[kWidth];  ///< node number, or ~leaf number
+  int32_t child[kWidth];  ///< node number plus flags, or ~leaf number
 };
 
-/// 16 triangles in local coordinates, rounded to nearest. Unused lanes lie far away.
+/// 16 triangles in local coordinates, each in a plane frame of its own: corner a at the origin, the longest edge along
+/// u, the opposite corner at v >= 0, the plane at h = 0. Unused lanes lie far away.
 struct alignas(64) Leaf {
-  float corner[3][3][kWidth];  ///< [vertex][axis][lane]
-  float normal[3][kWidth];     ///< unit normal; 0 where the triangle is too thin to have one
-  float inside[kWidth];        ///< 0; -1e30 for a triangle that is bounded by its edges alone
+  float axis[3][3][kWidth];  ///< rows u, v, h of the frame's rotation
+  float offset[3][kWidth];   ///< (u, v, h) = axis * q + offset
+  float length[3][kWidth];   ///< of the edges: along u; from its end to the third corner; from a to the third corner
+  float cosine[2][kWidth];   ///< directions of the second and third edge in (u, v)
+  float sine[2][kWidth];
+  float inside[kWidth];      ///< 0; -1e30 for a triangle that is bounded by its edges alone
+};
+
+/// Oriented boxes of the leaves below a node, by lane: |axis * q + offset| <= half. Lanes without a leaf hold zeros.
+struct alignas(64) LeafBoxes {
+  float row[15][kWidth];  ///< three axes, offsets, half sizes
+  uint32_t lanes;         ///< bit mask of the lanes that have a leaf
 };
 
 /// One triangle in double, in the order of the leaves: slot = 16 * leaf + lane.
@@ -44,8 +56,9 @@ struct Triangle {
 struct Mesh {
   const Node* nodes;
   const Leaf* leaves;
+  const LeafBoxes* boxes;  ///< by node
   const Triangle* triangles;
-  int32_t root;  ///< as Node::child
+  int32_t root;  ///< as Node::child; always a node
   double centre[3];
   double scale;
   uint64_t revision;

@@ -31,11 +31,6 @@ inline V mul(const V& a, const V& b) {
   for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] * b.v[i];
   return r;
 }
-inline V div(const V& a, const V& b) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] / b.v[i];
-  return r;
-}
 inline V mad(const V& a, const V& b, const V& c) {
   V r;
   for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] * b.v[i] + c.v[i];
@@ -51,6 +46,11 @@ inline V minimum(const V& a, const V& b) {
   for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
   return r;
 }
+inline float smallest(const V& a) {
+  float least = a.v[0];
+  for (int i = 1; i < kWidth; ++i) least = a.v[i] < least ? a.v[i] : least;
+  return least;
+}
 inline unsigned lessOrEqualMask(const V& a, const V& b) {
   unsigned mask = 0;
   for (int i = 0; i < kWidth; ++i) mask |= static_cast<unsigned>(a.v[i] <= b.v[i]) << i;
@@ -60,6 +60,9 @@ inline V selectGreater(const V& x, const V& y, const V& a, const V& b) {
   V r;
   for (int i = 0; i < kWidth; ++i) r.v[i] = x.v[i] > y.v[i] ? a.v[i] : b.v[i];
   return r;
+}
+inline void compress(const V& a, unsigned mask, float* p) {
+  for (; mask != 0; mask &= mask - 1) *p++ = a.v[__builtin_ctz(mask)];
 }
 
 #include "kernel_loops.inl"

@@ -1,26 +1,34 @@
 // The search loops, written on a vector `V` of 16 floats that the including file defines together with
-// load, set, add, sub, mul, div, mad, maximum, minimum, lessOrEqualMask and selectGreater. Everything has internal
+// load, store, set, sub, mul, mad, maximum, minimum, smallest, lessOrEqualMask, selectGreater and
+// compress (the lanes of a mask to consecutive floats; up to 16 are written). Everything has internal
 // linkage.
 
 #include "exact.inl"
 
-// Relative and absolute share of rounding in the float bounds, with room to spare: at most 20 roundings of numbers
-// not larger than |q|_1 + 2 enter a distance, 2^-24 each, and a triangle is bounded by its edges alone if it is
-// lower than 2^-20.
+// Error of the float distances, with room to spare: at most 20 roundings of numbers not larger than |q|_1 + 2 enter,
+// 2^-24 each, and a triangle that is represented by its edges alone is lower than 2^-20.
 static const double kBoundError = 0x1p-19;
 // Beyond this many mesh sizes float boxes no longer tell triangles apart; doubles take over.
 static const double kFar = 64.0;
 static const double kHuge = 1e300;
 
+enum { kMostCandidates = 64 };
+
 struct Search {
   const Mesh* mesh;
   const double* point;  // original coordinates
   double local[3];
-  float x, y, z;     // local, rounded
-  double slack;      // absolute error of a float bound
-  double squared;    // best so far, original units
-  double bound;      // its root in local units, without slack
-  float limit;       // largest float bound (squared) that may still matter
+  float x, y, z;  // local, rounded
+  double slack;   // absolute error of a float distance
+  float slackUp;  // the same, not smaller
+  float least;    // smallest squared float distance so far
+  float limit;    // largest squared float distance that may still matter
+  // Triangles whose exact distance has yet to be looked at.
+  int candidates;
+  int32_t candidate[kMostCandidates];
+  float candidateBound[kMostCandidates];
+  // The best exact answer so far.
+  double squared;
   int32_t slot;
   int32_t index;
   Candidate best;
@@ -35,9 +43,20 @@ static inline float limitOf(double distance, double slack) {
   return upward(d * d);
 }
 
-static inline void tighten(Search* s) {
-  s->bound = __builtin_sqrt(s->squared) * s->mesh->scale;
-  s->limit = limitOf(s->bound, s->slack);
+static inline void lowerLimit(Search* s, float limit) {
+  if (limit < s->limit) s->limit = limit;
+}
+
+// No triangle whose float distance is above the limit can be nearest: within `slack` of their float distances, the
+// nearest so far lies below it.
+static inline void tightenToFloat(Search* s, float least) {
+  s->least = least;
+  const float d = __builtin_sqrtf(least) + 2.0f * s->slackUp;
+  lowerLimit(s, d * d * 1.000002f);
+}
+
+static inline void tightenToExact(Search* s) {
+  lowerLimit(s, limitOf(__builtin_sqrt(s->squared) * s->mesh->scale, s->slack));
 }
 
 static inline int isFar(const double* local) {
@@ -55,10 +74,14 @@ static inline void startSearch(Search* s, const Mesh* mesh, const double* point,
   s->y = static_cast<float>(s->local[1]);
   s->z = static_cast<float>(s->local[2]);
   s->slack = kBoundError * (absolute(s->local[0]) + absolute(s->local[1]) + absolute(s->local[2]) + 2.0);
+  s->slackUp = static_cast<float>(s->slack) * 1.000001f;
   s->squared = limitSquared < kHuge ? limitSquared : kHuge;
   s->slot = -1;
   s->index = 0x7fffffff;
-  tighten(s);
+  s->least = 3.4e38f;
+  s->limit = 3.4e38f;
+  s->candidates = 0;
+  tightenToExact(s);
 }
 
 // Smaller distance wins; at the same distance the smaller index.
@@ -72,7 +95,7 @@ static inline void tryTriangle(Search* s, int32_t slot) {
     s->slot = slot;
     s->index = t->index;
     s->best = c;
-    tighten(s);
+    tightenToExact(s);
   } else if (c.squared == s->squared && t->index < s->index) {
     s->slot = slot;
     s->index = t->index;
@@ -90,59 +113,103 @@ static inline V boxBounds(const float* low, const float* high, int stride, V x, 
   return mad(dx, dx, mad(dy, dy, mul(dz, dz)));
 }
 
-// One edge: squared distance to the segment, and where the point lies seen from the plane through the edge along
-// the normal (positive: outside).
-static inline V edgeBound(V ax, V ay, V az, V ex, V ey, V ez, V nx, V ny, V nz, V* outside) {
-  const V zero = set(0.0f), one = set(1.0f);
-  const V ee = maximum(mad(ex, ex, mad(ey, ey, mul(ez, ez))), set(1e-30f));
-  const V along = mad(ax, ex, mad(ay, ey, mul(az, ez)));
-  const V t = minimum(maximum(div(along, ee), zero), one);
-  const V rx = sub(ax, mul(t, ex)), ry = sub(ay, mul(t, ey)), rz = sub(az, mul(t, ez));
-  const V cx = sub(mul(ey, nz), mul(ez, ny)), cy = sub(mul(ez, nx), mul(ex, nz)), cz = sub(mul(ex, ny), mul(ey, nx));
-  *outside = mad(cx, ax, mad(cy, ay, mul(cz, az)));
-  return mad(rx, rx, mad(ry, ry, mul(rz, rz)));
-}
-
 // Squared distances of the 16 triangles of a leaf: to the plane where the point lies over the triangle, else to the
-// nearest edge. Both parts are well conditioned; near the border between them they agree to within the slack.
-static inline V leafBounds(const Leaf* leaf, V x, V y, V z) {
-  const V ax = load(leaf->corner[0][0]), ay = load(leaf->corner[0][1]), az = load(leaf->corner[0][2]);
-  const V bx = load(leaf->corner[1][0]), by = load(leaf->corner[1][1]), bz = load(leaf->corner[1][2]);
-  const V cx = load(leaf->corner[2][0]), cy = load(leaf->corner[2][1]), cz = load(leaf->corner[2][2]);
-  const V nx = load(leaf->normal[0]), ny = load(leaf->normal[1]), nz = load(leaf->normal[2]);
-  const V apx = sub(x, ax), apy = sub(y, ay), apz = sub(z, az);
-  V sideA, sideB, sideC;
-  const V ab = edgeBound(apx, apy, apz, sub(bx, ax), sub(by, ay), sub(bz, az), nx, ny, nz, &sideA);
-  const V bc = edgeBound(sub(x, bx), sub(y, by), sub(z, bz), sub(cx, bx), sub(cy, by), sub(cz, bz), nx, ny, nz, &sideB);
-  const V ca = edgeBound(sub(x, cx), sub(y, cy), sub(z, cz), sub(ax, cx), sub(ay, cy), sub(az, cz), nx, ny, nz, &sideC);
-  const V height = mad(nx, apx, mad(ny, apy, mul(nz, apz)));
-  const V edges = minimum(minimum(ab, bc), ca);
-  return selectGreater(maximum(maximum(sideA, sideB), sideC), load(leaf->inside), edges, mul(height, height));
+// nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
+static inline V leafDistances(const Leaf* leaf, V x, V y, V z) {
+  V f[3];
+  for (int i = 0; i < 3; ++i)
+    f[i] = mad(load(leaf->axis[i][0]), x,
+               mad(load(leaf->axis[i][1]), y, mad(load(leaf->axis[i][2]), z, load(leaf->offset[i]))));
+  const V zero = set(0.0f);
+  const V u = f[0], v = f[1], h = f[2];
+  const V beyond = sub(u, load(leaf->length[0]));
+  const V c1 = load(leaf->cosine[0]), s1 = load(leaf->sine[0]), c2 = load(leaf->cosine[1]), s2 = load(leaf->sine[1]);
+  // Across: positive outside. Along: from the start of the edge.
+  const V across0 = sub(zero, v);
+  const V across1 = sub(mul(s1, beyond), mul(c1, v)), along1 = mad(c1, beyond, mul(s1, v));
+  const V across2 = sub(mul(c2, v), mul(s2, u)), along2 = mad(c2, u, mul(s2, v));
+  const V end0 = sub(u, maximum(minimum(u, load(leaf->length[0])), zero));
+  const V end1 = sub(along1, maximum(minimum(along1, load(leaf->length[1])), zero));
+  const V end2 = sub(along2, maximum(minimum(along2, load(leaf->length[2])), zero));
+  const V edge0 = mad(v, v, mul(end0, end0));
+  const V edge1 = mad(across1, across1, mul(end1, end1));
+  const V edge2 = mad(across2, across2, mul(end2, end2));
+  const V edges = minimum(minimum(edge0, edge1), edge2);
+  const V out = maximum(maximum(across0, across1), across2);
+  return mad(h, h, selectGreater(out, load(leaf->inside), edges, zero));
 }
 
-// Bounds of a whole leaf first, then exact distances of the triangles that may win, the most promising first.
+// Looks at the exact distances of the candidates, the most promising first, and forgets them.
+static inline void settle(Search* s) {
+  int count = s->candidates;
+  while (count > 0) {
+    int next = 0, kept = 0;
+    for (int i = 0; i < count; ++i) {
+      if (!(s->candidateBound[i] <= s->limit)) continue;
+      s->candidate[kept] = s->candidate[i];
+      s->candidateBound[kept] = s->candidateBound[i];
+      if (s->candidateBound[kept] < s->candidateBound[next]) next = kept;
+      ++kept;
+    }
+    if (kept == 0) break;
+    const int32_t slot = s->candidate[next];
+    s->candidate[next] = s->candidate[kept - 1];
+    s->candidateBound[next] = s->candidateBound[kept - 1];
+    count = kept - 1;
+    tryTriangle(s, slot);
+  }
+  s->candidates = 0;
+}
+
+static inline void fetch(const void* address, int lines) {
+  for (int i = 0; i < lines; ++i) __builtin_prefetch(static_cast<const char*>(address) + 64 * i);
+}
+
+static inline void keepCandidate(Search* s, int32_t slot, float bound) {
+  if (s->candidates == kMostCandidates) {
+    int kept = 0;
+    for (int i = 0; i < s->candidates; ++i) {
+      if (!(s->candidateBound[i] <= s->limit)) continue;
+      s->candidate[kept] = s->candidate[i];
+      s->candidateBound[kept++] = s->candidateBound[i];
+    }
+    s->candidates = kept;
+    if (kept > kMostCandidates / 2) settle(s);
+  }
+  fetch(s->mesh->triangles + slot, 2);
+  s->candidate[s->candidates] = slot;
+  s->candidateBound[s->candidates++] = bound;
+}
+
 static inline void searchLeaf(Search* s, int32_t leaf) {
-  float bounds[kWidth];
-  const V b = leafBounds(s->mesh->leaves + leaf, set(s->x), set(s->y), set(s->z));
+  const V b = leafDistances(s->mesh->leaves + leaf, set(s->x), set(s->y), set(s->z));
   unsigned mask = lessOrEqualMask(b, set(s->limit));
   if (mask == 0) return;
-  const int32_t base = leaf * kWidth;
-  if (s->slot >= base && s->slot < base + kWidth) mask &= ~(1u << (s->slot - base));
-  if ((mask & (mask - 1)) == 0) {
-    if (mask != 0) tryTriangle(s, base + __builtin_ctz(mask));
-    return;
+  const float least = smallest(b);
+  if (least < s->least) {
+    tightenToFloat(s, least);
+    mask = lessOrEqualMask(b, set(s->limit));
   }
+  float bounds[kWidth];
   store(bounds, b);
-  while (mask != 0) {
-    int next = __builtin_ctz(mask);
-    for (unsigned rest = mask & (mask - 1); rest != 0; rest &= rest - 1) {
-      const int lane = __builtin_ctz(rest);
-      if (bounds[lane] < bounds[next]) next = lane;
-    }
-    if (!(bounds[next] <= s->limit)) return;
-    mask &= ~(1u << next);
-    tryTriangle(s, base + next);
+  for (; mask != 0; mask &= mask - 1) {
+    const int lane = __builtin_ctz(mask);
+    keepCandidate(s, leaf * kWidth + lane, bounds[lane]);
   }
+}
+
+// Squared distances of oriented boxes, given as rows of `stride` floats.
+static inline V orientedBounds(const float* rows, int stride, V x, V y, V z) {
+  const V zero = set(0.0f);
+  V squared = zero;
+  for (int i = 0; i < 3; ++i) {
+    const float* axis = rows + 3 * i * stride;
+    const V a = mad(load(axis), x,
+                    mad(load(axis + stride), y, mad(load(axis + 2 * stride), z, load(rows + (9 + i) * stride))));
+    const V d = maximum(sub(maximum(a, sub(zero, a)), load(rows + (12 + i) * stride)), zero);
+    squared = mad(d, d, squared);
+  }
+  return squared;
 }
 
 struct Entry {
@@ -160,9 +227,13 @@ static inline void searchTree(Search* s) {
     if (current < 0) {
       searchLeaf(s, ~current);
     } else {
-      const Node* node = s->mesh->nodes + current;
-      const V b = boxBounds(node->low[0], node->high[0], kWidth, x, y, z);
+      const Node* node = s->mesh->nodes + (current & kNumber);
+      V b = boxBounds(node->low[0], node->high[0], kWidth, x, y, z);
       unsigned mask = lessOrEqualMask(b, set(s->limit));
+      if (mask != 0 && (current & kHasLeaves) != 0) {
+        b = maximum(b, orientedBounds(s->mesh->boxes[current & kNumber].row[0], kWidth, x, y, z));
+        mask &= lessOrEqualMask(b, set(s->limit));
+      }
       if (mask != 0) {
         if ((mask & (mask - 1)) == 0) {
           current = node->child[__builtin_ctz(mask)];
@@ -176,9 +247,16 @@ static inline void searchTree(Search* s) {
           const float bound = bounds[lane];
           int place = top++;
           for (; place > bottom && stack[place - 1].bound < bound; --place) stack[place] = stack[place - 1];
+          const int32_t child = node->child[lane];
           stack[place].bound = bound;
-          stack[place].child = node->child[lane];
+          stack[place].child = child;
         }
+        for (int i = top - 2; i < top; ++i)
+          if (stack[i].child < 0) {
+            fetch(s->mesh->leaves + ~stack[i].child, 20);
+          } else {
+            fetch(s->mesh->nodes + (stack[i].child & kNumber), 7);
+          }
       }
     }
     do {
@@ -218,7 +296,7 @@ static inline void searchFar(Search* s) {
       for (int lane = 0; lane < kWidth; ++lane) tryTriangle(s, ~entry.child * kWidth + lane);
       continue;
     }
-    const Node* node = s->mesh->nodes + entry.child;
+    const Node* node = s->mesh->nodes + (entry.child & kNumber);
     const int bottom = top;
     for (int lane = 0; lane < kWidth; ++lane) {
       if (node->low[0][lane] > node->high[0][lane]) continue;
@@ -232,110 +310,204 @@ static inline void searchFar(Search* s) {
   }
 }
 
-// Lists every leaf whose box is within `reach` (local) of the query. Answers 0 if there are too many.
-static inline int listLeaves(const Search* s, double reach, Cache* cache) {
-  const float limit = limitOf(reach, s->slack);
-  const V x = set(s->x), y = set(s->y), z = set(s->z);
-  int32_t stack[kStackSize];
-  int top = 0, count = 0;
-  if (s->mesh->root < 0) return 0;
-  stack[top++] = s->mesh->root;
-  while (top > 0) {
-    const Node* node = s->mesh->nodes + stack[--top];
-    unsigned mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), set(limit));
+static inline unsigned firstLanes(int count) { return count >= kWidth ? 0xffffu : (1u << count) - 1u; }
+
+static inline void addToRegion(ProximityCache::Region* region, int32_t node, const float* low, const float* high,
+                               int stride) {
+  const int i = region->count++;
+  region->node[i] = node & kNumber;
+  for (int k = 0; k < 3; ++k) {
+    region->low[k][i] = low[k * stride];
+    region->high[k][i] = high[k * stride];
+  }
+}
+
+static inline void openRegion(const Search* s, double reach, Cache* cache) {
+  const float low[3] = {-4.0f, -4.0f, -4.0f}, high[3] = {4.0f, 4.0f, 4.0f};
+  ProximityCache::Region* region = &cache->region[1 - cache->active];
+  region->count = 0;
+  for (int k = 0; k < 3; ++k) region->origin[k] = s->local[k];
+  region->reach = reach;
+  if ((s->mesh->root & kHasLeaves) != 0) addToRegion(region, s->mesh->root, low, high, 1);
+  cache->open = 0;
+  cache->stack[cache->open++] = s->mesh->root;
+}
+
+// Goes on with the region, a few nodes at a time. One that does not fit is given up; span and margin adapt.
+static inline void extendRegion(const Search* s, Cache* cache) {
+  const int kNodesPerQuery = 3;
+  ProximityCache::Region* region = &cache->region[1 - cache->active];
+  const V x = set(static_cast<float>(region->origin[0])), y = set(static_cast<float>(region->origin[1])),
+          z = set(static_cast<float>(region->origin[2]));
+  const V limit = set(limitOf(region->reach, s->slack));
+  for (int visited = 0; cache->open > 0 && visited < kNodesPerQuery; ++visited) {
+    const Node* node = s->mesh->nodes + (cache->stack[--cache->open] & kNumber);
+    unsigned mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), limit);
     for (; mask != 0; mask &= mask - 1) {
       const int lane = __builtin_ctz(mask);
       const int32_t child = node->child[lane];
-      if (child >= 0) {
-        stack[top++] = child;
-        continue;
+      if (child < 0) continue;
+      if (region->count == ProximityCache::kRegion || cache->open == ProximityCache::kStack) {
+        region->reach = -1.0;
+        cache->open = -1;
+        cache->span *= 0.7;
+        cache->margin *= 0.8;
+        return;
       }
-      if (count == kListCapacity) return 0;
-      cache->leaf[count] = ~child;
-      for (int k = 0; k < 3; ++k) {
-        cache->low[k][count] = node->low[k][lane];
-        cache->high[k][count] = node->high[k][lane];
+      if ((child & kHasLeaves) != 0) addToRegion(region, child, node->low[0] + lane, node->high[0] + lane, kWidth);
+      if ((child & kHasNodes) != 0) {
+        cache->stack[cache->open++] = child;
+        fetch(s->mesh->nodes + (child & kNumber), 7);
       }
-      ++count;
     }
   }
-  const int padded = (count + kWidth - 1) / kWidth * kWidth;
-  for (int i = count; i < padded; ++i)
-    for (int k = 0; k < 3; ++k) {
-      cache->low[k][i] = 3e38f;
-      cache->high[k][i] = -3e38f;
+  if (cache->open == 0) {
+    cache->open = -1;
+    cache->active = 1 - cache->active;
+    if (region->count <= ProximityCache::kRegion / 2) cache->span *= 1.25;
+  }
+}
+
+struct Found {
+  int count;
+  V smallest;
+  int32_t leaf[ProximityCache::kRow];
+  float distance[ProximityCache::kRow][kWidth];
+};
+
+// The triangles of one leaf, without a branch on what they hold.
+static inline void lookAt(const Search* s, int32_t leaf, V x, V y, V z, Found* found) {
+  const V b = leafDistances(s->mesh->leaves + leaf, x, y, z);
+  store(found->distance[found->count], b);
+  found->leaf[found->count++] = leaf;
+  found->smallest = minimum(found->smallest, b);
+}
+
+// The limit once for all leaves looked at.
+static inline void keepFound(Search* s, const Found* found) {
+  const float least = smallest(found->smallest);
+  if (least < s->least) tightenToFloat(s, least);
+  const V limit = set(s->limit);
+  for (int i = 0; i < found->count; ++i)
+    for (unsigned mask = lessOrEqualMask(load(found->distance[i]), limit); mask != 0; mask &= mask - 1) {
+      const int lane = __builtin_ctz(mask);
+      keepCandidate(s, found->leaf[i] * kWidth + lane, found->distance[i][lane]);
     }
-  cache->count = count;
+}
+
+static inline void searchList(Search* s, const ProximityCache::List* list) {
+  const V x = set(s->x), y = set(s->y), z = set(s->z);
+  Found found;
+  found.count = 0;
+  found.smallest = set(3.4e38f);
+  for (int first = 0; first < list->count; first += kWidth) {
+    const V b = orientedBounds(list->box[0] + first, ProximityCache::kRow, x, y, z);
+    unsigned mask = lessOrEqualMask(b, set(s->limit)) & firstLanes(list->count - first);
+    for (; mask != 0; mask &= mask - 1) lookAt(s, list->leaf[first + __builtin_ctz(mask)], x, y, z, &found);
+  }
+  keepFound(s, &found);
+}
+
+// Makes the list anew and searches it. It holds every leaf within d + 2 r of its origin o, where d is a distance that
+// some point of the mesh has from o. For a query p with |p - o| <= r, the nearest triangle is within d + r of p, hence
+// within d + 2 r of o: it is listed. Answers 0 if there are too many leaves; the margin adapts.
+static inline int searchRegion(Search* s, double nearest, Cache* cache) {
+  ProximityCache::List* list = &cache->list;
+  const ProximityCache::Region* region = &cache->region[cache->active];
+  const V x = set(s->x), y = set(s->y), z = set(s->z);
+  const V most = set(limitOf(nearest + 2.0 * cache->margin, s->slack)), limit = set(s->limit);
+  Found found;
+  found.count = 0;
+  found.smallest = set(3.4e38f);
+  list->count = 0;
+  list->radius = -1.0;
+  for (int first = 0; first < region->count; first += kWidth) {
+    const V bounds = boxBounds(region->low[0] + first, region->high[0] + first, ProximityCache::kRegion, x, y, z);
+    const unsigned mask = lessOrEqualMask(bounds, most) & firstLanes(region->count - first);
+    for (unsigned i = mask & (mask - 1); i != 0; i &= i - 1)
+      fetch(s->mesh->boxes + region->node[first + __builtin_ctz(i)], 16);
+    for (unsigned i = mask; i != 0; i &= i - 1) {
+      const int32_t number = region->node[first + __builtin_ctz(i)];
+      const Node* node = s->mesh->nodes + number;
+      const LeafBoxes* boxes = s->mesh->boxes + number;
+      const V b = orientedBounds(boxes->row[0], kWidth, x, y, z);
+      const unsigned listed = lessOrEqualMask(b, most) & boxes->lanes;
+      const int count = __builtin_popcount(listed);
+      if (list->count + count > ProximityCache::kLeaves) {
+        cache->margin *= 0.6;
+        return 0;
+      }
+      for (unsigned j = listed & lessOrEqualMask(b, limit); j != 0; j &= j - 1)
+        lookAt(s, ~node->child[__builtin_ctz(j)], x, y, z, &found);
+      for (int row = 0; row < 15; ++row) compress(load(boxes->row[row]), listed, list->box[row] + list->count);
+      for (unsigned j = listed; j != 0; j &= j - 1) list->leaf[list->count++] = ~node->child[__builtin_ctz(j)];
+    }
+  }
+  for (int k = 0; k < 3; ++k) list->origin[k] = s->local[k];
+  list->radius = cache->margin * (1.0 - 1e-6);
+  if (list->count <= kWidth / 2 && region->count <= ProximityCache::kRegion / 2) cache->margin *= 1.25;
+  if (list->count > kWidth) cache->margin *= 0.85;
+  keepFound(s, &found);
   return 1;
 }
 
-static inline void searchList(Search* s, const Cache* cache) {
-  const V x = set(s->x), y = set(s->y), z = set(s->z);
-  for (int first = 0; first < cache->count; first += kWidth) {
-    const V b = boxBounds(cache->low[0] + first, cache->high[0] + first, kListCapacity, x, y, z);
-    unsigned mask = lessOrEqualMask(b, set(s->limit));
-    if (mask == 0) continue;
-    float bounds[kWidth];
-    store(bounds, b);
-    for (; mask != 0; mask &= mask - 1) {
-      const int lane = __builtin_ctz(mask);
-      if (bounds[lane] <= s->limit) searchLeaf(s, cache->leaf[first + lane]);
-    }
-  }
-}
-
-// The list holds every leaf within d + 2 r of its origin o, where d is a distance that some triangle has from o. For
-// a query p with |p - o| <= r, the nearest triangle is within d + r of p, hence within d + 2 r of o: it is listed.
+// The previous answer is on the mesh, so its distance bounds the new one. Close to it, a list of leaves answers. Lists
+// are made at once from a region, and regions ahead of time, a little every query, so that no query pays for much;
+// where neither is at hand the tree is searched.
 static inline void searchWithCache(Search* s, Cache* cache) {
-  const Mesh* mesh = s->mesh;
-  if (cache->revision != mesh->revision) {
-    cache->revision = mesh->revision;
-    cache->slot = -1;
-    cache->count = 0;
-    cache->margin = 1.0 / 64.0;
-    for (int k = 0; k < 3; ++k) cache->last[k] = 1e9;
+  const double nearest = __builtin_sqrt(squaredDistance(s->local, cache->surface));
+  lowerLimit(s, limitOf(nearest, s->slack));
+  const ProximityCache::List* list = &cache->list;
+  if (list->radius >= 0.0 && squaredDistance(s->local, list->origin) <= list->radius * list->radius) {
+    searchList(s, list);
+    if (cache->open >= 0) extendRegion(s, cache);
+    return;
   }
-  double hint = -1.0;  // distance of the previous answer's triangle from here, local
-  if (cache->slot >= 0) {
-    tryTriangle(s, cache->slot);
-    if (s->slot >= 0) hint = s->bound;
+  const double step = squaredDistance(s->local, cache->query);
+  if (step * 4.0 > cache->margin * cache->margin) {  // a list would not hold for two queries
+    if (step <= 1.0 / 4096.0) cache->margin *= 1.1;
+    searchTree(s);
+    return;
   }
-  const double step = squaredDistance(s->local, cache->last);
-  for (int k = 0; k < 3; ++k) cache->last[k] = s->local[k];
-  if (cache->count > 0 && squaredDistance(s->local, cache->origin) <= cache->radius * cache->radius) {
-    searchList(s, cache);
-  } else {
-    cache->count = 0;
-    // Worth the while if the ball will hold for a few ticks.
-    if (hint >= 0.0 && step * 16.0 <= cache->margin * cache->margin) {
-      if (listLeaves(s, hint + 2.0 * cache->margin, cache) != 0) {
-        for (int k = 0; k < 3; ++k) cache->origin[k] = s->local[k];
-        cache->radius = cache->margin * (1.0 - 1e-6);
-        if (cache->count <= kListCapacity / 4) cache->margin *= 1.25;
-      } else {
-        cache->margin *= 0.7;
-      }
-    } else if (step * 16.0 > cache->margin * cache->margin && step <= 1.0 / 256.0) {
-      cache->margin *= 1.1;  // shrunk too far for this speed
-    }
-    if (cache->count > 0) {
-      searchList(s, cache);
-    } else {
-      searchTree(s);
-    }
+  const double need = nearest + 2.0 * cache->margin;
+  const ProximityCache::Region* region = &cache->region[cache->active];
+  const double room = region->reach - need - __builtin_sqrt(squaredDistance(s->local, region->origin));
+  if (room < 0.0 || searchRegion(s, nearest, cache) == 0) searchTree(s);
+  if (cache->open >= 0) {
+    const ProximityCache::Region* next = &cache->region[1 - cache->active];
+    if (next->reach - need - __builtin_sqrt(squaredDistance(s->local, next->origin)) < 0.0) cache->open = -1;
   }
-  if (s->slot >= 0) cache->slot = s->slot;
+  if (cache->open < 0 && room < 0.5 * cache->span) openRegion(s, need + cache->span, cache);
+  if (cache->open >= 0) extendRegion(s, cache);
 }
 
 static void closest(const Mesh& mesh, const double point[3], double limitSquared, Cache* cache, Answer* answer) {
   Search s;
   startSearch(&s, &mesh, point, limitSquared);
+  const int known = cache != nullptr && cache->revision == mesh.revision;
+  if (cache != nullptr && !known) {
+    cache->revision = 0;
+    cache->list.radius = -1.0;
+    cache->region[0].reach = cache->region[1].reach = -1.0;
+    cache->active = 0;
+    cache->open = -1;
+    cache->margin = 1.0 / 64.0;
+    cache->span = 1.0 / 16.0;
+  }
   if (isFar(s.local)) {
     searchFar(&s);
-  } else if (cache != nullptr) {
+  } else if (known) {
     searchWithCache(&s, cache);
   } else {
     searchTree(&s);
+  }
+  settle(&s);
+  if (cache != nullptr && s.slot >= 0) {
+    cache->revision = mesh.revision;
+    for (int k = 0; k < 3; ++k) {
+      cache->query[k] = s.local[k];
+      cache->surface[k] = (s.best.point[k] - mesh.centre[k]) * mesh.scale;
+    }
   }
   answer->squared = s.squared;
   answer->slot = s.slot;
@@ -372,7 +544,7 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
       if (reach < 0.0) return;
       continue;
     }
-    const Node* node = mesh.nodes + current;
+    const Node* node = mesh.nodes + (current & kNumber);
     const V zero = set(0.0f);
     V squared = zero;
     for (int k = 0; k < 3; ++k) {

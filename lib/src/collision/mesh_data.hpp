@@ -26,11 +26,13 @@ struct MeshData {
   std::vector<Vec3> cornerNormal;   // of each place: sum of angle times unit normal
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;
+  std::vector<LeafBoxes> boxes;     // by node
   std::vector<Triangle> triangles;  // by slot
   std::vector<EdgeNormals> edgeNormals;  // by slot
   std::vector<std::int32_t> slotOf;      // by triangle number
   std::vector<Parent> nodeParent, leafParent;
   Mesh view{};
+  std::vector<Vec3> scratch;
   double size = 0.0;  // diagonal of the bounding box, m
 };
 
@@ -60,7 +62,7 @@ void writeSlot(MeshData& data, std::int32_t slot, std::int32_t triangle);
 /// Marks a slot as unused.
 void clearSlot(MeshData& data, std::int32_t slot);
 
-/// Writes the box of a leaf into its parent and grows or shrinks the boxes above.
+/// Computes the boxes of a leaf anew: its oriented one, and those of all nodes above.
 void refitLeaf(MeshData& data, std::int32_t leaf);
 
 /// Builds the hierarchy over all triangles of data.mesh.
