@@ -318,7 +318,7 @@ void writeSlot(MeshData& data, std::int32_t slot, std::int32_t number) {
   const Vec3 u = axes.row(0);
   const Vec3 up = (c - a) - u * u.dot(c - a);
   const double height = up.norm();
-  axes.row(1) = height > 0.0 ? Vec3(up / height) : Vec3(u.unitOrthogonal());
+  axes.row(1) = height > 1e-10 * longest ? Vec3(up / height) : Vec3(u.unitOrthogonal());  // else only rounding
   axes.row(1) = (Vec3(axes.row(1)) - u * u.dot(Vec3(axes.row(1)))).normalized();
   axes.row(2) = u.cross(Vec3(axes.row(1)));
   const Vec3 toB = axes * (b - a), toC = axes * (c - a);

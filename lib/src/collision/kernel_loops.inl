@@ -81,7 +81,7 @@ static inline void startSearch(Search* s, const Mesh* mesh, const double* point,
   s->least = 3.4e38f;
   s->limit = 3.4e38f;
   s->candidates = 0;
-  tightenToExact(s);
+  if (limitSquared < kHuge) tightenToExact(s);
 }
 
 // Smaller distance wins; at the same distance the smaller index.
@@ -95,7 +95,6 @@ static inline void tryTriangle(Search* s, int32_t slot) {
     s->slot = slot;
     s->index = t->index;
     s->best = c;
-    tightenToExact(s);
   } else if (c.squared == s->squared && t->index < s->index) {
     s->slot = slot;
     s->index = t->index;
@@ -139,25 +138,11 @@ static inline V leafDistances(const Leaf* leaf, V x, V y, V z) {
   return mad(h, h, selectGreater(out, load(leaf->inside), edges, zero));
 }
 
-// Looks at the exact distances of the candidates, the most promising first, and forgets them.
+// Looks at the exact distances of the candidates and forgets them. They are few: all lie within the error of the float
+// distances.
 static inline void settle(Search* s) {
-  int count = s->candidates;
-  while (count > 0) {
-    int next = 0, kept = 0;
-    for (int i = 0; i < count; ++i) {
-      if (!(s->candidateBound[i] <= s->limit)) continue;
-      s->candidate[kept] = s->candidate[i];
-      s->candidateBound[kept] = s->candidateBound[i];
-      if (s->candidateBound[kept] < s->candidateBound[next]) next = kept;
-      ++kept;
-    }
-    if (kept == 0) break;
-    const int32_t slot = s->candidate[next];
-    s->candidate[next] = s->candidate[kept - 1];
-    s->candidateBound[next] = s->candidateBound[kept - 1];
-    count = kept - 1;
-    tryTriangle(s, slot);
-  }
+  for (int i = 0; i < s->candidates; ++i)
+    if (s->candidateBound[i] <= s->limit) tryTriangle(s, s->candidate[i]);
   s->candidates = 0;
 }
 
@@ -174,7 +159,10 @@ static inline void keepCandidate(Search* s, int32_t slot, float bound) {
       s->candidateBound[kept++] = s->candidateBound[i];
     }
     s->candidates = kept;
-    if (kept > kMostCandidates / 2) settle(s);
+    if (kept > kMostCandidates / 2) {
+      settle(s);
+      tightenToExact(s);
+    }
   }
   fetch(s->mesh->triangles + slot, 2);
   s->candidate[s->candidates] = slot;
@@ -383,15 +371,15 @@ static inline void lookAt(const Search* s, int32_t leaf, V x, V y, V z, Found* f
   found->smallest = minimum(found->smallest, b);
 }
 
-// The limit once for all leaves looked at.
-static inline void keepFound(Search* s, const Found* found) {
+// The limit once for all leaves looked at, then the exact distances of the few triangles below it.
+static inline void settleFound(Search* s, const Found* found) {
   const float least = smallest(found->smallest);
   if (least < s->least) tightenToFloat(s, least);
   const V limit = set(s->limit);
   for (int i = 0; i < found->count; ++i)
     for (unsigned mask = lessOrEqualMask(load(found->distance[i]), limit); mask != 0; mask &= mask - 1) {
       const int lane = __builtin_ctz(mask);
-      keepCandidate(s, found->leaf[i] * kWidth + lane, found->distance[i][lane]);
+      tryTriangle(s, found->leaf[i] * kWidth + lane);
     }
 }
 
@@ -405,7 +393,7 @@ static inline void searchList(Search* s, const ProximityCache::List* list) {
     unsigned mask = lessOrEqualMask(b, set(s->limit)) & firstLanes(list->count - first);
     for (; mask != 0; mask &= mask - 1) lookAt(s, list->leaf[first + __builtin_ctz(mask)], x, y, z, &found);
   }
-  keepFound(s, &found);
+  settleFound(s, &found);
 }
 
 // Makes the list anew and searches it. It holds every leaf within d + 2 r of its origin o, where d is a distance that
@@ -447,7 +435,7 @@ static inline int searchRegion(Search* s, double nearest, Cache* cache) {
   list->radius = cache->margin * (1.0 - 1e-6);
   if (list->count <= kWidth / 2 && region->count <= ProximityCache::kRegion / 2) cache->margin *= 1.25;
   if (list->count > kWidth) cache->margin *= 0.85;
-  keepFound(s, &found);
+  settleFound(s, &found);
   return 1;
 }
 
@@ -455,8 +443,8 @@ static inline int searchRegion(Search* s, double nearest, Cache* cache) {
 // are made at once from a region, and regions ahead of time, a little every query, so that no query pays for much;
 // where neither is at hand the tree is searched.
 static inline void searchWithCache(Search* s, Cache* cache) {
-  const double nearest = __builtin_sqrt(squaredDistance(s->local, cache->surface));
-  lowerLimit(s, limitOf(nearest, s->slack));
+  const float surface = __builtin_sqrtf(static_cast<float>(squaredDistance(s->local, cache->surface))) * 1.000001f;
+  lowerLimit(s, (surface + s->slackUp) * (surface + s->slackUp) * 1.000002f);
   const ProximityCache::List* list = &cache->list;
   if (list->radius >= 0.0 && squaredDistance(s->local, list->origin) <= list->radius * list->radius) {
     searchList(s, list);
@@ -469,6 +457,7 @@ static inline void searchWithCache(Search* s, Cache* cache) {
     searchTree(s);
     return;
   }
+  const double nearest = static_cast<double>(surface);
   const double need = nearest + 2.0 * cache->margin;
   const ProximityCache::Region* region = &cache->region[cache->active];
   const double room = region->reach - need - __builtin_sqrt(squaredDistance(s->local, region->origin));
