@@ -42,8 +42,7 @@ inline TriangleMesh subdivide(const TriangleMesh& mesh) {
   };
   for (const auto& t : mesh.triangles) {
     const int a = middle(t[0], t[1]), b = middle(t[1], t[2]), c = middle(t[2], t[0]);
-    for (const std::array<int, 3>& part :
-         {std::array<int, 3>{t[0], a, c}, {a, t[1], b}, {c, b, t[2]}, {a, b, c}})
+    for (const std::array<int, 3>& part : {std::array<int, 3>{t[0], a, c}, {a, t[1], b}, {c, b, t[2]}, {a, b, c}})
       fine.triangles.push_back(part);
   }
   return fine;
@@ -141,15 +140,18 @@ inline std::vector<NamedMesh> brokenMeshes() {
   add("non-manifold edges", {{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}, {-1, 1, 0}},
                              {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}, {0, 1, 5}}});
   add("self-intersection", joined(wavy, transformed(wavy, 0.9, {0.5, 0.2, 0.1})));
-  add("loose vertices", [&] {
-    TriangleMesh mesh;
-    for (const auto& t : wavy.triangles) {
-      const int first = static_cast<int>(mesh.vertices.size());
-      for (const int v : t) mesh.vertices.push_back(wavy.vertices[v]);
-      mesh.triangles.push_back({first, first + 1, first + 2});
-    }
-    return mesh;
-  }(), true);
+  add(
+      "loose vertices",
+      [&] {
+        TriangleMesh mesh;
+        for (const auto& t : wavy.triangles) {
+          const int first = static_cast<int>(mesh.vertices.size());
+          for (const int v : t) mesh.vertices.push_back(wavy.vertices[v]);
+          mesh.triangles.push_back({first, first + 1, first + 2});
+        }
+        return mesh;
+      }(),
+      true);
   add("1 um", transformed(wavy, 1e-6, {3e-6, 1e-6, 0}), true);
   add("1 km far away", transformed(wavy, 1.0, {1000, -1000, 500}), true);
   add("1000 km wide", transformed(wavy, 1e6, {1e5, 0, 0}), true);
@@ -171,14 +173,19 @@ inline std::vector<NamedMesh> brokenMeshes() {
 }
 
 inline std::vector<NamedMesh> soundMeshes() {
-  return {{"box", boxMesh({1, 2, 3}), true},          {"ball", ball(3), true},
-          {"wavy ball", ball(5, 0.1), true},          {"sharp wedge", wedge(0.02), true},
-          {"blunt wedge", wedge(3.0), true},          {"thin plate", boxMesh({1.0, 1.0, 1e-6}), true},
-          {"hollow ball", [] {
+  return {{"box", boxMesh({1, 2, 3}), true},
+          {"ball", ball(3), true},
+          {"wavy ball", ball(5, 0.1), true},
+          {"sharp wedge", wedge(0.02), true},
+          {"blunt wedge", wedge(3.0), true},
+          {"thin plate", boxMesh({1.0, 1.0, 1e-6}), true},
+          {"hollow ball",
+           [] {
              TriangleMesh inner = transformed(ball(3), 0.5, Vec3::Zero());
              for (auto& t : inner.triangles) std::swap(t[0], t[1]);
              return joined(ball(3), inner);
-           }(), true}};
+           }(),
+           true}};
 }
 
 /// Folder of the large meshes, empty where they are not installed. They are no part of the project.
@@ -292,8 +299,8 @@ inline Vec3 queryPoint(const TriangleMesh& mesh, Random& random) {
   const auto& t = mesh.triangles[pick(mesh.triangles.size())];
   const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
   const double size = sizeOf(mesh);
-  const Vec3 normal = (b - a).cross(c - a).normalized().allFinite() ? Vec3((b - a).cross(c - a).normalized())
-                                                                    : random.direction();
+  const Vec3 normal =
+      (b - a).cross(c - a).normalized().allFinite() ? Vec3((b - a).cross(c - a).normalized()) : random.direction();
   const double away = size * std::pow(10.0, random.uniform(-9.0, 0.0)) * (random.uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0);
   switch (pick(8)) {
     case 0: return a;

@@ -108,10 +108,14 @@ std::string ply(const TriangleMesh& mesh, const std::string& format) {
 }
 
 std::vector<std::pair<std::string, std::string>> allFormats(const TriangleMesh& mesh) {
-  return {{"a.off", off(mesh)},       {"b.obj", obj(mesh)},
-          {"c.OBJ", obj(mesh, true)}, {"d.stl", stlText(mesh)},
-          {"e.stl", stlBinary(mesh)}, {"f.ply", ply(mesh, "ascii")},
-          {"g.ply", ply(mesh, "binary_little_endian")}, {"h.ply", ply(mesh, "binary_big_endian")}};
+  return {{"a.off", off(mesh)},
+          {"b.obj", obj(mesh)},
+          {"c.OBJ", obj(mesh, true)},
+          {"d.stl", stlText(mesh)},
+          {"e.stl", stlBinary(mesh)},
+          {"f.ply", ply(mesh, "ascii")},
+          {"g.ply", ply(mesh, "binary_little_endian")},
+          {"h.ply", ply(mesh, "binary_big_endian")}};
 }
 
 // Multiples of 2^-20: single precision holds them, and nine digits.
@@ -139,8 +143,7 @@ TEST_CASE("every format gives the same triangles, in the order of the file", "[u
     const TriangleMesh read = parseMesh(bytes, path);
     REQUIRE(read.triangles.size() == mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-      for (int i = 0; i < 3; ++i)
-        REQUIRE(read.vertices[read.triangles[t][i]] == mesh.vertices[mesh.triangles[t][i]]);
+      for (int i = 0; i < 3; ++i) REQUIRE(read.vertices[read.triangles[t][i]] == mesh.vertices[mesh.triangles[t][i]]);
     const TriangleMesh scaled = parseMesh(bytes, path, 1e-3);
     CHECK(scaled.vertices.back() == 1e-3 * read.vertices.back());
   }
@@ -181,7 +184,8 @@ TEST_CASE("unusable files are refused with the file, the place and the reason", 
   checkRefused(infinite, "a.stl", "vertex 6");
   for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
     const std::string bytes = ply(mesh, format);
-    for (std::size_t cut = 1; cut < bytes.size() - 5; cut += 7) CHECK_THROWS_AS(parseMesh(bytes.substr(0, cut), "a.ply"), ConfigurationError);
+    for (std::size_t cut = 1; cut < bytes.size() - 5; cut += 7)
+      CHECK_THROWS_AS(parseMesh(bytes.substr(0, cut), "a.ply"), ConfigurationError);
     std::string counts = bytes;
     counts.replace(counts.find("vertex 8"), 8, "vertex 4000000000");
     checkRefused(counts, "a.ply", "promises 4000000000 vertex");
@@ -196,8 +200,20 @@ TEST_CASE("mutated files load or are refused", "[unit]") {
   const auto pick = [&random](std::size_t n) {
     return std::min(static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(n))), n - 1);
   };
-  const std::vector<std::string> words = {"nan", "-1", "1e999", "4294967295", "99999999999999999999", "\n", " ", "list",
-                                          "inf", "3", "0", "element face 7\n", std::string(1, '\0'), "\xff\xff\xff\xff"};
+  const std::vector<std::string> words = {"nan",
+                                          "-1",
+                                          "1e999",
+                                          "4294967295",
+                                          "99999999999999999999",
+                                          "\n",
+                                          " ",
+                                          "list",
+                                          "inf",
+                                          "3",
+                                          "0",
+                                          "element face 7\n",
+                                          std::string(1, '\0'),
+                                          "\xff\xff\xff\xff"};
   int loaded = 0, refused = 0;
   for (int i = 0; i < test::count(4000, 100000); ++i) {
     auto [path, bytes] = formats[pick(formats.size())];

@@ -12,10 +12,10 @@ namespace enamel::kernel {
 namespace {
 
 constexpr int kBins = 16;
-constexpr int kDepthOfHalving = 14;   // from here on pieces are halved, so that the depth stays bounded
-constexpr float kEmptyBox = 3e38f;    // its square is infinite
-constexpr float kFarAway = 1e18f;     // its square is finite, and larger than that of any local coordinate
-constexpr double kThin = 1e-3;        // height over longest edge, below which the careful path is taken
+constexpr int kDepthOfHalving = 14;     // from here on pieces are halved, so that the depth stays bounded
+constexpr float kEmptyBox = 3e38f;      // its square is infinite
+constexpr float kFarAway = 1e18f;       // its square is finite, and larger than that of any local coordinate
+constexpr double kThin = 1e-3;          // height over longest edge, below which the careful path is taken
 constexpr double kEdgesOnly = 0x1p-20;  // local height below which the float bound uses the edges alone
 
 struct Box {
@@ -423,14 +423,19 @@ void buildNormals(MeshData& data) {
       if (taintedPlace[data.place[mesh.triangles[t][i]]] != 0)
         data.edgeNormals[data.slotOf[t]].tainted |= 1u << (kCorner0 + i);
   const std::vector<EdgeUse> edges = sortedEdges(mesh, data.place);
+  data.neighbour.assign(mesh.triangles.size(), {-1, -1, -1});
   for (std::size_t first = 0, last; first < edges.size(); first = last) {
     Vec3 sum = Vec3::Zero();
     bool tainted = false;
-    for (last = first; last < edges.size() && edges[last].low == edges[first].low &&
-                       edges[last].high == edges[first].high;
-         ++last) {
+    for (last = first;
+         last < edges.size() && edges[last].low == edges[first].low && edges[last].high == edges[first].high; ++last) {
       sum += normal[edges[last].triangle];
       tainted = tainted || normal[edges[last].triangle].isZero(0.0);
+    }
+    if (last - first == 2) {
+      const EdgeUse &a = edges[first], &b = edges[first + 1];
+      data.neighbour[a.triangle][a.edge] = b.triangle;
+      data.neighbour[b.triangle][b.edge] = a.triangle;
     }
     for (std::size_t i = first; i < last; ++i) {
       EdgeNormals& at = data.edgeNormals[data.slotOf[edges[i].triangle]];

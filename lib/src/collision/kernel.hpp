@@ -13,12 +13,12 @@
 
 namespace enamel::kernel {
 
-inline constexpr int kWidth = 16;        ///< children of a node, triangles of a leaf
-inline constexpr int32_t kHasLeaves = 1 << 30;  ///< added to the number of a node with leaves among its children
-inline constexpr int32_t kHasNodes = 1 << 29;   ///< added to the number of a node with nodes among its children
+inline constexpr int kWidth = 16;                  ///< children of a node, triangles of a leaf
+inline constexpr int32_t kHasLeaves = 1 << 30;     ///< added to the number of a node with leaves among its children
+inline constexpr int32_t kHasNodes = 1 << 29;      ///< added to the number of a node with nodes among its children
 inline constexpr int32_t kNumber = kHasNodes - 1;  ///< mask that takes both off
-inline constexpr int kMaxDepth = 48;    ///< levels that the builder may make
-inline constexpr int kStackSize = 768;  ///< entries; a level of the tree needs at most kWidth - 1
+inline constexpr int kMaxDepth = 48;               ///< levels that the builder may make
+inline constexpr int kStackSize = 768;             ///< entries; a level of the tree needs at most kWidth - 1
 static_assert(kStackSize >= kMaxDepth * (kWidth - 1) + kWidth, "the stack holds every child on a path");
 
 /// 16 child boxes, local coordinates, rounded outwards. Unused lanes hold an empty box.
@@ -36,7 +36,7 @@ struct alignas(64) Leaf {
   float length[3][kWidth];   ///< of the edges: along u; from its end to the third corner; from a to the third corner
   float cosine[2][kWidth];   ///< directions of the second and third edge in (u, v)
   float sine[2][kWidth];
-  float inside[kWidth];      ///< 0; -1e30 for a triangle that is bounded by its edges alone
+  float inside[kWidth];  ///< 0; -1e30 for a triangle that is bounded by its edges alone
 };
 
 /// Oriented boxes of the leaves below a node, by lane: |axis * q + offset| <= half. Lanes without a leaf hold zeros.

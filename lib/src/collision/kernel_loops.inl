@@ -192,8 +192,8 @@ static inline V orientedBounds(const float* rows, int stride, V x, V y, V z) {
   V squared = zero;
   for (int i = 0; i < 3; ++i) {
     const float* axis = rows + 3 * i * stride;
-    const V a = mad(load(axis), x,
-                    mad(load(axis + stride), y, mad(load(axis + 2 * stride), z, load(rows + (9 + i) * stride))));
+    const V a =
+        mad(load(axis), x, mad(load(axis + stride), y, mad(load(axis + 2 * stride), z, load(rows + (9 + i) * stride))));
     const V d = maximum(sub(maximum(a, sub(zero, a)), load(rows + (12 + i) * stride)), zero);
     squared = mad(d, d, squared);
   }

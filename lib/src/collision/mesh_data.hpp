@@ -22,14 +22,15 @@ struct Parent {
 
 struct MeshData {
   TriangleMesh mesh;
-  std::vector<int> place;           // of each vertex, as weld()
-  std::vector<Vec3> cornerNormal;   // of each place: sum of angle times unit normal
+  std::vector<int> place;          // of each vertex, as weld()
+  std::vector<Vec3> cornerNormal;  // of each place: sum of angle times unit normal
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;
-  std::vector<LeafBoxes> boxes;     // by node
-  std::vector<Triangle> triangles;  // by slot
-  std::vector<EdgeNormals> edgeNormals;  // by slot
-  std::vector<std::int32_t> slotOf;      // by triangle number
+  std::vector<LeafBoxes> boxes;                        // by node
+  std::vector<Triangle> triangles;                     // by slot
+  std::vector<EdgeNormals> edgeNormals;                // by slot
+  std::vector<std::int32_t> slotOf;                    // by triangle number; -1: removed
+  std::vector<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one
   std::vector<Parent> nodeParent, leafParent;
   Mesh view{};
   std::vector<Vec3> scratch;
@@ -40,8 +41,8 @@ struct MeshData {
 struct EdgeUse {
   std::int32_t low, high;  // places, low < high
   std::int32_t triangle;
-  std::int8_t edge;        // 0: corners 0 and 1, and so on round
-  bool forward;            // the triangle runs from low to high
+  std::int8_t edge;  // 0: corners 0 and 1, and so on round
+  bool forward;      // the triangle runs from low to high
 };
 
 /// All edges of all triangles, those between the same places side by side.

@@ -38,7 +38,8 @@ class Canonical {
     for (const double x : position) {
       const auto value = static_cast<float>(x);
       if (!std::isfinite(value))
-        fail("vertex " + std::to_string(vertices_) + " has a coordinate that is not a finite number of single precision");
+        fail("vertex " + std::to_string(vertices_) +
+             " has a coordinate that is not a finite number of single precision");
       append(positions_, value);
     }
     ++vertices_;
@@ -175,7 +176,8 @@ std::int64_t checkedCount(std::int64_t count, std::size_t leastBytes, std::size_
 void scanOff(std::string_view bytes, Canonical& out) {
   Words words(bytes, out);
   const std::string_view magic = words.word("the word OFF");
-  if (magic != "OFF") words.fail("starts with \"" + std::string(magic.substr(0, 20)) + "\", only plain text OFF is read");
+  if (magic != "OFF")
+    words.fail("starts with \"" + std::string(magic.substr(0, 20)) + "\", only plain text OFF is read");
   const std::int64_t vertexCount = words.integer("number of vertices"), faceCount = words.integer("number of faces");
   words.integer("number of edges");
   checkedCount(vertexCount, 6, words.rest().size(), "vertices", out);

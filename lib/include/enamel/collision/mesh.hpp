@@ -18,22 +18,22 @@ struct TriangleMesh {
 /// What inspect() counts. Vertices at exactly the same place count as one, whatever their numbers.
 struct MeshReport {
   int triangles = 0;
-  int vertices = 0;                ///< as given
-  int places = 0;                  ///< different places among them
-  int degenerateTriangles = 0;     ///< without area: lower than 1e-12 of their longest edge
-  int duplicateTriangles = 0;      ///< beyond the first on the same three places
+  int vertices = 0;             ///< as given
+  int places = 0;               ///< different places among them
+  int degenerateTriangles = 0;  ///< without area: lower than 1e-12 of their longest edge
+  int duplicateTriangles = 0;   ///< beyond the first on the same three places
   int edges = 0;
-  int boundaryEdges = 0;           ///< with one triangle
-  int nonManifoldEdges = 0;        ///< with more than two triangles
-  int flippedEdges = 0;            ///< with two triangles that run along it in the same direction
-  int nonManifoldVertices = 0;     ///< whose triangles do not form one fan
-  int components = 0;              ///< sets of triangles connected by edges
-  bool watertight = false;         ///< every edge has as many triangles one way as the other: a volume is enclosed
-  bool inwards = false;            ///< watertight, but the volume is negative: normals point into the solid
-  double volume = 0.0;             ///< enclosed, m^3; 0 where the mesh is not watertight
-  double area = 0.0;               ///< m^2
-  Vec3 low = Vec3::Zero();         ///< corner of the bounding box, m
-  Vec3 high = Vec3::Zero();        ///< opposite corner, m
+  int boundaryEdges = 0;        ///< with one triangle
+  int nonManifoldEdges = 0;     ///< with more than two triangles
+  int flippedEdges = 0;         ///< with two triangles that run along it in the same direction
+  int nonManifoldVertices = 0;  ///< whose triangles do not form one fan
+  int components = 0;           ///< sets of triangles connected by edges
+  bool watertight = false;      ///< every edge has as many triangles one way as the other: a volume is enclosed
+  bool inwards = false;         ///< watertight, but the volume is negative: normals point into the solid
+  double volume = 0.0;          ///< enclosed, m^3; 0 where the mesh is not watertight
+  double area = 0.0;            ///< m^2
+  Vec3 low = Vec3::Zero();      ///< corner of the bounding box, m
+  Vec3 high = Vec3::Zero();     ///< opposite corner, m
 };
 
 /// Counts the defects of a mesh. V = sum of a.(b x c) / 6 over the triangles.

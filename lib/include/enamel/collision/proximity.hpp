@@ -38,12 +38,12 @@ enum class TriangleFeature : int { corner0, corner1, corner2, edge01, edge12, ed
 
 /// Answer of the nearest-point queries.
 struct SurfacePoint {
-  Status status = Status::ok;       ///< notFinite: the query point or limit is not finite
-  int triangle = -1;                ///< -1: no triangle within the limit; the rest is then without meaning
+  Status status = Status::ok;  ///< notFinite: the query point or limit is not finite
+  int triangle = -1;           ///< -1: no triangle within the limit; the rest is then without meaning
   TriangleFeature feature = TriangleFeature::face;
-  Vec3 point = Vec3::Zero();        ///< on the mesh, m
-  double distance = 0.0;            ///< m
-  Vec3 normal = Vec3::Zero();       ///< outward unit normal; only from signedDistance()
+  Vec3 point = Vec3::Zero();   ///< on the mesh, m
+  double distance = 0.0;       ///< m
+  Vec3 normal = Vec3::Zero();  ///< outward unit normal; only from signedDistance()
 };
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::max();

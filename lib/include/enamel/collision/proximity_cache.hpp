@@ -42,7 +42,7 @@ struct ProximityCache {
   int32_t active = 0;  // region in use; the other one is being prepared
   int32_t open = -1;   // entries on the stack of the region being prepared; -1: none is
   int32_t stack[kStack] = {};
-  double span = 0.0;   // how much farther than a list the next region reaches
+  double span = 0.0;  // how much farther than a list the next region reaches
 };
 
 }  // namespace enamel

@@ -1,0 +1,89 @@
+// Named obstacles and the contacts of a tool with them: what a haptic tick asks of the collision module.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "enamel/collision/contact.hpp"
+#include "enamel/collision/proximity.hpp"
+#include "enamel/collision/shapes.hpp"
+#include "enamel/collision/sweep.hpp"
+
+namespace enamel {
+
+using Shape = std::variant<HalfSpace, Box, Sphere, Capsule, std::shared_ptr<const MeshModel>>;
+
+/// Something that the tool may touch. Its pose and twist may change from tick to tick.
+struct Obstacle {
+  std::string name;
+  Shape shape;
+  Pose pose;                  ///< of the obstacle's frame in W
+  Vec6 twist = Vec6::Zero();  ///< [v; w] of the obstacle's frame, at its origin, axes of W, m/s and rad/s
+  int material = 0;           ///< carried through to the contacts
+};
+
+/// Obstacles by number. Add them before the ticks begin; in a tick only poses and twists change.
+class Scene {
+ public:
+  /// Returns the obstacle's number, counted from 0. Throws Error for a name that is empty or taken, a pose that is not
+  /// finite or not a rotation to 1e-6, a shape without size, an empty mesh pointer. Realtime: no.
+  int add(Obstacle obstacle);
+
+  /// Moves an obstacle. Inputs are not checked: queries report notFinite. Realtime: yes.
+  void move(int obstacle, const Pose& pose, const Vec6& twist) noexcept;
+
+  const std::vector<Obstacle>& obstacles() const noexcept { return obstacles_; }
+
+ private:
+  std::vector<Obstacle> obstacles_;
+};
+
+/// Capsule fixed to the platform frame P: a sphere where both ends are the same, a point where the radius is 0.
+struct ToolPart {
+  Vec3 a = Vec3::Zero(), b = Vec3::Zero();  ///< ends of the axis, in P, m
+  double radius = 0.0;                      ///< m
+};
+
+inline constexpr int kMaxToolParts = 8;
+
+/// Compound of capsules.
+struct Tool {
+  std::array<ToolPart, kMaxToolParts> parts{};
+  int count = 0;
+};
+
+/// Caches of one tool in one scene. Made outside the ticks; not shared between threads.
+struct ToolCache {
+  std::vector<ProximityCache> caches;  ///< three for each part and obstacle
+};
+
+/// Caches for `tool` in `scene` as it is now. Realtime: no.
+ToolCache makeToolCache(const Scene& scene, const Tool& tool);
+
+/// All contacts whose gap is at most `margin`, the deepest first (then by obstacle), at most kMaxContacts.
+/// A sphere at p touches an obstacle at every local minimum of the distance |p - x| over its surface, one for each
+/// direction within 15 deg; inside an obstacle at the nearest surface point only. A capsule touches with its two ends
+/// and, where that is nearer to the surface than both by more than 1e-9 m, with the nearest point of its axis between
+/// them. The obstacle's velocity is v + w x r. `cache` may be null and must else come from makeToolCache() of this
+/// scene and tool; the contacts are the same. notFinite: a pose or the margin is not finite; no contacts then.
+/// Realtime: yes. Threads: const scene, own cache.
+Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
+                    ContactSnapshot& contacts) noexcept;
+
+/// First touch of a moving tool.
+struct ToolSweep {
+  Status status = Status::ok;
+  bool hit = false;
+  double time = 1.0;  ///< of the first touch, as SweepHit::time
+  Contact contact;    ///< there; the point is the obstacle's, the gap 0
+};
+
+/// First touch of the tool on its way from one pose to the other, with the obstacles at rest in their poses. The ends
+/// of the parts move on straight lines; spheres are exact as in sweepSphere(), capsules as in sweepCapsule().
+/// Realtime: yes.
+ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, const Pose& to, ToolCache* cache) noexcept;
+
+}  // namespace enamel

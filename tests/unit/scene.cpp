@@ -1,0 +1,216 @@
+// Contacts of tools with scenes: analytic cases, meshes against the analytic shapes that they stand for, order,
+// velocities, caches, sweeps.
+#include "enamel/collision/scene.hpp"
+
+#include "enamel/core/error.hpp"
+#include "support/catch.hpp"
+#include "support/meshes.hpp"
+
+using namespace enamel;
+
+namespace {
+
+std::shared_ptr<const MeshModel> model(const TriangleMesh& mesh) { return std::make_shared<const MeshModel>(mesh); }
+
+Tool sphereTool(double radius, const Vec3& centre = Vec3::Zero()) {
+  Tool tool;
+  tool.parts[0] = {centre, centre, radius};
+  tool.count = 1;
+  return tool;
+}
+
+Pose at(const Vec3& position) { return {position, Mat3::Identity()}; }
+
+ContactSnapshot contactsOf(const Scene& scene, const Tool& tool, const Pose& pose, double margin,
+                           ToolCache* cache = nullptr) {
+  ContactSnapshot contacts;
+  REQUIRE(findContacts(scene, tool, pose, margin, cache, contacts) == Status::ok);
+  return contacts;
+}
+
+}  // namespace
+
+TEST_CASE("shapes answer with a point of their surface, a unit normal and the distance", "[unit]") {
+  test::Random random(41);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 p = random.vector(2.0);
+    for (const ShapePoint& found : {signedDistance(HalfSpace{}, p), signedDistance(Box{{0.5, 1.0, 0.7}}, p),
+                                    signedDistance(Sphere{0.8}, p), signedDistance(Capsule{0.4, 0.9}, p)}) {
+      CHECK(std::abs(found.normal.norm() - 1.0) < 1e-12);
+      CHECK((found.point + found.distance * found.normal - p).norm() < 1e-12);
+    }
+    CHECK(std::abs(signedDistance(Box{{0.5, 1.0, 0.7}}, signedDistance(Box{{0.5, 1.0, 0.7}}, p).point).distance) <
+          1e-12);
+  }
+}
+
+TEST_CASE("a box of triangles touches like a box", "[unit]") {
+  test::Random random(42);
+  const Vec3 half(0.03, 0.02, 0.01);
+  Scene analytic, mesh;
+  Pose pose;
+  pose.position = {0.1, 0.2, 0.3};
+  pose.rotation = test::rotationAbout(Vec3(1, 2, 3).normalized(), 0.7);
+  analytic.add({"box", Box{half}, pose, Vec6::Zero(), 3});
+  mesh.add({"box", model(test::boxMesh(half)), pose, Vec6::Zero(), 3});
+  int seen = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Tool tool = sphereTool(0.005, random.vector(0.01));
+    const Pose platform{pose.position + random.vector(0.05), test::rotationAbout(random.direction(), 1.0)};
+    const ContactSnapshot a = contactsOf(analytic, tool, platform, 0.01), b = contactsOf(mesh, tool, platform, 0.01);
+    const Vec3 centre = platform.rotation * tool.parts[0].a + platform.position;
+    REQUIRE(a.count == b.count);
+    if (a.count == 0) continue;
+    ++seen;
+    CHECK(std::abs(a.contacts[0].gap - b.contacts[0].gap) < 1e-14);
+    CHECK((a.contacts[0].normal - b.contacts[0].normal).norm() < 1e-6);
+    CHECK((centre - 0.005 * b.contacts[0].normal - b.contacts[0].point).norm() < 1e-14);
+    CHECK(b.contacts[0].material == 3);
+  }
+  CHECK(seen > 200);
+}
+
+TEST_CASE("a sphere in a groove touches both sides, on a flat or a ridge once", "[unit]") {
+  TriangleMesh groove;  // two planes at right angles, many triangles
+  const int n = 20;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) {
+      const double x = 0.02 * (i - n / 2) / n, y = 0.02 * (j - n / 2) / n;
+      groove.vertices.push_back({x, y, std::abs(x)});
+    }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const int a = i * (n + 1) + j, b = a + n + 1;
+      groove.triangles.push_back({a, b, a + 1});
+      groove.triangles.push_back({b, b + 1, a + 1});
+    }
+  Scene scene;
+  scene.add({"groove", model(groove), Pose(), Vec6::Zero(), 0});
+  const double r = 0.002;
+  for (double y = -0.004; y < 0.004; y += 0.00013) {
+    const ContactSnapshot two = contactsOf(scene, sphereTool(r), at({0, y, r * std::sqrt(2.0)}), 1e-4);
+    REQUIRE(two.count == 2);
+    for (int i = 0; i < 2; ++i) {
+      CHECK(std::abs(two.contacts[i].gap) < 1e-12);
+      CHECK(std::abs(two.contacts[i].normal.z() - std::sqrt(0.5)) < 1e-9);
+    }
+    CHECK(two.contacts[0].normal.dot(two.contacts[1].normal) < 1e-9);
+    const ContactSnapshot one = contactsOf(scene, sphereTool(r), at({0.006, y, 0.006 + 1.4 * r}), 5e-4);
+    CHECK(one.count == 1);  // on one side
+  }
+  for (Vec3& v : groove.vertices) v.z() = -v.z();
+  Scene ridge;
+  ridge.add({"ridge", model(groove), Pose(), Vec6::Zero(), 0});
+  CHECK(contactsOf(ridge, sphereTool(r), at({0, 0.0001, 0.99 * r}), 1e-3).count == 1);
+}
+
+TEST_CASE("a capsule on a plane touches with both ends, across a ridge in between", "[unit]") {
+  Scene plane;
+  plane.add({"floor", HalfSpace{}, Pose(), Vec6::Zero(), 0});
+  Tool tool;
+  tool.parts[0] = {{-0.01, 0, 0}, {0.01, 0, 0}, 0.001};
+  tool.count = 1;
+  const ContactSnapshot flat = contactsOf(plane, tool, at({0, 0, 0.0005}), 1e-3);
+  REQUIRE(flat.count == 2);
+  CHECK(flat.contacts[0].gap == Approx(-0.0005).epsilon(1e-12));
+  CHECK(flat.contacts[0].point.z() == Approx(-0.0005).epsilon(1e-12));
+  for (const Shape& shape :
+       {Shape(Box{{0.002, 0.05, 0.01}}), Shape(model(test::boxMesh({0.002, 0.05, 0.01}))), Shape(Sphere{0.01})}) {
+    Scene post;
+    post.add({"post", shape, Pose(), Vec6::Zero(), 0});
+    const ContactSnapshot middle = contactsOf(post, tool, at({0.0004, 0, 0.0105}), 1e-3);
+    REQUIRE(middle.count >= 1);
+    CHECK(middle.contacts[0].gap == Approx(-0.0005).epsilon(1e-3));
+    CHECK(middle.contacts[0].normal.z() == Approx(1.0).epsilon(1e-2));
+  }
+}
+
+TEST_CASE("contacts are ordered, carry the obstacle's velocity and stay within the capacity", "[unit]") {
+  Scene scene;
+  Vec6 twist;
+  twist << 0.1, 0.0, 0.0, 0.0, 0.0, 2.0;
+  for (int i = 0; i < 12; ++i)
+    scene.add({"wall " + std::to_string(i), HalfSpace{}, at({0, 0, -0.001 * ((5 * i) % 12)}), twist, i});
+  const ContactSnapshot contacts = contactsOf(scene, sphereTool(0.02, {0.03, 0, 0}), at({0, 0, 0}), 0.01);
+  REQUIRE(contacts.count == kMaxContacts);
+  for (int i = 1; i < contacts.count; ++i) CHECK(contacts.contacts[i - 1].gap <= contacts.contacts[i].gap);
+  CHECK(contacts.contacts[0].gap == Approx(-0.02));
+  CHECK(contacts.contacts[0].obstacle == 0);
+  CHECK((contacts.contacts[0].obstacleVelocity - Vec3(0.1, 0.06, 0.0)).norm() < 1e-15);  // v + w x r
+}
+
+TEST_CASE("contacts are the same with a cache and move little when the tool moves little", "[unit]") {
+  test::Random random(43);
+  Scene scene;
+  scene.add({"wavy", model(test::transformed(test::ball(5, 0.1), 0.01, Vec3::Zero())), Pose(), Vec6::Zero(), 0});
+  scene.add({"floor", HalfSpace{}, at({0, 0, -0.012}), Vec6::Zero(), 1});
+  Tool tool = sphereTool(0.001, {0, 0.001, 0});
+  tool.parts[1] = {{0, 0, 0}, {0, 0, 0.01}, 0.0005};
+  tool.count = 2;
+  ToolCache cache = makeToolCache(scene, tool);
+  Pose pose = at({0, 0, 0.0115});
+  Vec3 direction = Vec3::UnitX();
+  double gap = 0.0;
+  int seen = 0;
+  for (int i = 0; i < 2000; ++i) {
+    direction = (direction + 0.1 * random.direction()).normalized();
+    pose.position += 2e-5 * direction;
+    if (pose.position.norm() > 0.013 || pose.position.norm() < 0.01)
+      direction = (direction - pose.position.normalized() * (pose.position.norm() - 0.0115) * 500.0).normalized();
+    const ContactSnapshot plain = contactsOf(scene, tool, pose, 5e-4),
+                          cached = contactsOf(scene, tool, pose, 5e-4, &cache);
+    REQUIRE(plain.count == cached.count);
+    for (int k = 0; k < plain.count; ++k) {
+      REQUIRE(plain.contacts[k].gap == cached.contacts[k].gap);
+      REQUIRE(plain.contacts[k].point == cached.contacts[k].point);
+      REQUIRE(plain.contacts[k].normal == cached.contacts[k].normal);
+      REQUIRE(plain.contacts[k].obstacle == cached.contacts[k].obstacle);
+    }
+    const double now = plain.count > 0 ? plain.contacts[0].gap : 5e-4;
+    if (i > 0) CHECK(std::abs(now - gap) <= 2e-5 * (1.0 + 1e-9));  // gaps are Lipschitz
+    gap = now;
+    seen += plain.count > 0;
+  }
+  CHECK(seen > 100);
+}
+
+TEST_CASE("a swept tool stops at the first obstacle", "[unit]") {
+  Scene scene;
+  scene.add({"far wall", HalfSpace{}, at({0, 0, -0.01}), Vec6::Zero(), 7});
+  scene.add({"plate", model(test::boxMesh({0.05, 0.05, 1e-6})), Pose(), Vec6::Zero(), 8});
+  Tool tool = sphereTool(0.001);
+  const ToolSweep hit = sweepTool(scene, tool, at({0, 0, 0.02}), at({0.001, 0, -0.02}), nullptr);
+  REQUIRE(hit.hit);
+  CHECK(hit.contact.material == 8);
+  CHECK(hit.time == Approx((0.02 - 0.001 - 1e-6) / 0.04).epsilon(1e-9));
+  CHECK(hit.contact.normal.z() == Approx(1.0));
+  CHECK_FALSE(sweepTool(scene, tool, at({0, 0, 0.02}), at({0.01, 0, 0.0011}), nullptr).hit);
+  const ToolSweep wall = sweepTool(scene, tool, at({0.2, 0, 0.02}), at({0.2, 0, -0.02}), nullptr);
+  REQUIRE(wall.hit);
+  CHECK(wall.contact.material == 7);
+  CHECK(wall.time == Approx(0.029 / 0.04).epsilon(1e-12));
+  // A shaft that turns into the wall: its far end touches.
+  tool.parts[0] = {{0, 0, 0}, {0.02, 0, 0}, 0.0};
+  Pose turned = at({0.2, 0, 0.0});
+  turned.rotation = test::rotationAbout(Vec3::UnitY(), 1.2);
+  const ToolSweep turn = sweepTool(scene, tool, at({0.2, 0, 0.0}), turned, nullptr);
+  REQUIRE(turn.hit);
+  CHECK(std::abs(turn.contact.point.z() + 0.01) < 1e-9);
+  CHECK(turn.time < 1.0);
+}
+
+TEST_CASE("bad scenes are refused, bad poses reported", "[unit]") {
+  Scene scene;
+  scene.add({"a", HalfSpace{}, Pose(), Vec6::Zero(), 0});
+  CHECK_THROWS_WITH(scene.add({"a", Sphere{}, Pose(), Vec6::Zero(), 0}), Catch::Matchers::Contains("twice"));
+  CHECK_THROWS_AS(scene.add({"", Sphere{}, Pose(), Vec6::Zero(), 0}), Error);
+  CHECK_THROWS_AS(scene.add({"b", Sphere{-1.0}, Pose(), Vec6::Zero(), 0}), Error);
+  CHECK_THROWS_AS(scene.add({"b", std::shared_ptr<const MeshModel>(), Pose(), Vec6::Zero(), 0}), Error);
+  Pose mirrored;
+  mirrored.rotation(0, 0) = -1.0;
+  CHECK_THROWS_AS(scene.add({"b", Sphere{}, mirrored, Vec6::Zero(), 0}), Error);
+  ContactSnapshot contacts;
+  contacts.count = 5;
+  CHECK(findContacts(scene, sphereTool(1.0), at({0, std::nan(""), 0}), 0.1, nullptr, contacts) == Status::notFinite);
+  CHECK(contacts.count == 0);
+}
