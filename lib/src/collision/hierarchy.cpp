@@ -384,6 +384,7 @@ void buildHierarchy(MeshData& data) {
   int exponent = 0;
   std::frexp(half, &exponent);
   data.view.scale = half > 0.0 ? std::ldexp(1.0, -exponent) : 1.0;
+  data.view.extent = 1.0;
   data.size = (high - low).norm();
 
   data.nodes.clear();
@@ -399,6 +400,9 @@ void buildHierarchy(MeshData& data) {
   data.view.boxes = data.boxes.data();
   data.view.triangles = data.triangles.data();
   data.view.revision = nextRevision();
+  data.scratch.reserve(3 * kWidth);
+  data.dirtyLeaves.reserve(data.leaves.size());
+  data.isDirty.assign(data.leaves.size(), 0);
 }
 
 void buildNormals(MeshData& data) {
@@ -423,6 +427,13 @@ void buildNormals(MeshData& data) {
       if (taintedPlace[data.place[mesh.triangles[t][i]]] != 0)
         data.edgeNormals[data.slotOf[t]].tainted |= 1u << (kCorner0 + i);
   const std::vector<EdgeUse> edges = sortedEdges(mesh, data.place);
+  data.firstCorner.assign(places, -1);
+  data.nextCorner.assign(3 * mesh.triangles.size(), -1);
+  for (std::size_t corner = data.nextCorner.size(); corner-- > 0;) {
+    std::int32_t& first = data.firstCorner[data.place[mesh.triangles[corner / 3][corner % 3]]];
+    data.nextCorner[corner] = first;
+    first = static_cast<std::int32_t>(corner);
+  }
   data.neighbour.assign(mesh.triangles.size(), {-1, -1, -1});
   for (std::size_t first = 0, last; first < edges.size(); first = last) {
     Vec3 sum = Vec3::Zero();

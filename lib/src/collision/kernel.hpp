@@ -61,6 +61,7 @@ struct Mesh {
   int32_t root;  ///< as Node::child; always a node
   double centre[3];
   double scale;
+  double extent;  ///< no local coordinate of the mesh is larger: 1 when it is built
   uint64_t revision;
 };
 

@@ -5,7 +5,7 @@
 
 #include "exact.inl"
 
-// Error of the float distances, with room to spare: at most 20 roundings of numbers not larger than |q|_1 + 2 enter,
+// Error of the float distances, with room to spare: at most 20 roundings of numbers not larger than |q|_1 + 2 extent enter,
 // 2^-24 each, and a triangle that is represented by its edges alone is lower than 2^-20.
 static const double kBoundError = 0x1p-19;
 // Beyond this many mesh sizes float boxes no longer tell triangles apart; doubles take over.
@@ -73,7 +73,7 @@ static inline void startSearch(Search* s, const Mesh* mesh, const double* point,
   s->x = static_cast<float>(s->local[0]);
   s->y = static_cast<float>(s->local[1]);
   s->z = static_cast<float>(s->local[2]);
-  s->slack = kBoundError * (absolute(s->local[0]) + absolute(s->local[1]) + absolute(s->local[2]) + 2.0);
+  s->slack = kBoundError * (absolute(s->local[0]) + absolute(s->local[1]) + absolute(s->local[2]) + 2.0 * mesh->extent);
   s->slackUp = static_cast<float>(s->slack) * 1.000001f;
   s->squared = limitSquared < kHuge ? limitSquared : kHuge;
   s->slot = -1;
@@ -311,7 +311,7 @@ static inline void addToRegion(ProximityCache::Region* region, int32_t node, con
 }
 
 static inline void openRegion(const Search* s, double reach, Cache* cache) {
-  const float low[3] = {-4.0f, -4.0f, -4.0f}, high[3] = {4.0f, 4.0f, 4.0f};
+  const float low[3] = {-16.0f, -16.0f, -16.0f}, high[3] = {16.0f, 16.0f, 16.0f};
   ProximityCache::Region* region = &cache->region[1 - cache->active];
   region->count = 0;
   for (int k = 0; k < 3; ++k) region->origin[k] = s->local[k];
@@ -514,7 +514,7 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
                   void* context) {
   int32_t stack[kStackSize];
   int top = 0;
-  double low[3], high[3], size = 2.0;
+  double low[3], high[3], size = 2.0 * mesh.extent;
   for (int k = 0; k < 3; ++k) {
     const double a = (from[k] - mesh.centre[k]) * mesh.scale, b = (to[k] - mesh.centre[k]) * mesh.scale;
     low[k] = a < b ? a : b;

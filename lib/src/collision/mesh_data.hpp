@@ -33,7 +33,13 @@ struct MeshData {
   std::vector<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one
   std::vector<Parent> nodeParent, leafParent;
   Mesh view{};
+  // Triangles at a place, for the updates: corner = 3 * triangle + i; -1 ends a list.
+  std::vector<std::int32_t> firstCorner;  // by place
+  std::vector<std::int32_t> nextCorner;   // by corner
+  // Working space of the updates, as large as it can ever become.
   std::vector<Vec3> scratch;
+  std::vector<std::int32_t> dirtyLeaves;
+  std::vector<char> isDirty;  // by leaf
   double size = 0.0;  // diagonal of the bounding box, m
 };
 
@@ -71,6 +77,11 @@ void buildHierarchy(MeshData& data);
 
 /// Sums the normals at all edges and corners.
 void buildNormals(MeshData& data);
+
+/// Whether a triangle is there (not removed).
+inline bool hasTriangle(const MeshData& data, std::int32_t triangle) noexcept {
+  return data.triangles[data.slotOf[triangle]].index == triangle;
+}
 
 /// A number that no other state of any mesh has.
 std::uint64_t nextRevision() noexcept;

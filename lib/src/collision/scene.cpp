@@ -30,28 +30,41 @@ struct Minimum {
   int triangle = 0;
 };
 
+// The nearest minima, whatever the order in which they are found: by distance, then by triangle.
 struct Minima {
-  std::array<Minimum, kMaxContacts> all;
+  static constexpr int kMost = 64;
+  std::array<Minimum, kMost> all;
   int count = 0;
 };
 
-// Nearer first; of those in nearly the same direction only the nearest.
 void keepMinimum(const Minimum& minimum, Minima& minima) {
-  const auto before = [](const Minimum& a, const Minimum& b) {
-    return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
-  };
-  for (int i = 0; i < minima.count; ++i)
-    if (minima.all[i].normal.dot(minimum.normal) > kSameDirection && !before(minimum, minima.all[i])) return;
-  int kept = 0;
-  for (int i = 0; i < minima.count; ++i)
-    if (!(minima.all[i].normal.dot(minimum.normal) > kSameDirection)) minima.all[kept++] = minima.all[i];
-  minima.count = kept;
   int place = minima.count;
-  while (place > 0 && before(minimum, minima.all[place - 1])) --place;
-  if (place == kMaxContacts) return;
-  minima.count = std::min(minima.count + 1, kMaxContacts);
+  while (place > 0 && minimum.distance < minima.all[place - 1].distance) --place;
+  for (; place > 0 && minimum.distance == minima.all[place - 1].distance; --place) {
+    Minimum& known = minima.all[place - 1];
+    if (known.point == minimum.point) {  // a corner or edge, seen from another triangle
+      known.triangle = std::min(known.triangle, minimum.triangle);
+      return;
+    }
+    if (known.triangle < minimum.triangle) break;
+  }
+  if (place == Minima::kMost) return;
+  minima.count = std::min(minima.count + 1, Minima::kMost);
   for (int i = minima.count - 1; i > place; --i) minima.all[i] = minima.all[i - 1];
   minima.all[place] = minimum;
+}
+
+// From the nearest on, one for each direction.
+void thinOut(Minima& minima) {
+  int kept = 0;
+  for (int i = 0; i < minima.count && kept < kMaxContacts; ++i) {
+    const Minimum& candidate = minima.all[i];
+    const bool isNew = std::none_of(minima.all.begin(), minima.all.begin() + kept, [&](const Minimum& known) {
+      return known.normal.dot(candidate.normal) > kSameDirection;
+    });
+    if (isNew) minima.all[kept++] = candidate;
+  }
+  minima.count = kept;
 }
 
 struct MinimaSearch {
@@ -62,10 +75,9 @@ struct MinimaSearch {
 
 // Whether triangle `number` has a point nearer to p than `squared`.
 bool hasNearer(const MinimaSearch& s, std::int32_t number, double squared) {
-  const std::int32_t slot = number < 0 ? -1 : s.data->slotOf[number];
-  if (slot < 0) return false;
+  if (number < 0) return false;
   Candidate c;
-  closestOnTriangle(&s.data->triangles[slot], s.p.data(), &c);
+  closestOnTriangle(&s.data->triangles[s.data->slotOf[number]], s.p.data(), &c);
   return c.squared < squared * (1.0 - 1e-12);
 }
 
@@ -101,10 +113,6 @@ double tryMinimum(void* context, std::int32_t slot, double reach) {
   minimum.distance = std::sqrt(c.squared);
   minimum.normal = (s.p - minimum.point) / minimum.distance;
   minimum.triangle = triangle.index;
-  for (int i = 0; i < s.minima.count; ++i) {  // cheap: most are beside one that is known
-    const Minimum& known = s.minima.all[i];
-    if (known.normal.dot(minimum.normal) > kSameDirection && known.distance < minimum.distance) return reach;
-  }
   if (isMinimum(s, triangle.index, c)) keepMinimum(minimum, s.minima);
   return reach;
 }
@@ -149,6 +157,7 @@ void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, Proximi
   }
   MinimaSearch s{&mesh.data(), centre, {}};
   loops().visit(s.data->view, centre.data(), centre.data(), reach, &tryMinimum, &s);
+  thinOut(s.minima);
   if (s.minima.count == 0) out.add(centre, nearest.normal, nearest.distance, radius);
   for (int i = 0; i < s.minima.count; ++i) out.add(centre, s.minima.all[i].normal, s.minima.all[i].distance, radius);
 }

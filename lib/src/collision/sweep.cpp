@@ -14,7 +14,7 @@ using namespace kernel;
 #include "exact.inl"
 
 constexpr int kMostNewtonSteps = 64;
-constexpr int kMostAdvances = 256;
+constexpr int kMostAdvances = 1024;
 constexpr int kPickPieces = 32;
 
 Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }

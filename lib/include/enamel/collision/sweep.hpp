@@ -31,7 +31,7 @@ struct Segment {
 
 /// Capsule of `radius` about a segment whose ends go straight from `from` to `to`. Conservative advancement: each step
 /// goes as far as the distance and the faster end allow (Mirtich 1996), until 1e-10 of the path or of the mesh remain;
-/// after 256 steps the place reached counts as a touch, so that nothing is ever passed. Realtime: yes, as
+/// after 1024 steps the place reached counts as a touch, so that nothing is ever passed. Realtime: yes, as
 /// sweepSphere().
 SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment& to, double radius) noexcept;
 
