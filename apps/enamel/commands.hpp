@@ -9,5 +9,6 @@ namespace enamel::app {
 
 void addEvaluate(CLI::App& app);
 void addBench(CLI::App& app);
+void addMesh(CLI::App& app);
 
 }  // namespace enamel::app

@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
       "Units are SI unless a name says otherwise; frames: W has x right, y up, z from the wall to the user."};
   app.require_subcommand(1);
   enamel::app::addEvaluate(app);
+  enamel::app::addMesh(app);
   enamel::app::addBench(app);
   try {
     app.parse(argc, argv);

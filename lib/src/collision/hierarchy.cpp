@@ -76,8 +76,27 @@ Box boxOfLeaf(const MeshData& data, std::int32_t leaf) {
   return box;
 }
 
-// The axes follow the surface: the mean normal, and the direction in which the corners spread most across it.
-void writeLeafBox(MeshData& data, std::int32_t leaf) {
+// The mean normal, and the direction in which the corners spread most across it.
+Mat3 axesAlong(const std::vector<Vec3>& corners, const Vec3& mean, const Vec3& normal) {
+  Mat3 axes;
+  axes.row(2) = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());
+  const Vec3 n = axes.row(2);
+  const Vec3 s = n.unitOrthogonal(), t = n.cross(s);
+  double ss = 0.0, st = 0.0, tt = 0.0;
+  for (const Vec3& c : corners) {
+    const double a = s.dot(c - mean), b = t.dot(c - mean);
+    ss += a * a;
+    st += a * b;
+    tt += b * b;
+  }
+  const double angle = 0.5 * std::atan2(2.0 * st, ss - tt);
+  axes.row(0) = std::cos(angle) * s + std::sin(angle) * t;
+  axes.row(1) = n.cross(Vec3(axes.row(0)));
+  return axes;
+}
+
+// The axes follow the surface; a box that is only refitted keeps those it has.
+void writeLeafBox(MeshData& data, std::int32_t leaf, bool keepAxes) {
   std::vector<Vec3>& corners = data.scratch;
   corners.clear();
   Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
@@ -93,26 +112,15 @@ void writeLeafBox(MeshData& data, std::int32_t leaf) {
   }
   const Parent at = data.leafParent[leaf];
   LeafBoxes& box = data.boxes[at.node];
+  Mat3 oldAxes;
+  for (int i = 0; i < 9; ++i) oldAxes(i / 3, i % 3) = static_cast<double>(box.row[i][at.lane]);
+  keepAxes = keepAxes && !oldAxes.isZero(0.0);
   for (auto& row : box.row) row[at.lane] = 0.0f;
   if (corners.empty()) {  // far away
     for (int i = 0; i < 3; ++i) box.row[9 + i][at.lane] = kFarAway;
     return;
   }
-  mean /= static_cast<double>(corners.size());
-  Mat3 axes;
-  axes.row(2) = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());
-  const Vec3 n = axes.row(2);
-  const Vec3 s = n.unitOrthogonal(), t = n.cross(s);
-  double ss = 0.0, st = 0.0, tt = 0.0;
-  for (const Vec3& c : corners) {
-    const double a = s.dot(c - mean), b = t.dot(c - mean);
-    ss += a * a;
-    st += a * b;
-    tt += b * b;
-  }
-  const double angle = 0.5 * std::atan2(2.0 * st, ss - tt);
-  axes.row(0) = std::cos(angle) * s + std::sin(angle) * t;
-  axes.row(1) = n.cross(Vec3(axes.row(0)));
+  const Mat3 axes = keepAxes ? oldAxes : axesAlong(corners, mean / static_cast<double>(corners.size()), normal);
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (const Vec3& c : corners) {
     const Vec3 f = axes * c;
@@ -242,7 +250,7 @@ class Builder {
           clearSlot(data_, slot);
         }
       }
-      writeLeafBox(data_, leaf);
+      writeLeafBox(data_, leaf, false);
       return ~leaf;
     }
     std::array<int, kWidth> child{top.left, top.right};
@@ -361,7 +369,7 @@ void clearSlot(MeshData& data, std::int32_t slot) {
 }
 
 void refitLeaf(MeshData& data, std::int32_t leaf) {
-  writeLeafBox(data, leaf);
+  writeLeafBox(data, leaf, true);
   Parent at = data.leafParent[leaf];
   Box box = boxOfLeaf(data, leaf);
   while (at.node >= 0) {

@@ -178,20 +178,25 @@ double distanceOf(const Analytic& shape, const Vec3& p, ProximityCache*) {
   return signedDistance(shape, p).distance;
 }
 
-// Place on the axis nearest to the mesh; -1 where it is not within reach.
+// Place on the axis nearest to the mesh; -1 where none is within reach.
 double nearestOnAxis(const MeshModel& mesh, const Segment& axis, double reach) {
   const SegmentPoint found = closestToSegment(mesh, axis, reach);
   return found.triangle < 0 ? -1.0 : found.parameter;
 }
 
+double nearestOnAxis(const HalfSpace&, const Segment&, double) { return -1.0; }  // an end is nearest
+
 // The signed distance of a convex shape is convex along the axis: halve by its slope, which the normal gives.
 template <typename Analytic>
 double nearestOnAxis(const Analytic& shape, const Segment& axis, double) {
-  double low = 0.0, high = 1.0;
   const Vec3 way = axis.b - axis.a;
+  const auto rises = [&](double t) { return signedDistance(shape, axis.a + t * way).normal.dot(way) > 0.0; };
+  if (rises(0.0)) return 0.0;
+  if (!rises(1.0)) return 1.0;
+  double low = 0.0, high = 1.0;
   for (int step = 0; step < kAxisSteps; ++step) {
     const double middle = 0.5 * (low + high);
-    (signedDistance(shape, axis.a + middle * way).normal.dot(way) > 0.0 ? high : low) = middle;
+    (rises(middle) ? high : low) = middle;
   }
   return 0.5 * (low + high);
 }
@@ -208,11 +213,15 @@ void addPart(const ShapeType& shape, const Segment& axis, double radius, Proximi
   addSphere(shape, axis.a, radius, cache(0), out);
   if (axis.a == axis.b) return;
   addSphere(shape, axis.b, radius, cache(1), out);
-  const double t = nearestOnAxis(shape, axis, radius + std::max(out.margin, 0.0));
+  // Distances change by no more than the way: between the ends they are at least (|a| + |b| - length) / 2.
+  const double reach = radius + std::max(out.margin, 0.0);
+  const double atA = distanceOf(shape, axis.a, cache(0)), atB = distanceOf(shape, axis.b, cache(1));
+  if (std::abs(atA) + std::abs(atB) - (axis.b - axis.a).norm() > 2.0 * reach) return;
+  const double t = nearestOnAxis(shape, axis, reach);
   if (!(t > 0.0 && t < 1.0)) return;
   const Vec3 middle = axis.a + t * (axis.b - axis.a);
-  const double ends = std::min(distanceOf(shape, axis.a, cache(0)), distanceOf(shape, axis.b, cache(1)));
-  if (distanceOf(shape, middle, cache(2)) < ends - kClearlyNearer) addSphere(shape, middle, radius, cache(2), out);
+  if (distanceOf(shape, middle, cache(2)) < std::min(atA, atB) - kClearlyNearer)
+    addSphere(shape, middle, radius, cache(2), out);
 }
 
 Vec3 toObstacle(const Obstacle& obstacle, const Vec3& p_W) {
@@ -244,7 +253,8 @@ SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to
   double time = 0.0;
   for (int step = 0; step < 256; ++step) {
     const Segment now{from.a + time * wayA, from.b + time * wayB};
-    const double t = isSphere ? 0.0 : nearestOnAxis(shape, now, kNoLimit);
+    double t = isSphere ? 0.0 : nearestOnAxis(shape, now, kNoLimit);
+    if (t < 0.0) t = signedDistance(shape, now.a).distance < signedDistance(shape, now.b).distance ? 0.0 : 1.0;
     const Vec3 centre = now.a + t * (now.b - now.a);
     const ShapePoint near = signedDistance(shape, centre);
     const double gap = near.distance - radius;

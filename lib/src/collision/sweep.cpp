@@ -24,7 +24,7 @@ struct Nearest {
   double distance;
 };
 
-Nearest nearestOn(const kernel::Triangle& triangle, const Vec3& p) {
+Nearest nearestOn(const Triangle& triangle, const Vec3& p) {
   Candidate c;
   closestOnTriangle(&triangle, p.data(), &c);
   return {vec(c.point), std::sqrt(c.squared)};
@@ -55,7 +55,7 @@ Vec3 touchNormal(const MeshData& data, const Vec3& apart, double distance, int t
 
 double sweepTriangle(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<SphereSweep*>(context);
-  const kernel::Triangle& triangle = s.data->triangles[slot];
+  const Triangle& triangle = s.data->triangles[slot];
   const double latest = s.best.hit ? s.best.time : 1.0;
   double time = 0.0;
   for (int step = 0; step < kMostNewtonSteps; ++step) {
@@ -116,7 +116,7 @@ void trySegments(const Segment& s, const Vec3& c, const Vec3& d, SegmentPoint& b
 }
 
 // Parameter of the crossing of a segment and a triangle (Moeller & Trumbore 1997, borders included); -1: none.
-double crossing(const Segment& s, const kernel::Triangle& triangle) {
+double crossing(const Segment& s, const Triangle& triangle) {
   const Vec3 a = vec(triangle.corner[0]), e1 = vec(triangle.corner[1]) - a, e2 = vec(triangle.corner[2]) - a;
   const Vec3 way = s.b - s.a, h = way.cross(e2);
   const double det = e1.dot(h);
@@ -137,7 +137,15 @@ struct SegmentSearch {
 
 double trySegmentTriangle(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<SegmentSearch*>(context);
-  const kernel::Triangle& triangle = s.data->triangles[slot];
+  const Triangle& triangle = s.data->triangles[slot];
+  {  // the ball about the first corner that holds the triangle
+    const Vec3 corner = vec(triangle.corner[0]), way = s.segment.b - s.segment.a;
+    const double length = way.squaredNorm();
+    const double t = length > 0.0 ? std::clamp((corner - s.segment.a).dot(way) / length, 0.0, 1.0) : 0.0;
+    const double radius = std::sqrt(std::max((vec(triangle.corner[1]) - corner).squaredNorm(),
+                                             (vec(triangle.corner[2]) - corner).squaredNorm()));
+    if ((s.segment.a + t * way - corner).norm() * (1.0 - 1e-12) > reach + radius * (1.0 + 1e-12)) return reach;
+  }
   SegmentPoint here;
   here.triangle = triangle.index;
   here.distance = kNoLimit;
@@ -173,14 +181,14 @@ struct PickSearch {
 
 double pickTriangle(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<PickSearch*>(context);
-  const kernel::Triangle& triangle = s.data->triangles[slot];
+  const Triangle& triangle = s.data->triangles[slot];
   const double t = crossing(s.segment, triangle);
   if (t < 0.0 || !isBetter(s.best, t, triangle.index)) return reach;
   s.best.hit = true;
   s.best.time = t;
   s.best.point = s.segment.a + t * (s.segment.b - s.segment.a);
   s.best.triangle = triangle.index;
-  const Vec3 n = kernel::unitNormal(vec(triangle.corner[0]), vec(triangle.corner[1]), vec(triangle.corner[2]));
+  const Vec3 n = unitNormal(vec(triangle.corner[0]), vec(triangle.corner[1]), vec(triangle.corner[2]));
   s.best.normal = n.dot(s.segment.b - s.segment.a) > 0.0 ? Vec3(-n) : n;
   return reach;
 }
