@@ -58,6 +58,7 @@ struct Mesh {
   const Leaf* leaves;
   const LeafBoxes* boxes;  ///< by node
   const Triangle* triangles;
+  const float* cones;  ///< by slot: cos^2 of the angle to the farthest normal around the triangle, or 0
   int32_t root;  ///< as Node::child; always a node
   double centre[3];
   double scale;
@@ -85,6 +86,9 @@ struct Loops {
   void (*closest)(const Mesh& mesh, const double point[3], double limitSquared, Cache* cache, Answer* answer);
   /// Every triangle within `reach` of the segment from -> to (and some more), in no particular order.
   void (*visit)(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visit, void* context);
+  /// Every triangle within `reach` that may hold a local minimum of the distance from the point: at one, the way to the
+  /// point lies among the normals around it.
+  void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);
 };
 
 extern const Loops kBaselineLoops;

@@ -47,6 +47,6 @@ inline void compress(V x, unsigned mask, float* p) {
 
 }  // namespace
 
-const Loops kAvx2Loops = {&closest, &visit};
+const Loops kAvx2Loops = {&closest, &visit, &visitMinima};
 
 }  // namespace enamel::kernel

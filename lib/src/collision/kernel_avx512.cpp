@@ -31,6 +31,6 @@ inline void compress(V x, unsigned mask, float* p) {
 
 }  // namespace
 
-const Loops kAvx512Loops = {&closest, &visit};
+const Loops kAvx512Loops = {&closest, &visit, &visitMinima};
 
 }  // namespace enamel::kernel

@@ -69,6 +69,6 @@ inline void compress(const V& a, unsigned mask, float* p) {
 
 }  // namespace
 
-const Loops kBaselineLoops = {&closest, &visit};
+const Loops kBaselineLoops = {&closest, &visit, &visitMinima};
 
 }  // namespace enamel::kernel

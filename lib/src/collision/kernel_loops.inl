@@ -114,7 +114,7 @@ static inline V boxBounds(const float* low, const float* high, int stride, V x, 
 
 // Squared distances of the 16 triangles of a leaf: to the plane where the point lies over the triangle, else to the
 // nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
-static inline V leafDistances(const Leaf* leaf, V x, V y, V z) {
+static inline V leafDistances(const Leaf* leaf, V x, V y, V z, V* height) {
   V f[3];
   for (int i = 0; i < 3; ++i)
     f[i] = mad(load(leaf->axis[i][0]), x,
@@ -135,7 +135,13 @@ static inline V leafDistances(const Leaf* leaf, V x, V y, V z) {
   const V edge2 = mad(across2, across2, mul(end2, end2));
   const V edges = minimum(minimum(edge0, edge1), edge2);
   const V out = maximum(maximum(across0, across1), across2);
+  *height = h;
   return mad(h, h, selectGreater(out, load(leaf->inside), edges, zero));
+}
+
+static inline V leafDistances(const Leaf* leaf, V x, V y, V z) {
+  V height;
+  return leafDistances(leaf, x, y, z, &height);
 }
 
 // Looks at the exact distances of the candidates and forgets them. They are few: all lie within the error of the float
@@ -544,5 +550,41 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
     }
     unsigned mask = lessOrEqualMask(squared, set(limitOf(reach * mesh.scale, slack)));
     for (; mask != 0; mask &= mask - 1) stack[top++] = node->child[__builtin_ctz(mask)];
+  }
+}
+
+static void visitMinima(const Mesh& mesh, const double point[3], double reach, Visit visitor, void* context) {
+  Search s;
+  startSearch(&s, &mesh, point, reach * reach);
+  if (isFar(s.local)) {
+    visit(mesh, point, point, reach, visitor, context);
+    return;
+  }
+  const V x = set(s.x), y = set(s.y), z = set(s.z), limit = set(s.limit), slack = set(s.slackUp);
+  int32_t stack[kStackSize];
+  int top = 0;
+  stack[top++] = mesh.root;
+  while (top > 0) {
+    const int32_t current = stack[--top];
+    const Node* node = mesh.nodes + (current & kNumber);
+    V b = boxBounds(node->low[0], node->high[0], kWidth, x, y, z);
+    if ((current & kHasLeaves) != 0)
+      b = maximum(b, orientedBounds(mesh.boxes[current & kNumber].row[0], kWidth, x, y, z));
+    for (unsigned mask = lessOrEqualMask(b, limit); mask != 0; mask &= mask - 1) {
+      const int32_t child = node->child[__builtin_ctz(mask)];
+      if (child >= 0) {
+        stack[top++] = child;
+        continue;
+      }
+      V height;
+      const V d = leafDistances(mesh.leaves + ~child, x, y, z, &height);
+      const V high = sub(maximum(height, sub(set(0.0f), height)), sub(set(0.0f), slack));  // |height| + slack
+      const V least = mul(load(mesh.cones + ~child * kWidth), d);
+      unsigned near = lessOrEqualMask(d, limit) & lessOrEqualMask(least, mul(high, high));
+      for (; near != 0; near &= near - 1) {
+        const int32_t slot = ~child * kWidth + __builtin_ctz(near);
+        if (mesh.triangles[slot].index >= 0) visitor(context, slot, reach);
+      }
+    }
   }
 }

@@ -29,6 +29,7 @@ struct MeshData {
   std::vector<LeafBoxes> boxes;                        // by node
   std::vector<Triangle> triangles;                     // by slot
   std::vector<EdgeNormals> edgeNormals;                // by slot
+  std::vector<float> cones;  // by slot, as Mesh::cones
   std::vector<std::int32_t> slotOf;                    // by triangle number; -1: removed
   std::vector<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one
   std::vector<Parent> nodeParent, leafParent;

@@ -65,6 +65,7 @@ void taint(MeshData& data, const std::array<int, 3>& corners) {
   for (const int v : corners)
     for (std::int32_t c = data.firstCorner[data.place[v]]; c >= 0; c = data.nextCorner[c]) {
       const int i = c % 3;
+      data.cones[data.slotOf[c / 3]] = 0.0f;
       data.edgeNormals[data.slotOf[c / 3]].tainted |=
           1u << (kCorner0 + i) | 1u << (kEdge01 + i) | 1u << (kEdge01 + (i + 2) % 3);
     }

@@ -156,7 +156,7 @@ void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, Proximi
     return;
   }
   MinimaSearch s{&mesh.data(), centre, {}};
-  loops().visit(s.data->view, centre.data(), centre.data(), reach, &tryMinimum, &s);
+  loops().visitMinima(s.data->view, centre.data(), reach, &tryMinimum, &s);
   thinOut(s.minima);
   if (s.minima.count == 0) out.add(centre, nearest.normal, nearest.distance, radius);
   for (int i = 0; i < s.minima.count; ++i) out.add(centre, s.minima.all[i].normal, s.minima.all[i].distance, radius);
