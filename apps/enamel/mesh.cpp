@@ -47,9 +47,7 @@ void write(const TriangleMesh& mesh, const std::string& path) {
       "ply\nformat binary_little_endian 1.0\ncomment units mm\nelement vertex {}\nproperty float x\n"
       "property float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
       mesh.vertices.size(), mesh.triangles.size());
-  const auto put = [&bytes](const auto& value) {
-    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-  };
+  const auto put = [&bytes](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
   for (const Vec3& v : mesh.vertices)
     for (int k = 0; k < 3; ++k) put(static_cast<float>(1e3 * v[k]));
   for (const auto& t : mesh.triangles) {

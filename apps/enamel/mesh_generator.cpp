@@ -62,7 +62,8 @@ TriangleMesh makeJaw(int along, int around) {
   for (int i = 0; i < along; ++i) {
     const double s = 2.0 * i / (along - 1.0) - 1.0;  // -1 .. 1 along the arch
     const double x = kHalfWidth * std::sin(0.5 * M_PI * s), y = kDepth * (std::cos(0.5 * M_PI * s) - 0.5);
-    const Vec3 tangent = Vec3(kHalfWidth * std::cos(0.5 * M_PI * s), -kDepth * std::sin(0.5 * M_PI * s), 0.0).normalized();
+    const Vec3 tangent =
+        Vec3(kHalfWidth * std::cos(0.5 * M_PI * s), -kDepth * std::sin(0.5 * M_PI * s), 0.0).normalized();
     const Vec3 out = Vec3(-tangent.y(), tangent.x(), 0.0);
     const double molar = smoothStep((std::abs(s) - 0.35) / 0.2);  // 0: front tooth, 1: molar
     const double phase = kTeeth * 0.5 * (s + 1.0), within = 2.0 * (phase - std::floor(phase)) - 1.0;
@@ -74,7 +75,8 @@ TriangleMesh makeJaw(int along, int around) {
       const double across = squared(std::cos(angle), 0.7), up = std::sin(angle);
       double height = -9.0 * squared(-std::min(up, 0.0), 0.7);
       if (up > 0.0) {
-        const double cusps = molar * (0.9 * std::cos(M_PI * within * 1.5) * across * across - 0.8 * (1.0 - across * across));
+        const double cusps =
+            molar * (0.9 * std::cos(M_PI * within * 1.5) * across * across - 0.8 * (1.0 - across * across));
         height = squared(up, 0.6) * (1.5 + end * crown * (6.5 + cusps));
       }
       mesh.vertices.push_back(1e-3 * (Vec3(x, y, 0.0) + width * across * out + Vec3(0.0, 0.0, height)));

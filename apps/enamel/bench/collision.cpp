@@ -149,7 +149,8 @@ class EmbreeMesh {
     const auto& t = triangles_[triangle];
     const Eigen::Vector3f &a = vertices_[t[0]], &b = vertices_[t[1]], &c = vertices_[t[2]];
     const Eigen::Vector3f ab = b - a, ac = c - a, ap = point_ - a, bp = point_ - b, cp = point_ - c;
-    const float abA = ab.dot(ap), acA = ac.dot(ap), abB = ab.dot(bp), acB = ac.dot(bp), abC = ab.dot(cp), acC = ac.dot(cp);
+    const float abA = ab.dot(ap), acA = ac.dot(ap), abB = ab.dot(bp), acB = ac.dot(bp), abC = ab.dot(cp),
+                acC = ac.dot(cp);
     if (abA <= 0.0f && acA <= 0.0f) return a;
     if (abB >= 0.0f && acB <= abB) return b;
     if (acC >= 0.0f && abC <= acC) return c;
@@ -177,7 +178,8 @@ class FclMesh {
   explicit FclMesh(const TriangleMesh& mesh) : model_(std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>()) {
     std::vector<fcl::Triangle> triangles;
     for (const auto& t : mesh.triangles)
-      triangles.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]), static_cast<std::size_t>(t[2]));
+      triangles.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
+                             static_cast<std::size_t>(t[2]));
     model_->beginModel();
     model_->addSubModel(mesh.vertices, triangles);
     model_->endModel();
@@ -252,7 +254,8 @@ void measureNearest(const Workload& work, std::vector<Measurement>& rows) {
          timeEachCall(count, warm, [&](int i) { keep(signedDistance(model, work.path[i], &withSign)); }), error, truth,
          embreeHaptic);
   addRow(rows, "closest point, haptic path, no cache" + size,
-         timeEachCall(count, warm, [&](int i) { keep(closestPoint(model, work.path[i])); }), error, truth, embreeHaptic);
+         timeEachCall(count, warm, [&](int i) { keep(closestPoint(model, work.path[i])); }), error, truth,
+         embreeHaptic);
   addRow(rows, "closest point, random points" + size,
          timeEachCall(count, warm, [&](int i) { keep(closestPoint(model, work.random[i])); }), randomError, truth,
          embreeRandom);
@@ -270,10 +273,13 @@ void measureSweep(const Workload& work, std::vector<Measurement>& rows) {
     if (hit.hit && hit.time > 0.0)
       error = std::max(error, std::abs(closestPoint(model, from + hit.time * (to - from)).distance - kRadius));
   }
-  addRow(rows, "swept sphere of 0.5 mm, 0.1 mm a tick, " + work.size, timeEachCall(count, count / 10, [&](int i) {
-           const Vec3 from = work.path[i];
-           keep(sweepSphere(model, from, from + 1e-4 * (work.path[i + 2] - from).normalized(), kRadius, &cache));
-         }),
+  addRow(rows, "swept sphere of 0.5 mm, 0.1 mm a tick, " + work.size,
+         timeEachCall(count, count / 10,
+                      [&](int i) {
+                        const Vec3 from = work.path[i];
+                        keep(sweepSphere(model, from, from + 1e-4 * (work.path[i + 2] - from).normalized(), kRadius,
+                                         &cache));
+                      }),
          error, "m, gap at the touch");
 }
 

@@ -40,12 +40,14 @@ Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run)
   for (int i = 0; i < first; ++i) run(i);
   const std::vector<double> times_us = sortedTimes(first, calls, run);
   const std::size_t last = times_us.size() - 1;
-  return {times_us[last / 2] - clock_us, times_us[static_cast<std::size_t>(0.99 * static_cast<double>(last))] - clock_us};
+  return {times_us[last / 2] - clock_us,
+          times_us[static_cast<std::size_t>(0.99 * static_cast<double>(last))] - clock_us};
 }
 
 std::vector<Measurement> measureAll(const std::string& filter, double scale) {
   std::vector<Measurement> all;
-  for (const auto& [group, measure] : {std::pair{"device", &measureDevice}, std::pair{"collision", &measureCollision}}) {
+  for (const auto& [group, measure] :
+       {std::pair{"device", &measureDevice}, std::pair{"collision", &measureCollision}}) {
     if ((filter == "device" || filter == "collision") && filter != group) continue;
     std::vector<Measurement> rows = measure(scale);
     for (Measurement& row : rows) {

@@ -442,15 +442,19 @@ void buildNormals(MeshData& data) {
     data.nextCorner[corner] = first;
     first = static_cast<std::int32_t>(corner);
   }
+  data.closed = !edges.empty();
   data.neighbour.assign(mesh.triangles.size(), {-1, -1, -1});
   for (std::size_t first = 0, last; first < edges.size(); first = last) {
     Vec3 sum = Vec3::Zero();
     bool tainted = false;
+    int balance = 0;
     for (last = first;
          last < edges.size() && edges[last].low == edges[first].low && edges[last].high == edges[first].high; ++last) {
       sum += normal[edges[last].triangle];
+      balance += edges[last].forward ? 1 : -1;
       tainted = tainted || normal[edges[last].triangle].isZero(0.0);
     }
+    data.closed = data.closed && balance == 0;
     if (last - first == 2) {
       const EdgeUse &a = edges[first], &b = edges[first + 1];
       data.neighbour[a.triangle][a.edge] = b.triangle;
@@ -463,9 +467,9 @@ void buildNormals(MeshData& data) {
     }
   }
 
-  // At a local minimum of the distance the way to the point is a sum of the normals around it, with weights that are not
-  // negative, so it is no farther from each of them than they are from each other. A tenth is left for rounding; 0, no
-  // restriction, at borders.
+  // At a local minimum of the distance the way to the point is a sum of the normals around it, with weights that are
+  // not negative, so it is no farther from each of them than they are from each other. A tenth is left for rounding; 0,
+  // no restriction, at borders.
   std::vector<char> isOpen(places, 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (int i = 0; i < 3; ++i)

@@ -59,7 +59,7 @@ struct Mesh {
   const LeafBoxes* boxes;  ///< by node
   const Triangle* triangles;
   const float* cones;  ///< by slot: cos^2 of the angle to the farthest normal around the triangle, or 0
-  int32_t root;  ///< as Node::child; always a node
+  int32_t root;        ///< as Node::child; always a node
   double centre[3];
   double scale;
   double extent;  ///< no local coordinate of the mesh is larger: 1 when it is built

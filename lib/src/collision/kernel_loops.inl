@@ -5,8 +5,8 @@
 
 #include "exact.inl"
 
-// Error of the float distances, with room to spare: at most 20 roundings of numbers not larger than |q|_1 + 2 extent enter,
-// 2^-24 each, and a triangle that is represented by its edges alone is lower than 2^-20.
+// Error of the float distances, with room to spare: at most 20 roundings of numbers not larger than |q|_1 + 2 extent
+// enter, 2^-24 each, and a triangle that is represented by its edges alone is lower than 2^-20.
 static const double kBoundError = 0x1p-19;
 // Beyond this many mesh sizes float boxes no longer tell triangles apart; doubles take over.
 static const double kFar = 64.0;
@@ -528,12 +528,25 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
     size += absolute(low[k]) > absolute(high[k]) ? absolute(low[k]) : absolute(high[k]);
   }
   const double slack = kBoundError * size;
+  double middle[3], extent[3];
+  for (int k = 0; k < 3; ++k) {
+    middle[k] = 0.5 * (low[k] + high[k]);
+    extent[k] = 0.5 * (high[k] - low[k]);
+  }
+  const double half = __builtin_sqrt(dot(extent, extent));
   stack[top++] = mesh.root;
   while (top > 0) {
     const int32_t current = stack[--top];
     if (current < 0) {
-      for (int lane = 0; lane < kWidth; ++lane) {
-        const int32_t slot = ~current * kWidth + lane;
+      // Within reach of the segment is within reach of its middle, half its length added.
+      unsigned near = 0xffffu;
+      if (!isFar(middle)) {
+        const V d = leafDistances(mesh.leaves + ~current, set(static_cast<float>(middle[0])),
+                                  set(static_cast<float>(middle[1])), set(static_cast<float>(middle[2])));
+        near = lessOrEqualMask(d, set(limitOf(reach * mesh.scale + half, slack)));
+      }
+      for (; near != 0; near &= near - 1) {
+        const int32_t slot = ~current * kWidth + __builtin_ctz(near);
         if (mesh.triangles[slot].index >= 0) reach = visitor(context, slot, reach);
       }
       if (reach < 0.0) return;

@@ -29,7 +29,7 @@ struct MeshData {
   std::vector<LeafBoxes> boxes;                        // by node
   std::vector<Triangle> triangles;                     // by slot
   std::vector<EdgeNormals> edgeNormals;                // by slot
-  std::vector<float> cones;  // by slot, as Mesh::cones
+  std::vector<float> cones;                            // by slot, as Mesh::cones
   std::vector<std::int32_t> slotOf;                    // by triangle number; -1: removed
   std::vector<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one
   std::vector<Parent> nodeParent, leafParent;
@@ -41,7 +41,8 @@ struct MeshData {
   std::vector<Vec3> scratch;
   std::vector<std::int32_t> dirtyLeaves;
   std::vector<char> isDirty;  // by leaf
-  double size = 0.0;  // diagonal of the bounding box, m
+  bool closed = false;        // every edge has as many triangles one way as the other
+  double size = 0.0;          // diagonal of the bounding box, m
 };
 
 /// One triangle at an edge between two different places.

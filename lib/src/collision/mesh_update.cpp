@@ -119,6 +119,7 @@ Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions
 Status removeTriangles(MeshModel& model, const int* triangles, int count) noexcept {
   MeshData& data = model.data();
   if (!areTriangles(data, triangles, count)) return Status::notFinite;
+  data.closed = false;
   for (int i = 0; i < count; ++i) {
     const int t = triangles[i];
     if (!hasTriangle(data, t)) continue;
@@ -145,6 +146,7 @@ Status replaceTriangles(MeshModel& model, const int* triangles, const std::array
     }
   if (!(extent <= kLargestExtent)) return Status::notFinite;  // a vertex that no triangle used before
   data.view.extent = extent;
+  data.closed = false;
   for (int i = 0; i < count; ++i) {
     const int t = triangles[i];
     if (hasTriangle(data, t)) {

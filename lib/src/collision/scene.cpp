@@ -146,9 +146,25 @@ struct Collector {
   }
 };
 
-void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, ProximityCache* cache, Collector& out) {
+// Signed distance of p, or, where a ball known from an earlier tick shows that it is more than `reach`, no more than it
+// is. Outside of a closed surface the sign cannot change before the surface is met.
+SurfacePoint distanceBeyond(const MeshModel& mesh, const Vec3& p, double reach, PointCache* cache) {
+  if (cache == nullptr || !mesh.data().closed) return signedDistance(mesh, p, cache ? &cache->proximity : nullptr);
+  if (cache->revision == mesh.data().view.revision) {
+    SurfacePoint bound;
+    bound.distance = cache->clear - (p - cache->centre).norm();
+    if (bound.distance > reach) return bound;
+  }
+  const SurfacePoint found = signedDistance(mesh, p, &cache->proximity);
+  cache->revision = mesh.data().view.revision;
+  cache->centre = p;
+  cache->clear = (found.triangle < 0 ? kNoLimit : found.distance) * (1.0 - 1e-9);
+  return found;
+}
+
+void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, PointCache* cache, Collector& out) {
   const double reach = radius + std::max(out.margin, 0.0);
-  const SurfacePoint nearest = signedDistance(mesh, centre, cache);
+  const SurfacePoint nearest = distanceBeyond(mesh, centre, reach, cache);
   if (nearest.triangle < 0 || nearest.distance > radius + out.margin) return;
   const double single = 1e-9 * mesh.data().size;
   if (nearest.distance <= single) {  // on or behind the surface: one way out
@@ -163,18 +179,19 @@ void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, Proximi
 }
 
 template <typename Analytic>
-void addSphere(const Analytic& shape, const Vec3& centre, double radius, ProximityCache*, Collector& out) {
+void addSphere(const Analytic& shape, const Vec3& centre, double radius, PointCache*, Collector& out) {
   const ShapePoint nearest = signedDistance(shape, centre);
   out.add(centre, nearest.normal, nearest.distance, radius);
 }
 
-double distanceOf(const MeshModel& mesh, const Vec3& p, ProximityCache* cache) {
-  const SurfacePoint found = signedDistance(mesh, p, cache);
-  return found.triangle < 0 ? kNoLimit : found.distance;
+// The signed distance, or a number above `reach` that is no more than it.
+double distanceOf(const MeshModel& mesh, const Vec3& p, double reach, PointCache* cache) {
+  const SurfacePoint found = distanceBeyond(mesh, p, reach, cache);
+  return found.triangle < 0 && found.distance == 0.0 ? kNoLimit : found.distance;
 }
 
 template <typename Analytic>
-double distanceOf(const Analytic& shape, const Vec3& p, ProximityCache*) {
+double distanceOf(const Analytic& shape, const Vec3& p, double, PointCache*) {
   return signedDistance(shape, p).distance;
 }
 
@@ -208,19 +225,21 @@ const Analytic& shapeOf(const Analytic& shape) {
 }
 
 template <typename ShapeType>
-void addPart(const ShapeType& shape, const Segment& axis, double radius, ProximityCache* caches, Collector& out) {
+void addPart(const ShapeType& shape, const Segment& axis, double radius, PointCache* caches, Collector& out) {
   const auto cache = [caches](int i) { return caches == nullptr ? nullptr : caches + i; };
   addSphere(shape, axis.a, radius, cache(0), out);
   if (axis.a == axis.b) return;
   addSphere(shape, axis.b, radius, cache(1), out);
   // Distances change by no more than the way: between the ends they are at least (|a| + |b| - length) / 2.
   const double reach = radius + std::max(out.margin, 0.0);
-  const double atA = distanceOf(shape, axis.a, cache(0)), atB = distanceOf(shape, axis.b, cache(1));
+  const double atA = distanceOf(shape, axis.a, reach, cache(0)), atB = distanceOf(shape, axis.b, reach, cache(1));
   if (std::abs(atA) + std::abs(atB) - (axis.b - axis.a).norm() > 2.0 * reach) return;
   const double t = nearestOnAxis(shape, axis, reach);
   if (!(t > 0.0 && t < 1.0)) return;
   const Vec3 middle = axis.a + t * (axis.b - axis.a);
-  if (distanceOf(shape, middle, cache(2)) < std::min(atA, atB) - kClearlyNearer)
+  // What is out of reach counts as far, so that a bound does as well as the distance.
+  const double ends = std::min(atA > reach ? kNoLimit : atA, atB > reach ? kNoLimit : atB);
+  if (distanceOf(shape, middle, reach, cache(2)) < ends - kClearlyNearer)
     addSphere(shape, middle, radius, cache(2), out);
 }
 
@@ -235,16 +254,16 @@ Segment axisOf(const ToolPart& part, const Pose& pose, const Obstacle& obstacle)
 
 bool isFinite(const Pose& pose) { return pose.position.allFinite() && pose.rotation.allFinite(); }
 
-ProximityCache* cachesOf(ToolCache* cache, std::size_t obstacle, int part, int parts) {
+PointCache* cachesOf(ToolCache* cache, std::size_t obstacle, int part, int parts) {
   if (cache == nullptr) return nullptr;
   const std::size_t first = 3 * (obstacle * static_cast<std::size_t>(parts) + static_cast<std::size_t>(part));
-  return first + 3 <= cache->caches.size() ? &cache->caches[first] : nullptr;
+  return first + 3 <= cache->points.size() ? &cache->points[first] : nullptr;
 }
 
 // Analytic shapes: the signed distance of the sphere's centre is convex in time, so Newton's steps from the left never
 // pass its first root. A capsule advances by what distance and speed allow.
 template <typename Analytic>
-SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to, double radius, ProximityCache*) {
+SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to, double radius, PointCache*) {
   SweepHit result;
   const Vec3 wayA = to.a - from.a, wayB = to.b - from.b;
   const bool isSphere = from.a == from.b && to.a == to.b;
@@ -273,9 +292,9 @@ SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to
   return result;
 }
 
-SweepHit sweepPart(const MeshModel& mesh, const Segment& from, const Segment& to, double radius,
-                   ProximityCache* caches) {
-  if (from.a == from.b && to.a == to.b) return sweepSphere(mesh, from.a, to.a, radius, caches);
+SweepHit sweepPart(const MeshModel& mesh, const Segment& from, const Segment& to, double radius, PointCache* caches) {
+  if (from.a == from.b && to.a == to.b)
+    return sweepSphere(mesh, from.a, to.a, radius, caches == nullptr ? nullptr : &caches->proximity);
   return sweepCapsule(mesh, from, to, radius);
 }
 
@@ -310,7 +329,7 @@ void Scene::move(int obstacle, const Pose& pose, const Vec6& twist) noexcept {
 
 ToolCache makeToolCache(const Scene& scene, const Tool& tool) {
   ToolCache cache;
-  cache.caches.resize(3 * scene.obstacles().size() * static_cast<std::size_t>(tool.count));
+  cache.points.resize(3 * scene.obstacles().size() * static_cast<std::size_t>(tool.count));
   return cache;
 }
 
@@ -328,7 +347,7 @@ Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, doub
     for (int k = 0; k < tool.count; ++k) {
       const ToolPart& part = tool.parts[k];
       const Segment axis = axisOf(part, pose, obstacles[i]);
-      ProximityCache* caches = cachesOf(cache, i, k, tool.count);
+      PointCache* caches = cachesOf(cache, i, k, tool.count);
       std::visit([&](const auto& shape) { addPart(shapeOf(shape), axis, part.radius, caches, out); },
                  obstacles[i].shape);
     }
@@ -353,7 +372,7 @@ ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, cons
     for (int k = 0; k < tool.count; ++k) {
       const ToolPart& part = tool.parts[k];
       const Segment first = axisOf(part, from, obstacle), last = axisOf(part, to, obstacle);
-      ProximityCache* caches = cachesOf(cache, i, k, tool.count);
+      PointCache* caches = cachesOf(cache, i, k, tool.count);
       const SweepHit hit =
           std::visit([&](const auto& shape) { return sweepPart(shapeOf(shape), first, last, part.radius, caches); },
                      obstacle.shape);

@@ -16,6 +16,8 @@ using namespace kernel;
 constexpr int kMostNewtonSteps = 64;
 constexpr int kMostAdvances = 1024;
 constexpr int kPickPieces = 32;
+constexpr int kMostBounds = 8;
+constexpr double kMostPieces = 16.0;  // of a segment
 
 Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
 
@@ -142,8 +144,8 @@ double trySegmentTriangle(void* context, std::int32_t slot, double reach) {
     const Vec3 corner = vec(triangle.corner[0]), way = s.segment.b - s.segment.a;
     const double length = way.squaredNorm();
     const double t = length > 0.0 ? std::clamp((corner - s.segment.a).dot(way) / length, 0.0, 1.0) : 0.0;
-    const double radius = std::sqrt(std::max((vec(triangle.corner[1]) - corner).squaredNorm(),
-                                             (vec(triangle.corner[2]) - corner).squaredNorm()));
+    const double radius = std::sqrt(
+        std::max((vec(triangle.corner[1]) - corner).squaredNorm(), (vec(triangle.corner[2]) - corner).squaredNorm()));
     if ((s.segment.a + t * way - corner).norm() * (1.0 - 1e-12) > reach + radius * (1.0 + 1e-12)) return reach;
   }
   SegmentPoint here;
@@ -223,14 +225,35 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
     s.best.status = Status::notFinite;
     return s.best;
   }
-  // The nearest points of three points of the segment bound the distance.
+  // Points of the segment bound the distance; going to and fro between the mesh and the segment tightens the bound.
   double reach = limit;
-  for (const double t : {0.0, 0.5, 1.0}) {
-    const SurfacePoint near = closestPoint(model, segment.a + t * (segment.b - segment.a), nullptr, reach);
-    if (near.triangle >= 0) reach = std::min(reach, near.distance * (1.0 + 1e-12) + 1e-15 * s.data->size);
+  const Vec3 along = segment.b - segment.a;
+  const double square = along.squaredNorm();
+  const auto bound = [&](double t) {
+    const SurfacePoint near = closestPoint(model, segment.a + t * along, nullptr, reach);
+    if (near.triangle < 0) return -1.0;
+    reach = std::min(reach, near.distance * (1.0 + 1e-12) + 1e-15 * s.data->size);
+    return square > 0.0 ? std::clamp((near.point - segment.a).dot(along) / square, 0.0, 1.0) : -1.0;
+  };
+  double next = -1.0;
+  for (const double t : {0.0, 1.0, 0.5, 0.25, 0.75}) {
+    const double better = bound(t);
+    if (better >= 0.0) next = better;
+  }
+  for (int pass = 0; pass < kMostBounds && next >= 0.0; ++pass) {
+    const double before = reach;
+    next = bound(next);
+    if (reach > 0.999 * before) break;
   }
   if (reach > 1e150) return s.best;  // nothing left of the mesh
-  kernel::loops().visit(s.data->view, segment.a.data(), segment.b.data(), reach, &trySegmentTriangle, &s);
+  // Short pieces have small boxes.
+  const Vec3 way = segment.b - segment.a;
+  const double pieces = std::clamp(std::ceil(way.norm() / std::max(reach, 1e-300)), 1.0, kMostPieces);
+  for (double piece = 0.0; piece < pieces; piece += 1.0) {
+    const Vec3 first = segment.a + way * (piece / pieces), last = segment.a + way * ((piece + 1.0) / pieces);
+    if (s.best.triangle >= 0) reach = std::min(reach, s.best.distance);
+    kernel::loops().visit(s.data->view, first.data(), last.data(), reach, &trySegmentTriangle, &s);
+  }
   return s.best;
 }
 

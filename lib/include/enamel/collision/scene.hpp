@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <variant>
@@ -55,9 +56,17 @@ struct Tool {
   int count = 0;
 };
 
+/// What is known of one point of a tool and one obstacle; private to the queries.
+struct PointCache {
+  ProximityCache proximity;
+  std::uint64_t revision = 0;  // of the mesh that the ball belongs to
+  Vec3 centre = Vec3::Zero();  // middle of a ball outside of the obstacle, in the obstacle's frame
+  double clear = -1.0;         // its radius
+};
+
 /// Caches of one tool in one scene. Made outside the ticks; not shared between threads.
 struct ToolCache {
-  std::vector<ProximityCache> caches;  ///< three for each part and obstacle
+  std::vector<PointCache> points;  ///< three for each part and obstacle
 };
 
 /// Caches for `tool` in `scene` as it is now. Realtime: no.
