@@ -393,6 +393,7 @@ void buildHierarchy(MeshData& data) {
   std::frexp(half, &exponent);
   data.view.scale = half > 0.0 ? std::ldexp(1.0, -exponent) : 1.0;
   data.view.extent = 1.0;
+  data.view.tight = 1;
   data.size = (high - low).norm();
 
   data.nodes.clear();

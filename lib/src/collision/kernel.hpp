@@ -63,6 +63,7 @@ struct Mesh {
   double centre[3];
   double scale;
   double extent;  ///< no local coordinate of the mesh is larger: 1 when it is built
+  int32_t tight;  ///< 1 while every box holds a triangle; removing may leave empty ones
   uint64_t revision;
 };
 

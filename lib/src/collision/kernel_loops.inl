@@ -206,13 +206,22 @@ static inline V orientedBounds(const float* rows, int stride, V x, V y, V z) {
   return squared;
 }
 
+// Every box holds a triangle, which is no farther than the farthest corner of the box.
+static inline void tightenToBoxes(Search* s, const Node* node, V x, V y, V z) {
+  const V dx = maximum(sub(x, load(node->low[0])), sub(load(node->high[0]), x));
+  const V dy = maximum(sub(y, load(node->low[1])), sub(load(node->high[1]), y));
+  const V dz = maximum(sub(z, load(node->low[2])), sub(load(node->high[2]), z));
+  const float d = __builtin_sqrtf(smallest(mad(dx, dx, mad(dy, dy, mul(dz, dz))))) + s->slackUp;
+  lowerLimit(s, d * d * 1.000002f);
+}
+
 struct Entry {
   float bound;
   int32_t child;
 };
 
 // Depth first, the nearest child first.
-static inline void searchTree(Search* s) {
+static inline void searchTree(Search* s, int cold) {
   Entry stack[kStackSize];
   int top = 0;
   int32_t current = s->mesh->root;
@@ -223,6 +232,7 @@ static inline void searchTree(Search* s) {
     } else {
       const Node* node = s->mesh->nodes + (current & kNumber);
       V b = boxBounds(node->low[0], node->high[0], kWidth, x, y, z);
+      if (cold != 0 && s->least > 3e38f) tightenToBoxes(s, node, x, y, z);
       unsigned mask = lessOrEqualMask(b, set(s->limit));
       if (mask != 0 && (current & kHasLeaves) != 0) {
         b = maximum(b, orientedBounds(s->mesh->boxes[current & kNumber].row[0], kWidth, x, y, z));
@@ -460,14 +470,14 @@ static inline void searchWithCache(Search* s, Cache* cache) {
   const double step = squaredDistance(s->local, cache->query);
   if (step * 4.0 > cache->margin * cache->margin) {  // a list would not hold for two queries
     if (step <= 1.0 / 4096.0) cache->margin *= 1.1;
-    searchTree(s);
+    searchTree(s, 0);
     return;
   }
   const double nearest = static_cast<double>(surface);
   const double need = nearest + 2.0 * cache->margin;
   const ProximityCache::Region* region = &cache->region[cache->active];
   const double room = region->reach - need - __builtin_sqrt(squaredDistance(s->local, region->origin));
-  if (room < 0.0 || searchRegion(s, nearest, cache) == 0) searchTree(s);
+  if (room < 0.0 || searchRegion(s, nearest, cache) == 0) searchTree(s, 0);
   if (cache->open >= 0) {
     const ProximityCache::Region* next = &cache->region[1 - cache->active];
     if (next->reach - need - __builtin_sqrt(squaredDistance(s->local, next->origin)) < 0.0) cache->open = -1;
@@ -494,7 +504,7 @@ static void closest(const Mesh& mesh, const double point[3], double limitSquared
   } else if (known) {
     searchWithCache(&s, cache);
   } else {
-    searchTree(&s);
+    searchTree(&s, mesh.tight);
   }
   settle(&s);
   if (cache != nullptr && s.slot >= 0) {

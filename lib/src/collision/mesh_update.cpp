@@ -120,6 +120,7 @@ Status removeTriangles(MeshModel& model, const int* triangles, int count) noexce
   MeshData& data = model.data();
   if (!areTriangles(data, triangles, count)) return Status::notFinite;
   data.closed = false;
+  data.view.tight = 0;
   for (int i = 0; i < count; ++i) {
     const int t = triangles[i];
     if (!hasTriangle(data, t)) continue;
@@ -147,6 +148,7 @@ Status replaceTriangles(MeshModel& model, const int* triangles, const std::array
   if (!(extent <= kLargestExtent)) return Status::notFinite;  // a vertex that no triangle used before
   data.view.extent = extent;
   data.closed = false;
+  data.view.tight = 0;
   for (int i = 0; i < count; ++i) {
     const int t = triangles[i];
     if (hasTriangle(data, t)) {
