@@ -18,8 +18,8 @@ TEST_CASE("the report names what was counted", "[unit]") {
 TEST_CASE("a file that cannot be used is refused in one line", "[unit]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "cut.off", "OFF 3 1 0\n0 0 0\n1 0 0\n");
-  for (const std::string& arguments : {"mesh " + (folder / "cut.off"), std::string("mesh"),
-                                       std::string("mesh --generate molar")}) {
+  for (const std::string& arguments :
+       {"mesh " + (folder / "cut.off"), std::string("mesh"), std::string("mesh --generate molar")}) {
     const test::CommandResult result = test::run(arguments);
     CHECK(result.status == 1);
     CHECK(result.output.find('\n') == result.output.size() - 1);

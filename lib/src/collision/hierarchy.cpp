@@ -412,6 +412,7 @@ void buildHierarchy(MeshData& data) {
   data.scratch.reserve(3 * kWidth);
   data.dirtyLeaves.reserve(data.leaves.size());
   data.isDirty.assign(data.leaves.size(), 0);
+  data.isRewritten.assign(data.triangles.size(), 0);
 }
 
 void buildNormals(MeshData& data) {

@@ -40,9 +40,10 @@ struct MeshData {
   // Working space of the updates, as large as it can ever become.
   std::vector<Vec3> scratch;
   std::vector<std::int32_t> dirtyLeaves;
-  std::vector<char> isDirty;  // by leaf
-  bool closed = false;        // every edge has as many triangles one way as the other
-  double size = 0.0;          // diagonal of the bounding box, m
+  std::vector<char> isDirty;      // by leaf
+  std::vector<char> isRewritten;  // by slot
+  bool closed = false;            // every edge has as many triangles one way as the other
+  double size = 0.0;              // diagonal of the bounding box, m
 };
 
 /// One triangle at an edge between two different places.

@@ -83,6 +83,7 @@ void finish(MeshData& data) {
   for (const std::int32_t leaf : data.dirtyLeaves) {
     refitLeaf(data, leaf);
     data.isDirty[leaf] = 0;
+    std::fill_n(data.isRewritten.begin() + leaf * kWidth, kWidth, '\0');
   }
   data.dirtyLeaves.clear();
   data.view.revision = nextRevision();
@@ -109,6 +110,9 @@ Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions
   for (int i = 0; i < count; ++i) data.mesh.vertices[vertices[i]] = positions[i];
   for (int i = 0; i < count; ++i)
     for (std::int32_t c = data.firstCorner[data.place[vertices[i]]]; c >= 0; c = data.nextCorner[c]) {
+      char& isRewritten = data.isRewritten[data.slotOf[c / 3]];
+      if (isRewritten != 0) continue;
+      isRewritten = 1;
       rewrite(data, c / 3);
       taint(data, data.mesh.triangles[c / 3]);
     }
