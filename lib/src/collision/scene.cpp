@@ -166,7 +166,7 @@ void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, PointCa
   const double reach = radius + std::max(out.margin, 0.0);
   const SurfacePoint nearest = distanceBeyond(mesh, centre, reach, cache);
   if (nearest.triangle < 0 || nearest.distance > radius + out.margin) return;
-  const double single = 1e-9 * mesh.data().size;
+  const double single = 1e-9 * reach;
   if (nearest.distance <= single) {  // on or behind the surface: one way out
     out.add(centre, nearest.normal, nearest.distance, radius);
     return;
