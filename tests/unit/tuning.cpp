@@ -8,20 +8,10 @@
 #include "support/control_systems.hpp"
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
+#include "support/tune_problem.hpp"
 
 using namespace enamel;
 using namespace enamel::test;
-
-namespace {
-
-TuneProblem nominalProblem() {
-  const DeviceModel model = makeModel(nominal());
-  const DevicePlant plant = devicePlant(model, Pose{});
-  return {outputsAsStates(linearise(plant.f, plant.h, plant.x0, plant.u0)), plant.jacobian, 1e-3,
-          2.0 * M_PI / model.encoderCounts, model.maxTorque};
-}
-
-}  // namespace
 
 TEST_CASE("the paper's weights, judged") {
   const TuneProblem problem = nominalProblem();
