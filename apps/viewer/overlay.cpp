@@ -209,7 +209,7 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
 
 // ---- over the scene ----------------------------------------------------------------------------------------------
 
-double handForce(const Frame& frame) { return -frame.contacts.contacts[0].normal.dot(frame.record.person.head<3>()); }
+double handForce(const Frame& frame) { return -frame.record.nearest.normal.dot(frame.record.person.head<3>()); }
 
 void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
@@ -222,7 +222,7 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(kWallColour[wall]));
   brush.text(gText, x + 16 * s, y, kMuted, format("%s on %s", kWallName[wall], input.deviceName.c_str()));
 
-  const bool contact = frame.record.gap <= 0.0 || frame.record.mode == RenderMode::contact;
+  const bool contact = frame.record.nearest.gap <= 0.0 || frame.record.mode == RenderMode::contact;
   std::string chip = contact ? "contact" : "free";
   unsigned fill = contact ? kVermilion : kMuted;
   if (frame.testing) chip = "test push", fill = kGreen;
@@ -241,14 +241,14 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   const float s = layout.scale;
   const Frame& frame = input.frame;
   const Area& area = layout.scene;
-  const double depth = -1e3 * frame.record.gap;
+  const double depth = -1e3 * frame.record.nearest.gap;
   struct Number {
     std::string value;
     const char* unit;
     const char* name;
     unsigned colour;
   };
-  const double now = handForce(frame) / std::max(1e-9, -frame.record.gap);
+  const double now = handForce(frame) / std::max(1e-9, -frame.record.nearest.gap);
   const bool inside = depth > 1e-3;
   const Number numbers[] = {
       {depth > -0.0005 ? format("%.3f", std::max(0.0, depth))
@@ -276,17 +276,19 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
 // The contact, seen along the wall, magnified: the wall below, the tool above, whatever the normal.
 void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
   constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // mm a bar
-  constexpr int kSteps = 9;
+  constexpr int kSteps = 9, kCircleSides = 256;
   const float s = layout.scale;
   const Area& area = layout.inset;
   const Frame& frame = input.frame;
-  const Contact& contact = frame.contacts.contacts[0];
+  const Contact& contact = frame.record.nearest;
   const Vec3 n = contact.normal;
   const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
   const Vec3 across = vertical.cross(n).normalized();
-  const Vec3 tool = frame.record.pose.position;
-  const Vec3 surface = tool - frame.record.gap * n;
-  const Vec3 origin = input.ghost ? input.ghostPosition - n * n.dot(input.ghostPosition - surface) : surface;
+  // Everything is shown where the tool's nearest point is, not its TCP.
+  const Vec3 tool = contact.point, fromTcp = tool - frame.record.pose.position;
+  const Vec3 reference = input.ghostPosition + fromTcp;
+  const Vec3 surface = tool - contact.gap * n;
+  const Vec3 origin = input.ghost ? reference - n * n.dot(reference - surface) : surface;
   const float bar = 46 * s;
 
   const Vec3 offset = tool - origin;
@@ -327,13 +329,20 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   };
   const ImVec2 tip = at(tool);
   for (std::size_t i = 1; i < input.trail.size(); ++i)
-    brush.list->AddLine(at(input.trail[i - 1]), at(input.trail[i]),
+    brush.list->AddLine(at(input.trail[i - 1] + fromTcp), at(input.trail[i] + fromTcp),
                         ink(kBlue, static_cast<double>(i) / static_cast<double>(input.trail.size())), 1.5f * s);
-  wedge(tip, ink(kNeedle, 0.88), 0);
+  const auto drawTool = [&](ImVec2 lowest, ImU32 fill, ImU32 outline) {
+    if (input.toolRadius == 0.0) return wedge(lowest, fill, outline);
+    const float radius = static_cast<float>(1e3 * input.toolRadius * perMillimetre);
+    const ImVec2 centre{lowest.x, lowest.y - radius};
+    if (fill != 0) brush.list->AddCircleFilled(centre, radius, fill, kCircleSides);
+    if (outline != 0) brush.list->AddCircle(centre, radius, outline, kCircleSides, 1.5f * s);
+  };
+  drawTool(tip, ink(kNeedle, 0.88), 0);
   if (input.ghost) {
-    const ImVec2 reference = at(input.ghostPosition);
-    wedge(reference, 0, ink(kBlue));
-    brush.list->AddCircle(reference, 4 * s, ink(kBlue), 0, 1.5f * s);
+    const ImVec2 rest = at(reference);
+    drawTool(rest, 0, ink(kBlue));
+    brush.list->AddCircle(rest, 4 * s, ink(kBlue), 0, 1.5f * s);
   }
   const float forceLength = static_cast<float>(std::clamp(4.0 * frame.record.normalForce, 0.0, 80.0)) * s;
   if (frame.record.normalForce > 0.05)
@@ -345,7 +354,7 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     brush.arrow({tip.x - 26 * s, from}, {tip.x - 26 * s, from + length}, kOrange, 3 * s);
   }
   // Dimension of the depth.
-  const double depth = -1e3 * frame.record.gap;
+  const double depth = -1e3 * frame.record.nearest.gap;
   if (depth > 5e-4) {
     const float x = cx + 62 * s, y = tip.y;
     brush.list->AddLine({tip.x, y}, {x + 5 * s, y}, ink(kInk, 0.5), s);
@@ -367,7 +376,7 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const TickRecord& record = input.frame.record;
-  const std::string values[] = {format("%.3f mm", std::max(0.0, -1e3 * record.gap)),
+  const std::string values[] = {format("%.3f mm", std::max(0.0, -1e3 * record.nearest.gap)),
                                 format("%.1f N", record.normalForce),
                                 format("%.2f N m", record.torque.cwiseAbs().maxCoeff())};
   const std::string limits[] = {"paper's bound 1 mm", format("motors allow %.0f N", input.limit.largestForce),
