@@ -12,5 +12,6 @@ void addDesign(CLI::App& app);
 void addPush(CLI::App& app);
 void addBench(CLI::App& app);
 void addMesh(CLI::App& app);
+void addPlugins(CLI::App& app);
 
 }  // namespace enamel::app
