@@ -7,18 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "enamel/control/device_plant.hpp"
-#include "enamel/control/servo_design.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/render/impedance.hpp"
-#include "enamel/render/position_control.hpp"
-#include "enamel/study/metrics.hpp"
+#include "renderers.hpp"
 
 namespace enamel::app {
 namespace {
-
-constexpr const char* kPositionControl = "position-control";
-constexpr const char* kImpedance = "impedance";
 
 struct Options {
   std::string device, output;
@@ -30,33 +23,6 @@ struct Options {
   ImpedanceOptions impedance{6000.0, 0.0, 4.0};
   PushSetup setup;
 };
-
-// "none", "constant:d" or "random:a..b", in ticks.
-Delay parseDelay(const std::string& text) {
-  int low = 0, high = 0;
-  char rest = 0;
-  if (text == "none") return {0, 0};
-  if (std::sscanf(text.c_str(), "constant:%d%c", &low, &rest) == 1) return {low, low};
-  if (std::sscanf(text.c_str(), "random:%d..%d%c", &low, &high, &rest) == 2) return {low, high};
-  throw Error("--delay is \"" + text + "\", must be none, constant:D or random:A..B with whole ticks");
-}
-
-std::unique_ptr<Renderer> makeRenderer(const std::string& name, const DeviceModel& model, const Options& options) {
-  if (name == kImpedance) return std::make_unique<ImpedanceRenderer>(model, options.impedance);
-  const DevicePlant plant = devicePlant(model, Pose{});
-  const StateSpace linear = outputsAsStates(linearise(plant.f, plant.h, plant.x0, plant.u0));
-  PositionControlOptions servo;
-  servo.release = options.release;
-  servo.antiWindup = options.antiWindup;
-  return std::make_unique<PositionControlRenderer>(model, designServo(linear, options.setup.period, ServoWeights{}).K,
-                                                   options.setup.period, servo);
-}
-
-// The impedance wall runs on a plant with mechanical damping along z, as in the paper; the servo on one without.
-DeviceModel plantFor(const std::string& name, DeviceParameters device, const Options& options) {
-  if (name == kImpedance) device.platform.damping[2] += options.impedance.deviceDamping;
-  return makeModel(device);
-}
 
 class CsvFile {
  public:
@@ -149,25 +115,6 @@ void printTable(const std::vector<std::string>& names, const std::vector<PushMet
   if (scenario == 1) fmt::print("* extremes over the paper's 121 query points on its own device: compare magnitudes\n");
 }
 
-nlohmann::ordered_json toJson(const PushMetrics& m) {
-  nlohmann::ordered_json json;
-  const auto optional = [](const std::optional<double>& v) { return v ? nlohmann::ordered_json(*v) : nullptr; };
-  json["D_z1 [m]"] = optional(m.firstDepth);
-  json["K_z1 [N/m]"] = optional(m.firstStiffness);
-  json["D_zs [m]"] = m.steadyDepth;
-  json["C_zs [m/N]"] = m.steadyCompliance;
-  json["rms_depth [m]"] = m.rmsDepth;
-  json["depth_95 [m]"] = m.depth95;
-  json["largest_depth [m]"] = m.largestDepth;
-  json["chatter [N m]"] = m.chatter;
-  json["saturated_share"] = m.saturatedShare;
-  json["tangential_force [N]"] = m.tangentialForce;
-  json["work [J]"] = m.work;
-  json["drift [m]"] = m.drift;
-  json["faults"] = m.faults;
-  return json;
-}
-
 // run.csv, or run-impedance.csv where several renderers write beside each other.
 std::string outputFor(const Options& options, const std::string& renderer) {
   if (options.renderers.size() == 1) return options.output;
@@ -196,8 +143,11 @@ void run(Options options) {
   std::vector<PushMetrics> metrics;
   nlohmann::ordered_json json;
   for (const std::string& name : options.renderers) {
-    const DeviceModel plant = plantFor(name, device, options);
-    const std::unique_ptr<Renderer> renderer = makeRenderer(name, model, options);
+    const DeviceModel plant = plantFor(name, device, options.impedance);
+    PositionControlOptions servo;
+    servo.release = options.release;
+    servo.antiWindup = options.antiWindup;
+    const std::unique_ptr<Renderer> renderer = makeRenderer(name, model, setup.period, servo, options.impedance);
     std::optional<CsvFile> csv;
     if (!options.output.empty()) csv.emplace(outputFor(options, name));
     MetricsCollector collector(setup);
