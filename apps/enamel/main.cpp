@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   enamel::app::addEvaluate(app);
   enamel::app::addDesign(app);
   enamel::app::addPush(app);
+  enamel::app::addStudy(app);
   enamel::app::addMesh(app);
   enamel::app::addPlugins(app);
   enamel::app::addBench(app);
@@ -22,6 +23,9 @@ int main(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::fprintf(stderr, "enamel: %s (see enamel --help)\n", error.what());
     return 2;
+  } catch (const enamel::app::Interrupted& error) {
+    std::fprintf(stderr, "enamel: %s\n", error.what());
+    return error.exitStatus();
   } catch (const std::exception& error) {
     std::string message = error.what();
     for (char& c : message)

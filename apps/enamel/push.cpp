@@ -2,24 +2,19 @@
 #include <fmt/os.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "enamel/collision/scene_file.hpp"
-#include "enamel/control/device_plant.hpp"
-#include "enamel/control/servo_design.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/render/impedance.hpp"
-#include "enamel/render/position_control.hpp"
-#include "enamel/study/metrics.hpp"
+#include "plugin_folder.hpp"
+#include "renderers.hpp"
 
 namespace enamel::app {
 namespace {
-
-constexpr const char* kPositionControl = "position-control";
-constexpr const char* kImpedance = "impedance";
 
 struct Options {
   std::string device, scene, output;
@@ -27,37 +22,11 @@ struct Options {
   std::string mode = "hold", delay = "none";
   bool release = true, guide = true, encoders = false, antiWindup = false, json = false;
   std::string rates;
+  std::vector<std::string> set;
   double x_mm = 0.0, y_mm = 0.0, lowPass_Hz = 100.0;
   ImpedanceOptions impedance{6000.0, 0.0, 4.0};
   PushSetup setup;
 };
-
-// "none", "constant:d" or "random:a..b", in ticks.
-Delay parseDelay(const std::string& text) {
-  int low = 0, high = 0;
-  char rest = 0;
-  if (text == "none") return {0, 0};
-  if (std::sscanf(text.c_str(), "constant:%d%c", &low, &rest) == 1) return {low, low};
-  if (std::sscanf(text.c_str(), "random:%d..%d%c", &low, &high, &rest) == 2) return {low, high};
-  throw Error("--delay is \"" + text + "\", must be none, constant:D or random:A..B with whole ticks");
-}
-
-std::unique_ptr<Renderer> makeRenderer(const std::string& name, const DeviceModel& model, const Options& options) {
-  if (name == kImpedance) return std::make_unique<ImpedanceRenderer>(model, options.impedance);
-  const DevicePlant plant = devicePlant(model, Pose{});
-  const StateSpace linear = outputsAsStates(linearise(plant.f, plant.h, plant.x0, plant.u0));
-  PositionControlOptions servo;
-  servo.release = options.release;
-  servo.antiWindup = options.antiWindup;
-  return std::make_unique<PositionControlRenderer>(model, designServo(linear, options.setup.period, ServoWeights{}).K,
-                                                   options.setup.period, servo);
-}
-
-// The impedance wall runs on a plant with mechanical damping along z, as in the paper; the servo on one without.
-DeviceModel plantFor(const std::string& name, DeviceParameters device, const Options& options) {
-  if (name == kImpedance) device.platform.damping[2] += options.impedance.deviceDamping;
-  return makeModel(device);
-}
 
 class CsvFile {
  public:
@@ -150,25 +119,6 @@ void printTable(const std::vector<std::string>& names, const std::vector<PushMet
   if (scenario == 1) fmt::print("* extremes over the paper's 121 query points on its own device: compare magnitudes\n");
 }
 
-nlohmann::ordered_json toJson(const PushMetrics& m) {
-  nlohmann::ordered_json json;
-  const auto optional = [](const std::optional<double>& v) { return v ? nlohmann::ordered_json(*v) : nullptr; };
-  json["D_z1 [m]"] = optional(m.firstDepth);
-  json["K_z1 [N/m]"] = optional(m.firstStiffness);
-  json["D_zs [m]"] = m.steadyDepth;
-  json["C_zs [m/N]"] = m.steadyCompliance;
-  json["rms_depth [m]"] = m.rmsDepth;
-  json["depth_95 [m]"] = m.depth95;
-  json["largest_depth [m]"] = m.largestDepth;
-  json["chatter [N m]"] = m.chatter;
-  json["saturated_share"] = m.saturatedShare;
-  json["tangential_force [N]"] = m.tangentialForce;
-  json["work [J]"] = m.work;
-  json["drift [m]"] = m.drift;
-  json["faults"] = m.faults;
-  return json;
-}
-
 // run.csv, or run-impedance.csv where several renderers write beside each other.
 std::string outputFor(const Options& options, const std::string& renderer) {
   if (options.renderers.size() == 1) return options.output;
@@ -207,11 +157,28 @@ void run(Options options) {
   checkPush(setup);
   const DampingBound bound = dampingBound(options.impedance, setup.period);
 
+  std::vector<RendererSource> sources;
+  for (std::string& name : options.renderers) {
+    sources.push_back(findRenderer(name));
+    name = sources.back().name;
+    if (std::count(options.renderers.begin(), options.renderers.end(), name) > 1)
+      throw Error("--renderer names " + name + " twice");
+  }
+  const PluginSetup plugin{options.device, "", options.scene, "", parseParameters(options.set)};
+  if (!plugin.parameters.empty() && std::none_of(sources.begin(), sources.end(), [](const auto& s) { return s.plugin; }))
+    throw Error("--set is for plugins, and --renderer names none");
+
   std::vector<PushMetrics> metrics;
   nlohmann::ordered_json json;
-  for (const std::string& name : options.renderers) {
-    const DeviceModel plant = plantFor(name, device, options);
-    const std::unique_ptr<Renderer> renderer = makeRenderer(name, model, options);
+  for (const RendererSource& source : sources) {
+    const std::string& name = source.name;
+    const DeviceModel plant = plantFor(name, device, options.impedance);
+    PositionControlOptions servo;
+    servo.release = options.release;
+    servo.antiWindup = options.antiWindup;
+    const std::unique_ptr<Renderer> renderer =
+        source.plugin ? makeRenderer(source.plugin, plugin)
+                      : makeRenderer(name, model, setup.period, servo, options.impedance);
     std::optional<CsvFile> csv;
     if (!options.output.empty()) csv.emplace(outputFor(options, name));
     MetricsCollector collector(setup);
@@ -264,10 +231,13 @@ void addPush(CLI::App& app) {
         ->default_str(value ? "on" : "off");
   };
   command->add_option("--device", options->device, "device file (TOML)")->required();
-  command->add_option("--renderer", options->renderers, "position-control, impedance, or both, separated by a comma")
+  command
+      ->add_option("--renderer", options->renderers,
+                   "position-control, impedance, the name of a plugin (see enamel plugins) or its path; several are "
+                   "separated by commas")
       ->delimiter(',')
-      ->check(CLI::IsMember({kPositionControl, kImpedance}))
       ->capture_default_str();
+  command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE");
   command->add_option("--mode", options->mode, "of position-control: hold (sticks to the point of touch)")
       ->check(CLI::IsMember({"hold"}))
       ->capture_default_str();

@@ -64,9 +64,7 @@ Path pathThroughTheWall(const DeviceModel& model, int ticks) {
 
 std::vector<Measurement> measureTick(double scale) {
   const DeviceModel model = makeModel(nominalDevice());
-  const DevicePlant plant = devicePlant(model, Pose{});
-  const ServoDesign servo =
-      designServo(outputsAsStates(linearise(plant.f, plant.h, plant.x0, plant.u0)), kPeriod, ServoWeights{});
+  const ServoDesign servo = designServo(model, Pose{}, kPeriod);
   PositionControlRenderer hold(model, servo.K, kPeriod, {});
   ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
   const int ticks = std::max(2000, static_cast<int>(50000 * scale));

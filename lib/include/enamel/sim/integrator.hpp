@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 
 #include "enamel/device/dynamics.hpp"
 #include "enamel/device/kinematics.hpp"
@@ -18,38 +19,63 @@ struct DeviceState {
   Pose pose() const noexcept { return {position, orientation.toRotationMatrix()}; }
 };
 
-/// One step of the classical fourth-order Runge-Kutta method (Kutta 1901) under constant joint torques (N m) and the
-/// wrench load(time, pose, twist) on the platform at the TCP (N, N m). The quaternion is integrated as a vector and
-/// brought back to unit length at every evaluation. Returns the status of the first configuration that is not
-/// regular; `state` is then unchanged.
+/// How the motion between two ticks is integrated. What each costs and how far it is from the converged motion:
+/// `enamel study --convergence`.
+enum class Integrator : std::uint8_t {
+  rungeKutta4,        ///< classical, fourth order (Kutta 1901), four evaluations a step
+  midpoint,           ///< Runge's second-order method (1895), two evaluations
+  semiImplicitEuler,  ///< first order, one evaluation: the new velocity moves the pose
+};
+
+/// Rates of a state.
+struct DeviceSlope {
+  Vec3 position;                            ///< m/s
+  Eigen::Matrix<double, 4, 1> orientation;  ///< of the quaternion's coefficients, 1/s
+  Vec6 twist;                               ///< m/s^2, rad/s^2
+};
+
+namespace detail {
+
+inline Eigen::Matrix<double, 4, 1> orientationRate(const DeviceState& s, const Vec6& twist) noexcept {
+  return 0.5 * (Eigen::Quaternion<double>(0.0, twist[3], twist[4], twist[5]) * s.orientation).coeffs();
+}
+
+template <typename Load>
+Status slopeAt(const DeviceModel& model, double time, const DeviceState& s, const Vec6& torque, const Load& load,
+               DeviceSlope& slope) noexcept {
+  Configuration configuration;
+  const Pose pose{s.position, s.orientation.normalized().toRotationMatrix()};
+  const Status status = configure(model, pose, configuration);
+  if (status != Status::ok) return status;
+  slope.position = s.twist.head<3>();
+  slope.orientation = orientationRate(s, s.twist);
+  slope.twist = forwardDynamics(model, configuration, s.twist, torque, load(time, pose, s.twist));
+  return Status::ok;
+}
+
+inline DeviceState moved(const DeviceState& state, const DeviceSlope& slope, double h) noexcept {
+  DeviceState s = state;
+  s.position += h * slope.position;
+  s.orientation.coeffs() += h * slope.orientation;
+  s.twist += h * slope.twist;
+  return s;
+}
+
+}  // namespace detail
+
+/// One step of the classical fourth-order Runge-Kutta method under constant joint torques (N m) and the wrench
+/// load(time, pose, twist) on the platform at the TCP (N, N m). The quaternion is integrated as a vector and brought
+/// back to unit length at every evaluation. Returns the status of the first configuration that is not regular; `state`
+/// is then unchanged.
 /// Realtime: yes, if `load` is.
 template <typename Load>
 [[nodiscard]] Status stepRungeKutta4(const DeviceModel& model, double time, double dt, const Vec6& torque,
                                      const Load& load, DeviceState& state) noexcept {
-  struct Slope {
-    Vec3 position;
-    Eigen::Matrix<double, 4, 1> orientation;
-    Vec6 twist;
+  const auto slopeAt = [&](double t, const DeviceState& s, DeviceSlope& slope) {
+    return detail::slopeAt(model, t, s, torque, load, slope);
   };
-  const auto slopeAt = [&](double t, const DeviceState& s, Slope& slope) -> Status {
-    Configuration configuration;
-    const Pose pose{s.position, s.orientation.normalized().toRotationMatrix()};
-    const Status status = configure(model, pose, configuration);
-    if (status != Status::ok) return status;
-    const Vec3 w = s.twist.tail<3>();
-    slope.position = s.twist.head<3>();
-    slope.orientation = 0.5 * (Eigen::Quaternion<double>(0.0, w.x(), w.y(), w.z()) * s.orientation).coeffs();
-    slope.twist = forwardDynamics(model, configuration, s.twist, torque, load(t, pose, s.twist));
-    return Status::ok;
-  };
-  const auto moved = [&state](const Slope& slope, double h) {
-    DeviceState s = state;
-    s.position += h * slope.position;
-    s.orientation.coeffs() += h * slope.orientation;
-    s.twist += h * slope.twist;
-    return s;
-  };
-  Slope k1, k2, k3, k4;
+  const auto moved = [&state](const DeviceSlope& slope, double h) { return detail::moved(state, slope, h); };
+  DeviceSlope k1, k2, k3, k4;
   if (const Status s = slopeAt(time, state, k1); s != Status::ok) return s;
   if (const Status s = slopeAt(time + 0.5 * dt, moved(k1, 0.5 * dt), k2); s != Status::ok) return s;
   if (const Status s = slopeAt(time + 0.5 * dt, moved(k2, 0.5 * dt), k3); s != Status::ok) return s;
@@ -60,6 +86,44 @@ template <typename Load>
   state.orientation.normalize();
   state.twist += sixth * (k1.twist + 2.0 * (k2.twist + k3.twist) + k4.twist);
   return Status::ok;
+}
+
+/// One step of the midpoint method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
+template <typename Load>
+[[nodiscard]] Status stepMidpoint(const DeviceModel& model, double time, double dt, const Vec6& torque,
+                                  const Load& load, DeviceState& state) noexcept {
+  DeviceSlope slope;
+  if (const Status s = detail::slopeAt(model, time, state, torque, load, slope); s != Status::ok) return s;
+  const DeviceState middle = detail::moved(state, slope, 0.5 * dt);
+  if (const Status s = detail::slopeAt(model, time + 0.5 * dt, middle, torque, load, slope); s != Status::ok) return s;
+  state = detail::moved(state, slope, dt);
+  state.orientation.normalize();
+  return Status::ok;
+}
+
+/// One step of the semi-implicit Euler method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
+template <typename Load>
+[[nodiscard]] Status stepSemiImplicitEuler(const DeviceModel& model, double time, double dt, const Vec6& torque,
+                                           const Load& load, DeviceState& state) noexcept {
+  DeviceSlope slope;
+  if (const Status s = detail::slopeAt(model, time, state, torque, load, slope); s != Status::ok) return s;
+  state.twist += dt * slope.twist;
+  state.position += dt * state.twist.head<3>();
+  state.orientation.coeffs() += dt * detail::orientationRate(state, state.twist);
+  state.orientation.normalize();
+  return Status::ok;
+}
+
+/// One step of the given method. Realtime: yes, if `load` is.
+template <typename Load>
+[[nodiscard]] Status stepMotion(Integrator integrator, const DeviceModel& model, double time, double dt,
+                                const Vec6& torque, const Load& load, DeviceState& state) noexcept {
+  switch (integrator) {
+    case Integrator::midpoint: return stepMidpoint(model, time, dt, torque, load, state);
+    case Integrator::semiImplicitEuler: return stepSemiImplicitEuler(model, time, dt, torque, load, state);
+    case Integrator::rungeKutta4: break;
+  }
+  return stepRungeKutta4(model, time, dt, torque, load, state);
 }
 
 }  // namespace enamel

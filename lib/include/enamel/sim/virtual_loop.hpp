@@ -17,6 +17,7 @@ struct LoopSetup {
   Delay delay;
   double period = 1e-3;  ///< Ts, s
   int substeps = 1;      ///< integration steps a tick
+  Integrator integrator = Integrator::rungeKutta4;
   std::uint64_t seed = 1;
   std::uint32_t run = 0;  ///< number of the random stream
 };
@@ -60,7 +61,8 @@ class VirtualLoop {
     const double step = setup_.period / setup_.substeps;
     for (int i = 0; i < setup_.substeps; ++i) {
       const double time = record.time + i * step;
-      if (const Status status = stepRungeKutta4(model_, time, step, record.torque, load, state_); status != Status::ok)
+      if (const Status status = stepMotion(setup_.integrator, model_, time, step, record.torque, load, state_);
+          status != Status::ok)
         return status;
     }
     ++tick_;

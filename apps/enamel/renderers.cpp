@@ -1,0 +1,71 @@
+#include "renderers.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "enamel/core/error.hpp"
+#include "plugin_folder.hpp"
+
+namespace enamel::app {
+
+Delay parseDelay(const std::string& text) {
+  int low = 0, high = 0;
+  char rest = 0;
+  if (text == "none") return {0, 0};
+  if (std::sscanf(text.c_str(), "constant:%d%c", &low, &rest) == 1) return {low, low};
+  if (std::sscanf(text.c_str(), "random:%d..%d%c", &low, &high, &rest) == 2) return {low, high};
+  throw Error("--delay is \"" + text + "\", must be none, constant:D or random:A..B with whole ticks");
+}
+
+RendererSource findRenderer(const std::string& nameOrPath) {
+  if (nameOrPath == kPositionControl || nameOrPath == kImpedance) return {nameOrPath, nullptr};
+  if (nameOrPath.find('/') != std::string::npos || nameOrPath.find(".so") != std::string::npos) {
+    auto library = PluginLibrary::load(nameOrPath);
+    return {library->description().name, library};
+  }
+  std::string known = std::string(kPositionControl) + ", " + kImpedance;
+  const std::string folder = pluginFolder();
+  std::error_code ignored;
+  if (std::filesystem::is_directory(folder, ignored)) {
+    for (const PluginFinding& finding : findPlugins(folder)) {
+      if (!finding.library) continue;
+      const std::string name = finding.library->description().name;
+      if (name == nameOrPath) return {name, finding.library};
+      if (name != kPositionControl && name != kImpedance) known += ", " + name;
+    }
+  }
+  throw Error("renderer \"" + nameOrPath + "\" is unknown: there are " + known + ", and paths of plugins (.so)");
+}
+
+std::unique_ptr<Renderer> makeRenderer(const std::string& name, const DeviceModel& model, double period,
+                                       const PositionControlOptions& servo, const ImpedanceOptions& impedance) {
+  if (name == kImpedance) return std::make_unique<ImpedanceRenderer>(model, impedance);
+  return std::make_unique<PositionControlRenderer>(model, designServo(model, Pose{}, period).K, period, servo);
+}
+
+DeviceModel plantFor(const std::string& name, DeviceParameters device, const ImpedanceOptions& impedance) {
+  if (name == kImpedance) device.platform.damping[2] += impedance.deviceDamping;
+  return makeModel(device);
+}
+
+nlohmann::ordered_json toJson(const PushMetrics& m) {
+  nlohmann::ordered_json json;
+  const auto optional = [](const std::optional<double>& v) { return v ? nlohmann::ordered_json(*v) : nullptr; };
+  json["D_z1 [m]"] = optional(m.firstDepth);
+  json["K_z1 [N/m]"] = optional(m.firstStiffness);
+  json["D_zs [m]"] = m.steadyDepth;
+  json["C_zs [m/N]"] = m.steadyCompliance;
+  json["rms_depth [m]"] = m.rmsDepth;
+  json["depth_95 [m]"] = m.depth95;
+  json["largest_depth [m]"] = m.largestDepth;
+  json["chatter [N m]"] = m.chatter;
+  json["saturated_share"] = m.saturatedShare;
+  json["tangential_force [N]"] = m.tangentialForce;
+  json["work [J]"] = m.work;
+  json["drift [m]"] = m.drift;
+  json["faults"] = m.faults;
+  return json;
+}
+
+}  // namespace enamel::app

@@ -1,0 +1,128 @@
+// Monte Carlo over a wall ("A Position-Control Based Approach to Haptic Rendering of Stiff Objects", section V): which
+// runs, their statistics at every query point, and what holds over the whole wall.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "enamel/study/metrics.hpp"
+
+namespace enamel {
+
+/// A renderer to be judged, with the plant that it runs on.
+struct StudyColumn {
+  std::string name;
+  DeviceModel plant;
+  /// Makes the renderer for a query point; called from any thread.
+  std::function<std::unique_ptr<Renderer>(std::size_t point)> make;
+};
+
+/// Everything that determines a study. Runs are numbered scenario by scenario, column by column, point by point.
+struct StudyPlan {
+  std::vector<int> scenarios = {1, 2};
+  std::vector<StudyColumn> columns;
+  int grid = 11;                                  ///< query points along x, and along y
+  double halfWidth = 0.025;                       ///< of the grid, m
+  int runs = 20;                                  ///< a query point
+  double lowestForce = 8.0, highestForce = 15.0;  ///< of F_c, uniform between, N
+  PushSetup setup;                                ///< of every run; start, scenario, force and run number are its own
+
+  std::size_t points() const { return static_cast<std::size_t>(grid) * static_cast<std::size_t>(grid); }
+  std::size_t size() const;  ///< number of runs
+};
+
+inline constexpr int kMaxGrid = 101, kMaxRuns = 10000;
+
+/// Checks a plan before any run. Throws Error: grid outside 1 to kMaxGrid; runs outside 1 to kMaxRuns; no scenario, no
+/// column; as checkPush() for every scenario; a query point that a plant cannot reach. Realtime: no.
+void checkStudy(const StudyPlan& plan);
+
+/// Query point by its number, x running fastest, both from the negative end; on the wall z = 0, m. Realtime: yes.
+Vec3 queryPoint(const StudyPlan& plan, std::size_t point) noexcept;
+
+/// One run of a study. The columns share their random numbers: F_c, noise and delays depend on the seed, the scenario,
+/// the point and the number of the run at the point alone.
+struct StudyRun {
+  int scenario = 1;
+  std::size_t column = 0, point = 0;
+  int run = 0;
+  double force = 0.0;        ///< F_c, N
+  std::uint32_t stream = 0;  ///< of the random numbers
+};
+
+/// Run by its number. Realtime: yes.
+StudyRun runAt(const StudyPlan& plan, std::size_t index) noexcept;
+
+/// What came out of a run. `status` is ok, or why the plant could not go on: then there are no metrics.
+struct StudyResult {
+  StudyRun run;
+  Status status = Status::ok;
+  PushMetrics metrics;
+};
+
+/// Performs a run; `record`, if any, sees every tick. Throws as runPush(). Realtime: no; any thread.
+StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
+                       const std::function<void(const TickRecord&)>& record = {});
+
+/// Mean and standard deviation (n - 1) of what was measured; NaN where there are not enough values.
+struct Spread {
+  int count = 0;
+  double mean = 0.0, deviation = 0.0;
+};
+Spread spreadOf(const std::vector<double>& values);
+
+/// The runs of one scenario and column at one query point.
+struct PointStatistics {
+  int scenario = 1;
+  std::size_t column = 0, point = 0;
+  int runs = 0, failed = 0;               ///< failed: the plant left its workspace; not in the figures below
+  Spread firstDepth;                      ///< D_z1, m
+  Spread firstStiffness;                  ///< K_z1, N/m, over the runs that have one
+  Spread compliance;                      ///< C_zs, m/N
+  std::optional<double> steadyStiffness;  ///< K_zs = 1 / |mean C_zs|, N/m; nothing where unresolved: |mean C_zs| below
+                                          ///< two standard errors, or fewer than two runs
+  Spread forceOverRms;                    ///< F_c / rms depth, N/m
+  Spread forceOver95;                     ///< F_c / 95th percentile of the depth, N/m
+  double largestDepth = 0.0;              ///< of all runs, m
+  double chatter = 0.0;                   ///< mean, N m
+  double saturatedShare = 0.0;            ///< mean
+  double tangentialForce = 0.0;           ///< mean, N
+  double drift = 0.0;                     ///< largest, m
+  std::uint64_t faults = 0;
+};
+
+/// Statistics of the runs of one point. Realtime: no.
+PointStatistics statisticsOf(const std::vector<StudyResult>& runs);
+
+/// Statistics of all points, scenario by scenario, column by column; `results` in the order of their numbers, complete.
+std::vector<PointStatistics> pointStatistics(const StudyPlan& plan, const std::vector<StudyResult>& results);
+
+/// A value and the query point that has it.
+struct Extreme {
+  double value = 0.0;
+  std::size_t point = 0;
+};
+
+/// What holds over the wall for one scenario and column. "Lowest" is the lowest of the points' means.
+struct WallSummary {
+  int scenario = 1;
+  std::size_t column = 0;
+  std::optional<Extreme> lowestFirst, highestFirst;                   ///< K_z1, N/m
+  std::optional<Extreme> lowestSteady, highestSteady;                 ///< K_zs, N/m, of the points that are resolved
+  Extreme lowestCompliance, highestCompliance;                        ///< |mean C_zs|, m/N
+  Spread steady;                                                      ///< K_zs over the resolved points
+  int unresolved = 0;                                                 ///< points without K_zs
+  double lowestOverRms = 0.0, lowestOver95 = 0.0;                     ///< F_c / rms and F_c / 95th percentile, N/m
+  double largestDepth = 0.0, drift = 0.0;                             ///< m
+  double chatter = 0.0, saturatedShare = 0.0, tangentialForce = 0.0;  ///< largest of the points' means
+  int failed = 0, withoutFirst = 0;  ///< runs; withoutFirst: scenario 1 without a first impact
+  std::uint64_t faults = 0;
+};
+
+/// Summaries, scenario by scenario, column by column. Realtime: no.
+std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<PointStatistics>& points);
+
+}  // namespace enamel

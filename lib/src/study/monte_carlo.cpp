@@ -1,0 +1,209 @@
+#include "enamel/study/monte_carlo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/toml.hpp"
+#include "enamel/core/error.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw Error(message);
+}
+
+std::string millimetres(double metres) { return formatNumber(1e-6 * std::nearbyint(1e9 * metres)); }
+
+}  // namespace
+
+std::size_t StudyPlan::size() const {
+  return scenarios.size() * columns.size() * points() * static_cast<std::size_t>(runs);
+}
+
+void checkStudy(const StudyPlan& plan) {
+  require(plan.grid >= 1 && plan.grid <= kMaxGrid, "grid is " + std::to_string(plan.grid) + ", must be in 1 to " +
+                                                       std::to_string(kMaxGrid) + " query points a side");
+  require(plan.runs >= 1 && plan.runs <= kMaxRuns,
+          "runs is " + std::to_string(plan.runs) + ", must be in 1 to " + std::to_string(kMaxRuns) + " a query point");
+  require(!plan.scenarios.empty(), "the study has no scenario");
+  require(!plan.columns.empty(), "the study has no renderer");
+  PushSetup setup = plan.setup;
+  for (const int scenario : plan.scenarios) {
+    setup.person.scenario = scenario;
+    checkPush(setup);
+  }
+  for (const StudyColumn& column : plan.columns)
+    for (std::size_t point = 0; point < plan.points(); ++point) {
+      Pose pose = plan.setup.start;
+      pose.position = queryPoint(plan, point);
+      Configuration configuration;
+      const Status status = configure(column.plant, pose, configuration);
+      require(status == Status::ok, "query point (" + millimetres(pose.position.x()) + ", " +
+                                        millimetres(pose.position.y()) + ") mm is " + toString(status));
+    }
+}
+
+Vec3 queryPoint(const StudyPlan& plan, std::size_t point) noexcept {
+  if (plan.grid <= 1) return Vec3::Zero();
+  const auto side = static_cast<std::size_t>(plan.grid);
+  const auto along = [&plan](std::size_t i) {  // exactly symmetric about 0
+    const double steps = static_cast<double>(plan.grid - 1);
+    return plan.halfWidth * (2.0 * static_cast<double>(i) - steps) / steps;
+  };
+  return {along(point % side), along(point / side), 0.0};
+}
+
+StudyRun runAt(const StudyPlan& plan, std::size_t index) noexcept {
+  const auto runs = static_cast<std::size_t>(plan.runs);
+  StudyRun run;
+  run.run = static_cast<int>(index % runs);
+  run.point = index / runs % plan.points();
+  run.column = index / runs / plan.points() % plan.columns.size();
+  run.scenario = plan.scenarios[index / runs / plan.points() / plan.columns.size()];
+  run.stream =
+      (static_cast<std::uint32_t>(run.scenario - 1) * kMaxGrid * kMaxGrid + static_cast<std::uint32_t>(run.point)) *
+          kMaxRuns +
+      static_cast<std::uint32_t>(run.run);
+  const double share = RandomStream(plan.setup.seed, run.stream).uniform(RandomStream::Purpose::force, 0);
+  run.force = plan.lowestForce + (plan.highestForce - plan.lowestForce) * share;
+  return run;
+}
+
+StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
+                       const std::function<void(const TickRecord&)>& record) {
+  PushSetup setup = plan.setup;
+  setup.start.position = queryPoint(plan, run.point);
+  setup.person.scenario = run.scenario;
+  setup.person.force = run.force;
+  setup.run = run.stream;
+  const StudyColumn& column = plan.columns[run.column];
+  const std::unique_ptr<Renderer> renderer = column.make(run.point);
+  MetricsCollector collector(setup);
+  StudyResult result;
+  result.run = run;
+  result.status = runPush(column.plant, *renderer, setup, [&](const TickRecord& tick) {
+                    collector.add(tick);
+                    if (record) record(tick);
+                  }).status;
+  if (result.status == Status::ok) result.metrics = collector.metrics();
+  return result;
+}
+
+Spread spreadOf(const std::vector<double>& values) {
+  Spread spread{static_cast<int>(values.size()), kNone, kNone};
+  if (values.empty()) return spread;
+  const double count = static_cast<double>(values.size());
+  double sum = 0.0, squares = 0.0;
+  for (const double value : values) sum += value;
+  spread.mean = sum / count;
+  for (const double value : values) squares += (value - spread.mean) * (value - spread.mean);
+  if (values.size() > 1) spread.deviation = std::sqrt(squares / (count - 1.0));
+  return spread;
+}
+
+PointStatistics statisticsOf(const std::vector<StudyResult>& runs) {
+  PointStatistics s;
+  s.runs = static_cast<int>(runs.size());
+  if (runs.empty()) return s;
+  s.scenario = runs.front().run.scenario;
+  s.column = runs.front().run.column;
+  s.point = runs.front().run.point;
+  std::vector<double> depth, stiffness, compliance, overRms, over95, chatter, saturated, tangential;
+  for (const StudyResult& result : runs) {
+    if (result.status != Status::ok) {
+      ++s.failed;
+      continue;
+    }
+    const PushMetrics& m = result.metrics;
+    if (m.firstDepth) depth.push_back(*m.firstDepth);
+    if (m.firstStiffness) stiffness.push_back(*m.firstStiffness);
+    compliance.push_back(m.steadyCompliance);
+    if (m.rmsDepth > 0.0) overRms.push_back(result.run.force / m.rmsDepth);
+    if (m.depth95 > 0.0) over95.push_back(result.run.force / m.depth95);
+    chatter.push_back(m.chatter);
+    saturated.push_back(m.saturatedShare);
+    tangential.push_back(m.tangentialForce);
+    s.largestDepth = std::max(s.largestDepth, m.largestDepth);
+    s.drift = std::max(s.drift, m.drift);
+    s.faults += m.faults;
+  }
+  s.firstDepth = spreadOf(depth);
+  s.firstStiffness = spreadOf(stiffness);
+  s.compliance = spreadOf(compliance);
+  s.forceOverRms = spreadOf(overRms);
+  s.forceOver95 = spreadOf(over95);
+  s.chatter = spreadOf(chatter).mean;
+  s.saturatedShare = spreadOf(saturated).mean;
+  s.tangentialForce = spreadOf(tangential).mean;
+  // A deviation of NaN (fewer than two runs) resolves nothing.
+  const double standardError = s.compliance.deviation / std::sqrt(static_cast<double>(s.compliance.count));
+  const double mean = std::abs(s.compliance.mean);
+  if (mean >= 2.0 * standardError && mean > 0.0) s.steadyStiffness = 1.0 / mean;
+  return s;
+}
+
+std::vector<PointStatistics> pointStatistics(const StudyPlan& plan, const std::vector<StudyResult>& results) {
+  const auto runs = static_cast<std::size_t>(plan.runs);
+  std::vector<PointStatistics> points;
+  for (std::size_t first = 0; first + runs <= results.size(); first += runs) {
+    const auto begin = results.begin() + static_cast<std::ptrdiff_t>(first);
+    points.push_back(statisticsOf({begin, begin + plan.runs}));
+  }
+  return points;
+}
+
+std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<PointStatistics>& points) {
+  const auto lower = [](std::optional<Extreme>& extreme, double value, std::size_t point) {
+    if (std::isfinite(value) && (!extreme || value < extreme->value)) extreme = Extreme{value, point};
+  };
+  const auto higher = [](std::optional<Extreme>& extreme, double value, std::size_t point) {
+    if (std::isfinite(value) && (!extreme || value > extreme->value)) extreme = Extreme{value, point};
+  };
+  // A mean that does not exist (every run failed) must not pass for the smallest.
+  const auto larger = [](double a, double b) { return std::isnan(b) ? a : std::max(a, b); };
+  std::vector<WallSummary> summaries;
+  for (std::size_t first = 0; first + plan.points() <= points.size(); first += plan.points()) {
+    WallSummary w;
+    w.scenario = points[first].scenario;
+    w.column = points[first].column;
+    std::optional<Extreme> lowestCompliance, highestCompliance, overRms, over95;
+    std::vector<double> steady;
+    for (std::size_t i = first; i < first + plan.points(); ++i) {
+      const PointStatistics& p = points[i];
+      lower(w.lowestFirst, p.firstStiffness.mean, p.point);
+      higher(w.highestFirst, p.firstStiffness.mean, p.point);
+      if (p.steadyStiffness) {
+        lower(w.lowestSteady, *p.steadyStiffness, p.point);
+        higher(w.highestSteady, *p.steadyStiffness, p.point);
+        steady.push_back(*p.steadyStiffness);
+      } else {
+        ++w.unresolved;
+      }
+      lower(lowestCompliance, std::abs(p.compliance.mean), p.point);
+      higher(highestCompliance, std::abs(p.compliance.mean), p.point);
+      lower(overRms, p.forceOverRms.mean, p.point);
+      lower(over95, p.forceOver95.mean, p.point);
+      w.largestDepth = larger(w.largestDepth, p.largestDepth);
+      w.drift = larger(w.drift, p.drift);
+      w.chatter = larger(w.chatter, p.chatter);
+      w.saturatedShare = larger(w.saturatedShare, p.saturatedShare);
+      w.tangentialForce = larger(w.tangentialForce, p.tangentialForce);
+      w.failed += p.failed;
+      w.faults += p.faults;
+      if (p.scenario == 1) w.withoutFirst += p.runs - p.failed - p.firstStiffness.count;
+    }
+    w.lowestCompliance = lowestCompliance.value_or(Extreme{kNone, 0});
+    w.highestCompliance = highestCompliance.value_or(Extreme{kNone, 0});
+    w.lowestOverRms = overRms.value_or(Extreme{kNone, 0}).value;
+    w.lowestOver95 = over95.value_or(Extreme{kNone, 0}).value;
+    w.steady = spreadOf(steady);
+    summaries.push_back(w);
+  }
+  return summaries;
+}
+
+}  // namespace enamel

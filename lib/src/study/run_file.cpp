@@ -1,0 +1,148 @@
+#include "enamel/study/run_file.hpp"
+
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+
+#include "core/toml.hpp"
+#include "enamel/core/error.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr std::size_t kMetrics = 13;
+
+// The part of a line that the plan alone determines.
+std::string identity(const StudyPlan& plan, const StudyRun& run) {
+  const Vec3 point = queryPoint(plan, run.point);
+  return std::to_string(run.scenario) + ',' + plan.columns[run.column].name + ',' + formatNumber(point.x()) + ',' +
+         formatNumber(point.y()) + ',' + std::to_string(run.run) + ',' + formatNumber(run.force) + ',';
+}
+
+std::string numberOr(const std::optional<double>& value) { return value ? formatNumber(*value) : std::string(); }
+
+double parse(std::string_view text, const std::string& where) {
+  double value = 0.0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (result.ec != std::errc() || result.ptr != text.data() + text.size())
+    throw Error(where + ": \"" + std::string(text) + "\" is not a number");
+  return value;
+}
+
+Status statusNamed(std::string_view name, const std::string& where) {
+  for (int i = 0; i <= static_cast<int>(Status::inactive); ++i)
+    if (name == toString(static_cast<Status>(i))) return static_cast<Status>(i);
+  throw Error(where + ": \"" + std::string(name) + "\" is not a status");
+}
+
+StudyResult parseLine(const StudyPlan& plan, std::size_t index, std::string_view line, const std::string& where) {
+  if (index >= plan.size()) throw Error(where + ": more runs than this study has");
+  StudyResult result;
+  result.run = runAt(plan, index);
+  const std::string expected = identity(plan, result.run);
+  if (line.substr(0, expected.size()) != expected)
+    throw Error(where + ": is not run " + std::to_string(index) + " of this study, which begins with " + expected);
+  line.remove_prefix(expected.size());
+  std::array<std::string_view, kMetrics + 1> fields;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::size_t comma = line.find(',');
+    if ((comma == std::string_view::npos) != (i + 1 == fields.size()))
+      throw Error(where + ": has the wrong number of columns");
+    fields[i] = line.substr(0, comma);
+    if (comma != std::string_view::npos) line.remove_prefix(comma + 1);
+  }
+  result.status = statusNamed(fields[0], where);
+  if (result.status != Status::ok) return result;
+  PushMetrics& m = result.metrics;
+  if (!fields[1].empty()) m.firstDepth = parse(fields[1], where);
+  if (!fields[2].empty()) m.firstStiffness = parse(fields[2], where);
+  double* const numbers[] = {&m.steadyDepth, &m.steadyCompliance, &m.rmsDepth,        &m.depth95, &m.largestDepth,
+                             &m.chatter,     &m.saturatedShare,   &m.tangentialForce, &m.work,    &m.drift};
+  for (std::size_t i = 0; i < std::size(numbers); ++i) *numbers[i] = parse(fields[3 + i], where);
+  m.faults = static_cast<std::uint64_t>(parse(fields[kMetrics], where));
+  return result;
+}
+
+struct Content {
+  std::vector<StudyResult> results;
+  std::size_t bytes = 0;  // of whole lines
+  bool header = false;
+};
+
+Content readContent(const StudyPlan& plan, const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf()).good()) {
+    if (stream && stream.peek() == std::ifstream::traits_type::eof()) return {};
+    throw Error(path + ": cannot read the file");
+  }
+  const std::string all = text.str();
+  Content content;
+  for (std::size_t begin = 0, end = 0; (end = all.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    const std::string_view line(all.data() + begin, end - begin);
+    const std::string where = path + ":" + std::to_string(content.results.size() + content.header + 1);
+    if (!content.header) {
+      if (line != runHeader()) throw Error(where + ": is not the head of a file of runs");
+      content.header = true;
+    } else {
+      content.results.push_back(parseLine(plan, content.results.size(), line, where));
+    }
+    content.bytes = end + 1;
+  }
+  return content;
+}
+
+}  // namespace
+
+std::string runHeader() {
+  return "scenario,renderer,x [m],y [m],run,F_c [N],status,D_z1 [m],K_z1 [N/m],D_zs [m],C_zs [m/N],rms depth [m],"
+         "depth 95 % [m],largest depth [m],chatter [N m],saturated share,tangential force [N],work [J],drift [m],"
+         "faults";
+}
+
+std::string runLine(const StudyPlan& plan, const StudyResult& result) {
+  std::string line = identity(plan, result.run) + toString(result.status);
+  if (result.status != Status::ok) return line + std::string(kMetrics, ',');
+  const PushMetrics& m = result.metrics;
+  line += ',' + numberOr(m.firstDepth) + ',' + numberOr(m.firstStiffness);
+  for (const double value : {m.steadyDepth, m.steadyCompliance, m.rmsDepth, m.depth95, m.largestDepth, m.chatter,
+                             m.saturatedShare, m.tangentialForce, m.work, m.drift})
+    line += ',' + formatNumber(value);
+  return line + ',' + std::to_string(m.faults);
+}
+
+RunFile::RunFile(const StudyPlan& plan, std::string path, bool resume)
+    : plan_(plan), path_(std::move(path)), file_(std::fopen(path_.c_str(), "ab"), &std::fclose) {
+  if (!file_) throw Error(path_ + ": cannot write the file: " + std::strerror(errno));
+  if (flock(fileno(file_.get()), LOCK_EX | LOCK_NB) != 0)
+    throw Error(path_ + ": cannot lock the file (does another study write it?): " + std::strerror(errno));
+  const Content content = resume ? readContent(plan, path_) : Content{};
+  if (ftruncate(fileno(file_.get()), static_cast<off_t>(content.bytes)) != 0)
+    throw Error(path_ + ": cannot write the file: " + std::strerror(errno));
+  finished_ = content.results.size();
+  if (!content.header) write(runHeader());
+}
+
+void RunFile::append(const StudyResult& result) {
+  write(runLine(plan_, result));
+  ++finished_;
+}
+
+void RunFile::write(const std::string& line) {
+  errno = 0;
+  if (std::fprintf(file_.get(), "%s\n", line.c_str()) < 0 || std::fflush(file_.get()) != 0)
+    throw Error(path_ + ": cannot write the file: " + std::strerror(errno));
+}
+
+std::vector<StudyResult> readRuns(const StudyPlan& plan, const std::string& path) {
+  return readContent(plan, path).results;
+}
+
+}  // namespace enamel
