@@ -1,0 +1,76 @@
+// Our plugins keep the contract; plugins that break it are caught, each with its reason.
+#include <map>
+
+#include "enamel/plugin/host.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+
+using namespace enamel;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string good(const std::string& name) { return ENAMEL_PLUGINS "/enamel_" + name + ".so"; }
+std::string bad(const std::string& name) { return ENAMEL_BAD_PLUGINS "/bad_" + name + ".so"; }
+
+}  // namespace
+
+TEST_CASE("our plugins keep the contract and export one symbol", "[plugin]") {
+  for (const char* name : {"position_control", "impedance", "template"}) {
+    INFO(name);
+    const auto result = test::run("check-plugin '" + good(name) + "'");
+    CHECK(result.status == 0);
+    CHECK_THAT(result.output, Contains("the plugin keeps the contract") && !Contains("FAILED"));
+    const auto symbols = test::runCommand("nm -D --defined-only '" + good(name) + "'");
+    REQUIRE(symbols.status == 0);
+    CHECK_THAT(symbols.output, Contains(" T enamel_plugin\n"));
+    CHECK(std::count(symbols.output.begin(), symbols.output.end(), '\n') == 1);
+  }
+}
+
+TEST_CASE("bad plugins are caught with the right reason", "[plugin]") {
+  std::map<std::string, std::string> reasons = {
+      {"version", "has ABI version 2, this host 1"},
+      {"size", "its EnamelTickInput has"},
+      {"table", "a function of its table is missing"},
+      {"symbol", "a_function_that_nobody_has"},
+      {"throw", "an exception crossed the boundary: thrown in a tick"},
+      {"nan", "torque 4 is not finite"},
+      {"limit", "torque 3 is 4 N m, the limit 2 N m"},
+      {"reset", "FAILED       reset gives the first tick again"},
+      {"counter", "differs"},
+      {"activate", "activate() failed: bad configuration: no brain"},
+      {"double", "a second activate() was accepted"},
+      {"crash", "ended in a crash (Aborted)"},
+  };
+#ifndef ENAMEL_SANITIZED
+  reasons["allocation"] = "allocations or releases in 2000 ticks";
+#endif
+  for (const auto& [name, reason] : reasons) {
+    INFO(name);
+    const auto result = test::run("check-plugin '" + bad(name) + "'");
+    CHECK(result.status == 1);
+    CHECK_THAT(result.output, Contains(reason) && !Contains("keeps the contract"));
+  }
+}
+
+TEST_CASE("files that are no plugins are refused with what they are", "[plugin]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "text.so", "this is not a library, however long its text may be; it has no header at all\n");
+  std::string other = test::readFile(good("template"));
+  other[18] = other[18] == '\xb7' ? '\x3e' : '\xb7';  // e_machine: AArch64, or x86-64 there
+  other[19] = 0;
+  test::writeFile(folder / "other.so", other);
+  test::writeFile(folder / "cut.so", other.substr(0, 10));
+  CHECK_THROWS_WITH(PluginLibrary::load(folder / "none.so"), Contains("none.so: no such file"));
+  CHECK_THROWS_WITH(PluginLibrary::load(folder / "text.so"), Contains("no ELF header"));
+  CHECK_THROWS_WITH(PluginLibrary::load(folder / "cut.so"), Contains("no ELF header"));
+  CHECK_THROWS_WITH(PluginLibrary::load(folder / "other.so"), Contains("is built for ") && Contains("this host for"));
+  const auto listed = test::run("plugins '" + (folder / ".") + "'");
+  CHECK(listed.status == 0);
+  CHECK(std::count(listed.output.begin(), listed.output.end(), '\n') == 3);
+  CHECK_THAT(listed.output, Contains("refused: ") && Contains("text.so: is no shared library"));
+  CHECK_THAT(test::run("plugins '" ENAMEL_PLUGINS "'").output,
+             Contains("impedance 0.1.0") && Contains("--set stiffness=6000  of the wall, N/m") && Contains("template"));
+  CHECK(test::run("plugins /no/such/folder").status == 1);
+}

@@ -1,0 +1,136 @@
+// Renderers that run in a plugin: the same bits as the linked ones, the same contract, their own errors.
+#include "enamel/plugin/host.hpp"
+
+#include "enamel/control/device_plant.hpp"
+#include "enamel/render/tick.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/pushes.hpp"
+
+using namespace enamel;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kDevice = ENAMEL_SOURCE_DIR "/data/devices/tau-nominal.toml";
+
+std::shared_ptr<const PluginLibrary> library(const std::string& name) {
+  return PluginLibrary::load(ENAMEL_PLUGINS "/enamel_" + name + ".so");
+}
+
+PluginSetup nominalSetup() {
+  PluginSetup setup;
+  setup.devicePath = kDevice;
+  return setup;
+}
+
+void requireSame(const TickOutput& a, const TickOutput& b) {
+  REQUIRE(a.torque == b.torque);
+  REQUIRE(a.normalForce == b.normalForce);
+  REQUIRE(a.mode == b.mode);
+  REQUIRE(a.saturated == b.saturated);
+}
+
+}  // namespace
+
+TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good input and bad", "[plugin]") {
+  const DeviceModel model = makeModel(test::nominal());
+  PositionControlRenderer hold(model, designServo(model, Pose{}, 1e-3).K, 1e-3, {});
+  ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
+  for (const auto& [name, linked] :
+       {std::pair<std::string, Renderer*>{"position_control", &hold}, {"impedance", &spring}}) {
+    INFO(name);
+    const auto plugin = makeRenderer(library(name), nominalSetup());
+    plugin->activate(1e-3);
+    linked->activate(1e-3);
+    REQUIRE(plugin->stateSize() >= linked->stateSize());
+    test::Random random(91);
+    std::vector<unsigned char> state(plugin->stateSize()), linkedState(linked->stateSize());
+    int contact = 0, refused = 0;
+    for (int i = 0; i < 3000; ++i) {
+      Vec6 twist = Vec6::Zero();
+      twist.head<3>() = random.vector(0.1);
+      TickInput input = test::inputAt(model, test::poseAtDepth(2e-4 * std::sin(0.01 * i)), 1e-3 * (i + 1), twist);
+      if (i % 50 == 7) input.q[2] = std::nan("");
+      if (i % 50 == 8) input.contacts.contacts[0].gap = 1e9;
+      if (i % 50 == 9) input.contacts.count = 99;
+      if (i % 50 == 10) input.time = 0.0;
+      TickOutput a, b;
+      const Status wanted = linked->step(input, a), got = plugin->step(input, b);
+      REQUIRE(got == wanted);
+      requireSame(a, b);
+      contact += a.mode == RenderMode::contact;
+      refused += wanted != Status::ok;
+      if (i == 1500) {
+        plugin->saveState(state.data());
+        linked->saveState(linkedState.data());
+      }
+      if (i % 700 == 699) {
+        plugin->reset();
+        linked->reset();
+      }
+      if (i == 2500) {
+        plugin->loadState(state.data());
+        linked->loadState(linkedState.data());
+      }
+    }
+    CHECK(contact > 500);
+    CHECK(refused > 200);
+  }
+}
+
+TEST_CASE("a push through a plugin writes the same file as the linked renderer", "[plugin]") {
+  const test::TemporaryFolder folder;
+  for (const auto& [name, file] :
+       {std::pair<std::string, std::string>{"position-control", "position_control"}, {"impedance", "impedance"}}) {
+    INFO(name);
+    const std::string common = "push --device '" + kDevice + "' --encoders --rates low-pass --seed 5 --duration 1.3 ";
+    REQUIRE(test::run(common + "--renderer " + name + " --output '" + (folder / "linked.csv") + "'").status == 0);
+    REQUIRE(test::run(common + "--renderer '" ENAMEL_PLUGINS "/enamel_" + file + ".so' --output '" +
+                      (folder / "plugin.csv") + "'")
+                .status == 0);
+    const std::string linked = test::readFile(folder / "linked.csv");
+    CHECK(linked.size() > 100000);
+    CHECK(linked == test::readFile(folder / "plugin.csv"));
+  }
+  CHECK(test::run("push --device '" + kDevice + "' --renderer template --set stiffness=50 --duration 1.1").status == 0);
+  const auto unknown = test::run("push --device '" + kDevice + "' --renderer template --set brains=5");
+  CHECK(unknown.status == 1);
+  CHECK_THAT(unknown.output, Contains("unknown parameter: brains"));
+}
+
+TEST_CASE("a plugin's errors arrive with file and reason", "[plugin]") {
+  const auto impedance = library("impedance");
+  CHECK_THROWS_WITH(makeRenderer(impedance, {}), Contains("configure() failed") && Contains("device: is missing"));
+  PluginSetup setup = nominalSetup();
+  setup.parameters = {{"stiffness", "-1"}};
+  CHECK_THROWS_WITH(makeRenderer(impedance, setup), Contains("stiffness: is -1, must be in 0 to"));
+  setup.parameters = {{"stiffness", "soft"}};
+  CHECK_THROWS_WITH(makeRenderer(impedance, setup), Contains("is \"soft\", must be a number"));
+  setup.parameters = {{"brains", "5"}};
+  CHECK_THROWS_WITH(makeRenderer(impedance, setup), Contains("brains: is not a parameter of impedance"));
+  setup = nominalSetup();
+  setup.deviceText = "nonsense";
+  CHECK_THROWS_WITH(makeRenderer(impedance, setup), Contains("tau-nominal.toml"));
+  setup = nominalSetup();
+  setup.scenePath = "/no/such/scene.toml";
+  CHECK_THROWS_WITH(makeRenderer(impedance, setup), Contains("/no/such/scene.toml"));
+  const auto renderer = makeRenderer(impedance, nominalSetup());
+  CHECK_THROWS_AS(renderer->activate(0.5), Error);
+  TickOutput output;
+  CHECK(renderer->step({}, output) == Status::inactive);
+  CHECK_THROWS_AS(PluginLibrary::load(ENAMEL_BAD_PLUGINS "/bad_version.so"), PluginError);
+}
+
+TEST_CASE("what a bad plugin does in a tick becomes a fault", "[plugin]") {
+  const DeviceModel model = makeModel(test::nominal());
+  TickOutput output;
+  for (const auto& [name, status] : {std::pair{"nan", Status::notFinite}, {"limit", Status::ok}}) {
+    INFO(name);
+    const auto renderer = makeRenderer(PluginLibrary::load(ENAMEL_BAD_PLUGINS "/bad_" + std::string(name) + ".so"), {});
+    renderer->activate(1e-3);
+    CHECK(renderer->step(test::inputAt(model, test::poseAtDepth(1e-4), 1.0), output) == status);
+    CHECK(output.torque.allFinite());
+    CHECK(output.torque.cwiseAbs().maxCoeff() <= model.maxTorque);
+  }
+}
