@@ -273,7 +273,36 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   }
 }
 
-// The contact, seen along the wall, magnified: the wall below, the tool above, whatever the normal.
+// The inset's section stands on the deepest contact's wall, and on the next one's too where that is near.
+Vec3 insetAcross(const ContactSnapshot& contacts) {
+  constexpr double near = 3e-3;  // m
+  const Vec3& n = contacts.contacts[0].normal;
+  const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
+  const Vec3 usual = vertical.cross(n).normalized();
+  if (contacts.count < 2 || contacts.contacts[1].gap > near) return usual;
+  const Vec3& next = contacts.contacts[1].normal;
+  const Vec3 both = next - n.dot(next) * n;
+  if (both.norm() < 0.1) return usual;
+  return (both.dot(usual) < 0.0 ? -1.0 : 1.0) * both.normalized();
+}
+
+// What lies behind the line through `point` with the outward normal `normal`, of the rectangle from `low` to `high`.
+void fillBehind(ImDrawList* list, ImVec2 low, ImVec2 high, ImVec2 point, ImVec2 normal, ImU32 fill) {
+  const ImVec2 corners[] = {low, {high.x, low.y}, high, {low.x, high.y}};
+  const auto side = [&](ImVec2 p) { return normal.x * (p.x - point.x) + normal.y * (p.y - point.y); };
+  for (int i = 0; i < 4; ++i) {
+    const ImVec2 a = corners[i], b = corners[(i + 1) % 4];
+    const float da = side(a), db = side(b);
+    if (da <= 0.0f) list->PathLineTo(a);
+    if ((da <= 0.0f) != (db <= 0.0f)) {
+      const float share = da / (da - db);
+      list->PathLineTo({a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)});
+    }
+  }
+  list->PathFillConvex(fill);
+}
+
+// The contacts, seen along the walls, magnified: the deepest one's wall below, the tool above, whatever the normal.
 void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
   constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // mm a bar
   constexpr int kSteps = 9;
@@ -282,8 +311,7 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   const Frame& frame = input.frame;
   const Contact& contact = frame.contacts.contacts[0];
   const Vec3 n = contact.normal;
-  const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
-  const Vec3 across = vertical.cross(n).normalized();
+  const Vec3 across = insetAcross(frame.contacts);
   const Vec3 tool = frame.record.pose.position;
   const Vec3 surface = tool - frame.record.gap * n;
   const Vec3 origin = input.ghost ? input.ghostPosition - n * n.dot(input.ghostPosition - surface) : surface;
@@ -313,6 +341,18 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   for (float y = cy + bar; y < bottom; y += bar)
     brush.list->AddLine({area.x, y}, {area.x + area.width, y}, ink(kEnamelGrid, 0.6), s);
   brush.list->AddLine({area.x, cy}, {area.x + area.width, cy}, ink(kEnamelEdge), 2 * s);
+  // The other contacts' walls, as planes, where they cross the inset.
+  for (int i = 1; i < frame.contacts.count; ++i) {
+    const Contact& other = frame.contacts.contacts[i];
+    const float mx = static_cast<float>(across.dot(other.normal)), my = static_cast<float>(-n.dot(other.normal));
+    const float length = std::hypot(mx, my);
+    if (length < 0.1f) continue;  // the section lies along this wall
+    const ImVec2 foot = at(other.point - other.gap * other.normal);
+    fillBehind(brush.list, {area.x, top}, {area.x + area.width, bottom}, foot, {mx, my}, ink(kEnamel));
+    const float far = 2 * area.width / length;
+    brush.list->AddLine({foot.x - far * my, foot.y + far * mx}, {foot.x + far * my, foot.y - far * mx},
+                        ink(kEnamelEdge), 2 * s);
+  }
   // Normal.
   brush.list->AddLine({cx, cy}, {cx, top}, ink(kMuted, 0.6), s);
 
@@ -344,6 +384,14 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     const float length = static_cast<float>(std::clamp(3.0 * pressed, 0.0, 50.0)) * s + 8 * s;
     brush.arrow({tip.x - 26 * s, from}, {tip.x - 26 * s, from + length}, kOrange, 3 * s);
   }
+  for (int i = 1; i < frame.contacts.count; ++i) {
+    const Contact& other = frame.contacts.contacts[i];
+    if (other.gap > 0.0) continue;
+    const ImVec2 foot = at(other.point - other.gap * other.normal);
+    brush.list->AddLine(tip, foot, ink(kInk), 1.5f * s);
+    brush.list->AddCircleFilled(foot, 3 * s, ink(kVermilion));
+    brush.text(gSmall, foot.x + 6 * s, foot.y - 18 * s, kInk, format("%.3f mm", -1e3 * other.gap));
+  }
   // Dimension of the depth.
   const double depth = -1e3 * frame.record.gap;
   if (depth > 5e-4) {
@@ -356,7 +404,9 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   }
   brush.list->PopClipRect();
 
-  brush.text(gBold, area.x + 10 * s, area.y + 6 * s, kInk, "Contact, magnified");
+  brush.text(gBold, area.x + 10 * s, area.y + 6 * s, kInk,
+             input.frame.contacts.count > 1 && input.frame.contacts.contacts[1].gap <= 0.0 ? "Contacts, magnified"
+                                                                                           : "Contact, magnified");
   const float bx = area.x + 12 * s, by = area.y + area.height - 12 * s;
   brush.list->AddLine({bx, by}, {bx + bar, by}, ink(kInk), 2 * s);
   brush.list->AddLine({bx, by - 4 * s}, {bx, by + 4 * s}, ink(kInk), 1.5f * s);

@@ -63,6 +63,11 @@ Viewer::Viewer(const Options& options, Surface& surface)
   selectCamera(0);
 }
 
+glm::dvec3 Viewer::tool() const {
+  const Vec3 tool = kMillimetres * frame_.record.pose.position;
+  return {tool.x(), tool.y(), tool.z()};
+}
+
 void Viewer::notify(const std::string& text) {
   overlay_.notice = text;
   noticeEnd_ = now_ + kNotice;
