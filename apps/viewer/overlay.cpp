@@ -237,6 +237,9 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   brush.textRight(gText, right, y, kMuted, time);
 }
 
+// Never "-0.0".
+std::string tenths(double value) { return format("%.1f", std::abs(value) < 0.05 ? 0.0 : value); }
+
 void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const Frame& frame = input.frame;
@@ -255,8 +258,8 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
        : depth > -0.1  ? format("%.3f", -depth)
                        : format("%.1f", -depth),
        "mm", depth > -0.0005 ? "penetration" : "to the wall", kBlue},
-      {format("%.1f", frame.record.normalForce), "N", "force of the wall", kVermilion},
-      {format("%.1f", handForce(frame)), "N", "force of the hand", kOrange},
+      {tenths(frame.record.normalForce), "N", "force of the wall", kVermilion},
+      {tenths(handForce(frame)), "N", "force of the hand", kOrange},
       {!inside     ? "-"
        : now < 1e6 ? format("%.1f", 1e-3 * now)
                    : "> 1000",
@@ -264,6 +267,9 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   };
   float y = area.y + area.height - 4 * 46 * s - 14 * s;
   const float x = area.x + 18 * s;
+  // In a small window the device stands behind them.
+  brush.list->AddRectFilled({x - 6 * s, y - 3 * s}, {x + 140 * s, area.y + area.height - 8 * s}, ink(kGround, 0.8),
+                            6 * s);
   for (const Number& n : numbers) {
     brush.list->AddRectFilled({x, y + 3 * s}, {x + 3 * s, y + 38 * s}, ink(n.colour));
     brush.text(gLarge, x + 12 * s, y, kInk, n.value);
@@ -390,7 +396,9 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     const ImVec2 foot = at(other.point - other.gap * other.normal);
     brush.list->AddLine(tip, foot, ink(kInk), 1.5f * s);
     brush.list->AddCircleFilled(foot, 3 * s, ink(kVermilion));
-    brush.text(gSmall, foot.x + 6 * s, foot.y - 18 * s, kInk, format("%.3f mm", -1e3 * other.gap));
+    const std::string text = format("%.3f mm", -1e3 * other.gap);
+    const bool right = across.dot(other.normal) < 0.0;  // within its wall
+    brush.text(gSmall, foot.x + (right ? 8 * s : -8 * s - Brush::width(gSmall, text)), foot.y - 7 * s, kInk, text);
   }
   // Dimension of the depth.
   const double depth = -1e3 * frame.record.gap;
@@ -400,7 +408,9 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     brush.list->AddLine({x, cy}, {x, y}, ink(kInk), 1.5f * s);
     brush.list->AddLine({x - 4 * s, cy}, {x + 4 * s, cy}, ink(kInk), 1.5f * s);
     brush.list->AddLine({x - 4 * s, y}, {x + 4 * s, y}, ink(kInk), 1.5f * s);
-    brush.text(gText, cx + 40 * s, std::max(y, cy) + 4 * s, kInk, format("%.3f mm", depth));
+    const std::string text = format("%.3f mm", depth);
+    brush.text(gText, std::min(cx + 40 * s, area.x + area.width - 6 * s - Brush::width(gText, text)),
+               std::min(std::max(y, cy) + 4 * s, bottom - 20 * s), kInk, text);
   }
   brush.list->PopClipRect();
 
@@ -516,28 +526,29 @@ void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& br
 }
 
 void drawHelp(const Layout& layout, const Brush& brush) {
-  const float s = layout.scale;
   const auto& actions = actionRows();
   const auto& driving = drivingRows();
-  const float wide = std::min(720 * s, static_cast<float>(layout.size.x) - 20 * s);
-  const float row = 23 * s;
   const std::size_t left = driving.size() + 8, all = driving.size() + actions.size();
-  const float high = 66 * s + row * static_cast<float>(std::max(left, all - left));
-  const Area card{0.5f * (static_cast<float>(layout.size.x) - wide),
-                  std::max(0.0f, 0.5f * (static_cast<float>(layout.size.y) - high)), wide, high};
-  brush.list->AddRectFilled({0, 0}, {static_cast<float>(layout.size.x), static_cast<float>(layout.size.y)},
-                            ink(kInk, 0.25));
+  const float rows = static_cast<float>(std::max(left, all - left));
+  const float w = static_cast<float>(layout.size.x), h = static_cast<float>(layout.size.y);
+  // Smaller where the window is too small for it.
+  const float fit = std::min({1.0f, w / (740 * layout.scale), h / ((76 + 23 * rows) * layout.scale)});
+  const float s = layout.scale * fit, wide = 720 * s, high = (66 + 23 * rows) * s;
+  const Area card{0.5f * (w - wide), 0.5f * (h - high), wide, high};
+  const auto text = [&](ImFont* font, float x, float y, unsigned rgb, const char* words) {
+    brush.list->AddText(font, fit * font->FontSize, {std::round(x), std::round(y)}, ink(rgb), words);
+  };
+  brush.list->AddRectFilled({0, 0}, {w, h}, ink(kInk, 0.25));
   brush.card(card, 1.0);
-  brush.text(gLarge, card.x + 20 * s, card.y + 12 * s, kInk, "Push the tool against the wall");
+  text(gLarge, card.x + 20 * s, card.y + 12 * s, kInk, "Push the tool against the wall");
   for (std::size_t i = 0; i < all; ++i) {
     const bool second = i >= left;
     const float x = card.x + 20 * s + (second ? 0.53f * wide : 0.0f);
-    const float y = card.y + 52 * s + row * static_cast<float>(second ? i - left : i);
+    const float y = card.y + (52 + 23 * static_cast<float>(second ? i - left : i)) * s;
     const bool drive = i < driving.size();
-    const char* keys = drive ? driving[i].keys : actions[i - driving.size()].keys;
-    const char* meaning = drive ? driving[i].meaning : actions[i - driving.size()].meaning;
-    brush.text(gBold, x, y, kInk, keys);
-    brush.text(gText, x + (second ? 82 : 92) * s, y, kMuted, meaning);
+    text(gBold, x, y, kInk, drive ? driving[i].keys : actions[i - driving.size()].keys);
+    text(gText, x + (second ? 82 : 92) * s, y, kMuted,
+         drive ? driving[i].meaning : actions[i - driving.size()].meaning);
   }
 }
 

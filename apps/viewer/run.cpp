@@ -33,8 +33,8 @@ std::string picturePath(const Options& options, const std::string& name) {
   }
 }
 
-void takePictures(const Options& options, Viewer& viewer) {
-  for (const std::string& name : viewer.takePictures()) {
+void takePictures(const Options& options, Viewer& viewer, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
     const std::string path = picturePath(options, name);
     writePng(viewer.stage().read(), path);
     std::printf("%s\n", path.c_str());
@@ -84,6 +84,7 @@ class Report {
     nlohmann::ordered_json json;
     json["seconds"] = seconds;
     json["frames"] = frames_;
+    json["size"] = {viewer.layout().size.x, viewer.layout().size.y};
     json["frames_per_second"] = seconds > 0.0 ? static_cast<double>(frames_) / seconds : 0.0;
     json["first_frame_s"] = firstFrame_;
     json["opengl_errors"] = viewer.stage().errors();
@@ -193,6 +194,7 @@ void runInWindow(const Options& options, double started) {
       bool scripted = false;
       script.play(now - begin, [&](const ScriptStep& step) {
         viewer.follow(step, now - begin);
+        surface->setFullScreen(viewer.fullScreen());  // before a step that sets the size
         scripted = scripted || step.kind == ScriptStep::Kind::end;
       });
       if (!ImGui::GetIO().WantTextInput)
@@ -200,8 +202,9 @@ void runInWindow(const Options& options, double started) {
       surface->setFullScreen(viewer.fullScreen());
       viewer.update(now - begin, numbersOf(haptics.timing(), rate));
       ImGui_ImplGlfw_NewFrame();
-      viewer.draw();
-      takePictures(options, viewer);
+      const std::vector<std::string> names = viewer.takePictures();
+      viewer.draw(!names.empty());
+      takePictures(options, viewer, names);
       surface->present();
       report.frame(steadySeconds());
       if (scripted) {
@@ -244,12 +247,8 @@ void runHeadless(const Options& options, double started) {
       names.emplace_back(name);
     }
     if (!names.empty()) {
-      viewer.draw();
-      for (const std::string& name : names) {
-        const std::string path = picturePath(options, name);
-        writePng(viewer.stage().read(), path);
-        std::printf("%s\n", path.c_str());
-      }
+      viewer.draw(true);
+      takePictures(options, viewer, names);
       report.frame(steadySeconds());
     }
     for (std::uint64_t tick = ticksAt(frame); tick < ticksAt(frame + 1); ++tick) viewer.runner().period();

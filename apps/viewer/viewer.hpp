@@ -54,8 +54,8 @@ class Viewer final : public Driven {
 
   /// Takes what the haptic side has sent and prepares the next picture; `now` in s.
   void update(double now, const TimingNumbers& timing);
-  /// Draws it.
-  void draw();
+  /// Draws it; a `picture` to be read has smooth edges.
+  void draw(bool picture);
 
  private:
   void loadScene(const std::string& path);
