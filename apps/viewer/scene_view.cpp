@@ -179,7 +179,7 @@ SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(rend
   above->SetAutomaticLightCreation(false);
   above->SetActiveCamera(renderer->GetActiveCamera());
   for (vtkRenderer* lit : {renderer, above}) {
-    addLight(lit, -0.9, 0.6, 1.0, 0.9);
+    addLight(lit, -0.9, 0.6, 1.0, 0.8);
     addLight(lit, 1.0, 0.5, 0.5, 0.6);
     addLight(lit, 0.0, 0.0, 1.0, 0.15);
   }
