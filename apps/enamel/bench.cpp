@@ -31,7 +31,7 @@ void run(const Options& options) {
                cell(row.reference_us / row.median_us, "{:.1f}"), row.error, row.errorOf);
   fmt::print(
       "* how many times faster than the conventional way, measured in the same run. Times are noisy on a shared\n"
-      "  machine: trust the ratios. p99 is over batches of calls.\n");
+      "  machine: trust the ratios. p99 is over batches of calls, for collision over single calls.\n");
 }
 
 }  // namespace

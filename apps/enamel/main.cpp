@@ -13,6 +13,8 @@ int main(int argc, char** argv) {
   enamel::app::addEvaluate(app);
   enamel::app::addDesign(app);
   enamel::app::addPush(app);
+  enamel::app::addMesh(app);
+  enamel::app::addPlugins(app);
   enamel::app::addBench(app);
   try {
     app.parse(argc, argv);

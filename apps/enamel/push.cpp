@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "enamel/collision/scene_file.hpp"
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/servo_design.hpp"
 #include "enamel/core/error.hpp"
@@ -21,7 +22,7 @@ constexpr const char* kPositionControl = "position-control";
 constexpr const char* kImpedance = "impedance";
 
 struct Options {
-  std::string device, output;
+  std::string device, scene, output;
   std::vector<std::string> renderers = {kPositionControl};
   std::string mode = "hold", delay = "none";
   bool release = true, guide = true, encoders = false, antiWindup = false, json = false;
@@ -76,7 +77,7 @@ class CsvFile {
     append(t.pose.position.data(), 3);
     append(euler.data(), 3);
     append(t.twist.data(), 6);
-    append(&t.gap, 1);
+    append(&t.nearest.gap, 1);
     append(t.person.data(), 3);
     append(t.rendered.data(), 3);
     append(&t.normalForce, 1);
@@ -181,6 +182,19 @@ void run(Options options) {
   const DeviceModel model = makeModel(device);
   PushSetup& setup = options.setup;
   setup.start.position = Vec3(1e-3 * options.x_mm, 1e-3 * options.y_mm, 0.0);
+  if (!options.scene.empty()) {
+    SceneFile file = loadScene(options.scene);
+    setup.scene = std::move(file.scene);
+    setup.tool = file.tool;
+    setup.start.position = file.start;
+    // To the surface: steps of the distance, which become small as fast as the surface allows.
+    Contact nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
+    for (int step = 0; step < 100 && std::abs(nearest.gap) > 1e-12; ++step) {
+      setup.start.position -= nearest.gap * nearest.normal;
+      nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
+    }
+    setup.person.normal = nearest.normal;
+  }
   setup.person.guide = options.guide;
   setup.delay = parseDelay(options.delay);
   setup.encoders.quantised = options.encoders;
@@ -221,9 +235,13 @@ void run(Options options) {
     fmt::print("{}\n", json.dump(2));
     return;
   }
-  fmt::print("{}: scenario {}, {} N at ({}, {}) mm, noise {} N, guide {}, delay {}, seed {}\n", device.name,
-             setup.person.scenario, setup.person.force, options.x_mm, options.y_mm, setup.person.noise,
-             options.guide ? "on" : "off", options.delay, setup.seed);
+  const Vec3 start_mm = 1e3 * setup.start.position;
+  fmt::print(
+      "{}: scenario {}, {} N at ({:.4g}, {:.4g}, {:.4g}) mm against ({:.3g}, {:.3g}, {:.3g}), noise {} N, "
+      "guide {}, delay {}, seed {}\n",
+      device.name, setup.person.scenario, setup.person.force, start_mm.x(), start_mm.y(), start_mm.z(),
+      setup.person.normal.x(), setup.person.normal.y(), setup.person.normal.z(), setup.person.noise,
+      options.guide ? "on" : "off", options.delay, setup.seed);
   printTable(options.renderers, metrics, setup.person.scenario);
   if (!options.output.empty())
     for (const std::string& name : options.renderers) fmt::print("every tick: {}\n", outputFor(options, name));
@@ -235,7 +253,9 @@ void addPush(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
       "push",
-      "One push of a tool against the wall z = 0, on the virtual device. The person pushes along -z.\n"
+      "One push of a tool against a wall, on the virtual device: z = 0, or the obstacle of a scene file that is "
+      "nearest to\n"
+      "its start. The person pushes against the surface's normal.\n"
       "CSV: one line a tick, the state before the tick's torque acts; the first line names columns and units.");
   const std::map<std::string, bool> onOff = {{"on", true}, {"off", false}};
   const auto flag = [&](const std::string& name, bool& value, const std::string& text) {
@@ -261,8 +281,11 @@ void addPush(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--scenario", options->setup.person.scenario, "1: step of force at 1 s; 2: a hand moves in")
       ->capture_default_str();
-  command->add_option("--x", options->x_mm, "of the query point, mm")->capture_default_str();
-  command->add_option("--y", options->y_mm, "of the query point, mm")->capture_default_str();
+  auto* scene = command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0");
+  for (const auto& [name, value] : {std::pair{"--x", &options->x_mm}, {"--y", &options->y_mm}})
+    command->add_option(name, *value, "of the query point on the wall z = 0, mm")
+        ->capture_default_str()
+        ->excludes(scene);
   command->add_option("--force", options->setup.person.force, "F_c, N")->capture_default_str();
   command->add_option("--noise", options->setup.person.noise, "standard deviation of the person's force, N")
       ->capture_default_str();

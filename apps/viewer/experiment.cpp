@@ -14,10 +14,11 @@ constexpr int kApproachLimit = 3000, kRest = 300;  // ticks
 constexpr int kPushTicks = 400;
 constexpr double kAtRest = 2e-4;  // m/s
 
-LoopSetup loopSetup(const Settings& settings, const Scene& scene, const Pose& start) {
+LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose& start) {
   LoopSetup setup;
   setup.start = start;
-  setup.scene = scene;
+  setup.scene = scene.scene;
+  setup.tool = scene.tool;
   setup.encoders = settings.encoders;
   setup.delay = settings.delay;
   setup.period = kPeriod;
@@ -51,7 +52,7 @@ StiffnessLimit stiffnessLimit(const DeviceModel& model, const Configuration& con
   return {2.0 * mass * share / (t1 * t1), mass, largest};
 }
 
-Experiment::Experiment(const ServoedDevice& device, const Settings& settings, const Scene& scene, const Pose& start,
+Experiment::Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
                        const Hand& hand, Wall wall)
     : model_(makeModel(device.parameters)),
       plant_(makeModel(changed(device.parameters, settings))),
@@ -63,8 +64,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
       loop_(plant_, switched_, loopSetup(settings, scene, start)) {
   frame_.hand = hand;
   frame_.record.pose = start;
-  queryContacts(scene, start.position, frame_.contacts);
-  frame_.record.gap = frame_.contacts.contacts[0].gap;
+  frame_.record.nearest = nearestContact(scene.scene, scene.tool, start, nullptr);
   select(wall);
 }
 
@@ -84,7 +84,7 @@ void Experiment::setGrip(const Grip& grip) noexcept {
 }
 
 void Experiment::startTestPush() noexcept {
-  const Contact& nearest = frame_.contacts.contacts[0];
+  const Contact& nearest = frame_.record.nearest;
   testNormal_ = nearest.normal;
   testPoint_ = frame_.record.pose.position - nearest.gap * nearest.normal;
   if (phase_ == Phase::none) gripBefore_ = frame_.hand.grip;
@@ -101,7 +101,7 @@ void Experiment::advanceTestPush() noexcept {
   const Vec3 perNewton = testNormal_.cwiseQuotient(stiffnessOf(frame_.hand.grip));
   frame_.hand.target = testPoint_ - kTestPreload * perNewton;
   if (phase_ == Phase::approach) {
-    const bool still = frame_.record.gap < 1e-5 && frame_.record.twist.head<3>().norm() < kAtRest;
+    const bool still = frame_.record.nearest.gap < 1e-5 && frame_.record.twist.head<3>().norm() < kAtRest;
     restTicks_ = still ? restTicks_ + 1 : 0;
     if (restTicks_ >= kRest) {
       phase_ = Phase::push;
@@ -120,7 +120,7 @@ void Experiment::advanceTestPush() noexcept {
 void Experiment::watchTestPush() noexcept {
   if (phase_ != Phase::push || test_.valid) return;
   const double speed = testNormal_.dot(frame_.record.twist.head<3>());
-  const double depth = -frame_.record.gap;
+  const double depth = -frame_.record.nearest.gap;
   if (phaseTicks_ > 1 && depth > 0.0 && lastSpeed_ < 0.0 && speed >= 0.0) {
     test_.valid = true;
     test_.depth = depth;
@@ -136,7 +136,7 @@ void Experiment::tick() noexcept {
   advanceTestPush();
   TickRecord& record = frame_.record;
   moveHand(frame_.hand, record.pose.position, kPeriod);
-  const Vec3 normal = phase_ == Phase::push ? testNormal_ : frame_.contacts.contacts[0].normal;
+  const Vec3 normal = phase_ == Phase::push ? testNormal_ : frame_.record.nearest.normal;
   double pressed = phase_ == Phase::push ? kTestForce - kTestPreload : 0.0;
   if (noise_ > 0.0) pressed += noise_ * random_.normal(RandomStream::Purpose::noise, record.tick + 1);
   const double time = loop_.time();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "enamel/collision/scene_file.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/sim/virtual_loop.hpp"
@@ -48,7 +49,7 @@ struct TestPush {
 /// Everything that is drawn of a tick. Plain data.
 struct Frame {
   TickRecord record;
-  ContactSnapshot contacts;  ///< that the renderer saw
+  ContactSnapshot contacts;  ///< that the renderer saw, within kContactMargin
   Hand hand;
   Wall wall = Wall::positionControl;
   bool holding = false;           ///< the servo holds, at
@@ -66,7 +67,7 @@ struct Frame {
 class Experiment {
  public:
   /// The tool begins at rest at `start`, held by `hand`. Throws Error: as the renderers and the loop do.
-  Experiment(const ServoedDevice& device, const Settings& settings, const Scene& scene, const Pose& start,
+  Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
              const Hand& hand, Wall wall);
   Experiment(const Experiment&) = delete;
   Experiment& operator=(const Experiment&) = delete;

@@ -209,7 +209,7 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
 
 // ---- over the scene ----------------------------------------------------------------------------------------------
 
-double handForce(const Frame& frame) { return -frame.contacts.contacts[0].normal.dot(frame.record.person.head<3>()); }
+double handForce(const Frame& frame) { return -frame.record.nearest.normal.dot(frame.record.person.head<3>()); }
 
 void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
@@ -222,7 +222,7 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(kWallColour[wall]));
   brush.text(gText, x + 16 * s, y, kMuted, format("%s on %s", kWallName[wall], input.deviceName.c_str()));
 
-  const bool contact = frame.record.gap <= 0.0 || frame.record.mode == RenderMode::contact;
+  const bool contact = frame.record.nearest.gap <= 0.0 || frame.record.mode == RenderMode::contact;
   std::string chip = contact ? "contact" : "free";
   unsigned fill = contact ? kVermilion : kMuted;
   if (frame.testing) chip = "test push", fill = kGreen;
@@ -244,14 +244,14 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   const float s = layout.scale;
   const Frame& frame = input.frame;
   const Area& area = layout.scene;
-  const double depth = -1e3 * frame.record.gap;
+  const double depth = -1e3 * frame.record.nearest.gap;
   struct Number {
     std::string value;
     const char* unit;
     const char* name;
     unsigned colour;
   };
-  const double now = handForce(frame) / std::max(1e-9, -frame.record.gap);
+  const double now = handForce(frame) / std::max(1e-9, -frame.record.nearest.gap);
   const bool inside = depth > 1e-3;
   const Number numbers[] = {
       {depth > -0.0005 ? format("%.3f", std::max(0.0, depth))
@@ -280,9 +280,8 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
 }
 
 // The inset's section stands on the deepest contact's wall, and on the next one's too where that is near.
-Vec3 insetAcross(const ContactSnapshot& contacts) {
+Vec3 insetAcross(const Vec3& n, const ContactSnapshot& contacts) {
   constexpr double near = 3e-3;  // m
-  const Vec3& n = contacts.contacts[0].normal;
   const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
   const Vec3 usual = vertical.cross(n).normalized();
   if (contacts.count < 2 || contacts.contacts[1].gap > near) return usual;
@@ -311,16 +310,18 @@ void fillBehind(ImDrawList* list, ImVec2 low, ImVec2 high, ImVec2 point, ImVec2 
 // The contacts, seen along the walls, magnified: the deepest one's wall below, the tool above, whatever the normal.
 void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
   constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // mm a bar
-  constexpr int kSteps = 9;
+  constexpr int kSteps = 9, kCircleSides = 256;
   const float s = layout.scale;
   const Area& area = layout.inset;
   const Frame& frame = input.frame;
-  const Contact& contact = frame.contacts.contacts[0];
+  const Contact& contact = frame.record.nearest;
   const Vec3 n = contact.normal;
-  const Vec3 across = insetAcross(frame.contacts);
-  const Vec3 tool = frame.record.pose.position;
-  const Vec3 surface = tool - frame.record.gap * n;
-  const Vec3 origin = input.ghost ? input.ghostPosition - n * n.dot(input.ghostPosition - surface) : surface;
+  const Vec3 across = insetAcross(n, frame.contacts);
+  // Everything is shown where the tool's nearest point is, not its TCP.
+  const Vec3 tool = contact.point, fromTcp = tool - frame.record.pose.position;
+  const Vec3 reference = input.ghostPosition + fromTcp;
+  const Vec3 surface = tool - contact.gap * n;
+  const Vec3 origin = input.ghost ? reference - n * n.dot(reference - surface) : surface;
   const float bar = 46 * s;
 
   const Vec3 offset = tool - origin;
@@ -352,7 +353,8 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     const Contact& other = frame.contacts.contacts[i];
     const float mx = static_cast<float>(across.dot(other.normal)), my = static_cast<float>(-n.dot(other.normal));
     const float length = std::hypot(mx, my);
-    if (length < 0.1f) continue;  // the section lies along this wall
+    // The section lies along this wall, or it is the deepest one's, a little further on.
+    if (length < 0.1f || n.dot(other.normal) > 0.9) continue;
     const ImVec2 foot = at(other.point - other.gap * other.normal);
     fillBehind(brush.list, {area.x, top}, {area.x + area.width, bottom}, foot, {mx, my}, ink(kEnamel));
     const float far = 2 * area.width / length;
@@ -373,13 +375,20 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   };
   const ImVec2 tip = at(tool);
   for (std::size_t i = 1; i < input.trail.size(); ++i)
-    brush.list->AddLine(at(input.trail[i - 1]), at(input.trail[i]),
+    brush.list->AddLine(at(input.trail[i - 1] + fromTcp), at(input.trail[i] + fromTcp),
                         ink(kBlue, static_cast<double>(i) / static_cast<double>(input.trail.size())), 1.5f * s);
-  wedge(tip, ink(kNeedle, 0.88), 0);
+  const auto drawTool = [&](ImVec2 lowest, ImU32 fill, ImU32 outline) {
+    if (input.toolRadius == 0.0) return wedge(lowest, fill, outline);
+    const float radius = static_cast<float>(1e3 * input.toolRadius * perMillimetre);
+    const ImVec2 centre{lowest.x, lowest.y - radius};
+    if (fill != 0) brush.list->AddCircleFilled(centre, radius, fill, kCircleSides);
+    if (outline != 0) brush.list->AddCircle(centre, radius, outline, kCircleSides, 1.5f * s);
+  };
+  drawTool(tip, ink(kNeedle, 0.88), 0);
   if (input.ghost) {
-    const ImVec2 reference = at(input.ghostPosition);
-    wedge(reference, 0, ink(kBlue));
-    brush.list->AddCircle(reference, 4 * s, ink(kBlue), 0, 1.5f * s);
+    const ImVec2 rest = at(reference);
+    drawTool(rest, 0, ink(kBlue));
+    brush.list->AddCircle(rest, 4 * s, ink(kBlue), 0, 1.5f * s);
   }
   const float forceLength = static_cast<float>(std::clamp(4.0 * frame.record.normalForce, 0.0, 80.0)) * s;
   if (frame.record.normalForce > 0.05)
@@ -394,14 +403,14 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     const Contact& other = frame.contacts.contacts[i];
     if (other.gap > 0.0) continue;
     const ImVec2 foot = at(other.point - other.gap * other.normal);
-    brush.list->AddLine(tip, foot, ink(kInk), 1.5f * s);
+    brush.list->AddLine(at(other.point), foot, ink(kInk), 1.5f * s);
     brush.list->AddCircleFilled(foot, 3 * s, ink(kVermilion));
     const std::string text = format("%.3f mm", -1e3 * other.gap);
     const bool right = across.dot(other.normal) < 0.0;  // within its wall
     brush.text(gSmall, foot.x + (right ? 8 * s : -8 * s - Brush::width(gSmall, text)), foot.y - 7 * s, kInk, text);
   }
   // Dimension of the depth.
-  const double depth = -1e3 * frame.record.gap;
+  const double depth = -1e3 * frame.record.nearest.gap;
   if (depth > 5e-4) {
     const float x = cx + 62 * s, y = tip.y;
     brush.list->AddLine({tip.x, y}, {x + 5 * s, y}, ink(kInk, 0.5), s);
@@ -427,7 +436,7 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const TickRecord& record = input.frame.record;
-  const std::string values[] = {format("%.3f mm", std::max(0.0, -1e3 * record.gap)),
+  const std::string values[] = {format("%.3f mm", std::max(0.0, -1e3 * record.nearest.gap)),
                                 format("%.1f N", record.normalForce),
                                 format("%.2f N m", record.torque.cwiseAbs().maxCoeff())};
   const std::string limits[] = {"paper's bound 1 mm", format("motors allow %.0f N", input.limit.largestForce),

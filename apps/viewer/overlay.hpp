@@ -41,6 +41,7 @@ struct OverlayInput {
   const std::vector<std::string>& scenes;  ///< names to choose from
   int sceneIndex;
   StiffnessLimit limit;  ///< for a test push at this pose
+  double toolRadius;     ///< of the tool's first part, m; 0: a point
   bool ghost;
   Vec3 ghostPosition;              ///< TCP of the reference pose, m
   const std::vector<Vec3>& trail;  ///< last positions of the TCP, oldest first, m

@@ -216,7 +216,7 @@ void runInWindow(const Options& options, double started) {
     }
     report.write(options.report, steadySeconds() - begin, viewer, numbersOf(haptics.timing(), rate));
   }
-  if (viewer.frame().record.gap < 0.0 || viewer.frame().record.mode == RenderMode::contact)
+  if (viewer.frame().record.nearest.gap < 0.0 || viewer.frame().record.mode == RenderMode::contact)
     throw Error("the window was closed while the tool was in contact: the wall was gone at once");
 }
 

@@ -30,6 +30,10 @@ struct Face {
   Vec3 centre, across, up;  // the two half sides
 };
 
+struct Plane {
+  Vec3 point, normal;
+};
+
 struct Drawing {
   std::vector<Polygon> faces, backs;
   std::vector<std::array<Vec3, 2>> grid, edges;
@@ -40,7 +44,7 @@ void addOutline(const Polygon& polygon, std::vector<std::array<Vec3, 2>>& lines)
 }
 
 // Lines of the grid are polygons of two corners: cut() works on them too.
-void addGrid(const Face& face, const std::vector<HalfSpace>& others, const Vec3& lift, Drawing& drawing) {
+void addGrid(const Face& face, const std::vector<Plane>& others, const Vec3& lift, Drawing& drawing) {
   for (const bool turned : {false, true}) {
     const Vec3 along = turned ? face.up : face.across, step = turned ? face.across : face.up;
     const double reach = step.norm();
@@ -48,13 +52,13 @@ void addGrid(const Face& face, const std::vector<HalfSpace>& others, const Vec3&
     for (int i = -count; i <= count; ++i) {
       const Vec3 middle = face.centre + i * kGridStep / reach * step + lift;
       Polygon line{middle - along, middle + along};
-      for (const HalfSpace& other : others) line = cut(line, other.point, other.normal);
+      for (const Plane& other : others) line = cut(line, other.point, other.normal);
       if (line.size() >= 2) drawing.grid.push_back({line[0], line[1]});
     }
   }
 }
 
-void drawWall(const HalfSpace& wall, const std::vector<HalfSpace>& others, Drawing& drawing) {
+void drawWall(const Plane& wall, const std::vector<Plane>& others, Drawing& drawing) {
   const Vec3 n = wall.normal;
   const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
   const Vec3 across = vertical.cross(n).normalized(), up = n.cross(across);
@@ -63,7 +67,7 @@ void drawWall(const HalfSpace& wall, const std::vector<HalfSpace>& others, Drawi
   const Face face{middle, kPane * across, kPane * up};
   Polygon pane{middle - face.across - face.up, middle + face.across - face.up, middle + face.across + face.up,
                middle - face.across + face.up};
-  for (const HalfSpace& other : others) pane = cut(pane, other.point, other.normal);
+  for (const Plane& other : others) pane = cut(pane, other.point, other.normal);
   drawing.faces.push_back(pane);
   addOutline(pane, drawing.edges);
   addGrid(face, others, 5e-5 * n, drawing);
@@ -77,14 +81,13 @@ void drawWall(const HalfSpace& wall, const std::vector<HalfSpace>& others, Drawi
   drawing.backs.push_back(back);
 }
 
-void drawBox(const Box& box, Drawing& drawing) {
-  const Mat3& r = box.pose.rotation;
+void drawBox(const Box& box, const Pose& pose, Drawing& drawing) {
+  const Mat3& r = pose.rotation;
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
       const int i = (axis + 1) % 3, j = (axis + 2) % 3;
       const Vec3 n = sign * r.col(axis);
-      const Face face{box.pose.position + box.halfSize[axis] * n, box.halfSize[i] * r.col(i),
-                      box.halfSize[j] * r.col(j)};
+      const Face face{pose.position + box.half[axis] * n, box.half[i] * r.col(i), box.half[j] * r.col(j)};
       drawing.faces.push_back({face.centre - face.across - face.up, face.centre + face.across - face.up,
                                face.centre + face.across + face.up, face.centre - face.across + face.up});
       if (sign < 0.0) std::reverse(drawing.faces.back().begin(), drawing.faces.back().end());
@@ -105,48 +108,62 @@ void addLight(vtkRenderer* renderer, double x, double y, double z, double intens
 }  // namespace
 
 struct SceneView::Parts {
-  Parts(vtkRenderer* renderer, vtkRenderer* above, const DeviceModel& deviceModel);
+  Parts(vtkRenderer* renderer, vtkRenderer* above, const DeviceModel& deviceModel, const Tool& shape);
 
   struct Chain {
     Rod link1, link2, arm, post;
     Ball knee, tip;
   };
-  struct Tool {
-    Tool(vtkRenderer* renderer, unsigned body, unsigned grip, unsigned tip, double opacity, double growth);
+  struct DrawnTool {
+    DrawnTool(vtkRenderer* renderer, const Tool& tool, unsigned body, unsigned grip, unsigned tip, double opacity,
+              double growth);
     void place(const Pose& pose);
     void show(bool visible);
-    Rod needle, handle, hub;
+    std::vector<ToolPart> parts;
+    std::vector<CapsuleSolid> solids;  // of the parts; a point is drawn as the tip of a needle
+    std::vector<Rod> needle;
+    Rod handle, hub;
   };
 
   DeviceModel model;
   std::vector<Chain> chains;
-  Tool tool, ghost;
+  DrawnTool tool, ghost;
   Rod arrow, arrowHead, pull;
   Ball hand;
   std::vector<Rod> normals;
   std::vector<Ball> contacts;
 };
 
-SceneView::Parts::Tool::Tool(vtkRenderer* renderer, unsigned body, unsigned grip, unsigned tip, double opacity,
-                             double growth)
-    : needle(renderer, 2.6 * growth, {tip, opacity}, true),
+SceneView::Parts::DrawnTool::DrawnTool(vtkRenderer* renderer, const Tool& tool, unsigned body, unsigned grip,
+                                       unsigned tip, double opacity, double growth)
+    : parts(tool.parts.begin(), tool.parts.begin() + tool.count),
       handle(renderer, 5.0 * growth, {grip, opacity, 0.35}),
-      hub(renderer, 8.5 * growth, {body, opacity}) {}
+      hub(renderer, 8.5 * growth, {body, opacity}) {
+  parts.erase(std::remove_if(parts.begin(), parts.end(), [](const ToolPart& part) { return part.radius == 0.0; }),
+              parts.end());
+  for (const ToolPart& part : parts)
+    solids.emplace_back(renderer, kMillimetres * part.radius * growth, Finish{tip, opacity, 0.4});
+  if (parts.empty()) needle.emplace_back(renderer, 2.6 * growth, Finish{tip, opacity}, true);
+}
 
-void SceneView::Parts::Tool::place(const Pose& pose) {
-  needle.place(pose.position, inPlatform(pose, {0.0, 0.0, kNeedleLength}));
+void SceneView::Parts::DrawnTool::place(const Pose& pose) {
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    solids[i].place(inPlatform(pose, parts[i].a), inPlatform(pose, parts[i].b));
+  for (Rod& rod : needle) rod.place(pose.position, inPlatform(pose, {0.0, 0.0, kNeedleLength}));
   handle.place(inPlatform(pose, {0.0, 0.0, kHub}), inPlatform(pose, {0.0, 0.0, kHandleEnd}));
   hub.place(inPlatform(pose, {0.0, 0.0, kHub - 0.003}), inPlatform(pose, {0.0, 0.0, kHub + 0.004}));
 }
 
-void SceneView::Parts::Tool::show(bool visible) {
-  for (Rod* rod : {&needle, &handle, &hub}) rod->show(visible);
+void SceneView::Parts::DrawnTool::show(bool visible) {
+  for (CapsuleSolid& solid : solids) solid.show(visible);
+  for (Rod& rod : needle) rod.show(visible);
+  for (Rod* rod : {&handle, &hub}) rod->show(visible);
 }
 
-SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const DeviceModel& deviceModel)
+SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const DeviceModel& deviceModel, const Tool& shape)
     : model(deviceModel),
-      tool(renderer, kPlatform, kHandle, kNeedle, 1.0, 1.0),
-      ghost(renderer, kBlue, kBlue, kBlue, 0.25, 1.3),
+      tool(renderer, shape, kPlatform, kHandle, kNeedle, 1.0, 1.0),
+      ghost(renderer, shape, kBlue, kBlue, kBlue, 0.25, 1.3),
       arrow(above, 2.0, {kVermilion, 1.0, 0.1}),
       arrowHead(above, 5.0, {kVermilion, 1.0, 0.1}, true),
       pull(above, 1.0, {kOrange, 1.0, 0.0}),
@@ -187,24 +204,33 @@ SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(rend
 
 SceneView::~SceneView() = default;
 
-void SceneView::build(const DeviceModel& model, const Scene& scene, float scale) {
+void SceneView::build(const DeviceModel& model, const Scene& scene, const Tool& tool, float scale) {
   renderer_->RemoveAllViewProps();
   above_->RemoveAllViewProps();
   Drawing drawing;
-  std::vector<HalfSpace> walls;
-  for (const Obstacle& obstacle : scene.obstacles)
-    if (const auto* wall = std::get_if<HalfSpace>(&obstacle.shape)) walls.push_back(*wall);
-  std::size_t next = 0;
-  for (const Obstacle& obstacle : scene.obstacles) {
-    if (std::holds_alternative<HalfSpace>(obstacle.shape)) {
-      std::vector<HalfSpace> others = walls;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(next++));
-      drawWall(std::get<HalfSpace>(obstacle.shape), others, drawing);
-    } else {
-      drawBox(std::get<Box>(obstacle.shape), drawing);
-    }
+  std::vector<Plane> walls;
+  for (const Obstacle& obstacle : scene.obstacles())
+    if (std::holds_alternative<HalfSpace>(obstacle.shape))
+      walls.push_back({obstacle.pose.position, obstacle.pose.rotation.col(2)});
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    std::vector<Plane> others = walls;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    drawWall(walls[i], others, drawing);
   }
-  addFaces(renderer_, drawing.faces, {kEnamel, 1.0, 0.1});
+  const Finish enamel{kEnamel, 1.0, 0.1};
+  for (const Obstacle& obstacle : scene.obstacles()) {
+    const Pose& pose = obstacle.pose;
+    if (const auto* box = std::get_if<Box>(&obstacle.shape)) drawBox(*box, pose, drawing);
+    if (const auto* sphere = std::get_if<Sphere>(&obstacle.shape))
+      Ball(renderer_, kMillimetres * sphere->radius, enamel).place(pose.position);
+    if (const auto* capsule = std::get_if<Capsule>(&obstacle.shape)) {
+      const Vec3 half = capsule->halfLength * pose.rotation.col(2);
+      CapsuleSolid(renderer_, kMillimetres * capsule->radius, enamel).place(pose.position - half, pose.position + half);
+    }
+    if (const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape))
+      addMesh(renderer_, (*mesh)->mesh(), pose, enamel);
+  }
+  addFaces(renderer_, drawing.faces, enamel);
   addFaces(renderer_, drawing.backs, {kEnamelGrid, 1.0, 0.0});
   addLines(renderer_, drawing.grid, kEnamelGrid, scale);
   addLines(renderer_, drawing.edges, kEnamelEdge, 2.0f * scale);
@@ -221,7 +247,7 @@ void SceneView::build(const DeviceModel& model, const Scene& scene, float scale)
       cube.push_back({from, to});
     }
   addLines(renderer_, cube, kCubeLine, scale);
-  parts_ = std::make_unique<Parts>(renderer_, above_, model);
+  parts_ = std::make_unique<Parts>(renderer_, above_, model, tool);
 }
 
 void SceneView::update(const SceneState& state) {

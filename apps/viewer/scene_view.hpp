@@ -33,7 +33,7 @@ class SceneView {
   SceneView& operator=(const SceneView&) = delete;
 
   /// Rebuilds what does not move. `scale`: pixels per unit of layout, for the width of lines.
-  void build(const DeviceModel& model, const Scene& scene, float scale);
+  void build(const DeviceModel& model, const Scene& scene, const Tool& tool, float scale);
   void update(const SceneState& state);
   void look(const Camera& camera);
 

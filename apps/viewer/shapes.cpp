@@ -103,6 +103,50 @@ void Ball::place(const Vec3& centre) {
   actor_->SetPosition(c.x(), c.y(), c.z());
 }
 
+CapsuleSolid::CapsuleSolid(vtkRenderer* renderer, double radius, const Finish& finish)
+    : rod_(renderer, radius, finish), from_(renderer, radius, finish), to_(renderer, radius, finish) {}
+
+void CapsuleSolid::place(const Vec3& from, const Vec3& to) {
+  rod_.place(from, to);
+  rod_.show(from != to);
+  from_.place(from);
+  to_.place(to);
+}
+
+void CapsuleSolid::show(bool visible) {
+  rod_.show(visible);
+  from_.show(visible);
+  to_.show(visible);
+}
+
+vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,
+                                  const Finish& finish) {
+  std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());  // normals of the triangles, by area
+  vtkNew<vtkCellArray> cells;
+  for (const auto& t : mesh.triangles) {
+    const auto corner = [&](int i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
+    const Vec3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    cells->InsertNextCell(3);
+    for (const int vertex : t) {
+      sums[static_cast<std::size_t>(vertex)] += normal;
+      cells->InsertCellPoint(vertex);
+    }
+  }
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkFloatArray> normals;
+  normals->SetNumberOfComponents(3);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    append(points, pose.position + pose.rotation * mesh.vertices[i]);
+    const Vec3 normal = pose.rotation * sums[i].normalized();
+    normals->InsertNextTuple3(normal.x(), normal.y(), normal.z());
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  data->GetPointData()->SetNormals(normals);
+  return addData(renderer, data, finish);
+}
+
 Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal) {
   Polygon result;
   for (std::size_t i = 0; i < polygon.size(); ++i) {

@@ -10,7 +10,7 @@
 #include <array>
 #include <vector>
 
-#include "enamel/core/types.hpp"
+#include "enamel/collision/mesh.hpp"
 #include "palette.hpp"
 
 namespace enamel::viewer {
@@ -48,6 +48,22 @@ class Ball {
  private:
   vtkSmartPointer<vtkActor> actor_;
 };
+
+/// A rod with round ends.
+class CapsuleSolid {
+ public:
+  CapsuleSolid(vtkRenderer* renderer, double radius, const Finish& finish);
+  void place(const Vec3& from, const Vec3& to);
+  void show(bool visible);
+
+ private:
+  Rod rod_;
+  Ball from_, to_;
+};
+
+/// A mesh with smooth shading, `pose` in W.
+vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,
+                                  const Finish& finish);
 
 /// A convex polygon in W, m, and what is left of it outside the half space behind a plane.
 using Polygon = std::vector<Vec3>;

@@ -26,7 +26,7 @@ Hand handAt(const Vec3& position, const Grip& grip) {
   return hand;
 }
 
-std::unique_ptr<Experiment> firstExperiment(const ServoedDevice& device, const Scene& scene, Wall wall) {
+std::unique_ptr<Experiment> firstExperiment(const ServoedDevice& device, const SceneFile& scene, Wall wall) {
   Pose start;
   start.position = scene.start;
   return std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), wall);
@@ -200,7 +200,7 @@ void Viewer::moveHandBy(const glm::dvec3& millimetres) {
 void Viewer::pressBy(double newtons) {
   path_.reset();
   Command command{Command::Kind::handBy};
-  command.target = -newtons * frame_.contacts.contacts[0].normal.cwiseQuotient(stiffnessOf(overlay_.grip));
+  command.target = -newtons * frame_.record.nearest.normal.cwiseQuotient(stiffnessOf(overlay_.grip));
   runner_.send(command);
 }
 
@@ -275,7 +275,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 
   Configuration at;
   if (enamel::configure(model_, frame_.record.pose, at) == Status::ok) configuration_ = at;
-  const Contact& contact = frame_.contacts.contacts[0];
+  const Contact& contact = frame_.record.nearest;
   shown_.device = configuration_;
   shown_.hand = frame_.hand.position;
   shown_.force = frame_.record.rendered.head<3>();
@@ -289,7 +289,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
     Configuration reference = configuration_;
     if (forwardKinematics(model_, frame_.reference, reference).status == Status::ok) shown_.ghost = reference.pose;
   } else if (contact.gap < 0.0) {
-    shown_.ghost = Pose{contact.point - contact.gap * contact.normal, frame_.record.pose.rotation};
+    shown_.ghost = Pose{frame_.record.pose.position - contact.gap * contact.normal, frame_.record.pose.rotation};
   }
   const double preload = frame_.tests[static_cast<std::size_t>(frame_.wall)].preload;
   limit_ = stiffnessLimit(model_, configuration_, contact.normal, kTestForce, preload, overlay_.settings.delay.high);
@@ -307,7 +307,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 
 void Viewer::draw(bool picture) {
   if (builtScale_ != layout_.scale) {
-    view_.build(model_, scene_, layout_.scale);
+    view_.build(model_, scene_.scene, scene_.tool, layout_.scale);
     builtScale_ = layout_.scale;
   }
   view_.update(shown_);
@@ -318,6 +318,7 @@ void Viewer::draw(bool picture) {
                            sceneNames_,
                            sceneIndex_,
                            limit_,
+                           scene_.tool.parts[0].radius,
                            shown_.ghost.has_value(),
                            shown_.ghost ? shown_.ghost->position : Vec3::Zero(),
                            trail_,

@@ -69,7 +69,7 @@ class Viewer final : public Driven {
   DeviceModel model_;
   std::vector<std::string> sceneFiles_, sceneNames_;
   int sceneIndex_ = 0;
-  Scene scene_;
+  SceneFile scene_;
   OverlayState overlay_;
   Wall wall_;
   Runner runner_;

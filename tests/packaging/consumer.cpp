@@ -1,6 +1,8 @@
 // Uses the installed package: loads a shipped device, goes to a pose and back, and looks at the layout of types.
 #include <cstdio>
 
+#include "enamel/collision/mesh_file.hpp"
+#include "enamel/collision/proximity.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/device/dynamics.hpp"
 #include "enamel/device/kinematics.hpp"
@@ -21,6 +23,10 @@ int main() {
     const double error = (solved.pose.position - pose.position).norm();
     const double mass = enamel::massMatrix(model, solved).trace();
     std::printf("forward kinematics of the inverse: %.1e m off; trace of the mass matrix %.6f kg m^2\n", error, mass);
+    const enamel::MeshModel jaw(enamel::loadMesh(ENAMEL_DATA_DIR "/meshes/jaw.ply", 1e-3));
+    const enamel::SurfacePoint near = enamel::signedDistance(jaw, enamel::Vec3(0.0, 0.0225, 0.02));
+    std::printf("20 mm above the gum: %.3f mm from the jaw\n", 1e3 * near.distance);
+    if (!(near.distance > 0.0 && near.distance < 0.02)) return 1;
     return error < 1e-12 && mass > 0.0 ? 0 : 1;
   } catch (const enamel::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());

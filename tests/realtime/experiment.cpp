@@ -12,8 +12,8 @@ using namespace enamel::viewer;
 
 TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
   const ServoedDevice device = loadServoedDevice(test::deviceFile("tau-nominal.toml"));
-  for (const char* name : {"flat-wall.toml", "oblique-wall.toml", "corner.toml", "box.toml"}) {
-    const Scene scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + std::string(name));
+  for (const char* name : {"flat-wall.toml", "oblique-wall.toml", "corner.toml", "box.toml", "molar.toml", "jaw.toml"}) {
+    const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + std::string(name));
     Pose start;
     start.position = scene.start;
     Hand hand;

@@ -10,7 +10,8 @@ using namespace enamel;
 
 TEST_CASE("a tick of either renderer allocates nothing", "[realtime]") {
   const DeviceModel model = makeModel(test::nominal());
-  const Scene wall = flatWall({});
+  const Scene wall = flatWall();
+  const Tool tool;
   PositionControlRenderer hold = test::positionControl(model);
   ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
   for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&spring)}) {
@@ -20,7 +21,7 @@ TEST_CASE("a tick of either renderer allocates nothing", "[realtime]") {
     const RandomStream stream(1, 0);
     Motors motors({0, 3}, Vec6::Zero());
     std::vector<unsigned char> state(renderer->stateSize());
-    Configuration tracked = model.home;
+    TickMemory memory{model.home, makeToolCache(wall, tool)};
     TickInput input;
     TickOutput output;
     int ok = 0, contact = 0;
@@ -35,7 +36,7 @@ TEST_CASE("a tick of either renderer allocates nothing", "[realtime]") {
       if (i % 100 == 7) m.q[2] = std::nan("");
       if (i % 100 == 9) m.q[2] += 2.0;
       const Status status =
-          hapticTick(model, wall, 1e-3 * static_cast<double>(i), m.q, m.rates, tracked, *renderer, input, output);
+          hapticTick(model, wall, tool, 1e-3 * static_cast<double>(i), m.q, m.rates, memory, *renderer, input, output);
       ok += status == Status::ok;
       contact += output.mode == RenderMode::contact;
       sum += motors.actuate(i, output.torque, stream)[0] + stream.normal(RandomStream::Purpose::noise, i);

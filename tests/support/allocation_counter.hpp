@@ -1,10 +1,10 @@
-// Counts every allocation of the process by interposing malloc, calloc, realloc, their aligned forms and (because
-// the C++ operators end there) operator new. Link allocation_counter.cpp into an executable of its own.
+// Counts every allocation of the process: link apps/enamel/allocation_counter.cpp into an executable of its own.
 #pragma once
+
+#include "../../apps/enamel/allocation_counter.hpp"
 
 namespace enamel::test {
 
-/// Number of allocations and releases since the process began.
-long allocationCount() noexcept;
+using enamel::allocationCount;
 
 }  // namespace enamel::test

@@ -51,7 +51,7 @@ inline TickInput inputAt(const DeviceModel& model, const Pose& pose, double time
   input.rates = jointRates(model, c, twist);
   input.pose = pose;
   input.twist = twist;
-  input.contacts.contacts[0] = contactWith(HalfSpace{}, pose.position);
+  input.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);
   input.contacts.count = 1;
   input.maxTorque = model.maxTorque;
   return input;

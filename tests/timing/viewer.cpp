@@ -28,7 +28,7 @@ void report(const char* beside, bool realtime, double periods, double missed, co
 TEST_CASE("missed ticks without and with rendering", "[timing]") {
   {
     const ServoedDevice device = loadServoedDevice(test::deviceFile("tau-nominal.toml"));
-    const Scene scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/flat-wall.toml");
+    const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/flat-wall.toml");
     Pose start;
     start.position = scene.start;
     Hand hand;

@@ -23,7 +23,7 @@ const ServoedDevice& nominal() {
   return device;
 }
 
-Scene shipped(const std::string& name) { return loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + name); }
+SceneFile shipped(const std::string& name) { return loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + name); }
 
 Hand handAt(const Vec3& position) {
   Hand hand;
@@ -31,7 +31,7 @@ Hand handAt(const Vec3& position) {
   return hand;
 }
 
-std::unique_ptr<Experiment> experiment(const Scene& scene, Wall wall, const Settings& settings = {}) {
+std::unique_ptr<Experiment> experiment(const SceneFile& scene, Wall wall, const Settings& settings = {}) {
   Pose start;
   start.position = scene.start;
   return std::make_unique<Experiment>(nominal(), settings, scene, start, handAt(scene.start), wall);
@@ -51,7 +51,7 @@ TEST_CASE("the tool stops at the wall, the hand goes on, and the force is the ha
     const Frame& frame = e->frame();
     REQUIRE(frame.plant == Status::ok);
     // At rest the hand's force 400 N/m times its stretch is the wall's.
-    const double depth = -frame.record.gap;
+    const double depth = -frame.record.nearest.gap;
     const double force = 400.0 * (0.025 - depth);
     CHECK(frame.hand.position.z() == Approx(-0.025).epsilon(1e-3));
     CHECK(-frame.record.person[2] == Approx(force).epsilon(1e-3));

@@ -200,7 +200,7 @@ TEST_CASE("metrics of a hand-made record", "[push]") {
     t.person[2] = i >= 1000 ? -10.0 : 0.0;
     // Goes in for 10 ticks to 1 mm, comes out to 0.5 mm and stays.
     const double depth = i < 1000 ? 0.0 : i < 1010 ? 1e-4 * static_cast<double>(i - 1000) : i == 1010 ? 1e-3 : 0.5e-3;
-    t.gap = -depth;
+    t.nearest.gap = -depth;
     t.pose.position = {3e-4, 4e-4, -depth};
     t.twist[2] = i >= 1000 && i < 1010 ? -0.1 : 0.0;
     t.torque[4] = i % 2 == 0 ? 0.1 : -0.1;

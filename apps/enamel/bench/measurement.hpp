@@ -30,6 +30,10 @@ struct Timing {
 /// Times batches of calls: `run(first, count)` makes `count` calls, numbered from `first`. One warm-up batch first.
 Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int first, int count)>& run);
 
+/// Times single calls, for work whose cost varies from call to call: `run(i)` makes call i. What reading the clock
+/// costs is subtracted. The calls before `first` only warm up.
+Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run);
+
 /// Keeps the compiler from dropping a result that is not used otherwise.
 template <typename T>
 inline void keep(const T& value) {
@@ -42,5 +46,6 @@ std::vector<Measurement> measureAll(const std::string& filter, double scale);
 std::vector<Measurement> measureDevice(double scale);
 std::vector<Measurement> measureControl(double scale);
 std::vector<Measurement> measureTick(double scale);
+std::vector<Measurement> measureCollision(double scale);
 
 }  // namespace enamel::bench

@@ -6,6 +6,7 @@
 namespace enamel::bench {
 
 /// data/devices/tau-nominal.toml as it was when this program was built.
+const char* nominalDeviceText();
 DeviceParameters nominalDevice();
 
 }  // namespace enamel::bench

@@ -101,26 +101,27 @@ std::vector<Measurement> measureTick(double scale) {
     }
     add("its forward kinematics", p, error, "position, m", none);
   }
-  const Scene wall = flatWall({});
+  const Scene wall = flatWall();
+  const Tool tool;
   for (const auto& [name, renderer] :
        {std::pair<const char*, Renderer*>{"position-control", &hold}, {"impedance", &spring}}) {
     renderer->activate(kPeriod);
-    Configuration tracked = model.home;
+    TickMemory memory{model.home, makeToolCache(wall, tool)};
     TickInput input;
     TickOutput output;
     int faults = 0;
     std::vector<TickInput> inputs(static_cast<std::size_t>(ticks));
     const Percentiles whole = timeEach(ticks, [&](int i) {
       const auto k = static_cast<std::size_t>(i);
-      faults += hapticTick(model, wall, kPeriod * i, path.q[k], path.rates[k], tracked, *renderer, input, output) !=
-                Status::ok;
+      faults += hapticTick(model, wall, tool, kPeriod * i, path.q[k], path.rates[k], memory, *renderer, input,
+                           output) != Status::ok;
     });
     add(std::string("whole tick, ") + name, whole, faults, "ticks that were not ok", 3.0);
     renderer->reset();
-    tracked = model.home;
+    memory.tracked = model.home;
     for (std::size_t k = 0; k < inputs.size(); ++k) {
-      faults += hapticTick(model, wall, kPeriod * static_cast<double>(k), path.q[k], path.rates[k], tracked, *renderer,
-                           inputs[k], output) != Status::ok;
+      faults += hapticTick(model, wall, tool, kPeriod * static_cast<double>(k), path.q[k], path.rates[k], memory,
+                           *renderer, inputs[k], output) != Status::ok;
     }
     renderer->reset();
     const Percentiles part = timeEach(

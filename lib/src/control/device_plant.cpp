@@ -82,4 +82,9 @@ DevicePlant devicePlant(const DeviceModel& model, const Pose& pose) {
   return plant;
 }
 
+ServoDesign designServo(const DeviceModel& model, const Pose& pose, double period, const ServoWeights& weights) {
+  const DevicePlant plant = devicePlant(model, pose);
+  return designServo(outputsAsStates(linearise(plant.f, plant.h, plant.x0, plant.u0)), period, weights);
+}
+
 }  // namespace enamel

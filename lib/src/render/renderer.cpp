@@ -106,6 +106,7 @@ void Renderer::loadState(const void* state) noexcept {
   const StateBlock block = stateBlock();
   std::memcpy(&lastTime_, state, sizeof(lastTime_));
   if (block.size > 0) std::memcpy(block.data, static_cast<const char*>(state) + sizeof(lastTime_), block.size);
+  stateLoaded();
 }
 
 bool saturate(Vec6& torque, double maxTorque) noexcept {

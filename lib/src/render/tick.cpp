@@ -2,17 +2,19 @@
 
 namespace enamel {
 
-Status hapticTick(const DeviceModel& model, const Scene& scene, double time, const Vec6& q, const Vec6& rates,
-                  Configuration& tracked, Renderer& renderer, TickInput& input, TickOutput& output) noexcept {
+Status hapticTick(const DeviceModel& model, const Scene& scene, const Tool& tool, double time, const Vec6& q,
+                  const Vec6& rates, TickMemory& memory, Renderer& renderer, TickInput& input,
+                  TickOutput& output) noexcept {
   output = TickOutput{};
-  const Status status = forwardKinematics(model, q, tracked).status;
+  Status status = forwardKinematics(model, q, memory.tracked).status;
   if (status != Status::ok) return status;
   input.time = time;
   input.q = q;
   input.rates = rates;
-  input.pose = tracked.pose;
-  input.twist = twistFromRates(model, tracked, rates);
-  queryContacts(scene, tracked.pose.position, input.contacts);
+  input.pose = memory.tracked.pose;
+  input.twist = twistFromRates(model, memory.tracked, rates);
+  status = findContacts(scene, tool, input.pose, kContactMargin, &memory.contacts, input.contacts);
+  if (status != Status::ok) return status;
   input.maxTorque = model.maxTorque;
   return renderer.step(input, output);
 }

@@ -6,7 +6,6 @@
 
 #include "core/toml.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/render/tick.hpp"
 
 namespace enamel {
 namespace {
@@ -37,20 +36,22 @@ class PersonLoad {
   /// Sets the parts that are held over a tick.
   void hold(double stepForce, double noise) noexcept { held_ = stepForce + noise; }
 
-  /// Force along -z.
+  /// Force against the normal.
   double force(double time, const Pose& pose, const Vec6& twist) const noexcept {
     if (person_.scenario == 1) return held_;
     const HandMotion hand = handMotion(person_.force, time);
-    const double spring = kHandStiffness * (start_.position.z() + hand.position - pose.position.z());
-    return held_ - spring - kHandDamping * (hand.velocity - twist[2]);
+    const Vec3& n = person_.normal;
+    const double spring = kHandStiffness * (hand.position - n.dot(pose.position - start_.position));
+    return held_ - spring - kHandDamping * (hand.velocity - n.dot(twist.head<3>()));
   }
 
   Vec6 operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
     Vec6 wrench = Vec6::Zero();
-    wrench[2] = -force(time, pose, twist);
+    const Vec3& n = person_.normal;
+    wrench.head<3>() = -force(time, pose, twist) * n;
     if (person_.guide) {
-      wrench.head<2>() -=
-          kGuideStiffness * (pose.position - start_.position).head<2>() + kGuideDamping * twist.head<2>();
+      const Vec3 pull = kGuideStiffness * (pose.position - start_.position) + kGuideDamping * Vec3(twist.head<3>());
+      wrench.head<3>() -= pull - n.dot(pull) * n;
       const Mat3 turned = pose.rotation.lazyProduct(start_.rotation.transpose());
       wrench.tail<3>() -= kGuideTurn * rotationVector(turned) + kGuideTurnDamping * twist.tail<3>();
     }
@@ -86,6 +87,8 @@ void checkPush(const PushSetup& setup) {
   checkLoop(setup);
   const Person& p = setup.person;
   require(p.scenario == 1 || p.scenario == 2, "scenario is " + std::to_string(p.scenario) + ", must be 1 or 2");
+  require(std::abs(p.normal.norm() - 1.0) <= 1e-6,
+          "the normal of the push has the length " + formatNumber(p.normal.norm()) + ", must be 1");
   require(p.force >= 0.0 && p.force <= 1e3, "force is " + formatNumber(p.force) + ", must be in 0 to 1000 N");
   require(p.noise >= 0.0 && p.noise <= 1e3, "noise is " + formatNumber(p.noise) + ", must be in 0 to 1000 N");
   require(setup.duration >= 0.0 && setup.duration <= kLongestRun,
@@ -95,9 +98,7 @@ void checkPush(const PushSetup& setup) {
 PushResult runPush(const DeviceModel& model, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record) {
   checkPush(setup);
-  LoopSetup onWall = setup;
-  onWall.scene = flatWall(setup.wall);
-  VirtualLoop loop(model, renderer, onWall);
+  VirtualLoop loop(model, renderer, setup);
   PersonLoad person(setup.person, setup.start);
   const RandomStream random(setup.seed, setup.run);
   const std::uint64_t onset = tickAt(kOnset, setup.period);

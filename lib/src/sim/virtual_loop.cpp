@@ -27,7 +27,7 @@ void checkLoop(const LoopSetup& setup) {
   const auto require = [](bool condition, const std::string& message) {
     if (!condition) throw Error(message);
   };
-  require(!setup.scene.obstacles.empty(), "the scene has no obstacle");
+  require(!setup.scene.obstacles().empty(), "the scene has no obstacle");
   require(setup.period > 0.0 && setup.period <= 0.1,
           "period is " + formatNumber(setup.period) + ", must be in (0, 0.1] s");
   require(setup.substeps >= 1 && setup.substeps <= 1000,
@@ -45,7 +45,8 @@ VirtualLoop::VirtualLoop(const DeviceModel& model, Renderer& renderer, const Loo
       setup_(checked(setup)),
       random_(setup.seed, setup.run),
       plant_(reachable(model, setup.start)),
-      measured_(plant_),
+      memory_{plant_, makeToolCache(setup.scene, setup.tool)},
+      plantContacts_(memory_.contacts),
       encoders_(setup.encoders, model.encoderCounts, setup.period),
       motors_(setup.delay, gravityTorque(model, plant_)) {
   state_.position = setup.start.position;
@@ -62,13 +63,13 @@ Status VirtualLoop::begin(TickRecord& record) noexcept {
   if (const Status status = configure(model_, record.pose, plant_); status != Status::ok) return status;
 
   const Measurement m = encoders_.measure(jointAngles(plant_), jointRates(model_, plant_, state_.twist));
-  record.status = hapticTick(model_, setup_.scene, record.time, m.q, m.rates, measured_, renderer_, input_, output_);
+  record.status =
+      hapticTick(model_, setup_.scene, setup_.tool, record.time, m.q, m.rates, memory_, renderer_, input_, output_);
   record.q = m.q;
   record.command = output_.torque;
   record.torque = motors_.actuate(tick_, output_.torque, random_);
   record.rendered = wrenchFromTorques(model_, plant_, record.torque - gravityTorque(model_, plant_));
-  queryContacts(setup_.scene, record.pose.position, plantContacts_);
-  record.gap = plantContacts_.contacts[0].gap;
+  record.nearest = nearestContact(setup_.scene, setup_.tool, record.pose, &plantContacts_);
   record.normalForce = output_.normalForce;
   record.mode = output_.mode;
   record.saturated = output_.saturated;

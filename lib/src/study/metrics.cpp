@@ -17,8 +17,8 @@ MetricsCollector::MetricsCollector(const PushSetup& setup) : setup_(setup) {
 }
 
 void MetricsCollector::add(const TickRecord& tick) {
-  const Vec3& normal = setup_.wall.normal;
-  const double depth = -tick.gap;
+  const Vec3& normal = setup_.person.normal;
+  const double depth = -tick.nearest.gap;
   const double velocity = normal.dot(tick.twist.head<3>());
   if (setup_.person.scenario == 1 && tick.tick > onset_ && !running_.firstDepth && depth > 0.0 && lastVelocity_ < 0.0 &&
       velocity >= 0.0) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "enamel/control/linearise.hpp"
+#include "enamel/control/servo_design.hpp"
 #include "enamel/device/model.hpp"
 
 namespace enamel {
@@ -20,5 +21,9 @@ struct DevicePlant {
 /// Wraps a device's forward dynamics at `pose`. The functions keep a copy of the model.
 /// Throws DesignError: the pose is out of reach or singular. Realtime: no.
 DevicePlant devicePlant(const DeviceModel& model, const Pose& pose);
+
+/// The paper's whole chain for a device at rest at `pose`: linearise, transform, augment, hold, Riccati. `period` in s.
+/// Throws DesignError: as devicePlant(), linearise() and designServo(). Realtime: no.
+ServoDesign designServo(const DeviceModel& model, const Pose& pose, double period, const ServoWeights& weights = {});
 
 }  // namespace enamel

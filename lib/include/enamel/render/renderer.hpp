@@ -83,6 +83,7 @@ class Renderer {
   virtual Status render(const TickInput& input, TickOutput& output) noexcept = 0;
   virtual void resetState() noexcept = 0;
   virtual StateBlock stateBlock() noexcept = 0;
+  virtual void stateLoaded() noexcept {}  // after the block was written
 
  private:
   bool active_ = false;

@@ -1,4 +1,4 @@
-// A push against a flat wall: the scenarios of "A Position-Control Based Approach to Haptic Rendering of Stiff
+// A push against a wall: the scenarios of "A Position-Control Based Approach to Haptic Rendering of Stiff
 // Objects", section V, on the virtual device, tick by tick.
 #pragma once
 
@@ -9,21 +9,21 @@
 
 namespace enamel {
 
-/// The person who pushes. Scenario 1: a step of force at 1 s. Scenario 2: a hand with a spring and a damper along z
-/// that moves in from 1 s to 2 s (eq. 14). White noise, one sample held a tick, from 1 s (scenario 1) or 2 s (scenario
-/// 2).
+/// The person who pushes against the wall's normal n. Scenario 1: a step of force at 1 s. Scenario 2: a hand with a
+/// spring and a damper along n that moves in from 1 s to 2 s (eq. 14). White noise, one sample held a tick, from 1 s
+/// (scenario 1) or 2 s (scenario 2).
 struct Person {
   int scenario = 1;
-  double force = 12.0;  ///< F_c, N
-  double noise = 0.5;   ///< standard deviation, N
-  /// Keeps the TCP's x, y (100 N/m, 3.6 N s/m) and its orientation (0.5 N m/rad, 0.014 N m s/rad) about the start pose,
-  /// as a hand does; without it the five free directions drift.
+  double force = 12.0;          ///< F_c, N
+  double noise = 0.5;           ///< standard deviation, N
+  Vec3 normal = Vec3::UnitZ();  ///< n, outward, unit length, in W
+  /// Keeps the TCP across n (100 N/m, 3.6 N s/m) and its orientation (0.5 N m/rad, 0.014 N m s/rad) about the start
+  /// pose, as a hand does; without it the five free directions drift.
   bool guide = true;
 };
 
-/// Everything that determines a push. The scene is the wall alone, whatever `scene` holds.
+/// Everything that determines a push.
 struct PushSetup : LoopSetup {
-  HalfSpace wall;
   Person person;
   double duration = 3.0;  ///< s
 };
@@ -34,8 +34,8 @@ struct PushResult {
   std::uint64_t ticks;  ///< that were run
 };
 
-/// Checks a setup. Throws Error: as checkLoop(); a scenario other than 1 and 2; a force or noise outside 0 to 1000 N; a
-/// duration outside 0 to 1 h. Realtime: no.
+/// Checks a setup. Throws Error: as checkLoop(); a scenario other than 1 and 2; a normal not of unit length to 1e-6; a
+/// force or noise outside 0 to 1000 N; a duration outside 0 to 1 h. Realtime: no.
 void checkPush(const PushSetup& setup);
 
 /// Runs a push on a VirtualLoop, `record` once a tick. The renderer is deactivated at the end. Throws what checkPush()
@@ -43,7 +43,7 @@ void checkPush(const PushSetup& setup);
 PushResult runPush(const DeviceModel& model, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record);
 
-/// Position of the hand in scenario 2 along z relative to its start, m, and its velocity, m/s. Realtime: yes.
+/// Position of the hand in scenario 2 along n relative to its start, m, and its velocity, m/s. Realtime: yes.
 struct HandMotion {
   double position, velocity;
 };

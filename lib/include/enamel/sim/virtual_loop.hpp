@@ -11,7 +11,8 @@ namespace enamel {
 /// What determines a loop, but for the person.
 struct LoopSetup {
   Pose start;  ///< at rest
-  Scene scene = flatWall({});
+  Scene scene = flatWall();
+  Tool tool;
   EncoderOptions encoders;
   Delay delay;
   double period = 1e-3;  ///< Ts, s
@@ -35,7 +36,7 @@ struct TickRecord {
   Vec6 torque = Vec6::Zero();    ///< that acts during this tick, N m
   Vec6 person = Vec6::Zero();    ///< wrench of the person at the TCP at the beginning of this tick, N, N m
   Vec6 rendered = Vec6::Zero();  ///< wrench of the motors on the tool beyond gravity during this tick, N, N m
-  double gap = 0.0;              ///< of the plant's TCP to the nearest obstacle, m; negative inside
+  Contact nearest;               ///< of the plant's tool with the scene, near or far
   double normalForce = 0.0;      ///< of the wall on the tool, as the renderer reports it, N
   RenderMode mode = RenderMode::free;
   bool saturated = false;
@@ -83,10 +84,11 @@ class VirtualLoop {
   LoopSetup setup_;
   RandomStream random_;
   DeviceState state_;
-  Configuration plant_, measured_;  // the latter is the warm start of the forward kinematics
+  Configuration plant_;
+  TickMemory memory_;        // of the measured side
+  ToolCache plantContacts_;  // of the true side
   Encoders encoders_;
   Motors motors_;
-  ContactSnapshot plantContacts_;
   TickInput input_;
   TickOutput output_;
   std::uint64_t tick_ = 0;

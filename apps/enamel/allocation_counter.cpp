@@ -1,4 +1,4 @@
-#include "support/allocation_counter.hpp"
+#include "allocation_counter.hpp"
 
 #include <atomic>
 #include <cerrno>
@@ -49,6 +49,6 @@ void free(void* pointer) {
 }
 }
 
-namespace enamel::test {
+namespace enamel {
 long allocationCount() noexcept { return allocations; }
-}  // namespace enamel::test
+}  // namespace enamel

@@ -1,0 +1,88 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <memory>
+
+#include "commands.hpp"
+#include "enamel/collision/mesh_file.hpp"
+#include "enamel/core/error.hpp"
+#include "mesh_generator.hpp"
+
+namespace enamel::app {
+namespace {
+
+struct Options {
+  std::string file, generate, output;
+  double unit = 1e-3;  // m
+};
+
+void print(const MeshReport& r) {
+  const auto line = [](const char* name, const std::string& value) { fmt::print("{:<24} {}\n", name, value); };
+  const auto count = [&line](const char* name, int value) { line(name, std::to_string(value)); };
+  count("triangles", r.triangles);
+  line("vertices", fmt::format("{} at {} places", r.vertices, r.places));
+  count("components", r.components);
+  count("degenerate triangles", r.degenerateTriangles);
+  count("duplicate triangles", r.duplicateTriangles);
+  count("boundary edges", r.boundaryEdges);
+  count("non-manifold edges", r.nonManifoldEdges);
+  count("non-manifold vertices", r.nonManifoldVertices);
+  count("flipped edges", r.flippedEdges);
+  line("watertight", r.watertight ? "yes" : "no: inside and outside are not defined everywhere");
+  if (r.watertight) {
+    line("orientation", r.inwards ? "inwards: turn the triangles round" : "outwards");
+    line("volume", fmt::format("{:.6g} m^3", r.volume));
+  }
+  line("area", fmt::format("{:.6g} m^2", r.area));
+  line("box", fmt::format("{:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} m", r.low.x(), r.low.y(), r.low.z(), r.high.x(),
+                          r.high.y(), r.high.z()));
+}
+
+// Binary PLY in mm.
+void write(const TriangleMesh& mesh, const std::string& path) {
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment units mm\nelement vertex {}\nproperty float x\n"
+      "property float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(), mesh.triangles.size());
+  const auto put = [&bytes](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (const Vec3& v : mesh.vertices)
+    for (int k = 0; k < 3; ++k) put(static_cast<float>(1e3 * v[k]));
+  for (const auto& t : mesh.triangles) {
+    put(std::uint8_t{3});
+    for (const int v : t) put(static_cast<std::int32_t>(v));
+  }
+  std::ofstream file(path, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) throw Error(path + ": cannot write the file");
+}
+
+void run(const Options& options) {
+  if (options.generate.empty()) {
+    if (options.file.empty()) throw Error("needs a mesh file, or --generate with --output");
+    print(inspect(loadMesh(options.file, options.unit)));
+    return;
+  }
+  if (options.output.empty()) throw Error("--generate needs --output");
+  write(options.generate == "molar" ? makeMolar(6) : makeJaw(360, 110), options.output);
+}
+
+}  // namespace
+
+void addMesh(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("mesh", "What is wrong with a mesh file (ply, obj, stl, off), and its size");
+  command->add_option("file", options->file, "mesh file");
+  command->add_option("--unit", options->unit, "of the file's coordinates: m, mm or um")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, double>{{"m", 1.0}, {"mm", 1e-3}, {"um", 1e-6}}))
+      ->default_str("mm");
+  command->add_option("--generate", options->generate, "makes a mesh instead (PLY in mm)")
+      ->check(CLI::IsMember({"molar", "jaw"}));
+  command->add_option("--output", options->output, "where the made mesh goes");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace enamel::app

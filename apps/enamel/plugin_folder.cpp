@@ -1,0 +1,28 @@
+#include "plugin_folder.hpp"
+
+#include <filesystem>
+
+#include "enamel/core/error.hpp"
+
+namespace enamel::app {
+
+std::string pluginFolder() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto installed = program.parent_path().parent_path() / ENAMEL_INSTALLED_PLUGINS;
+  if (!error && std::filesystem::is_directory(installed, error)) return installed.string();
+  return ENAMEL_BUILT_PLUGINS;
+}
+
+std::map<std::string, std::string> parseParameters(const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> parameters;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) throw Error("--set is \"" + text + "\", must be KEY=VALUE");
+    if (!parameters.emplace(text.substr(0, equals), text.substr(equals + 1)).second)
+      throw Error("--set gives " + text.substr(0, equals) + " twice");
+  }
+  return parameters;
+}
+
+}  // namespace enamel::app

@@ -1,0 +1,70 @@
+/* A host in plain C: loads a renderer plugin and pushes a free mass of 0.3 kg against the wall z = 0 with 12 N, at 1 kHz.
+ * The contact, the motion and the loop are here; the wall is the plugin's. A real host measures q, the pose and the twist
+ * and sends the torques to its motors; this one moves along z only and uses the wall's force on the tool.
+ *
+ *   c_host PLUGIN.so DEVICE.toml
+ */
+#include <dlfcn.h>
+#include <enamel/plugin/abi.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double kMass = 0.3, kDamping = 4.0, kPush = 12.0, kPeriod = 1e-3; /* kg, N s/m, N, s */
+
+static int fail(const char* what, const char* why) {
+  fprintf(stderr, "c_host: %s: %s\n", what, why);
+  return 1;
+}
+
+int main(int argc, char** argv) {
+  if (argc != 3) return fail("usage", "c_host PLUGIN.so DEVICE.toml");
+  void* library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
+  if (library == NULL) return fail(argv[1], dlerror());
+  const EnamelPlugin* (*entry)(void);
+  *(void**)&entry = dlsym(library, ENAMEL_PLUGIN_SYMBOL);
+  if (entry == NULL) return fail(argv[1], "does not export " ENAMEL_PLUGIN_SYMBOL "()");
+  const EnamelPlugin* plugin = entry();
+  if (plugin->abi_version != ENAMEL_ABI_VERSION || plugin->plugin_size != sizeof(EnamelPlugin) ||
+      plugin->input_size != sizeof(EnamelTickInput) || plugin->output_size != sizeof(EnamelTickOutput))
+    return fail(argv[1], "is made for another version of the boundary");
+
+  /* Setup. */
+  char why[256] = "";
+  const EnamelMessage message = {why, sizeof why};
+  EnamelConfiguration configuration;
+  memset(&configuration, 0, sizeof configuration);
+  configuration.device_path = argv[2];
+  void* wall = plugin->create();
+  if (wall == NULL) return fail(argv[1], "create() failed");
+  if (plugin->configure(wall, &configuration, message) != ENAMEL_OK) return fail("configure()", why);
+  if (plugin->activate(wall, kPeriod, message) != ENAMEL_OK) return fail("activate()", why);
+
+  /* Ticks. */
+  double z = 0.0, v = 0.0, deepest = 0.0;
+  int tick, failed = 0;
+  for (tick = 0; tick < 1000 && !failed; ++tick) {
+    EnamelTickInput input;
+    EnamelTickOutput output;
+    memset(&input, 0, sizeof input);
+    input.time = kPeriod * (tick + 1);
+    input.position[2] = z;
+    input.rotation[0] = input.rotation[4] = input.rotation[8] = 1.0;
+    input.twist[2] = v;
+    input.max_torque = 2.0;
+    input.contact_count = 1;
+    input.contacts[0].point[2] = z;
+    input.contacts[0].normal[2] = 1.0;
+    input.contacts[0].gap = z;
+    failed = plugin->step(wall, &input, &output) != ENAMEL_OK;
+    v += kPeriod * (output.normal_force - kPush - kDamping * v) / kMass;
+    z += kPeriod * v;
+    if (z < deepest) deepest = z;
+    if (tick % 100 == 99) printf("%.1f s: %7.3f mm deep, the wall pushes with %6.2f N\n", input.time, -1e3 * z, output.normal_force);
+  }
+  plugin->deactivate(wall);
+  plugin->destroy(wall);
+  dlclose(library);
+  if (failed) return fail("step()", "the plugin reported a fault");
+  printf("%s: deepest %.3f mm under %.0f N, at rest %.3f mm\n", argv[1], -1e3 * deepest, kPush, -1e3 * z);
+  return 0;
+}

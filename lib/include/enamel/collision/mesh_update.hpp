@@ -1,0 +1,32 @@
+// Local changes of a mesh that is in use: a surface that gives way, a tooth that is drilled. The work depends on how
+// much changes, not on the size of the mesh, and the answers are those of a model built anew from the changed mesh
+// (triangles keep their numbers; removed ones are never reported).
+#pragma once
+
+#include <array>
+
+#include "enamel/collision/proximity.hpp"
+
+namespace enamel {
+
+/// Moves vertices: positions[i] is the new place of vertices[i], m. All triangles at these vertices follow, their boxes
+/// and normals too. Moved vertices keep their connections: two at one place move together only if both are named.
+/// notFinite: a position that is not finite or outside a box about four times as large as the mesh was when it was
+/// built, or an index out of range; nothing is changed then.
+/// Realtime: yes (no allocation; work for the triangles at the vertices and the levels above them). Not while other
+/// threads query the model.
+Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions, int count) noexcept;
+
+/// Removes triangles; those removed before are skipped. notFinite: a number is out of range; nothing is changed then.
+/// Realtime: yes, as moveVertices().
+Status removeTriangles(MeshModel& model, const int* triangles, int count) noexcept;
+
+/// Gives triangles other corners (indices of vertices), also triangles that were removed: a drill's wall takes the
+/// place of what it cut away. notFinite: a number or index is out of range; nothing is changed then.
+/// Realtime: yes, as moveVertices(); a cavity far from the triangle's old place loosens the boxes around it.
+Status replaceTriangles(MeshModel& model, const int* triangles, const std::array<int, 3>* corners, int count) noexcept;
+
+/// Whether a triangle is there (not removed). Realtime: yes.
+bool isPresent(const MeshModel& model, int triangle) noexcept;
+
+}  // namespace enamel

@@ -1,0 +1,76 @@
+// Nearest points of triangle meshes: exact in double, on a wide hierarchy of bounding boxes, fast for a tool that
+// moves little from tick to tick. Coordinates are those of the mesh's own frame, m.
+#pragma once
+
+#include <limits>
+#include <memory>
+
+#include "enamel/collision/mesh.hpp"
+#include "enamel/collision/proximity_cache.hpp"
+#include "enamel/core/status.hpp"
+
+namespace enamel {
+
+namespace kernel {
+struct MeshData;
+}
+
+/// A mesh ready for queries. Immutable but for the updates of mesh_update.hpp; const use is thread-safe.
+class MeshModel {
+ public:
+  /// Builds the hierarchy: about 1 us a triangle. Throws Error as checkMesh() does. Realtime: no.
+  explicit MeshModel(TriangleMesh mesh);
+  MeshModel(MeshModel&&) noexcept;
+  MeshModel& operator=(MeshModel&&) noexcept;
+  ~MeshModel();
+
+  const TriangleMesh& mesh() const noexcept;
+
+  kernel::MeshData& data() noexcept { return *data_; }  ///< private to the module
+  const kernel::MeshData& data() const noexcept { return *data_; }
+
+ private:
+  std::unique_ptr<kernel::MeshData> data_;
+};
+
+/// The part of a triangle that a point lies on. Corner i is triangles[t][i]; edge 01 joins corners 0 and 1.
+enum class TriangleFeature : int { corner0, corner1, corner2, edge01, edge12, edge20, face };
+
+/// Answer of the nearest-point queries.
+struct SurfacePoint {
+  Status status = Status::ok;  ///< notFinite: the query point or limit is not finite
+  int triangle = -1;           ///< -1: no triangle within the limit; the rest is then without meaning
+  TriangleFeature feature = TriangleFeature::face;
+  Vec3 point = Vec3::Zero();   ///< on the mesh, m
+  double distance = 0.0;       ///< m
+  Vec3 normal = Vec3::Zero();  ///< outward unit normal; only from signedDistance()
+};
+
+inline constexpr double kNoLimit = std::numeric_limits<double>::max();
+
+/// The point of the mesh nearest to p: argmin |p - x|, among equally near triangles the one of smallest number. The
+/// distance is computed in double, to about 1e-15 of the mesh size, also for triangles without area.
+/// `limit`, m: farther triangles are not reported. `cache` may be null. Realtime: yes (no allocation; a point far
+/// from the surface in comparison with the mesh's features may visit many triangles).
+SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache = nullptr,
+                          double limit = kNoLimit) noexcept;
+
+/// closestPoint() with sign (negative inside) and outward unit normal. The sign is that of (p - x).n with the
+/// angle-weighted pseudonormal n of the face, edge or corner that x lies on (Baerentzen & Aanaes, "Signed distance
+/// computation using the angle weighted pseudonormal", 2005). It is right wherever the mesh encloses a volume
+/// (MeshReport::watertight, without self-intersection); elsewhere it says on which side of the nearest sheet p lies.
+/// Realtime: yes, as closestPoint().
+SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCache* cache = nullptr,
+                            double limit = kNoLimit) noexcept;
+
+/// Instruction sets that the query loops are compiled for.
+enum class SimdLevel : int { baseline, avx2, avx512 };
+
+/// Level in use: at the start the best that this processor has. Realtime: yes.
+SimdLevel simdLevel() noexcept;
+
+/// Chooses the level for the whole process, for tests and measurements; the answers do not depend on it. Levels that
+/// the processor lacks are lowered to the best that it has; returns the level in use. Not while queries run.
+SimdLevel useSimdLevel(SimdLevel level) noexcept;
+
+}  // namespace enamel

@@ -1,0 +1,36 @@
+// Scene files: what the tool is, where it begins and what it can touch.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "enamel/collision/scene.hpp"
+
+namespace enamel {
+
+/// Content of a scene file.
+struct SceneFile {
+  std::string name;
+  Vec3 start = Vec3::Zero();  ///< of the TCP in W, m; the tool does not touch there
+  Tool tool;                  ///< a point at the TCP where the file names none
+  Scene scene;
+};
+
+/// Reads a scene file: `name`, `start` [m], optional `tool`, and a list `obstacle` of tables with `name`, `shape` and
+/// optional `material` (default 0). Lengths in m, angles in deg, R = Rz Ry Rx of `euler_deg` (default 0).
+/// - tool: list of capsules in the platform's frame, `from`, optional `to` (default: a sphere), `radius`
+/// - shape = "half_space": `point`, `normal` (outward, of any length)
+/// - shape = "box": `centre`, `size`, optional `euler_deg`
+/// - shape = "sphere": `centre`, `radius`
+/// - shape = "capsule": `from`, `to`, `radius`
+/// - shape = "mesh": `file` (beside the scene file, or absolute), `unit` of its coordinates ("m", "mm" or "um"),
+///   optional `scale` (default 1), `position` (of its origin) and `euler_deg`
+/// Throws ConfigurationError, with file, line, key, value and limit, on a file that cannot be read, malformed TOML,
+/// unknown or missing keys, wrong types, values out of their range, an empty scene, two obstacles of one name, a start
+/// inside an obstacle, and as loadMesh() and checkMesh(). Realtime: no.
+SceneFile loadScene(const std::string& path);
+
+/// The same for text in memory; `file` stands in messages, meshes are looked for beside it.
+SceneFile parseScene(std::string_view text, const std::string& file);
+
+}  // namespace enamel

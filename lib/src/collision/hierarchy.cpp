@@ -1,0 +1,494 @@
+// Builds and repairs the hierarchy of a mesh: a binary tree by the surface area heuristic (Goldsmith & Salmon 1987;
+// binned as by Wald 2007) whose leaves are full wherever possible, folded into nodes of 16 children.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+
+#include "mesh_data.hpp"
+
+namespace enamel::kernel {
+namespace {
+
+constexpr int kBins = 16;
+constexpr int kDepthOfHalving = 14;     // from here on pieces are halved, so that the depth stays bounded
+constexpr float kEmptyBox = 3e38f;      // its square is infinite
+constexpr float kFarAway = 1e18f;       // its square is finite, and larger than that of any local coordinate
+constexpr double kThin = 1e-3;          // height over longest edge, below which the careful path is taken
+constexpr double kEdgesOnly = 0x1p-20;  // local height below which the float bound uses the edges alone
+
+struct Box {
+  Eigen::Vector3f low = Eigen::Vector3f::Constant(kEmptyBox), high = Eigen::Vector3f::Constant(-kEmptyBox);
+  void add(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  float halfArea() const {
+    if (low.x() > high.x()) return 0.0f;
+    const Eigen::Vector3f d = high - low;
+    return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
+  }
+};
+
+float below(double x) { return std::nextafterf(std::nextafterf(static_cast<float>(x), -kEmptyBox), -kEmptyBox); }
+float above(double x) { return std::nextafterf(std::nextafterf(static_cast<float>(x), kEmptyBox), kEmptyBox); }
+
+Vec3 local(const Mesh& view, const Vec3& p) {
+  return (p - Vec3(view.centre[0], view.centre[1], view.centre[2])) * view.scale;
+}
+
+Box boxOf(const MeshData& data, std::int32_t triangle) {
+  Box box;
+  for (const int v : data.mesh.triangles[triangle]) {
+    const Vec3 q = local(data.view, data.mesh.vertices[v]);
+    for (int k = 0; k < 3; ++k) {
+      box.low[k] = std::min(box.low[k], below(q[k]));
+      box.high[k] = std::max(box.high[k], above(q[k]));
+    }
+  }
+  return box;
+}
+
+void writeBox(MeshData& data, Parent at, const Box& box) {
+  Node& node = data.nodes[at.node];
+  for (int k = 0; k < 3; ++k) {
+    node.low[k][at.lane] = box.low[k];
+    node.high[k][at.lane] = box.high[k];
+  }
+}
+
+Box boxOfNode(const Node& node) {
+  Box box;
+  for (int k = 0; k < 3; ++k) {
+    box.low[k] = *std::min_element(node.low[k], node.low[k] + kWidth);
+    box.high[k] = *std::max_element(node.high[k], node.high[k] + kWidth);
+  }
+  return box;
+}
+
+Box boxOfLeaf(const MeshData& data, std::int32_t leaf) {
+  Box box;
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::int32_t t = data.triangles[leaf * kWidth + lane].index;
+    if (t >= 0) box.add(boxOf(data, t));
+  }
+  return box;
+}
+
+// The mean normal, and the direction in which the corners spread most across it.
+Mat3 axesAlong(const std::vector<Vec3>& corners, const Vec3& mean, const Vec3& normal) {
+  Mat3 axes;
+  axes.row(2) = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());
+  const Vec3 n = axes.row(2);
+  const Vec3 s = n.unitOrthogonal(), t = n.cross(s);
+  double ss = 0.0, st = 0.0, tt = 0.0;
+  for (const Vec3& c : corners) {
+    const double a = s.dot(c - mean), b = t.dot(c - mean);
+    ss += a * a;
+    st += a * b;
+    tt += b * b;
+  }
+  const double angle = 0.5 * std::atan2(2.0 * st, ss - tt);
+  axes.row(0) = std::cos(angle) * s + std::sin(angle) * t;
+  axes.row(1) = n.cross(Vec3(axes.row(0)));
+  return axes;
+}
+
+// The axes follow the surface; a box that is only refitted keeps those it has.
+void writeLeafBox(MeshData& data, std::int32_t leaf, bool keepAxes) {
+  std::vector<Vec3>& corners = data.scratch;
+  corners.clear();
+  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::int32_t t = data.triangles[leaf * kWidth + lane].index;
+    if (t < 0) continue;
+    for (const int v : data.mesh.triangles[t]) {
+      corners.push_back(local(data.view, data.mesh.vertices[v]));
+      mean += corners.back();
+    }
+    const Vec3* c = &corners[corners.size() - 3];
+    normal += (c[1] - c[0]).cross(c[2] - c[0]);
+  }
+  const Parent at = data.leafParent[leaf];
+  LeafBoxes& box = data.boxes[at.node];
+  Mat3 oldAxes;
+  for (int i = 0; i < 9; ++i) oldAxes(i / 3, i % 3) = static_cast<double>(box.row[i][at.lane]);
+  keepAxes = keepAxes && !oldAxes.isZero(0.0);
+  for (auto& row : box.row) row[at.lane] = 0.0f;
+  if (corners.empty()) {  // far away
+    for (int i = 0; i < 3; ++i) box.row[9 + i][at.lane] = kFarAway;
+    return;
+  }
+  const Mat3 axes = keepAxes ? oldAxes : axesAlong(corners, mean / static_cast<double>(corners.size()), normal);
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (const Vec3& c : corners) {
+    const Vec3 f = axes * c;
+    low = low.cwiseMin(f);
+    high = high.cwiseMax(f);
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) box.row[3 * i + k][at.lane] = static_cast<float>(axes(i, k));
+    box.row[9 + i][at.lane] = static_cast<float>(-0.5 * (low[i] + high[i]));
+    box.row[12 + i][at.lane] = above(0.5 * (high[i] - low[i]));
+  }
+}
+
+// A binary tree over ranges of `order`.
+struct Binary {
+  Box box;
+  int left = -1, right = -1;  // -1: a leaf
+  int first = 0, count = 0;
+};
+
+class Builder {
+ public:
+  explicit Builder(MeshData& data) : data_(data) {
+    const std::size_t count = data.mesh.triangles.size();
+    boxes_.reserve(count);
+    for (std::size_t t = 0; t < count; ++t) boxes_.push_back(boxOf(data, static_cast<std::int32_t>(t)));
+    order_.resize(count);
+    std::iota(order_.begin(), order_.end(), 0);
+  }
+
+  void run() {
+    const int root = split(0, static_cast<int>(order_.size()), 0);
+    data_.view.root = fold(root, {});
+  }
+
+ private:
+  float centre(int triangle, int axis) const {
+    return 0.5f * (boxes_[triangle].low[axis] + boxes_[triangle].high[axis]);
+  }
+
+  int split(int first, int count, int depth) {
+    const int self = static_cast<int>(tree_.size());
+    tree_.emplace_back();
+    Box box, centres;
+    for (int i = first; i < first + count; ++i) {
+      box.add(boxes_[order_[i]]);
+      for (int k = 0; k < 3; ++k) {
+        const float c = centre(order_[i], k);
+        centres.low[k] = std::min(centres.low[k], c);
+        centres.high[k] = std::max(centres.high[k], c);
+      }
+    }
+    tree_[self].box = box;
+    tree_[self].first = first;
+    tree_[self].count = count;
+    if (count <= kWidth) return self;
+
+    int axis = 0, cut = count / 2;
+    (centres.high - centres.low).maxCoeff(&axis);
+    if (depth < kDepthOfHalving) chooseCut(first, count, centres, axis, cut);
+    cut = (cut + kWidth / 2) / kWidth * kWidth;  // full leaves
+    if (cut == 0) cut = kWidth;
+    if (cut >= count) cut = (count - 1) / kWidth * kWidth;
+    std::nth_element(order_.begin() + first, order_.begin() + first + cut, order_.begin() + first + count,
+                     [&](int a, int b) {
+                       const float ca = centre(a, axis), cb = centre(b, axis);
+                       return ca != cb ? ca < cb : a < b;
+                     });
+    const int left = split(first, cut, depth + 1);
+    const int right = split(first + cut, count - cut, depth + 1);
+    tree_[self].left = left;
+    tree_[self].right = right;
+    return self;
+  }
+
+  // The axis and number of triangles on the left that cost least: area times number of leaves, summed.
+  void chooseCut(int first, int count, const Box& centres, int& axis, int& cut) const {
+    float least = kEmptyBox;
+    for (int k = 0; k < 3; ++k) {
+      const float extent = centres.high[k] - centres.low[k];
+      if (!(extent > 0.0f)) continue;
+      const float toBin = static_cast<float>(kBins) * 0.9999f / extent;
+      std::array<Box, kBins> boxes;
+      std::array<int, kBins> counts{};
+      for (int i = first; i < first + count; ++i) {
+        const int bin = static_cast<int>((centre(order_[i], k) - centres.low[k]) * toBin);
+        const int safe = std::min(std::max(bin, 0), kBins - 1);
+        boxes[safe].add(boxes_[order_[i]]);
+        ++counts[safe];
+      }
+      std::array<float, kBins> rightCost{};
+      Box sum;
+      int number = 0;
+      for (int b = kBins - 1; b > 0; --b) {
+        sum.add(boxes[b]);
+        number += counts[b];
+        rightCost[b] = sum.halfArea() * static_cast<float>((number + kWidth - 1) / kWidth);
+      }
+      sum = Box();
+      number = 0;
+      for (int b = 0; b + 1 < kBins; ++b) {
+        sum.add(boxes[b]);
+        number += counts[b];
+        if (number == 0 || number == count) continue;
+        const float cost = sum.halfArea() * static_cast<float>((number + kWidth - 1) / kWidth) + rightCost[b + 1];
+        if (cost < least) {
+          least = cost;
+          axis = k;
+          cut = number;
+        }
+      }
+    }
+  }
+
+  std::int32_t fold(int binary, Parent parent) {
+    const Binary& top = tree_[binary];
+    if (top.left < 0 && parent.node >= 0) {
+      const auto leaf = static_cast<std::int32_t>(data_.leaves.size());
+      data_.leaves.emplace_back();
+      data_.leafParent.push_back(parent);
+      data_.triangles.resize(data_.triangles.size() + kWidth);
+      for (int lane = 0; lane < kWidth; ++lane) {
+        const std::int32_t slot = leaf * kWidth + lane;
+        if (lane < top.count) {
+          writeSlot(data_, slot, order_[top.first + lane]);
+        } else {
+          clearSlot(data_, slot);
+        }
+      }
+      writeLeafBox(data_, leaf, false);
+      return ~leaf;
+    }
+    std::array<int, kWidth> child{top.left, top.right};
+    int count = 2;
+    if (top.left < 0) {  // the root is a node also above a single leaf
+      child[0] = binary;
+      count = 1;
+    }
+    while (count < kWidth) {  // open the largest
+      int largest = -1;
+      for (int i = 0; i < count; ++i)
+        if (tree_[child[i]].left >= 0 &&
+            (largest < 0 || tree_[child[i]].box.halfArea() > tree_[child[largest]].box.halfArea()))
+          largest = i;
+      if (largest < 0) break;
+      const Binary& opened = tree_[child[largest]];
+      child[largest] = opened.left;
+      child[count++] = opened.right;
+    }
+    const auto self = static_cast<std::int32_t>(data_.nodes.size());
+    data_.nodes.emplace_back();
+    data_.boxes.emplace_back();
+    data_.nodeParent.push_back(parent);
+    std::int32_t flags = 0;
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const bool used = lane < count;
+      const std::int32_t number = used ? fold(child[lane], {self, lane}) : 0;
+      if (used && number < 0) data_.boxes[self].lanes |= 1u << lane;
+      if (used) flags |= number < 0 ? kHasLeaves : kHasNodes;
+      data_.nodes[self].child[lane] = number;
+      writeBox(data_, {self, lane}, used ? tree_[child[lane]].box : Box());
+    }
+    return self | flags;
+  }
+
+  MeshData& data_;
+  std::vector<Box> boxes_;
+  std::vector<int> order_;
+  std::vector<Binary> tree_;
+};
+
+}  // namespace
+
+std::uint64_t nextRevision() noexcept {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+void writeSlot(MeshData& data, std::int32_t slot, std::int32_t number) {
+  Triangle& triangle = data.triangles[slot];
+  Leaf& leaf = data.leaves[slot / kWidth];
+  const int lane = slot % kWidth;
+  const auto& t = data.mesh.triangles[number];
+  std::array<Vec3, 3> v, q;
+  for (int i = 0; i < 3; ++i) {
+    v[i] = data.mesh.vertices[t[i]];
+    q[i] = local(data.view, v[i]);
+    for (int k = 0; k < 3; ++k) triangle.corner[i][k] = v[i][k];
+  }
+  // Frame: the longest edge from a to b, the third corner c on the side of v.
+  int first = 0;
+  double longest = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double length = (q[(i + 1) % 3] - q[i]).norm();
+    if (length > longest) {
+      longest = length;
+      first = i;
+    }
+  }
+  const Vec3 &a = q[first], &b = q[(first + 1) % 3], &c = q[(first + 2) % 3];
+  Mat3 axes;
+  axes.row(0) = longest > 0.0 ? Vec3((b - a) / longest) : Vec3(Vec3::UnitX());
+  const Vec3 u = axes.row(0);
+  const Vec3 up = (c - a) - u * u.dot(c - a);
+  const double height = up.norm();
+  axes.row(1) = height > 1e-10 * longest ? Vec3(up / height) : Vec3(u.unitOrthogonal());  // else only rounding
+  axes.row(1) = (Vec3(axes.row(1)) - u * u.dot(Vec3(axes.row(1)))).normalized();
+  axes.row(2) = u.cross(Vec3(axes.row(1)));
+  const Vec3 toB = axes * (b - a), toC = axes * (c - a);
+  const auto setEdge = [&](int edge, double du, double dv) {
+    const double length = std::hypot(du, dv);
+    leaf.length[edge][lane] = static_cast<float>(length);
+    leaf.cosine[edge - 1][lane] = static_cast<float>(length > 0.0 ? du / length : 1.0);
+    leaf.sine[edge - 1][lane] = static_cast<float>(length > 0.0 ? dv / length : 0.0);
+  };
+  leaf.length[0][lane] = static_cast<float>(toB.x());
+  setEdge(1, toC.x() - toB.x(), toC.y());
+  setEdge(2, toC.x(), toC.y());
+  const Vec3 offset = axes * a;
+  for (int i = 0; i < 3; ++i) {
+    leaf.offset[i][lane] = static_cast<float>(-offset[i]);
+    for (int k = 0; k < 3; ++k) leaf.axis[i][k][lane] = static_cast<float>(axes(i, k));
+  }
+  leaf.inside[lane] = height > kEdgesOnly ? 0.0f : -1e30f;
+  triangle.index = number;
+  triangle.thin = !(height > kThin * longest);
+  data.slotOf[number] = slot;
+}
+
+void clearSlot(MeshData& data, std::int32_t slot) {
+  Triangle& triangle = data.triangles[slot];
+  Leaf& leaf = data.leaves[slot / kWidth];
+  const int lane = slot % kWidth;
+  triangle = Triangle{};
+  triangle.index = -1;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) leaf.axis[i][k][lane] = 0.0f;
+    leaf.offset[i][lane] = kFarAway;
+    leaf.length[i][lane] = 0.0f;
+  }
+  for (int i = 0; i < 2; ++i) {
+    leaf.cosine[i][lane] = 1.0f;
+    leaf.sine[i][lane] = 0.0f;
+  }
+  leaf.inside[lane] = -1e30f;
+}
+
+void refitLeaf(MeshData& data, std::int32_t leaf) {
+  writeLeafBox(data, leaf, true);
+  Parent at = data.leafParent[leaf];
+  Box box = boxOfLeaf(data, leaf);
+  while (at.node >= 0) {
+    writeBox(data, at, box);
+    box = boxOfNode(data.nodes[at.node]);
+    at = data.nodeParent[at.node];
+  }
+}
+
+void buildHierarchy(MeshData& data) {
+  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
+  for (const auto& t : data.mesh.triangles)
+    for (const int v : t) {
+      low = low.cwiseMin(data.mesh.vertices[v]);
+      high = high.cwiseMax(data.mesh.vertices[v]);
+    }
+  const Vec3 centre = 0.5 * (low + high);
+  for (int k = 0; k < 3; ++k) data.view.centre[k] = centre[k];
+  const double half = 0.5 * (high - low).maxCoeff();
+  int exponent = 0;
+  std::frexp(half, &exponent);
+  data.view.scale = half > 0.0 ? std::ldexp(1.0, -exponent) : 1.0;
+  data.view.extent = 1.0;
+  data.view.tight = 1;
+  data.size = (high - low).norm();
+
+  data.nodes.clear();
+  data.leaves.clear();
+  data.boxes.clear();
+  data.triangles.clear();
+  data.nodeParent.clear();
+  data.leafParent.clear();
+  data.slotOf.assign(data.mesh.triangles.size(), -1);
+  Builder(data).run();
+  data.view.nodes = data.nodes.data();
+  data.view.leaves = data.leaves.data();
+  data.view.boxes = data.boxes.data();
+  data.view.triangles = data.triangles.data();
+  data.view.revision = nextRevision();
+  data.scratch.reserve(3 * kWidth);
+  data.dirtyLeaves.reserve(data.leaves.size());
+  data.isDirty.assign(data.leaves.size(), 0);
+  data.isRewritten.assign(data.triangles.size(), 0);
+}
+
+void buildNormals(MeshData& data) {
+  const TriangleMesh& mesh = data.mesh;
+  data.place = weld(mesh);
+  const std::size_t places = data.place.empty() ? 0 : *std::max_element(data.place.begin(), data.place.end()) + 1u;
+  data.cornerNormal.assign(places, Vec3::Zero());
+  data.edgeNormals.assign(data.triangles.size(), EdgeNormals{});
+  std::vector<Vec3> normal(mesh.triangles.size());
+  std::vector<char> taintedPlace(places, 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& v = mesh.triangles[t];
+    normal[t] = unitNormal(mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]]);
+    for (int i = 0; i < 3; ++i) {
+      if (normal[t].isZero(0.0)) taintedPlace[data.place[v[i]]] = 1;
+      data.cornerNormal[data.place[v[i]]] +=
+          normal[t] * cornerAngle(mesh.vertices[v[i]], mesh.vertices[v[(i + 1) % 3]], mesh.vertices[v[(i + 2) % 3]]);
+    }
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (taintedPlace[data.place[mesh.triangles[t][i]]] != 0)
+        data.edgeNormals[data.slotOf[t]].tainted |= 1u << (kCorner0 + i);
+  const std::vector<EdgeUse> edges = sortedEdges(mesh, data.place);
+  data.firstCorner.assign(places, -1);
+  data.nextCorner.assign(3 * mesh.triangles.size(), -1);
+  for (std::size_t corner = data.nextCorner.size(); corner-- > 0;) {
+    std::int32_t& first = data.firstCorner[data.place[mesh.triangles[corner / 3][corner % 3]]];
+    data.nextCorner[corner] = first;
+    first = static_cast<std::int32_t>(corner);
+  }
+  data.closed = !edges.empty();
+  data.neighbour.assign(mesh.triangles.size(), {-1, -1, -1});
+  for (std::size_t first = 0, last; first < edges.size(); first = last) {
+    Vec3 sum = Vec3::Zero();
+    bool tainted = false;
+    int balance = 0;
+    for (last = first;
+         last < edges.size() && edges[last].low == edges[first].low && edges[last].high == edges[first].high; ++last) {
+      sum += normal[edges[last].triangle];
+      balance += edges[last].forward ? 1 : -1;
+      tainted = tainted || normal[edges[last].triangle].isZero(0.0);
+    }
+    data.closed = data.closed && balance == 0;
+    if (last - first == 2) {
+      const EdgeUse &a = edges[first], &b = edges[first + 1];
+      data.neighbour[a.triangle][a.edge] = b.triangle;
+      data.neighbour[b.triangle][b.edge] = a.triangle;
+    }
+    for (std::size_t i = first; i < last; ++i) {
+      EdgeNormals& at = data.edgeNormals[data.slotOf[edges[i].triangle]];
+      for (int k = 0; k < 3; ++k) at.edge[edges[i].edge][k] = static_cast<float>(sum[k]);
+      if (tainted) at.tainted |= 1u << (kEdge01 + edges[i].edge);
+    }
+  }
+
+  // At a local minimum of the distance the way to the point is a sum of the normals around it, with weights that are
+  // not negative, so it is no farther from each of them than they are from each other. A tenth is left for rounding; 0,
+  // no restriction, at borders.
+  std::vector<char> isOpen(places, 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (data.neighbour[t][i] < 0)
+        isOpen[data.place[mesh.triangles[t][i]]] = isOpen[data.place[mesh.triangles[t][(i + 1) % 3]]] = 1;
+  data.cones.assign(data.triangles.size(), 0.0f);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    double least = 1.0;
+    for (const int v : mesh.triangles[t]) {
+      if (isOpen[data.place[v]] != 0 || taintedPlace[data.place[v]] != 0) least = 0.0;
+      for (std::int32_t c = data.firstCorner[data.place[v]]; c >= 0 && least > 0.0; c = data.nextCorner[c])
+        least = std::min(least, normal[t].dot(normal[static_cast<std::size_t>(c / 3)]));
+    }
+    least = 0.9 * std::max(least, 0.0);
+    data.cones[data.slotOf[t]] = static_cast<float>(least * least);
+  }
+  data.view.cones = data.cones.data();
+}
+
+}  // namespace enamel::kernel

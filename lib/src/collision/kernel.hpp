@@ -1,0 +1,101 @@
+// The hot loops of the mesh queries and the plain data they read. The loops are compiled once per SIMD level, each in
+// a file of its own, from kernel_loops.inl. Nothing here may contain inline functions of Eigen or of the standard
+// library: the linker would keep one copy of them for all levels, possibly one that this machine cannot run.
+//
+// Local coordinates: q = (p - centre) * scale, so that the mesh fills [-1, 1]. Floats only ever bound distances from
+// below; every distance that is answered is computed in double from the original coordinates, so the answer does
+// not depend on the order of the search, on the cache or on the SIMD level.
+#pragma once
+
+#include <stdint.h>
+
+#include "enamel/collision/proximity_cache.hpp"
+
+namespace enamel::kernel {
+
+inline constexpr int kWidth = 16;                  ///< children of a node, triangles of a leaf
+inline constexpr int32_t kHasLeaves = 1 << 30;     ///< added to the number of a node with leaves among its children
+inline constexpr int32_t kHasNodes = 1 << 29;      ///< added to the number of a node with nodes among its children
+inline constexpr int32_t kNumber = kHasNodes - 1;  ///< mask that takes both off
+inline constexpr int kMaxDepth = 48;               ///< levels that the builder may make
+inline constexpr int kStackSize = 768;             ///< entries; a level of the tree needs at most kWidth - 1
+static_assert(kStackSize >= kMaxDepth * (kWidth - 1) + kWidth, "the stack holds every child on a path");
+
+/// 16 child boxes, local coordinates, rounded outwards. Unused lanes hold an empty box.
+struct alignas(64) Node {
+  float low[3][kWidth];
+  float high[3][kWidth];
+  int32_t child[kWidth];  ///< node number plus flags, or ~leaf number
+};
+
+/// 16 triangles in local coordinates, each in a plane frame of its own: corner a at the origin, the longest edge along
+/// u, the opposite corner at v >= 0, the plane at h = 0. Unused lanes lie far away.
+struct alignas(64) Leaf {
+  float axis[3][3][kWidth];  ///< rows u, v, h of the frame's rotation
+  float offset[3][kWidth];   ///< (u, v, h) = axis * q + offset
+  float length[3][kWidth];   ///< of the edges: along u; from its end to the third corner; from a to the third corner
+  float cosine[2][kWidth];   ///< directions of the second and third edge in (u, v)
+  float sine[2][kWidth];
+  float inside[kWidth];  ///< 0; -1e30 for a triangle that is bounded by its edges alone
+};
+
+/// Oriented boxes of the leaves below a node, by lane: |axis * q + offset| <= half. Lanes without a leaf hold zeros.
+struct alignas(64) LeafBoxes {
+  float row[15][kWidth];  ///< three axes, offsets, half sizes
+  uint32_t lanes;         ///< bit mask of the lanes that have a leaf
+};
+
+/// One triangle in double, in the order of the leaves: slot = 16 * leaf + lane.
+struct Triangle {
+  double corner[3][3];
+  int32_t index;  ///< number in the mesh; -1 for an unused slot
+  int32_t thin;   ///< 1: long or without area, needs the careful path
+};
+
+/// What the loops see of a mesh.
+struct Mesh {
+  const Node* nodes;
+  const Leaf* leaves;
+  const LeafBoxes* boxes;  ///< by node
+  const Triangle* triangles;
+  const float* cones;  ///< by slot: cos^2 of the angle to the farthest normal around the triangle, or 0
+  int32_t root;        ///< as Node::child; always a node
+  double centre[3];
+  double scale;
+  double extent;  ///< no local coordinate of the mesh is larger: 1 when it is built
+  int32_t tight;  ///< 1 while every box holds a triangle; removing may leave empty ones
+  uint64_t revision;
+};
+
+/// Parts of a triangle, as the closest point's place.
+enum Feature : int32_t { kCorner0, kCorner1, kCorner2, kEdge01, kEdge12, kEdge20, kFace };
+
+using Cache = ProximityCache;
+
+struct Answer {
+  double squared;   ///< distance^2; the limit^2 where nothing was found
+  double point[3];  ///< on the mesh
+  int32_t slot;     ///< -1 where nothing was found
+  int32_t feature;
+};
+
+/// Called for every triangle that may be within reach; answers the reach from now on.
+using Visit = double (*)(void* context, int32_t slot, double reach);
+
+struct Loops {
+  /// Nearest triangle not farther than sqrt(limitSquared); of equally near ones the one of smallest index.
+  void (*closest)(const Mesh& mesh, const double point[3], double limitSquared, Cache* cache, Answer* answer);
+  /// Every triangle within `reach` of the segment from -> to (and some more), in no particular order.
+  void (*visit)(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visit, void* context);
+  /// Every triangle within `reach` that may hold a local minimum of the distance from the point: at one, the way to the
+  /// point lies among the normals around it.
+  void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);
+};
+
+extern const Loops kBaselineLoops;
+#ifdef ENAMEL_X86_KERNELS
+extern const Loops kAvx2Loops;
+extern const Loops kAvx512Loops;
+#endif
+
+}  // namespace enamel::kernel

@@ -1,0 +1,36 @@
+// The query loops for AVX-512. Fused products only enter the float bounds, never an answer.
+#include <immintrin.h>
+
+#include "kernel.hpp"
+
+namespace enamel::kernel {
+namespace {
+
+struct V {
+  __m512 v;
+};
+
+inline V load(const float* p) { return {_mm512_loadu_ps(p)}; }
+inline void store(float* p, V x) { _mm512_storeu_ps(p, x.v); }
+inline V set(float x) { return {_mm512_set1_ps(x)}; }
+inline V sub(V x, V y) { return {_mm512_sub_ps(x.v, y.v)}; }
+inline V mul(V x, V y) { return {_mm512_mul_ps(x.v, y.v)}; }
+inline V mad(V x, V y, V z) { return {_mm512_fmadd_ps(x.v, y.v, z.v)}; }
+inline V maximum(V x, V y) { return {_mm512_max_ps(x.v, y.v)}; }
+inline V minimum(V x, V y) { return {_mm512_min_ps(x.v, y.v)}; }
+inline float smallest(V x) { return _mm512_reduce_min_ps(x.v); }
+inline unsigned lessOrEqualMask(V x, V y) { return _mm512_cmp_ps_mask(x.v, y.v, _CMP_LE_OQ); }
+inline V selectGreater(V x, V y, V p, V q) {
+  return {_mm512_mask_blend_ps(_mm512_cmp_ps_mask(x.v, y.v, _CMP_GT_OQ), q.v, p.v)};
+}
+inline void compress(V x, unsigned mask, float* p) {
+  _mm512_storeu_ps(p, _mm512_maskz_compress_ps(static_cast<__mmask16>(mask), x.v));
+}
+
+#include "kernel_loops.inl"
+
+}  // namespace
+
+const Loops kAvx512Loops = {&closest, &visit, &visitMinima};
+
+}  // namespace enamel::kernel

@@ -1,0 +1,74 @@
+// The query loops for any machine: plain arrays that the compiler may vectorise.
+#include "kernel.hpp"
+
+namespace enamel::kernel {
+namespace {
+
+struct V {
+  float v[kWidth];
+};
+
+inline V load(const float* p) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = p[i];
+  return r;
+}
+inline void store(float* p, const V& a) {
+  for (int i = 0; i < kWidth; ++i) p[i] = a.v[i];
+}
+inline V set(float x) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = x;
+  return r;
+}
+inline V sub(const V& a, const V& b) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] - b.v[i];
+  return r;
+}
+inline V mul(const V& a, const V& b) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] * b.v[i];
+  return r;
+}
+inline V mad(const V& a, const V& b, const V& c) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] * b.v[i] + c.v[i];
+  return r;
+}
+inline V maximum(const V& a, const V& b) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
+  return r;
+}
+inline V minimum(const V& a, const V& b) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
+  return r;
+}
+inline float smallest(const V& a) {
+  float least = a.v[0];
+  for (int i = 1; i < kWidth; ++i) least = a.v[i] < least ? a.v[i] : least;
+  return least;
+}
+inline unsigned lessOrEqualMask(const V& a, const V& b) {
+  unsigned mask = 0;
+  for (int i = 0; i < kWidth; ++i) mask |= static_cast<unsigned>(a.v[i] <= b.v[i]) << i;
+  return mask;
+}
+inline V selectGreater(const V& x, const V& y, const V& a, const V& b) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = x.v[i] > y.v[i] ? a.v[i] : b.v[i];
+  return r;
+}
+inline void compress(const V& a, unsigned mask, float* p) {
+  for (; mask != 0; mask &= mask - 1) *p++ = a.v[__builtin_ctz(mask)];
+}
+
+#include "kernel_loops.inl"
+
+}  // namespace
+
+const Loops kBaselineLoops = {&closest, &visit, &visitMinima};
+
+}  // namespace enamel::kernel

@@ -1,0 +1,92 @@
+// The inside of a MeshModel.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "enamel/collision/mesh.hpp"
+#include "kernel.hpp"
+
+namespace enamel::kernel {
+
+struct EdgeNormals {
+  float edge[3][3];       // sum of the unit normals of the triangles at edges 01, 12, 20
+  std::uint32_t tainted;  // bit i: corner or edge i (as Feature) touches a triangle without normal
+};
+
+/// Where a node or leaf hangs: child `lane` of `node`; node -1 for the root.
+struct Parent {
+  std::int32_t node = -1, lane = 0;
+};
+
+struct MeshData {
+  TriangleMesh mesh;
+  std::vector<int> place;          // of each vertex, as weld()
+  std::vector<Vec3> cornerNormal;  // of each place: sum of angle times unit normal
+  std::vector<Node> nodes;
+  std::vector<Leaf> leaves;
+  std::vector<LeafBoxes> boxes;                        // by node
+  std::vector<Triangle> triangles;                     // by slot
+  std::vector<EdgeNormals> edgeNormals;                // by slot
+  std::vector<float> cones;                            // by slot, as Mesh::cones
+  std::vector<std::int32_t> slotOf;                    // by triangle number; -1: removed
+  std::vector<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one
+  std::vector<Parent> nodeParent, leafParent;
+  Mesh view{};
+  // Triangles at a place, for the updates: corner = 3 * triangle + i; -1 ends a list.
+  std::vector<std::int32_t> firstCorner;  // by place
+  std::vector<std::int32_t> nextCorner;   // by corner
+  // Working space of the updates, as large as it can ever become.
+  std::vector<Vec3> scratch;
+  std::vector<std::int32_t> dirtyLeaves;
+  std::vector<char> isDirty;      // by leaf
+  std::vector<char> isRewritten;  // by slot
+  bool closed = false;            // every edge has as many triangles one way as the other
+  double size = 0.0;              // diagonal of the bounding box, m
+};
+
+/// One triangle at an edge between two different places.
+struct EdgeUse {
+  std::int32_t low, high;  // places, low < high
+  std::int32_t triangle;
+  std::int8_t edge;  // 0: corners 0 and 1, and so on round
+  bool forward;      // the triangle runs from low to high
+};
+
+/// All edges of all triangles, those between the same places side by side.
+std::vector<EdgeUse> sortedEdges(const TriangleMesh& mesh, const std::vector<int>& place);
+
+/// Unit normal of a triangle, or zero if it is lower than 1e-12 of its longest edge.
+Vec3 unitNormal(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
+
+/// Angle at corner a between the ways to b and c, rad; 0 where one of them has no length.
+double cornerAngle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
+
+/// The loops of the SIMD level in use.
+const Loops& loops() noexcept;
+
+/// Writes one slot of a leaf from the mesh's vertices.
+void writeSlot(MeshData& data, std::int32_t slot, std::int32_t triangle);
+
+/// Marks a slot as unused.
+void clearSlot(MeshData& data, std::int32_t slot);
+
+/// Computes the boxes of a leaf anew: its oriented one, and those of all nodes above.
+void refitLeaf(MeshData& data, std::int32_t leaf);
+
+/// Builds the hierarchy over all triangles of data.mesh.
+void buildHierarchy(MeshData& data);
+
+/// Sums the normals at all edges and corners.
+void buildNormals(MeshData& data);
+
+/// Whether a triangle is there (not removed).
+inline bool hasTriangle(const MeshData& data, std::int32_t triangle) noexcept {
+  return data.triangles[data.slotOf[triangle]].index == triangle;
+}
+
+/// A number that no other state of any mesh has.
+std::uint64_t nextRevision() noexcept;
+
+}  // namespace enamel::kernel

@@ -1,0 +1,582 @@
+// Files are scanned strictly before OpenMesh sees them, because its readers hide what must be refused or counted: they
+// split vertices that are not manifold, drop faces with repeated corners, stop silently at "nan" and at the end of a
+// truncated file, believe any count in a header, and keep settings from one file to the next. The scan hands positions
+// and faces on in one canonical form, which OpenMesh's PLY reader passes to an importer that keeps raw polygons.
+#include "enamel/collision/mesh_file.hpp"
+
+#include <OpenMesh/Core/IO/importer/BaseImporter.hh>
+#include <OpenMesh/Core/IO/reader/PLYReader.hh>
+#include <OpenMesh/Core/System/omstream.hh>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+
+#include "enamel/core/error.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr std::streamoff kLargestFile = std::streamoff{2} << 30;  // bytes
+constexpr std::int64_t kMostCorners = 255;                        // of a face
+
+// Writes the canonical form: binary PLY with float positions and int indices.
+class Canonical {
+ public:
+  explicit Canonical(const std::string& path) : path_(path) {}
+
+  [[noreturn]] void fail(const std::string& problem, int line = 0) const {
+    throw ConfigurationError(path_, line, "", problem);
+  }
+
+  void vertex(const std::array<double, 3>& position) {
+    for (const double x : position) {
+      const auto value = static_cast<float>(x);
+      if (!std::isfinite(value))
+        fail("vertex " + std::to_string(vertices_) +
+             " has a coordinate that is not a finite number of single precision");
+      append(positions_, value);
+    }
+    ++vertices_;
+  }
+
+  void beginFace(std::int64_t corners) {
+    if (corners < 3 || corners > kMostCorners)
+      fail("face " + std::to_string(faces_) + " has " + std::to_string(corners) + " corners, must have 3 to 255");
+    append(indices_, static_cast<std::uint8_t>(corners));
+    ++faces_;
+  }
+
+  void corner(std::int64_t vertex) {  // of the face begun last
+    if (vertex < 0 || vertex > INT32_MAX) outOfRange(faces_ - 1, vertex);
+    largest_ = std::max(largest_, vertex);
+    if (largest_ == vertex) faceOfLargest_ = faces_ - 1;
+    append(indices_, static_cast<std::int32_t>(vertex));
+  }
+
+  std::int64_t vertices() const { return vertices_; }
+  std::int64_t faces() const { return faces_; }
+
+  std::string ply() const {
+    if (faces_ == 0) fail("has no faces");
+    if (largest_ >= vertices_) outOfRange(faceOfLargest_, largest_);
+    return header(vertices_, faces_) + positions_ + indices_;
+  }
+
+  static std::string header(std::int64_t vertices, std::int64_t faces) {
+    return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) +
+           "\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(faces) +
+           "\nproperty list uchar int vertex_indices\nend_header\n";
+  }
+
+ private:
+  [[noreturn]] void outOfRange(std::int64_t face, std::int64_t vertex) const {
+    fail("face " + std::to_string(face) + " names vertex " + std::to_string(vertex) + ", there are " +
+         std::to_string(vertices_));
+  }
+
+  template <typename T>
+  static void append(std::string& bytes, T value) {
+    char raw[sizeof value];
+    std::memcpy(raw, &value, sizeof value);
+    bytes.append(raw, sizeof value);
+  }
+
+  std::string path_, positions_, indices_;
+  std::int64_t vertices_ = 0, faces_ = 0, largest_ = -1, faceOfLargest_ = 0;
+};
+
+// Words and lines of a text.
+class Words {
+ public:
+  Words(std::string_view text, const Canonical& out) : text_(text), out_(out) {}
+
+  [[noreturn]] void fail(const std::string& problem) const { out_.fail(problem, line_); }
+
+  int line() const { return line_; }
+  std::string_view rest() const { return text_.substr(at_); }
+
+  /// The next word of this line, empty at its end. Comments start at '#' where `comments` is set.
+  std::string_view wordOfLine(bool comments = true) {
+    while (at_ < text_.size() && text_[at_] != '\n' && isSpace(text_[at_])) ++at_;
+    if (comments && at_ < text_.size() && text_[at_] == '#') skipLine();
+    const std::size_t start = at_;
+    while (at_ < text_.size() && text_[at_] != '\n' && !isSpace(text_[at_])) ++at_;
+    return text_.substr(start, at_ - start);
+  }
+
+  void skipLine() {
+    while (at_ < text_.size() && text_[at_] != '\n') ++at_;
+  }
+
+  /// Goes to the next line; false at the end of the text.
+  bool nextLine() {
+    skipLine();
+    if (at_ == text_.size()) return false;
+    ++at_;
+    ++line_;
+    return at_ < text_.size();
+  }
+
+  /// The next word, on whatever line.
+  std::string_view word(const char* what) {
+    for (;;) {
+      const std::string_view found = wordOfLine();
+      if (!found.empty()) return found;
+      if (!nextLine()) fail(std::string("is truncated: ") + what + " is missing");
+    }
+  }
+
+  double number(std::string_view word, const std::string& what) const {
+    double value = 0.0;
+    const char* start = word.data() + (!word.empty() && word.front() == '+' ? 1 : 0);
+    const auto result = std::from_chars(start, word.data() + word.size(), value);
+    if (result.ec == std::errc::result_out_of_range && result.ptr == word.data() + word.size())
+      return std::abs(value) < 1.0 ? 0.0 : HUGE_VAL;
+    if (result.ec != std::errc() || result.ptr != word.data() + word.size())
+      fail(what + " is \"" + std::string(word.substr(0, 40)) + "\", must be a number");
+    return value;
+  }
+
+  std::int64_t integer(std::string_view word, const std::string& what) const {
+    std::int64_t value = 0;
+    const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (result.ec != std::errc() || result.ptr != word.data() + word.size())
+      fail(what + " is \"" + std::string(word.substr(0, 40)) + "\", must be an integer");
+    return value;
+  }
+
+  double number(const char* what) { return number(word(what), what); }
+  std::int64_t integer(const char* what) { return integer(word(what), what); }
+
+ private:
+  static bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
+
+  std::string_view text_;
+  const Canonical& out_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+};
+
+// A count of a header, checked against the least number of bytes that each item takes.
+std::int64_t checkedCount(std::int64_t count, std::size_t leastBytes, std::size_t remaining, const char* items,
+                          const Canonical& out) {
+  if (count < 0) out.fail(std::string("promises ") + std::to_string(count) + " " + items);
+  if (static_cast<std::uint64_t>(count) > remaining / std::max<std::size_t>(leastBytes, 1))
+    out.fail("promises " + std::to_string(count) + " " + items + ", there is room for at most " +
+             std::to_string(remaining / std::max<std::size_t>(leastBytes, 1)));
+  return count;
+}
+
+void scanOff(std::string_view bytes, Canonical& out) {
+  Words words(bytes, out);
+  const std::string_view magic = words.word("the word OFF");
+  if (magic != "OFF")
+    words.fail("starts with \"" + std::string(magic.substr(0, 20)) + "\", only plain text OFF is read");
+  const std::int64_t vertexCount = words.integer("number of vertices"), faceCount = words.integer("number of faces");
+  words.integer("number of edges");
+  checkedCount(vertexCount, 6, words.rest().size(), "vertices", out);
+  checkedCount(faceCount, 2, words.rest().size(), "faces", out);
+  for (std::int64_t i = 0; i < vertexCount; ++i) {
+    std::array<double, 3> p{};
+    for (double& x : p) x = words.number("coordinate of a vertex");
+    out.vertex(p);
+    words.skipLine();
+  }
+  for (std::int64_t f = 0; f < faceCount; ++f) {
+    const std::int64_t corners = words.integer("number of corners");
+    out.beginFace(corners);
+    for (std::int64_t i = 0; i < corners; ++i) out.corner(words.integer("index of a face"));
+    words.skipLine();
+  }
+}
+
+void scanObj(std::string_view bytes, Canonical& out) {
+  Words words(bytes, out);
+  do {
+    const std::string_view key = words.wordOfLine();
+    if (key == "v") {
+      std::array<double, 3> p{};
+      for (double& x : p) x = words.number(words.wordOfLine(), "coordinate of a vertex");
+      out.vertex(p);
+    } else if (key == "f") {
+      std::array<std::int64_t, kMostCorners> corner{};
+      std::int64_t count = 0;
+      for (std::string_view word = words.wordOfLine(); !word.empty(); word = words.wordOfLine(), ++count) {
+        const std::int64_t index = words.integer(word.substr(0, word.find('/')), "index of a face");
+        if (index == 0) words.fail("a face names vertex 0, vertices count from 1");
+        if (count < kMostCorners) corner[count] = index > 0 ? index - 1 : out.vertices() + index;
+      }
+      out.beginFace(count);
+      for (std::int64_t i = 0; i < count; ++i) out.corner(corner[i]);
+    }
+  } while (words.nextLine());
+}
+
+void scanStlBinary(std::string_view bytes, Canonical& out) {
+  std::uint32_t count = 0;
+  if (bytes.size() < 84) out.fail("is truncated: a binary STL file has at least 84 bytes");
+  std::memcpy(&count, bytes.data() + 80, 4);
+  checkedCount(count, 50, bytes.size() - 84, "triangles", out);
+  for (std::uint32_t t = 0; t < count; ++t) {
+    out.beginFace(3);
+    for (int i = 0; i < 3; ++i) {
+      float p[3];
+      std::memcpy(p, bytes.data() + 84 + 50 * std::size_t{t} + 12 * (i + 1u), sizeof p);
+      out.corner(out.vertices());
+      out.vertex({static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+    }
+  }
+}
+
+void scanStlText(std::string_view bytes, Canonical& out) {
+  Words words(bytes, out);
+  words.nextLine();
+  for (;;) {
+    const std::string_view key = words.word("the line endsolid");
+    if (key == "endsolid") return;
+    if (key == "outer") {
+      out.beginFace(3);
+      words.skipLine();
+      for (int i = 0; i < 3; ++i) {
+        if (words.word("a vertex") != "vertex") words.fail("a loop must have three vertices");
+        std::array<double, 3> p{};
+        for (double& x : p) x = words.number("coordinate of a vertex");
+        out.corner(out.vertices());
+        out.vertex(p);
+      }
+      if (words.word("the line endloop") != "endloop") words.fail("a loop must have three vertices");
+    } else if (key != "facet" && key != "endfacet") {
+      words.fail("\"" + std::string(key.substr(0, 20)) + "\" is not a word of STL");
+    }
+    words.skipLine();
+  }
+}
+
+void scanStl(std::string_view bytes, Canonical& out) {
+  std::uint32_t count = 0;
+  if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
+  const bool fits = bytes.size() >= 84 && bytes.size() == 84 + 50 * std::size_t{count};
+  if (!fits && bytes.substr(0, 5) == "solid") {
+    scanStlText(bytes, out);
+  } else {
+    scanStlBinary(bytes, out);
+  }
+}
+
+// Scalars of PLY, in text or in bytes of either order.
+enum class Scalar { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+struct Property {
+  std::string name;
+  Scalar type{}, countType{};
+  bool list = false;
+};
+
+struct Element {
+  std::string name;
+  std::int64_t count = 0;
+  std::vector<Property> properties;
+};
+
+Scalar scalarOf(std::string_view word, const Words& words) {
+  static constexpr std::array<std::array<const char*, 2>, 8> kNames = {{{"char", "int8"},
+                                                                        {"uchar", "uint8"},
+                                                                        {"short", "int16"},
+                                                                        {"ushort", "uint16"},
+                                                                        {"int", "int32"},
+                                                                        {"uint", "uint32"},
+                                                                        {"float", "float32"},
+                                                                        {"double", "float64"}}};
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    if (word == kNames[i][0] || word == kNames[i][1]) return static_cast<Scalar>(i);
+  words.fail("\"" + std::string(word.substr(0, 20)) + "\" is not a type of PLY");
+}
+
+std::size_t sizeOf(Scalar type) {
+  static constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<int>(type)];
+}
+
+class PlyBody {
+ public:
+  PlyBody(std::string_view bytes, bool text, bool bigEndian, Words words, const Canonical& out)
+      : bytes_(bytes), text_(text), bigEndian_(bigEndian), words_(words), out_(out) {}
+
+  std::size_t remaining() const { return text_ ? words_.rest().size() : bytes_.size() - at_; }
+  std::size_t leastBytes(const Element& element) const {
+    std::size_t sum = 0;
+    for (const Property& p : element.properties) sum += text_ ? 1 : sizeOf(p.list ? p.countType : p.type);
+    return sum;
+  }
+
+  double read(Scalar type) {
+    if (text_) return words_.number("a value");
+    const std::size_t size = sizeOf(type);
+    if (size > bytes_.size() - at_) out_.fail("is truncated after " + std::to_string(bytes_.size()) + " bytes");
+    char raw[8];
+    std::memcpy(raw, bytes_.data() + at_, size);
+    at_ += size;
+    if (bigEndian_) std::reverse(raw, raw + size);
+    switch (type) {
+      case Scalar::int8: return static_cast<double>(as<std::int8_t>(raw));
+      case Scalar::uint8: return static_cast<double>(as<std::uint8_t>(raw));
+      case Scalar::int16: return static_cast<double>(as<std::int16_t>(raw));
+      case Scalar::uint16: return static_cast<double>(as<std::uint16_t>(raw));
+      case Scalar::int32: return static_cast<double>(as<std::int32_t>(raw));
+      case Scalar::uint32: return static_cast<double>(as<std::uint32_t>(raw));
+      case Scalar::float32: return static_cast<double>(as<float>(raw));
+      case Scalar::float64: break;
+    }
+    return as<double>(raw);
+  }
+
+  std::int64_t readInteger(Scalar type) {
+    const double value = read(type);
+    if (!(std::abs(value) < 1e15) || value != std::floor(value)) out_.fail("an index or count is not an integer");
+    return static_cast<std::int64_t>(value);
+  }
+
+  void skip(const Property& property) {
+    if (!property.list) {
+      read(property.type);
+      return;
+    }
+    for (std::int64_t n = listLength(property); n > 0; --n) read(property.type);
+  }
+
+  std::int64_t listLength(const Property& property) {
+    return checkedCount(readInteger(property.countType), text_ ? 1 : sizeOf(property.type), remaining(),
+                        "entries of a list", out_);
+  }
+
+ private:
+  template <typename T>
+  static T as(const char* raw) {
+    T value;
+    std::memcpy(&value, raw, sizeof value);
+    return value;
+  }
+
+  std::string_view bytes_;
+  bool text_, bigEndian_;
+  Words words_;
+  const Canonical& out_;
+  std::size_t at_ = 0;
+};
+
+void scanPly(std::string_view bytes, Canonical& out) {
+  Words words(bytes, out);
+  if (words.wordOfLine(false) != "ply") words.fail("does not start with the word ply");
+  std::string format;
+  std::vector<Element> elements;
+  for (;;) {
+    if (!words.nextLine()) words.fail("is truncated: the line end_header is missing");
+    const std::string_view key = words.wordOfLine(false);
+    if (key == "end_header") break;
+    if (key == "format") {
+      format = words.wordOfLine(false);
+    } else if (key == "element") {
+      Element element;
+      element.name = words.wordOfLine(false);
+      element.count = words.integer(words.wordOfLine(false), "count of an element");
+      elements.push_back(element);
+    } else if (key == "property") {
+      if (elements.empty()) words.fail("a property stands before the first element");
+      Property property;
+      std::string_view type = words.wordOfLine(false);
+      property.list = type == "list";
+      if (property.list) {
+        property.countType = scalarOf(words.wordOfLine(false), words);
+        type = words.wordOfLine(false);
+      }
+      property.type = scalarOf(type, words);
+      property.name = words.wordOfLine(false);
+      elements.back().properties.push_back(property);
+    } else if (key != "comment" && key != "obj_info" && !key.empty()) {
+      words.fail("\"" + std::string(key.substr(0, 20)) + "\" is not a key of a PLY header");
+    }
+  }
+  if (!words.nextLine()) words.fail("is truncated: nothing follows the header");
+  if (format != "ascii" && format != "binary_little_endian" && format != "binary_big_endian")
+    words.fail("format is \"" + format.substr(0, 20) + "\", must be ascii, binary_little_endian or binary_big_endian");
+
+  PlyBody body(words.rest(), format == "ascii", format == "binary_big_endian", words, out);
+  bool haveVertices = false, haveFaces = false;
+  for (const Element& element : elements) {
+    checkedCount(element.count, body.leastBytes(element), body.remaining(), element.name.c_str(), out);
+    if (element.properties.empty()) continue;
+    const bool isVertex = element.name == "vertex" && !haveVertices, isFace = element.name == "face" && !haveFaces;
+    haveVertices = haveVertices || isVertex;
+    haveFaces = haveFaces || isFace;
+    if (isVertex)
+      for (const char* axis : {"x", "y", "z"})
+        if (std::none_of(element.properties.begin(), element.properties.end(),
+                         [&](const Property& p) { return p.name == axis && !p.list; }))
+          out.fail(std::string("vertices have no property ") + axis);
+    for (std::int64_t i = 0; i < element.count; ++i) {
+      std::array<double, 3> p{};
+      for (const Property& property : element.properties) {
+        const bool isIndices =
+            isFace && property.list && (property.name == "vertex_indices" || property.name == "vertex_index");
+        if (isVertex && !property.list && property.name.size() == 1 && property.name[0] >= 'x' &&
+            property.name[0] <= 'z') {
+          p[static_cast<std::size_t>(property.name[0] - 'x')] = body.read(property.type);
+        } else if (isIndices) {
+          const std::int64_t corners = body.listLength(property);
+          out.beginFace(corners);
+          for (std::int64_t c = 0; c < corners; ++c) out.corner(body.readInteger(property.type));
+        } else {
+          body.skip(property);
+        }
+      }
+      if (isVertex) out.vertex(p);
+    }
+    if (haveVertices && haveFaces) break;
+  }
+}
+
+// Collects raw polygons as fans of triangles; everything else that a file may hold is ignored.
+class RawImporter final : public OpenMesh::IO::BaseImporter {
+ public:
+  explicit RawImporter(double scale) : scale_(scale) {}
+
+  TriangleMesh mesh;
+  std::int64_t faces = 0;
+
+  using Handle = OpenMesh::VertexHandle;
+  Handle add_vertex(const OpenMesh::Vec3f& p) override {
+    const Handle handle = add_vertex();
+    set_point(handle, p);
+    return handle;
+  }
+  Handle add_vertex() override {
+    mesh.vertices.push_back(Vec3::Zero());
+    return Handle(static_cast<int>(mesh.vertices.size()) - 1);
+  }
+  void set_point(Handle v, const OpenMesh::Vec3f& p) override {
+    mesh.vertices[static_cast<std::size_t>(v.idx())] =
+        scale_ * Vec3(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
+  }
+  OpenMesh::FaceHandle add_face(const VHandles& v) override {
+    for (std::size_t i = 2; i < v.size(); ++i) mesh.triangles.push_back({v[0].idx(), v[i - 1].idx(), v[i].idx()});
+    return OpenMesh::FaceHandle(static_cast<int>(faces++));
+  }
+  void reserve(unsigned int vertices, unsigned int, unsigned int faceCount) override {
+    mesh.vertices.reserve(vertices);
+    mesh.triangles.reserve(faceCount);
+  }
+  size_t n_vertices() const override { return mesh.vertices.size(); }
+  size_t n_faces() const override { return static_cast<std::size_t>(faces); }
+  size_t n_edges() const override { return 0; }
+
+  OpenMesh::HalfedgeHandle add_edge(Handle, Handle) override { return OpenMesh::HalfedgeHandle(); }
+  OpenMesh::FaceHandle add_face(OpenMesh::HalfedgeHandle) override { return OpenMesh::FaceHandle(); }
+  void add_face_texcoords(OpenMesh::FaceHandle, Handle, const std::vector<OpenMesh::Vec2f>&) override {}
+  void add_face_texcoords(OpenMesh::FaceHandle, Handle, const std::vector<OpenMesh::Vec3f>&) override {}
+  void set_face_texindex(OpenMesh::FaceHandle, int) override {}
+  void set_halfedge(Handle, OpenMesh::HalfedgeHandle) override {}
+  void set_normal(Handle, const OpenMesh::Vec3f&) override {}
+  void set_normal(Handle, const OpenMesh::Vec3d&) override {}
+  void set_color(Handle, const OpenMesh::Vec3uc&) override {}
+  void set_color(Handle, const OpenMesh::Vec4uc&) override {}
+  void set_color(Handle, const OpenMesh::Vec3f&) override {}
+  void set_color(Handle, const OpenMesh::Vec4f&) override {}
+  void set_texcoord(Handle, const OpenMesh::Vec2f&) override {}
+  void set_status(Handle, const OpenMesh::Attributes::StatusInfo&) override {}
+  void set_next(OpenMesh::HalfedgeHandle, OpenMesh::HalfedgeHandle) override {}
+  void set_face(OpenMesh::HalfedgeHandle, OpenMesh::FaceHandle) override {}
+  void request_face_texcoords2D() override {}
+  void set_texcoord(OpenMesh::HalfedgeHandle, const OpenMesh::Vec2f&) override {}
+  void set_texcoord(Handle, const OpenMesh::Vec3f&) override {}
+  void set_texcoord(OpenMesh::HalfedgeHandle, const OpenMesh::Vec3f&) override {}
+  void set_status(OpenMesh::HalfedgeHandle, const OpenMesh::Attributes::StatusInfo&) override {}
+  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec3uc&) override {}
+  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec4uc&) override {}
+  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec3f&) override {}
+  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec4f&) override {}
+  void set_status(OpenMesh::EdgeHandle, const OpenMesh::Attributes::StatusInfo&) override {}
+  void set_normal(OpenMesh::FaceHandle, const OpenMesh::Vec3f&) override {}
+  void set_normal(OpenMesh::FaceHandle, const OpenMesh::Vec3d&) override {}
+  void set_color(OpenMesh::FaceHandle, const OpenMesh::Vec3uc&) override {}
+  void set_color(OpenMesh::FaceHandle, const OpenMesh::Vec4uc&) override {}
+  void set_color(OpenMesh::FaceHandle, const OpenMesh::Vec3f&) override {}
+  void set_color(OpenMesh::FaceHandle, const OpenMesh::Vec4f&) override {}
+  void set_status(OpenMesh::FaceHandle, const OpenMesh::Attributes::StatusInfo&) override {}
+  void add_texture_information(int, std::string) override {}
+
+ private:
+  double scale_;
+};
+
+void readThroughOpenMesh(const std::string& ply, RawImporter& importer) {
+  static std::mutex oneAtATime;  // the reader is one object for the process, with state
+  const std::lock_guard<std::mutex> lock(oneAtATime);
+  OpenMesh::IO::_PLYReader_& reader = OpenMesh::IO::PLYReader();
+  omerr().disable();
+  // The reader takes text or binary as the file before was; an empty binary one sets it right.
+  for (const std::string& content : {Canonical::header(0, 0), ply}) {
+    std::istringstream stream(content);
+    OpenMesh::IO::Options options(OpenMesh::IO::Options::Binary);
+    reader.read(stream, importer, options);
+  }
+}
+
+std::string extensionOf(const std::string& path) {
+  const std::size_t dot = path.find_last_of('.');
+  std::string extension = dot == std::string::npos ? "" : path.substr(dot + 1);
+  for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  return extension;
+}
+
+}  // namespace
+
+TriangleMesh parseMesh(std::string_view bytes, const std::string& path, double scale) {
+  if (!(scale > 0.0) || !std::isfinite(scale))
+    throw ConfigurationError(path, 0, "scale", "must be a positive number of metres per unit");
+  Canonical canonical(path);
+  if (bytes.empty()) canonical.fail("is empty");
+  const std::string extension = extensionOf(path);
+  if (extension == "ply") {
+    scanPly(bytes, canonical);
+  } else if (extension == "obj") {
+    scanObj(bytes, canonical);
+  } else if (extension == "stl") {
+    scanStl(bytes, canonical);
+  } else if (extension == "off") {
+    scanOff(bytes, canonical);
+  } else {
+    canonical.fail("has the extension \"" + extension + "\", must be ply, obj, stl or off");
+  }
+  RawImporter importer(scale);
+  readThroughOpenMesh(canonical.ply(), importer);
+  if (importer.faces != canonical.faces() ||
+      static_cast<std::int64_t>(importer.mesh.vertices.size()) != canonical.vertices())
+    canonical.fail("was not read completely");
+  try {
+    checkMesh(importer.mesh);
+  } catch (const Error& error) {
+    canonical.fail(error.what());
+  }
+  return std::move(importer.mesh);
+}
+
+TriangleMesh loadMesh(const std::string& path, double scale) {
+  std::ifstream stream(path, std::ios::binary | std::ios::ate);
+  if (!stream) throw ConfigurationError(path, 0, "", "cannot open the file");
+  const std::streamoff size = stream.tellg();
+  if (size < 0) throw ConfigurationError(path, 0, "", "cannot read the file (is it a folder?)");
+  if (size > kLargestFile)
+    throw ConfigurationError(path, 0, "", "is " + std::to_string(size) + " bytes, at most 2 GiB are read");
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  stream.seekg(0);
+  if (!stream.read(bytes.data(), size)) throw ConfigurationError(path, 0, "", "cannot read the file (is it a folder?)");
+  return parseMesh(bytes, path, scale);
+}
+
+}  // namespace enamel

@@ -1,0 +1,161 @@
+#include "enamel/collision/proximity.hpp"
+
+#include <Eigen/Geometry>
+#include <atomic>
+#include <cmath>
+
+#include "mesh_data.hpp"
+
+namespace enamel {
+namespace kernel {
+namespace {
+
+#include "exact.inl"
+
+const Loops& loopsOf(SimdLevel level) noexcept {
+#ifdef ENAMEL_X86_KERNELS
+  if (level == SimdLevel::avx512) return kAvx512Loops;
+  if (level == SimdLevel::avx2) return kAvx2Loops;
+#endif
+  (void)level;
+  return kBaselineLoops;
+}
+
+SimdLevel bestLevel() noexcept {
+#ifdef ENAMEL_X86_KERNELS
+  if (__builtin_cpu_supports("avx512f")) return SimdLevel::avx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return SimdLevel::avx2;
+#endif
+  return SimdLevel::baseline;
+}
+
+// Relaxed is enough: all levels answer the same.
+std::atomic<SimdLevel>& chosenLevel() noexcept {
+  static std::atomic<SimdLevel> level{bestLevel()};
+  return level;
+}
+
+Vec3 cornerOf(const Triangle& t, int i) { return {t.corner[i][0], t.corner[i][1], t.corner[i][2]}; }
+
+// Where triangles without area meet, their neighbours' normals do not add up along the edges of the mesh. Here all
+// triangles that pass through the point x count instead, whatever their connections: faces with 2 pi, edges with
+// pi, corners with their angle.
+struct NormalSum {
+  const MeshData* data;
+  double p[3];
+  Vec3 x;
+  double tolerance;
+  Vec3 sum = Vec3::Zero();
+};
+
+double addNormal(void* context, std::int32_t slot, double reach) {
+  auto& all = *static_cast<NormalSum*>(context);
+  const Triangle& t = all.data->triangles[slot];
+  Candidate c;
+  closestOnTriangle(&t, all.p, &c);
+  if (std::sqrt(c.squared) > reach || (Vec3(c.point[0], c.point[1], c.point[2]) - all.x).norm() > all.tolerance)
+    return reach;
+  const Vec3 a = cornerOf(t, 0), b = cornerOf(t, 1), d = cornerOf(t, 2);
+  const Vec3 normal = unitNormal(a, b, d);
+  double angle = 2.0 * M_PI;
+  if (c.feature == kCorner0) angle = cornerAngle(a, b, d);
+  if (c.feature == kCorner1) angle = cornerAngle(b, d, a);
+  if (c.feature == kCorner2) angle = cornerAngle(d, a, b);
+  if (c.feature >= kEdge01 && c.feature <= kEdge20) angle = M_PI;
+  all.sum += angle * normal;
+  return reach;
+}
+
+Vec3 gatheredNormal(const MeshData& data, const Vec3& p, const Vec3& x, double distance) {
+  NormalSum all{&data, {p[0], p[1], p[2]}, x, 1e-9 * data.size};
+  loops().visit(data.view, all.p, all.p, distance + 1e-11 * data.size, &addNormal, &all);
+  return all.sum;
+}
+
+// Not normalised.
+Vec3 pseudonormal(const MeshData& data, const Vec3& p, const Vec3& x, double distance, std::int32_t slot,
+                  std::int32_t feature) {
+  const Triangle& t = data.triangles[slot];
+  const EdgeNormals& normals = data.edgeNormals[slot];
+  if (feature == kFace) return (cornerOf(t, 1) - cornerOf(t, 0)).cross(cornerOf(t, 2) - cornerOf(t, 0));
+  if ((normals.tainted >> feature & 1u) != 0) return gatheredNormal(data, p, x, distance);
+  if (feature <= kCorner2) return data.cornerNormal[data.place[data.mesh.triangles[t.index][feature]]];
+  const float* n = normals.edge[feature - kEdge01];
+  return {static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])};
+}
+
+}  // namespace
+
+const Loops& loops() noexcept { return loopsOf(chosenLevel().load(std::memory_order_relaxed)); }
+
+}  // namespace kernel
+
+SimdLevel simdLevel() noexcept { return kernel::chosenLevel().load(std::memory_order_relaxed); }
+
+SimdLevel useSimdLevel(SimdLevel level) noexcept {
+  const SimdLevel best = kernel::bestLevel();
+  if (static_cast<int>(level) > static_cast<int>(best)) level = best;
+  kernel::chosenLevel().store(level, std::memory_order_relaxed);
+  return level;
+}
+
+MeshModel::MeshModel(TriangleMesh mesh) {
+  checkMesh(mesh);
+  data_ = std::make_unique<kernel::MeshData>();
+  data_->mesh = std::move(mesh);
+  kernel::buildHierarchy(*data_);
+  kernel::buildNormals(*data_);
+}
+
+MeshModel::MeshModel(MeshModel&&) noexcept = default;
+MeshModel& MeshModel::operator=(MeshModel&&) noexcept = default;
+MeshModel::~MeshModel() = default;
+
+const TriangleMesh& MeshModel::mesh() const noexcept { return data_->mesh; }
+
+namespace {
+
+// Answers the slot, or -1.
+std::int32_t search(const kernel::MeshData& data, const Vec3& p, ProximityCache* cache, double limit,
+                    SurfacePoint& answer) noexcept {
+  if (!p.allFinite() || !(limit >= 0.0)) {
+    answer.status = Status::notFinite;
+    return -1;
+  }
+  kernel::Answer found;
+  kernel::loops().closest(data.view, p.data(), limit * limit, cache, &found);
+  answer.point = {found.point[0], found.point[1], found.point[2]};
+  if (found.slot < 0) return -1;
+  answer.triangle = data.triangles[found.slot].index;
+  answer.feature = static_cast<TriangleFeature>(found.feature);
+  answer.distance = std::sqrt(found.squared);
+  return found.slot;
+}
+
+}  // namespace
+
+SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
+  SurfacePoint answer;
+  search(model.data(), p, cache, limit, answer);
+  return answer;
+}
+
+SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
+  SurfacePoint answer;
+  const kernel::MeshData& data = model.data();
+  const std::int32_t slot = search(data, p, cache, limit, answer);
+  if (slot < 0) return answer;
+  const Vec3 n = kernel::pseudonormal(data, p, answer.point, answer.distance, slot, static_cast<int>(answer.feature));
+  const Vec3 away = p - answer.point;
+  const bool inside = away.dot(n) < 0.0;
+  if (answer.distance > 1e-9 * data.size) {
+    answer.normal = away * ((inside ? -1.0 : 1.0) / answer.distance);
+  } else {
+    const double length = n.norm();
+    answer.normal = length > 0.0 ? Vec3(n / length) : Vec3(Vec3::UnitZ());
+  }
+  if (inside) answer.distance = -answer.distance;
+  return answer;
+}
+
+}  // namespace enamel

@@ -1,0 +1,180 @@
+#include "enamel/collision/scene_file.hpp"
+
+#include <cmath>
+#include <filesystem>
+
+#include "core/toml.hpp"
+#include "enamel/collision/mesh_file.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kLargestPosition = 1.0;  // m
+constexpr double kSmallestSize = 1e-4, kLargestSize = 2.0;
+constexpr double kLargestToolRadius = 0.05;
+constexpr int kMaxObstacles = 64;
+
+void requireWithin(const TomlTable& table, const char* key, const Vec3& value, double low, double high,
+                   const char* unit) {
+  for (int i = 0; i < 3; ++i)
+    if (!(value[i] >= low && value[i] <= high))
+      table.fail(std::string(key) + "[" + std::to_string(i) + "]", "is " + formatNumber(value[i]) + ", must be in " +
+                                                                       formatNumber(low) + " to " + formatNumber(high) +
+                                                                       " " + unit);
+}
+
+Vec3 position(TomlTable& table, const char* key) {
+  const Vec3 value = table.vector3(key);
+  requireWithin(table, key, value, -kLargestPosition, kLargestPosition, "m");
+  return value;
+}
+
+double length(TomlTable& table, const char* key, double low, double high) {
+  const double value = table.number(key);
+  if (!(value >= low && value <= high))
+    table.fail(key, "is " + formatNumber(value) + ", must be in " + formatNumber(low) + " to " + formatNumber(high) + " m");
+  return value;
+}
+
+Mat3 rotation(TomlTable& table) {
+  if (!table.has("euler_deg")) return Mat3::Identity();
+  const Vec3 angles = table.vector3("euler_deg");
+  requireWithin(table, "euler_deg", angles, -360.0, 360.0, "deg");
+  return rotationFromEuler(angles * (M_PI / 180.0));
+}
+
+Obstacle readHalfSpace(TomlTable& table) {
+  const Vec3 point = position(table, "point");
+  const Vec3 normal = table.vector3("normal");
+  const double size = normal.stableNorm();
+  if (!(size > 1e-6 && size < 1e6))
+    table.fail("normal", "has the length " + formatNumber(size) + ", must be in 1e-06 to 1e+06: it has no direction");
+  return halfSpace("", point, normal / size);
+}
+
+Obstacle readBox(TomlTable& table) {
+  Obstacle box;
+  box.pose.position = position(table, "centre");
+  const Vec3 size = table.vector3("size");
+  requireWithin(table, "size", size, kSmallestSize, kLargestSize, "m");
+  box.shape = Box{0.5 * size};
+  box.pose.rotation = rotation(table);
+  return box;
+}
+
+Obstacle readSphere(TomlTable& table) {
+  Obstacle sphere;
+  sphere.pose.position = position(table, "centre");
+  sphere.shape = Sphere{length(table, "radius", kSmallestSize, kLargestSize)};
+  return sphere;
+}
+
+Obstacle readCapsule(TomlTable& table) {
+  const Vec3 from = position(table, "from"), to = position(table, "to");
+  const double axis = (to - from).norm();
+  if (!(axis >= kSmallestSize))
+    table.fail("to", "is " + formatNumber(axis) + " m from \"from\", must be at least " + formatNumber(kSmallestSize) +
+                         " m: a sphere has no axis");
+  Obstacle capsule;
+  capsule.pose.position = 0.5 * (from + to);
+  capsule.pose.rotation = frameAlong((to - from) / axis);
+  capsule.shape = Capsule{length(table, "radius", kSmallestSize, kLargestSize), 0.5 * axis};
+  return capsule;
+}
+
+Obstacle readMesh(TomlTable& table, const std::string& sceneFile) {
+  Obstacle mesh;
+  const std::string file = table.text("file");
+  if (file.empty()) table.fail("file", "is empty");
+  const std::string unit = table.text("unit");
+  double scale = unit == "m" ? 1.0 : unit == "mm" ? 1e-3 : unit == "um" ? 1e-6 : 0.0;
+  if (scale == 0.0) table.fail("unit", "is \"" + unit + "\", must be \"m\", \"mm\" or \"um\"");
+  if (table.has("scale")) {
+    const double factor = table.number("scale");
+    if (!(factor >= 1e-6 && factor <= 1e6))
+      table.fail("scale", "is " + formatNumber(factor) + ", must be in 1e-06 to 1e+06");
+    scale *= factor;
+  }
+  if (table.has("position")) mesh.pose.position = position(table, "position");
+  mesh.pose.rotation = rotation(table);
+  const std::filesystem::path path = std::filesystem::path(sceneFile).parent_path() / file;
+  mesh.shape = std::make_shared<const MeshModel>(loadMesh(path.string(), scale));
+  return mesh;
+}
+
+Obstacle readObstacle(TomlTable& table, const std::string& sceneFile) {
+  const std::string name = table.text("name");
+  if (name.empty()) table.fail("name", "is empty");
+  const std::string shape = table.text("shape");
+  Obstacle obstacle;
+  if (shape == "half_space")
+    obstacle = readHalfSpace(table);
+  else if (shape == "box")
+    obstacle = readBox(table);
+  else if (shape == "sphere")
+    obstacle = readSphere(table);
+  else if (shape == "capsule")
+    obstacle = readCapsule(table);
+  else if (shape == "mesh")
+    obstacle = readMesh(table, sceneFile);
+  else
+    table.fail("shape", "is \"" + shape + "\", must be \"half_space\", \"box\", \"sphere\", \"capsule\" or \"mesh\"");
+  obstacle.name = name;
+  if (table.has("material")) {
+    const std::int64_t material = table.integer("material");
+    if (material < 0 || material > 255)
+      table.fail("material", "is " + std::to_string(material) + ", must be in 0 to 255");
+    obstacle.material = static_cast<int>(material);
+  }
+  table.finish();
+  return obstacle;
+}
+
+Tool readTool(TomlTable& root) {
+  Tool tool;
+  if (!root.has("tool")) return tool;
+  std::vector<TomlTable> tables = root.tables("tool");
+  if (tables.empty() || tables.size() > kMaxToolParts)
+    root.fail("tool", "has " + std::to_string(tables.size()) + " parts, must be 1 to " + std::to_string(kMaxToolParts));
+  tool.count = 0;
+  for (TomlTable& table : tables) {
+    ToolPart& part = tool.parts[tool.count++];
+    part.a = part.b = position(table, "from");
+    if (table.has("to")) part.b = position(table, "to");
+    part.radius = length(table, "radius", 0.0, kLargestToolRadius);
+    table.finish();
+  }
+  return tool;
+}
+
+}  // namespace
+
+SceneFile parseScene(std::string_view text, const std::string& file) {
+  TomlTable root = parseToml(text, file);
+  SceneFile result;
+  result.name = root.text("name");
+  if (result.name.empty()) root.fail("name", "is empty");
+  result.start = position(root, "start");
+  result.tool = readTool(root);
+  std::vector<TomlTable> tables = root.tables("obstacle");
+  if (tables.empty() || tables.size() > kMaxObstacles)
+    root.fail("obstacle",
+              "has " + std::to_string(tables.size()) + " elements, must be 1 to " + std::to_string(kMaxObstacles));
+  for (TomlTable& table : tables) {
+    Obstacle obstacle = readObstacle(table, file);
+    for (const Obstacle& other : result.scene.obstacles())
+      if (other.name == obstacle.name) table.fail("name", "is \"" + obstacle.name + "\", which another obstacle has");
+    result.scene.add(std::move(obstacle));
+  }
+  root.finish();
+  const Contact nearest = nearestContact(result.scene, result.tool, {result.start, Mat3::Identity()}, nullptr);
+  if (nearest.gap < 0.0)
+    root.fail("start", "is " + formatNumber(-1e3 * nearest.gap) + " mm inside the obstacle \"" +
+                           result.scene.obstacles()[static_cast<std::size_t>(nearest.obstacle)].name +
+                           "\", must be outside");
+  return result;
+}
+
+SceneFile loadScene(const std::string& path) { return parseScene(readTextFile(path), path); }
+
+}  // namespace enamel

@@ -1,0 +1,194 @@
+#include "enamel/plugin/host.hpp"
+
+#include <dlfcn.h>
+#include <elf.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "convert.hpp"
+
+namespace enamel {
+namespace {
+
+#if defined(__x86_64__)
+constexpr int kMachine = EM_X86_64;
+#elif defined(__aarch64__)
+constexpr int kMachine = EM_AARCH64;
+#else
+constexpr int kMachine = EM_NONE;  // not checked
+#endif
+
+std::string machineName(int machine) {
+  switch (machine) {
+    case EM_X86_64: return "x86-64";
+    case EM_AARCH64: return "AArch64";
+    case EM_386: return "x86 of 32 bits";
+    case EM_ARM: return "ARM of 32 bits";
+    case EM_RISCV: return "RISC-V";
+    default: return "ELF machine " + std::to_string(machine);
+  }
+}
+
+// The head of the file says more than the loader's message does.
+void checkFile(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) throw PluginError(path + ": no such file");
+  Elf64_Ehdr head{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(&head), sizeof head);
+  if (file.gcount() < EI_NIDENT + 4 || std::memcmp(head.e_ident, ELFMAG, SELFMAG) != 0)
+    throw PluginError(path + ": is no shared library (no ELF header)");
+  if (kMachine != EM_NONE && head.e_machine != kMachine)
+    throw PluginError(path + ": is built for " + machineName(head.e_machine) + ", this host for " +
+                      machineName(kMachine));
+  if (head.e_type != ET_DYN) throw PluginError(path + ": is no shared library");
+}
+
+void checkSize(const std::string& path, const char* what, std::uint32_t found, std::size_t expected) {
+  if (found != expected)
+    throw PluginError(path + ": its " + what + " has " + std::to_string(found) + " bytes, this host's " +
+                      std::to_string(expected));
+}
+
+void checkTable(const std::string& path, const EnamelPlugin& table) {
+  if (table.abi_version != ENAMEL_ABI_VERSION)
+    throw PluginError(path + ": has ABI version " + std::to_string(table.abi_version) + ", this host " +
+                      std::to_string(ENAMEL_ABI_VERSION));
+  checkSize(path, "EnamelPlugin", table.plugin_size, sizeof(EnamelPlugin));
+  checkSize(path, "EnamelTickInput", table.input_size, sizeof(EnamelTickInput));
+  checkSize(path, "EnamelTickOutput", table.output_size, sizeof(EnamelTickOutput));
+  const bool complete = table.describe && table.create && table.configure && table.activate && table.step &&
+                        table.reset && table.deactivate && table.destroy && table.state_size && table.save_state &&
+                        table.load_state;
+  if (!complete) throw PluginError(path + ": a function of its table is missing");
+}
+
+void checkDescription(const std::string& path, const EnamelDescription* d) {
+  const auto filled = [](const char* text) { return text != nullptr && *text != 0; };
+  if (d == nullptr || !filled(d->name) || !filled(d->version) || !filled(d->summary))
+    throw PluginError(path + ": its description lacks a name, version or summary");
+  const std::string name = d->name;
+  if (!std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '-'; }))
+    throw PluginError(path + ": its name \"" + name + "\" has characters other than letters, digits and '-'");
+  if (d->parameter_count > 0 && d->parameters == nullptr)
+    throw PluginError(path + ": its description promises parameters that it does not list");
+  for (std::size_t i = 0; i < d->parameter_count; ++i)
+    if (!filled(d->parameters[i].key) || d->parameters[i].value == nullptr || !filled(d->parameters[i].meaning))
+      throw PluginError(path + ": parameter " + std::to_string(i) + " lacks a key, default or meaning");
+}
+
+// Runs the instance of a plugin behind the C++ contract.
+class PluginRenderer final : public Renderer {
+ public:
+  PluginRenderer(std::shared_ptr<const PluginLibrary> library, const PluginSetup& setup)
+      : library_(std::move(library)), table_(library_->table()), self_(table_.create(), table_.destroy) {
+    if (!self_) throw PluginError(library_->path() + ": create() failed (no memory)");
+    const auto given = [](const std::string& text) { return text.empty() ? nullptr : text.c_str(); };
+    std::vector<EnamelParameter> parameters;
+    for (const auto& [key, value] : setup.parameters) parameters.push_back({key.c_str(), value.c_str(), nullptr});
+    const EnamelConfiguration configuration = {given(setup.devicePath), given(setup.deviceText), given(setup.scenePath),
+                                               given(setup.sceneText),  parameters.data(),       parameters.size()};
+    require("configure", [&](EnamelMessage message) { return table_.configure(self_.get(), &configuration, message); });
+  }
+
+ private:
+  template <typename Call>
+  void require(const char* what, const Call& call) {
+    std::array<char, 1024> text{};
+    const std::int32_t result = call(EnamelMessage{text.data(), text.size()});
+    text.back() = 0;
+    if (result != ENAMEL_OK)
+      throw PluginError(library_->path() + ": " + what + "() failed with code " + std::to_string(result) +
+                        (text[0] != 0 ? ": " : "") + text.data());
+  }
+
+  void prepare(double period) override {
+    if (prepared_) table_.deactivate(self_.get());
+    prepared_ = false;
+    require("activate", [&](EnamelMessage message) { return table_.activate(self_.get(), period, message); });
+    prepared_ = true;
+    state_.assign(table_.state_size(self_.get()), 0);
+  }
+
+  Status render(const TickInput& input, TickOutput& output) noexcept override {
+    toPlain(input, input_);
+    const std::int32_t result = table_.step(self_.get(), &input_, &output_);
+    if (result < ENAMEL_OK || result > ENAMEL_INACTIVE) return Status::inactive;  // no status that a tick can have
+    if (result != ENAMEL_OK) return static_cast<Status>(result);
+    output.torque = Eigen::Map<const Vec6>(output_.torque);
+    output.normalForce = output_.normal_force;
+    if (!output.torque.allFinite() || !std::isfinite(output.normalForce)) return Status::notFinite;
+    output.mode = output_.mode == ENAMEL_CONTACT ? RenderMode::contact : RenderMode::free;
+    output.saturated = output_.saturated != 0;
+    return Status::ok;
+  }
+
+  void resetState() noexcept override { table_.reset(self_.get()); }
+
+  StateBlock stateBlock() noexcept override {
+    table_.save_state(self_.get(), state_.data());
+    return {state_.data(), state_.size()};
+  }
+
+  void stateLoaded() noexcept override { table_.load_state(self_.get(), state_.data()); }
+
+  std::shared_ptr<const PluginLibrary> library_;
+  const EnamelPlugin& table_;
+  std::unique_ptr<void, void (*)(void*)> self_;
+  bool prepared_ = false;
+  std::vector<unsigned char> state_;
+  EnamelTickInput input_{};
+  EnamelTickOutput output_{};
+};
+
+}  // namespace
+
+std::shared_ptr<const PluginLibrary> PluginLibrary::load(const std::string& path) {
+  checkFile(path);
+  std::shared_ptr<PluginLibrary> library(new PluginLibrary);
+  library->path_ = path;
+  // A name without '/' would be searched for in the system's folders.
+  library->handle_ = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library->handle_ == nullptr) throw PluginError(path + ": cannot be loaded: " + dlerror());
+  void* symbol = dlsym(library->handle_, ENAMEL_PLUGIN_SYMBOL);
+  if (symbol == nullptr) throw PluginError(path + ": does not export " ENAMEL_PLUGIN_SYMBOL "()");
+  const EnamelPlugin* table = reinterpret_cast<const EnamelPlugin* (*)()>(symbol)();
+  if (table == nullptr) throw PluginError(path + ": " ENAMEL_PLUGIN_SYMBOL "() returned nothing");
+  checkTable(path, *table);
+  library->table_ = table;
+  library->description_ = table->describe();
+  checkDescription(path, library->description_);
+  return library;
+}
+
+PluginLibrary::~PluginLibrary() {
+  if (handle_ != nullptr) dlclose(handle_);
+}
+
+std::unique_ptr<Renderer> makeRenderer(std::shared_ptr<const PluginLibrary> library, const PluginSetup& setup) {
+  return std::make_unique<PluginRenderer>(std::move(library), setup);
+}
+
+std::vector<PluginFinding> findPlugins(const std::string& folder) {
+  std::vector<PluginFinding> findings;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    if (entry.path().extension() == ".so") findings.push_back({entry.path().string(), nullptr, ""});
+  if (error) throw PluginError(folder + ": cannot read the folder: " + error.message());
+  std::sort(findings.begin(), findings.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
+  for (PluginFinding& finding : findings) {
+    try {
+      finding.library = PluginLibrary::load(finding.path);
+    } catch (const PluginError& refused) {
+      finding.reason = refused.what();
+    }
+  }
+  return findings;
+}
+
+}  // namespace enamel

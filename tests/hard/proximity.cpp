@@ -1,0 +1,134 @@
+// Nearest points on sound, broken and real meshes against references that share no formula with the library.
+#include "enamel/collision/proximity.hpp"
+
+#include <cstdio>
+
+#include "enamel/collision/mesh_file.hpp"
+#include "support/catch.hpp"
+#include "support/meshes.hpp"
+#include "support/run_length.hpp"
+
+using namespace enamel;
+
+namespace {
+
+std::vector<test::NamedMesh> allMeshes() {
+  std::vector<test::NamedMesh> all = test::soundMeshes();
+  for (auto& mesh : test::brokenMeshes()) all.push_back(std::move(mesh));
+  const std::string folder = test::largeMeshFolder();
+  if (folder.empty()) std::puts("skipped: the large meshes are not installed");
+  if (!folder.empty())
+    for (const char* name : {"tooth36", "dental-scan-10k", "dental-scan", "armadillo-10k", "armadillo"}) {
+      TriangleMesh mesh = loadMesh(folder + "/" + name + ".ply", 1e-3);
+      const bool closed = inspect(mesh).watertight;
+      all.push_back({name, std::move(mesh), closed});
+    }
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("distances are exact on every mesh", "[hard]") {
+  for (const auto& [name, mesh, closed] : allMeshes()) {
+    const MeshModel model(mesh);
+    const test::ReferenceDistance reference(mesh);
+    const double size = test::sizeOf(mesh);
+    test::Random random(11);
+    const int count = mesh.triangles.size() > 50000 ? test::count(300, 100000) : test::count(1000, 100000);
+    double worst = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const Vec3 p = test::queryPoint(mesh, random);
+      const SurfacePoint found = closestPoint(model, p);
+      const double truth = reference(p);
+      // Rounding of the inputs alone moves a distance by 1e-16 of the mesh size and of the distance.
+      const double error = std::abs(found.distance - truth) / (size + truth);
+      const double consistency = std::abs((p - found.point).norm() - found.distance) / (size + truth);
+      worst = std::max({worst, error, consistency});
+      if (worst > 1e-12) {
+        INFO(name << " query " << i << " at " << p.transpose() << ": " << found.distance << ", true " << truth);
+        REQUIRE(worst <= 1e-12);
+      }
+    }
+    std::printf("%-24s %8zu triangles  worst error %.1e of the size\n", name.c_str(), mesh.triangles.size(), worst);
+    CHECK(worst <= 1e-12);
+  }
+}
+
+TEST_CASE("the sign agrees with the winding number wherever a volume is enclosed", "[hard]") {
+  for (const auto& [name, mesh, closed] : allMeshes()) {
+    if (!closed) continue;
+    INFO(name);
+    CHECK(inspect(mesh).watertight);
+    const MeshModel model(mesh);
+    const double size = test::sizeOf(mesh);
+    test::Random random(12);
+    const int count = mesh.triangles.size() > 50000 ? test::count(100, 5000) : test::count(500, 20000);
+    int inside = 0;
+    for (int i = 0; i < count; ++i) {
+      const Vec3 p = test::queryPoint(mesh, random);
+      const SurfacePoint found = signedDistance(model, p);
+      CHECK(std::abs(found.normal.norm() - 1.0) < 1e-9);  // unit
+      // On the surface the winding number jumps; its own rounding is about 1e-16 size / distance.
+      if (std::abs(found.distance) < 1e-8 * size) continue;
+      const double winding = test::windingNumber(mesh, p);
+      inside += winding > 0.5;
+      INFO("query " << i << " at " << p.transpose() << ": " << found.distance << ", winding number " << winding);
+      REQUIRE((found.distance < 0.0) == (winding > 0.5));
+      // Going against the normal reaches the surface.
+      CHECK((p - found.distance * found.normal - found.point).norm() <= 1e-12 * (size + std::abs(found.distance)));
+    }
+    CHECK(inside > count / 100);
+  }
+}
+
+TEST_CASE("the same bits with and without a cache, and on every SIMD level", "[hard]") {
+  const SimdLevel best = simdLevel();
+  for (const auto& [name, mesh, closed] : allMeshes()) {
+    INFO(name);
+    const MeshModel model(mesh), other(test::boxMesh({1, 1, 1}));
+    const double size = test::sizeOf(mesh);
+    test::Random random(13);
+    ProximityCache cache;
+    Vec3 p = mesh.vertices[mesh.triangles[0][0]], velocity = Vec3::Zero();
+    double speed = 1e-3;
+    const int count = test::count(2000, 100000);
+    for (int i = 0; i < count; ++i) {
+      if (i % 300 == 0) speed = std::pow(10.0, random.uniform(-6.0, -0.5));
+      if (i % 97 == 0) p = test::queryPoint(mesh, random);
+      if (i % 401 == 0) closestPoint(other, p, &cache);  // a cache from elsewhere
+      velocity = 0.9 * velocity + 0.3 * speed * size * random.direction();
+      p += velocity;
+      const double limit = i % 5 == 0 ? size * std::pow(10.0, random.uniform(-4.0, 0.0)) : kNoLimit;
+      const SurfacePoint plain = signedDistance(model, p, nullptr, limit);
+      const SurfacePoint cached = signedDistance(model, p, &cache, limit);
+      REQUIRE(plain.triangle == cached.triangle);
+      REQUIRE(plain.feature == cached.feature);
+      REQUIRE(plain.distance == cached.distance);
+      REQUIRE(plain.point == cached.point);
+      REQUIRE(plain.normal == cached.normal);
+      for (const SimdLevel level : {SimdLevel::baseline, SimdLevel::avx2, SimdLevel::avx512}) {
+        if (useSimdLevel(level) != level) continue;
+        const SurfacePoint here = signedDistance(model, p, i % 2 == 0 ? &cache : nullptr, limit);
+        REQUIRE(plain.triangle == here.triangle);
+        REQUIRE(plain.distance == here.distance);
+        REQUIRE(plain.point == here.point);
+        REQUIRE(plain.normal == here.normal);
+      }
+      useSimdLevel(best);
+    }
+  }
+}
+
+TEST_CASE("a limit hides what is farther and nothing else", "[hard]") {
+  const MeshModel model(test::ball(4, 0.1));
+  test::Random random(14);
+  for (int i = 0; i < test::count(2000, 100000); ++i) {
+    const Vec3 p = test::queryPoint(model.mesh(), random);
+    const SurfacePoint all = closestPoint(model, p);
+    const double limit = all.distance * random.uniform(0.5, 1.5);
+    const SurfacePoint found = closestPoint(model, p, nullptr, limit);
+    REQUIRE((found.triangle >= 0) == (all.distance <= limit));
+    if (found.triangle >= 0) REQUIRE(found.distance == all.distance);
+    CHECK(closestPoint(model, p, nullptr, all.distance * (1.0 + 1e-15)).triangle == all.triangle);
+  }
+}

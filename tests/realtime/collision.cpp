@@ -1,0 +1,62 @@
+// No query or update of the collision module allocates: counted by interposition, with good and with bad input.
+#include "enamel/collision/mesh_update.hpp"
+#include "enamel/collision/scene.hpp"
+#include "support/allocation_counter.hpp"
+#include "support/catch.hpp"
+#include "support/meshes.hpp"
+
+using namespace enamel;
+
+TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
+  const auto mesh = std::make_shared<MeshModel>(test::ball(5, 0.1));
+  const TriangleMesh closedWithFlats = [] {
+    for (auto& [name, broken, closed] : test::brokenMeshes())
+      if (name == "closed with zero areas") return broken;
+    return TriangleMesh();
+  }();
+  const MeshModel flats(closedWithFlats);
+  Scene scene;
+  scene.add({"mesh", std::shared_ptr<const MeshModel>(mesh), Pose(), Vec6::Zero(), 0});
+  scene.add({"floor", HalfSpace{}, Pose(), Vec6::Zero(), 1});
+  scene.add({"box", Box{{0.5, 0.5, 0.5}}, Pose(), Vec6::Zero(), 2});
+  scene.add({"ball", Sphere{0.5}, Pose(), Vec6::Zero(), 3});
+  scene.add({"rod", Capsule{0.1, 1.0}, Pose(), Vec6::Zero(), 4});
+  Tool tool;
+  tool.parts[0].radius = 0.2;
+  tool.parts[1] = {{0, 0, 0}, {0.3, 0.2, 0.1}, 0.05};
+  tool.count = 2;
+  ToolCache cache = makeToolCache(scene, tool);
+  ProximityCache one, other;
+  ContactSnapshot contacts;
+  test::Random random(61);
+  double sum = 0.0;
+  long allocated = 0;
+  Vec3 p = Vec3::UnitX();
+  for (int i = 0; i < 2000; ++i) {
+    p = i % 20 == 0 ? test::queryPoint(mesh->mesh(), random) : Vec3(p + 0.003 * random.direction());
+    const Vec3 q = i % 50 == 49 ? Vec3(std::nan(""), 0, 0) : Vec3(p + 0.1 * random.direction());
+    const Vec3 onFlats = test::queryPoint(flats.mesh(), random);
+    Pose pose, next;
+    pose.position = p;
+    next.position = q;
+    next.rotation = test::rotationAbout(random.direction(), 0.3);
+    const int vertex = i, triangle = 3 * i;
+    const Vec3 moved = 0.99 * mesh->mesh().vertices[static_cast<std::size_t>(i)];
+    const auto corners = mesh->mesh().triangles[static_cast<std::size_t>(triangle)];
+    const long before = test::allocationCount();
+    sum += closestPoint(*mesh, p, &one).distance + signedDistance(*mesh, q).distance;
+    sum += signedDistance(flats, onFlats, &other).distance;
+    sum += sweepSphere(*mesh, p, q, 0.1, &one).time + sweepCapsule(*mesh, {p, q}, {q, p}, 0.01).time;
+    sum += closestToSegment(*mesh, {p, q}).parameter + pick(*mesh, {p, Vec3::Zero()}).time;
+    sum += findContacts(scene, tool, pose, 0.1, &cache, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0;
+    sum += findContacts(scene, tool, next, 0.1, nullptr, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0;
+    if (i % 10 == 0) sum += sweepTool(scene, tool, pose, next, &cache).time;
+    scene.move(2, pose, Vec6::Ones());
+    sum += moveVertices(*mesh, &vertex, &moved, 1) == Status::ok;
+    sum += removeTriangles(*mesh, &triangle, 1) == Status::ok;
+    if (i % 2 == 0) sum += replaceTriangles(*mesh, &triangle, &corners, 1) == Status::ok;
+    allocated += test::allocationCount() - before;
+  }
+  CHECK(std::isfinite(sum));
+  CHECK(allocated == 0);
+}

@@ -1,0 +1,85 @@
+// The mesh report counts what was put in.
+#include "enamel/collision/mesh.hpp"
+
+#include <limits>
+
+#include "enamel/core/error.hpp"
+#include "support/catch.hpp"
+#include "support/meshes.hpp"
+
+using namespace enamel;
+
+TEST_CASE("a sound box has no defects and the volume of a box", "[unit]") {
+  const MeshReport report = inspect(test::boxMesh({1, 2, 3}));
+  CHECK(report.triangles == 12);
+  CHECK(report.vertices == 8);
+  CHECK(report.edges == 18);
+  CHECK(report.components == 1);
+  CHECK(report.watertight);
+  CHECK_FALSE(report.inwards);
+  CHECK(report.volume == Approx(48.0).epsilon(1e-14));
+  CHECK(report.area == Approx(88.0).epsilon(1e-14));
+  CHECK(report.low == Vec3(-1, -2, -3));
+  CHECK(report.high == Vec3(1, 2, 3));
+  CHECK(report.degenerateTriangles + report.duplicateTriangles + report.boundaryEdges + report.nonManifoldEdges +
+            report.flippedEdges + report.nonManifoldVertices ==
+        0);
+}
+
+TEST_CASE("each defect is counted", "[unit]") {
+  const TriangleMesh box = test::boxMesh({1, 1, 1});
+  TriangleMesh mesh = box;
+  mesh.triangles.pop_back();
+  CHECK(inspect(mesh).boundaryEdges == 3);
+  CHECK_FALSE(inspect(mesh).watertight);
+  CHECK(inspect(mesh).volume == 0.0);
+
+  mesh = box;
+  std::swap(mesh.triangles[4][0], mesh.triangles[4][1]);
+  CHECK(inspect(mesh).flippedEdges == 3);
+  CHECK_FALSE(inspect(mesh).watertight);
+
+  mesh = box;
+  for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
+  CHECK(inspect(mesh).inwards);
+  CHECK(inspect(mesh).volume == Approx(-8.0).epsilon(1e-14));
+
+  mesh = box;
+  mesh.triangles.push_back(mesh.triangles[3]);
+  mesh.triangles.push_back({3, 3, 4});
+  mesh.triangles.push_back({1, 1, 1});
+  CHECK(inspect(mesh).duplicateTriangles == 1);
+  CHECK(inspect(mesh).degenerateTriangles == 2);
+  CHECK(inspect(mesh).nonManifoldEdges == 3);
+
+  // Two boxes that share one corner, given twice.
+  mesh = test::joined(box, test::transformed(box, 1.0, {2, 2, 2}));
+  const MeshReport two = inspect(mesh);
+  CHECK(two.vertices == 16);
+  CHECK(two.places == 15);
+  CHECK(two.components == 2);
+  CHECK(two.nonManifoldVertices == 1);
+  CHECK(two.watertight);
+}
+
+TEST_CASE("separate vertices at one place are one place", "[unit]") {
+  for (const auto& [name, mesh, closed] : test::brokenMeshes())
+    if (name == "loose vertices") {
+      const MeshReport report = inspect(mesh);
+      CHECK(report.watertight);
+      CHECK(report.places * 2 - 4 == report.triangles);  // Euler
+    }
+}
+
+TEST_CASE("meshes that no query can use are refused with the place", "[unit]") {
+  using Catch::Matchers::Contains;
+  TriangleMesh mesh = test::boxMesh({1, 1, 1});
+  mesh.vertices[5].y() = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_WITH(inspect(mesh), Contains("vertex 5"));
+  mesh.vertices[5].y() = 2e9;
+  CHECK_THROWS_WITH(checkMesh(mesh), Contains("vertex 5"));
+  mesh = test::boxMesh({1, 1, 1});
+  mesh.triangles[7][1] = 8;
+  CHECK_THROWS_WITH(checkMesh(mesh), Contains("triangle 7") && Contains("vertex 8"));
+  CHECK_THROWS_AS(checkMesh(TriangleMesh{}), Error);
+}

@@ -1,0 +1,152 @@
+// Scene files: what is read, what is refused, and what the shipped ones hold.
+#include "enamel/collision/scene_file.hpp"
+
+#include <cmath>
+#include <filesystem>
+
+#include "enamel/core/error.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+
+using namespace enamel;
+
+namespace {
+
+const std::string kScene =
+    "name = \"test\"\n"
+    "start = [0.0, 0.0, 0.01]\n"
+    "[[obstacle]]\n"
+    "name = \"wall\"\n"
+    "shape = \"half_space\"\n"
+    "point = [0.0, 0.0, 0.0]\n"
+    "normal = [0.0, 0.0, 2.0]\n"
+    "[[obstacle]]\n"
+    "name = \"box\"\n"
+    "shape = \"box\"\n"
+    "centre = [0.05, 0.0, 0.0]\n"
+    "size = [0.02, 0.03, 0.04]\n"
+    "euler_deg = [0.0, 90.0, 0.0]\n"
+    "material = 3\n";
+
+Contact nearestTo(const SceneFile& file, const Vec3& position) {
+  return nearestContact(file.scene, file.tool, {position, Mat3::Identity()}, nullptr);
+}
+
+void requireRefused(const std::string& from, const std::string& to, const std::string& message) {
+  INFO(from << " -> " << to);
+  std::string text = kScene;
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  CHECK_THROWS_WITH(parseScene(text.replace(at, from.size(), to), "scene.toml"), message);
+}
+
+}  // namespace
+
+TEST_CASE("the shipped scenes load, and the tool can reach what they hold", "[scene]") {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(ENAMEL_SOURCE_DIR "/data/scenes")) {
+    const SceneFile file = loadScene(entry.path().string());
+    INFO(file.name);
+    const double gap = nearestTo(file, file.start).gap;
+    CHECK(gap > 0.0);
+    CHECK(gap < 0.02);
+    CHECK(file.start.cwiseAbs().maxCoeff() < 0.025);
+    ++files;
+  }
+  CHECK(files >= 6);
+}
+
+TEST_CASE("scene files: what is read", "[scene]") {
+  const SceneFile file = parseScene(kScene, "scene.toml");
+  CHECK(file.name == "test");
+  CHECK(file.start == Vec3(0.0, 0.0, 0.01));
+  CHECK(file.tool.count == 1);
+  CHECK(file.tool.parts[0].radius == 0.0);
+  const std::vector<Obstacle>& obstacles = file.scene.obstacles();
+  REQUIRE(obstacles.size() == 2);
+  CHECK(obstacles[0].pose.rotation.col(2) == Vec3::UnitZ());
+  CHECK(obstacles[0].material == 0);
+  CHECK(std::get<Box>(obstacles[1].shape).half == Vec3(0.01, 0.015, 0.02));
+  CHECK(obstacles[1].material == 3);
+  // Turned by 90 deg about y, the box is 20 mm high: 1 mm above it and 11 mm above the wall.
+  CHECK(nearestTo(file, {0.05, 0.0, 0.011}).gap == Approx(0.001));
+  CHECK(nearestTo(file, {0.05, 0.0, 0.011}).material == 3);
+}
+
+TEST_CASE("scene files: spheres, capsules, meshes and tools stand where the file says", "[scene]") {
+  const test::TemporaryFolder folder;
+  // A tetrahedron with a face in x = 0, in mm, twice as large and turned so that its x axis is W's z.
+  test::writeFile(folder / "corner.off",
+                  "OFF 4 4 0\n0 0 0\n0 2 0\n0 0 2\n-1 0 0\n3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n");
+  test::writeFile(
+      folder / "scene.toml",
+      "name = \"shapes\"\nstart = [0.0, 0.0, 0.05]\n"
+      "[[tool]]\nfrom = [0.0, 0.0, 0.002]\nradius = 0.002\n"
+      "[[tool]]\nfrom = [0.0, 0.0, 0.004]\nto = [0.0, 0.0, 0.02]\nradius = 0.001\n"
+      "[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\ncentre = [0.1, 0.0, 0.0]\nradius = 0.01\n"
+      "[[obstacle]]\nname = \"rod\"\nshape = \"capsule\"\nfrom = [-0.1, -0.02, 0.0]\nto = [-0.1, 0.02, 0.0]\n"
+      "radius = 0.005\n"
+      "[[obstacle]]\nname = \"tooth\"\nshape = \"mesh\"\nfile = \"corner.off\"\nunit = \"mm\"\nscale = 2\n"
+      "position = [0.0, 0.1, 0.001]\neuler_deg = [0.0, -90.0, 0.0]\nmaterial = 9\n");
+  const SceneFile file = loadScene(folder / "scene.toml");
+  REQUIRE(file.tool.count == 2);
+  // The TCP is the lowest point of the ball: 3 mm above each surface.
+  CHECK(nearestTo(file, {0.1, 0.0, 0.013}).gap == Approx(0.003));
+  CHECK(nearestTo(file, {0.1, 0.0, 0.013}).obstacle == 0);
+  CHECK(nearestTo(file, {-0.1, 0.02, 0.008}).gap == Approx(0.003));
+  CHECK(nearestTo(file, {-0.1, 0.02, 0.008}).obstacle == 1);
+  const Contact tooth = nearestTo(file, {-0.0005, 0.1005, 0.004});
+  CHECK(tooth.gap == Approx(0.003));
+  CHECK(tooth.material == 9);
+  CHECK((tooth.normal - Vec3::UnitZ()).norm() < 1e-7);  // single precision coordinates of the file
+  CHECK((tooth.point - Vec3(-0.0005, 0.1005, 0.004)).norm() < 1e-9);
+  // Beside the shaft: 1 mm of radius, from 4 mm above the TCP on.
+  CHECK(nearestTo(file, {0.113, 0.0, -0.012}).gap == Approx(0.002));
+}
+
+TEST_CASE("scene files: what is refused, and how", "[scene]") {
+  requireRefused("name = \"test\"\n", "", "scene.toml:1: name: is missing");
+  requireRefused("name = \"test\"", "name = 3", "scene.toml:1: name: is an integer, must be a string");
+  requireRefused("start = [0.0, 0.0, 0.01]", "start = [0.0, 0.01]",
+                 "scene.toml:2: start: has 2 elements, must be a list of 3 numbers");
+  requireRefused("start = [0.0, 0.0, 0.01]", "start = [0.0, 0.0, -0.002]",
+                 "scene.toml:2: start: is 2 mm inside the obstacle \"wall\", must be outside");
+  requireRefused("start = [0.0, 0.0, 0.01]", "start = [0.0, 0.0, 3.0]",
+                 "scene.toml:2: start[2]: is 3, must be in -1 to 1 m");
+  requireRefused("shape = \"half_space\"", "shape = \"cone\"",
+                 "scene.toml:5: obstacle[0].shape: is \"cone\", must be \"half_space\", "
+                 "\"box\", \"sphere\", \"capsule\" or \"mesh\"");
+  requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, 0.0]",
+                 "scene.toml:7: obstacle[0].normal: has the length 0, must be in 1e-06 to 1e+06: it has no direction");
+  requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, nan]",
+                 "scene.toml:7: obstacle[0].normal[2]: is nan, must be finite");
+  requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, 2.0]\nsize = [1, 1, 1]",
+                 "scene.toml:8: obstacle[0].size: is not a known key");
+  requireRefused("name = \"box\"", "name = \"wall\"",
+                 "scene.toml:9: obstacle[1].name: is \"wall\", which another obstacle has");
+  requireRefused("size = [0.02, 0.03, 0.04]", "size = [0.02, 0.0, 0.04]",
+                 "scene.toml:12: obstacle[1].size[1]: is 0, must be in 1e-04 to 2 m");
+  requireRefused("euler_deg = [0.0, 90.0, 0.0]", "euler_deg = [0.0, 900.0, 0.0]",
+                 "scene.toml:13: obstacle[1].euler_deg[1]: is 900, must be in -360 to 360 deg");
+  requireRefused("material = 3", "material = -1", "scene.toml:14: obstacle[1].material: is -1, must be in 0 to 255");
+  requireRefused("material = 3", "material = 3\ncolour = 1", "scene.toml:15: obstacle[1].colour: is not a known key");
+  CHECK_THROWS_WITH(parseScene("name = \"a\"\nstart = [0, 0, 0]\nobstacle = []\n", "s.toml"),
+                    "s.toml:3: obstacle: has 0 elements, must be 1 to 64");
+  CHECK_THROWS_WITH(loadScene("/no/such/scene.toml"), "/no/such/scene.toml: cannot open the file");
+  CHECK_THROWS_AS(parseScene("name = ", "s.toml"), ConfigurationError);
+
+  const auto meshed = [](const std::string& keys) {
+    return "name = \"a\"\nstart = [0, 0, 0]\n[[obstacle]]\nname = \"m\"\nshape = \"mesh\"\n" + keys;
+  };
+  CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\n"), "/no/such/s.toml"),
+                    Catch::Matchers::Contains("/no/such/no.ply"));
+  CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\n"), "s.toml"), "s.toml:3: obstacle[0].unit: is missing");
+  CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"inch\"\n"), "s.toml"),
+                    "s.toml:7: obstacle[0].unit: is \"inch\", must be \"m\", \"mm\" or \"um\"");
+  CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\nscale = 0\n"), "s.toml"),
+                    "s.toml:8: obstacle[0].scale: is 0, must be in 1e-06 to 1e+06");
+  const std::string tool = "name = \"a\"\nstart = [0, 0, 0]\n[[tool]]\nfrom = [0, 0, 0]\n";
+  CHECK_THROWS_WITH(parseScene(tool, "s.toml"), "s.toml:3: tool[0].radius: is missing");
+  CHECK_THROWS_WITH(parseScene(tool + "radius = 1\n", "s.toml"),
+                    "s.toml:5: tool[0].radius: is 1, must be in 0 to 0.05 m");
+}
