@@ -399,12 +399,15 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     const float length = static_cast<float>(std::clamp(3.0 * pressed, 0.0, 50.0)) * s + 8 * s;
     brush.arrow({tip.x - 26 * s, from}, {tip.x - 26 * s, from + length}, kOrange, 3 * s);
   }
+  bool labelled = false;  // the next deepest: more numbers would hide each other
   for (int i = 1; i < frame.contacts.count; ++i) {
     const Contact& other = frame.contacts.contacts[i];
     if (other.gap > 0.0) continue;
     const ImVec2 foot = at(other.point - other.gap * other.normal);
     brush.list->AddLine(at(other.point), foot, ink(kInk), 1.5f * s);
     brush.list->AddCircleFilled(foot, 3 * s, ink(kVermilion));
+    if (labelled) continue;
+    labelled = true;
     const std::string text = format("%.3f mm", -1e3 * other.gap);
     const bool right = across.dot(other.normal) < 0.0;  // within its wall
     brush.text(gSmall, foot.x + (right ? 8 * s : -8 * s - Brush::width(gSmall, text)), foot.y - 7 * s, kInk, text);
