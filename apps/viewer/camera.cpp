@@ -24,7 +24,7 @@ glm::dmat4 Camera::projection(double aspect) const { return glm::perspective(ang
 
 const std::array<CameraPreset, 4>& cameraPresets() {
   static const std::array<CameraPreset, 4> presets{{
-      {"user", {{4.0, -30.0, -6.0}, glm::radians(44.0), glm::radians(20.0), 560.0, 0.45}},
+      {"user", {{14.0, -36.0, -16.0}, glm::radians(44.0), glm::radians(20.0), 580.0, 0.45}},
       {"side", {{0.0, -34.0, -22.0}, glm::radians(80.0), glm::radians(9.0), 560.0, 0.45}},
       {"top", {{0.0, -10.0, -10.0}, glm::radians(4.0), glm::radians(72.0), 620.0, 0.45}},
       {"close", {{0.0, 0.0, 6.0}, glm::radians(52.0), glm::radians(20.0), 230.0, 0.45}},

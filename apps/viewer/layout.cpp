@@ -26,7 +26,8 @@ Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts) {
     y += heights[i];
   }
   const float side = std::min({236 * scale, 0.5f * layout.scene.width, 0.45f * h});
-  if (side > 120 * scale)
+  if (side > 170 * scale)  // smaller, its words no longer fit
+
     layout.inset = {layout.scene.x + layout.scene.width - side - 14 * scale, h - side - 14 * scale, side, side};
   return layout;
 }

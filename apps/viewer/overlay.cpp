@@ -237,6 +237,9 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   brush.textRight(gText, right, y, kMuted, time);
 }
 
+// Never "-0.0".
+std::string tenths(double value) { return format("%.1f", std::abs(value) < 0.05 ? 0.0 : value); }
+
 void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const Frame& frame = input.frame;
@@ -255,8 +258,8 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
        : depth > -0.1  ? format("%.3f", -depth)
                        : format("%.1f", -depth),
        "mm", depth > -0.0005 ? "penetration" : "to the wall", kBlue},
-      {format("%.1f", frame.record.normalForce), "N", "force of the wall", kVermilion},
-      {format("%.1f", handForce(frame)), "N", "force of the hand", kOrange},
+      {tenths(frame.record.normalForce), "N", "force of the wall", kVermilion},
+      {tenths(handForce(frame)), "N", "force of the hand", kOrange},
       {!inside     ? "-"
        : now < 1e6 ? format("%.1f", 1e-3 * now)
                    : "> 1000",
@@ -264,6 +267,9 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   };
   float y = area.y + area.height - 4 * 46 * s - 14 * s;
   const float x = area.x + 18 * s;
+  // In a small window the device stands behind them.
+  brush.list->AddRectFilled({x - 6 * s, y - 3 * s}, {x + 140 * s, area.y + area.height - 8 * s}, ink(kGround, 0.8),
+                            6 * s);
   for (const Number& n : numbers) {
     brush.list->AddRectFilled({x, y + 3 * s}, {x + 3 * s, y + 38 * s}, ink(n.colour));
     brush.text(gLarge, x + 12 * s, y, kInk, n.value);
@@ -273,7 +279,35 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   }
 }
 
-// The contact, seen along the wall, magnified: the wall below, the tool above, whatever the normal.
+// The inset's section stands on the deepest contact's wall, and on the next one's too where that is near.
+Vec3 insetAcross(const Vec3& n, const ContactSnapshot& contacts) {
+  constexpr double near = 3e-3;  // m
+  const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
+  const Vec3 usual = vertical.cross(n).normalized();
+  if (contacts.count < 2 || contacts.contacts[1].gap > near) return usual;
+  const Vec3& next = contacts.contacts[1].normal;
+  const Vec3 both = next - n.dot(next) * n;
+  if (both.norm() < 0.1) return usual;
+  return (both.dot(usual) < 0.0 ? -1.0 : 1.0) * both.normalized();
+}
+
+// What lies behind the line through `point` with the outward normal `normal`, of the rectangle from `low` to `high`.
+void fillBehind(ImDrawList* list, ImVec2 low, ImVec2 high, ImVec2 point, ImVec2 normal, ImU32 fill) {
+  const ImVec2 corners[] = {low, {high.x, low.y}, high, {low.x, high.y}};
+  const auto side = [&](ImVec2 p) { return normal.x * (p.x - point.x) + normal.y * (p.y - point.y); };
+  for (int i = 0; i < 4; ++i) {
+    const ImVec2 a = corners[i], b = corners[(i + 1) % 4];
+    const float da = side(a), db = side(b);
+    if (da <= 0.0f) list->PathLineTo(a);
+    if ((da <= 0.0f) != (db <= 0.0f)) {
+      const float share = da / (da - db);
+      list->PathLineTo({a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)});
+    }
+  }
+  list->PathFillConvex(fill);
+}
+
+// The contacts, seen along the walls, magnified: the deepest one's wall below, the tool above, whatever the normal.
 void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
   constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // mm a bar
   constexpr int kSteps = 9, kCircleSides = 256;
@@ -282,8 +316,7 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   const Frame& frame = input.frame;
   const Contact& contact = frame.record.nearest;
   const Vec3 n = contact.normal;
-  const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
-  const Vec3 across = vertical.cross(n).normalized();
+  const Vec3 across = insetAcross(n, frame.contacts);
   // Everything is shown where the tool's nearest point is, not its TCP.
   const Vec3 tool = contact.point, fromTcp = tool - frame.record.pose.position;
   const Vec3 reference = input.ghostPosition + fromTcp;
@@ -315,6 +348,19 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   for (float y = cy + bar; y < bottom; y += bar)
     brush.list->AddLine({area.x, y}, {area.x + area.width, y}, ink(kEnamelGrid, 0.6), s);
   brush.list->AddLine({area.x, cy}, {area.x + area.width, cy}, ink(kEnamelEdge), 2 * s);
+  // The other contacts' walls, as planes, where they cross the inset.
+  for (int i = 1; i < frame.contacts.count; ++i) {
+    const Contact& other = frame.contacts.contacts[i];
+    const float mx = static_cast<float>(across.dot(other.normal)), my = static_cast<float>(-n.dot(other.normal));
+    const float length = std::hypot(mx, my);
+    // The section lies along this wall, or it is the deepest one's, a little further on.
+    if (length < 0.1f || n.dot(other.normal) > 0.9) continue;
+    const ImVec2 foot = at(other.point - other.gap * other.normal);
+    fillBehind(brush.list, {area.x, top}, {area.x + area.width, bottom}, foot, {mx, my}, ink(kEnamel));
+    const float far = 2 * area.width / length;
+    brush.list->AddLine({foot.x - far * my, foot.y + far * mx}, {foot.x + far * my, foot.y - far * mx},
+                        ink(kEnamelEdge), 2 * s);
+  }
   // Normal.
   brush.list->AddLine({cx, cy}, {cx, top}, ink(kMuted, 0.6), s);
 
@@ -353,6 +399,19 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     const float length = static_cast<float>(std::clamp(3.0 * pressed, 0.0, 50.0)) * s + 8 * s;
     brush.arrow({tip.x - 26 * s, from}, {tip.x - 26 * s, from + length}, kOrange, 3 * s);
   }
+  bool labelled = false;  // the next deepest: more numbers would hide each other
+  for (int i = 1; i < frame.contacts.count; ++i) {
+    const Contact& other = frame.contacts.contacts[i];
+    if (other.gap > 0.0) continue;
+    const ImVec2 foot = at(other.point - other.gap * other.normal);
+    brush.list->AddLine(at(other.point), foot, ink(kInk), 1.5f * s);
+    brush.list->AddCircleFilled(foot, 3 * s, ink(kVermilion));
+    if (labelled) continue;
+    labelled = true;
+    const std::string text = format("%.3f mm", -1e3 * other.gap);
+    const bool right = across.dot(other.normal) < 0.0;  // within its wall
+    brush.text(gSmall, foot.x + (right ? 8 * s : -8 * s - Brush::width(gSmall, text)), foot.y - 7 * s, kInk, text);
+  }
   // Dimension of the depth.
   const double depth = -1e3 * frame.record.nearest.gap;
   if (depth > 5e-4) {
@@ -361,11 +420,15 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     brush.list->AddLine({x, cy}, {x, y}, ink(kInk), 1.5f * s);
     brush.list->AddLine({x - 4 * s, cy}, {x + 4 * s, cy}, ink(kInk), 1.5f * s);
     brush.list->AddLine({x - 4 * s, y}, {x + 4 * s, y}, ink(kInk), 1.5f * s);
-    brush.text(gText, cx + 40 * s, std::max(y, cy) + 4 * s, kInk, format("%.3f mm", depth));
+    const std::string text = format("%.3f mm", depth);
+    brush.text(gText, std::min(cx + 40 * s, area.x + area.width - 6 * s - Brush::width(gText, text)),
+               std::min(std::max(y, cy) + 4 * s, bottom - 20 * s), kInk, text);
   }
   brush.list->PopClipRect();
 
-  brush.text(gBold, area.x + 10 * s, area.y + 6 * s, kInk, "Contact, magnified");
+  brush.text(gBold, area.x + 10 * s, area.y + 6 * s, kInk,
+             input.frame.contacts.count > 1 && input.frame.contacts.contacts[1].gap <= 0.0 ? "Contacts, magnified"
+                                                                                           : "Contact, magnified");
   const float bx = area.x + 12 * s, by = area.y + area.height - 12 * s;
   brush.list->AddLine({bx, by}, {bx + bar, by}, ink(kInk), 2 * s);
   brush.list->AddLine({bx, by - 4 * s}, {bx, by + 4 * s}, ink(kInk), 1.5f * s);
@@ -475,28 +538,29 @@ void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& br
 }
 
 void drawHelp(const Layout& layout, const Brush& brush) {
-  const float s = layout.scale;
   const auto& actions = actionRows();
   const auto& driving = drivingRows();
-  const float wide = std::min(720 * s, static_cast<float>(layout.size.x) - 20 * s);
-  const float row = 23 * s;
   const std::size_t left = driving.size() + 8, all = driving.size() + actions.size();
-  const float high = 66 * s + row * static_cast<float>(std::max(left, all - left));
-  const Area card{0.5f * (static_cast<float>(layout.size.x) - wide),
-                  std::max(0.0f, 0.5f * (static_cast<float>(layout.size.y) - high)), wide, high};
-  brush.list->AddRectFilled({0, 0}, {static_cast<float>(layout.size.x), static_cast<float>(layout.size.y)},
-                            ink(kInk, 0.25));
+  const float rows = static_cast<float>(std::max(left, all - left));
+  const float w = static_cast<float>(layout.size.x), h = static_cast<float>(layout.size.y);
+  // Smaller where the window is too small for it.
+  const float fit = std::min({1.0f, w / (740 * layout.scale), h / ((76 + 23 * rows) * layout.scale)});
+  const float s = layout.scale * fit, wide = 720 * s, high = (66 + 23 * rows) * s;
+  const Area card{0.5f * (w - wide), 0.5f * (h - high), wide, high};
+  const auto text = [&](ImFont* font, float x, float y, unsigned rgb, const char* words) {
+    brush.list->AddText(font, fit * font->FontSize, {std::round(x), std::round(y)}, ink(rgb), words);
+  };
+  brush.list->AddRectFilled({0, 0}, {w, h}, ink(kInk, 0.25));
   brush.card(card, 1.0);
-  brush.text(gLarge, card.x + 20 * s, card.y + 12 * s, kInk, "Push the tool against the wall");
+  text(gLarge, card.x + 20 * s, card.y + 12 * s, kInk, "Push the tool against the wall");
   for (std::size_t i = 0; i < all; ++i) {
     const bool second = i >= left;
     const float x = card.x + 20 * s + (second ? 0.53f * wide : 0.0f);
-    const float y = card.y + 52 * s + row * static_cast<float>(second ? i - left : i);
+    const float y = card.y + (52 + 23 * static_cast<float>(second ? i - left : i)) * s;
     const bool drive = i < driving.size();
-    const char* keys = drive ? driving[i].keys : actions[i - driving.size()].keys;
-    const char* meaning = drive ? driving[i].meaning : actions[i - driving.size()].meaning;
-    brush.text(gBold, x, y, kInk, keys);
-    brush.text(gText, x + (second ? 82 : 92) * s, y, kMuted, meaning);
+    text(gBold, x, y, kInk, drive ? driving[i].keys : actions[i - driving.size()].keys);
+    text(gText, x + (second ? 82 : 92) * s, y, kMuted,
+         drive ? driving[i].meaning : actions[i - driving.size()].meaning);
   }
 }
 

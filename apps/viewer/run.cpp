@@ -6,7 +6,6 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +13,7 @@
 #include <thread>
 
 #include "enamel/core/error.hpp"
+#include "input.hpp"
 #include "viewer.hpp"
 
 namespace enamel::viewer {
@@ -33,8 +33,8 @@ std::string picturePath(const Options& options, const std::string& name) {
   }
 }
 
-void takePictures(const Options& options, Viewer& viewer) {
-  for (const std::string& name : viewer.takePictures()) {
+void takePictures(const Options& options, Viewer& viewer, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
     const std::string path = picturePath(options, name);
     writePng(viewer.stage().read(), path);
     std::printf("%s\n", path.c_str());
@@ -84,6 +84,7 @@ class Report {
     nlohmann::ordered_json json;
     json["seconds"] = seconds;
     json["frames"] = frames_;
+    json["size"] = {viewer.layout().size.x, viewer.layout().size.y};
     json["frames_per_second"] = seconds > 0.0 ? static_cast<double>(frames_) / seconds : 0.0;
     json["first_frame_s"] = firstFrame_;
     json["opengl_errors"] = viewer.stage().errors();
@@ -130,70 +131,23 @@ class ScriptPlayer {
 
 // ---- input -------------------------------------------------------------------------------------------------------
 
-struct Input {
-  Viewer* viewer;
-  glm::dvec2 cursor{0.0};
-  int dragged = -1;  // mouse button
-};
-
 Input& inputOf(GLFWwindow* window) { return *static_cast<Input*>(glfwGetWindowUserPointer(window)); }
 
 void onKey(GLFWwindow* window, int key, int, int action, int modifiers) {
-  if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput) return;
-  const ActionRow* row = actionOfKey(key, (modifiers & GLFW_MOD_CONTROL) != 0);
-  if (row != nullptr && (action == GLFW_PRESS || row->action == Action::step)) inputOf(window).viewer->act(row->action);
+  if (!ImGui::GetIO().WantTextInput) inputOf(window).key(key, action, modifiers);
 }
 
 void onButton(GLFWwindow* window, int button, int action, int) {
-  Input& input = inputOf(window);
-  if (action == GLFW_RELEASE)
-    input.dragged = -1;
-  else if (!ImGui::GetIO().WantCaptureMouse)
-    input.dragged = button;
+  if (action == GLFW_RELEASE || !ImGui::GetIO().WantCaptureMouse) inputOf(window).button(button, action);
 }
 
-void onCursor(GLFWwindow* window, double x, double y) {
-  Input& input = inputOf(window);
-  const glm::dvec2 before = input.cursor, now(x, y);
-  input.cursor = now;
-  if (input.dragged < 0) return;
-  Viewer& viewer = *input.viewer;
-  const Area& area = viewer.layout().scene;
-  const glm::dvec2 size(std::max(1.0f, area.width), std::max(1.0f, area.height)), corner(area.x, area.y);
-  const Vec3 tool = kMillimetres * viewer.frame().record.pose.position;
-  const glm::dvec3 like(tool.x(), tool.y(), tool.z());
-  const glm::dvec3 moved =
-      unproject(viewer.camera(), size, now - corner, like) - unproject(viewer.camera(), size, before - corner, like);
-  if (input.dragged == GLFW_MOUSE_BUTTON_LEFT) {
-    viewer.moveHandBy(moved);
-  } else if (input.dragged == GLFW_MOUSE_BUTTON_RIGHT) {
-    orbit(viewer.camera(), 4.0 * (now.x - before.x) / size.y, 4.0 * (now.y - before.y) / size.y);
-  } else {
-    viewer.camera().focus -= moved;
-  }
-}
+void onCursor(GLFWwindow* window, double x, double y) { inputOf(window).cursor({x, y}); }
+
+bool isDown(GLFWwindow* window, int key) { return glfwGetKey(window, key) == GLFW_PRESS; }
 
 void onWheel(GLFWwindow* window, double, double notches) {
-  if (ImGui::GetIO().WantCaptureMouse) return;
-  Viewer& viewer = *inputOf(window).viewer;
-  const bool control = glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS ||
-                       glfwGetKey(window, GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS;
-  if (control)
-    zoom(viewer.camera(), std::pow(0.9, notches));
-  else
-    viewer.pressBy(0.4 * notches);
-}
-
-// Keys that act as long as they are down.
-void holdKeys(GLFWwindow* window, double seconds) {
-  constexpr double speed = 25.0, pressing = 8.0;  // mm/s, N/s
-  if (ImGui::GetIO().WantTextInput) return;
-  Viewer& viewer = *inputOf(window).viewer;
-  const auto down = [window](int key) { return glfwGetKey(window, key) == GLFW_PRESS ? 1.0 : 0.0; };
-  const glm::dvec3 way(down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_W) - down(GLFW_KEY_S), 0.0);
-  if (way.x != 0.0 || way.y != 0.0) viewer.moveHandBy(speed * seconds * way);
-  const double press = down(GLFW_KEY_E) - down(GLFW_KEY_Q);
-  if (press != 0.0) viewer.pressBy(pressing * seconds * press);
+  if (!ImGui::GetIO().WantCaptureMouse)
+    inputOf(window).wheel(notches, isDown(window, GLFW_KEY_LEFT_CONTROL) || isDown(window, GLFW_KEY_RIGHT_CONTROL));
 }
 
 void makeFolder(const std::string& path) {
@@ -219,7 +173,7 @@ void runInWindow(const Options& options, double started) {
   const auto surface = openWindow("Enamel", options.size);
   Viewer viewer(options, *surface);
   GLFWwindow* window = surface->window();
-  Input input{&viewer};
+  Input input(viewer);
   glfwSetWindowUserPointer(window, &input);
   glfwSetKeyCallback(window, onKey);
   glfwSetMouseButtonCallback(window, onButton);
@@ -240,14 +194,17 @@ void runInWindow(const Options& options, double started) {
       bool scripted = false;
       script.play(now - begin, [&](const ScriptStep& step) {
         viewer.follow(step, now - begin);
+        surface->setFullScreen(viewer.fullScreen());  // before a step that sets the size
         scripted = scripted || step.kind == ScriptStep::Kind::end;
       });
-      holdKeys(window, std::min(passed, 0.1));
+      if (!ImGui::GetIO().WantTextInput)
+        input.hold([window](int key) { return isDown(window, key); }, std::min(passed, 0.1));
       surface->setFullScreen(viewer.fullScreen());
       viewer.update(now - begin, numbersOf(haptics.timing(), rate));
       ImGui_ImplGlfw_NewFrame();
-      viewer.draw();
-      takePictures(options, viewer);
+      const std::vector<std::string> names = viewer.takePictures();
+      viewer.draw(!names.empty());
+      takePictures(options, viewer, names);
       surface->present();
       report.frame(steadySeconds());
       if (scripted) {
@@ -290,12 +247,8 @@ void runHeadless(const Options& options, double started) {
       names.emplace_back(name);
     }
     if (!names.empty()) {
-      viewer.draw();
-      for (const std::string& name : names) {
-        const std::string path = picturePath(options, name);
-        writePng(viewer.stage().read(), path);
-        std::printf("%s\n", path.c_str());
-      }
+      viewer.draw(true);
+      takePictures(options, viewer, names);
       report.frame(steadySeconds());
     }
     for (std::uint64_t tick = ticksAt(frame); tick < ticksAt(frame + 1); ++tick) viewer.runner().period();

@@ -14,7 +14,7 @@ namespace {
 // Sizes of drawn parts that no device file knows, m (radii in mm where a Rod takes them).
 constexpr double kMotorHeight = 0.030, kHub = 0.020, kNeedleLength = 0.032, kHandleEnd = 0.082;
 constexpr double kCube = 0.025, kPane = 0.028, kPaneDepth = 0.006, kGridStep = 0.005;
-constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010, kNormal = 0.055;  // m/N, m, m
+constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010, kNormal = 0.040;  // m/N, m, m
 constexpr double kSmallestForce = 0.1, kLargestForce = 40.0;                    // N: that the arrow shows
 constexpr std::size_t kShownContacts = 3;
 
@@ -197,7 +197,8 @@ SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(rend
   above->SetActiveCamera(renderer->GetActiveCamera());
   for (vtkRenderer* lit : {renderer, above}) {
     addLight(lit, -0.9, 0.6, 1.0, 0.8);
-    addLight(lit, 1.0, 0.5, 0.5, 0.4);
+    addLight(lit, 1.0, 0.5, 0.5, 0.6);
+    addLight(lit, 0.0, 0.0, 1.0, 0.15);
   }
 }
 

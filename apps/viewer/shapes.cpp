@@ -55,8 +55,8 @@ vtkSmartPointer<vtkActor> addActor(vtkRenderer* renderer, vtkAlgorithmOutput* so
   vtkProperty* property = actor->GetProperty();
   property->SetColor(c.r, c.g, c.b);
   property->SetOpacity(finish.opacity);
-  property->SetAmbient(0.36);
-  property->SetDiffuse(0.74);
+  property->SetAmbient(0.42);
+  property->SetDiffuse(0.54);
   property->SetSpecular(finish.shine);
   property->SetSpecularPower(25.0);
   renderer->AddActor(actor);

@@ -38,8 +38,9 @@ class Stage {
   vtkRenderer* above() { return above_; }  ///< a layer over the scene
   vtkRenderer* charts() { return charts_; }
 
-  /// Draws VTK's part, then what `overlay` gives to ImGui, into the surface; does not present.
-  void draw(const Layout& layout, const std::function<void()>& overlay);
+  /// Draws VTK's part, then what `overlay` gives to ImGui, into the surface; does not present. A `picture` has smooth
+  /// edges also where OpenGL draws in software.
+  void draw(const Layout& layout, const std::function<void()>& overlay, bool picture);
 
   Picture read();
 
@@ -50,8 +51,7 @@ class Stage {
   Surface& surface_;
   std::string font_, boldFont_;
   float fontScale_ = 0.0f;
-  bool current_ = false;
-  int supported_ = 1;
+  bool software_ = false;
   vtkSmartPointer<vtkGenericOpenGLRenderWindow> window_;
   vtkNew<vtkRenderer> scene_, above_, charts_;
   std::uint64_t errors_ = 0;

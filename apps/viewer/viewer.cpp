@@ -63,6 +63,11 @@ Viewer::Viewer(const Options& options, Surface& surface)
   selectCamera(0);
 }
 
+glm::dvec3 Viewer::tool() const {
+  const Vec3 tool = kMillimetres * frame_.record.pose.position;
+  return {tool.x(), tool.y(), tool.z()};
+}
+
 void Viewer::notify(const std::string& text) {
   overlay_.notice = text;
   noticeEnd_ = now_ + kNotice;
@@ -293,14 +298,14 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   std::array<ChartPlace, kCharts> places;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Area& a = layout_.chart[i];
-    const float title = kChartTitle * layout_.scale, side = 6 * layout_.scale, right = 14 * layout_.scale;
+    const float title = kChartTitle * layout_.scale, side = 6 * layout_.scale, right = 20 * layout_.scale;
     places[i] = {side, layout_.charts.height - a.y - a.height, std::max(1.0f, a.width - side - right),
                  std::max(1.0f, a.height - title)};
   }
   charts_.update(places, layout_.scale, limit_.largestForce);
 }
 
-void Viewer::draw() {
+void Viewer::draw(bool picture) {
   if (builtScale_ != layout_.scale) {
     view_.build(model_, scene_.scene, scene_.tool, layout_.scale);
     builtScale_ = layout_.scale;
@@ -320,7 +325,8 @@ void Viewer::draw() {
                            timing_,
                            simulated_,
                            cameraPresets()[static_cast<std::size_t>(preset_)].name};
-  stage_.draw(layout_, [&] { drawOverlay(layout_, input, overlay_); });
+  stage_.draw(
+      layout_, [&] { drawOverlay(layout_, input, overlay_); }, picture);
 }
 
 }  // namespace enamel::viewer

@@ -8,6 +8,7 @@
 
 #include "camera.hpp"
 #include "charts.hpp"
+#include "input.hpp"
 #include "overlay.hpp"
 #include "runner.hpp"
 #include "scene_view.hpp"
@@ -29,7 +30,7 @@ struct Options {
 };
 
 /// Everything but the loop that drives it: see runInWindow() and runHeadless().
-class Viewer {
+class Viewer final : public Driven {
  public:
   /// Loads scene and device, designs the servo, builds the picture. Throws Error.
   Viewer(const Options& options, Surface& surface);
@@ -37,23 +38,24 @@ class Viewer {
   Runner& runner() { return runner_; }
   Stage& stage() { return stage_; }
   const Frame& frame() const { return frame_; }
-  Camera& camera() { return camera_; }
-  const Layout& layout() const { return layout_; }
+  Camera& camera() override { return camera_; }
+  const Layout& layout() const override { return layout_; }
+  glm::dvec3 tool() const override;
   bool wantsToEnd() const { return end_; }
   bool fullScreen() const { return fullScreen_; }
   /// Names of pictures that were asked for since the last call; an empty name stands for the next free one.
   std::vector<std::string> takePictures();
 
-  void act(Action action);
-  void moveHandBy(const glm::dvec3& millimetres);
-  void pressBy(double newtons);  ///< along the wall's normal, inwards
+  void act(Action action) override;
+  void moveHandBy(const glm::dvec3& millimetres) override;
+  void pressBy(double newtons) override;
   /// One step of a script, at `now`, s.
   void follow(const ScriptStep& step, double now);
 
   /// Takes what the haptic side has sent and prepares the next picture; `now` in s.
   void update(double now, const TimingNumbers& timing);
-  /// Draws it.
-  void draw();
+  /// Draws it; a `picture` to be read has smooth edges.
+  void draw(bool picture);
 
  private:
   void loadScene(const std::string& path);

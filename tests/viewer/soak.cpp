@@ -13,6 +13,11 @@ namespace {
 
 constexpr double kFrom = 0.40, kTo = 0.50, kLast = 0.90;  // shares of the run in which memory is compared
 
+// Software GL that draws in threads (Mesa's llvmpipe) keeps a slot for every picture that was ever under way at once,
+// up to 64, and each slot the buffers of the size it last drew until it is used again: what it holds then comes and
+// goes by tens of MB with the load of the machine. In one thread it has one slot, and what grows is ours or VTK's.
+const std::string kOneThread = "env LP_NUM_THREADS=0 ";
+
 std::string randomScript(std::uint64_t seed, double seconds) {
   test::Random random(seed);
   const char* const actions[] = {
@@ -86,17 +91,18 @@ TEST_CASE("soak", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "script.txt", randomScript(seed, seconds));
   const auto result = test::viewer("--script '" + folder / "script.txt' --report '" + folder / "report.json'",
-                                   test::kXvfb, static_cast<int>(seconds) + 120);
+                                   kOneThread + test::kXvfb, static_cast<int>(seconds) + 120);
   INFO(result.output);
   REQUIRE(result.status == 0);
   CHECK(result.output.empty());
   const auto report = nlohmann::json::parse(test::readFile(folder / "report.json"));
   CHECK(report.at("opengl_errors") == 0);
+  CHECK(report.at("size") == nlohmann::json{1280, 720});  // as measured in the middle
   CHECK(report.at("frames").get<double>() > 2.0 * seconds);
   CHECK(report.at("haptics").at("periods").get<double>() > 500.0 * seconds);
-  // Flat: in the same state of the viewer, the medians at the end are those in the middle. Drawing alone and switching
-  // scenes leave them level; in the first two minutes of mixed input what the program holds still grew by 6 to 10 MB,
-  // probably as Mesa meets new states. 16 MB let that pass, and fail the long run where it went on.
+  // Flat: in the same state of the viewer, the medians at the end are those in the middle. In seven measurements 120
+  // random actions apart the heap kept its level to 0.3 MB, but for one that still held the buffers of the size before,
+  // at most 13.4 MB. How much freed memory the C library keeps varied by 54 MB beside a level heap.
   const auto levels = [&report, seconds](const char* key) {
     const auto memory = report.at(key).get<std::vector<double>>();
     REQUIRE(static_cast<double>(memory.size()) > 0.9 * seconds);
@@ -114,6 +120,6 @@ TEST_CASE("soak", "[viewer]") {
   WARN("heap in use " << heap.first << " MB, then " << heap.second << " MB; resident " << resident.first << " MB, then "
                       << resident.second << " MB; " << report.at("frames_per_second").get<double>()
                       << " frames/s; haptics " << report.at("haptics").dump());
-  CHECK(heap.second < heap.first + 16.0);
-  CHECK(resident.second < resident.first + 32.0);
+  CHECK(heap.second < heap.first + 14.0);
+  CHECK(resident.second < resident.first + 64.0);
 }

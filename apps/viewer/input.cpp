@@ -1,0 +1,53 @@
+#define GLFW_INCLUDE_NONE
+#include "input.hpp"
+
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace enamel::viewer {
+
+void Input::key(int key, int action, int modifiers) {
+  if (action == GLFW_RELEASE) return;
+  const ActionRow* row = actionOfKey(key, (modifiers & GLFW_MOD_CONTROL) != 0);
+  if (row != nullptr && (action == GLFW_PRESS || row->action == Action::step)) driven_.act(row->action);
+}
+
+void Input::button(int button, int action) { dragged_ = action == GLFW_RELEASE ? -1 : button; }
+
+void Input::cursor(const glm::dvec2& place) {
+  const glm::dvec2 before = cursor_;
+  cursor_ = place;
+  if (dragged_ < 0) return;
+  const Area& area = driven_.layout().scene;
+  const glm::dvec2 size(std::max(1.0f, area.width), std::max(1.0f, area.height)), corner(area.x, area.y);
+  Camera& camera = driven_.camera();
+  const glm::dvec3 like = driven_.tool();
+  const glm::dvec3 moved =
+      unproject(camera, size, place - corner, like) - unproject(camera, size, before - corner, like);
+  if (dragged_ == GLFW_MOUSE_BUTTON_LEFT)
+    driven_.moveHandBy(moved);
+  else if (dragged_ == GLFW_MOUSE_BUTTON_RIGHT)
+    orbit(camera, 4.0 * (place.x - before.x) / size.y, 4.0 * (place.y - before.y) / size.y);
+  else
+    camera.focus -= moved;
+}
+
+void Input::wheel(double notches, bool control) {
+  if (control)
+    zoom(driven_.camera(), std::pow(0.9, notches));
+  else
+    driven_.pressBy(0.4 * notches);
+}
+
+void Input::hold(const std::function<bool(int key)>& isDown, double seconds) {
+  constexpr double speed = 25.0, pressing = 8.0;  // mm/s, N/s
+  const auto down = [&isDown](int key) { return isDown(key) ? 1.0 : 0.0; };
+  const glm::dvec3 way(down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_W) - down(GLFW_KEY_S), 0.0);
+  if (way.x != 0.0 || way.y != 0.0) driven_.moveHandBy(speed * seconds * way);
+  const double press = down(GLFW_KEY_E) - down(GLFW_KEY_Q);
+  if (press != 0.0) driven_.pressBy(pressing * seconds * press);
+}
+
+}  // namespace enamel::viewer

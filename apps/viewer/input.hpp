@@ -1,0 +1,44 @@
+// What keys and mouse mean, without a window: events in, calls of what they drive out.
+#pragma once
+
+#include <functional>
+#include <glm/glm.hpp>
+
+#include "actions.hpp"
+#include "camera.hpp"
+#include "layout.hpp"
+
+namespace enamel::viewer {
+
+/// What a person drives.
+class Driven {
+ public:
+  virtual ~Driven() = default;
+  virtual void act(Action action) = 0;
+  virtual void moveHandBy(const glm::dvec3& millimetres) = 0;
+  virtual void pressBy(double newtons) = 0;  ///< along the wall's normal, inwards
+  virtual Camera& camera() = 0;
+  virtual const Layout& layout() const = 0;
+  virtual glm::dvec3 tool() const = 0;  ///< TCP, mm
+};
+
+/// Translates events; keys, buttons and actions have GLFW's numbers, places are pixels from the top left. A caller
+/// whose panels want an event does not pass it on, but always passes a release of the mouse.
+class Input {
+ public:
+  explicit Input(Driven& driven) : driven_(driven) {}
+
+  void key(int key, int action, int modifiers);
+  void button(int button, int action);
+  void cursor(const glm::dvec2& place);
+  void wheel(double notches, bool control);
+  /// Keys that act as long as they are down, for the seconds since the last call.
+  void hold(const std::function<bool(int key)>& isDown, double seconds);
+
+ private:
+  Driven& driven_;
+  glm::dvec2 cursor_{0.0};
+  int dragged_ = -1;  // mouse button
+};
+
+}  // namespace enamel::viewer

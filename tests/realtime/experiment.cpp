@@ -1,0 +1,60 @@
+// The viewer's haptic side allocates nothing: ticks of either wall, test pushes, grips, commands, dropped samples.
+#include "experiment.hpp"
+
+#include "runner.hpp"
+#include "servo_gain.hpp"
+#include "support/allocation_counter.hpp"
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+
+using namespace enamel;
+using namespace enamel::viewer;
+
+TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
+  const ServoedDevice device = loadServoedDevice(test::deviceFile("tau-nominal.toml"));
+  for (const char* name : {"flat-wall.toml", "oblique-wall.toml", "corner.toml", "box.toml", "molar.toml", "jaw.toml"}) {
+    const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + std::string(name));
+    Pose start;
+    start.position = scene.start;
+    Hand hand;
+    hand.target = hand.position = scene.start;
+    Settings settings;
+    settings.delay = {0, 1};
+    settings.encoders = {true, RateSource::lowPass, 100.0};
+    settings.noise = 0.2;
+    Runner runner(std::make_unique<Experiment>(device, settings, scene, start, hand, Wall::impedance));
+    test::Random random(82);
+    int contact = 0, tested = 0;
+    Sample sample;
+    const long before = test::allocationCount();
+    for (int i = 0; i < 6000; ++i) {
+      Command command{Command::Kind::handTo};
+      if (i % 200 == 0) {
+        command.target = {random.uniform(-0.01, 0.01), random.uniform(-0.01, 0.01), random.uniform(-0.025, 0.005)};
+        runner.send(command);
+      }
+      if (i % 700 == 0) {
+        command.kind = Command::Kind::select;
+        command.number = i / 700 % 2;
+        runner.send(command);
+      }
+      if (i % 1500 == 0) {
+        command.kind = Command::Kind::grip;
+        command.grip = i % 3000 == 0 ? kPaperGrip : kFirmGrip;
+        runner.send(command);
+      }
+      if (i % 2900 == 0) runner.send({Command::Kind::testPush});
+      runner.period();
+      const Frame& frame = runner.frame();
+      contact += frame.record.mode == RenderMode::contact;
+      tested += frame.testing;
+      if (i < 3000) runner.nextSample(sample);
+    }
+    const long allocated = test::allocationCount() - before;
+    INFO(name);
+    CHECK(allocated == 0);
+    CHECK(contact > 500);
+    CHECK(tested > 100);
+    CHECK(runner.frame().plant == Status::ok);
+  }
+}

@@ -1,0 +1,155 @@
+// Keys and mouse do what the help says, without a window.
+#define GLFW_INCLUDE_NONE
+#include "input.hpp"
+
+#include <GLFW/glfw3.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+
+using namespace enamel;
+using namespace enamel::viewer;
+
+namespace {
+
+class Recorder final : public Driven {
+ public:
+  void act(Action action) override { actions.push_back(action); }
+  void moveHandBy(const glm::dvec3& millimetres) override { hand += millimetres, ++moves; }
+  void pressBy(double newtons) override { pressed += newtons; }
+  Camera& camera() override { return view; }
+  const Layout& layout() const override { return place; }
+  glm::dvec3 tool() const override { return {3.0, -2.0, 8.0}; }
+
+  std::vector<Action> actions;
+  glm::dvec3 hand{0.0};
+  int moves = 0;
+  double pressed = 0.0;
+  Camera view = cameraPresets()[0].camera;
+  Layout place = layOut({1280, 720}, 1.0f, true, true);
+};
+
+}  // namespace
+
+TEST_CASE("every key of the help acts, once a press", "[viewer]") {
+  std::set<std::pair<int, bool>> keys;
+  for (const ActionRow& row : actionRows()) {
+    INFO(row.keys);
+    CHECK(keys.insert({row.key, row.control}).second);  // no key means two things
+    Recorder recorder;
+    Input input(recorder);
+    const int modifiers = row.control ? GLFW_MOD_CONTROL : 0;
+    input.key(row.key, GLFW_PRESS, modifiers);
+    input.key(row.key, GLFW_REPEAT, modifiers);
+    input.key(row.key, GLFW_RELEASE, modifiers);
+    // Only the single tick goes on while its key is held.
+    REQUIRE(recorder.actions.size() == (row.action == Action::step ? 2 : 1));
+    CHECK(recorder.actions[0] == row.action);
+    CHECK(actionOfName(row.name) == &row);
+  }
+  Recorder recorder;
+  Input input(recorder);
+  input.key(GLFW_KEY_F12, GLFW_PRESS, 0);
+  input.key(GLFW_KEY_TAB, GLFW_PRESS, GLFW_MOD_CONTROL);
+  CHECK(recorder.actions.empty());
+  input.key(GLFW_KEY_KP_ADD, GLFW_PRESS, 0);
+  input.key(GLFW_KEY_KP_SUBTRACT, GLFW_PRESS, 0);
+  CHECK(recorder.actions == std::vector<Action>{Action::faster, Action::slower});
+  CHECK(actionOfName("no-such-action") == nullptr);
+}
+
+TEST_CASE("a left drag moves the hand as far as the cursor goes at the tool", "[viewer]") {
+  test::Random random(611);
+  for (int i = 0; i < 100; ++i) {
+    Recorder recorder;
+    recorder.view = cameraPresets()[static_cast<std::size_t>(i % 4)].camera;
+    const Camera before = recorder.view;
+    Input input(recorder);
+    const glm::dvec2 corner(recorder.place.scene.x, recorder.place.scene.y);
+    const glm::dvec2 size(recorder.place.scene.width, recorder.place.scene.height);
+    const glm::dvec2 from = corner + glm::dvec2(project(before, size, recorder.tool()));
+    const glm::dvec2 to = from + glm::dvec2(random.uniform(-80.0, 80.0), random.uniform(-80.0, 80.0));
+    input.cursor(from);
+    input.cursor(to);
+    CHECK(recorder.moves == 0);  // no button
+    input.cursor(from);
+    input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS);
+    input.cursor(glm::mix(from, to, 0.3));
+    input.cursor(to);
+    input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE);
+    input.cursor(from);
+    CHECK(recorder.moves == 2);
+    // Where the cursor is now, the tool would be seen: 1e-6 of a pixel is far beyond rounding.
+    const glm::dvec2 seen = corner + glm::dvec2(project(before, size, recorder.tool() + recorder.hand));
+    CHECK(glm::distance(seen, to) < 1e-6);
+    CHECK(recorder.view.azimuth == before.azimuth);
+    CHECK(recorder.view.focus == before.focus);
+  }
+}
+
+TEST_CASE("the right button turns the view, the middle one shifts it, and the hand stays", "[viewer]") {
+  Recorder recorder;
+  Input input(recorder);
+  const Camera before = recorder.view;
+  input.cursor({600.0, 300.0});
+  input.button(GLFW_MOUSE_BUTTON_RIGHT, GLFW_PRESS);
+  input.cursor({660.0, 330.0});
+  input.button(GLFW_MOUSE_BUTTON_RIGHT, GLFW_RELEASE);
+  CHECK(recorder.view.azimuth < before.azimuth);  // the scene follows the mouse
+  CHECK(recorder.view.elevation > before.elevation);
+  CHECK(recorder.view.focus == before.focus);
+  const Camera turned = recorder.view;
+  const Area& area = recorder.place.scene;
+  const glm::dvec2 size(area.width, area.height);
+  const glm::dvec2 seenBefore(project(turned, size, recorder.tool()));
+  input.button(GLFW_MOUSE_BUTTON_MIDDLE, GLFW_PRESS);
+  input.cursor({690.0, 310.0});
+  input.button(GLFW_MOUSE_BUTTON_MIDDLE, GLFW_RELEASE);
+  CHECK(recorder.view.azimuth == turned.azimuth);
+  // What was at the tool's distance went with the cursor.
+  const glm::dvec2 shift = glm::dvec2(project(recorder.view, size, recorder.tool())) - seenBefore;
+  CHECK(glm::distance(shift, glm::dvec2(30.0, -20.0)) < 1e-6);
+  CHECK(recorder.moves == 0);
+  CHECK(recorder.pressed == 0.0);
+}
+
+TEST_CASE("the wheel presses, with Ctrl it zooms; held keys go with time", "[viewer]") {
+  Recorder recorder;
+  Input input(recorder);
+  const double distance = recorder.view.distance;
+  input.wheel(2.0, false);
+  CHECK(recorder.pressed == Approx(0.8));  // N
+  CHECK(recorder.view.distance == distance);
+  input.wheel(1.0, true);
+  CHECK(recorder.view.distance == Approx(0.9 * distance));
+  CHECK(recorder.pressed == Approx(0.8));
+
+  std::set<int> down;
+  const auto hold = [&](double seconds) { input.hold([&](int key) { return down.count(key) > 0; }, seconds); };
+  hold(0.1);
+  CHECK(recorder.moves == 0);
+  down = {GLFW_KEY_D, GLFW_KEY_W};
+  hold(0.1);
+  CHECK(recorder.hand.x == Approx(2.5));  // mm: 25 mm/s
+  CHECK(recorder.hand.y == Approx(2.5));
+  CHECK(recorder.hand.z == 0.0);
+  down = {GLFW_KEY_A, GLFW_KEY_S};
+  hold(0.2);
+  CHECK(recorder.hand.x == Approx(-2.5));
+  CHECK(recorder.hand.y == Approx(-2.5));
+  down = {GLFW_KEY_A, GLFW_KEY_D, GLFW_KEY_E, GLFW_KEY_Q};
+  const int moves = recorder.moves;
+  hold(0.2);
+  CHECK(recorder.moves == moves);
+  CHECK(recorder.pressed == Approx(0.8));
+  down = {GLFW_KEY_E};
+  hold(0.5);
+  CHECK(recorder.pressed == Approx(4.8));
+  down = {GLFW_KEY_Q};
+  hold(1.0);
+  CHECK(recorder.pressed == Approx(-3.2));
+}
