@@ -263,8 +263,8 @@ void addNearest(const ShapeType& shape, const Segment& axis, double radius, Poin
   out.add(axis.b, atB.normal, atB.distance, radius);
   // Only what is nearer than both ends counts, and distances change by no more than the way.
   const double ends = std::min(atA.distance, atB.distance);
-  if (ends <= 0.0 || std::abs(atA.distance - atB.distance) >= (axis.b - axis.a).norm()) return;
-  const double t = nearestOnAxis(shape, axis, ends);
+  if (std::abs(atA.distance - atB.distance) >= (axis.b - axis.a).norm()) return;
+  const double t = nearestOnAxis(shape, axis, std::max(ends, 0.0));
   if (!(t > 0.0 && t < 1.0)) return;
   const Vec3 middle = axis.a + t * (axis.b - axis.a);
   const auto between = nearestOf(shape, middle, cache(2));
