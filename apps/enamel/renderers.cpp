@@ -1,7 +1,6 @@
 #include "renderers.hpp"
 
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "enamel/core/error.hpp"
@@ -20,22 +19,8 @@ Delay parseDelay(const std::string& text) {
 
 RendererSource findRenderer(const std::string& nameOrPath) {
   if (nameOrPath == kPositionControl || nameOrPath == kImpedance) return {nameOrPath, nullptr};
-  if (nameOrPath.find('/') != std::string::npos || nameOrPath.find(".so") != std::string::npos) {
-    auto library = PluginLibrary::load(nameOrPath);
-    return {library->description().name, library};
-  }
-  std::string known = std::string(kPositionControl) + ", " + kImpedance;
-  const std::string folder = pluginFolder();
-  std::error_code ignored;
-  if (std::filesystem::is_directory(folder, ignored)) {
-    for (const PluginFinding& finding : findPlugins(folder)) {
-      if (!finding.library) continue;
-      const std::string name = finding.library->description().name;
-      if (name == nameOrPath) return {name, finding.library};
-      if (name != kPositionControl && name != kImpedance) known += ", " + name;
-    }
-  }
-  throw Error("renderer \"" + nameOrPath + "\" is unknown: there are " + known + ", and paths of plugins (.so)");
+  auto library = findPlugin(nameOrPath, pluginFolder());
+  return {library->description().name, library};
 }
 
 std::unique_ptr<Renderer> makeRenderer(const std::string& name, const DeviceModel& model, double period,

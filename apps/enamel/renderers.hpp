@@ -25,7 +25,7 @@ struct RendererSource {
   std::shared_ptr<const PluginLibrary> plugin;  ///< nullptr: linked
 };
 
-/// Throws Error: no such renderer; PluginError: the plugin at that path is refused.
+/// Throws PluginError: as findPlugin().
 RendererSource findRenderer(const std::string& nameOrPath);
 
 /// The linked renderer; its servo is designed at home. Throws Error.

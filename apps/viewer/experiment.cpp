@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "enamel/device/dynamics.hpp"
@@ -35,6 +36,10 @@ DeviceParameters changed(const DeviceParameters& device, const Settings& setting
   return result;
 }
 
+Wall wallOf(const PluginLibrary& plugin) noexcept {
+  return std::strcmp(plugin.description().name, "impedance") == 0 ? Wall::impedance : Wall::positionControl;
+}
+
 StiffnessLimit stiffnessLimit(const DeviceModel& model, const Configuration& configuration, const Vec3& normal,
                               double force, double preload, int delay) noexcept {
   const Vec6 gravity = gravityTorque(model, configuration);
@@ -60,7 +65,9 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
       random_(1, 0),
       hold_(model_, device.gain, kPeriod, settings.hold),
       spring_(model_, settings.spring),
-      switched_(hold_, spring_),
+      plugin_(device.plugin ? makeRenderer(device.plugin, device.pluginSetup) : nullptr),
+      switched_(plugin_ && wallOf(*device.plugin) == Wall::positionControl ? *plugin_ : hold_,
+                plugin_ && wallOf(*device.plugin) == Wall::impedance ? *plugin_ : spring_),
       loop_(plant_, switched_, loopSetup(settings, scene, start)) {
   frame_.hand = hand;
   frame_.record.pose = start;

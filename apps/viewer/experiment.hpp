@@ -6,6 +6,7 @@
 #include <string>
 
 #include "enamel/collision/scene_file.hpp"
+#include "enamel/plugin/host.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/sim/virtual_loop.hpp"
@@ -28,11 +29,16 @@ struct Settings {
   double noise = 0.0;  ///< of the hand along the contact's normal, standard deviation, N
 };
 
-/// A device with the servo gain that was designed for it at kPeriod.
+/// A device with the servo gain that was designed for it at kPeriod, and the plugin that stands for one of the walls.
 struct ServoedDevice {
   DeviceParameters parameters;
   PositionControlRenderer::Gain gain;
+  std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
+  PluginSetup pluginSetup;
 };
+
+/// The wall that a plugin stands for: the spring where it is named impedance, else the servo.
+Wall wallOf(const PluginLibrary& plugin) noexcept;
 
 inline constexpr double kPeriod = 1e-3;     // s, of the haptic loop
 inline constexpr double kTestForce = 12.0;  // N, of a test push
@@ -89,7 +95,7 @@ class Experiment {
   // One renderer in front of the loop and two behind it.
   class Switched final : public Renderer {
    public:
-    Switched(PositionControlRenderer& hold, ImpedanceRenderer& spring) noexcept : renderers_{&hold, &spring} {}
+    Switched(Renderer& servo, Renderer& spring) noexcept : renderers_{&servo, &spring} {}
     void select(Wall wall) noexcept;
 
    private:
@@ -112,6 +118,7 @@ class Experiment {
   RandomStream random_;
   PositionControlRenderer hold_;
   ImpedanceRenderer spring_;
+  std::unique_ptr<Renderer> plugin_;  // or nullptr
   Switched switched_;
   VirtualLoop loop_;
   Frame frame_;

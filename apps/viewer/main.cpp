@@ -4,6 +4,7 @@
 #include <string>
 
 #include "data_folder.hpp"
+#include "plugin_folder.hpp"
 #include "viewer.hpp"
 
 int main(int argc, char** argv) {
@@ -18,8 +19,12 @@ int main(int argc, char** argv) {
   std::string renderer = "position-control", size = "1280x720";
   app.add_option("scene", options.scene, "scene file (TOML)");
   app.add_option("--device", options.device, "device file (TOML)");
-  app.add_option("--renderer", renderer, "the wall to begin with")
-      ->check(CLI::IsMember({"position-control", "impedance"}));
+  std::vector<std::string> set;
+  app.add_option(
+      "--renderer", renderer,
+      "the wall to begin with: position-control, impedance, or the name or path of a plugin, which takes the "
+      "place of one of them");
+  app.add_option("--set", set, "parameter of the plugin, KEY=VALUE");
   app.add_flag("--headless", options.headless, "no display: run the script on simulated time");
   app.add_option("--script", options.script, "what to do, with times");
   app.add_option("--record", options.record, "folder for pictures (made if it is missing)");
@@ -35,6 +40,13 @@ int main(int argc, char** argv) {
   }
   try {
     options.wall = renderer == "impedance" ? Wall::impedance : Wall::positionControl;
+    if (renderer != "impedance" && renderer != "position-control") {
+      options.plugin = enamel::findPlugin(renderer, enamel::app::pluginFolder());
+      options.pluginParameters = enamel::app::parseParameters(set);
+      options.wall = wallOf(*options.plugin);
+    } else if (!set.empty()) {
+      throw enamel::Error("--set is for plugins, and --renderer names none");
+    }
     try {
       options.size = parseSize(size);
     } catch (const std::exception& error) {

@@ -110,6 +110,14 @@ bool toggle(const char* name, bool on, float width, unsigned colour = kBlue) {
   return pressed;
 }
 
+bool isPlugin(const OverlayInput& input, int wall) {
+  return input.plugin != nullptr && static_cast<int>(wallOf(*input.plugin)) == wall;
+}
+
+std::string wallName(const OverlayInput& input, int wall) {
+  return isPlugin(input, wall) ? format("Plugin %s", input.plugin->description().name) : std::string(kWallName[wall]);
+}
+
 void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state) {
   const float s = layout.scale;
   const Frame& frame = input.frame;
@@ -124,10 +132,16 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
   const bool spring = frame.wall == Wall::impedance;
 
   heading("Wall");
-  if (toggle("A  Position", !spring, half, kBlue) && spring) ask(Action::swapRenderers);
+  const auto label = [&](int wall, const char* own) {
+    return isPlugin(input, wall) ? format("%c  %s", 'A' + wall, input.plugin->description().name) : std::string(own);
+  };
+  if (toggle(label(0, "A  Position").c_str(), !spring, half, kBlue) && spring) ask(Action::swapRenderers);
   ImGui::SameLine(0, 6 * s);
-  if (toggle("B  Spring", spring, half, kOrange) && !spring) ask(Action::swapRenderers);
-  if (spring) {
+  if (toggle(label(1, "B  Spring").c_str(), spring, half, kOrange) && !spring) ask(Action::swapRenderers);
+  if (isPlugin(input, static_cast<int>(frame.wall))) {
+    const EnamelDescription& plugin = input.plugin->description();
+    remark(format("Plugin %s %s: %s", plugin.name, plugin.version, plugin.summary));
+  } else if (spring) {
     state.settingsChanged |= slider("stiffness", "%.0f N/m", settings.spring.stiffness, 200, 20000);
     state.settingsChanged |= slider("wall damping", "%.1f N s/m", settings.spring.damping, 0, 20);
     settings.spring.deviceDamping = settings.toolDamping;
@@ -220,7 +234,7 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   const int wall = static_cast<int>(frame.wall);
   const float y = area.y + 46 * s;
   brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(kWallColour[wall]));
-  brush.text(gText, x + 16 * s, y, kMuted, format("%s on %s", kWallName[wall], input.deviceName.c_str()));
+  brush.text(gText, x + 16 * s, y, kMuted, format("%s on %s", wallName(input, wall).c_str(), input.deviceName.c_str()));
 
   const bool contact = frame.record.nearest.gap <= 0.0 || frame.record.mode == RenderMode::contact;
   std::string chip = contact ? "contact" : "free";
@@ -479,7 +493,7 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
     const TestPush& test = input.frame.tests[i];
     const bool active = static_cast<std::size_t>(input.frame.wall) == i;
     brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(kWallColour[i]));
-    brush.text(active ? gBold : gText, x + 17 * s, y, kInk, kWallName[i]);
+    brush.text(active ? gBold : gText, x + 17 * s, y, kInk, wallName(input, static_cast<int>(i)));
     if (test.valid) {
       brush.text(gBold, x + 150 * s, y, kInk, stiffnessText(test.stiffness));
       brush.textRight(gText, right, y, kMuted,

@@ -38,6 +38,7 @@ struct OverlayInput {
   const Frame& frame;
   const std::string& sceneName;
   const std::string& deviceName;
+  const PluginLibrary* plugin;             ///< that stands for a wall, or nullptr
   const std::vector<std::string>& scenes;  ///< names to choose from
   int sceneIndex;
   StiffnessLimit limit;  ///< for a test push at this pose

@@ -26,6 +26,12 @@ Hand handAt(const Vec3& position, const Grip& grip) {
   return hand;
 }
 
+ServoedDevice withPlugin(ServoedDevice device, const Options& options) {
+  device.plugin = options.plugin;
+  device.pluginSetup = {options.device, "", options.scene, "", options.pluginParameters};
+  return device;
+}
+
 std::unique_ptr<Experiment> firstExperiment(const ServoedDevice& device, const SceneFile& scene, Wall wall) {
   Pose start;
   start.position = scene.start;
@@ -42,7 +48,7 @@ double steadySeconds() {
 
 Viewer::Viewer(const Options& options, Surface& surface)
     : surface_(surface),
-      device_(loadServoedDevice(options.device)),
+      device_(withPlugin(loadServoedDevice(options.device), options)),
       model_(makeModel(device_.parameters)),
       scene_(enamel::loadScene(options.scene)),
       wall_(options.wall),
@@ -315,6 +321,7 @@ void Viewer::draw(bool picture) {
   const OverlayInput input{frame_,
                            scene_.name,
                            device_.parameters.name,
+                           device_.plugin.get(),
                            sceneNames_,
                            sceneIndex_,
                            limit_,

@@ -23,6 +23,8 @@ namespace enamel::viewer {
 struct Options {
   std::string scene, device;
   Wall wall = Wall::positionControl;
+  std::shared_ptr<const PluginLibrary> plugin;  ///< stands for `wall`, or nullptr
+  std::map<std::string, std::string> pluginParameters;
   bool headless = false;
   std::string script, record, report;
   glm::ivec2 size{1280, 720};

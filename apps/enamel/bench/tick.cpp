@@ -3,15 +3,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include "bench/measurement.hpp"
 #include "bench/nominal_device.hpp"
 #include "enamel/control/device_plant.hpp"
-#include "enamel/control/servo_design.hpp"
+#include "enamel/plugin/host.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/sim/push.hpp"
+#include "plugin_folder.hpp"
 
 namespace enamel::bench {
 namespace {
@@ -125,6 +127,26 @@ std::vector<Measurement> measureTick(double scale) {
     const Percentiles part = timeEach(
         ticks, [&](int i) { faults += renderer->step(inputs[static_cast<std::size_t>(i)], output) != Status::ok; });
     add(std::string("its renderer, ") + name, part, faults, "ticks that were not ok", none);
+    std::string file = std::string("enamel_") + name + ".so";
+    std::replace(file.begin(), file.end(), '-', '_');
+    const std::string pluginFile = app::pluginFolder() + "/" + file;
+    if (!std::filesystem::exists(pluginFile)) continue;
+    PluginSetup setup;
+    setup.deviceText = nominalDeviceText();
+    const std::unique_ptr<Renderer> plugin = makeRenderer(PluginLibrary::load(pluginFile), setup);
+    plugin->activate(kPeriod);
+    renderer->reset();
+    TickOutput linked;
+    int different = 0;
+    const Percentiles across =
+        timeEach(ticks, [&](int i) { (void)plugin->step(inputs[static_cast<std::size_t>(i)], output); });
+    plugin->reset();
+    for (const TickInput& in : inputs) {
+      const bool same = plugin->step(in, output) == renderer->step(in, linked);
+      different += !same || output.torque != linked.torque;
+    }
+    add(std::string("the same as a plugin, ") + name, across, different, "ticks that differ from the linked one",
+        part.p50 + 0.1);
   }
   {
     PushSetup setup;

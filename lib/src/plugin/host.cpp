@@ -191,4 +191,21 @@ std::vector<PluginFinding> findPlugins(const std::string& folder) {
   return findings;
 }
 
+std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, const std::string& folder) {
+  const std::string ending = ".so";
+  const bool isFile = nameOrPath.size() > ending.size() &&
+                      nameOrPath.compare(nameOrPath.size() - ending.size(), ending.size(), ending) == 0;
+  if (isFile || nameOrPath.find('/') != std::string::npos) return PluginLibrary::load(nameOrPath);
+  std::string known;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(folder, ignored))
+    for (const PluginFinding& finding : findPlugins(folder)) {
+      if (!finding.library) continue;
+      if (finding.library->description().name == nameOrPath) return finding.library;
+      known += std::string(known.empty() ? "" : ", ") + finding.library->description().name;
+    }
+  throw PluginError("there is no plugin \"" + nameOrPath + "\": " + folder + " has " +
+                    (known.empty() ? "none" : known) + "; a path ends in .so");
+}
+
 }  // namespace enamel

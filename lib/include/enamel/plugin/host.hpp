@@ -64,4 +64,8 @@ struct PluginFinding {
 /// Every *.so of a folder, by name. Throws PluginError: the folder cannot be read. Realtime: no.
 std::vector<PluginFinding> findPlugins(const std::string& folder);
 
+/// A plugin by its path (a text with '/' or ending in .so) or by its name, of those in `folder`. Throws PluginError: as
+/// PluginLibrary::load(), or no plugin of that name, with those that there are. Realtime: no.
+std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, const std::string& folder);
+
 }  // namespace enamel
