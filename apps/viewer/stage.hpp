@@ -50,8 +50,6 @@ class Stage {
   Surface& surface_;
   std::string font_, boldFont_;
   float fontScale_ = 0.0f;
-  bool current_ = false;
-  int supported_ = 1;
   vtkSmartPointer<vtkGenericOpenGLRenderWindow> window_;
   vtkNew<vtkRenderer> scene_, above_, charts_;
   std::uint64_t errors_ = 0;
