@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <vector>
 
 namespace enamel::figures {
 namespace {
@@ -62,8 +63,10 @@ void addText(Canvas& canvas, const Json& text) {
     const std::string align = text.value("align", "left");
     property->SetJustification(align == "left" ? VTK_TEXT_LEFT : align == "right" ? VTK_TEXT_RIGHT : VTK_TEXT_CENTERED);
     property->SetVerticalJustificationToBottom();
+    property->SetOrientation(text.value("turned", false) ? 90.0 : 0.0);
     painter->DrawString(scale.x(text.at("x").get<double>()), scale.y(text.at("y").get<double>()),
                         text.at("text").get<std::string>().c_str());
+    property->SetOrientation(0.0);
   });
 }
 
@@ -76,36 +79,35 @@ void addLegend(Canvas& canvas, const Json& legend, const Json& place) {
     property->SetJustificationToLeft();
     property->SetVerticalJustificationToCentered();
     const Json& entries = legend.at("entries");
-    double widest = 0.0;
+    std::vector<double> widths;
     for (const Json& entry : entries) {
       float bounds[4];
       painter->ComputeStringBounds(entry.at("name").get<std::string>().c_str(), bounds);
-      widest = std::max(widest, static_cast<double>(bounds[2]) / kOversampling);
+      widths.push_back(static_cast<double>(bounds[2]) / kOversampling);
     }
-    const double width = sample + gap + widest + 2.0 * border,
-                 height = line * static_cast<double>(entries.size()) + border;
     const std::string corner = legend.at("corner");
-    const double inset = 10.0;
-    const double left = corner.find("right") != std::string::npos
-                            ? place[0].get<double>() + place[2].get<double>() - width - inset
-                            : place[0].get<double>() + inset;
-    const double top = corner.find("bottom") != std::string::npos
-                           ? place[1].get<double>() + place[3].get<double>() - height - inset
-                           : place[1].get<double>() + inset;
-    pen(painter, "#D3D9E0", 1.0, false);
-    brush(painter, "#FFFFFF");
-    painter->DrawRect(scale.x(left), scale.y(top + height), scale.x(width), scale.x(height));
+    const bool above = corner == "above";
+    const double panelLeft = place[0], panelTop = place[1], panelWidth = place[2], panelHeight = place[3];
+    double left = panelLeft, top = panelTop - legend.value("lift", 54.0);
+    if (!above) {
+      const double inset = 10.0, width = sample + gap + *std::max_element(widths.begin(), widths.end()) + 2.0 * border,
+                   height = line * static_cast<double>(entries.size()) + border;
+      left = corner.find("right") != std::string::npos ? panelLeft + panelWidth - width - inset : panelLeft + inset;
+      top = corner.find("bottom") != std::string::npos ? panelTop + panelHeight - height - inset : panelTop + inset;
+      pen(painter, "#D3D9E0", 1.0, false);
+      brush(painter, "#FFFFFF");
+      painter->DrawRect(scale.x(left), scale.y(top + height), scale.x(width), scale.x(height));
+      left += border;
+      top += 0.5 * border;
+    }
     for (std::size_t i = 0; i < entries.size(); ++i) {
       const Json& entry = entries[i];
-      const double y = top + 0.5 * border + line * (static_cast<double>(i) + 0.5), x = left + border;
+      const double y = top + 0.5 * line, x = left;
       const std::string colour = entry.at("colour");
       if (entry.value("box", false)) {
         pen(painter, "#66707C", 1.0, false);
         brush(painter, colour);
         painter->DrawRect(scale.x(x + 12.0), scale.y(y + 13.0), scale.x(30.0), scale.x(26.0));
-      } else if (entry.value("marks", false)) {
-        pen(painter, colour, 14.0, false);
-        painter->DrawPoint(scale.x(x + 0.5 * sample), scale.y(y));
       } else {
         pen(painter, colour, 4.0, entry.value("dash", false));
         painter->DrawLine(scale.x(x), scale.y(y), scale.x(x + sample), scale.y(y));
@@ -114,6 +116,10 @@ void addLegend(Canvas& canvas, const Json& legend, const Json& place) {
       property->SetJustificationToLeft();
       property->SetVerticalJustificationToCentered();
       painter->DrawString(scale.x(x + sample + gap), scale.y(y), entry.at("name").get<std::string>().c_str());
+      if (above)
+        left += sample + gap + widths[i] + 44.0;
+      else
+        top += line;
     }
   });
 }

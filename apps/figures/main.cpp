@@ -1,4 +1,6 @@
 // enamel-figures FIGURES.json FOLDER: draws every figure that the file describes as FOLDER/NAME.png, without a display.
+#include <malloc.h>
+
 #include <cstdio>
 #include <fstream>
 
@@ -30,7 +32,11 @@ int main(int argc, char** argv) {
   try {
     std::ifstream file(argv[1]);
     if (!file) throw enamel::Error(std::string(argv[1]) + ": cannot open the file");
-    for (const Json& figure : Json::parse(file).at("figures")) draw(figure, argv[2]);
+    const Json all = Json::parse(file);
+    for (const Json& figure : all.at("figures")) {
+      draw(figure, argv[2]);
+      malloc_trim(0);  // what a figure took is large and of no use to the next
+    }
   } catch (const std::exception& error) {
     std::string message = error.what();
     for (char& c : message)

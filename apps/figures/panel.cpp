@@ -116,8 +116,7 @@ void setAxis(vtkAxis* axis, const Json& description, bool grid) {
   const glm::u8vec3 pen = colourOf(kMuted), line = colourOf(kGridLine);
   axis->SetBehavior(vtkAxis::FIXED);
   axis->SetRange(description.at("range")[0].get<double>(), description.at("range")[1].get<double>());
-  axis->SetTitle(description.value("title", ""));
-  setText(axis->GetTitleProperties(), kTitle, kInk);
+  axis->SetTitle("");  // addTitles() places it
   setText(axis->GetLabelProperties(), kLabel, kMuted);
   axis->GetPen()->SetColor(pen.r, pen.g, pen.b, 255);
   axis->GetPen()->SetWidth(static_cast<float>(1.5 * kOversampling));
@@ -133,35 +132,61 @@ void setAxis(vtkAxis* axis, const Json& description, bool grid) {
   axis->SetCustomTickPositions(places, labels);
 }
 
+// Titles of the panel and its axes, clear of the numbers; a colour bar's numbers.
+void addTitles(Canvas& canvas, const Json& panel, bool right) {
+  const Json& place = panel.at("place");
+  const double x = place[0], y = place[1], width = place[2], height = place[3];
+  constexpr double kDigit = 16.0;  // width of a character of a label, about
+  std::size_t longest = 0;
+  for (const Json& label : panel.at("y").at("labels")) longest = std::max(longest, label.get<std::string>().size());
+  const double numbers = kDigit * static_cast<double>(longest);
+  if (panel.contains("title"))
+    addText(
+        canvas,
+        {{"x", x + 0.5 * width}, {"y", y - 14.0}, {"text", panel.at("title")}, {"size", kTitle}, {"align", "centre"}});
+  if (const std::string title = panel.at("x").value("title", ""); !title.empty())
+    addText(canvas,
+            {{"x", x + 0.5 * width}, {"y", y + height + 92.0}, {"text", title}, {"size", kTitle}, {"align", "centre"}});
+  if (const std::string title = panel.at("y").value("title", ""); !title.empty())
+    addText(canvas, {{"x", right ? x + width + numbers + 66.0 : x - numbers - 36.0},
+                     {"y", y + 0.5 * height},
+                     {"text", title},
+                     {"size", kTitle},
+                     {"align", "centre"},
+                     {"turned", true}});
+  if (!right) return;
+  const Json& axis = panel.at("y");
+  const double low = axis.at("range")[0], high = axis.at("range")[1];
+  for (std::size_t i = 0; i < axis.at("ticks").size(); ++i)
+    addText(canvas, {{"x", x + width + 14.0},
+                     {"y", y + height * (high - axis.at("ticks")[i].get<double>()) / (high - low) + 13.0},
+                     {"text", axis.at("labels")[i]},
+                     {"size", kLabel},
+                     {"colour", kMuted}});
+}
+
 }  // namespace
 
 void addPanel(Canvas& canvas, const Json& panel) {
   vtkNew<vtkChartXY> chart;
   const Json& place = panel.at("place");
-  const double x = place[0], y = place[1], width = place[2], height = place[3];
+  const double left = place[0], top = place[1], width = place[2], height = place[3];
   chart->SetAutoSize(false);
   chart->SetLayoutStrategy(vtkChart::AXES_TO_RECT);
-  chart->SetSize(vtkRectf(static_cast<float>(kOversampling * x),
-                          static_cast<float>(kOversampling * (canvas.size().y - y - height)),
+  chart->SetSize(vtkRectf(static_cast<float>(kOversampling * left),
+                          static_cast<float>(kOversampling * (canvas.size().y - top - height)),
                           static_cast<float>(kOversampling * width), static_cast<float>(kOversampling * height)));
   chart->SetShowLegend(false);
   chart->SetBackgroundBrush(nullptr);
   const bool cells = panel.contains("cells"), right = panel.at("y").value("side", "left") == "right";
   setAxis(chart->GetAxis(vtkAxis::BOTTOM), panel.at("x"), !cells);
-  setAxis(chart->GetAxis(vtkAxis::LEFT), panel.at("y"), !cells);
-  if (right) {  // a colour bar: the numbers stand beside it, and no other axis
-    setAxis(chart->GetAxis(vtkAxis::RIGHT), panel.at("y"), false);
-    chart->GetAxis(vtkAxis::RIGHT)->SetVisible(true);
-    chart->GetAxis(vtkAxis::LEFT)->SetVisible(false);
-    chart->GetAxis(vtkAxis::BOTTOM)->SetVisible(false);
-  }
+  Json y = panel.at("y");
+  if (right) y["ticks"] = y["labels"] = Json::array();  // they stand on the other side
+  setAxis(chart->GetAxis(vtkAxis::LEFT), y, !cells);
   if (cells) addCells(chart, panel.at("cells"));
   for (const Json& curve : panel.value("curves", Json::array())) addCurve(chart, curve);
   canvas.charts()->AddItem(chart);
-  if (panel.contains("title"))
-    addText(
-        canvas,
-        {{"x", x + 0.5 * width}, {"y", y - 14.0}, {"text", panel.at("title")}, {"size", kTitle}, {"align", "centre"}});
+  addTitles(canvas, panel, right);
   if (panel.contains("legend")) addLegend(canvas, panel.at("legend"), place);
 }
 

@@ -2,6 +2,7 @@
 
 #include <vtkCamera.h>
 #include <vtkLight.h>
+#include <vtkProperty.h>
 
 #include <Eigen/Geometry>
 
@@ -44,7 +45,7 @@ void addSolids(Canvas& canvas, const Json& scene) {
   for (const Json& face : scene.value("faces", Json::array())) {
     viewer::Polygon corners;
     for (const Json& corner : face.at("corners")) corners.push_back(vectorOf(corner));
-    viewer::addFaces(renderer, {corners}, {rgbOf(face.at("colour")), 1.0, 0.0});
+    viewer::addFaces(renderer, {corners}, {rgbOf(face.at("colour")), 1.0, 0.0})->GetProperty()->LightingOff();
   }
   for (const Json& line : scene.value("lines", Json::array()))
     viewer::addLines(renderer, {{vectorOf(line.at("from")), vectorOf(line.at("to"))}}, rgbOf(line.at("colour")),
@@ -59,8 +60,8 @@ void addSolids(Canvas& canvas, const Json& scene) {
   camera->ParallelProjectionOn();
   camera->SetParallelScale(0.5 * kMillimetres * view.at("height").get<double>());
   renderer->RemoveAllLights();
-  addLight(renderer, -0.4, 0.8, 1.0, 0.75);
-  addLight(renderer, 0.9, 0.2, 0.6, 0.25);
+  addLight(renderer, -0.4, 0.8, 1.0, 0.95);
+  addLight(renderer, 0.9, 0.2, 0.6, 0.35);
   renderer->ResetCameraClippingRange();
 
   // Where a label's point is seen: the camera is parallel, so this is a projection onto its axes.

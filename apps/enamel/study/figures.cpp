@@ -30,7 +30,7 @@ const char* colourOf(const std::string& column) {
 }
 
 std::string titleOf(const std::string& column) {
-  return column == kImpedance ? "impedance" : column == kScheduled ? "position control, scheduled" : "position control";
+  return column == kImpedance ? "impedance" : column == kScheduled ? "scheduled servo" : "position control";
 }
 
 // ---- axes --------------------------------------------------------------------------------------------------------
@@ -125,7 +125,7 @@ Figure sceneFigure(const Study& study) {
     ball(knee, 5.0, "#333C47");
     ball(c.tip, 5.0, "#333C47");
     const char* names[] = {"chain 1: q1, q2", "chain 2: q3, q4", "chain 3: q5, q6"};
-    const double side[] = {20.0, -230.0, 26.0}, down[] = {70.0, 70.0, -48.0};
+    const double side[] = {-110.0, -110.0, 64.0}, down[] = {-96.0, -96.0, -30.0};
     label(chain.base, names[i], side[i], down[i], kMuted);
   }
   rod(Vec3(0, 0, 0.004), Vec3(0, 0, 0.062), 6.0, "#2F6F73");
@@ -142,7 +142,7 @@ Figure sceneFigure(const Study& study) {
                               {"width", 2.0}});
   for (std::size_t p = 0; p < study.plan.points(); ++p)
     ball(queryPoint(study.plan, p), study.plan.grid <= 15 ? 0.9 : 0.5, kVermilion);
-  const Vec3 origin(0.075, -0.105, 0.0);
+  const Vec3 origin(-0.108, -0.120, 0.0);
   const char* axes[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {
     const Vec3 tip = origin + 0.035 * Vec3::Unit(i);
@@ -151,8 +151,8 @@ Figure sceneFigure(const Study& study) {
         {{"from", vec(tip + 0.007 * Vec3::Unit(i))}, {"to", vec(tip)}, {"radius_mm", 2.2}, {"colour", kInk}});
     label(tip + 0.010 * Vec3::Unit(i), axes[i], i == 2 ? -24.0 : 0.0, i == 1 ? 0.0 : 14.0);
   }
-  label(Vec3(-pane, pane, 0.0), "wall z = 0", -20.0, -30.0, "#7A6A3E");
-  scene["camera"] = {{"eye", {0.36, 0.22, 0.60}}, {"focus", {0.0, -0.025, -0.015}}, {"height", 0.245}};
+  label(Vec3(pane, -pane, 0.0), "wall z = 0", -190.0, 44.0, "#7A6A3E");
+  scene["camera"] = {{"eye", {0.36, 0.22, 0.60}}, {"focus", {0.004, -0.024, -0.015}}, {"height", 0.224}};
   Figure figure{"fig06-scene", "", {}};
   figure.caption = fmt::format(
       "The device at home and the {} query points on the wall z = 0 (after Fig. 6): x and y from {:.4g} to "
@@ -167,13 +167,21 @@ Figure sceneFigure(const Study& study) {
 Figure responseFigure(const Study& study, int scenario) {
   const StudyPlan& plan = study.plan;
   const double from = 0.9, to = plan.setup.duration;
-  const auto side = static_cast<std::size_t>(plan.grid), middle = plan.points() / 2;
+  // Away from home, where nothing is special.
+  const auto side = static_cast<std::size_t>(plan.grid), middle = (7 * side / 10) * side + side / 4;
   Json force = curve(kInk, false, 2.0), panels = Json::array();
   std::vector<Json> depths;
   Extent forceExtent, servoExtent, springExtent;
   StudyRun run;
+  const auto shown = [&](std::size_t c) {  // the scheduled servo would lie on the other
+    return plan.columns[c].name != kScheduled || study.column(kPositionControl) == plan.columns.size();
+  };
   for (std::size_t c = 0; c < plan.columns.size(); ++c) {
-    Json depth = curve(colourOf(plan.columns[c].name), plan.columns[c].name == kScheduled, 2.5);
+    if (!shown(c)) {
+      depths.emplace_back();
+      continue;
+    }
+    Json depth = curve(colourOf(plan.columns[c].name), false, 2.5);
     for (std::size_t i = 0; i < plan.size(); ++i) {
       run = runAt(plan, i);
       if (run.scenario == scenario && run.column == c && run.point == middle) break;
@@ -191,7 +199,6 @@ Figure responseFigure(const Study& study, int scenario) {
     });
     depths.push_back(depth);
   }
-  (void)side;
   const bool servo = servoExtent.low <= servoExtent.high, spring = springExtent.low <= springExtent.high;
   const int rows = 1 + servo + spring;
   const double height = 300.0, gap = 44.0, left = 190.0, width = 1350.0;
@@ -211,13 +218,13 @@ Figure responseFigure(const Study& study, int scenario) {
   const auto depthPanel = [&](bool ofSpring, const Extent& extent) {
     Json curves = Json::array({horizontal(from, to, 0.0, kMuted)}), entries = Json::array();
     for (std::size_t c = 0; c < depths.size(); ++c) {
-      if ((plan.columns[c].name == kImpedance) != ofSpring) continue;
+      if ((plan.columns[c].name == kImpedance) != ofSpring || !shown(c)) continue;
       curves.push_back(depths[c]);
       entries.push_back(
           entry(titleOf(plan.columns[c].name), colourOf(plan.columns[c].name), plan.columns[c].name == kScheduled));
     }
     add("z (mm)", extent, curves,
-        {{"corner", scenario == 1 || !ofSpring ? "bottom right" : "top right"}, {"entries", entries}});
+        {{"corner", scenario == 1 || !ofSpring ? "bottom right" : "bottom left"}, {"entries", entries}});
   };
   add("force (N)", forceExtent, Json::array({force}), nullptr);
   if (servo) depthPanel(false, servoExtent);
@@ -285,7 +292,7 @@ Json mapPanels(const Study& study, const std::vector<std::string>& titles, const
                       {"y", bar},
                       {"cells", cells}});
   }
-  size = {static_cast<int>(left + static_cast<double>(titles.size()) * (side + gap) + 210.0),
+  size = {static_cast<int>(left + static_cast<double>(titles.size()) * (side + gap) + 190.0),
           static_cast<int>(top + static_cast<double>(rows.size()) * (side + between) - between + 116.0)};
   return panels;
 }
@@ -395,7 +402,7 @@ Figure alongYFigure(const Study& study, const Findings& findings) {
     line["y"] = rowMeans(study, over(findings.survey[shown], [joint](const SurveyPoint& p) { return p.peak[joint]; }));
     for (const Json& v : line["y"]) torqueExtent.see(v.get<double>());
     torque.push_back(line);
-    const char* names[] = {"q1 (as q3)", "q2 (as q4)", "", "", "q5", "q6"};
+    const char* names[] = {"q1, q3", "q2, q4", "", "", "q5", "q6"};
     torqueEntries.push_back(entry(names[joint], jointColours[joint], joint % 2 == 1));
   }
   stiffnessExtent.widen(0.1);
@@ -404,17 +411,17 @@ Figure alongYFigure(const Study& study, const Findings& findings) {
   torqueExtent.low = 0.0;
   const double half = 1e3 * study.plan.halfWidth;
   Figure figure{"along-y", "", {}};
-  figure.description["size"] = {1600, 640};
-  figure.description["panels"] = {{{"place", {150, 30, 590, 490}},
+  figure.description["size"] = {1600, 690};
+  figure.description["panels"] = {{{"place", {150, 80, 590, 490}},
                                    {"x", axis("y (mm)", -half, half, 5)},
                                    {"y", axis("K_z1 (kN/m)", stiffnessExtent.low, stiffnessExtent.high, 5)},
                                    {"curves", stiffness},
-                                   {"legend", {{"corner", "bottom left"}, {"entries", stiffnessEntries}}}},
-                                  {{"place", {960, 30, 590, 490}},
+                                   {"legend", {{"corner", "above"}, {"entries", stiffnessEntries}}}},
+                                  {{"place", {960, 80, 590, 490}},
                                    {"x", axis("y (mm)", -half, half, 5)},
-                                   {"y", axis("largest torque (N m)", 0.0, 1.32 * torqueExtent.high, 5)},
+                                   {"y", axis("largest torque (N m)", 0.0, 1.08 * torqueExtent.high, 5)},
                                    {"curves", torque},
-                                   {"legend", {{"corner", "top right"}, {"entries", torqueEntries}}}}};
+                                   {"legend", {{"corner", "above"}, {"entries", torqueEntries}}}}};
   figure.caption = fmt::format(
       "Without noise, means over x. Left: K<sub>z1</sub> for {:.0f} N along y. Right: largest torque of each joint for "
       "{:.0f} N with {}; the motors' limit is {:.3g} N m.",
@@ -450,14 +457,12 @@ Figure torqueFigure(const Study& study) {
   }
   extent.widen(0.1);
   Figure figure{"fig11-torque", "", {}};
-  figure.description["size"] = {1600, 640};
-  const bool down = std::abs(extent.low) > std::abs(extent.high);
-  figure.description["panels"] = {
-      {{"place", {170, 24, 1380, 500}},
-       {"x", axis("time (s)", from, to, 9)},
-       {"y", axis("torque of joint 6 (N m)", extent.low, extent.high, 5)},
-       {"curves", curves},
-       {"legend", {{"corner", down ? "bottom right" : "top right"}, {"entries", entries}}}}};
+  figure.description["size"] = {1600, 690};
+  figure.description["panels"] = {{{"place", {170, 24, 1380, 500}},
+                                   {"x", axis("time (s)", from, to, 9)},
+                                   {"y", axis("torque of joint 6 (N m)", extent.low, extent.high, 5)},
+                                   {"curves", curves},
+                                   {"legend", {{"corner", "above"}, {"entries", entries}}}}};
   figure.caption = fmt::format(
       "Torque of joint 6 under {:.0f} N at two query points with the same noise, position control (after Fig. 11). The "
       "motors' limit is {:.3g} N m.",
@@ -472,7 +477,7 @@ Figure stabilityFigure(const Study& study, const Findings& findings) {
   const WallDevice device = wallDeviceOf(devicePlant(makeModel(study.device), Pose{}), study.impedance.deviceDamping,
                                          study.plan.setup.period);
   std::vector<double> stiffnesses, dampings;
-  constexpr int kColumns = 46, kRows = 30;
+  constexpr int kColumns = 62, kRows = 40;
   const double k0 = std::log10(500.0), k1 = 5.0, b0 = -1.0, b1 = 2.0;
   const double dk = (k1 - k0) / kColumns, db = (b1 - b0) / kRows;
   for (int i = 0; i < kColumns; ++i) stiffnesses.push_back(std::pow(10.0, k0 + dk * (i + 0.5)));
@@ -503,7 +508,7 @@ Figure stabilityFigure(const Study& study, const Findings& findings) {
     }
     const int column = delay % 2, row = delay / 2;
     Json x = logAxis("rendered stiffness K (kN/m)", k0, k1, 1e-3), y = logAxis("rendered damping B (N s/m)", b0, b1);
-    Json panel{{"place", {150.0 + column * (side + 90.0), 56.0 + row * (height + 70.0), side, height}},
+    Json panel{{"place", {150.0 + column * (side + 90.0), 120.0 + row * (height + 70.0), side, height}},
                {"title", delay == 0   ? "no delay"
                          : delay == 1 ? "1 tick of delay"
                                       : fmt::format("{} ticks of delay", delay)},
@@ -512,7 +517,8 @@ Figure stabilityFigure(const Study& study, const Findings& findings) {
                {"cells", cells},
                {"curves", {bound}}};
     if (delay == 0)
-      panel["legend"] = {{"corner", "top right"},
+      panel["legend"] = {{"corner", "above"},
+                         {"lift", 106.0},
                          {"entries",
                           {{{"name", "stable"}, {"colour", "#9CC9E6"}, {"box", true}},
                            {{"name", "unstable"}, {"colour", "#F0B27A"}, {"box", true}},
@@ -520,11 +526,12 @@ Figure stabilityFigure(const Study& study, const Findings& findings) {
     panels.push_back(panel);
   }
   Figure figure{"impedance-stability", "", {}};
-  figure.description["size"] = {1480, static_cast<int>(56 + 2 * height + 70 + 116)};
+  figure.description["size"] = {1480, static_cast<int>(120 + 2 * height + 70 + 116)};
   figure.description["panels"] = panels;
   (void)findings;
   figure.caption = fmt::format(
-      "Where a spring-damper wall is stable on this device (simulated: effective mass {:.3g} kg, mechanical damping "
+      "Where a spring-damper wall is stable on this device (simulated: the motion after a push of 12 N dies out within "
+      "3 s; effective mass {:.3g} kg, mechanical damping "
       "{:.3g} "
       "N s/m, ticks of {:.3g} ms), and the bound of eq. 16, b &gt; K T<sub>s</sub>/2 + |B|, left of and below the "
       "line. "
@@ -582,17 +589,17 @@ Figure convergenceFigure(const Findings& findings) {
   };
   metricCurves.insert(metricCurves.begin(), horizontal(time.low, time.high, std::log10(c.allowed), kInk));
   Figure figure{"convergence", "", {}};
-  figure.description["size"] = {1600, 660};
+  figure.description["size"] = {1600, 700};
   const Json x = logAxis("processor time (ms per simulated s)", time.low, time.high);
-  figure.description["panels"] = {{{"place", {170, 30, 580, 500}},
+  figure.description["panels"] = {{{"place", {180, 80, 570, 500}},
                                    {"x", x},
                                    {"y", powers("largest relative error of a metric", metric)},
-                                   {"curves", metricCurves}},
-                                  {{"place", {970, 30, 580, 500}},
+                                   {"curves", metricCurves},
+                                   {"legend", {{"corner", "above"}, {"entries", entries}}}},
+                                  {{"place", {990, 80, 570, 500}},
                                    {"x", x},
                                    {"y", powers("largest error of position (m)", path)},
-                                   {"curves", pathCurves},
-                                   {"legend", {{"corner", "bottom right"}, {"entries", entries}}}}};
+                                   {"curves", pathCurves}}};
   figure.caption = fmt::format(
       "Speed against error of the integration: 1, 2, 4 and 8 steps a tick from left to right, against {} with {} "
       "steps. "
