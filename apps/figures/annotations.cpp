@@ -55,40 +55,54 @@ void brush(vtkContext2D* painter, const std::string& colour) {
 
 }  // namespace
 
+// A description is read here, not while painting: an exception must not pass through VTK.
 void addText(Canvas& canvas, const Json& text) {
   const Scale scale{static_cast<float>(canvas.size().y)};
-  addDrawing(canvas, [text, scale](vtkContext2D* painter) {
+  const std::string words = text.at("text"), colour = text.value("colour", "#1F262E"),
+                    align = text.value("align", "left");
+  const double x = text.at("x"), y = text.at("y"), size = text.value("size", kSize);
+  const bool turned = text.value("turned", false);
+  (void)colourOf(colour);
+  addDrawing(canvas, [=](vtkContext2D* painter) {
     vtkTextProperty* property = painter->GetTextProp();
-    setText(property, text.value("size", kSize), text.value("colour", "#1F262E"));
-    const std::string align = text.value("align", "left");
+    setText(property, size, colour);
     property->SetJustification(align == "left" ? VTK_TEXT_LEFT : align == "right" ? VTK_TEXT_RIGHT : VTK_TEXT_CENTERED);
     property->SetVerticalJustificationToBottom();
-    property->SetOrientation(text.value("turned", false) ? 90.0 : 0.0);
-    painter->DrawString(scale.x(text.at("x").get<double>()), scale.y(text.at("y").get<double>()),
-                        text.at("text").get<std::string>().c_str());
+    property->SetOrientation(turned ? 90.0 : 0.0);
+    painter->DrawString(scale.x(x), scale.y(y), words.c_str());
     property->SetOrientation(0.0);
   });
 }
 
 void addLegend(Canvas& canvas, const Json& legend, const Json& place) {
   const Scale scale{static_cast<float>(canvas.size().y)};
-  addDrawing(canvas, [legend, place, scale](vtkContext2D* painter) {
+  struct Entry {
+    std::string name, colour;
+    bool box, dash;
+  };
+  std::vector<Entry> entries;
+  for (const Json& entry : legend.at("entries")) {
+    entries.push_back({entry.at("name"), entry.at("colour"), entry.value("box", false), entry.value("dash", false)});
+    (void)colourOf(entries.back().colour);
+  }
+  const std::string corner = legend.at("corner");
+  const double panelLeft = place.at(0), panelTop = place.at(1), panelWidth = place.at(2), panelHeight = place.at(3),
+               lift = legend.value("lift", 54.0);
+  if (entries.empty()) return;
+  addDrawing(canvas, [=](vtkContext2D* painter) {
     constexpr double line = 40.0, sample = 54.0, gap = 14.0, border = 16.0;
     vtkTextProperty* property = painter->GetTextProp();
     setText(property, kSize, "#1F262E");
     property->SetJustificationToLeft();
     property->SetVerticalJustificationToCentered();
-    const Json& entries = legend.at("entries");
     std::vector<double> widths;
-    for (const Json& entry : entries) {
+    for (const Entry& entry : entries) {
       float bounds[4];
-      painter->ComputeStringBounds(entry.at("name").get<std::string>().c_str(), bounds);
+      painter->ComputeStringBounds(entry.name.c_str(), bounds);
       widths.push_back(static_cast<double>(bounds[2]) / kOversampling);
     }
-    const std::string corner = legend.at("corner");
     const bool above = corner == "above";
-    const double panelLeft = place[0], panelTop = place[1], panelWidth = place[2], panelHeight = place[3];
-    double left = panelLeft, top = panelTop - legend.value("lift", 54.0);
+    double left = panelLeft, top = panelTop - lift;
     if (!above) {
       const double inset = 10.0, width = sample + gap + *std::max_element(widths.begin(), widths.end()) + 2.0 * border,
                    height = line * static_cast<double>(entries.size()) + border;
@@ -101,21 +115,20 @@ void addLegend(Canvas& canvas, const Json& legend, const Json& place) {
       top += 0.5 * border;
     }
     for (std::size_t i = 0; i < entries.size(); ++i) {
-      const Json& entry = entries[i];
+      const Entry& entry = entries[i];
       const double y = top + 0.5 * line, x = left;
-      const std::string colour = entry.at("colour");
-      if (entry.value("box", false)) {
+      if (entry.box) {
         pen(painter, "#66707C", 1.0, false);
-        brush(painter, colour);
+        brush(painter, entry.colour);
         painter->DrawRect(scale.x(x + 12.0), scale.y(y + 13.0), scale.x(30.0), scale.x(26.0));
       } else {
-        pen(painter, colour, 4.0, entry.value("dash", false));
+        pen(painter, entry.colour, 4.0, entry.dash);
         painter->DrawLine(scale.x(x), scale.y(y), scale.x(x + sample), scale.y(y));
       }
       setText(property, kSize, "#1F262E");
       property->SetJustificationToLeft();
       property->SetVerticalJustificationToCentered();
-      painter->DrawString(scale.x(x + sample + gap), scale.y(y), entry.at("name").get<std::string>().c_str());
+      painter->DrawString(scale.x(x + sample + gap), scale.y(y), entry.name.c_str());
       if (above)
         left += sample + gap + widths[i] + 44.0;
       else

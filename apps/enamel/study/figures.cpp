@@ -458,7 +458,7 @@ Figure torqueFigure(const Study& study) {
   extent.widen(0.1);
   Figure figure{"fig11-torque", "", {}};
   figure.description["size"] = {1600, 690};
-  figure.description["panels"] = {{{"place", {170, 24, 1380, 500}},
+  figure.description["panels"] = {{{"place", {170, 80, 1380, 490}},
                                    {"x", axis("time (s)", from, to, 9)},
                                    {"y", axis("torque of joint 6 (N m)", extent.low, extent.high, 5)},
                                    {"curves", curves},
