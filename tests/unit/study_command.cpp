@@ -188,7 +188,7 @@ TEST_CASE("study: errors are one line, before any run", "[study_command]") {
 TEST_CASE("study: a full disk ends it with one line, and it can go on", "[study_command]") {
   const test::TemporaryFolder folder;
   REQUIRE(run(study(folder, "whole", kSmall)).status == 0);
-  // A limit of 4 KiB on files stands for the disk.
+  // A limit on the size of files stands for the disk: 8 blocks of 512 bytes, or of 1024 where sh is bash.
   const auto full = test::runCommand("ulimit -f 8; '" ENAMEL_TOOL "' " + study(folder, "full", kSmall));
   INFO(full.output);
   CHECK(full.status == 1);
@@ -198,6 +198,20 @@ TEST_CASE("study: a full disk ends it with one line, and it can go on", "[study_
   CHECK(left == whole.substr(0, left.size()));
   REQUIRE(run(study(folder, "full", kSmall + "--resume")).status == 0);
   CHECK(file(folder, "full", "runs.csv") == whole);
+}
+
+TEST_CASE("study: without the program that draws, the report has no figures and says so", "[study_command]") {
+  const test::TemporaryFolder folder;
+  std::filesystem::copy_file(ENAMEL_TOOL, folder / "enamel");
+  const auto result =
+      test::runCommand("'" + (folder / "enamel") + "' " +
+                       study(folder, "bare", "--renderers position-control --scenario 1 --grid 1 --runs 1"));
+  INFO(result.output);
+  CHECK(result.status == 0);
+  CHECK(result.output.find("the report is without figures: enamel-figures is not there") != std::string::npos);
+  const std::string report = file(folder, "bare", "report.html");
+  CHECK(report.find("Without figures: enamel-figures is not there") != std::string::npos);
+  CHECK(report.find("<img") == std::string::npos);
 }
 
 TEST_CASE("study: convergence finds the default", "[study_command]") {

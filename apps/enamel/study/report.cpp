@@ -171,6 +171,11 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
                     scheduled = study.column(kScheduled), none = study.plan.columns.size();
   if (study.plan.grid < 2) return;
   page.heading("Where this device differs from the paper's, and why");
+  for (const auto& points : findings.survey)
+    if (!std::isfinite(uniformityOf(points))) {
+      page.paragraph("At some query points a push has no first impact: no trend is stated.");
+      return;
+    }
   std::vector<std::string> items;
   const auto stiffness = [](const SurveyPoint& p) { return p.stiffness; };
   const auto row = [&](std::size_t column, const auto& value) {
@@ -207,15 +212,18 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
                     "N, means over x) {} from y = {:.4g} to {:.4g} mm: {:.2f} to {:.2f} kN/m.",
                     kSurveyForce, trend(k.front(), k.back()), -1e3 * study.plan.halfWidth, 1e3 * study.plan.halfWidth,
                     1e-3 * k.front(), 1e-3 * k.back()));
+    Eigen::Index heaviest = 0;
+    gravity.maxCoeff(&heaviest);
     items.push_back(fmt::format(
-        "<b>Saturation.</b> The paper suspects joint 6. Here, under {:.0f} N, {}; the most loaded is joint {} with at "
-        "most "
-        "{:.2f} of {:.3g} N m, of which gravity takes at most {:.3f} N m (paper: joint 6 carries most of the gravity). "
-        "With "
-        "motors that never saturate K<sub>z1</sub> changes by at most {:.2g} %: saturation {} the reason for the "
-        "trend.",
+        "<b>Saturation.</b> The paper suspects joint 6, which carries most of its device's weight. Here, under {:.0f} "
+        "N, {}; "
+        "the most loaded is joint {} with at most {:.2f} of {:.3g} N m. Gravity takes at most {:.3f} N m (joint {}; "
+        "joint 6: "
+        "{:.3f}). With motors that never saturate K<sub>z1</sub> changes by at most {:.2g} %: saturation {} the reason "
+        "for "
+        "the trend.",
         kHardForce, saturatedText.empty() ? "no joint saturates" : "motors saturate (" + saturatedText + ")", most + 1,
-        peak[most], limit, gravity[most], 100.0 * unlimitedDifference,
+        peak[most], limit, gravity[heaviest], heaviest + 1, gravity[5], 100.0 * unlimitedDifference,
         unlimitedDifference < 0.01 ? "is not" : "is part of"));
     std::string reason = fmt::format(
         "<b>Reason.</b> K<sub>z1</sub> follows the device's effective mass along the normal (correlation over the wall "
@@ -235,16 +243,17 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
     }
     items.push_back(reason);
     const auto& low = rowMeans(study, over(points, [](const SurveyPoint& p) { return p.peak[5]; }));
-    items.push_back(fmt::format(
-        "<b>Joint 6.</b> As in the paper, it works harder at the bottom: its largest torque under {:.0f} N is {:.3f} N "
-        "m at "
-        "the lowest y and {:.3f} N m at the highest.{}",
-        kHardForce, low.front(), low.back(), low.front() > low.back() ? "" : " (Here it is the other way round.)"));
+    items.push_back(
+        fmt::format("<b>Joint 6.</b> {}: its largest torque under {:.0f} N is {:.3f} N m at the lowest y and {:.3f} N "
+                    "m at the highest.",
+                    low.front() > low.back() ? "As in the paper, it works harder at the bottom"
+                                             : "Other than in the paper, it works harder at the top",
+                    kHardForce, low.front(), low.back()));
   }
   if (spring < none) {
     const std::vector<double> k = row(spring, stiffness);
     items.push_back(
-        fmt::format("<b>Impedance.</b> As in the paper the map is flat: uniformity {} without noise; the first impact "
+        fmt::format("<b>Impedance.</b> {}: uniformity {} without noise; the first impact "
                     "reaches {} of the "
                     "{:.0f} N/m that are rendered, because the tool overshoots.",
                     percent(uniformityOf(findings.survey[spring])),
