@@ -8,8 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "enamel/control/device_plant.hpp"
-#include "enamel/control/impedance_map.hpp"
+#include "design_results.hpp"
 #include "enamel/control/margins.hpp"
 #include "enamel/control/tuning.hpp"
 #include "enamel/core/error.hpp"
@@ -75,8 +74,7 @@ struct Report {
 Report reportOn(const ServoDesign& design, const Device& device) {
   const MatrixXd closed = closedLoop(design.augmented, design.K, 0);
   return {continuousPoles(closed, design.period), spectralRadius(closed),
-          measureMargins(runningLoop(design), design.K, design.period),
-          measureRequirements(design, linearPlant(design, device.plant.jacobian), device.plant.jacobian)};
+          measureMargins(runningLoop(design), design.K, design.period), requirementsOf(design, device.plant)};
 }
 
 Json jsonOf(const Options& options, const Device& device, const ServoDesign& design, const Report& report) {
@@ -110,14 +108,7 @@ Json jsonOf(const Options& options, const Device& device, const ServoDesign& des
   margins["inputs"] = Json::array();
   for (const ChannelMargins& c : report.margins.channel)
     margins["inputs"].push_back({{"gain_up", c.gainUp}, {"gain_down", c.gainDown}, {"phase", c.phase}});
-  out["requirements"] = Json::array();
-  for (const Requirement& r : report.requirements)
-    out["requirements"].push_back({{"name", r.name},
-                                   {"unit", r.unit},
-                                   {"limit", r.limit},
-                                   {"values", r.values},
-                                   {"worst", r.worst()},
-                                   {"met", r.met()}});
+  out["requirements"] = toJson(report.requirements);
   return out;
 }
 
@@ -169,8 +160,7 @@ std::optional<TunedServo> printTuned(const Device& device, const TuneRequirement
     return tuned;
   }
   const ServoWeights& w = tuned->design.weights;
-  const auto table =
-      measureRequirements(tuned->design, linearPlant(tuned->design, device.plant.jacobian), device.plant.jacobian);
+  const auto table = requirementsOf(tuned->design, device.plant);
   std::string met;
   for (const Requirement& r : table) met += r.met() ? '+' : '-';
   const double limit = firstImpactLimit(device.plant.effectiveMass, device.problem.period, required.delay, kPush,
@@ -210,7 +200,7 @@ void writeImpedanceMap(const Options& options, const Device& device) {
   std::vector<double> stiffnesses, dampings{0.0};
   for (int i = 0; i <= 24; ++i) stiffnesses.push_back(500.0 * std::pow(200.0, i / 24.0));  // 500 to 100 000 N/m
   for (int i = 0; i <= 12; ++i) dampings.push_back(0.1 * std::pow(1000.0, i / 12.0));      // 0.1 to 100 N s/m
-  const WallDevice wallDevice{device.plant.effectiveMass, options.damping, device.problem.period};
+  const WallDevice wallDevice = wallDeviceOf(device.plant, options.damping, device.problem.period);
   std::string text = "delay_samples,stiffness_N_per_m,damping_Ns_per_m,stable,eq16_damping_Ns_per_m,eq16_met\n";
   const auto map = mapWallStability(wallDevice, stiffnesses, dampings, {0, 1, 2, 3});
   int stable = 0, passive = 0, broken = 0;

@@ -1,4 +1,4 @@
-#include "study/study.hpp"
+#include "study/report.hpp"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -195,26 +195,52 @@ void printSummary(const Study& study, const std::vector<WallSummary>& walls, con
     fmt::print("{}: {} ({})\n", claim.holds ? "holds" : "DOES NOT HOLD", claim.text, claim.measured);
 }
 
+void printConvergence(const Convergence& convergence) {
+  if (convergence.cheapest == convergence.methods.size()) {
+    fmt::print("integration: no method keeps every metric within {:.2g} %\n", 100.0 * convergence.allowed);
+    return;
+  }
+  const MethodError& m = convergence.methods[convergence.cheapest];
+  fmt::print(
+      "integration: the cheapest with every metric within {:.2g} % is {} with {} step{} a tick ({:.1e}, {:.2f} ms "
+      "per simulated second)\n",
+      100.0 * convergence.allowed, nameOf(m.method.integrator), m.method.substeps, m.method.substeps > 1 ? "s" : "",
+      m.worst, 1e3 * m.secondsPerSecond);
+}
+
+void writeReport(const Study& study, const Findings& findings) {
+  const std::string folder = study.path("figures"),
+                    path = study.path(findings.whole ? "report.html" : "convergence.html");
+  std::filesystem::create_directories(folder);
+  const std::vector<Figure> figures = figuresOf(study, findings);
+  const std::string missing = drawFigures(figures, folder);
+  if (!missing.empty()) fmt::print(stderr, "enamel: the report is without figures: {}\n", missing);
+  writeFile(path, reportOf(study, findings, figures, folder, missing));
+  fmt::print("report: {}\n", path);
+}
+
 void run(StudyOptions options) {
   if (options.threads == 0) options.threads = availableThreads();
   const Study study = prepareStudy(options);
   prepareFolder(study);
-  claimFolder(study);
-  perform(study);
-  // From the file, so that an interrupted study ends with the same bytes.
-  const std::vector<StudyResult> results = readRuns(study.plan, study.path("runs.csv"));
-  const std::vector<PointStatistics> points = pointStatistics(study.plan, results);
-  const std::vector<WallSummary> walls = summarise(study.plan, points);
-  const std::vector<Claim> claims = claimsOf(study, points, walls);
-  writeFile(study.path("points.csv"), pointsTable(study, points));
-  Json summary;
-  summary["study"] = study.manifest;
-  summary["walls"] = summaryOf(study, walls);
-  summary["claims"] = Json::array();
-  for (const Claim& c : claims)
-    summary["claims"].push_back({{"claim", c.text}, {"holds", c.holds}, {"measured", c.measured}});
-  writeFile(study.path("summary.json"), summary.dump(1) + "\n");
-  printSummary(study, walls, claims);
+  Findings findings;
+  findings.whole = !options.convergence;
+  if (findings.whole) {
+    claimFolder(study);
+    perform(study);
+    // From the file, so that an interrupted study ends with the same bytes.
+    findings.points = pointStatistics(study.plan, readRuns(study.plan, study.path("runs.csv")));
+    findings.walls = summarise(study.plan, findings.points);
+    findings.claims = claimsOf(study, findings.points, findings.walls);
+    findings.survey = surveyWall(study);
+    writeFile(study.path("points.csv"), pointsTable(study, findings.points));
+    writeFile(study.path("summary.json"), summaryOf(study, findings.walls, findings.claims).dump(1) + "\n");
+    printSummary(study, findings.walls, findings.claims);
+  }
+  findings.convergence = measureConvergence(study);
+  writeFile(study.path("convergence.csv"), convergenceTable(findings.convergence));
+  printConvergence(findings.convergence);
+  writeReport(study, findings);
 }
 
 }  // namespace
@@ -246,6 +272,7 @@ void addStudy(CLI::App& app) {
   command->add_flag("--encoders", options->encoders, "round the joint angles to encoder counts, difference the rates");
   command->add_option("--seed", options->seed, "of everything random")->capture_default_str();
   command->add_option("--threads", options->threads, "without it, one a core; the result does not depend on it");
+  command->add_flag("--convergence", options->convergence, "measure speed against error of the integration only");
   command->add_flag("--resume", options->resume, "continue the study in the folder");
   command->add_option("--output", options->output, "folder for the results")->required();
   command->callback([options] { run(*options); });

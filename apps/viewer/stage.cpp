@@ -3,44 +3,17 @@
 #include <GL/glew.h>  // before anything that includes OpenGL
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
-#include <vtkCallbackCommand.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkImageData.h>
-#include <vtkObjectFactory.h>
-#include <vtkOutputWindow.h>
 #include <vtkPNGWriter.h>
 
 #include <cstdio>
 #include <cstring>
 
 #include "enamel/core/error.hpp"
+#include "offscreen/render_window.hpp"
 
 namespace enamel::viewer {
-namespace {
-
-// VTK's messages: a line each on stderr instead of a page.
-class Messages final : public vtkOutputWindow {
- public:
-  static Messages* New();
-  vtkTypeMacro(Messages, vtkOutputWindow) void DisplayText(const char* text) override {
-    std::string line(text);
-    for (char& c : line)
-      if (c == '\n') c = ' ';
-    std::fprintf(stderr, "enamel-viewer: VTK: %s\n", line.c_str());
-  }
-};
-vtkStandardNewMacro(Messages)
-
-    void observe(vtkObject* subject, unsigned long event, void* client,
-                 void (*callback)(vtkObject*, unsigned long, void*, void*)) {
-  vtkNew<vtkCallbackCommand> command;
-  command->SetClientData(client);
-  command->SetCallback(callback);
-  subject->AddObserver(event, command);
-}
-
-}  // namespace
-
 void writePng(const Picture& picture, const std::string& path) {
   vtkNew<vtkImageData> image;
   image->SetDimensions(picture.size.x, picture.size.y, 1);
@@ -59,27 +32,7 @@ void writePng(const Picture& picture, const std::string& path) {
 
 Stage::Stage(Surface& surface, const std::string& font, const std::string& boldFont)
     : surface_(surface), font_(font), boldFont_(boldFont) {
-  vtkNew<Messages> messages;
-  vtkOutputWindow::SetInstance(messages);
-  surface_.makeCurrent();
-  window_ = vtkSmartPointer<vtkGenericOpenGLRenderWindow>::New();
-  window_->SetReadyForRendering(false);
-  window_->SetOwnContext(0);
-  window_->SetMultiSamples(0);
-  observe(window_, vtkCommand::WindowMakeCurrentEvent, this,
-          [](vtkObject*, unsigned long, void* self, void*) { static_cast<Stage*>(self)->surface_.makeCurrent(); });
-  observe(window_, vtkCommand::WindowIsCurrentEvent, this, [](vtkObject*, unsigned long, void* self, void* answer) {
-    *static_cast<bool*>(answer) = static_cast<Stage*>(self)->surface_.isCurrent();
-  });
-  observe(window_, vtkCommand::WindowSupportsOpenGLEvent, this,
-          [](vtkObject*, unsigned long, void*, void* answer) { *static_cast<int*>(answer) = 1; });
-  window_->SetFrameBlitModeToBlitToCurrent();
-  const glm::ivec2 size = surface_.size();
-  window_->SetSize(size.x, size.y);
-  window_->SetMapped(1);
-  window_->OpenGLInitContext();
-  window_->SetReadyForRendering(true);
-  window_->OpenGLInit();
+  window_ = offscreen::makeRenderWindow(surface_, "enamel-viewer");
   const auto* drawnBy = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
   for (const char* software : {"llvmpipe", "softpipe", "swrast"})
     software_ = software_ || (drawnBy != nullptr && std::strstr(drawnBy, software) != nullptr);

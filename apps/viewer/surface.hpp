@@ -1,29 +1,17 @@
-// Where pictures go: an OpenGL 3.2 core context with a framebuffer, in a window or without any display.
+// The window of the viewer, and the surface without a display that it shares with the figures.
 #pragma once
 
-#include <glm/glm.hpp>
 #include <memory>
 #include <string>
+
+#include "offscreen/surface.hpp"
 
 struct GLFWwindow;
 
 namespace enamel::viewer {
 
-class Surface {
- public:
-  Surface() = default;
-  Surface(const Surface&) = delete;
-  Surface& operator=(const Surface&) = delete;
-  virtual ~Surface() = default;
-
-  virtual void makeCurrent() = 0;
-  virtual bool isCurrent() const = 0;
-  virtual glm::ivec2 size() const = 0;  ///< of the framebuffer, pixels
-  virtual float scale() const = 0;      ///< pixels per unit of layout: 2 on a display of twice the usual density
-  virtual void resize(const glm::ivec2& size) = 0;
-  virtual unsigned framebuffer() const = 0;
-  virtual void present() = 0;
-};
+using offscreen::openHeadless;
+using offscreen::Surface;
 
 /// The window, for input.
 class WindowSurface : public Surface {
@@ -34,8 +22,5 @@ class WindowSurface : public Surface {
 
 /// A window of `size` units. Throws Error: no display, no OpenGL 3.2.
 std::unique_ptr<WindowSurface> openWindow(const std::string& title, const glm::ivec2& size);
-
-/// A framebuffer of `size` pixels without any display (EGL, surfaceless). Throws Error: no EGL, no OpenGL 3.2.
-std::unique_ptr<Surface> openHeadless(const glm::ivec2& size, float scale);
 
 }  // namespace enamel::viewer

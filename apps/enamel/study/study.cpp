@@ -185,8 +185,10 @@ std::string pointsTable(const Study& study, const std::vector<PointStatistics>& 
   return text;
 }
 
-Json summaryOf(const Study& study, const std::vector<WallSummary>& walls) {
-  Json list = Json::array();
+Json summaryOf(const Study& study, const std::vector<WallSummary>& walls, const std::vector<Claim>& claims) {
+  Json summary;
+  summary["study"] = study.manifest;
+  Json& list = summary["walls"] = Json::array();
   const auto extreme = [&study](const std::optional<Extreme>& e) -> Json {
     if (!e || !std::isfinite(e->value)) return nullptr;
     const Vec3 at = queryPoint(study.plan, e->point);
@@ -217,7 +219,10 @@ Json summaryOf(const Study& study, const std::vector<WallSummary>& walls) {
     json["faults"] = w.faults;
     list.push_back(json);
   }
-  return list;
+  summary["claims"] = Json::array();
+  for (const Claim& c : claims)
+    summary["claims"].push_back({{"claim", c.text}, {"holds", c.holds}, {"measured", c.measured}});
+  return summary;
 }
 
 std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistics>& points,

@@ -44,10 +44,6 @@ Study prepareStudy(const StudyOptions& options);
 /// Writes a whole file, or throws Error that says why not.
 void writeFile(const std::string& path, const std::string& text);
 
-/// points.csv and summary.json.
-std::string pointsTable(const Study& study, const std::vector<PointStatistics>& points);
-Json summaryOf(const Study& study, const std::vector<WallSummary>& walls);
-
 /// What section VI claims, on our device: each with its number at the worst query point.
 struct Claim {
   std::string text, measured;
@@ -55,6 +51,10 @@ struct Claim {
 };
 std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistics>& points,
                             const std::vector<WallSummary>& walls);
+
+/// points.csv and summary.json.
+std::string pointsTable(const Study& study, const std::vector<PointStatistics>& points);
+Json summaryOf(const Study& study, const std::vector<WallSummary>& walls, const std::vector<Claim>& claims);
 
 /// A query point in mm, as "(-25, 10)".
 std::string pointText(const Study& study, std::size_t point);

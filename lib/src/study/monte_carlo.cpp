@@ -50,9 +50,9 @@ void checkStudy(const StudyPlan& plan) {
 Vec3 queryPoint(const StudyPlan& plan, std::size_t point) noexcept {
   if (plan.grid <= 1) return Vec3::Zero();
   const auto side = static_cast<std::size_t>(plan.grid);
-  const auto along = [&plan](std::size_t i) {  // exactly symmetric about 0
+  const auto along = [&plan](std::size_t i) {  // to the nanometre, so that the numbers read well
     const double steps = static_cast<double>(plan.grid - 1);
-    return plan.halfWidth * (2.0 * static_cast<double>(i) - steps) / steps;
+    return std::nearbyint(1e9 * plan.halfWidth * (2.0 * static_cast<double>(i) - steps) / steps) / 1e9;
   };
   return {along(point % side), along(point / side), 0.0};
 }

@@ -5,7 +5,7 @@
 #include "enamel/core/error.hpp"
 #include "surface.hpp"
 
-namespace enamel::viewer {
+namespace enamel::offscreen {
 namespace {
 
 class Headless final : public Surface {
@@ -89,4 +89,4 @@ std::unique_ptr<Surface> openHeadless(const glm::ivec2& size, float scale) {
   return std::make_unique<Headless>(size, scale);
 }
 
-}  // namespace enamel::viewer
+}  // namespace enamel::offscreen

@@ -1,0 +1,184 @@
+#include "study/convergence.hpp"
+
+#include <fmt/core.h>
+#include <time.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "enamel/study/parallel.hpp"
+
+namespace enamel::app {
+namespace {
+
+constexpr IntegrationMethod kMethods[] = {
+    {Integrator::semiImplicitEuler, 1}, {Integrator::semiImplicitEuler, 2}, {Integrator::semiImplicitEuler, 4},
+    {Integrator::semiImplicitEuler, 8}, {Integrator::midpoint, 1},          {Integrator::midpoint, 2},
+    {Integrator::midpoint, 4},          {Integrator::midpoint, 8},          {Integrator::rungeKutta4, 1},
+    {Integrator::rungeKutta4, 2},       {Integrator::rungeKutta4, 4},       {Integrator::rungeKutta4, 8}};
+
+const char* const kMetricNames[] = {"D_z1",
+                                    "K_z1",
+                                    "D_zs",
+                                    "C_zs",
+                                    "rms depth",
+                                    "depth 95 %",
+                                    "largest depth",
+                                    "chatter",
+                                    "saturated share",
+                                    "tangential force",
+                                    "work",
+                                    "drift"};
+constexpr std::size_t kMetrics = std::size(kMetricNames);
+using MetricValues = std::array<double, kMetrics>;
+
+// NaN where the run has no such metric.
+MetricValues valuesOf(const StudyResult& result) {
+  MetricValues v;
+  v.fill(std::nan(""));
+  if (result.status != Status::ok) return v;
+  const PushMetrics& m = result.metrics;
+  if (m.firstDepth) v[0] = *m.firstDepth;
+  if (m.firstStiffness) v[1] = *m.firstStiffness;
+  const double rest[] = {m.steadyDepth, m.steadyCompliance, m.rmsDepth,        m.depth95, m.largestDepth,
+                         m.chatter,     m.saturatedShare,   m.tangentialForce, m.work,    m.drift};
+  std::copy(std::begin(rest), std::end(rest), v.begin() + 2);
+  return v;
+}
+
+// Below this, in SI, a metric is rounding: the impedance wall has no tangential force at all.
+constexpr double kSmallest = 1e-9;
+
+struct RunRecord {
+  StudyResult result;
+  std::vector<Vec3> positions;
+};
+
+RunRecord recordRun(const StudyPlan& study, const StudyRun& run, const IntegrationMethod& method) {
+  StudyPlan plan = study;
+  plan.setup.integrator = method.integrator;
+  plan.setup.substeps = method.substeps;
+  RunRecord record;
+  record.result = performRun(plan, run, [&](const TickRecord& t) { record.positions.push_back(t.pose.position); });
+  return record;
+}
+
+// Middle and two opposite corners of the wall, the first run of each.
+std::vector<StudyRun> runsOf(const StudyPlan& plan) {
+  const std::size_t last = plan.points() - 1;
+  const std::size_t points[] = {0, last / 2, last};
+  std::vector<StudyRun> runs;
+  for (std::size_t i = 0; i < plan.size(); i += static_cast<std::size_t>(plan.runs)) {
+    const StudyRun run = runAt(plan, i);
+    if (std::binary_search(std::begin(points), std::end(points), run.point)) runs.push_back(run);
+  }
+  return runs;
+}
+
+double processorSeconds() {
+  timespec now = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// Smallest of a few: the machine may be busy.
+double timeOf(const StudyPlan& study, const std::vector<StudyRun>& runs, const IntegrationMethod& method) {
+  StudyPlan plan = study;
+  plan.setup.integrator = method.integrator;
+  plan.setup.substeps = method.substeps;
+  std::size_t columns = 0;
+  double total = 0.0;
+  for (const StudyRun& run : runs) {
+    if (run.column != columns || run.scenario != plan.scenarios.front()) continue;
+    ++columns;  // the first run of each column
+    double best = HUGE_VAL;
+    for (int i = 0; i < 2; ++i) {
+      const double begun = processorSeconds();
+      (void)performRun(plan, run);
+      best = std::min(best, processorSeconds() - begun);
+    }
+    total += best / plan.setup.duration;
+  }
+  return total / static_cast<double>(std::max<std::size_t>(1, columns));
+}
+
+MethodError compare(const std::vector<StudyRun>& runs, const std::vector<RunRecord>& records,
+                    const std::vector<RunRecord>& reference) {
+  MethodError error;
+  error.metrics.assign(kMetrics, 0.0);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const std::size_t ticks = std::min(records[i].positions.size(), reference[i].positions.size());
+    for (std::size_t t = 0; t < ticks; ++t)
+      error.trajectory = std::max(error.trajectory, (records[i].positions[t] - reference[i].positions[t]).norm());
+    const MetricValues ours = valuesOf(records[i].result), theirs = valuesOf(reference[i].result);
+    for (std::size_t m = 0; m < kMetrics; ++m) {
+      if (std::isnan(ours[m]) && std::isnan(theirs[m])) continue;
+      double scale = kSmallest;
+      for (std::size_t j = 0; j < runs.size(); ++j)
+        if (runs[j].column == runs[i].column && runs[j].scenario == runs[i].scenario) {
+          const double value = std::abs(valuesOf(reference[j].result)[m]);
+          if (value > scale) scale = value;
+        }
+      const double difference = std::abs(ours[m] - theirs[m]);
+      const double relative = difference == 0.0 ? 0.0 : difference / scale;  // infinite where only we have something
+      error.metrics[m] = std::isnan(relative) ? HUGE_VAL : std::max(error.metrics[m], relative);
+    }
+  }
+  error.worst = *std::max_element(error.metrics.begin(), error.metrics.end());
+  return error;
+}
+
+}  // namespace
+
+std::string nameOf(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::midpoint: return "midpoint (Runge-Kutta 2)";
+    case Integrator::semiImplicitEuler: return "semi-implicit Euler";
+    case Integrator::rungeKutta4: break;
+  }
+  return "Runge-Kutta 4";
+}
+
+Convergence measureConvergence(const Study& study) {
+  const StudyPlan& plan = study.plan;
+  const std::vector<StudyRun> runs = runsOf(plan);
+  Convergence convergence;
+  convergence.metrics.assign(std::begin(kMetricNames), std::end(kMetricNames));
+  const auto record = [&](const IntegrationMethod& method) {
+    std::vector<RunRecord> records(runs.size());
+    parallelFor(runs.size(), study.options.threads,
+                [&](std::size_t i) { records[i] = recordRun(plan, runs[i], method); });
+    return records;
+  };
+  const std::vector<RunRecord> reference = record(convergence.reference);
+  for (const IntegrationMethod& method : kMethods) {
+    MethodError error = compare(runs, record(method), reference);
+    error.method = method;
+    error.secondsPerSecond = timeOf(plan, runs, method);
+    convergence.methods.push_back(error);
+  }
+  convergence.referenceError = convergence.methods.back().worst;
+  convergence.cheapest = convergence.methods.size();
+  for (std::size_t i = 0; i < convergence.methods.size(); ++i)
+    if (convergence.methods[i].worst < convergence.allowed &&
+        (convergence.cheapest == convergence.methods.size() ||
+         convergence.methods[i].secondsPerSecond < convergence.methods[convergence.cheapest].secondsPerSecond))
+      convergence.cheapest = i;
+  return convergence;
+}
+
+std::string convergenceTable(const Convergence& convergence) {
+  std::string text = "integrator,substeps,processor time [s/s],trajectory error [m],worst metric error";
+  for (const std::string& metric : convergence.metrics) text += ',' + metric + " error";
+  text += '\n';
+  for (const MethodError& m : convergence.methods) {
+    text += fmt::format("{},{},{:.4g},{:.4g},{:.4g}", nameOf(m.method.integrator), m.method.substeps,
+                        m.secondsPerSecond, m.trajectory, m.worst);
+    for (const double error : m.metrics) text += fmt::format(",{:.4g}", error);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace enamel::app

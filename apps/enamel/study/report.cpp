@@ -1,0 +1,393 @@
+#include "study/report.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "design_results.hpp"
+
+namespace enamel::app {
+namespace {
+
+constexpr const char* kStyle = R"(
+body { font: 16px/1.5 system-ui, sans-serif; color: #1f262e; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.7rem; margin-bottom: 0.2rem; } h2 { font-size: 1.25rem; margin-top: 2.4rem; }
+table { border-collapse: collapse; margin: 0.8rem 0; font-size: 0.92rem; }
+th, td { padding: 0.25rem 0.8rem 0.25rem 0; border-bottom: 1px solid #d3d9e0; text-align: right; }
+th:first-child, td:first-child { text-align: left; } th { border-bottom: 2px solid #66707c; font-weight: 600; }
+td.yes { color: #00684d; } td.no { color: #a84300; font-weight: 600; }
+figure { margin: 1.6rem 0; } figure img { max-width: 100%; height: auto; display: block; }
+figcaption { color: #4a535e; font-size: 0.92rem; margin-top: 0.4rem; }
+p.note, li.note { color: #4a535e; font-size: 0.92rem; }
+)";
+
+std::string escape(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+class Page {
+ public:
+  void heading(const std::string& text) { html_ += "<h2>" + text + "</h2>\n"; }
+  void paragraph(const std::string& text) { html_ += "<p>" + text + "</p>\n"; }
+  void note(const std::string& text) { html_ += "<p class=\"note\">" + text + "</p>\n"; }
+  void list(const std::vector<std::string>& items) {
+    html_ += "<ul>\n";
+    for (const std::string& item : items) html_ += "<li>" + item + "</li>\n";
+    html_ += "</ul>\n";
+  }
+  /// Cells are HTML; "met", "holds" and their contraries get a colour.
+  void table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
+    html_ += "<table>\n<tr>";
+    for (const std::string& cell : head) html_ += "<th>" + cell + "</th>";
+    html_ += "</tr>\n";
+    for (const auto& row : rows) {
+      html_ += "<tr>";
+      for (const std::string& cell : row) {
+        const bool yes = cell == "met" || cell == "holds", no = cell == "not met" || cell == "does not hold";
+        html_ += yes ? "<td class=\"yes\">" : no ? "<td class=\"no\">" : "<td>";
+        html_ += cell + "</td>";
+      }
+      html_ += "</tr>\n";
+    }
+    html_ += "</table>\n";
+  }
+  void figure(const std::string& png, const std::string& name, const std::string& caption) {
+    html_ += "<figure><img alt=\"" + name + "\" src=\"data:image/png;base64," + base64(png) + "\">\n<figcaption>" +
+             caption + "</figcaption></figure>\n";
+  }
+  std::string whole(const std::string& title, const std::string& under) const {
+    return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+           "<meta name=\"viewport\" content=\"width=device-width\">\n<title>" +
+           title + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<h1>" + title +
+           "</h1>\n<p class=\"note\">" + under + "</p>\n" + html_ + "</body>\n</html>\n";
+  }
+
+ private:
+  std::string html_;
+};
+
+std::string percent(double share, int digits = 1) { return fmt::format("{:.{}f} %", 100.0 * share, digits); }
+
+const WallSummary* wallOf(const Study& study, const Findings& findings, int scenario, const char* column) {
+  for (const WallSummary& w : findings.walls)
+    if (w.scenario == scenario && study.plan.columns[w.column].name == column) return &w;
+  return nullptr;
+}
+
+// ---- Table IV ------------------------------------------------------------------------------------------------------
+
+void addTableFour(Page& page, const Study& study, const Findings& findings) {
+  page.heading("Extreme values over the wall (the form of Table IV)");
+  struct Row {
+    int scenario;
+    bool lowest, first;
+    const char* paper;
+    const char* cosimulation;
+  };
+  const Row rows[] = {{1, true, true, "17 174", "16 743 (13 367)"},  {1, false, true, "3 112.6", "5 360.2"},
+                      {1, true, false, "92 387", "34 306 (54 634)"}, {1, false, false, "6 180.5", "6 302.2"},
+                      {2, true, false, "65 002", "22 463 (20 299)"}, {2, false, false, "6 202.1", "6 342.4"}};
+  std::vector<std::vector<std::string>> cells;
+  for (const Row& row : rows) {
+    std::vector<std::string> line{
+        fmt::format("Scenario {}: {} K<sub>z{}</sub>, {}", row.scenario, row.lowest ? "lowest" : "highest",
+                    row.first ? "1" : "s", row.lowest ? "position control" : "impedance"),
+        row.paper, row.cosimulation};
+    const auto ours = [&](const char* column) {
+      const WallSummary* w = wallOf(study, findings, row.scenario, column);
+      if (w == nullptr) return std::string("–");
+      const std::optional<Extreme>& e = row.first ? (row.lowest ? w->lowestFirst : w->highestFirst)
+                                                  : (row.lowest ? w->lowestSteady : w->highestSteady);
+      std::string text = e ? fmt::format("{:.0f} at {}", e->value, pointText(study, e->point)) : "unresolved";
+      if (!row.first && w->unresolved > 0)
+        text += fmt::format(" <small>({} of {} points unresolved)</small>", w->unresolved, study.plan.points());
+      return text;
+    };
+    line.push_back(ours(row.lowest ? kPositionControl : kImpedance));
+    line.push_back(row.lowest ? ours(kScheduled) : "–");
+    cells.push_back(line);
+  }
+  page.table({"N/m, at (x, y) mm", "paper", "paper, co-simulation (with delay)", "Enamel, one servo",
+              "Enamel, servo designed at each point"},
+             cells);
+  page.note(
+      "“Lowest” and “highest” are those of the query points' means. The paper's device is not ours: compare magnitudes "
+      "and "
+      "order. K<sub>zs</sub> divides by a signed mean that can be zero, so it is given only where the mean compliance "
+      "exceeds two standard errors; the table below has measures without that weakness.");
+}
+
+void addMeasures(Page& page, const Study& study, const Findings& findings) {
+  page.heading("Beside the paper's metrics");
+  std::vector<std::vector<std::string>> cells;
+  for (const WallSummary& w : findings.walls) {
+    const std::size_t c = w.column;
+    cells.push_back({fmt::format("{}: {}", w.scenario, study.plan.columns[c].name),
+                     fmt::format("{:.3g}", 1e3 * w.highestCompliance.value), fmt::format("{:.0f}", w.lowestOverRms),
+                     fmt::format("{:.0f}", w.lowestOver95), fmt::format("{:.3f}", 1e3 * w.largestDepth),
+                     fmt::format("{:.3f}", w.chatter), percent(w.saturatedShare, 2),
+                     fmt::format("{:.3f}", w.tangentialForce), fmt::format("{:.2f}", 1e3 * w.drift),
+                     w.scenario == 1 && std::isfinite(uniformityOf(findings.survey[c]))
+                         ? percent(uniformityOf(findings.survey[c]))
+                         : "–",
+                     fmt::format("{}", w.failed)});
+  }
+  page.table({"scenario: renderer", "highest |C<sub>zs</sub>|, mm/N", "lowest F<sub>c</sub>/rms depth, N/m",
+              "lowest F<sub>c</sub>/95 % depth, N/m", "largest depth, mm", "chatter, N m", "saturated ticks",
+              "tangential force, N", "largest drift, mm", "uniformity of K<sub>z1</sub>", "runs lost"},
+             cells);
+  page.note(fmt::format(
+      "Means at the worst query point; depth and drift are the largest of all runs. Chatter: standard deviation of the "
+      "torque over the last second, the worst joint. Uniformity: (largest - smallest) / mean of K<sub>z1</sub> over "
+      "the "
+      "wall, without noise, F<sub>c</sub> = {:.0f} N. Runs lost: the device left its workspace.",
+      kSurveyForce));
+}
+
+// ---- where the device differs
+// ----------------------------------------------------------------------------------------
+
+// How a value runs over a wall, lowest y against highest.
+std::string trend(double low, double high) {
+  return fmt::format("{} by {}", high > low ? "rises" : "falls", percent(std::abs(high / low - 1.0)));
+}
+
+void addDifferences(Page& page, const Study& study, const Findings& findings) {
+  const std::size_t hold = study.column(kPositionControl), spring = study.column(kImpedance),
+                    scheduled = study.column(kScheduled), none = study.plan.columns.size();
+  if (study.plan.grid < 2) return;
+  page.heading("Where this device differs from the paper's, and why");
+  for (const auto& points : findings.survey)
+    if (!std::isfinite(uniformityOf(points))) {
+      page.paragraph("At some query points a push has no first impact: no trend is stated.");
+      return;
+    }
+  std::vector<std::string> items;
+  const auto stiffness = [](const SurveyPoint& p) { return p.stiffness; };
+  const auto row = [&](std::size_t column, const auto& value) {
+    return rowMeans(study, over(findings.survey[column], value));
+  };
+  if (hold < none) {
+    const auto& points = findings.survey[hold];
+    const std::vector<double> k = row(hold, stiffness),
+                              unlimited = row(hold, [](const SurveyPoint&p) { return p.unlimited; });
+    const std::vector<double> values = over(points, stiffness);
+    const double withMass = correlation(values, over(points, [](const SurveyPoint&p) { return p.mass; })),
+                 withLever = correlation(values, over(points, [](const SurveyPoint&p) { return 1.0 / p.lever; }));
+    double unlimitedDifference = 0.0;
+    for (const SurveyPoint& p : points)
+      unlimitedDifference = std::max(unlimitedDifference, std::abs(p.unlimited / p.stiffness - 1.0));
+    Vec6 peak = Vec6::Zero(), gravity = Vec6::Zero();
+    int saturated[6] = {};
+    for (const SurveyPoint& p : points) {
+      peak = peak.cwiseMax(p.peak);
+      gravity = gravity.cwiseMax(p.gravity.cwiseAbs());
+      for (int j = 0; j < 6; ++j) saturated[j] += p.cutTicks[j] > 0.0;
+    }
+    Eigen::Index most = 0;
+    peak.maxCoeff(&most);
+    std::string saturatedText;
+    for (int j = 0; j < 6; ++j)
+      if (saturated[j] > 0)
+        saturatedText += fmt::format("{}joint {} at {} of {} points", saturatedText.empty() ? "" : ", ", j + 1,
+                                     saturated[j], study.plan.points());
+    const double limit = study.plan.columns[hold].plant.maxTorque;
+    items.push_back(
+        fmt::format("<b>K<sub>z1</sub> along y.</b> The paper's rises with y. Here K<sub>z1</sub> of position control "
+                    "(no noise, {:.0f} "
+                    "N, means over x) {} from y = {:.4g} to {:.4g} mm: {:.2f} to {:.2f} kN/m.",
+                    kSurveyForce, trend(k.front(), k.back()), -1e3 * study.plan.halfWidth, 1e3 * study.plan.halfWidth,
+                    1e-3 * k.front(), 1e-3 * k.back()));
+    Eigen::Index heaviest = 0;
+    gravity.maxCoeff(&heaviest);
+    items.push_back(fmt::format(
+        "<b>Saturation.</b> The paper suspects joint 6, which carries most of its device's weight. Here, under {:.0f} "
+        "N, {}; "
+        "the most loaded is joint {} with at most {:.2f} of {:.3g} N m. Gravity takes at most {:.3f} N m (joint {}; "
+        "joint 6: "
+        "{:.3f}). With motors that never saturate K<sub>z1</sub> changes by at most {:.2g} %: saturation {} the reason "
+        "for "
+        "the trend.",
+        kHardForce, saturatedText.empty() ? "no joint saturates" : "motors saturate (" + saturatedText + ")", most + 1,
+        peak[most], limit, gravity[heaviest], heaviest + 1, gravity[5], 100.0 * unlimitedDifference,
+        unlimitedDifference < 0.01 ? "is not" : "is part of"));
+    std::string reason = fmt::format(
+        "<b>Reason.</b> K<sub>z1</sub> follows the device's effective mass along the normal (correlation over the wall "
+        "{:.2f}) and the inverse of the lever |dz/dq| of the joints ({:.2f}): the servo is stiff in the joints, and "
+        "the "
+        "same joint stiffness holds less where the joints move the tool more.",
+        withMass, withLever);
+    if (scheduled < none) {
+      const std::vector<double> s = row(scheduled, stiffness);
+      const double gone = (s.back() / s.front() - 1.0) / (k.back() / k.front() - 1.0);
+      reason += fmt::format(
+          " A servo designed at every query point {} by {} instead of {}: {:.0f} % of the trend is the device's, the "
+          "rest "
+          "comes from a servo that was designed at home.",
+          s.back() > s.front() ? "rises" : "falls", percent(std::abs(s.back() / s.front() - 1.0)),
+          percent(std::abs(k.back() / k.front() - 1.0)), 100.0 * gone);
+    }
+    items.push_back(reason);
+    const auto& low = rowMeans(study, over(points, [](const SurveyPoint& p) { return p.peak[5]; }));
+    items.push_back(
+        fmt::format("<b>Joint 6.</b> {}: its largest torque under {:.0f} N is {:.3f} N m at the lowest y and {:.3f} N "
+                    "m at the highest.",
+                    low.front() > low.back() ? "As in the paper, it works harder at the bottom"
+                                             : "Other than in the paper, it works harder at the top",
+                    kHardForce, low.front(), low.back()));
+  }
+  if (spring < none) {
+    const std::vector<double> k = row(spring, stiffness);
+    items.push_back(
+        fmt::format("<b>Impedance.</b> {}: uniformity {} without noise; the first impact "
+                    "reaches {} of the "
+                    "{:.0f} N/m that are rendered, because the tool overshoots.",
+                    percent(uniformityOf(findings.survey[spring])),
+                    percent(spreadOf(k).mean / study.impedance.stiffness, 0), study.impedance.stiffness));
+  }
+  for (const WallSummary& w : findings.walls) {
+    if (w.column != hold || !w.lowestSteady) continue;
+    items.push_back(fmt::format(
+        "<b>K<sub>zs</sub>, scenario {}.</b> Lowest {:.3g} N/m, the paper's is {}: the servo's integrators take the "
+        "mean "
+        "penetration to zero, what is left is {}.",
+        w.scenario, w.lowestSteady->value, w.scenario == 1 ? "92 387 N/m" : "65 002 N/m",
+        w.scenario == 1 ? "the first impact averaged over 2 s" : "noise, so that many points are not resolved at all"));
+  }
+  page.list(items);
+}
+
+void addSettings(Page& page, const Study& study) {
+  page.heading("Settings");
+  std::vector<std::vector<std::string>> cells;
+  for (const auto& [key, value] : study.manifest.items())
+    cells.push_back({escape(key), value.is_string() ? escape(value.get<std::string>()) : escape(value.dump())});
+  page.table({"setting", "value"}, cells);
+}
+
+}  // namespace
+
+std::string base64(const std::string& bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve(4 * (bytes.size() + 2) / 3);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned bits = 0;
+    for (std::size_t j = 0; j < 3; ++j)
+      bits = bits << 8 | (i + j < bytes.size() ? static_cast<unsigned char>(bytes[i + j]) : 0u);
+    for (std::size_t j = 0; j < 4; ++j) out += i + j <= bytes.size() ? kDigits[bits >> (18 - 6 * j) & 63] : '=';
+  }
+  return out;
+}
+
+std::string reportOf(const Study& study, const Findings& findings, const std::vector<Figure>& figures,
+                     const std::string& folder, const std::string& withoutFigures) {
+  Page page;
+  const auto figure = [&](const std::string& prefix) {
+    for (const Figure& f : figures) {
+      if (f.name.rfind(prefix, 0) != 0 || !withoutFigures.empty()) continue;
+      std::ostringstream png;
+      png << std::ifstream(folder + '/' + f.name + ".png", std::ios::binary).rdbuf();
+      page.figure(png.str(), f.name, f.caption);
+    }
+  };
+  if (!withoutFigures.empty()) page.note("Without figures: " + escape(withoutFigures) + ".");
+  if (findings.whole) {
+    page.heading("Does the paper's ordering hold here?");
+    std::vector<std::vector<std::string>> claims;
+    for (const Claim& c : findings.claims)
+      claims.push_back({escape(c.text), escape(c.measured), c.holds ? "holds" : "does not hold"});
+    page.table({"claim", "measured", ""}, claims);
+    addTableFour(page, study, findings);
+    addMeasures(page, study, findings);
+
+    page.heading("Set-up");
+    figure("fig06");
+    page.heading("Typical responses");
+    figure("fig08");
+    figure("fig09");
+    page.heading("First impact over the wall");
+    figure("fig10");
+    addDifferences(page, study, findings);
+    figure("along-y");
+    figure("fig11");
+    page.heading("Steady state over the wall");
+    figure("fig12");
+    figure("fig13");
+
+    page.heading("Requirements on the servo (Table II)");
+    const DevicePlant plant = devicePlant(study.designModel, Pose{});
+    std::vector<std::vector<std::string>> rows;
+    for (const Requirement& r : requirementsOf(study.home, plant))
+      rows.push_back({escape(r.name), fmt::format("{:.4g} {}", r.worst(), r.unit),
+                      fmt::format("{:.4g} {}", r.limit, r.unit), r.met() ? "met" : "not met"});
+    page.table({"requirement", "worst of joints or axes", "limit", ""}, rows);
+    page.note(
+        "The servo with the paper's weights, designed at home, on its own linear model; steps of 0.01 rad, of 10 N and "
+        "of "
+        "0.1 N m. The limits do not fit each other (0.001 rad at a lever of 0.1 m is 0.1 mm, not 1 mm), and these "
+        "weights "
+        "were found for another device: `enamel design --tune` finds what ours can do.");
+
+    page.heading("How stiff can a spring be rendered?");
+    figure("impedance-stability");
+    const WallDevice wall = wallDeviceOf(plant, study.impedance.deviceDamping, study.plan.setup.period);
+    if (const WallSummary* servo = wallOf(study, findings, 1, kPositionControl); servo && servo->lowestFirst)
+      page.paragraph(fmt::format(
+          "With {:.3g} N s/m of damping eq. 16 allows a spring of {:.0f} N/m. Position control, without any mechanical "
+          "damping, stops the first impact with at least {:.0f} N/m, {:.1f} times as much (research question 2).",
+          wall.damping, 2.0 * wall.damping / wall.period, servo->lowestFirst->value,
+          servo->lowestFirst->value / (2.0 * wall.damping / wall.period)));
+  }
+
+  page.heading("Speed against error");
+  figure("convergence");
+  const Convergence& c = findings.convergence;
+  std::vector<std::vector<std::string>> rows;
+  for (const MethodError& m : c.methods)
+    rows.push_back({nameOf(m.method.integrator), std::to_string(m.method.substeps),
+                    fmt::format("{:.2f}", 1e3 * m.secondsPerSecond), fmt::format("{:.1e}", m.trajectory),
+                    std::isfinite(m.worst) ? fmt::format("{:.1e}", m.worst) : "other events",
+                    m.worst < c.allowed ? "met" : "not met"});
+  page.table({"integrator", "steps a tick", "ms per simulated s", "largest error of position, m",
+              "largest relative error of a metric", fmt::format("below {:.2g} %", 100.0 * c.allowed)},
+             rows);
+  const PushSetup& setup = study.plan.setup;
+  if (c.cheapest < c.methods.size()) {
+    const IntegrationMethod& m = c.methods[c.cheapest].method;
+    const bool same = m.integrator == setup.integrator && m.substeps == setup.substeps;
+    page.paragraph(fmt::format(
+        "The cheapest with an error below {:.2g} % in every metric is {} with {} step{} a tick; the study uses {}.",
+        100.0 * c.allowed, nameOf(m.integrator), m.substeps, m.substeps > 1 ? "s" : "",
+        same ? "it: it is the default" : fmt::format("{} with {}", nameOf(setup.integrator), setup.substeps)));
+  } else {
+    page.paragraph(fmt::format("No method keeps the error of every metric below {:.2g} %.", 100.0 * c.allowed));
+  }
+  page.note(fmt::format(
+      "Errors against {} with {} steps a tick, relative to the largest value of the metric over the runs of the same "
+      "renderer and scenario; {} with half as many steps differs by {:.1e}. Processor time of one thread, whole loop.",
+      nameOf(c.reference.integrator), c.reference.substeps, nameOf(c.reference.integrator), c.referenceError));
+  addSettings(page, study);
+  return page.whole(
+      findings.whole ? "Position control against impedance on a stiff wall" : "Speed against error of the integration",
+      escape(fmt::format("{}; {} query points, {} runs each, delay {}, encoders {}, seed {}. After “A Position-Control "
+                         "Based Approach to Haptic Rendering of Stiff Objects”, sections V and VI.",
+                         study.device.name, study.plan.points(), study.plan.runs, study.options.delay,
+                         study.options.encoders ? "on" : "off", study.plan.setup.seed)));
+}
+
+}  // namespace enamel::app

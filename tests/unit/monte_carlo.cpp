@@ -1,0 +1,304 @@
+// The study: which runs, their statistics, the file of runs.
+#include "enamel/study/monte_carlo.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <set>
+
+#include "enamel/core/error.hpp"
+#include "enamel/study/parallel.hpp"
+#include "enamel/study/run_file.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/pushes.hpp"
+
+using namespace enamel;
+
+namespace {
+
+StudyPlan smallPlan(int grid, int runs) {
+  StudyPlan plan;
+  plan.grid = grid;
+  plan.runs = runs;
+  plan.setup.duration = 1.1;
+  const DeviceModel model = makeModel(test::nominal());
+  plan.columns.push_back({"position-control", model, [model](std::size_t) {
+                            return std::make_unique<PositionControlRenderer>(model, test::referenceGain(), 1e-3,
+                                                                             PositionControlOptions{});
+                          }});
+  plan.columns.push_back({"impedance", makeModel(test::dampedNominal()), [model](std::size_t) {
+                            return std::make_unique<ImpedanceRenderer>(model, ImpedanceOptions{6000.0, 0.0, 4.0});
+                          }});
+  return plan;
+}
+
+// Runs of one point with given compliances.
+std::vector<StudyResult> runsWith(const std::vector<double>& compliances) {
+  std::vector<StudyResult> runs(compliances.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    runs[i].run.force = 10.0;
+    runs[i].metrics.steadyCompliance = compliances[i];
+    runs[i].metrics.rmsDepth = 1e-3;
+    runs[i].metrics.depth95 = 2e-3;
+  }
+  return runs;
+}
+
+// All results of a plan, without simulation: numbers that depend on the run alone.
+std::vector<StudyResult> invented(const StudyPlan& plan) {
+  std::vector<StudyResult> results;
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    StudyResult r;
+    r.run = runAt(plan, i);
+    const RandomStream random(77, static_cast<std::uint32_t>(i));
+    const auto number = [&random](std::uint64_t n) { return random.uniform(RandomStream::Purpose::test, n); };
+    r.metrics.firstStiffness = 1e4 * (1.0 + number(0));
+    r.metrics.firstDepth = 1e-3 * number(1);
+    r.metrics.steadyCompliance = 1e-6 * (number(2) - 0.2);
+    r.metrics.steadyDepth = r.run.force * r.metrics.steadyCompliance;
+    r.metrics.rmsDepth = 1e-3 * number(3) + 1e-9;
+    r.metrics.depth95 = 1e-3 * number(4) + 1e-9;
+    r.metrics.largestDepth = 1e-3 * number(5);
+    r.metrics.work = -number(6) / 3.0;
+    r.metrics.faults = i;
+    if (r.run.scenario == 2) r.metrics.firstDepth = r.metrics.firstStiffness = std::nullopt;
+    results.push_back(r);
+  }
+  return results;
+}
+
+}  // namespace
+
+TEST_CASE("query points are those of the paper", "[monte_carlo]") {
+  const StudyPlan plan = smallPlan(11, 1);
+  REQUIRE(plan.points() == 121);
+  for (int j = 0; j < 11; ++j)
+    for (int i = 0; i < 11; ++i) {
+      const Vec3 p = queryPoint(plan, static_cast<std::size_t>(11 * j + i));
+      CHECK(p == Vec3((5 * i - 25) / 1e3, (5 * j - 25) / 1e3, 0.0));
+    }
+  CHECK(queryPoint(smallPlan(1, 1), 0) == Vec3::Zero());
+}
+
+TEST_CASE("runs: every one once, forces uniform in 8 to 15 N and the same for every renderer", "[monte_carlo]") {
+  const StudyPlan plan = smallPlan(11, 20);
+  REQUIRE(plan.size() == 9680);
+  std::set<std::uint32_t> streams;
+  std::set<std::tuple<int, std::size_t, std::size_t, int>> seen;
+  double sum = 0.0, low = 1e9, high = 0.0;
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    const StudyRun run = runAt(plan, i);
+    seen.insert({run.scenario, run.column, run.point, run.run});
+    if (run.column == 0) {
+      streams.insert(run.stream);
+      sum += run.force;
+      low = std::min(low, run.force);
+      high = std::max(high, run.force);
+    } else {
+      const StudyRun other = runAt(plan, i - plan.points() * 20);
+      CHECK((other.column == 0 && other.force == run.force && other.stream == run.stream));
+    }
+  }
+  CHECK(seen.size() == plan.size());
+  CHECK(streams.size() == plan.size() / 2);
+  CHECK(low >= 8.0);
+  CHECK(high < 15.0);
+  // Five standard errors of the mean of 4840 uniform numbers.
+  CHECK(sum / 4840 == Approx(11.5).margin(5.0 * 7.0 / std::sqrt(12.0 * 4840)));
+  // More runs keep those that were there.
+  CHECK(runAt(smallPlan(11, 30), 30 * 7 + 3).force == runAt(plan, 20 * 7 + 3).force);
+}
+
+TEST_CASE("statistics agree with independent formulas", "[monte_carlo]") {
+  const StudyPlan plan = smallPlan(1, 9);
+  std::vector<StudyResult> runs = invented(plan);
+  runs.resize(9);  // scenario 1, first column
+  runs[2].metrics.firstStiffness = std::nullopt;
+  runs[2].metrics.firstDepth = std::nullopt;
+  runs[5].status = Status::unreachable;
+  runs[5].metrics = {};
+  const PointStatistics s = statisticsOf(runs);
+  CHECK(s.runs == 9);
+  CHECK(s.failed == 1);
+  CHECK(s.firstStiffness.count == 7);
+  CHECK(s.compliance.count == 8);
+  // Welford's recursion in long double, on another path.
+  long double mean = 0, squares = 0, overRms = 0;
+  int n = 0;
+  double largest = 0;
+  for (int i : {8, 7, 6, 4, 3, 2, 1, 0}) {
+    const PushMetrics& m = runs[static_cast<std::size_t>(i)].metrics;
+    largest = std::max(largest, m.largestDepth);
+    overRms += runs[static_cast<std::size_t>(i)].run.force / m.rmsDepth / 8.0L;
+    if (!m.firstStiffness) continue;
+    const long double d = *m.firstStiffness - mean;
+    mean += d / ++n;
+    squares += d * (*m.firstStiffness - mean);
+  }
+  CHECK(s.firstStiffness.mean == Approx(static_cast<double>(mean)).epsilon(1e-14));
+  CHECK(s.firstStiffness.deviation == Approx(std::sqrt(static_cast<double>(squares) / 6)).epsilon(1e-13));
+  CHECK(s.forceOverRms.mean == Approx(static_cast<double>(overRms)).epsilon(1e-14));
+  CHECK(s.largestDepth == largest);
+}
+
+TEST_CASE("K_zs is unresolved below two standard errors, and never zero or infinite", "[monte_carlo]") {
+  // Two values m +- d: deviation sqrt(2) d, standard error d.
+  CHECK_FALSE(statisticsOf(runsWith({1.99e-6 + 1e-6, 1.99e-6 - 1e-6})).steadyStiffness.has_value());
+  CHECK(statisticsOf(runsWith({2.01e-6 + 1e-6, 2.01e-6 - 1e-6})).steadyStiffness.value() ==
+        Approx(1.0 / 2.01e-6).epsilon(1e-12));
+  // A tool that is pushed out on the average has a negative compliance.
+  CHECK(statisticsOf(runsWith({-2e-6, -2.1e-6})).steadyStiffness.value() == Approx(1.0 / 2.05e-6).epsilon(1e-12));
+  CHECK_FALSE(statisticsOf(runsWith({0.0, 0.0})).steadyStiffness.has_value());
+  CHECK_FALSE(statisticsOf(runsWith({1e-6})).steadyStiffness.has_value());
+  CHECK(statisticsOf(runsWith({1e-6, 1e-6})).steadyStiffness.value() == Approx(1e6));
+}
+
+TEST_CASE("where every run failed there are no figures, and extremes do not see them", "[monte_carlo]") {
+  const StudyPlan plan = smallPlan(2, 3);
+  std::vector<StudyResult> results = invented(plan);
+  for (StudyResult& r : results)
+    if (r.run.column == 1 && r.run.point != 2) r.status = Status::singular;
+  const auto points = pointStatistics(plan, results);
+  REQUIRE(points.size() == 2 * 2 * 4);
+  for (const PointStatistics& p : points) {
+    const bool lost = p.column == 1 && p.point != 2;
+    CHECK(p.failed == (lost ? 3 : 0));
+    CHECK(std::isnan(p.compliance.mean) == lost);
+    CHECK(std::isnan(p.firstStiffness.mean) == (lost || p.scenario == 2));
+  }
+  const auto walls = summarise(plan, points);
+  REQUIRE(walls.size() == 4);
+  for (const WallSummary& w : walls) {
+    double low = 1e300, high = 0.0;
+    int unresolved = 0;
+    for (const PointStatistics& p : points) {
+      if (p.scenario != w.scenario || p.column != w.column) continue;
+      if (p.firstStiffness.mean < low) low = p.firstStiffness.mean;
+      if (p.firstStiffness.mean > high) high = p.firstStiffness.mean;
+      unresolved += !p.steadyStiffness;
+    }
+    CHECK(w.unresolved == unresolved);
+    CHECK(w.lowestFirst.has_value() == (w.scenario == 1));
+    if (!w.lowestFirst) continue;
+    CHECK(w.lowestFirst->value == low);
+    CHECK(w.highestFirst->value == high);
+    CHECK(w.failed == (w.column == 1 ? 9 : 0));
+    if (w.column == 1) CHECK(w.lowestFirst->point == 2);
+  }
+}
+
+TEST_CASE("the order of results does not depend on threads, and stopping leaves a prefix", "[monte_carlo]") {
+  for (const int threads : {1, 2, 7}) {
+    std::vector<int> worked(500, 0);
+    std::vector<std::size_t> order;
+    const std::size_t reached = parallelInOrder(
+        3, worked.size(), threads, [&](std::size_t i) { ++worked[i]; }, [&](std::size_t i) { order.push_back(i); },
+        [] { return false; });
+    CHECK(reached == worked.size());
+    REQUIRE(order.size() == 497);
+    for (std::size_t i = 0; i < order.size(); ++i) CHECK(order[i] == i + 3);
+    for (std::size_t i = 0; i < worked.size(); ++i) CHECK(worked[i] == (i < 3 ? 0 : 1));
+  }
+  std::atomic<std::size_t> done{0};
+  std::vector<std::size_t> order;
+  const std::size_t reached = parallelInOrder(
+      0, 10000, 2, [](std::size_t) {}, [&](std::size_t i) { order.push_back(i), done = i; },
+      [&] { return done >= 20; });
+  CHECK(reached == order.size());
+  CHECK(reached >= 20);
+  CHECK(reached < 10000);
+  for (std::size_t i = 0; i < order.size(); ++i) CHECK(order[i] == i);
+  // Indices at which it fails are never done; the exception arrives here.
+  CHECK_THROWS_WITH(parallelInOrder(
+                        0, 100, 2,
+                        [](std::size_t i) {
+                          if (i == 50) throw Error("fifty");
+                        },
+                        [](std::size_t) {}, [] { return false; }),
+                    "fifty");
+  CHECK_THROWS_WITH(parallelFor(1, 0, [](std::size_t) {}), "threads is 0, must be in 1 to 256");
+  CHECK_THROWS_WITH(parallelFor(1, 257, [](std::size_t) {}), "threads is 257, must be in 1 to 256");
+}
+
+TEST_CASE("runs have the same bits in any thread and order", "[monte_carlo]") {
+  const StudyPlan plan = smallPlan(2, 1);
+  std::vector<std::string> forward(plan.size()), backward(plan.size());
+  for (std::size_t i = 0; i < plan.size(); ++i) forward[i] = runLine(plan, performRun(plan, runAt(plan, i)));
+  parallelFor(plan.size(), 3, [&](std::size_t i) {
+    const std::size_t k = plan.size() - 1 - i;
+    backward[k] = runLine(plan, performRun(plan, runAt(plan, k)));
+  });
+  CHECK(forward == backward);
+  CHECK(std::set<std::string>(forward.begin(), forward.end()).size() == plan.size());
+}
+
+TEST_CASE("a file of runs survives being torn, and takes nobody else's runs", "[monte_carlo]") {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "runs.csv";
+  const StudyPlan plan = smallPlan(2, 3);
+  std::vector<StudyResult> results = invented(plan);
+  results[4].status = Status::unreachable;
+  const auto writeAll = [&](std::size_t first) {
+    RunFile file(plan, path, first > 0);
+    REQUIRE(file.finished() == first);
+    for (std::size_t i = first; i < results.size(); ++i) file.append(results[i]);
+  };
+  writeAll(0);
+  const std::string whole = test::readFile(path);
+  const std::vector<StudyResult> read = readRuns(plan, path);
+  REQUIRE(read.size() == results.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    CHECK(runLine(plan, read[i]) == runLine(plan, results[i]));  // exact, so the same statistics
+    CHECK(read[i].metrics.firstStiffness.has_value() == (results[i].metrics.firstStiffness.has_value() && i != 4));
+  }
+  // Torn anywhere, it goes on from the last whole line to the same bytes.
+  for (std::size_t length = 0; length < whole.size(); length += 97) {
+    test::writeFile(path, whole.substr(0, length));
+    const auto lines =
+        static_cast<std::size_t>(std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length), '\n'));
+    RunFile file(plan, path, true);
+    REQUIRE(file.finished() == (lines == 0 ? 0 : lines - 1));
+    for (std::size_t i = file.finished(); i < results.size(); ++i) file.append(results[i]);
+    REQUIRE(test::readFile(path) == whole);
+  }
+  // While one process writes, no other does.
+  {
+    RunFile file(plan, path, true);
+    CHECK_THROWS_WITH(RunFile(plan, path, true), Catch::Contains("does another study write it?"));
+    CHECK(test::readFile(path) == whole);
+  }
+  StudyPlan otherSeed = smallPlan(2, 3);
+  otherSeed.setup.seed = 2;
+  CHECK_THROWS_WITH(RunFile(otherSeed, path, true), Catch::Contains("runs.csv:2: is not run 0 of this study"));
+  CHECK_THROWS_WITH(RunFile(smallPlan(2, 1), path, true), Catch::Contains("is not run"));
+  CHECK(test::readFile(path) == whole);
+  const std::size_t second = whole.find('\n', whole.find('\n') + 1);
+  const auto damaged = [&](const std::string& text) {
+    test::writeFile(path, text);
+    return [&] { (void)readRuns(plan, path); };
+  };
+  CHECK_THROWS_WITH(damaged(whole + "1,position-control\n")(), Catch::Contains("more runs than this study has"));
+  CHECK_THROWS_WITH(damaged("a,b\n" + whole)(), Catch::Contains("runs.csv:1: is not the head"));
+  CHECK_THROWS_WITH(damaged(whole.substr(0, second) + ",1" + whole.substr(second))(),
+                    Catch::Contains("runs.csv:2: has the wrong number of columns"));
+  std::string letters = whole;
+  letters.replace(second - 1, 1, "x");
+  CHECK_THROWS_WITH(damaged(letters)(), Catch::Contains("is not a number"));
+}
+
+TEST_CASE("plans that cannot be run are refused", "[monte_carlo]") {
+  const auto refuse = [](auto change, const std::string& message) {
+    StudyPlan plan = smallPlan(3, 1);
+    change(plan);
+    CHECK_THROWS_WITH(checkStudy(plan), message);
+  };
+  refuse([](StudyPlan& p) { p.grid = 0; }, "grid is 0, must be in 1 to 101 query points a side");
+  refuse([](StudyPlan& p) { p.grid = 102; }, "grid is 102, must be in 1 to 101 query points a side");
+  refuse([](StudyPlan& p) { p.runs = 0; }, "runs is 0, must be in 1 to 10000 a query point");
+  refuse([](StudyPlan& p) { p.columns.clear(); }, "the study has no renderer");
+  refuse([](StudyPlan& p) { p.scenarios.clear(); }, "the study has no scenario");
+  refuse([](StudyPlan& p) { p.scenarios = {3}; }, "scenario is 3, must be 1 or 2");
+  refuse([](StudyPlan& p) { p.setup.delay = {2, 1}; }, "delay is 2..1, must be in 0 to 63 ticks, low first");
+  refuse([](StudyPlan& p) { p.halfWidth = 0.3; }, "query point (-300, -300) mm is unreachable");
+  CHECK_NOTHROW(checkStudy(smallPlan(3, 1)));
+}

@@ -1,0 +1,227 @@
+// `enamel study` as a user runs it. ENAMEL_LONG=1: the whole wall.
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/devices.hpp"
+
+using namespace enamel;
+using test::run;
+
+namespace {
+
+const bool kLong = std::getenv("ENAMEL_LONG") != nullptr;
+
+std::string study(const test::TemporaryFolder& folder, const std::string& name, const std::string& arguments) {
+  return "study --output '" + (folder / name) + "' " + arguments;
+}
+
+std::string file(const test::TemporaryFolder& folder, const std::string& name, const std::string& which) {
+  return test::readFile(folder / (name + "/" + which));
+}
+
+// Small, but with more runs than are under way at once.
+const std::string kSmall = "--renderers position-control --scenario 1 --grid 2 --runs 8 ";
+
+// Runs it and sends a signal once runs.csv has more than `bytes`.
+test::CommandResult interrupted(const std::string& arguments, const std::string& csv, int bytes, const char* signal) {
+  return test::runCommand("('" ENAMEL_TOOL "' " + arguments + " & tool=$!; while kill -0 $tool 2>/dev/null; do " +
+                          "size=$(cat '" + csv + "' 2>/dev/null | wc -c); if [ $size -gt " + std::to_string(bytes) +
+                          " ]; then kill -" + signal + " $tool; break; fi; sleep 0.02; done; wait $tool)");
+}
+
+}  // namespace
+
+TEST_CASE("study: the same bytes with one thread and two, interrupted and killed", "[study_command]") {
+  const test::TemporaryFolder folder;
+  REQUIRE(run(study(folder, "one", kSmall + "--threads 1")).status == 0);
+  const std::string runs = file(folder, "one", "runs.csv");
+  CHECK(std::count(runs.begin(), runs.end(), '\n') == 1 + 4 * 8);
+  const auto same = [&](const std::string& name) {
+    CHECK(file(folder, name, "runs.csv") == runs);
+    CHECK(file(folder, name, "points.csv") == file(folder, "one", "points.csv"));
+    CHECK(file(folder, name, "summary.json") == file(folder, "one", "summary.json"));
+  };
+  REQUIRE(run(study(folder, "two", kSmall + "--threads 2")).status == 0);
+  same("two");
+  REQUIRE(run(study(folder, "other", kSmall + "--seed 2")).status == 0);
+  CHECK(file(folder, "other", "runs.csv") != runs);
+
+  // Long enough that the signal arrives before the end on any machine.
+  const std::string longer = "--renderers position-control --scenario 1 --grid 3 --runs 30";
+  REQUIRE(run(study(folder, "whole", longer)).status == 0);
+  const std::string whole = file(folder, "whole", "runs.csv");
+  for (const char* signal : {"INT", "TERM", "KILL"}) {
+    const std::string name = std::string("cut-") + signal;
+    const auto cut = interrupted(study(folder, name, longer), folder / (name + "/runs.csv"), 8000, signal);
+    INFO(cut.output);
+    const std::string left = file(folder, name, "runs.csv");
+    REQUIRE(left.size() < whole.size());
+    CHECK(left == whole.substr(0, left.size()));
+    CHECK_FALSE(std::filesystem::exists(folder / (name + "/report.html")));
+    if (signal != std::string("KILL")) {
+      CHECK(cut.status == (signal == std::string("INT") ? 130 : 143));
+      CHECK(cut.output.find("--resume") != std::string::npos);
+      CHECK(left.back() == '\n');
+    }
+    // Forgetting --resume throws nothing away.
+    const auto forgotten = run(study(folder, name, longer));
+    CHECK(forgotten.status == 1);
+    CHECK(forgotten.output.find("holds an unfinished study") != std::string::npos);
+    CHECK(file(folder, name, "runs.csv") == left);
+    // Nor does another study go on in its place.
+    const auto mixed = run(study(folder, name, longer + " --resume --seed 9"));
+    CHECK(mixed.status == 1);
+    CHECK(mixed.output.find("holds another study: its seed is 1, here it is 9") != std::string::npos);
+    CHECK(file(folder, name, "runs.csv") == left);
+    // A torn line is cut off.
+    test::writeFile(folder / (name + "/runs.csv"), left + "1,position-con");
+    REQUIRE(run(study(folder, name, longer + " --resume --threads 1")).status == 0);
+    CHECK(file(folder, name, "runs.csv") == whole);
+    CHECK(std::filesystem::exists(folder / (name + "/report.html")));
+  }
+  // A finished one may be resumed, or done again.
+  REQUIRE(run(study(folder, "two", kSmall + "--resume")).status == 0);
+  same("two");
+  REQUIRE(run(study(folder, "two", kSmall)).status == 0);
+  same("two");
+}
+
+TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_command]") {
+  const test::TemporaryFolder folder;
+  const std::string size = kLong ? "--grid 11 --runs 20" : "--grid 3 --runs 3";
+  const auto result = run(study(folder, "all", size));
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  const auto summary = nlohmann::json::parse(file(folder, "all", "summary.json"));
+  REQUIRE(summary.at("claims").size() == 5);
+  for (const auto& claim : summary.at("claims")) {
+    INFO(claim.dump());
+    CHECK(claim.at("holds").get<bool>());
+  }
+  REQUIRE(summary.at("walls").size() == 6);
+  for (const auto& wall : summary.at("walls")) {
+    CHECK(wall.at("runs that left the workspace") == 0);
+    CHECK(wall.at("lowest K_z1 [N/m]").is_null() == (wall.at("scenario") == 2));
+    if (wall.at("renderer") == "impedance") {
+      CHECK(wall.at("points with K_zs unresolved") == 0);
+      CHECK(wall.at("lowest K_zs [N/m]").at("value").get<double>() == Approx(6000.0).epsilon(0.02));
+    }
+  }
+  for (const char* name : {"runs.csv", "points.csv"}) {
+    const std::string text = file(folder, "all", name);
+    CHECK(text.find("inf") == std::string::npos);
+    CHECK(text.find("nan") == std::string::npos);
+  }
+  // The report stands alone.
+  const std::string report = file(folder, "all", "report.html");
+  CHECK(report.find("http") == std::string::npos);
+  CHECK(report.find("17 174") != std::string::npos);
+  CHECK(report.find("not met") != std::string::npos);
+  CHECK(report.find("no joint saturates") != std::string::npos);
+  CHECK(report.find("it is the default") != std::string::npos);
+}
+
+TEST_CASE("study: encoders, delay and a design on another device make other studies", "[study_command]") {
+  const test::TemporaryFolder folder;
+  const std::string tiny = "--renderers position-control --scenario 1 --grid 1 --runs 2 ";
+  REQUIRE(run(study(folder, "plain", tiny)).status == 0);
+  const std::string detailed = test::deviceFile("tau-detailed.toml");
+  for (const std::string& other : {std::string("--encoders"), std::string("--delay constant:1"),
+                                   "--design-device '" + detailed + "'", "--device '" + detailed + "'"}) {
+    const std::string name = "other" + std::to_string(other.size());
+    INFO(other);
+    REQUIRE(run(study(folder, name, tiny + other)).status == 0);
+    CHECK(file(folder, name, "runs.csv") != file(folder, "plain", "runs.csv"));
+    CHECK(file(folder, name, "study.json") != file(folder, "plain", "study.json"));
+  }
+  // The built-in device is the shipped one.
+  REQUIRE(run(study(folder, "named", tiny + "--device '" + test::deviceFile("tau-nominal.toml") + "'")).status == 0);
+  CHECK(file(folder, "named", "runs.csv") == file(folder, "plain", "runs.csv"));
+}
+
+TEST_CASE("study: runs that the plant cannot finish are lost, not numbers", "[study_command]") {
+  const test::TemporaryFolder folder;
+  // The paper's gains are unstable at a constant delay of 8 ticks.
+  const auto result =
+      run(study(folder, "late", "--renderers position-control --scenario 1 --grid 1 --runs 2 --delay constant:8"));
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  const auto summary = nlohmann::json::parse(file(folder, "late", "summary.json"));
+  for (const auto& claim : summary.at("claims")) CHECK_FALSE(claim.at("holds").get<bool>());
+  const std::string points = file(folder, "late", "points.csv");
+  CHECK(points.find("inf") == std::string::npos);
+  CHECK(points.find("nan") == std::string::npos);
+}
+
+TEST_CASE("study: errors are one line, before any run", "[study_command]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "broken.toml", "name = \"x\"\n[[chain]]\nbase = 3\n");
+  test::writeFile(folder / "plain-file", "");
+  const std::string output = "--output '" + (folder / "never") + "' ";
+  for (const std::string& arguments :
+       {output + "--renderers rubber", output + "--renderers impedance,impedance", output + "--grid 0",
+        output + "--grid 500", output + "--runs 0", output + "--scenario 3", output + "--scenario 1,1",
+        output + "--threads -1", output + "--threads 1000", output + "--delay often", output + "--delay constant:99",
+        output + "--seed x", output + "--device none.toml", output + "--device '" + (folder / "broken.toml") + "'",
+        output + "--design-device '" + (folder / "broken.toml") + "'", std::string("--grid 3"),
+        "--output '" + (folder / "plain-file") + "'", "--output '" + (folder / "plain-file") + "/below'",
+        std::string("--output /proc/no-such-folder")}) {
+    const auto result = run("study " + arguments);
+    INFO(arguments << "\n" << result.output);
+    CHECK(result.status != 0);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+    CHECK(result.output.rfind("enamel: ", 0) == 0);
+    CHECK_FALSE(std::filesystem::exists(folder / "never/runs.csv"));
+  }
+  if (geteuid() != 0) {  // root may write anywhere
+    std::filesystem::create_directory(folder / "locked");
+    std::filesystem::permissions(folder / "locked", std::filesystem::perms::owner_read);
+    CHECK(run(study(folder, "locked", kSmall)).output.find("cannot write into the folder") != std::string::npos);
+  }
+}
+
+TEST_CASE("study: a full disk ends it with one line, and it can go on", "[study_command]") {
+  const test::TemporaryFolder folder;
+  REQUIRE(run(study(folder, "whole", kSmall)).status == 0);
+  // A limit on the size of files stands for the disk: 8 blocks of 512 bytes, or of 1024 where sh is bash.
+  const auto full = test::runCommand("ulimit -f 8; '" ENAMEL_TOOL "' " + study(folder, "full", kSmall));
+  INFO(full.output);
+  CHECK(full.status == 1);
+  CHECK(full.output.find("runs.csv: cannot write the file: ") != std::string::npos);
+  const std::string left = file(folder, "full", "runs.csv"), whole = file(folder, "whole", "runs.csv");
+  CHECK(left.size() <= 8192);
+  CHECK(left == whole.substr(0, left.size()));
+  REQUIRE(run(study(folder, "full", kSmall + "--resume")).status == 0);
+  CHECK(file(folder, "full", "runs.csv") == whole);
+}
+
+TEST_CASE("study: without the program that draws, the report has no figures and says so", "[study_command]") {
+  const test::TemporaryFolder folder;
+  std::filesystem::copy_file(ENAMEL_TOOL, folder / "enamel");
+  const auto result =
+      test::runCommand("'" + (folder / "enamel") + "' " +
+                       study(folder, "bare", "--renderers position-control --scenario 1 --grid 1 --runs 1"));
+  INFO(result.output);
+  CHECK(result.status == 0);
+  CHECK(result.output.find("the report is without figures: enamel-figures is not there") != std::string::npos);
+  const std::string report = file(folder, "bare", "report.html");
+  CHECK(report.find("Without figures: enamel-figures is not there") != std::string::npos);
+  CHECK(report.find("<img") == std::string::npos);
+}
+
+TEST_CASE("study: convergence finds the default", "[study_command]") {
+  const test::TemporaryFolder folder;
+  const auto result = run(study(folder, "speed", "--convergence --renderers position-control,impedance --grid 3"));
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  CHECK(result.output.find("is Runge-Kutta 4 with 1 step a tick") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(folder / "speed/runs.csv"));
+  const std::string table = file(folder, "speed", "convergence.csv");
+  CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 3 * 4);
+  CHECK(file(folder, "speed", "convergence.html").find("Speed against error") != std::string::npos);
+}
