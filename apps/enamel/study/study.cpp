@@ -244,18 +244,22 @@ std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistic
                          pointText(study, servo.lowestFirst->point), wall.highestFirst->value,
                          pointText(study, wall.highestFirst->point)),
              servo.lowestFirst->value > wall.highestFirst->value && servo.withoutFirst == 0 && servo.failed == 0});
-      std::size_t below = 0, worst = 0;
+      std::size_t below = 0, worst = 0, lost = 0;
       double worstRatio = -1.0;
       for (std::size_t p = 0; p < count; ++p) {
         const double ratio =
             std::abs(pointAt(s, hold, p).compliance.mean) / std::abs(pointAt(s, spring, p).compliance.mean);
         below += ratio < 1.0;
-        if (!(ratio <= worstRatio)) worst = p, worstRatio = ratio;
+        lost += !std::isfinite(ratio);
+        if (ratio > worstRatio) worst = p, worstRatio = ratio;
       }
       claims.push_back(
           {fmt::format("scenario {}: |mean C_zs| of position control is below that of impedance", scenario),
-           fmt::format("at {} of {} query points; nearest at {} mm: {:.3g} of it", below, count,
-                       pointText(study, worst), worstRatio),
+           fmt::format("at {} of {} query points{}{}", below, count,
+                       worstRatio < 0.0
+                           ? ""
+                           : fmt::format("; nearest at {} mm: {:.3g} of it", pointText(study, worst), worstRatio),
+                       lost > 0 ? fmt::format("; at {} no run could be finished", lost) : ""),
            below == count});
     }
     if (hold < columns) {
