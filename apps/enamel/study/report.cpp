@@ -256,6 +256,8 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
         fmt::format("<b>Impedance.</b> {}: uniformity {} without noise; the first impact "
                     "reaches {} of the "
                     "{:.0f} N/m that are rendered, because the tool overshoots.",
+                    uniformityOf(findings.survey[spring]) < 0.05 ? "As in the paper the map is flat"
+                                                                 : "Other than in the paper the map is not flat",
                     percent(uniformityOf(findings.survey[spring])),
                     percent(spreadOf(k).mean / study.impedance.stiffness, 0), study.impedance.stiffness));
   }
