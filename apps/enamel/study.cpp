@@ -1,5 +1,3 @@
-#include "study/report.hpp"
-
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <signal.h>  // sigaction is not in <csignal>
@@ -19,6 +17,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
+#include "study/report.hpp"
 
 namespace enamel::app {
 namespace {
@@ -257,10 +256,11 @@ void addStudy(CLI::App& app) {
       ->check(CLI::IsMember({1, 2}))
       ->capture_default_str();
   command
-      ->add_option("--renderers", options->renderers,
-                   "separated by commas; position-control-scheduled: the servo designed at every query point")
+      ->add_option(
+          "--renderers", options->renderers,
+          "separated by commas; position-control-scheduled: the servo designed at every query point; also names "
+          "and paths of plugins")
       ->delimiter(',')
-      ->check(CLI::IsMember({kPositionControl, kImpedance, kScheduled}))
       ->capture_default_str();
   command->add_option("--runs", options->runs, "a query point")->capture_default_str();
   command->add_option("--grid", options->grid, "query points a side of the 50 mm square")->capture_default_str();

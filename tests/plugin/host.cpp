@@ -99,6 +99,18 @@ TEST_CASE("a push through a plugin writes the same file as the linked renderer",
   CHECK_THAT(unknown.output, Contains("unknown parameter: brains"));
 }
 
+TEST_CASE("a small study through plugins writes the same runs as the linked renderers", "[plugin]") {
+  const test::TemporaryFolder folder;
+  const std::string common = "study --grid 2 --runs 2 --scenario 1,2 --delay random:0..1 --seed 3 --output '";
+  REQUIRE(test::run(common + (folder / "linked") + "' --renderers position-control,impedance").status == 0);
+  REQUIRE(test::run(common + (folder / "plugins") + "' --renderers " ENAMEL_PLUGINS "/enamel_position_control.so," +
+                    ENAMEL_PLUGINS "/enamel_impedance.so")
+              .status == 0);
+  const std::string linked = test::readFile(folder / "linked/runs.csv");
+  CHECK(std::count(linked.begin(), linked.end(), '\n') == 2 * 2 * 4 * 2 + 1);
+  CHECK(linked == test::readFile(folder / "plugins/runs.csv"));
+}
+
 TEST_CASE("a plugin's errors arrive with file and reason", "[plugin]") {
   const auto impedance = library("impedance");
   CHECK_THROWS_WITH(makeRenderer(impedance, {}), Contains("configure() failed") && Contains("device: is missing"));

@@ -87,9 +87,19 @@ Study prepareStudy(const StudyOptions& options) {
   plan.setup.encoders.quantised = options.encoders;
   plan.setup.encoders.rates = options.encoders ? RateSource::difference : RateSource::exact;
 
-  for (const std::string& name : options.renderers) {
-    if (study.column(name) < plan.columns.size()) throw Error("--renderers names " + name + " twice");
-    plan.columns.push_back({name, plantFor(name, study.device, study.impedance), {}});
+  PluginSetup pluginSetup;
+  pluginSetup.devicePath = options.designDevice.empty() ? options.device : options.designDevice;
+  if (pluginSetup.devicePath.empty()) pluginSetup.deviceText = bench::nominalDeviceText();
+  Json plugins = Json::object();
+  for (const std::string& text : options.renderers) {
+    const RendererSource source = text == kScheduled ? RendererSource{text, nullptr} : findRenderer(text);
+    if (study.column(source.name) < plan.columns.size()) throw Error("--renderers names " + source.name + " twice");
+    plan.columns.push_back({source.name, plantFor(source.name, study.device, study.impedance), {}});
+    if (!source.plugin) continue;
+    plugins[source.name] = source.plugin->description().version;
+    plan.columns.back().make = [plugin = source.plugin, pluginSetup](std::size_t) {
+      return makeRenderer(plugin, pluginSetup);
+    };
   }
   for (std::size_t i = 0; i < options.scenarios.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
@@ -103,6 +113,7 @@ Study prepareStudy(const StudyOptions& options) {
   study.home = designServo(study.designModel, Pose{}, period);
   Json gainHashes;
   for (StudyColumn& column : plan.columns) {
+    if (column.make) continue;  // a plugin
     if (column.name == kImpedance) {
       column.make = [model = study.designModel, impedance = study.impedance](std::size_t) {
         return std::make_unique<ImpedanceRenderer>(model, impedance);
@@ -126,7 +137,8 @@ Study prepareStudy(const StudyOptions& options) {
   Json& m = study.manifest;
   m["enamel"] = ENAMEL_VERSION;
   m["scenarios"] = plan.scenarios;
-  m["renderers"] = options.renderers;
+  for (const StudyColumn& column : plan.columns) m["renderers"].push_back(column.name);
+  if (!plugins.empty()) m["plugins"] = plugins;
   m["grid"] = plan.grid;
   m["runs"] = plan.runs;
   m["seed"] = setup.seed;
