@@ -1,5 +1,3 @@
-#include "study/report.hpp"
-
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <signal.h>  // sigaction is not in <csignal>
@@ -19,6 +17,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
+#include "study/report.hpp"
 
 namespace enamel::app {
 namespace {
@@ -270,6 +269,8 @@ void addStudy(CLI::App& app) {
   command->add_option("--delay", options->delay, "of the command, ticks: none, constant:D or random:A..B")
       ->capture_default_str();
   command->add_flag("--encoders", options->encoders, "round the joint angles to encoder counts, difference the rates");
+  command->add_flag("--release", options->release,
+                    "the hold ends when the wall would pull, as in enamel push; without it never, as in the paper");
   command->add_option("--seed", options->seed, "of everything random")->capture_default_str();
   command->add_option("--threads", options->threads, "without it, one a core; the result does not depend on it");
   command->add_flag("--convergence", options->convergence, "measure speed against error of the integration only");
