@@ -131,9 +131,8 @@ TEST_CASE("study: encoders, delay and a design on another device make other stud
   const std::string tiny = "--renderers position-control --scenario 1 --grid 1 --runs 2 ";
   REQUIRE(run(study(folder, "plain", tiny)).status == 0);
   const std::string detailed = test::deviceFile("tau-detailed.toml");
-  for (const std::string& other :
-       {std::string("--encoders"), std::string("--release"), std::string("--delay constant:1"),
-        "--design-device '" + detailed + "'", "--device '" + detailed + "'"}) {
+  for (const std::string& other : {std::string("--encoders"), std::string("--delay constant:1"),
+                                   "--design-device '" + detailed + "'", "--device '" + detailed + "'"}) {
     const std::string name = "other" + std::to_string(other.size());
     INFO(other);
     REQUIRE(run(study(folder, name, tiny + other)).status == 0);
