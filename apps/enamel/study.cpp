@@ -270,6 +270,8 @@ void addStudy(CLI::App& app) {
   command->add_option("--delay", options->delay, "of the command, ticks: none, constant:D or random:A..B")
       ->capture_default_str();
   command->add_flag("--encoders", options->encoders, "round the joint angles to encoder counts, difference the rates");
+  command->add_flag("--release", options->release,
+                    "the hold ends when the wall would pull, as in enamel push; without it never, as in the paper");
   command->add_option("--seed", options->seed, "of everything random")->capture_default_str();
   command->add_option("--threads", options->threads, "without it, one a core; the result does not depend on it");
   command->add_flag("--convergence", options->convergence, "measure speed against error of the integration only");

@@ -127,9 +127,10 @@ Study prepareStudy(const StudyOptions& options) {
       gains[point] = column.name == kScheduled ? designServo(study.designModel, pose, period).K : study.home.K;
     });
     gainHashes[column.name] = hashOf(gains);
-    column.make = [model = study.designModel, gains = std::move(gains), period](std::size_t point) {
-      return std::make_unique<PositionControlRenderer>(model, gains[gains.size() > 1 ? point : 0], period,
-                                                       PositionControlOptions{});
+    PositionControlOptions servo;
+    servo.release = options.release;
+    column.make = [model = study.designModel, gains = std::move(gains), period, servo](std::size_t point) {
+      return std::make_unique<PositionControlRenderer>(model, gains[gains.size() > 1 ? point : 0], period, servo);
     };
   }
 
@@ -148,6 +149,7 @@ Study prepareStudy(const StudyOptions& options) {
   m["period [s]"] = setup.period;
   m["duration [s]"] = setup.duration;
   m["noise [N]"] = setup.person.noise;
+  m["release"] = options.release;
   m["guide"] = setup.person.guide;
   m["F_c [N]"] = {plan.lowestForce, plan.highestForce};
   m["half width [m]"] = plan.halfWidth;

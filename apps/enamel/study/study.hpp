@@ -22,6 +22,7 @@ struct StudyOptions {
   int runs = 20, grid = 11, threads = 0;
   std::uint64_t seed = 1;
   bool encoders = false, resume = false, convergence = false;
+  bool release = false;  ///< the hold ends when the wall would pull; the paper's never does
 };
 
 struct Study {
