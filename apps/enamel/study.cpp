@@ -262,6 +262,7 @@ void addStudy(CLI::App& app) {
           "and paths of plugins")
       ->delimiter(',')
       ->capture_default_str();
+  command->add_option("--set", options->set, "parameter of the plugins that have it, KEY=VALUE");
   command->add_option("--runs", options->runs, "a query point")->capture_default_str();
   command->add_option("--grid", options->grid, "query points a side of the 50 mm square")->capture_default_str();
   command->add_option("--device", options->device, "device file (TOML); without it, the nominal device");

@@ -10,6 +10,7 @@
 #include "bench/nominal_device.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/study/parallel.hpp"
+#include "plugin_folder.hpp"
 
 namespace enamel::app {
 namespace {
@@ -90,17 +91,27 @@ Study prepareStudy(const StudyOptions& options) {
   PluginSetup pluginSetup;
   pluginSetup.devicePath = options.designDevice.empty() ? options.device : options.designDevice;
   if (pluginSetup.devicePath.empty()) pluginSetup.deviceText = bench::nominalDeviceText();
+  const std::map<std::string, std::string> parameters = parseParameters(options.set);
+  std::map<std::string, std::string> unused = parameters;
   Json plugins = Json::object();
   for (const std::string& text : options.renderers) {
     const RendererSource source = text == kScheduled ? RendererSource{text, nullptr} : findRenderer(text);
     if (study.column(source.name) < plan.columns.size()) throw Error("--renderers names " + source.name + " twice");
     plan.columns.push_back({source.name, plantFor(source.name, study.device, study.impedance), {}});
     if (!source.plugin) continue;
-    plugins[source.name] = source.plugin->description().version;
+    const EnamelDescription& description = source.plugin->description();
+    pluginSetup.parameters.clear();
+    for (std::size_t i = 0; i < description.parameter_count; ++i)
+      if (const auto set = parameters.find(description.parameters[i].key); set != parameters.end()) {
+        pluginSetup.parameters.insert(*set);
+        unused.erase(set->first);
+      }
+    plugins[source.name] = {{"version", description.version}, {"parameters", pluginSetup.parameters}};
     plan.columns.back().make = [plugin = source.plugin, pluginSetup](std::size_t) {
       return makeRenderer(plugin, pluginSetup);
     };
   }
+  if (!unused.empty()) throw Error("--set gives " + unused.begin()->first + ", which no plugin of --renderers has");
   for (std::size_t i = 0; i < options.scenarios.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (options.scenarios[i] == options.scenarios[j])

@@ -17,6 +17,7 @@ inline constexpr const char* kScheduled = "position-control-scheduled";
 
 struct StudyOptions {
   std::string device, designDevice, output, delay = "none";
+  std::vector<std::string> set;  ///< parameters of plugins
   std::vector<int> scenarios = {1, 2};
   std::vector<std::string> renderers = {kPositionControl, kImpedance, kScheduled};
   int runs = 20, grid = 11, threads = 0;
