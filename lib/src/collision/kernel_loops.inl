@@ -1,5 +1,5 @@
 // The search loops, written on a vector `V` of 16 floats that the including file defines together with
-// load, store, set, sub, mul, mad, maximum, minimum, smallest, lessOrEqualMask, selectGreater and
+// load, store, set, add, sub, mul, mad, maximum, minimum, smallest, lessOrEqualMask, selectGreater and
 // compress (the lanes of a mask to consecutive floats; up to 16 are written). Everything has internal
 // linkage.
 
@@ -112,15 +112,11 @@ static inline V boxBounds(const float* low, const float* high, int stride, V x, 
   return mad(dx, dx, mad(dy, dy, mul(dz, dz)));
 }
 
-// Squared distances of the 16 triangles of a leaf: to the plane where the point lies over the triangle, else to the
-// nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
-static inline V leafDistances(const Leaf* leaf, V x, V y, V z, V* height) {
-  V f[3];
-  for (int i = 0; i < 3; ++i)
-    f[i] = mad(load(leaf->axis[i][0]), x,
-               mad(load(leaf->axis[i][1]), y, mad(load(leaf->axis[i][2]), z, load(leaf->offset[i]))));
+// Squared distances of the 16 triangles of a leaf from points in their frames: to the plane where the point lies over
+// the triangle, else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over
+// the plane).
+static inline V frameDistances(const Leaf* leaf, V u, V v, V h) {
   const V zero = set(0.0f);
-  const V u = f[0], v = f[1], h = f[2];
   const V beyond = sub(u, load(leaf->length[0]));
   const V c1 = load(leaf->cosine[0]), s1 = load(leaf->sine[0]), c2 = load(leaf->cosine[1]), s2 = load(leaf->sine[1]);
   // Across: positive outside. Along: from the start of the edge.
@@ -135,8 +131,16 @@ static inline V leafDistances(const Leaf* leaf, V x, V y, V z, V* height) {
   const V edge2 = mad(across2, across2, mul(end2, end2));
   const V edges = minimum(minimum(edge0, edge1), edge2);
   const V out = maximum(maximum(across0, across1), across2);
-  *height = h;
   return mad(h, h, selectGreater(out, load(leaf->inside), edges, zero));
+}
+
+static inline V leafDistances(const Leaf* leaf, V x, V y, V z, V* height) {
+  V f[3];
+  for (int i = 0; i < 3; ++i)
+    f[i] = mad(load(leaf->axis[i][0]), x,
+               mad(load(leaf->axis[i][1]), y, mad(load(leaf->axis[i][2]), z, load(leaf->offset[i]))));
+  *height = f[2];
+  return frameDistances(leaf, f[0], f[1], f[2]);
 }
 
 static inline V leafDistances(const Leaf* leaf, V x, V y, V z) {
@@ -573,6 +577,169 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
     }
     unsigned mask = lessOrEqualMask(squared, set(limitOf(reach * mesh.scale, slack)));
     for (; mask != 0; mask &= mask - 1) stack[top++] = node->child[__builtin_ctz(mask)];
+  }
+}
+
+// A segment in local coordinates: start, unit direction, length.
+struct Ray {
+  V start[3], way[3], length;
+};
+
+static inline V between(V x, V low, V high) { return maximum(minimum(x, high), low); }
+
+// Squared distances of boxes |f| <= half from a segment that is given in their frames. What is nearest to a point of the
+// box is the foot of that point, so only the feet of the box count; their bounding box is taken.
+static inline V pieceBounds(const V* start, const V* way, const V* half, V length) {
+  const V zero = set(0.0f);
+  V foot = zero, extent = zero;
+  for (int k = 0; k < 3; ++k) {
+    foot = mad(start[k], way[k], foot);
+    extent = mad(maximum(way[k], sub(zero, way[k])), half[k], extent);
+  }
+  const V first = between(sub(sub(zero, foot), extent), zero, length);
+  const V last = between(sub(extent, foot), zero, length);
+  V squared = zero;
+  for (int k = 0; k < 3; ++k) {
+    const V a = mad(way[k], first, start[k]), b = mad(way[k], last, start[k]);
+    const V d = maximum(sub(maximum(minimum(a, b), sub(zero, maximum(a, b))), half[k]), zero);
+    squared = mad(d, d, squared);
+  }
+  return squared;
+}
+
+static inline V segmentBounds(const Node* node, const Ray* ray) {
+  const V middle = set(0.5f), empty = set(-1e25f);  // its square is infinite
+  V start[3], half[3];
+  for (int k = 0; k < 3; ++k) {
+    const V low = load(node->low[k]), high = load(node->high[k]);
+    half[k] = maximum(mul(sub(high, low), middle), empty);
+    start[k] = sub(ray->start[k], mul(add(high, low), middle));
+  }
+  return pieceBounds(start, ray->way, half, ray->length);
+}
+
+static inline V segmentBounds(const LeafBoxes* boxes, const Ray* ray) {
+  V start[3], way[3], half[3];
+  for (int i = 0; i < 3; ++i) {
+    const V x = load(boxes->row[3 * i]), y = load(boxes->row[3 * i + 1]), z = load(boxes->row[3 * i + 2]);
+    start[i] = mad(x, ray->start[0], mad(y, ray->start[1], mad(z, ray->start[2], load(boxes->row[9 + i]))));
+    way[i] = mad(x, ray->way[0], mad(y, ray->way[1], mul(z, ray->way[2])));
+    half[i] = load(boxes->row[12 + i]);
+  }
+  return pieceBounds(start, way, half, ray->length);
+}
+
+// Distances of the triangles of a leaf from the middle of their feet on the segment, squared, and half the way between
+// the feet: the segment is nearer by no more than that.
+static inline V segmentDistances(const Leaf* leaf, const Ray* ray, V* halfWay) {
+  const V zero = set(0.0f), half = set(0.5f);
+  V start[3], way[3];
+  for (int i = 0; i < 3; ++i) {
+    const V x = load(leaf->axis[i][0]), y = load(leaf->axis[i][1]), z = load(leaf->axis[i][2]);
+    start[i] = mad(x, ray->start[0], mad(y, ray->start[1], mad(z, ray->start[2], load(leaf->offset[i]))));
+    way[i] = mad(x, ray->way[0], mad(y, ray->way[1], mul(z, ray->way[2])));
+  }
+  const V a = sub(zero, mad(start[0], way[0], mad(start[1], way[1], mul(start[2], way[2]))));
+  const V b = mad(load(leaf->length[0]), way[0], a);
+  const V c = mad(load(leaf->length[2]), mad(load(leaf->cosine[1]), way[0], mul(load(leaf->sine[1]), way[1])), a);
+  const V first = between(minimum(minimum(a, b), c), zero, ray->length);
+  const V last = between(maximum(maximum(a, b), c), zero, ray->length);
+  const V at = mul(add(first, last), half);
+  *halfWay = mul(sub(last, first), half);
+  return frameDistances(leaf, mad(way[0], at, start[0]), mad(way[1], at, start[1]), mad(way[2], at, start[2]));
+}
+
+static double visitSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visitor,
+                           void* context) {
+  double a[3], way[3], size = 2.0 * mesh.extent, farthest = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    a[k] = (from[k] - mesh.centre[k]) * mesh.scale;
+    const double b = (to[k] - mesh.centre[k]) * mesh.scale;
+    way[k] = b - a[k];
+    size += absolute(a[k]) + absolute(b);
+    if (!(absolute(a[k]) + absolute(b) <= farthest)) farthest = absolute(a[k]) + absolute(b);
+  }
+  if (!(farthest < kFar)) {
+    if (visitor == nullptr) return 0.0;
+    visit(mesh, from, to, reach, visitor, context);
+    return 0.0;
+  }
+  const double slack = 2.0 * kBoundError * size;  // more roundings than for a point
+  const double length = __builtin_sqrt(dot(way, way));
+  Ray ray;
+  for (int k = 0; k < 3; ++k) {
+    ray.start[k] = set(static_cast<float>(a[k]));
+    ray.way[k] = set(length > 0.0 ? static_cast<float>(way[k] / length) : 0.0f);
+  }
+  ray.length = set(static_cast<float>(length));
+  Entry stack[kStackSize];
+  int top = 0;
+  int32_t current = mesh.root;
+  const double least = slack / mesh.scale;
+  float limit = limitOf(reach * mesh.scale, slack);
+  for (;;) {
+    if (current < 0) {
+      V halfWay;
+      const V d = segmentDistances(mesh.leaves + ~current, &ray, &halfWay);
+      float root = __builtin_sqrtf(limit) * 1.000001f;
+      const V most = add(halfWay, set(root));
+      unsigned mask = lessOrEqualMask(d, mul(most, most));
+      if (mask != 0) {
+        float squared[kWidth], half[kWidth], nearest = 3.4e38f;
+        store(squared, d);
+        store(half, halfWay);
+        int first = 0;
+        for (unsigned m = mask; m != 0; m &= m - 1) {
+          const int lane = __builtin_ctz(m);
+          squared[lane] = __builtin_sqrtf(squared[lane]) - half[lane];
+          if (squared[lane] < nearest) {
+            nearest = squared[lane];
+            first = lane;
+          }
+        }
+        if (visitor == nullptr) {
+          const double bound = static_cast<double>(nearest) / mesh.scale - least;
+          if (bound < reach) reach = bound > 0.0 ? bound : 0.0;
+          limit = limitOf(reach * mesh.scale, slack);
+          if (!(reach > 0.0)) return 0.0;
+        } else {
+          for (int lane = first; mask != 0; lane = __builtin_ctz(mask | 0x10000u)) {
+            mask &= ~(1u << lane);
+            const int32_t slot = ~current * kWidth + lane;
+            if (!(squared[lane] <= root) || mesh.triangles[slot].index < 0) continue;
+            const double now = visitor(context, slot, reach);
+            if (!(now < reach)) continue;
+            reach = now;
+            limit = limitOf(reach * mesh.scale, slack);
+            root = __builtin_sqrtf(limit) * 1.000001f;
+          }
+        }
+      }
+    } else {
+      const Node* node = mesh.nodes + (current & kNumber);
+      V b = segmentBounds(node, &ray);
+      unsigned mask = lessOrEqualMask(b, set(limit));
+      if (mask != 0 && (current & kHasLeaves) != 0) {
+        b = maximum(b, segmentBounds(mesh.boxes + (current & kNumber), &ray));
+        mask &= lessOrEqualMask(b, set(limit));
+      }
+      float bounds[kWidth];
+      store(bounds, b);
+      const int bottom = top;
+      for (; mask != 0; mask &= mask - 1) {
+        const int lane = __builtin_ctz(mask);
+        const float bound = bounds[lane];
+        int place = top++;
+        for (; place > bottom && stack[place - 1].bound < bound; --place) stack[place] = stack[place - 1];
+        stack[place].bound = bound;
+        stack[place].child = node->child[lane];
+      }
+    }
+    do {
+      if (top == 0) return reach;
+      --top;
+    } while (!(stack[top].bound <= limit));
+    current = stack[top].child;
   }
 }
 

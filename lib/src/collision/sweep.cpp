@@ -17,7 +17,7 @@ constexpr int kMostNewtonSteps = 64;
 constexpr int kMostAdvances = 1024;
 constexpr int kPickPieces = 32;
 constexpr int kMostBounds = 8;
-constexpr double kMostPieces = 16.0;  // of a segment
+constexpr double kFarSizes = 8.0;
 
 Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
 
@@ -225,35 +225,23 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
     s.best.status = Status::notFinite;
     return s.best;
   }
-  // Points of the segment bound the distance; going to and fro between the mesh and the segment tightens the bound.
+  // Far away the boxes say little: points of the segment bound the distance, from near the mesh on to and fro.
   double reach = limit;
-  const Vec3 along = segment.b - segment.a;
+  const Vec3 along = segment.b - segment.a, centre(s.data->view.centre[0], s.data->view.centre[1], s.data->view.centre[2]);
   const double square = along.squaredNorm();
-  const auto bound = [&](double t) {
-    const SurfacePoint near = closestPoint(model, segment.a + t * along, nullptr, reach);
-    if (near.triangle < 0) return -1.0;
-    reach = std::min(reach, near.distance * (1.0 + 1e-12) + 1e-15 * s.data->size);
-    return square > 0.0 ? std::clamp((near.point - segment.a).dot(along) / square, 0.0, 1.0) : -1.0;
+  const auto foot = [&](const Vec3& p) {
+    return square > 0.0 ? std::clamp((p - segment.a).dot(along) / square, 0.0, 1.0) : 0.0;
   };
-  double next = -1.0;
-  for (const double t : {0.0, 1.0, 0.5, 0.25, 0.75}) {
-    const double better = bound(t);
-    if (better >= 0.0) next = better;
+  if (std::max((segment.a - centre).norm(), (segment.b - centre).norm()) > kFarSizes * s.data->size) {
+    double t = foot(centre);
+    for (int pass = 0; pass < kMostBounds; ++pass) {
+      const SurfacePoint near = closestPoint(model, segment.a + t * along, nullptr, reach);
+      if (near.triangle < 0) break;
+      reach = std::min(reach, near.distance * (1.0 + 1e-12) + 1e-15 * s.data->size);
+      t = foot(near.point);
+    }
   }
-  for (int pass = 0; pass < kMostBounds && next >= 0.0; ++pass) {
-    const double before = reach;
-    next = bound(next);
-    if (reach > 0.999 * before) break;
-  }
-  if (reach > 1e150) return s.best;  // nothing left of the mesh
-  // Short pieces have small boxes.
-  const Vec3 way = segment.b - segment.a;
-  const double pieces = std::clamp(std::ceil(way.norm() / std::max(reach, 1e-300)), 1.0, kMostPieces);
-  for (double piece = 0.0; piece < pieces; piece += 1.0) {
-    const Vec3 first = segment.a + way * (piece / pieces), last = segment.a + way * ((piece + 1.0) / pieces);
-    if (s.best.triangle >= 0) reach = std::min(reach, s.best.distance);
-    kernel::loops().visit(s.data->view, first.data(), last.data(), reach, &trySegmentTriangle, &s);
-  }
+  kernel::loops().visitSegment(s.data->view, segment.a.data(), segment.b.data(), reach, &trySegmentTriangle, &s);
   return s.best;
 }
 
