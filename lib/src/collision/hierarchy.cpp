@@ -470,7 +470,7 @@ void buildNormals(MeshData& data) {
   }
 
   // At a local minimum of the distance the way to the point is a sum of the normals around it, with weights that are
-  // not negative, so it is no farther from each of them than they are from each other. A tenth is left for rounding; 0,
+  // not negative, so it is no farther from each of them than they are from each other. 0.001 is left for rounding; 0,
   // no restriction, at borders.
   std::vector<char> isOpen(places, 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -485,7 +485,7 @@ void buildNormals(MeshData& data) {
       for (std::int32_t c = data.firstCorner[data.place[v]]; c >= 0 && least > 0.0; c = data.nextCorner[c])
         least = std::min(least, normal[t].dot(normal[static_cast<std::size_t>(c / 3)]));
     }
-    least = 0.9 * std::max(least, 0.0);
+    least = 0.999 * std::max(least, 0.0);
     data.cones[data.slotOf[t]] = static_cast<float>(least * least);
   }
   data.view.cones = data.cones.data();

@@ -48,6 +48,6 @@ inline void compress(V x, unsigned mask, float* p) {
 
 }  // namespace
 
-const Loops kAvx2Loops = {&closest, &visit, &visitSegment, &visitMinima};
+const Loops kAvx2Loops = {&closest, &visit, &visitSegment, &clearance, &visitMinima};
 
 }  // namespace enamel::kernel

@@ -32,6 +32,6 @@ inline void compress(V x, unsigned mask, float* p) {
 
 }  // namespace
 
-const Loops kAvx512Loops = {&closest, &visit, &visitSegment, &visitMinima};
+const Loops kAvx512Loops = {&closest, &visit, &visitSegment, &clearance, &visitMinima};
 
 }  // namespace enamel::kernel

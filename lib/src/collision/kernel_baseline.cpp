@@ -74,6 +74,6 @@ inline void compress(const V& a, unsigned mask, float* p) {
 
 }  // namespace
 
-const Loops kBaselineLoops = {&closest, &visit, &visitSegment, &visitMinima};
+const Loops kBaselineLoops = {&closest, &visit, &visitSegment, &clearance, &visitMinima};
 
 }  // namespace enamel::kernel

@@ -114,8 +114,8 @@ static inline V boxBounds(const float* low, const float* high, int stride, V x, 
 
 // Squared distances of the 16 triangles of a leaf from points in their frames: to the plane where the point lies over
 // the triangle, else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over
-// the plane).
-static inline V frameDistances(const Leaf* leaf, V u, V v, V h) {
+// the plane). With directions in the frames, also how far the points lie ahead of the nearest points of the triangles.
+static inline V frameDistances(const Leaf* leaf, V u, V v, V h, const V* way = nullptr, V* ahead = nullptr) {
   const V zero = set(0.0f);
   const V beyond = sub(u, load(leaf->length[0]));
   const V c1 = load(leaf->cosine[0]), s1 = load(leaf->sine[0]), c2 = load(leaf->cosine[1]), s2 = load(leaf->sine[1]);
@@ -131,6 +131,14 @@ static inline V frameDistances(const Leaf* leaf, V u, V v, V h) {
   const V edge2 = mad(across2, across2, mul(end2, end2));
   const V edges = minimum(minimum(edge0, edge1), edge2);
   const V out = maximum(maximum(across0, across1), across2);
+  if (way != nullptr) {
+    const V ahead0 = mad(end0, way[0], mul(v, way[1]));
+    const V ahead1 = mad(end1, mad(c1, way[0], mul(s1, way[1])), mul(across1, sub(mul(s1, way[0]), mul(c1, way[1]))));
+    const V ahead2 = mad(end2, mad(c2, way[0], mul(s2, way[1])), mul(across2, sub(mul(c2, way[1]), mul(s2, way[0]))));
+    const V of01 = selectGreater(edge0, edge1, ahead1, ahead0);
+    const V ofEdges = selectGreater(minimum(edge0, edge1), edge2, ahead2, of01);
+    *ahead = mad(h, way[2], selectGreater(out, load(leaf->inside), ofEdges, zero));
+  }
   return mad(h, h, selectGreater(out, load(leaf->inside), edges, zero));
 }
 
@@ -629,9 +637,9 @@ static inline V segmentBounds(const LeafBoxes* boxes, const Ray* ray) {
   return pieceBounds(start, way, half, ray->length);
 }
 
-// Distances of the triangles of a leaf from the middle of their feet on the segment, squared, and half the way between
-// the feet: the segment is nearer by no more than that.
-static inline V segmentDistances(const Leaf* leaf, const Ray* ray, V* halfWay) {
+// Distances of the triangles of a leaf from the middle of their feet on the segment, squared, how far that lies ahead of
+// the triangles' nearest points, and half the way between the feet: the segment is nearer by no more than that.
+static inline V segmentDistances(const Leaf* leaf, const Ray* ray, V* halfWay, V* ahead) {
   const V zero = set(0.0f), half = set(0.5f);
   V start[3], way[3];
   for (int i = 0; i < 3; ++i) {
@@ -646,25 +654,35 @@ static inline V segmentDistances(const Leaf* leaf, const Ray* ray, V* halfWay) {
   const V last = between(maximum(maximum(a, b), c), zero, ray->length);
   const V at = mul(add(first, last), half);
   *halfWay = mul(sub(last, first), half);
-  return frameDistances(leaf, mad(way[0], at, start[0]), mad(way[1], at, start[1]), mad(way[2], at, start[2]));
+  return frameDistances(leaf, mad(way[0], at, start[0]), mad(way[1], at, start[1]), mad(way[2], at, start[2]), way,
+                        ahead);
 }
 
-static double visitSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visitor,
-                           void* context) {
-  double a[3], way[3], size = 2.0 * mesh.extent, farthest = 0.0;
+// The distance is a convex function along the segment, so it stays above its tangent in the middle of the feet. The
+// nearest point, whose distance is known to `error`, is known to sqrt(2 error distance), and so is the slope.
+static inline float tangentBound(float squared, float ahead, float halfWay, float error) {
+  const float d = __builtin_sqrtf(squared);
+  if (!(d > 32.0f * error)) return d - halfWay;
+  const float slope = (ahead < 0.0f ? -ahead : ahead) / d + 2.0f * __builtin_sqrtf(error / d);
+  return d - halfWay * (slope < 1.0f ? slope : 1.0f);
+}
+
+// With a visitor as Loops::visitSegment, without one as Loops::clearance.
+static inline double searchSegment(const Mesh& mesh, const double from[3], const double to[3], double reach,
+                                   double needed, Visit visitor, void* context) {
+  double a[3], b[3], way[3], size = 2.0 * mesh.extent;
   for (int k = 0; k < 3; ++k) {
     a[k] = (from[k] - mesh.centre[k]) * mesh.scale;
-    const double b = (to[k] - mesh.centre[k]) * mesh.scale;
-    way[k] = b - a[k];
-    size += absolute(a[k]) + absolute(b);
-    if (!(absolute(a[k]) + absolute(b) <= farthest)) farthest = absolute(a[k]) + absolute(b);
+    b[k] = (to[k] - mesh.centre[k]) * mesh.scale;
+    way[k] = b[k] - a[k];
+    size += absolute(a[k]) > absolute(b[k]) ? absolute(a[k]) : absolute(b[k]);
   }
-  if (!(farthest < kFar)) {
+  if (isFar(a) || isFar(b)) {
     if (visitor == nullptr) return 0.0;
     visit(mesh, from, to, reach, visitor, context);
     return 0.0;
   }
-  const double slack = 2.0 * kBoundError * size;  // more roundings than for a point
+  const double slack = kBoundError * size;
   const double length = __builtin_sqrt(dot(way, way));
   Ray ray;
   for (int k = 0; k < 3; ++k) {
@@ -676,37 +694,40 @@ static double visitSegment(const Mesh& mesh, const double from[3], const double 
   int top = 0;
   int32_t current = mesh.root;
   const double least = slack / mesh.scale;
+  const float error = 2.0f * static_cast<float>(slack);
   float limit = limitOf(reach * mesh.scale, slack);
   for (;;) {
     if (current < 0) {
-      V halfWay;
-      const V d = segmentDistances(mesh.leaves + ~current, &ray, &halfWay);
+      V halfWay, ahead;
+      const V d = segmentDistances(mesh.leaves + ~current, &ray, &halfWay, &ahead);
       float root = __builtin_sqrtf(limit) * 1.000001f;
       const V most = add(halfWay, set(root));
       unsigned mask = lessOrEqualMask(d, mul(most, most));
       if (mask != 0) {
-        float squared[kWidth], half[kWidth], nearest = 3.4e38f;
-        store(squared, d);
+        float bound[kWidth], half[kWidth], front[kWidth], nearest = 3.4e38f;
+        store(bound, d);
         store(half, halfWay);
+        store(front, ahead);
         int first = 0;
         for (unsigned m = mask; m != 0; m &= m - 1) {
           const int lane = __builtin_ctz(m);
-          squared[lane] = __builtin_sqrtf(squared[lane]) - half[lane];
-          if (squared[lane] < nearest) {
-            nearest = squared[lane];
+          bound[lane] = tangentBound(bound[lane], front[lane], half[lane], error);
+          if (bound[lane] < nearest) {
+            nearest = bound[lane];
             first = lane;
           }
         }
         if (visitor == nullptr) {
-          const double bound = static_cast<double>(nearest) / mesh.scale - least;
-          if (bound < reach) reach = bound > 0.0 ? bound : 0.0;
+          const double clear = static_cast<double>(nearest) / mesh.scale - least;
+          if (clear < reach) reach = clear > 0.0 ? clear : 0.0;
+          if (reach < needed && reach > 0.25 * needed) reach = 0.25 * needed;
           limit = limitOf(reach * mesh.scale, slack);
           if (!(reach > 0.0)) return 0.0;
         } else {
           for (int lane = first; mask != 0; lane = __builtin_ctz(mask | 0x10000u)) {
             mask &= ~(1u << lane);
             const int32_t slot = ~current * kWidth + lane;
-            if (!(squared[lane] <= root) || mesh.triangles[slot].index < 0) continue;
+            if (!(bound[lane] <= root) || mesh.triangles[slot].index < 0) continue;
             const double now = visitor(context, slot, reach);
             if (!(now < reach)) continue;
             reach = now;
@@ -717,14 +738,14 @@ static double visitSegment(const Mesh& mesh, const double from[3], const double 
       }
     } else {
       const Node* node = mesh.nodes + (current & kNumber);
-      V b = segmentBounds(node, &ray);
-      unsigned mask = lessOrEqualMask(b, set(limit));
+      V near = segmentBounds(node, &ray);
+      unsigned mask = lessOrEqualMask(near, set(limit));
       if (mask != 0 && (current & kHasLeaves) != 0) {
-        b = maximum(b, segmentBounds(mesh.boxes + (current & kNumber), &ray));
-        mask &= lessOrEqualMask(b, set(limit));
+        near = maximum(near, segmentBounds(mesh.boxes + (current & kNumber), &ray));
+        mask &= lessOrEqualMask(near, set(limit));
       }
       float bounds[kWidth];
-      store(bounds, b);
+      store(bounds, near);
       const int bottom = top;
       for (; mask != 0; mask &= mask - 1) {
         const int lane = __builtin_ctz(mask);
@@ -743,6 +764,15 @@ static double visitSegment(const Mesh& mesh, const double from[3], const double 
   }
 }
 
+static void visitSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visitor,
+                         void* context) {
+  searchSegment(mesh, from, to, reach, 0.0, visitor, context);
+}
+
+static double clearance(const Mesh& mesh, const double from[3], const double to[3], double most, double needed) {
+  return searchSegment(mesh, from, to, most, needed, nullptr, nullptr);
+}
+
 static void visitMinima(const Mesh& mesh, const double point[3], double reach, Visit visitor, void* context) {
   Search s;
   startSearch(&s, &mesh, point, reach * reach);
@@ -750,7 +780,7 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
     visit(mesh, point, point, reach, visitor, context);
     return;
   }
-  const V x = set(s.x), y = set(s.y), z = set(s.z), limit = set(s.limit), slack = set(s.slackUp);
+  const V x = set(s.x), y = set(s.y), z = set(s.z), limit = set(s.limit), slack = set(2.0f * s.slackUp);
   int32_t stack[kStackSize];
   int top = 0;
   stack[top++] = mesh.root;
@@ -768,7 +798,7 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
       }
       V height;
       const V d = leafDistances(mesh.leaves + ~child, x, y, z, &height);
-      const V high = sub(maximum(height, sub(set(0.0f), height)), sub(set(0.0f), slack));  // |height| + slack
+      const V high = sub(maximum(height, sub(set(0.0f), height)), sub(set(0.0f), slack));  // |height| and what both may err by
       const V least = mul(load(mesh.cones + ~child * kWidth), d);
       unsigned near = lessOrEqualMask(d, limit) & lessOrEqualMask(least, mul(high, high));
       for (; near != 0; near &= near - 1) {

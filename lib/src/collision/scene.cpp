@@ -147,24 +147,20 @@ struct Collector {
   }
 };
 
-// Adds what a sphere touches and answers the signed distance of its centre, or kNoLimit where it is beyond `limit`.
-double addSphere(const MeshModel& mesh, const Vec3& centre, double radius, double limit, ProximityCache* cache,
-                 Collector& out) {
+// `nearest` is the answer of signedDistance().
+void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, const SurfacePoint& nearest, Collector& out) {
+  if (nearest.triangle < 0 || nearest.distance > radius + out.margin) return;
   const double reach = radius + std::max(out.margin, 0.0);
-  const SurfacePoint nearest = signedDistance(mesh, centre, cache, limit);
-  if (nearest.triangle < 0) return kNoLimit;
-  if (nearest.distance > radius + out.margin) return nearest.distance;
   const double single = 1e-9 * reach;
   if (nearest.distance <= single) {  // on or behind the surface: one way out
     out.add(centre, nearest.normal, nearest.distance, radius);
-    return nearest.distance;
+    return;
   }
   MinimaSearch s{&mesh.data(), centre, {}};
   loops().visitMinima(s.data->view, centre.data(), reach, &tryMinimum, &s);
   thinOut(s.minima);
   if (s.minima.count == 0) out.add(centre, nearest.normal, nearest.distance, radius);
   for (int i = 0; i < s.minima.count; ++i) out.add(centre, s.minima.all[i].normal, s.minima.all[i].distance, radius);
-  return nearest.distance;
 }
 
 template <typename Analytic>
@@ -235,26 +231,37 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
     cache->axis = axis;
     cache->clear = mesh.data().closed ? clear * (1.0 - 1e-9) : -1.0;
   };
+  SurfacePoint atA;
+  const bool isOutside = clear > 0.0;
+  if (isSphere || !isOutside) atA = signedDistance(mesh, axis.a, point(0));
   if (isSphere) {
-    clear = addSphere(mesh, axis.a, radius, kNoLimit, point(0), out);
+    clear = atA.distance;
     remember();
+    addSphere(mesh, axis.a, radius, atA, out);
     return;
   }
-  if (mesh.data().closed && (clear > 0.0 || signedDistance(mesh, axis.a, point(0)).distance > 0.0)) {
-    clear = loops().visitSegment(mesh.data().view, axis.a.data(), axis.b.data(), kLookAhead * reach, nullptr, nullptr);
+  const bool isKnownWell = clear >= reach / 8.0 && clear <= reach / 4.0;  // what clearance() says of a part that touches
+  if (mesh.data().closed && !isKnownWell && (isOutside || atA.distance > 0.0)) {
+    clear = loops().clearance(mesh.data().view, axis.a.data(), axis.b.data(), kLookAhead * reach, justBeyond);
     remember();
     if (clear > justBeyond) return;
   }
   const double limit = clear > 0.0 ? justBeyond : kNoLimit;
-  const double atA = addSphere(mesh, axis.a, radius, limit, point(0), out);
-  const double atB = addSphere(mesh, axis.b, radius, limit, point(1), out);
+  if (isOutside) atA = signedDistance(mesh, axis.a, point(0), limit);
+  const SurfacePoint atB = signedDistance(mesh, axis.b, point(1), limit);
+  addSphere(mesh, axis.a, radius, atA, out);
+  addSphere(mesh, axis.b, radius, atB, out);
   // Where an end lies behind the surface, no place between is nearer to the outside than both.
-  const double ends = std::min({atA, atB, justBeyond + kClearlyNearer}) - kClearlyNearer;
+  double ends = justBeyond;
+  if (atA.triangle >= 0) ends = std::min(ends, atA.distance - kClearlyNearer);
+  if (atB.triangle >= 0) ends = std::min(ends, atB.distance - kClearlyNearer);
   if (!(ends > 0.0)) return;
-  const SegmentPoint between = closestToSegment(mesh, axis, ends);
+  const SegmentPoint between = closestToSegment(mesh, axis, ends, cache == nullptr ? -1 : cache->nearest);
+  if (cache != nullptr) cache->nearest = between.triangle;
   if (between.triangle < 0 || !(between.parameter > 0.0 && between.parameter < 1.0)) return;
   const Vec3 middle = axis.a + between.parameter * (axis.b - axis.a);
-  if (signedDistance(mesh, middle, point(2), limit).distance < ends) addSphere(mesh, middle, radius, limit, point(2), out);
+  const SurfacePoint there = signedDistance(mesh, middle, point(2), limit);
+  if (there.distance < ends) addSphere(mesh, middle, radius, there, out);
 }
 
 SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, ProximityCache* cache) {

@@ -90,16 +90,18 @@ double sweepTriangle(void* context, std::int32_t slot, double reach) {
 
 // Nearest points of two segments: each end against the other segment, and the inner minimum where the lines are not
 // parallel (Lumelsky 1985). All candidates are points of both, so the smallest distance is right to rounding.
+// `best.distance` is squared here.
 void trySegments(const Segment& s, const Vec3& c, const Vec3& d, SegmentPoint& best) {
-  const auto consider = [&](double t, const Vec3& x) {
-    const double distance = (s.a + t * (s.b - s.a) - x).norm();
-    if (distance < best.distance) {
-      best.distance = distance;
+  const Vec3 u = s.b - s.a, v = d - c, w = s.a - c;
+  const auto consider = [&](double t, double r) {
+    const Vec3 x = c + r * v;
+    const double squared = (s.a + t * u - x).squaredNorm();
+    if (squared < best.distance) {
+      best.distance = squared;
       best.parameter = t;
       best.point = x;
     }
   };
-  const Vec3 u = s.b - s.a, v = d - c, w = s.a - c;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
   const double det = uu * vv - uv * uv;
   const auto along = [](double numerator, double denominator) {
@@ -110,11 +112,12 @@ void trySegments(const Segment& s, const Vec3& c, const Vec3& d, SegmentPoint& b
     for (int pass = 0; pass < 3; ++pass) {  // alternate: repairs what a small determinant has lost
       const double r = along(v.dot(s.a + t * u - c), vv);
       t = along(u.dot(c + r * v - s.a), uu);
-      consider(t, c + r * v);
+      consider(t, r);
     }
   }
-  for (const double t : {0.0, 1.0}) consider(t, c + along(v.dot(s.a + t * u - c), vv) * v);
-  for (const Vec3* x : {&c, &d}) consider(along(u.dot(*x - s.a), uu), *x);
+  for (const double t : {0.0, 1.0}) consider(t, along(v.dot(s.a + t * u - c), vv));
+  consider(along(u.dot(c - s.a), uu), 0.0);
+  consider(along(u.dot(d - s.a), uu), 1.0);
 }
 
 // Parameter of the crossing of a segment and a triangle (Moeller & Trumbore 1997, borders included); -1: none.
@@ -134,39 +137,59 @@ double crossing(const Segment& s, const Triangle& triangle) {
 struct SegmentSearch {
   const MeshData* data;
   Segment segment;
+  Vec3 way;
+  double length, rounding;
   SegmentPoint best;
 };
+
+// Parameter of the point of the segment nearest to p.
+double footOf(const SegmentSearch& s, const Vec3& p) {
+  return s.length > 0.0 ? std::clamp((p - s.segment.a).dot(s.way) / (s.length * s.length), 0.0, 1.0) : 0.0;
+}
+
+// The nearest place of the segment lies between the feet of the corners. The distance is convex along the segment, so
+// it stays above its tangent in the middle there (where the nearest point is known to sqrt(2 rounding distance)).
+double lowerBound(const SegmentSearch& s, const Triangle& triangle) {
+  double first = 1.0, last = 0.0;
+  for (const auto& corner : triangle.corner) {
+    const double t = footOf(s, vec(corner));
+    first = std::min(first, t);
+    last = std::max(last, t);
+  }
+  const Vec3 middle = s.segment.a + 0.5 * (first + last) * s.way;
+  const Nearest near = nearestOn(triangle, middle);
+  if (!(near.distance > 64.0 * s.rounding)) return 0.0;
+  const double slope = std::abs((middle - near.point).dot(s.way)) / (s.length * near.distance) +
+                       2.0 * std::sqrt(s.rounding / near.distance);
+  const double halfWay = s.length > 0.0 ? 0.5 * (last - first) * s.length * std::min(1.0, slope) : 0.0;
+  return near.distance - halfWay - s.rounding;
+}
 
 double trySegmentTriangle(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<SegmentSearch*>(context);
   const Triangle& triangle = s.data->triangles[slot];
-  {  // the ball about the first corner that holds the triangle
-    const Vec3 corner = vec(triangle.corner[0]), way = s.segment.b - s.segment.a;
-    const double length = way.squaredNorm();
-    const double t = length > 0.0 ? std::clamp((corner - s.segment.a).dot(way) / length, 0.0, 1.0) : 0.0;
-    const double radius = std::sqrt(
-        std::max((vec(triangle.corner[1]) - corner).squaredNorm(), (vec(triangle.corner[2]) - corner).squaredNorm()));
-    if ((s.segment.a + t * way - corner).norm() * (1.0 - 1e-12) > reach + radius * (1.0 + 1e-12)) return reach;
-  }
+  if (lowerBound(s, triangle) > reach) return reach;
   SegmentPoint here;
   here.triangle = triangle.index;
   here.distance = kNoLimit;
   const double t = crossing(s.segment, triangle);
   if (t >= 0.0) {
     here.parameter = t;
-    here.point = s.segment.a + t * (s.segment.b - s.segment.a);
+    here.point = s.segment.a + t * s.way;
     here.distance = 0.0;
   } else {
     for (const double end : {0.0, 1.0}) {
-      const Nearest near = nearestOn(triangle, end == 0.0 ? s.segment.a : s.segment.b);
-      if (near.distance < here.distance) {
-        here.distance = near.distance;
+      Candidate c;
+      closestOnTriangle(&triangle, (end == 0.0 ? s.segment.a : s.segment.b).data(), &c);
+      if (c.squared < here.distance) {
+        here.distance = c.squared;
         here.parameter = end;
-        here.point = near.point;
+        here.point = vec(c.point);
       }
     }
     for (int i = 0; i < 3; ++i)
       trySegments(s.segment, vec(triangle.corner[i]), vec(triangle.corner[(i + 1) % 3]), here);
+    here.distance = std::sqrt(here.distance);
   }
   if (here.distance > reach) return reach;
   if (s.best.triangle < 0 || here.distance < s.best.distance ||
@@ -219,26 +242,25 @@ SweepHit sweepSphere(const MeshModel& model, const Vec3& from, const Vec3& to, d
   return s.best;
 }
 
-SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit) noexcept {
-  SegmentSearch s{&model.data(), segment, {}};
+SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit, int hint) noexcept {
+  SegmentSearch s{&model.data(), segment, segment.b - segment.a, (segment.b - segment.a).norm(), 0.0, {}};
   if (!segment.a.allFinite() || !segment.b.allFinite() || !(limit >= 0.0)) {
     s.best.status = Status::notFinite;
     return s.best;
   }
-  // Far away the boxes say little: points of the segment bound the distance, from near the mesh on to and fro.
+  const Vec3 centre(s.data->view.centre[0], s.data->view.centre[1], s.data->view.centre[2]);
+  s.rounding = 1e-14 * (s.data->size + segment.a.norm() + segment.b.norm());
+  // Far away the boxes say little: points of the segment bound the distance, to and fro between it and the mesh.
   double reach = limit;
-  const Vec3 along = segment.b - segment.a, centre(s.data->view.centre[0], s.data->view.centre[1], s.data->view.centre[2]);
-  const double square = along.squaredNorm();
-  const auto foot = [&](const Vec3& p) {
-    return square > 0.0 ? std::clamp((p - segment.a).dot(along) / square, 0.0, 1.0) : 0.0;
-  };
+  if (hint >= 0 && hint < static_cast<int>(s.data->slotOf.size()) && hasTriangle(*s.data, hint))
+    reach = trySegmentTriangle(&s, s.data->slotOf[hint], reach);
   if (std::max((segment.a - centre).norm(), (segment.b - centre).norm()) > kFarSizes * s.data->size) {
-    double t = foot(centre);
+    double t = footOf(s, centre);
     for (int pass = 0; pass < kMostBounds; ++pass) {
-      const SurfacePoint near = closestPoint(model, segment.a + t * along, nullptr, reach);
+      const SurfacePoint near = closestPoint(model, segment.a + t * s.way, nullptr, reach);
       if (near.triangle < 0) break;
-      reach = std::min(reach, near.distance * (1.0 + 1e-12) + 1e-15 * s.data->size);
-      t = foot(near.point);
+      reach = std::min(reach, near.distance * (1.0 + 1e-12) + s.rounding);
+      t = footOf(s, near.point);
     }
   }
   kernel::loops().visitSegment(s.data->view, segment.a.data(), segment.b.data(), reach, &trySegmentTriangle, &s);

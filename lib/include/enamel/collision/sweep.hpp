@@ -44,8 +44,10 @@ struct SegmentPoint {
   double distance = 0.0;       ///< m; 0 where they cross
 };
 
-/// The shortest way between a mesh and a segment, double precision. Realtime: yes, as closestPoint().
-SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit = kNoLimit) noexcept;
+/// The shortest way between a mesh and a segment, double precision. `hint`: a triangle that is likely to be nearest,
+/// of an earlier tick; the answer is the same. Realtime: yes, as closestPoint().
+SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit = kNoLimit,
+                              int hint = -1) noexcept;
 
 /// First triangle that the segment from a to b crosses, borders included, from either side; `time` is the parameter,
 /// `normal` the triangle's, turned against the segment. Realtime: yes; long segments visit many triangles.
