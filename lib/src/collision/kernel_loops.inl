@@ -595,8 +595,8 @@ struct Ray {
 
 static inline V between(V x, V low, V high) { return maximum(minimum(x, high), low); }
 
-// Squared distances of boxes |f| <= half from a segment that is given in their frames. What is nearest to a point of the
-// box is the foot of that point, so only the feet of the box count; their bounding box is taken.
+// Squared distances of boxes |f| <= half from a segment that is given in their frames. What is nearest to a point of
+// the box is the foot of that point, so only the feet of the box count; their bounding box is taken.
 static inline V pieceBounds(const V* start, const V* way, const V* half, V length) {
   const V zero = set(0.0f);
   V foot = zero, extent = zero;
@@ -637,8 +637,8 @@ static inline V segmentBounds(const LeafBoxes* boxes, const Ray* ray) {
   return pieceBounds(start, way, half, ray->length);
 }
 
-// Distances of the triangles of a leaf from the middle of their feet on the segment, squared, how far that lies ahead of
-// the triangles' nearest points, and half the way between the feet: the segment is nearer by no more than that.
+// Distances of the triangles of a leaf from the middle of their feet on the segment, squared, how far that lies ahead
+// of the triangles' nearest points, and half the way between the feet: the segment is nearer by no more than that.
 static inline V segmentDistances(const Leaf* leaf, const Ray* ray, V* halfWay, V* ahead) {
   const V zero = set(0.0f), half = set(0.5f);
   V start[3], way[3];
@@ -798,7 +798,8 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
       }
       V height;
       const V d = leafDistances(mesh.leaves + ~child, x, y, z, &height);
-      const V high = sub(maximum(height, sub(set(0.0f), height)), sub(set(0.0f), slack));  // |height| and what both may err by
+      const V high =
+          sub(maximum(height, sub(set(0.0f), height)), sub(set(0.0f), slack));  // |height| and what both may err by
       const V least = mul(load(mesh.cones + ~child * kWidth), d);
       unsigned near = lessOrEqualMask(d, limit) & lessOrEqualMask(least, mul(high, high));
       for (; near != 0; near &= near - 1) {

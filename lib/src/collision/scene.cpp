@@ -240,7 +240,8 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
     addSphere(mesh, axis.a, radius, atA, out);
     return;
   }
-  const bool isKnownWell = clear >= reach / 8.0 && clear <= reach / 4.0;  // what clearance() says of a part that touches
+  const bool isKnownWell =
+      clear >= reach / 8.0 && clear <= reach / 4.0;  // what clearance() says of a part that touches
   if (mesh.data().closed && !isKnownWell && (isOutside || atA.distance > 0.0)) {
     clear = loops().clearance(mesh.data().view, axis.a.data(), axis.b.data(), kLookAhead * reach, justBeyond);
     remember();
@@ -327,7 +328,7 @@ bool forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double 
 }
 
 // Analytic shapes: the signed distance of the sphere's centre is convex in time, so Newton's steps from the left never
-// pass its first root. A capsule advances by what distance and speed allow.
+// pass its first root. A capsule advances until one of its ends meets the plane that keeps it from the shape.
 template <typename Analytic>
 SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to, double radius, PartCache*) {
   SweepHit result;
@@ -343,16 +344,18 @@ SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to
     const Vec3 centre = now.a + t * (now.b - now.a);
     const ShapePoint near = signedDistance(shape, centre);
     const double gap = near.distance - radius;
-    if (gap <= (isSphere ? tolerance : 1e-10 * speed + tolerance) || step == 255) {
+    if (gap <= tolerance || step == 255) {
       result.hit = true;
       result.time = time;
       result.point = near.point;
       result.normal = near.normal;
       return result;
     }
-    const double closing = isSphere ? -near.normal.dot(wayA) : speed;
-    if (!(closing > 0.0)) return result;
-    time += gap / closing;
+    const auto waitOf = [&](const Vec3& end, const Vec3& way) {  // until the end meets the plane over the nearest point
+      const double closing = -near.normal.dot(way);
+      return closing > 0.0 ? std::max(near.normal.dot(end - near.point) - radius, gap) / closing : kNoLimit;
+    };
+    time += std::min(waitOf(now.a, wayA), waitOf(now.b, wayB));
     if (!(time <= 1.0)) return result;
   }
   return result;

@@ -14,7 +14,9 @@ using namespace kernel;
 #include "exact.inl"
 
 constexpr int kMostNewtonSteps = 64;
-constexpr int kMostAdvances = 1024;
+constexpr int kMostAdvances = 256;
+constexpr int kPlainAdvances = 16;
+constexpr double kMostWindows = 1024.0;  // on a way as long as the mesh
 constexpr int kPickPieces = 32;
 constexpr int kMostBounds = 8;
 constexpr double kFarSizes = 8.0;
@@ -134,6 +136,30 @@ double crossing(const Segment& s, const Triangle& triangle) {
   return t >= 0.0 && t <= 1.0 ? t : -1.0;
 }
 
+SegmentPoint nearestOn(const Triangle& triangle, const Segment& segment) {
+  SegmentPoint here;
+  here.triangle = triangle.index;
+  const double t = crossing(segment, triangle);
+  if (t >= 0.0) {
+    here.parameter = t;
+    here.point = segment.a + t * (segment.b - segment.a);
+    return here;
+  }
+  here.distance = kNoLimit;
+  for (const double end : {0.0, 1.0}) {
+    Candidate c;
+    closestOnTriangle(&triangle, (end == 0.0 ? segment.a : segment.b).data(), &c);
+    if (c.squared < here.distance) {
+      here.distance = c.squared;
+      here.parameter = end;
+      here.point = vec(c.point);
+    }
+  }
+  for (int i = 0; i < 3; ++i) trySegments(segment, vec(triangle.corner[i]), vec(triangle.corner[(i + 1) % 3]), here);
+  here.distance = std::sqrt(here.distance);
+  return here;
+}
+
 struct SegmentSearch {
   const MeshData* data;
   Segment segment;
@@ -169,33 +195,88 @@ double trySegmentTriangle(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<SegmentSearch*>(context);
   const Triangle& triangle = s.data->triangles[slot];
   if (lowerBound(s, triangle) > reach) return reach;
-  SegmentPoint here;
-  here.triangle = triangle.index;
-  here.distance = kNoLimit;
-  const double t = crossing(s.segment, triangle);
-  if (t >= 0.0) {
-    here.parameter = t;
-    here.point = s.segment.a + t * s.way;
-    here.distance = 0.0;
-  } else {
-    for (const double end : {0.0, 1.0}) {
-      Candidate c;
-      closestOnTriangle(&triangle, (end == 0.0 ? s.segment.a : s.segment.b).data(), &c);
-      if (c.squared < here.distance) {
-        here.distance = c.squared;
-        here.parameter = end;
-        here.point = vec(c.point);
-      }
-    }
-    for (int i = 0; i < 3; ++i)
-      trySegments(s.segment, vec(triangle.corner[i]), vec(triangle.corner[(i + 1) % 3]), here);
-    here.distance = std::sqrt(here.distance);
-  }
+  const SegmentPoint here = nearestOn(triangle, s.segment);
   if (here.distance > reach) return reach;
   if (s.best.triangle < 0 || here.distance < s.best.distance ||
       (here.distance == s.best.distance && here.triangle < s.best.triangle))
     s.best = here;
   return std::min(reach, s.best.distance);
+}
+
+struct CapsuleSweep {
+  const MeshData* data;
+  Segment from;
+  Vec3 wayA, wayB;
+  double radius, speed, tolerance;
+  double start, end;  // times of the window that is searched
+  SweepHit best;
+
+  Segment at(double time) const { return {from.a + time * wayA, from.b + time * wayB}; }
+};
+
+// How long a piece of the axis takes at least until it touches the triangle. The plane across the shortest way between
+// them keeps them apart; the triangle rests and the ends move straight, so that no touch can come before an end has
+// used up its height over that plane.
+double waitOfPiece(const CapsuleSweep& s, const Triangle& triangle, double time, double first, double last) {
+  const auto on = [](const Vec3& a, const Vec3& b, double t) { return Vec3(a + t * (b - a)); };
+  const Segment axis = s.at(time);
+  const Segment piece{on(axis.a, axis.b, first), on(axis.a, axis.b, last)};
+  const SegmentPoint near = nearestOn(triangle, piece);
+  const double gap = near.distance - s.radius;
+  if (!(gap > 0.0) || !(near.distance > 1e-9 * s.data->size)) return gap > 0.0 ? gap / s.speed : 0.0;
+  const Vec3 normal = (on(piece.a, piece.b, near.parameter) - near.point) / near.distance;
+  const auto waitOf = [&](const Vec3& end, const Vec3& way) {
+    const double closing = -normal.dot(way);
+    return closing > 0.0 ? std::max(normal.dot(end - near.point) - s.radius, gap) / closing : kNoLimit;
+  };
+  return std::min(waitOf(piece.a, on(s.wayA, s.wayB, first)), waitOf(piece.b, on(s.wayA, s.wayB, last)));
+}
+
+// Where the far ends of a turning axis hold the steps up, the place that is nearest gets a short piece of its own, and
+// the others grow with their distance from it.
+double waitOfAxis(const CapsuleSweep& s, const Triangle& triangle, double time, double nearest) {
+  double wait = kNoLimit, inner = 0x1p-26;
+  const auto consider = [&](double first, double last) {
+    first = std::max(first, 0.0);
+    last = std::min(last, 1.0);
+    if (first < last) wait = std::min(wait, waitOfPiece(s, triangle, time, first, last));
+  };
+  consider(nearest - inner, nearest + inner);
+  for (; inner < 1.0; inner *= 4.0) {
+    consider(nearest - 4.0 * inner, nearest - inner);
+    consider(nearest + inner, nearest + 4.0 * inner);
+  }
+  return wait;
+}
+
+double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
+  auto& s = *static_cast<CapsuleSweep*>(context);
+  const Triangle& triangle = s.data->triangles[slot];
+  const double latest = s.best.hit ? s.best.time : s.end;
+  double time = s.start;
+  for (int step = 0; step < kMostAdvances; ++step) {
+    const Segment now = s.at(time);
+    const SegmentPoint near = nearestOn(triangle, now);
+    if (near.distance - s.radius > s.tolerance) {
+      const double wait = step < kPlainAdvances ? waitOfPiece(s, triangle, time, 0.0, 1.0)
+                                                : waitOfAxis(s, triangle, time, near.parameter);
+      if (!(time + wait <= latest)) return reach;
+      if (wait > 1e-15 && step + 1 < kMostAdvances) {
+        time += wait;
+        continue;
+      }
+    }
+    if (isBetter(s.best, time, triangle.index)) {
+      const Vec3 apart = now.a + near.parameter * (now.b - now.a) - near.point;
+      s.best.hit = true;
+      s.best.time = time;
+      s.best.point = near.point;
+      s.best.normal = touchNormal(*s.data, apart, near.distance, triangle.index, s.wayA + s.wayB);
+      s.best.triangle = triangle.index;
+    }
+    return std::min(reach, s.radius + s.speed * (s.best.time - s.start) + s.tolerance);
+  }
+  return reach;
 }
 
 struct PickSearch {
@@ -268,36 +349,43 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
 }
 
 SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment& to, double radius) noexcept {
-  SweepHit result;
-  const Vec3 wayA = to.a - from.a, wayB = to.b - from.b;
+  CapsuleSweep s{&model.data(), from, to.a - from.a, to.b - from.b, radius, 0.0, 0.0, 0.0, 0.0, {}};
   if (!from.a.allFinite() || !from.b.allFinite() || !to.a.allFinite() || !to.b.allFinite() || !(radius >= 0.0) ||
       !std::isfinite(radius)) {
-    result.status = Status::notFinite;
-    return result;
+    s.best.status = Status::notFinite;
+    return s.best;
   }
-  const double speed = std::max(wayA.norm(), wayB.norm());
-  const double close = 1e-10 * std::max(speed, model.data().size);
-  double time = 0.0;
-  for (int step = 0; step < kMostAdvances; ++step) {
-    const Segment now{from.a + time * wayA, from.b + time * wayB};
-    const double reach = radius + speed * (1.0 - time);
-    const SegmentPoint near = closestToSegment(model, now, reach + close);
-    if (near.triangle < 0) return result;  // free to the end
+  s.speed = std::max(s.wayA.norm(), s.wayB.norm());
+  s.tolerance = 1e-15 * (s.data->size + radius + s.speed + (from.b - from.a).norm());
+  const double shortest = std::max(s.speed, s.data->size) / kMostWindows;
+  // As far as the distance allows while that is far, then from window to window: in each, all triangles are asked that
+  // can be reached.
+  while (s.start <= 1.0) {
+    const Segment now = s.at(s.start);
+    const SegmentPoint near = closestToSegment(model, now, radius + s.speed * (1.0 - s.start) + s.tolerance);
+    if (near.triangle < 0) return s.best;  // free to the end
     const double gap = near.distance - radius;
-    if (gap <= close || step + 1 == kMostAdvances) {
+    if (gap <= s.tolerance) {
       const Vec3 apart = now.a + near.parameter * (now.b - now.a) - near.point;
-      result.hit = true;
-      result.time = time;
-      result.point = near.point;
-      result.triangle = near.triangle;
-      result.normal = touchNormal(model.data(), apart, near.distance, near.triangle, wayA + wayB);
-      return result;
+      s.best.hit = true;
+      s.best.time = s.start;
+      s.best.point = near.point;
+      s.best.triangle = near.triangle;
+      s.best.normal = touchNormal(model.data(), apart, near.distance, near.triangle, s.wayA + s.wayB);
+      return s.best;
     }
-    if (!(speed > 0.0)) return result;
-    time += gap / speed;
-    if (time > 1.0) return result;
+    if (!(s.speed > 0.0)) return s.best;
+    if (gap > shortest) {
+      s.start += gap / s.speed;
+      continue;
+    }
+    s.end = std::min(1.0, s.start + shortest / s.speed);
+    const double reach = radius + s.speed * (s.end - s.start) + s.tolerance;
+    kernel::loops().visitSegment(s.data->view, now.a.data(), now.b.data(), reach, &sweepTriangleByCapsule, &s);
+    if (s.best.hit || s.end >= 1.0) return s.best;
+    s.start = s.end;
   }
-  return result;
+  return s.best;
 }
 
 SweepHit pick(const MeshModel& model, const Segment& segment) noexcept {
