@@ -38,16 +38,31 @@ Vec3 local(const Mesh& view, const Vec3& p) {
   return (p - Vec3(view.centre[0], view.centre[1], view.centre[2])) * view.scale;
 }
 
-Box boxOf(const MeshData& data, std::int32_t triangle) {
-  Box box;
-  for (const int v : data.mesh.triangles[triangle]) {
-    const Vec3 q = local(data.view, data.mesh.vertices[v]);
-    for (int k = 0; k < 3; ++k) {
-      box.low[k] = std::min(box.low[k], below(q[k]));
-      box.high[k] = std::max(box.high[k], above(q[k]));
+// Corners of a box in double, rounded outwards once at the end.
+struct Extent {
+  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
+  void add(const MeshData& data, std::int32_t triangle) {
+    for (const int v : data.mesh.triangles[triangle]) {
+      const Vec3 q = local(data.view, data.mesh.vertices[v]);
+      low = low.cwiseMin(q);
+      high = high.cwiseMax(q);
     }
   }
-  return box;
+  Box box() const {
+    Box box;
+    if (low.x() > high.x()) return box;
+    for (int k = 0; k < 3; ++k) {
+      box.low[k] = below(low[k]);
+      box.high[k] = above(high[k]);
+    }
+    return box;
+  }
+};
+
+Box boxOf(const MeshData& data, std::int32_t triangle) {
+  Extent extent;
+  extent.add(data, triangle);
+  return extent.box();
 }
 
 void writeBox(MeshData& data, Parent at, const Box& box) {
@@ -68,12 +83,12 @@ Box boxOfNode(const Node& node) {
 }
 
 Box boxOfLeaf(const MeshData& data, std::int32_t leaf) {
-  Box box;
+  Extent extent;
   for (int lane = 0; lane < kWidth; ++lane) {
     const std::int32_t t = data.triangles[leaf * kWidth + lane].index;
-    if (t >= 0) box.add(boxOf(data, t));
+    if (t >= 0) extent.add(data, t);
   }
-  return box;
+  return extent.box();
 }
 
 // The mean normal, and the direction in which the corners spread most across it.
@@ -331,7 +346,7 @@ void writeSlot(MeshData& data, std::int32_t slot, std::int32_t number) {
   axes.row(2) = u.cross(Vec3(axes.row(1)));
   const Vec3 toB = axes * (b - a), toC = axes * (c - a);
   const auto setEdge = [&](int edge, double du, double dv) {
-    const double length = std::hypot(du, dv);
+    const double length = std::sqrt(du * du + dv * dv);
     leaf.length[edge][lane] = static_cast<float>(length);
     leaf.cosine[edge - 1][lane] = static_cast<float>(length > 0.0 ? du / length : 1.0);
     leaf.sine[edge - 1][lane] = static_cast<float>(length > 0.0 ? dv / length : 0.0);
@@ -438,6 +453,8 @@ void buildNormals(MeshData& data) {
         data.edgeNormals[data.slotOf[t]].tainted |= 1u << (kCorner0 + i);
   const std::vector<EdgeUse> edges = sortedEdges(mesh, data.place);
   data.firstCorner.assign(places, -1);
+  data.isTainted.assign(places, 0);
+  data.taintedPlaces.reserve(places);
   data.nextCorner.assign(3 * mesh.triangles.size(), -1);
   for (std::size_t corner = data.nextCorner.size(); corner-- > 0;) {
     std::int32_t& first = data.firstCorner[data.place[mesh.triangles[corner / 3][corner % 3]]];
