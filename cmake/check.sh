@@ -28,9 +28,9 @@ build asan
 echo "== asan: all tests that can run under sanitizers"
 ctest --preset asan -LE timing
 
-build tsan --target test_unit_runtime test_unit_experiment
+build tsan --target test_unit_runtime test_unit_experiment test_unit_collision_threads
 echo "== tsan: threads and their exchange of data"
-ctest --preset tsan -R 'unit.(runtime|experiment)'
+ctest --preset tsan -R 'unit.(runtime|experiment|collision_threads)'
 
 build release
 echo "== release: allocations and timing"

@@ -38,16 +38,31 @@ Vec3 local(const Mesh& view, const Vec3& p) {
   return (p - Vec3(view.centre[0], view.centre[1], view.centre[2])) * view.scale;
 }
 
-Box boxOf(const MeshData& data, std::int32_t triangle) {
-  Box box;
-  for (const int v : data.mesh.triangles[triangle]) {
-    const Vec3 q = local(data.view, data.mesh.vertices[v]);
-    for (int k = 0; k < 3; ++k) {
-      box.low[k] = std::min(box.low[k], below(q[k]));
-      box.high[k] = std::max(box.high[k], above(q[k]));
+// Corners of a box in double, rounded outwards once at the end.
+struct Extent {
+  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
+  void add(const MeshData& data, std::int32_t triangle) {
+    for (const int v : data.mesh.triangles[triangle]) {
+      const Vec3 q = local(data.view, data.mesh.vertices[v]);
+      low = low.cwiseMin(q);
+      high = high.cwiseMax(q);
     }
   }
-  return box;
+  Box box() const {
+    Box box;
+    if (low.x() > high.x()) return box;
+    for (int k = 0; k < 3; ++k) {
+      box.low[k] = below(low[k]);
+      box.high[k] = above(high[k]);
+    }
+    return box;
+  }
+};
+
+Box boxOf(const MeshData& data, std::int32_t triangle) {
+  Extent extent;
+  extent.add(data, triangle);
+  return extent.box();
 }
 
 void writeBox(MeshData& data, Parent at, const Box& box) {
@@ -68,12 +83,12 @@ Box boxOfNode(const Node& node) {
 }
 
 Box boxOfLeaf(const MeshData& data, std::int32_t leaf) {
-  Box box;
+  Extent extent;
   for (int lane = 0; lane < kWidth; ++lane) {
     const std::int32_t t = data.triangles[leaf * kWidth + lane].index;
-    if (t >= 0) box.add(boxOf(data, t));
+    if (t >= 0) extent.add(data, t);
   }
-  return box;
+  return extent.box();
 }
 
 // The mean normal, and the direction in which the corners spread most across it.
@@ -331,7 +346,7 @@ void writeSlot(MeshData& data, std::int32_t slot, std::int32_t number) {
   axes.row(2) = u.cross(Vec3(axes.row(1)));
   const Vec3 toB = axes * (b - a), toC = axes * (c - a);
   const auto setEdge = [&](int edge, double du, double dv) {
-    const double length = std::hypot(du, dv);
+    const double length = std::sqrt(du * du + dv * dv);
     leaf.length[edge][lane] = static_cast<float>(length);
     leaf.cosine[edge - 1][lane] = static_cast<float>(length > 0.0 ? du / length : 1.0);
     leaf.sine[edge - 1][lane] = static_cast<float>(length > 0.0 ? dv / length : 0.0);
@@ -438,6 +453,8 @@ void buildNormals(MeshData& data) {
         data.edgeNormals[data.slotOf[t]].tainted |= 1u << (kCorner0 + i);
   const std::vector<EdgeUse> edges = sortedEdges(mesh, data.place);
   data.firstCorner.assign(places, -1);
+  data.isTainted.assign(places, 0);
+  data.taintedPlaces.reserve(places);
   data.nextCorner.assign(3 * mesh.triangles.size(), -1);
   for (std::size_t corner = data.nextCorner.size(); corner-- > 0;) {
     std::int32_t& first = data.firstCorner[data.place[mesh.triangles[corner / 3][corner % 3]]];
@@ -470,7 +487,7 @@ void buildNormals(MeshData& data) {
   }
 
   // At a local minimum of the distance the way to the point is a sum of the normals around it, with weights that are
-  // not negative, so it is no farther from each of them than they are from each other. A tenth is left for rounding; 0,
+  // not negative, so it is no farther from each of them than they are from each other. 0.001 is left for rounding; 0,
   // no restriction, at borders.
   std::vector<char> isOpen(places, 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -485,7 +502,7 @@ void buildNormals(MeshData& data) {
       for (std::int32_t c = data.firstCorner[data.place[v]]; c >= 0 && least > 0.0; c = data.nextCorner[c])
         least = std::min(least, normal[t].dot(normal[static_cast<std::size_t>(c / 3)]));
     }
-    least = 0.9 * std::max(least, 0.0);
+    least = 0.999 * std::max(least, 0.0);
     data.cones[data.slotOf[t]] = static_cast<float>(least * least);
   }
   data.view.cones = data.cones.data();

@@ -87,6 +87,12 @@ struct Loops {
   void (*closest)(const Mesh& mesh, const double point[3], double limitSquared, Cache* cache, Answer* answer);
   /// Every triangle within `reach` of the segment from -> to (and some more), in no particular order.
   void (*visit)(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visit, void* context);
+  /// The same, the near ones first and few more.
+  void (*visitSegment)(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visit,
+                       void* context);
+  /// A lower bound of the distance between mesh and segment, close to it between `needed` and `most`; where it is below
+  /// `needed`, only one that is at most needed / 4.
+  double (*clearance)(const Mesh& mesh, const double from[3], const double to[3], double most, double needed);
   /// Every triangle within `reach` that may hold a local minimum of the distance from the point: at one, the way to the
   /// point lies among the normals around it.
   void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);

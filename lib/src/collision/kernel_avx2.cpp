@@ -16,6 +16,7 @@ inline void store(float* p, V x) {
   _mm256_storeu_ps(p + 8, x.b);
 }
 inline V set(float x) { return {_mm256_set1_ps(x), _mm256_set1_ps(x)}; }
+inline V add(V x, V y) { return {_mm256_add_ps(x.a, y.a), _mm256_add_ps(x.b, y.b)}; }
 inline V sub(V x, V y) { return {_mm256_sub_ps(x.a, y.a), _mm256_sub_ps(x.b, y.b)}; }
 inline V mul(V x, V y) { return {_mm256_mul_ps(x.a, y.a), _mm256_mul_ps(x.b, y.b)}; }
 inline V mad(V x, V y, V z) { return {_mm256_fmadd_ps(x.a, y.a, z.a), _mm256_fmadd_ps(x.b, y.b, z.b)}; }
@@ -47,6 +48,6 @@ inline void compress(V x, unsigned mask, float* p) {
 
 }  // namespace
 
-const Loops kAvx2Loops = {&closest, &visit, &visitMinima};
+const Loops kAvx2Loops = {&closest, &visit, &visitSegment, &clearance, &visitMinima};
 
 }  // namespace enamel::kernel

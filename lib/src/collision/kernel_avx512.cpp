@@ -13,6 +13,7 @@ struct V {
 inline V load(const float* p) { return {_mm512_loadu_ps(p)}; }
 inline void store(float* p, V x) { _mm512_storeu_ps(p, x.v); }
 inline V set(float x) { return {_mm512_set1_ps(x)}; }
+inline V add(V x, V y) { return {_mm512_add_ps(x.v, y.v)}; }
 inline V sub(V x, V y) { return {_mm512_sub_ps(x.v, y.v)}; }
 inline V mul(V x, V y) { return {_mm512_mul_ps(x.v, y.v)}; }
 inline V mad(V x, V y, V z) { return {_mm512_fmadd_ps(x.v, y.v, z.v)}; }
@@ -31,6 +32,6 @@ inline void compress(V x, unsigned mask, float* p) {
 
 }  // namespace
 
-const Loops kAvx512Loops = {&closest, &visit, &visitMinima};
+const Loops kAvx512Loops = {&closest, &visit, &visitSegment, &clearance, &visitMinima};
 
 }  // namespace enamel::kernel

@@ -21,6 +21,11 @@ inline V set(float x) {
   for (int i = 0; i < kWidth; ++i) r.v[i] = x;
   return r;
 }
+inline V add(const V& a, const V& b) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] + b.v[i];
+  return r;
+}
 inline V sub(const V& a, const V& b) {
   V r;
   for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] - b.v[i];
@@ -69,6 +74,6 @@ inline void compress(const V& a, unsigned mask, float* p) {
 
 }  // namespace
 
-const Loops kBaselineLoops = {&closest, &visit, &visitMinima};
+const Loops kBaselineLoops = {&closest, &visit, &visitSegment, &clearance, &visitMinima};
 
 }  // namespace enamel::kernel

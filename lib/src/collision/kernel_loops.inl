@@ -1,5 +1,5 @@
 // The search loops, written on a vector `V` of 16 floats that the including file defines together with
-// load, store, set, sub, mul, mad, maximum, minimum, smallest, lessOrEqualMask, selectGreater and
+// load, store, set, add, sub, mul, mad, maximum, minimum, smallest, lessOrEqualMask, selectGreater and
 // compress (the lanes of a mask to consecutive floats; up to 16 are written). Everything has internal
 // linkage.
 
@@ -112,15 +112,11 @@ static inline V boxBounds(const float* low, const float* high, int stride, V x, 
   return mad(dx, dx, mad(dy, dy, mul(dz, dz)));
 }
 
-// Squared distances of the 16 triangles of a leaf: to the plane where the point lies over the triangle, else to the
-// nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
-static inline V leafDistances(const Leaf* leaf, V x, V y, V z, V* height) {
-  V f[3];
-  for (int i = 0; i < 3; ++i)
-    f[i] = mad(load(leaf->axis[i][0]), x,
-               mad(load(leaf->axis[i][1]), y, mad(load(leaf->axis[i][2]), z, load(leaf->offset[i]))));
+// Squared distances of the 16 triangles of a leaf from points in their frames: to the plane where the point lies over
+// the triangle, else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over
+// the plane). With directions in the frames, also how far the points lie ahead of the nearest points of the triangles.
+static inline V frameDistances(const Leaf* leaf, V u, V v, V h, const V* way = nullptr, V* ahead = nullptr) {
   const V zero = set(0.0f);
-  const V u = f[0], v = f[1], h = f[2];
   const V beyond = sub(u, load(leaf->length[0]));
   const V c1 = load(leaf->cosine[0]), s1 = load(leaf->sine[0]), c2 = load(leaf->cosine[1]), s2 = load(leaf->sine[1]);
   // Across: positive outside. Along: from the start of the edge.
@@ -135,8 +131,24 @@ static inline V leafDistances(const Leaf* leaf, V x, V y, V z, V* height) {
   const V edge2 = mad(across2, across2, mul(end2, end2));
   const V edges = minimum(minimum(edge0, edge1), edge2);
   const V out = maximum(maximum(across0, across1), across2);
-  *height = h;
+  if (way != nullptr) {
+    const V ahead0 = mad(end0, way[0], mul(v, way[1]));
+    const V ahead1 = mad(end1, mad(c1, way[0], mul(s1, way[1])), mul(across1, sub(mul(s1, way[0]), mul(c1, way[1]))));
+    const V ahead2 = mad(end2, mad(c2, way[0], mul(s2, way[1])), mul(across2, sub(mul(c2, way[1]), mul(s2, way[0]))));
+    const V of01 = selectGreater(edge0, edge1, ahead1, ahead0);
+    const V ofEdges = selectGreater(minimum(edge0, edge1), edge2, ahead2, of01);
+    *ahead = mad(h, way[2], selectGreater(out, load(leaf->inside), ofEdges, zero));
+  }
   return mad(h, h, selectGreater(out, load(leaf->inside), edges, zero));
+}
+
+static inline V leafDistances(const Leaf* leaf, V x, V y, V z, V* height) {
+  V f[3];
+  for (int i = 0; i < 3; ++i)
+    f[i] = mad(load(leaf->axis[i][0]), x,
+               mad(load(leaf->axis[i][1]), y, mad(load(leaf->axis[i][2]), z, load(leaf->offset[i]))));
+  *height = f[2];
+  return frameDistances(leaf, f[0], f[1], f[2]);
 }
 
 static inline V leafDistances(const Leaf* leaf, V x, V y, V z) {
@@ -576,6 +588,191 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
   }
 }
 
+// A segment in local coordinates: start, unit direction, length.
+struct Ray {
+  V start[3], way[3], length;
+};
+
+static inline V between(V x, V low, V high) { return maximum(minimum(x, high), low); }
+
+// Squared distances of boxes |f| <= half from a segment that is given in their frames. What is nearest to a point of
+// the box is the foot of that point, so only the feet of the box count; their bounding box is taken.
+static inline V pieceBounds(const V* start, const V* way, const V* half, V length) {
+  const V zero = set(0.0f);
+  V foot = zero, extent = zero;
+  for (int k = 0; k < 3; ++k) {
+    foot = mad(start[k], way[k], foot);
+    extent = mad(maximum(way[k], sub(zero, way[k])), half[k], extent);
+  }
+  const V first = between(sub(sub(zero, foot), extent), zero, length);
+  const V last = between(sub(extent, foot), zero, length);
+  V squared = zero;
+  for (int k = 0; k < 3; ++k) {
+    const V a = mad(way[k], first, start[k]), b = mad(way[k], last, start[k]);
+    const V d = maximum(sub(maximum(minimum(a, b), sub(zero, maximum(a, b))), half[k]), zero);
+    squared = mad(d, d, squared);
+  }
+  return squared;
+}
+
+static inline V segmentBounds(const Node* node, const Ray* ray) {
+  const V middle = set(0.5f), empty = set(-1e25f);  // its square is infinite
+  V start[3], half[3];
+  for (int k = 0; k < 3; ++k) {
+    const V low = load(node->low[k]), high = load(node->high[k]);
+    half[k] = maximum(mul(sub(high, low), middle), empty);
+    start[k] = sub(ray->start[k], mul(add(high, low), middle));
+  }
+  return pieceBounds(start, ray->way, half, ray->length);
+}
+
+static inline V segmentBounds(const LeafBoxes* boxes, const Ray* ray) {
+  V start[3], way[3], half[3];
+  for (int i = 0; i < 3; ++i) {
+    const V x = load(boxes->row[3 * i]), y = load(boxes->row[3 * i + 1]), z = load(boxes->row[3 * i + 2]);
+    start[i] = mad(x, ray->start[0], mad(y, ray->start[1], mad(z, ray->start[2], load(boxes->row[9 + i]))));
+    way[i] = mad(x, ray->way[0], mad(y, ray->way[1], mul(z, ray->way[2])));
+    half[i] = load(boxes->row[12 + i]);
+  }
+  return pieceBounds(start, way, half, ray->length);
+}
+
+// Distances of the triangles of a leaf from the middle of their feet on the segment, squared, how far that lies ahead
+// of the triangles' nearest points, and half the way between the feet: the segment is nearer by no more than that.
+static inline V segmentDistances(const Leaf* leaf, const Ray* ray, V* halfWay, V* ahead) {
+  const V zero = set(0.0f), half = set(0.5f);
+  V start[3], way[3];
+  for (int i = 0; i < 3; ++i) {
+    const V x = load(leaf->axis[i][0]), y = load(leaf->axis[i][1]), z = load(leaf->axis[i][2]);
+    start[i] = mad(x, ray->start[0], mad(y, ray->start[1], mad(z, ray->start[2], load(leaf->offset[i]))));
+    way[i] = mad(x, ray->way[0], mad(y, ray->way[1], mul(z, ray->way[2])));
+  }
+  const V a = sub(zero, mad(start[0], way[0], mad(start[1], way[1], mul(start[2], way[2]))));
+  const V b = mad(load(leaf->length[0]), way[0], a);
+  const V c = mad(load(leaf->length[2]), mad(load(leaf->cosine[1]), way[0], mul(load(leaf->sine[1]), way[1])), a);
+  const V first = between(minimum(minimum(a, b), c), zero, ray->length);
+  const V last = between(maximum(maximum(a, b), c), zero, ray->length);
+  const V at = mul(add(first, last), half);
+  *halfWay = mul(sub(last, first), half);
+  return frameDistances(leaf, mad(way[0], at, start[0]), mad(way[1], at, start[1]), mad(way[2], at, start[2]), way,
+                        ahead);
+}
+
+// The distance is a convex function along the segment, so it stays above its tangent in the middle of the feet. The
+// nearest point, whose distance is known to `error`, is known to sqrt(2 error distance), and so is the slope.
+static inline float tangentBound(float squared, float ahead, float halfWay, float error) {
+  const float d = __builtin_sqrtf(squared);
+  if (!(d > 32.0f * error)) return d - halfWay;
+  const float slope = (ahead < 0.0f ? -ahead : ahead) / d + 2.0f * __builtin_sqrtf(error / d);
+  return d - halfWay * (slope < 1.0f ? slope : 1.0f);
+}
+
+// With a visitor as Loops::visitSegment, without one as Loops::clearance.
+static inline double searchSegment(const Mesh& mesh, const double from[3], const double to[3], double reach,
+                                   double needed, Visit visitor, void* context) {
+  double a[3], b[3], way[3], size = 2.0 * mesh.extent;
+  for (int k = 0; k < 3; ++k) {
+    a[k] = (from[k] - mesh.centre[k]) * mesh.scale;
+    b[k] = (to[k] - mesh.centre[k]) * mesh.scale;
+    way[k] = b[k] - a[k];
+    size += absolute(a[k]) > absolute(b[k]) ? absolute(a[k]) : absolute(b[k]);
+  }
+  if (isFar(a) || isFar(b)) {
+    if (visitor == nullptr) return 0.0;
+    visit(mesh, from, to, reach, visitor, context);
+    return 0.0;
+  }
+  const double slack = kBoundError * size;
+  const double length = __builtin_sqrt(dot(way, way));
+  Ray ray;
+  for (int k = 0; k < 3; ++k) {
+    ray.start[k] = set(static_cast<float>(a[k]));
+    ray.way[k] = set(length > 0.0 ? static_cast<float>(way[k] / length) : 0.0f);
+  }
+  ray.length = set(static_cast<float>(length));
+  Entry stack[kStackSize];
+  int top = 0;
+  int32_t current = mesh.root;
+  const double least = slack / mesh.scale;
+  const float error = 2.0f * static_cast<float>(slack);
+  float limit = limitOf(reach * mesh.scale, slack);
+  for (;;) {
+    if (current < 0) {
+      V halfWay, ahead;
+      const V d = segmentDistances(mesh.leaves + ~current, &ray, &halfWay, &ahead);
+      float root = __builtin_sqrtf(limit) * 1.000001f;
+      const V most = add(halfWay, set(root));
+      unsigned mask = lessOrEqualMask(d, mul(most, most));
+      if (mask != 0) {
+        float bound[kWidth], half[kWidth], front[kWidth], nearest = 3.4e38f;
+        store(bound, d);
+        store(half, halfWay);
+        store(front, ahead);
+        int first = 0;
+        for (unsigned m = mask; m != 0; m &= m - 1) {
+          const int lane = __builtin_ctz(m);
+          bound[lane] = tangentBound(bound[lane], front[lane], half[lane], error);
+          if (bound[lane] < nearest) {
+            nearest = bound[lane];
+            first = lane;
+          }
+        }
+        if (visitor == nullptr) {
+          const double clear = static_cast<double>(nearest) / mesh.scale - least;
+          if (clear < reach) reach = clear > 0.0 ? clear : 0.0;
+          if (reach < needed && reach > 0.25 * needed) reach = 0.25 * needed;
+          limit = limitOf(reach * mesh.scale, slack);
+          if (!(reach > 0.0)) return 0.0;
+        } else {
+          for (int lane = first; mask != 0; lane = __builtin_ctz(mask | 0x10000u)) {
+            mask &= ~(1u << lane);
+            const int32_t slot = ~current * kWidth + lane;
+            if (!(bound[lane] <= root) || mesh.triangles[slot].index < 0) continue;
+            const double now = visitor(context, slot, reach);
+            if (!(now < reach)) continue;
+            reach = now;
+            limit = limitOf(reach * mesh.scale, slack);
+            root = __builtin_sqrtf(limit) * 1.000001f;
+          }
+        }
+      }
+    } else {
+      const Node* node = mesh.nodes + (current & kNumber);
+      V near = segmentBounds(node, &ray);
+      unsigned mask = lessOrEqualMask(near, set(limit));
+      if (mask != 0 && (current & kHasLeaves) != 0) {
+        near = maximum(near, segmentBounds(mesh.boxes + (current & kNumber), &ray));
+        mask &= lessOrEqualMask(near, set(limit));
+      }
+      float bounds[kWidth];
+      store(bounds, near);
+      const int bottom = top;
+      for (; mask != 0; mask &= mask - 1) {
+        const int lane = __builtin_ctz(mask);
+        const float bound = bounds[lane];
+        int place = top++;
+        for (; place > bottom && stack[place - 1].bound < bound; --place) stack[place] = stack[place - 1];
+        stack[place].bound = bound;
+        stack[place].child = node->child[lane];
+      }
+    }
+    do {
+      if (top == 0) return reach;
+      --top;
+    } while (!(stack[top].bound <= limit));
+    current = stack[top].child;
+  }
+}
+
+static void visitSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visitor,
+                         void* context) {
+  searchSegment(mesh, from, to, reach, 0.0, visitor, context);
+}
+
+static double clearance(const Mesh& mesh, const double from[3], const double to[3], double most, double needed) {
+  return searchSegment(mesh, from, to, most, needed, nullptr, nullptr);
+}
+
 static void visitMinima(const Mesh& mesh, const double point[3], double reach, Visit visitor, void* context) {
   Search s;
   startSearch(&s, &mesh, point, reach * reach);
@@ -583,7 +780,7 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
     visit(mesh, point, point, reach, visitor, context);
     return;
   }
-  const V x = set(s.x), y = set(s.y), z = set(s.z), limit = set(s.limit), slack = set(s.slackUp);
+  const V x = set(s.x), y = set(s.y), z = set(s.z), limit = set(s.limit), slack = set(2.0f * s.slackUp);
   int32_t stack[kStackSize];
   int top = 0;
   stack[top++] = mesh.root;
@@ -601,7 +798,8 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
       }
       V height;
       const V d = leafDistances(mesh.leaves + ~child, x, y, z, &height);
-      const V high = sub(maximum(height, sub(set(0.0f), height)), sub(set(0.0f), slack));  // |height| + slack
+      const V high =
+          sub(maximum(height, sub(set(0.0f), height)), sub(set(0.0f), slack));  // |height| and what both may err by
       const V least = mul(load(mesh.cones + ~child * kWidth), d);
       unsigned near = lessOrEqualMask(d, limit) & lessOrEqualMask(least, mul(high, high));
       for (; near != 0; near &= near - 1) {

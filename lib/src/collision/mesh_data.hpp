@@ -42,8 +42,10 @@ struct MeshData {
   std::vector<std::int32_t> dirtyLeaves;
   std::vector<char> isDirty;      // by leaf
   std::vector<char> isRewritten;  // by slot
-  bool closed = false;            // every edge has as many triangles one way as the other
-  double size = 0.0;              // diagonal of the bounding box, m
+  std::vector<int> taintedPlaces;
+  std::vector<char> isTainted;  // by place
+  bool closed = false;          // every edge has as many triangles one way as the other
+  double size = 0.0;            // diagonal of the bounding box, m
 };
 
 /// One triangle at an edge between two different places.

@@ -60,15 +60,24 @@ void relink(MeshData& data, const std::array<int, 3>& corners) {
   for (int i = 0; i < 3; ++i) relinkEdge(data, data.place[corners[i]], data.place[corners[(i + 1) % 3]]);
 }
 
-// All corners at the places of these vertices, and the edges that meet there.
+// To be done at the end: all corners at the places of these vertices, and the edges that meet there.
 void taint(MeshData& data, const std::array<int, 3>& corners) {
-  for (const int v : corners)
-    for (std::int32_t c = data.firstCorner[data.place[v]]; c >= 0; c = data.nextCorner[c]) {
-      const int i = c % 3;
-      data.cones[data.slotOf[c / 3]] = 0.0f;
-      data.edgeNormals[data.slotOf[c / 3]].tainted |=
-          1u << (kCorner0 + i) | 1u << (kEdge01 + i) | 1u << (kEdge01 + (i + 2) % 3);
-    }
+  for (const int v : corners) {
+    const int place = data.place[v];
+    if (data.isTainted[place] != 0) continue;
+    data.isTainted[place] = 1;
+    data.taintedPlaces.push_back(place);
+  }
+}
+
+void taintPlace(MeshData& data, int place) {
+  for (std::int32_t c = data.firstCorner[place]; c >= 0; c = data.nextCorner[c]) {
+    const int i = c % 3;
+    const std::int32_t slot = data.slotOf[c / 3];
+    data.cones[slot] = 0.0f;
+    data.edgeNormals[slot].tainted |= 1u << (kCorner0 + i) | 1u << (kEdge01 + i) | 1u << (kEdge01 + (i + 2) % 3);
+  }
+  data.isTainted[place] = 0;
 }
 
 void rewrite(MeshData& data, std::int32_t triangle) {
@@ -86,6 +95,8 @@ void finish(MeshData& data) {
     std::fill_n(data.isRewritten.begin() + leaf * kWidth, kWidth, '\0');
   }
   data.dirtyLeaves.clear();
+  for (const int place : data.taintedPlaces) taintPlace(data, place);
+  data.taintedPlaces.clear();
   data.view.revision = nextRevision();
 }
 

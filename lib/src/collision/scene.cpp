@@ -18,6 +18,7 @@ constexpr double kSameDirection = 0.9659258262890683;  // cos 15 deg
 constexpr int kMostFanSteps = 64;
 constexpr int kAxisSteps = 64;           // halvings of the axis of a capsule: below 1e-18 of its length
 constexpr double kClearlyNearer = 1e-9;  // m
+constexpr double kLookAhead = 2.5;       // times a part's reach: how far its clearance is looked for
 
 using MeshPointer = std::shared_ptr<const MeshModel>;
 
@@ -146,26 +147,10 @@ struct Collector {
   }
 };
 
-// Signed distance of p, or, where a ball known from an earlier tick shows that it is more than `reach`, no more than it
-// is. Outside of a closed surface the sign cannot change before the surface is met.
-SurfacePoint distanceBeyond(const MeshModel& mesh, const Vec3& p, double reach, PointCache* cache) {
-  if (cache == nullptr || !mesh.data().closed) return signedDistance(mesh, p, cache ? &cache->proximity : nullptr);
-  if (cache->revision == mesh.data().view.revision) {
-    SurfacePoint bound;
-    bound.distance = cache->clear - (p - cache->centre).norm();
-    if (bound.distance > reach) return bound;
-  }
-  const SurfacePoint found = signedDistance(mesh, p, &cache->proximity);
-  cache->revision = mesh.data().view.revision;
-  cache->centre = p;
-  cache->clear = (found.triangle < 0 ? kNoLimit : found.distance) * (1.0 - 1e-9);
-  return found;
-}
-
-void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, PointCache* cache, Collector& out) {
-  const double reach = radius + std::max(out.margin, 0.0);
-  const SurfacePoint nearest = distanceBeyond(mesh, centre, reach, cache);
+// `nearest` is the answer of signedDistance().
+void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, const SurfacePoint& nearest, Collector& out) {
   if (nearest.triangle < 0 || nearest.distance > radius + out.margin) return;
+  const double reach = radius + std::max(out.margin, 0.0);
   const double single = 1e-9 * reach;
   if (nearest.distance <= single) {  // on or behind the surface: one way out
     out.add(centre, nearest.normal, nearest.distance, radius);
@@ -179,20 +164,10 @@ void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, PointCa
 }
 
 template <typename Analytic>
-void addSphere(const Analytic& shape, const Vec3& centre, double radius, PointCache*, Collector& out) {
+double addSphere(const Analytic& shape, const Vec3& centre, double radius, Collector& out) {
   const ShapePoint nearest = signedDistance(shape, centre);
   out.add(centre, nearest.normal, nearest.distance, radius);
-}
-
-// The signed distance, or a number above `reach` that is no more than it.
-double distanceOf(const MeshModel& mesh, const Vec3& p, double reach, PointCache* cache) {
-  const SurfacePoint found = distanceBeyond(mesh, p, reach, cache);
-  return found.triangle < 0 && found.distance == 0.0 ? kNoLimit : found.distance;
-}
-
-template <typename Analytic>
-double distanceOf(const Analytic& shape, const Vec3& p, double, PointCache*) {
-  return signedDistance(shape, p).distance;
+  return nearest.distance;
 }
 
 // Place on the axis nearest to the mesh; -1 where none is within reach.
@@ -224,38 +199,85 @@ const Analytic& shapeOf(const Analytic& shape) {
   return shape;
 }
 
-template <typename ShapeType>
-void addPart(const ShapeType& shape, const Segment& axis, double radius, PointCache* caches, Collector& out) {
-  const auto cache = [caches](int i) { return caches == nullptr ? nullptr : caches + i; };
-  addSphere(shape, axis.a, radius, cache(0), out);
+template <typename Analytic>
+void addPart(const Analytic& shape, const Segment& axis, double radius, PartCache*, Collector& out) {
+  const double atA = addSphere(shape, axis.a, radius, out);
   if (axis.a == axis.b) return;
-  addSphere(shape, axis.b, radius, cache(1), out);
-  // Distances change by no more than the way: between the ends they are at least (|a| + |b| - length) / 2.
+  const double atB = addSphere(shape, axis.b, radius, out);
   const double reach = radius + std::max(out.margin, 0.0);
-  const double atA = distanceOf(shape, axis.a, reach, cache(0)), atB = distanceOf(shape, axis.b, reach, cache(1));
+  // Distances change by no more than the way: between the ends they are at least (|a| + |b| - length) / 2.
   if (std::abs(atA) + std::abs(atB) - (axis.b - axis.a).norm() > 2.0 * reach) return;
   const double t = nearestOnAxis(shape, axis, reach);
   if (!(t > 0.0 && t < 1.0)) return;
   const Vec3 middle = axis.a + t * (axis.b - axis.a);
-  // What is out of reach counts as far, so that a bound does as well as the distance.
-  const double ends = std::min(atA > reach ? kNoLimit : atA, atB > reach ? kNoLimit : atB);
-  if (distanceOf(shape, middle, reach, cache(2)) < ends - kClearlyNearer)
-    addSphere(shape, middle, radius, cache(2), out);
+  if (signedDistance(shape, middle).distance < std::min(atA, atB) - kClearlyNearer)
+    addSphere(shape, middle, radius, out);
 }
 
-SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, PointCache* cache) {
-  return signedDistance(mesh, p, cache == nullptr ? nullptr : &cache->proximity);
+// Outside of a closed surface the side cannot change before the surface is met: an axis that starts outside and keeps
+// away from every triangle lies outside, and it still does after a way shorter than its clearance. Most ticks of most
+// parts end there. `limit` then hides what is out of reach.
+void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCache* cache, Collector& out) {
+  const auto point = [cache](std::size_t i) { return cache == nullptr ? nullptr : &cache->points[i]; };
+  const double reach = radius + std::max(out.margin, 0.0), justBeyond = reach * (1.0 + 1e-12);
+  const bool isSphere = axis.a == axis.b;
+  double clear = -1.0;
+  if (cache != nullptr && cache->revision == mesh.data().view.revision)
+    clear = cache->clear - std::max((axis.a - cache->axis.a).norm(), (axis.b - cache->axis.b).norm());
+  if (clear > reach) return;
+  const auto remember = [&] {
+    if (cache == nullptr) return;
+    cache->revision = mesh.data().view.revision;
+    cache->axis = axis;
+    cache->clear = mesh.data().closed ? clear * (1.0 - 1e-9) : -1.0;
+  };
+  SurfacePoint atA;
+  const bool isOutside = clear > 0.0;
+  if (isSphere || !isOutside) atA = signedDistance(mesh, axis.a, point(0));
+  if (isSphere) {
+    clear = atA.distance;
+    remember();
+    addSphere(mesh, axis.a, radius, atA, out);
+    return;
+  }
+  const bool isKnownWell =
+      clear >= reach / 8.0 && clear <= reach / 4.0;  // what clearance() says of a part that touches
+  if (mesh.data().closed && !isKnownWell && (isOutside || atA.distance > 0.0)) {
+    clear = loops().clearance(mesh.data().view, axis.a.data(), axis.b.data(), kLookAhead * reach, justBeyond);
+    remember();
+    if (clear > justBeyond) return;
+  }
+  const double limit = clear > 0.0 ? justBeyond : kNoLimit;
+  if (isOutside) atA = signedDistance(mesh, axis.a, point(0), limit);
+  const SurfacePoint atB = signedDistance(mesh, axis.b, point(1), limit);
+  addSphere(mesh, axis.a, radius, atA, out);
+  addSphere(mesh, axis.b, radius, atB, out);
+  // Where an end lies behind the surface, no place between is nearer to the outside than both.
+  double ends = justBeyond;
+  if (atA.triangle >= 0) ends = std::min(ends, atA.distance - kClearlyNearer);
+  if (atB.triangle >= 0) ends = std::min(ends, atB.distance - kClearlyNearer);
+  if (!(ends > 0.0)) return;
+  const SegmentPoint between = closestToSegment(mesh, axis, ends, cache == nullptr ? -1 : cache->nearest);
+  if (cache != nullptr) cache->nearest = between.triangle;
+  if (between.triangle < 0 || !(between.parameter > 0.0 && between.parameter < 1.0)) return;
+  const Vec3 middle = axis.a + between.parameter * (axis.b - axis.a);
+  const SurfacePoint there = signedDistance(mesh, middle, point(2), limit);
+  if (there.distance < ends) addSphere(mesh, middle, radius, there, out);
+}
+
+SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, ProximityCache* cache) {
+  return signedDistance(mesh, p, cache);
 }
 
 template <typename Analytic>
-ShapePoint nearestOf(const Analytic& shape, const Vec3& p, PointCache*) {
+ShapePoint nearestOf(const Analytic& shape, const Vec3& p, ProximityCache*) {
   return signedDistance(shape, p);
 }
 
 // Adds the nearest place of a part, under the rules of addPart().
 template <typename ShapeType>
-void addNearest(const ShapeType& shape, const Segment& axis, double radius, PointCache* caches, Collector& out) {
-  const auto cache = [caches](int i) { return caches == nullptr ? nullptr : caches + i; };
+void addNearest(const ShapeType& shape, const Segment& axis, double radius, PartCache* part, Collector& out) {
+  const auto cache = [part](std::size_t i) { return part == nullptr ? nullptr : &part->points[i]; };
   const auto atA = nearestOf(shape, axis.a, cache(0));
   out.add(axis.a, atA.normal, atA.distance, radius);
   if (axis.a == axis.b) return;
@@ -283,13 +305,13 @@ Segment axisOf(const ToolPart& part, const Pose& pose, const Obstacle& obstacle)
 
 bool isFinite(const Pose& pose) { return pose.position.allFinite() && pose.rotation.allFinite(); }
 
-PointCache* cachesOf(ToolCache* cache, std::size_t obstacle, int part, int parts) {
+PartCache* cacheOf(ToolCache* cache, std::size_t obstacle, int part, int parts) {
   if (cache == nullptr) return nullptr;
-  const std::size_t first = 3 * (obstacle * static_cast<std::size_t>(parts) + static_cast<std::size_t>(part));
-  return first + 3 <= cache->points.size() ? &cache->points[first] : nullptr;
+  const std::size_t i = obstacle * static_cast<std::size_t>(parts) + static_cast<std::size_t>(part);
+  return i < cache->parts.size() ? &cache->parts[i] : nullptr;
 }
 
-// Calls visit(shape, axis, radius, caches, collector) for every part and obstacle; false where an obstacle's pose is
+// Calls visit(shape, axis, radius, cache, collector) for every part and obstacle; false where an obstacle's pose is
 // not finite.
 template <typename Visit>
 bool forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
@@ -301,17 +323,17 @@ bool forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double 
     for (int k = 0; k < tool.count; ++k) {
       const ToolPart& part = tool.parts[k];
       const Segment axis = axisOf(part, pose, obstacles[i]);
-      PointCache* caches = cachesOf(cache, i, k, tool.count);
-      std::visit([&](const auto& shape) { visit(shapeOf(shape), axis, part.radius, caches, out); }, obstacles[i].shape);
+      PartCache* known = cacheOf(cache, i, k, tool.count);
+      std::visit([&](const auto& shape) { visit(shapeOf(shape), axis, part.radius, known, out); }, obstacles[i].shape);
     }
   }
   return true;
 }
 
 // Analytic shapes: the signed distance of the sphere's centre is convex in time, so Newton's steps from the left never
-// pass its first root. A capsule advances by what distance and speed allow.
+// pass its first root. A capsule advances until one of its ends meets the plane that keeps it from the shape.
 template <typename Analytic>
-SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to, double radius, PointCache*) {
+SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to, double radius, PartCache*) {
   SweepHit result;
   const Vec3 wayA = to.a - from.a, wayB = to.b - from.b;
   const bool isSphere = from.a == from.b && to.a == to.b;
@@ -325,24 +347,26 @@ SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to
     const Vec3 centre = now.a + t * (now.b - now.a);
     const ShapePoint near = signedDistance(shape, centre);
     const double gap = near.distance - radius;
-    if (gap <= (isSphere ? tolerance : 1e-10 * speed + tolerance) || step == 255) {
+    if (gap <= tolerance || step == 255) {
       result.hit = true;
       result.time = time;
       result.point = near.point;
       result.normal = near.normal;
       return result;
     }
-    const double closing = isSphere ? -near.normal.dot(wayA) : speed;
-    if (!(closing > 0.0)) return result;
-    time += gap / closing;
+    const auto waitOf = [&](const Vec3& end, const Vec3& way) {  // until the end meets the plane over the nearest point
+      const double closing = -near.normal.dot(way);
+      return closing > 0.0 ? std::max(near.normal.dot(end - near.point) - radius, gap) / closing : kNoLimit;
+    };
+    time += std::min(waitOf(now.a, wayA), waitOf(now.b, wayB));
     if (!(time <= 1.0)) return result;
   }
   return result;
 }
 
-SweepHit sweepPart(const MeshModel& mesh, const Segment& from, const Segment& to, double radius, PointCache* caches) {
+SweepHit sweepPart(const MeshModel& mesh, const Segment& from, const Segment& to, double radius, PartCache* cache) {
   if (from.a == from.b && to.a == to.b)
-    return sweepSphere(mesh, from.a, to.a, radius, caches == nullptr ? nullptr : &caches->proximity);
+    return sweepSphere(mesh, from.a, to.a, radius, cache == nullptr ? nullptr : cache->points.data());
   return sweepCapsule(mesh, from, to, radius);
 }
 
@@ -396,7 +420,7 @@ void Scene::move(int obstacle, const Pose& pose, const Vec6& twist) noexcept {
 
 ToolCache makeToolCache(const Scene& scene, const Tool& tool) {
   ToolCache cache;
-  cache.points.resize(3 * scene.obstacles().size() * static_cast<std::size_t>(tool.count));
+  cache.parts.resize(scene.obstacles().size() * static_cast<std::size_t>(tool.count));
   return cache;
 }
 
@@ -404,8 +428,8 @@ Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, doub
                     ContactSnapshot& contacts) noexcept {
   contacts.count = 0;
   if (!isFinite(pose) || !std::isfinite(margin)) return Status::notFinite;
-  const auto visit = [&](const auto& shape, const Segment& axis, double radius, PointCache* caches, Collector& out) {
-    addPart(shape, axis, radius, caches, out);
+  const auto visit = [&](const auto& shape, const Segment& axis, double radius, PartCache* known, Collector& out) {
+    addPart(shape, axis, radius, known, out);
   };
   if (!forEachPart(scene, tool, pose, margin, cache, contacts, visit)) {
     contacts.count = 0;
@@ -416,8 +440,8 @@ Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, doub
 
 Contact nearestContact(const Scene& scene, const Tool& tool, const Pose& pose, ToolCache* cache) noexcept {
   ContactSnapshot contacts;
-  const auto visit = [&](const auto& shape, const Segment& axis, double radius, PointCache* caches, Collector& out) {
-    addNearest(shape, axis, radius, caches, out);
+  const auto visit = [&](const auto& shape, const Segment& axis, double radius, PartCache* known, Collector& out) {
+    addNearest(shape, axis, radius, known, out);
   };
   if (!isFinite(pose) || !forEachPart(scene, tool, pose, kNoLimit, cache, contacts, visit) || contacts.count == 0) {
     Contact none;
@@ -444,9 +468,9 @@ ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, cons
     for (int k = 0; k < tool.count; ++k) {
       const ToolPart& part = tool.parts[k];
       const Segment first = axisOf(part, from, obstacle), last = axisOf(part, to, obstacle);
-      PointCache* caches = cachesOf(cache, i, k, tool.count);
+      PartCache* known = cacheOf(cache, i, k, tool.count);
       const SweepHit hit =
-          std::visit([&](const auto& shape) { return sweepPart(shapeOf(shape), first, last, part.radius, caches); },
+          std::visit([&](const auto& shape) { return sweepPart(shapeOf(shape), first, last, part.radius, known); },
                      obstacle.shape);
       if (!hit.hit || (result.hit && !(hit.time < result.time))) continue;
       result.hit = true;

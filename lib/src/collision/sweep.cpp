@@ -14,10 +14,12 @@ using namespace kernel;
 #include "exact.inl"
 
 constexpr int kMostNewtonSteps = 64;
-constexpr int kMostAdvances = 1024;
+constexpr int kMostAdvances = 256;
+constexpr int kPlainAdvances = 16;
+constexpr double kMostWindows = 1024.0;  // on a way as long as the mesh
 constexpr int kPickPieces = 32;
 constexpr int kMostBounds = 8;
-constexpr double kMostPieces = 16.0;  // of a segment
+constexpr double kFarSizes = 8.0;
 
 Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
 
@@ -90,16 +92,18 @@ double sweepTriangle(void* context, std::int32_t slot, double reach) {
 
 // Nearest points of two segments: each end against the other segment, and the inner minimum where the lines are not
 // parallel (Lumelsky 1985). All candidates are points of both, so the smallest distance is right to rounding.
+// `best.distance` is squared here.
 void trySegments(const Segment& s, const Vec3& c, const Vec3& d, SegmentPoint& best) {
-  const auto consider = [&](double t, const Vec3& x) {
-    const double distance = (s.a + t * (s.b - s.a) - x).norm();
-    if (distance < best.distance) {
-      best.distance = distance;
+  const Vec3 u = s.b - s.a, v = d - c, w = s.a - c;
+  const auto consider = [&](double t, double r) {
+    const Vec3 x = c + r * v;
+    const double squared = (s.a + t * u - x).squaredNorm();
+    if (squared < best.distance) {
+      best.distance = squared;
       best.parameter = t;
       best.point = x;
     }
   };
-  const Vec3 u = s.b - s.a, v = d - c, w = s.a - c;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
   const double det = uu * vv - uv * uv;
   const auto along = [](double numerator, double denominator) {
@@ -110,11 +114,12 @@ void trySegments(const Segment& s, const Vec3& c, const Vec3& d, SegmentPoint& b
     for (int pass = 0; pass < 3; ++pass) {  // alternate: repairs what a small determinant has lost
       const double r = along(v.dot(s.a + t * u - c), vv);
       t = along(u.dot(c + r * v - s.a), uu);
-      consider(t, c + r * v);
+      consider(t, r);
     }
   }
-  for (const double t : {0.0, 1.0}) consider(t, c + along(v.dot(s.a + t * u - c), vv) * v);
-  for (const Vec3* x : {&c, &d}) consider(along(u.dot(*x - s.a), uu), *x);
+  for (const double t : {0.0, 1.0}) consider(t, along(v.dot(s.a + t * u - c), vv));
+  consider(along(u.dot(c - s.a), uu), 0.0);
+  consider(along(u.dot(d - s.a), uu), 1.0);
 }
 
 // Parameter of the crossing of a segment and a triangle (Moeller & Trumbore 1997, borders included); -1: none.
@@ -131,48 +136,147 @@ double crossing(const Segment& s, const Triangle& triangle) {
   return t >= 0.0 && t <= 1.0 ? t : -1.0;
 }
 
+SegmentPoint nearestOn(const Triangle& triangle, const Segment& segment) {
+  SegmentPoint here;
+  here.triangle = triangle.index;
+  const double t = crossing(segment, triangle);
+  if (t >= 0.0) {
+    here.parameter = t;
+    here.point = segment.a + t * (segment.b - segment.a);
+    return here;
+  }
+  here.distance = kNoLimit;
+  for (const double end : {0.0, 1.0}) {
+    Candidate c;
+    closestOnTriangle(&triangle, (end == 0.0 ? segment.a : segment.b).data(), &c);
+    if (c.squared < here.distance) {
+      here.distance = c.squared;
+      here.parameter = end;
+      here.point = vec(c.point);
+    }
+  }
+  for (int i = 0; i < 3; ++i) trySegments(segment, vec(triangle.corner[i]), vec(triangle.corner[(i + 1) % 3]), here);
+  here.distance = std::sqrt(here.distance);
+  return here;
+}
+
 struct SegmentSearch {
   const MeshData* data;
   Segment segment;
+  Vec3 way;
+  double length, rounding;
   SegmentPoint best;
 };
+
+// Parameter of the point of the segment nearest to p.
+double footOf(const SegmentSearch& s, const Vec3& p) {
+  return s.length > 0.0 ? std::clamp((p - s.segment.a).dot(s.way) / (s.length * s.length), 0.0, 1.0) : 0.0;
+}
+
+// The nearest place of the segment lies between the feet of the corners. The distance is convex along the segment, so
+// it stays above its tangent in the middle there (where the nearest point is known to sqrt(2 rounding distance)).
+double lowerBound(const SegmentSearch& s, const Triangle& triangle) {
+  double first = 1.0, last = 0.0;
+  for (const auto& corner : triangle.corner) {
+    const double t = footOf(s, vec(corner));
+    first = std::min(first, t);
+    last = std::max(last, t);
+  }
+  const Vec3 middle = s.segment.a + 0.5 * (first + last) * s.way;
+  const Nearest near = nearestOn(triangle, middle);
+  if (!(near.distance > 64.0 * s.rounding)) return 0.0;
+  const double slope = std::abs((middle - near.point).dot(s.way)) / (s.length * near.distance) +
+                       2.0 * std::sqrt(s.rounding / near.distance);
+  const double halfWay = s.length > 0.0 ? 0.5 * (last - first) * s.length * std::min(1.0, slope) : 0.0;
+  return near.distance - halfWay - s.rounding;
+}
 
 double trySegmentTriangle(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<SegmentSearch*>(context);
   const Triangle& triangle = s.data->triangles[slot];
-  {  // the ball about the first corner that holds the triangle
-    const Vec3 corner = vec(triangle.corner[0]), way = s.segment.b - s.segment.a;
-    const double length = way.squaredNorm();
-    const double t = length > 0.0 ? std::clamp((corner - s.segment.a).dot(way) / length, 0.0, 1.0) : 0.0;
-    const double radius = std::sqrt(
-        std::max((vec(triangle.corner[1]) - corner).squaredNorm(), (vec(triangle.corner[2]) - corner).squaredNorm()));
-    if ((s.segment.a + t * way - corner).norm() * (1.0 - 1e-12) > reach + radius * (1.0 + 1e-12)) return reach;
-  }
-  SegmentPoint here;
-  here.triangle = triangle.index;
-  here.distance = kNoLimit;
-  const double t = crossing(s.segment, triangle);
-  if (t >= 0.0) {
-    here.parameter = t;
-    here.point = s.segment.a + t * (s.segment.b - s.segment.a);
-    here.distance = 0.0;
-  } else {
-    for (const double end : {0.0, 1.0}) {
-      const Nearest near = nearestOn(triangle, end == 0.0 ? s.segment.a : s.segment.b);
-      if (near.distance < here.distance) {
-        here.distance = near.distance;
-        here.parameter = end;
-        here.point = near.point;
-      }
-    }
-    for (int i = 0; i < 3; ++i)
-      trySegments(s.segment, vec(triangle.corner[i]), vec(triangle.corner[(i + 1) % 3]), here);
-  }
+  if (lowerBound(s, triangle) > reach) return reach;
+  const SegmentPoint here = nearestOn(triangle, s.segment);
   if (here.distance > reach) return reach;
   if (s.best.triangle < 0 || here.distance < s.best.distance ||
       (here.distance == s.best.distance && here.triangle < s.best.triangle))
     s.best = here;
   return std::min(reach, s.best.distance);
+}
+
+struct CapsuleSweep {
+  const MeshData* data;
+  Segment from;
+  Vec3 wayA, wayB;
+  double radius, speed, tolerance;
+  double start, end;  // times of the window that is searched
+  SweepHit best;
+
+  Segment at(double time) const { return {from.a + time * wayA, from.b + time * wayB}; }
+};
+
+// How long a piece of the axis takes at least until it touches the triangle. The plane across the shortest way between
+// them keeps them apart; the triangle rests and the ends move straight, so that no touch can come before an end has
+// used up its height over that plane.
+double waitOfPiece(const CapsuleSweep& s, const Triangle& triangle, double time, double first, double last) {
+  const auto on = [](const Vec3& a, const Vec3& b, double t) { return Vec3(a + t * (b - a)); };
+  const Segment axis = s.at(time);
+  const Segment piece{on(axis.a, axis.b, first), on(axis.a, axis.b, last)};
+  const SegmentPoint near = nearestOn(triangle, piece);
+  const double gap = near.distance - s.radius;
+  if (!(gap > 0.0) || !(near.distance > 1e-9 * s.data->size)) return gap > 0.0 ? gap / s.speed : 0.0;
+  const Vec3 normal = (on(piece.a, piece.b, near.parameter) - near.point) / near.distance;
+  const auto waitOf = [&](const Vec3& end, const Vec3& way) {
+    const double closing = -normal.dot(way);
+    return closing > 0.0 ? std::max(normal.dot(end - near.point) - s.radius, gap) / closing : kNoLimit;
+  };
+  return std::min(waitOf(piece.a, on(s.wayA, s.wayB, first)), waitOf(piece.b, on(s.wayA, s.wayB, last)));
+}
+
+// Where the far ends of a turning axis hold the steps up, the place that is nearest gets a short piece of its own, and
+// the others grow with their distance from it.
+double waitOfAxis(const CapsuleSweep& s, const Triangle& triangle, double time, double nearest) {
+  double wait = kNoLimit, inner = 0x1p-26;
+  const auto consider = [&](double first, double last) {
+    first = std::max(first, 0.0);
+    last = std::min(last, 1.0);
+    if (first < last) wait = std::min(wait, waitOfPiece(s, triangle, time, first, last));
+  };
+  consider(nearest - inner, nearest + inner);
+  for (; inner < 1.0; inner *= 4.0) {
+    consider(nearest - 4.0 * inner, nearest - inner);
+    consider(nearest + inner, nearest + 4.0 * inner);
+  }
+  return wait;
+}
+
+double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
+  auto& s = *static_cast<CapsuleSweep*>(context);
+  const Triangle& triangle = s.data->triangles[slot];
+  const double latest = s.best.hit ? s.best.time : s.end;
+  double time = s.start;
+  for (int step = 0; step < kMostAdvances; ++step) {
+    const Segment now = s.at(time);
+    const SegmentPoint near = nearestOn(triangle, now);
+    if (near.distance - s.radius > s.tolerance) {
+      const double wait = step < kPlainAdvances ? waitOfPiece(s, triangle, time, 0.0, 1.0)
+                                                : waitOfAxis(s, triangle, time, near.parameter);
+      if (!(time + wait <= latest)) return reach;
+      if (wait > 1e-15 && step + 1 < kMostAdvances) {
+        time += wait;
+        continue;
+      }
+    }
+    if (isBetter(s.best, time, triangle.index)) {
+      const Vec3 apart = now.a + near.parameter * (now.b - now.a) - near.point;
+      s.best.hit = true;
+      s.best.time = time;
+      s.best.point = near.point;
+      s.best.normal = touchNormal(*s.data, apart, near.distance, triangle.index, s.wayA + s.wayB);
+      s.best.triangle = triangle.index;
+    }
+    return std::min(reach, s.radius + s.speed * (s.best.time - s.start) + s.tolerance);
+  }
+  return reach;
 }
 
 struct PickSearch {
@@ -219,75 +323,69 @@ SweepHit sweepSphere(const MeshModel& model, const Vec3& from, const Vec3& to, d
   return s.best;
 }
 
-SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit) noexcept {
-  SegmentSearch s{&model.data(), segment, {}};
+SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit, int hint) noexcept {
+  SegmentSearch s{&model.data(), segment, segment.b - segment.a, (segment.b - segment.a).norm(), 0.0, {}};
   if (!segment.a.allFinite() || !segment.b.allFinite() || !(limit >= 0.0)) {
     s.best.status = Status::notFinite;
     return s.best;
   }
-  // Points of the segment bound the distance; going to and fro between the mesh and the segment tightens the bound.
+  const Vec3 centre(s.data->view.centre[0], s.data->view.centre[1], s.data->view.centre[2]);
+  s.rounding = 1e-14 * (s.data->size + segment.a.norm() + segment.b.norm());
+  // Far away the boxes say little: points of the segment bound the distance, to and fro between it and the mesh.
   double reach = limit;
-  const Vec3 along = segment.b - segment.a;
-  const double square = along.squaredNorm();
-  const auto bound = [&](double t) {
-    const SurfacePoint near = closestPoint(model, segment.a + t * along, nullptr, reach);
-    if (near.triangle < 0) return -1.0;
-    reach = std::min(reach, near.distance * (1.0 + 1e-12) + 1e-15 * s.data->size);
-    return square > 0.0 ? std::clamp((near.point - segment.a).dot(along) / square, 0.0, 1.0) : -1.0;
-  };
-  double next = -1.0;
-  for (const double t : {0.0, 1.0, 0.5, 0.25, 0.75}) {
-    const double better = bound(t);
-    if (better >= 0.0) next = better;
+  if (hint >= 0 && hint < static_cast<int>(s.data->slotOf.size()) && hasTriangle(*s.data, hint))
+    reach = trySegmentTriangle(&s, s.data->slotOf[hint], reach);
+  if (std::max((segment.a - centre).norm(), (segment.b - centre).norm()) > kFarSizes * s.data->size) {
+    double t = footOf(s, centre);
+    for (int pass = 0; pass < kMostBounds; ++pass) {
+      const SurfacePoint near = closestPoint(model, segment.a + t * s.way, nullptr, reach);
+      if (near.triangle < 0) break;
+      reach = std::min(reach, near.distance * (1.0 + 1e-12) + s.rounding);
+      t = footOf(s, near.point);
+    }
   }
-  for (int pass = 0; pass < kMostBounds && next >= 0.0; ++pass) {
-    const double before = reach;
-    next = bound(next);
-    if (reach > 0.999 * before) break;
-  }
-  if (reach > 1e150) return s.best;  // nothing left of the mesh
-  // Short pieces have small boxes.
-  const Vec3 way = segment.b - segment.a;
-  const double pieces = std::clamp(std::ceil(way.norm() / std::max(reach, 1e-300)), 1.0, kMostPieces);
-  for (double piece = 0.0; piece < pieces; piece += 1.0) {
-    const Vec3 first = segment.a + way * (piece / pieces), last = segment.a + way * ((piece + 1.0) / pieces);
-    if (s.best.triangle >= 0) reach = std::min(reach, s.best.distance);
-    kernel::loops().visit(s.data->view, first.data(), last.data(), reach, &trySegmentTriangle, &s);
-  }
+  kernel::loops().visitSegment(s.data->view, segment.a.data(), segment.b.data(), reach, &trySegmentTriangle, &s);
   return s.best;
 }
 
 SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment& to, double radius) noexcept {
-  SweepHit result;
-  const Vec3 wayA = to.a - from.a, wayB = to.b - from.b;
+  CapsuleSweep s{&model.data(), from, to.a - from.a, to.b - from.b, radius, 0.0, 0.0, 0.0, 0.0, {}};
   if (!from.a.allFinite() || !from.b.allFinite() || !to.a.allFinite() || !to.b.allFinite() || !(radius >= 0.0) ||
       !std::isfinite(radius)) {
-    result.status = Status::notFinite;
-    return result;
+    s.best.status = Status::notFinite;
+    return s.best;
   }
-  const double speed = std::max(wayA.norm(), wayB.norm());
-  const double close = 1e-10 * std::max(speed, model.data().size);
-  double time = 0.0;
-  for (int step = 0; step < kMostAdvances; ++step) {
-    const Segment now{from.a + time * wayA, from.b + time * wayB};
-    const double reach = radius + speed * (1.0 - time);
-    const SegmentPoint near = closestToSegment(model, now, reach + close);
-    if (near.triangle < 0) return result;  // free to the end
+  s.speed = std::max(s.wayA.norm(), s.wayB.norm());
+  s.tolerance = 1e-15 * (s.data->size + radius + s.speed + (from.b - from.a).norm());
+  const double shortest = std::max(s.speed, s.data->size) / kMostWindows;
+  // As far as the distance allows while that is far, then from window to window: in each, all triangles are asked that
+  // can be reached.
+  while (s.start <= 1.0) {
+    const Segment now = s.at(s.start);
+    const SegmentPoint near = closestToSegment(model, now, radius + s.speed * (1.0 - s.start) + s.tolerance);
+    if (near.triangle < 0) return s.best;  // free to the end
     const double gap = near.distance - radius;
-    if (gap <= close || step + 1 == kMostAdvances) {
+    if (gap <= s.tolerance) {
       const Vec3 apart = now.a + near.parameter * (now.b - now.a) - near.point;
-      result.hit = true;
-      result.time = time;
-      result.point = near.point;
-      result.triangle = near.triangle;
-      result.normal = touchNormal(model.data(), apart, near.distance, near.triangle, wayA + wayB);
-      return result;
+      s.best.hit = true;
+      s.best.time = s.start;
+      s.best.point = near.point;
+      s.best.triangle = near.triangle;
+      s.best.normal = touchNormal(model.data(), apart, near.distance, near.triangle, s.wayA + s.wayB);
+      return s.best;
     }
-    if (!(speed > 0.0)) return result;
-    time += gap / speed;
-    if (time > 1.0) return result;
+    if (!(s.speed > 0.0)) return s.best;
+    if (gap > shortest) {
+      s.start += gap / s.speed;
+      continue;
+    }
+    s.end = std::min(1.0, s.start + shortest / s.speed);
+    const double reach = radius + s.speed * (s.end - s.start) + s.tolerance;
+    kernel::loops().visitSegment(s.data->view, now.a.data(), now.b.data(), reach, &sweepTriangleByCapsule, &s);
+    if (s.best.hit || s.end >= 1.0) return s.best;
+    s.start = s.end;
   }
-  return result;
+  return s.best;
 }
 
 SweepHit pick(const MeshModel& model, const Segment& segment) noexcept {

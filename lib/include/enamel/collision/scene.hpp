@@ -65,17 +65,18 @@ struct Tool {
   int count = 1;
 };
 
-/// What is known of one point of a tool and one obstacle; private to the queries.
-struct PointCache {
-  ProximityCache proximity;
-  std::uint64_t revision = 0;  // of the mesh that the ball belongs to
-  Vec3 centre = Vec3::Zero();  // middle of a ball outside of the obstacle, in the obstacle's frame
-  double clear = -1.0;         // its radius
+/// What is known of one part of a tool and one obstacle; private to the queries.
+struct PartCache {
+  std::array<ProximityCache, 3> points;  // both ends and the place between them
+  std::uint64_t revision = 0;            // of the mesh that the rest belongs to
+  Segment axis;                          // of an earlier tick, in the obstacle's frame
+  double clear = -1.0;                   // the axis lay outside of the obstacle, at least so far from it
+  int nearest = -1;                      // triangle that was nearest to the axis
 };
 
 /// Caches of one tool in one scene. Made outside the ticks; not shared between threads.
 struct ToolCache {
-  std::vector<PointCache> points;  ///< three for each part and obstacle
+  std::vector<PartCache> parts;  ///< one for each part and obstacle
 };
 
 /// Caches for `tool` in `scene` as it is now. Realtime: no.
