@@ -24,15 +24,15 @@ build ci
 echo "== ci: all tests"
 ctest --preset ci
 
-build asan
+build asan --target tests_unit tests_hard tests_plugin
 echo "== asan: all tests that can run under sanitizers"
-ctest --preset asan -LE timing
+ctest --preset asan -L "unit|hard|plugin"
 
 build tsan --target test_unit_runtime test_unit_experiment test_unit_collision_threads
 echo "== tsan: threads and their exchange of data"
 ctest --preset tsan -R 'unit.(runtime|experiment|collision_threads)'
 
-build release
+build release --target tests_realtime tests_timing enamel
 echo "== release: allocations and timing"
 ctest --preset release -L 'realtime|timing'
 build/release/apps/enamel/enamel bench --scale 0.2
