@@ -87,8 +87,8 @@ ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 /// direction within 15 deg; inside an obstacle at the nearest surface point only. A capsule touches with its two ends
 /// and, where that is nearer to the surface than both by more than 1e-9 m, with the nearest point of its axis between
 /// them. The obstacle's velocity is v + w x r. `cache` may be null and must else come from makeToolCache() of this
-/// scene and tool; the contacts are the same. notFinite: a pose or the margin is not finite; no contacts then.
-/// Realtime: yes. Threads: const scene, own cache.
+/// scene and tool; the contacts are the same (with meshes whose sign is defined: signedDistance()). notFinite: a pose
+/// or the margin is not finite; no contacts then. Realtime: yes. Threads: const scene, own cache.
 Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                     ContactSnapshot& contacts) noexcept;
 
