@@ -22,11 +22,11 @@ build() { # preset, targets...
 
 build ci
 echo "== ci: all tests"
-ctest --preset ci
+ctest --preset ci -j 2
 
 build asan --target tests_unit tests_hard tests_plugin
 echo "== asan: all tests that can run under sanitizers"
-ctest --preset asan -L "unit|hard|plugin"
+ctest --preset asan -j 2 -L "unit|hard|plugin"
 
 build tsan --target test_unit_runtime test_unit_experiment test_unit_collision_threads
 echo "== tsan: threads and their exchange of data"

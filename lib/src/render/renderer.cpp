@@ -78,7 +78,7 @@ Status Renderer::step(const TickInput& input, TickOutput& output) noexcept {
   Status status = checkInput(input, lastTime_);
   if (status == Status::ok) status = render(input, output);
   if (status == Status::ok) {
-    output.saturated = saturate(output.torque, input.maxTorque);
+    output.saturated = saturate(output.torque, input.maxTorque) || output.saturated;  // a plugin may have cut it
     lastTime_ = input.time;
   } else {
     output = TickOutput{};
