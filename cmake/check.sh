@@ -24,9 +24,15 @@ build ci
 echo "== ci: all tests"
 ctest --preset ci -j 2
 
-build asan --target tests_unit tests_hard tests_plugin
-echo "== asan: all tests that can run under sanitizers"
-ctest --preset asan -j 2 -L "unit|hard|plugin"
+if [ -n "${ENAMEL_LONG:-}" ]; then
+  build asan --target tests_unit tests_hard tests_plugin
+  echo "== asan: all tests that can run under sanitizers"
+  ctest --preset asan -j 2 -L 'unit|hard|plugin'
+else
+  build asan --target tests_sanitized
+  echo "== asan: files, kinematics, meshes, contacts and threads (--long: everything)"
+  ctest --preset asan -j 2 -L sanitized
+fi
 
 build tsan --target test_unit_runtime test_unit_experiment test_unit_collision_threads
 echo "== tsan: threads and their exchange of data"

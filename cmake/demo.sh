@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what is missing, builds, pushes a tool against a stiff wall with both renderers, and opens the viewer to do the
-# same by hand; where there is no display, the viewer records the push.
+# Installs what is missing, builds, pushes a tool against a stiff wall with both renderers, repeats that all over the wall,
+# and opens the viewer to do the same by hand; where there is no display, the viewer records the push.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh
@@ -15,6 +15,9 @@ echo "== a push of 12 N against the wall: the position servo beside the spring"
 mkdir -p out
 build/release/apps/enamel/enamel push --device data/devices/tau-nominal.toml \
   --renderer position-control,impedance --noise 0 --output out/push.csv
+
+echo "== a small study: 9 query points, 3 runs each; the paper's is: enamel study --output out/study"
+build/release/apps/enamel/enamel study --grid 3 --runs 3 --output out/small-study
 
 echo "== speed against error"
 build/release/apps/enamel/enamel bench --scale 0.2
