@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs what is missing, builds, runs every test: with assertions, with sanitizers, the threads with theirs, and the
-# allocation and timing tests in the release build. `check.sh --long` runs the full counts (millions of poses, soaks).
+# allocation tests in the release build. `check.sh --long` runs the full counts (millions of poses, soaks).
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh
@@ -38,10 +38,10 @@ build tsan --target test_unit_runtime test_unit_experiment test_unit_collision_t
 echo "== tsan: threads and their exchange of data"
 ctest --preset tsan -R 'unit.(runtime|experiment|collision_threads)'
 
-build release --target tests_realtime tests_timing enamel
-echo "== release: allocations and timing"
-ctest --preset release -L 'realtime|timing'
-build/release/apps/enamel/enamel bench --scale 0.2
+build release --target tests_realtime enamel
+echo "== release: allocations, speed against error"
+ctest --preset release -L realtime
+build/release/apps/enamel/enamel bench --filter tick --scale 0.2
 
 build dev --target enamel
 echo "== debug and release: the same bits"
