@@ -67,12 +67,8 @@ class Instance {
   Instance& operator=(const Instance&) = delete;
 
   std::int32_t configure(const PluginSetup& setup) {
-    const auto given = [](const std::string& text) { return text.empty() ? nullptr : text.c_str(); };
-    std::vector<EnamelParameter> parameters;
-    for (const auto& [key, value] : setup.parameters) parameters.push_back({key.c_str(), value.c_str(), nullptr});
-    const EnamelConfiguration configuration = {given(setup.devicePath), given(setup.deviceText), given(setup.scenePath),
-                                               given(setup.sceneText),  parameters.data(),       parameters.size()};
-    return table_.configure(self_, &configuration, message());
+    const PlainSetup plain(setup);
+    return table_.configure(self_, plain.get(), message());
   }
   std::int32_t activate(double period) { return table_.activate(self_, period, message()); }
   std::int32_t step(const EnamelTickInput& input) {

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <vector>
 
 #include "enamel/plugin/abi.h"
-#include "enamel/render/renderer.hpp"
+#include "enamel/plugin/host.hpp"
 
 namespace enamel {
 
@@ -67,5 +68,23 @@ inline void toPlain(const TickOutput& in, EnamelTickOutput& out) noexcept {
   out.mode = static_cast<int32_t>(in.mode);
   out.saturated = in.saturated ? 1 : 0;
 }
+
+/// A setup as a plugin is given it; `setup` must outlive it.
+class PlainSetup {
+ public:
+  explicit PlainSetup(const PluginSetup& setup) {
+    const auto given = [](const std::string& text) { return text.empty() ? nullptr : text.c_str(); };
+    for (const auto& [key, value] : setup.parameters) parameters_.push_back({key.c_str(), value.c_str(), nullptr});
+    plain_ = {given(setup.devicePath), given(setup.deviceText), given(setup.scenePath),
+              given(setup.sceneText),  parameters_.data(),      parameters_.size()};
+  }
+  PlainSetup(const PlainSetup&) = delete;
+  PlainSetup& operator=(const PlainSetup&) = delete;
+  const EnamelConfiguration* get() const noexcept { return &plain_; }
+
+ private:
+  std::vector<EnamelParameter> parameters_;
+  EnamelConfiguration plain_{};
+};
 
 }  // namespace enamel

@@ -88,12 +88,8 @@ class PluginRenderer final : public Renderer {
   PluginRenderer(std::shared_ptr<const PluginLibrary> library, const PluginSetup& setup)
       : library_(std::move(library)), table_(library_->table()), self_(table_.create(), table_.destroy) {
     if (!self_) throw PluginError(library_->path() + ": create() failed (no memory)");
-    const auto given = [](const std::string& text) { return text.empty() ? nullptr : text.c_str(); };
-    std::vector<EnamelParameter> parameters;
-    for (const auto& [key, value] : setup.parameters) parameters.push_back({key.c_str(), value.c_str(), nullptr});
-    const EnamelConfiguration configuration = {given(setup.devicePath), given(setup.deviceText), given(setup.scenePath),
-                                               given(setup.sceneText),  parameters.data(),       parameters.size()};
-    require("configure", [&](EnamelMessage message) { return table_.configure(self_.get(), &configuration, message); });
+    const PlainSetup plain(setup);
+    require("configure", [&](EnamelMessage message) { return table_.configure(self_.get(), plain.get(), message); });
   }
 
  private:
