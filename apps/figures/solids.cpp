@@ -1,7 +1,6 @@
 #include "solids.hpp"
 
 #include <vtkCamera.h>
-#include <vtkLight.h>
 #include <vtkProperty.h>
 
 #include <Eigen/Geometry>
@@ -19,15 +18,6 @@ Vec3 vectorOf(const Json& v) { return {v.at(0).get<double>(), v.at(1).get<double
 unsigned rgbOf(const std::string& text) {
   const glm::u8vec3 c = colourOf(text);
   return static_cast<unsigned>(c.r << 16 | c.g << 8 | c.b);
-}
-
-void addLight(vtkRenderer* renderer, double x, double y, double z, double intensity) {
-  vtkNew<vtkLight> light;
-  light->SetLightTypeToCameraLight();
-  light->SetPosition(x, y, z);
-  light->SetFocalPoint(0.0, 0.0, 0.0);
-  light->SetIntensity(intensity);
-  renderer->AddLight(light);
 }
 
 }  // namespace
@@ -60,8 +50,8 @@ void addSolids(Canvas& canvas, const Json& scene) {
   camera->ParallelProjectionOn();
   camera->SetParallelScale(0.5 * kMillimetres * view.at("height").get<double>());
   renderer->RemoveAllLights();
-  addLight(renderer, -0.4, 0.8, 1.0, 0.95);
-  addLight(renderer, 0.9, 0.2, 0.6, 0.35);
+  viewer::addLight(renderer, -0.4, 0.8, 1.0, 0.95);
+  viewer::addLight(renderer, 0.9, 0.2, 0.6, 0.35);
   renderer->ResetCameraClippingRange();
 
   // Where a label's point is seen: the camera is parallel, so this is a projection onto its axes.

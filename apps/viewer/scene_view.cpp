@@ -1,7 +1,6 @@
 #include "scene_view.hpp"
 
 #include <vtkCamera.h>
-#include <vtkLight.h>
 #include <vtkProperty.h>
 
 #include <Eigen/Geometry>
@@ -94,15 +93,6 @@ void drawBox(const Box& box, const Pose& pose, Drawing& drawing) {
       addOutline(drawing.faces.back(), drawing.edges);
       addGrid(face, {}, 5e-5 * n, drawing);
     }
-}
-
-void addLight(vtkRenderer* renderer, double x, double y, double z, double intensity) {
-  vtkNew<vtkLight> light;
-  light->SetLightTypeToCameraLight();
-  light->SetPosition(x, y, z);
-  light->SetFocalPoint(0.0, 0.0, 0.0);
-  light->SetIntensity(intensity);
-  renderer->AddLight(light);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <vtkConeSource.h>
 #include <vtkCylinderSource.h>
 #include <vtkFloatArray.h>
+#include <vtkLight.h>
 #include <vtkMatrix4x4.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -42,6 +43,26 @@ vtkSmartPointer<vtkActor> addData(vtkRenderer* renderer, vtkPolyData* data, cons
 vtkIdType append(vtkPoints* points, const Vec3& point) {
   return points->InsertNextPoint((kMillimetres * point).eval().data());
 }
+
+// Polygons over points that have a normal each.
+struct Surface {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
+  vtkNew<vtkFloatArray> normals;
+
+  Surface() { normals->SetNumberOfComponents(3); }
+  vtkIdType append(const Vec3& point, const Vec3& normal) {
+    normals->InsertNextTuple3(normal.x(), normal.y(), normal.z());
+    return viewer::append(points, point);
+  }
+  vtkSmartPointer<vtkActor> addTo(vtkRenderer* renderer, const Finish& finish) {
+    vtkNew<vtkPolyData> data;
+    data->SetPoints(points);
+    data->SetPolys(cells);
+    data->GetPointData()->SetNormals(normals);
+    return addData(renderer, data, finish);
+  }
+};
 
 }  // namespace
 
@@ -122,29 +143,19 @@ void CapsuleSolid::show(bool visible) {
 vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,
                                   const Finish& finish) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());  // normals of the triangles, by area
-  vtkNew<vtkCellArray> cells;
+  Surface surface;
   for (const auto& t : mesh.triangles) {
     const auto corner = [&](int i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
     const Vec3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
-    cells->InsertNextCell(3);
+    surface.cells->InsertNextCell(3);
     for (const int vertex : t) {
       sums[static_cast<std::size_t>(vertex)] += normal;
-      cells->InsertCellPoint(vertex);
+      surface.cells->InsertCellPoint(vertex);
     }
   }
-  vtkNew<vtkPoints> points;
-  vtkNew<vtkFloatArray> normals;
-  normals->SetNumberOfComponents(3);
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    append(points, pose.position + pose.rotation * mesh.vertices[i]);
-    const Vec3 normal = pose.rotation * sums[i].normalized();
-    normals->InsertNextTuple3(normal.x(), normal.y(), normal.z());
-  }
-  vtkNew<vtkPolyData> data;
-  data->SetPoints(points);
-  data->SetPolys(cells);
-  data->GetPointData()->SetNormals(normals);
-  return addData(renderer, data, finish);
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    surface.append(pose.position + pose.rotation * mesh.vertices[i], pose.rotation * sums[i].normalized());
+  return surface.addTo(renderer, finish);
 }
 
 Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal) {
@@ -160,24 +171,14 @@ Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal) {
 }
 
 vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish) {
-  vtkNew<vtkPoints> points;
-  vtkNew<vtkCellArray> cells;
-  vtkNew<vtkFloatArray> normals;
-  normals->SetNumberOfComponents(3);
+  Surface surface;
   for (const Polygon& face : faces) {
     if (face.size() < 3) continue;
     const Vec3 normal = (face[1] - face[0]).cross(face[2] - face[0]).normalized();
-    cells->InsertNextCell(static_cast<int>(face.size()));
-    for (const Vec3& corner : face) {
-      cells->InsertCellPoint(append(points, corner));
-      normals->InsertNextTuple3(normal.x(), normal.y(), normal.z());
-    }
+    surface.cells->InsertNextCell(static_cast<int>(face.size()));
+    for (const Vec3& corner : face) surface.cells->InsertCellPoint(surface.append(corner, normal));
   }
-  vtkNew<vtkPolyData> data;
-  data->SetPoints(points);
-  data->SetPolys(cells);
-  data->GetPointData()->SetNormals(normals);
-  return addData(renderer, data, finish);
+  return surface.addTo(renderer, finish);
 }
 
 vtkSmartPointer<vtkActor> addLines(vtkRenderer* renderer, const std::vector<std::array<Vec3, 2>>& lines,
@@ -195,6 +196,15 @@ vtkSmartPointer<vtkActor> addLines(vtkRenderer* renderer, const std::vector<std:
   actor->GetProperty()->LightingOff();
   actor->GetProperty()->SetLineWidth(width);
   return actor;
+}
+
+void addLight(vtkRenderer* renderer, double x, double y, double z, double intensity) {
+  vtkNew<vtkLight> light;
+  light->SetLightTypeToCameraLight();
+  light->SetPosition(x, y, z);
+  light->SetFocalPoint(0.0, 0.0, 0.0);
+  light->SetIntensity(intensity);
+  renderer->AddLight(light);
 }
 
 }  // namespace enamel::viewer

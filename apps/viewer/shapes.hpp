@@ -74,4 +74,7 @@ vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Poly
 vtkSmartPointer<vtkActor> addLines(vtkRenderer* renderer, const std::vector<std::array<Vec3, 2>>& lines,
                                    unsigned colour, float width);
 
+/// A light that stands at (x, y, z) in the camera's frame, where the camera is at (0, 0, 1) and looks at the origin.
+void addLight(vtkRenderer* renderer, double x, double y, double z, double intensity);
+
 }  // namespace enamel::viewer

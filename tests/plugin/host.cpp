@@ -80,6 +80,38 @@ TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good in
   }
 }
 
+TEST_CASE("the reference runs through plugins have the bits of the linked renderers", "[plugin]") {
+  const DeviceModel model = makeModel(test::nominal());
+  for (const auto& run : test::referenceFile("runs-nominal.json").at("rows")) {
+    const bool servo = run.at("controller") == "pc";
+    INFO((servo ? "position_control" : "impedance"));
+    const DeviceModel plant = makeModel(servo ? test::nominal() : test::dampedNominal());
+    PositionControlRenderer hold(model, designServo(model, Pose{}, 1e-3).K, 1e-3, test::asInThePaper());
+    ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
+    PluginSetup given = nominalSetup();
+    if (servo) given.parameters = {{"release", "off"}};
+    const auto plugin = makeRenderer(library(servo ? "position_control" : "impedance"), given);
+    const PushSetup setup = test::referenceSetup(run);
+    const auto linked = test::recordPush(plant, servo ? static_cast<Renderer&>(hold) : spring, setup);
+    const auto through = test::recordPush(plant, *plugin, setup);
+    REQUIRE(linked.size() == run.at("z").size());
+    REQUIRE(through.size() == linked.size());
+    double worst = 0.0;
+    for (std::size_t i = 0; i < linked.size(); ++i) {
+      const TickRecord &a = linked[i], &b = through[i];
+      REQUIRE(a.pose.position == b.pose.position);
+      REQUIRE(a.pose.rotation == b.pose.rotation);
+      REQUIRE(a.twist == b.twist);
+      REQUIRE(a.command == b.command);
+      REQUIRE(a.normalForce == b.normalForce);
+      REQUIRE(a.mode == b.mode);
+      REQUIRE(a.saturated == b.saturated);
+      worst = std::max(worst, std::abs(b.pose.position.z() - run.at("z")[i].get<double>()));
+    }
+    CHECK(worst < 1e-9);  // as the linked renderers in unit.push
+  }
+}
+
 TEST_CASE("a push through a plugin writes the same file as the linked renderer", "[plugin]") {
   const test::TemporaryFolder folder;
   for (const auto& [name, file] :

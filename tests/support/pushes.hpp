@@ -34,6 +34,16 @@ inline DeviceParameters dampedNominal() {
   return device;
 }
 
+/// The push of one row of data/reference/runs-nominal.json.
+inline PushSetup referenceSetup(const nlohmann::json& run) {
+  PushSetup setup;
+  setup.person.force = run.at("force");
+  setup.person.noise = 0.0;
+  setup.person.guide = false;
+  setup.duration = run.at("duration");
+  return setup;
+}
+
 inline std::vector<TickRecord> recordPush(const DeviceModel& plant, Renderer& renderer, const PushSetup& setup) {
   std::vector<TickRecord> ticks;
   const PushResult result = runPush(plant, renderer, setup, [&ticks](const TickRecord& t) { ticks.push_back(t); });

@@ -17,11 +17,7 @@ TEST_CASE("the reference runs are reproduced to 1 nm at every tick", "[push]") {
                       plant = makeModel(servo ? test::nominal() : test::dampedNominal());
     PositionControlRenderer hold = test::positionControl(model, test::asInThePaper());
     ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
-    PushSetup setup;
-    setup.person.force = run.at("force");
-    setup.person.noise = 0.0;
-    setup.person.guide = false;
-    setup.duration = run.at("duration");
+    const PushSetup setup = test::referenceSetup(run);
     const auto ticks = test::recordPush(plant, servo ? static_cast<Renderer&>(hold) : spring, setup);
     REQUIRE(ticks.size() == run.at("z").size());
     double worst = 0.0;

@@ -14,7 +14,6 @@ namespace {
 constexpr int kBins = 16;
 constexpr int kDepthOfHalving = 14;     // from here on pieces are halved, so that the depth stays bounded
 constexpr float kEmptyBox = 3e38f;      // its square is infinite
-constexpr float kFarAway = 1e18f;       // its square is finite, and larger than that of any local coordinate
 constexpr double kThin = 1e-3;          // height over longest edge, below which the careful path is taken
 constexpr double kEdgesOnly = 0x1p-20;  // local height below which the float bound uses the edges alone
 
@@ -347,19 +346,19 @@ void writeSlot(MeshData& data, std::int32_t slot, std::int32_t number) {
   const Vec3 toB = axes * (b - a), toC = axes * (c - a);
   const auto setEdge = [&](int edge, double du, double dv) {
     const double length = std::sqrt(du * du + dv * dv);
-    leaf.length[edge][lane] = static_cast<float>(length);
-    leaf.cosine[edge - 1][lane] = static_cast<float>(length > 0.0 ? du / length : 1.0);
-    leaf.sine[edge - 1][lane] = static_cast<float>(length > 0.0 ? dv / length : 0.0);
+    leaf.row[kLength + edge][lane] = static_cast<float>(length);
+    leaf.row[kCosine + edge - 1][lane] = static_cast<float>(length > 0.0 ? du / length : 1.0);
+    leaf.row[kSine + edge - 1][lane] = static_cast<float>(length > 0.0 ? dv / length : 0.0);
   };
-  leaf.length[0][lane] = static_cast<float>(toB.x());
+  leaf.row[kLength][lane] = static_cast<float>(toB.x());
   setEdge(1, toC.x() - toB.x(), toC.y());
   setEdge(2, toC.x(), toC.y());
   const Vec3 offset = axes * a;
   for (int i = 0; i < 3; ++i) {
-    leaf.offset[i][lane] = static_cast<float>(-offset[i]);
-    for (int k = 0; k < 3; ++k) leaf.axis[i][k][lane] = static_cast<float>(axes(i, k));
+    leaf.row[kOffset + i][lane] = static_cast<float>(-offset[i]);
+    for (int k = 0; k < 3; ++k) leaf.row[kAxis + 3 * i + k][lane] = static_cast<float>(axes(i, k));
   }
-  leaf.inside[lane] = height > kEdgesOnly ? 0.0f : -1e30f;
+  leaf.row[kInside][lane] = height > kEdgesOnly ? 0.0f : -1e30f;
   triangle.index = number;
   triangle.thin = !(height > kThin * longest);
   data.slotOf[number] = slot;
@@ -371,16 +370,7 @@ void clearSlot(MeshData& data, std::int32_t slot) {
   const int lane = slot % kWidth;
   triangle = Triangle{};
   triangle.index = -1;
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) leaf.axis[i][k][lane] = 0.0f;
-    leaf.offset[i][lane] = kFarAway;
-    leaf.length[i][lane] = 0.0f;
-  }
-  for (int i = 0; i < 2; ++i) {
-    leaf.cosine[i][lane] = 1.0f;
-    leaf.sine[i][lane] = 0.0f;
-  }
-  leaf.inside[lane] = -1e30f;
+  for (int row = 0; row < ProximityCache::kFrameRows; ++row) leaf.row[row][lane] = unusedRow(row);
 }
 
 void refitLeaf(MeshData& data, std::int32_t leaf) {

@@ -31,18 +31,34 @@ struct alignas(64) Node {
 /// 16 triangles in local coordinates, each in a plane frame of its own: corner a at the origin, the longest edge along
 /// u, the opposite corner at v >= 0, the plane at h = 0. Unused lanes lie far away.
 struct alignas(64) Leaf {
-  float axis[3][3][kWidth];  ///< rows u, v, h of the frame's rotation
-  float offset[3][kWidth];   ///< (u, v, h) = axis * q + offset
-  float length[3][kWidth];   ///< of the edges: along u; from its end to the third corner; from a to the third corner
-  float cosine[2][kWidth];   ///< directions of the second and third edge in (u, v)
-  float sine[2][kWidth];
-  float inside[kWidth];  ///< 0; -1e30 for a triangle that is bounded by its edges alone
+  float row[ProximityCache::kFrameRows][kWidth];
 };
+
+/// Rows of a leaf.
+enum FrameRow : int {
+  kAxis = 0,     ///< nine: u, v, h of the frame's rotation
+  kOffset = 9,   ///< three: (u, v, h) = axis * q + offset
+  kLength = 12,  ///< three, of the edges: along u; from its end to the third corner; from a to the third corner
+  kCosine = 15,  ///< two: directions of the second and third edge in (u, v)
+  kSine = 17,    ///< two
+  kInside = 19   ///< 0; -1e30 for a triangle that is bounded by its edges alone
+};
+static_assert(kInside + 1 == ProximityCache::kFrameRows);
+
+inline constexpr float kFarAway = 1e18f;  ///< its square is finite, and larger than that of any local coordinate
+
+/// What an unused lane holds in a row: a point far away.
+static constexpr float unusedRow(int row) {
+  return row >= kOffset && row < kLength        ? kFarAway
+         : row == kCosine || row == kCosine + 1 ? 1.0f
+         : row == kInside                       ? -1e30f
+                                                : 0.0f;
+}
 
 /// Oriented boxes of the leaves below a node, by lane: |axis * q + offset| <= half. Lanes without a leaf hold zeros.
 struct alignas(64) LeafBoxes {
-  float row[15][kWidth];  ///< three axes, offsets, half sizes
-  uint32_t lanes;         ///< bit mask of the lanes that have a leaf
+  float row[ProximityCache::kBoxRows][kWidth];  ///< three axes, offsets, half sizes
+  uint32_t lanes;                               ///< bit mask of the lanes that have a leaf
 };
 
 /// One triangle in double, in the order of the leaves: slot = 16 * leaf + lane.

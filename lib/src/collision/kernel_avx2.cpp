@@ -20,6 +20,7 @@ inline V add(V x, V y) { return {_mm256_add_ps(x.a, y.a), _mm256_add_ps(x.b, y.b
 inline V sub(V x, V y) { return {_mm256_sub_ps(x.a, y.a), _mm256_sub_ps(x.b, y.b)}; }
 inline V mul(V x, V y) { return {_mm256_mul_ps(x.a, y.a), _mm256_mul_ps(x.b, y.b)}; }
 inline V mad(V x, V y, V z) { return {_mm256_fmadd_ps(x.a, y.a, z.a), _mm256_fmadd_ps(x.b, y.b, z.b)}; }
+inline V root(V x) { return {_mm256_sqrt_ps(x.a), _mm256_sqrt_ps(x.b)}; }
 inline V maximum(V x, V y) { return {_mm256_max_ps(x.a, y.a), _mm256_max_ps(x.b, y.b)}; }
 inline V minimum(V x, V y) { return {_mm256_min_ps(x.a, y.a), _mm256_min_ps(x.b, y.b)}; }
 inline float smallest(V x) {
@@ -38,10 +39,23 @@ inline V selectGreater(V x, V y, V p, V q) {
   return {_mm256_blendv_ps(q.a, p.a, _mm256_cmp_ps(x.a, y.a, _CMP_GT_OQ)),
           _mm256_blendv_ps(q.b, p.b, _mm256_cmp_ps(x.b, y.b, _CMP_GT_OQ))};
 }
-inline void compress(V x, unsigned mask, float* p) {
-  float lanes[kWidth];
-  store(lanes, x);
-  for (; mask != 0; mask &= mask - 1) *p++ = lanes[__builtin_ctz(mask)];
+struct Chosen {
+  __m256i a, b;  // lanes of the halves
+  int inA;
+};
+inline Chosen choose(unsigned mask) {
+  alignas(32) int32_t lanes[2][8] = {};
+  int count[2] = {0, 0};
+  for (; mask != 0; mask &= mask - 1) {
+    const int lane = __builtin_ctz(mask), half = lane >> 3;
+    lanes[half][count[half]++] = lane & 7;
+  }
+  return {_mm256_load_si256(reinterpret_cast<const __m256i*>(lanes[0])),
+          _mm256_load_si256(reinterpret_cast<const __m256i*>(lanes[1])), count[0]};
+}
+inline void compress(V x, const Chosen& lanes, float* p) {
+  _mm256_storeu_ps(p, _mm256_permutevar8x32_ps(x.a, lanes.a));
+  _mm256_storeu_ps(p + lanes.inA, _mm256_permutevar8x32_ps(x.b, lanes.b));
 }
 
 #include "kernel_loops.inl"

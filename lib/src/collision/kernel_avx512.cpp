@@ -17,6 +17,7 @@ inline V add(V x, V y) { return {_mm512_add_ps(x.v, y.v)}; }
 inline V sub(V x, V y) { return {_mm512_sub_ps(x.v, y.v)}; }
 inline V mul(V x, V y) { return {_mm512_mul_ps(x.v, y.v)}; }
 inline V mad(V x, V y, V z) { return {_mm512_fmadd_ps(x.v, y.v, z.v)}; }
+inline V root(V x) { return {_mm512_sqrt_ps(x.v)}; }
 inline V maximum(V x, V y) { return {_mm512_max_ps(x.v, y.v)}; }
 inline V minimum(V x, V y) { return {_mm512_min_ps(x.v, y.v)}; }
 inline float smallest(V x) { return _mm512_reduce_min_ps(x.v); }
@@ -24,9 +25,9 @@ inline unsigned lessOrEqualMask(V x, V y) { return _mm512_cmp_ps_mask(x.v, y.v, 
 inline V selectGreater(V x, V y, V p, V q) {
   return {_mm512_mask_blend_ps(_mm512_cmp_ps_mask(x.v, y.v, _CMP_GT_OQ), q.v, p.v)};
 }
-inline void compress(V x, unsigned mask, float* p) {
-  _mm512_storeu_ps(p, _mm512_maskz_compress_ps(static_cast<__mmask16>(mask), x.v));
-}
+using Chosen = __mmask16;
+inline Chosen choose(unsigned mask) { return static_cast<Chosen>(mask); }
+inline void compress(V x, Chosen lanes, float* p) { _mm512_storeu_ps(p, _mm512_maskz_compress_ps(lanes, x.v)); }
 
 #include "kernel_loops.inl"
 

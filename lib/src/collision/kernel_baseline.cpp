@@ -41,6 +41,11 @@ inline V mad(const V& a, const V& b, const V& c) {
   for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] * b.v[i] + c.v[i];
   return r;
 }
+inline V root(const V& a) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = __builtin_sqrtf(a.v[i]);
+  return r;
+}
 inline V maximum(const V& a, const V& b) {
   V r;
   for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
@@ -66,7 +71,9 @@ inline V selectGreater(const V& x, const V& y, const V& a, const V& b) {
   for (int i = 0; i < kWidth; ++i) r.v[i] = x.v[i] > y.v[i] ? a.v[i] : b.v[i];
   return r;
 }
-inline void compress(const V& a, unsigned mask, float* p) {
+using Chosen = unsigned;
+inline Chosen choose(unsigned mask) { return mask; }
+inline void compress(const V& a, Chosen mask, float* p) {
   for (; mask != 0; mask &= mask - 1) *p++ = a.v[__builtin_ctz(mask)];
 }
 

@@ -1,6 +1,6 @@
 // The search loops, written on a vector `V` of 16 floats that the including file defines together with
-// load, store, set, add, sub, mul, mad, maximum, minimum, smallest, lessOrEqualMask, selectGreater and
-// compress (the lanes of a mask to consecutive floats; up to 16 are written). Everything has internal
+// load, store, set, add, sub, mul, mad, root, maximum, minimum, smallest, lessOrEqualMask, selectGreater, and compress
+// (the lanes that choose() made of a mask to consecutive floats; up to 16 are written). Everything has internal
 // linkage.
 
 #include "exact.inl"
@@ -11,6 +11,8 @@ static const double kBoundError = 0x1p-19;
 // Beyond this many mesh sizes float boxes no longer tell triangles apart; doubles take over.
 static const double kFar = 64.0;
 static const double kHuge = 1e300;
+// How far ahead of the tool the ball of a list lies, in parts of its radius.
+static const double kLead = 0.8;
 
 enum { kMostCandidates = 64 };
 
@@ -66,6 +68,10 @@ static inline int isFar(const double* local) {
 
 static inline double absolute(double v) { return v < 0.0 ? -v : v; }
 
+static inline double slackOf(const Mesh* mesh, const double* local) {
+  return kBoundError * (absolute(local[0]) + absolute(local[1]) + absolute(local[2]) + 2.0 * mesh->extent);
+}
+
 static inline void startSearch(Search* s, const Mesh* mesh, const double* point, double limitSquared) {
   s->mesh = mesh;
   s->point = point;
@@ -73,7 +79,7 @@ static inline void startSearch(Search* s, const Mesh* mesh, const double* point,
   s->x = static_cast<float>(s->local[0]);
   s->y = static_cast<float>(s->local[1]);
   s->z = static_cast<float>(s->local[2]);
-  s->slack = kBoundError * (absolute(s->local[0]) + absolute(s->local[1]) + absolute(s->local[2]) + 2.0 * mesh->extent);
+  s->slack = slackOf(mesh, s->local);
   s->slackUp = static_cast<float>(s->slack) * 1.000001f;
   s->squared = limitSquared < kHuge ? limitSquared : kHuge;
   s->slot = -1;
@@ -112,20 +118,38 @@ static inline V boxBounds(const float* low, const float* high, int stride, V x, 
   return mad(dx, dx, mad(dy, dy, mul(dz, dz)));
 }
 
-// Squared distances of the 16 triangles of a leaf from points in their frames: to the plane where the point lies over
-// the triangle, else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over
-// the plane). With directions in the frames, also how far the points lie ahead of the nearest points of the triangles.
-static inline V frameDistances(const Leaf* leaf, V u, V v, V h, const V* way = nullptr, V* ahead = nullptr) {
+// 16 lanes of rows: of a leaf, of the boxes of a node, of a list.
+struct Lanes {
+  const float* first;
+  int stride;
+  V row(int i) const { return load(first + i * stride); }
+};
+
+static inline Lanes lanesOf(const Leaf* leaf) { return {leaf->row[0], kWidth}; }
+static inline Lanes lanesOf(const LeafBoxes* boxes) { return {boxes->row[0], kWidth}; }
+static inline Lanes lanesOf(const ProximityCache::Triangles* list, int lane) {
+  return {list->row[0] + lane, ProximityCache::kTriangles + ProximityCache::kSpare};
+}
+static inline Lanes lanesOf(const ProximityCache::Leaves* list, int lane) {
+  return {list->row[0] + lane, ProximityCache::kLeaves + ProximityCache::kSpare};
+}
+
+// Squared distances of 16 triangles from points in their frames: to the plane where the point lies over the triangle,
+// else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
+// With directions in the frames, also how far the points lie ahead of the nearest points of the triangles.
+static inline V frameDistances(const Lanes& frames, V u, V v, V h, const V* way = nullptr, V* ahead = nullptr) {
   const V zero = set(0.0f);
-  const V beyond = sub(u, load(leaf->length[0]));
-  const V c1 = load(leaf->cosine[0]), s1 = load(leaf->sine[0]), c2 = load(leaf->cosine[1]), s2 = load(leaf->sine[1]);
+  const V length0 = frames.row(kLength), length1 = frames.row(kLength + 1), length2 = frames.row(kLength + 2);
+  const V c1 = frames.row(kCosine), s1 = frames.row(kSine), c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
+  const V inside = frames.row(kInside);
+  const V beyond = sub(u, length0);
   // Across: positive outside. Along: from the start of the edge.
   const V across0 = sub(zero, v);
   const V across1 = sub(mul(s1, beyond), mul(c1, v)), along1 = mad(c1, beyond, mul(s1, v));
   const V across2 = sub(mul(c2, v), mul(s2, u)), along2 = mad(c2, u, mul(s2, v));
-  const V end0 = sub(u, maximum(minimum(u, load(leaf->length[0])), zero));
-  const V end1 = sub(along1, maximum(minimum(along1, load(leaf->length[1])), zero));
-  const V end2 = sub(along2, maximum(minimum(along2, load(leaf->length[2])), zero));
+  const V end0 = sub(u, maximum(minimum(u, length0), zero));
+  const V end1 = sub(along1, maximum(minimum(along1, length1), zero));
+  const V end2 = sub(along2, maximum(minimum(along2, length2), zero));
   const V edge0 = mad(v, v, mul(end0, end0));
   const V edge1 = mad(across1, across1, mul(end1, end1));
   const V edge2 = mad(across2, across2, mul(end2, end2));
@@ -137,23 +161,27 @@ static inline V frameDistances(const Leaf* leaf, V u, V v, V h, const V* way = n
     const V ahead2 = mad(end2, mad(c2, way[0], mul(s2, way[1])), mul(across2, sub(mul(c2, way[1]), mul(s2, way[0]))));
     const V of01 = selectGreater(edge0, edge1, ahead1, ahead0);
     const V ofEdges = selectGreater(minimum(edge0, edge1), edge2, ahead2, of01);
-    *ahead = mad(h, way[2], selectGreater(out, load(leaf->inside), ofEdges, zero));
+    *ahead = mad(h, way[2], selectGreater(out, inside, ofEdges, zero));
   }
-  return mad(h, h, selectGreater(out, load(leaf->inside), edges, zero));
+  return mad(h, h, selectGreater(out, inside, edges, zero));
 }
 
-static inline V leafDistances(const Leaf* leaf, V x, V y, V z, V* height) {
-  V f[3];
+static inline void toFrames(const Lanes& frames, V x, V y, V z, V* f) {
   for (int i = 0; i < 3; ++i)
-    f[i] = mad(load(leaf->axis[i][0]), x,
-               mad(load(leaf->axis[i][1]), y, mad(load(leaf->axis[i][2]), z, load(leaf->offset[i]))));
-  *height = f[2];
-  return frameDistances(leaf, f[0], f[1], f[2]);
+    f[i] = mad(frames.row(3 * i), x,
+               mad(frames.row(3 * i + 1), y, mad(frames.row(3 * i + 2), z, frames.row(kOffset + i))));
 }
 
-static inline V leafDistances(const Leaf* leaf, V x, V y, V z) {
-  V height;
-  return leafDistances(leaf, x, y, z, &height);
+static inline void turnToFrames(const Lanes& frames, const V* way, V* f) {
+  for (int i = 0; i < 3; ++i)
+    f[i] = mad(frames.row(3 * i), way[0], mad(frames.row(3 * i + 1), way[1], mul(frames.row(3 * i + 2), way[2])));
+}
+
+static inline V triangleDistances(const Lanes& frames, V x, V y, V z, V* height = nullptr) {
+  V f[3];
+  toFrames(frames, x, y, z, f);
+  if (height != nullptr) *height = f[2];
+  return frameDistances(frames, f[0], f[1], f[2]);
 }
 
 // Looks at the exact distances of the candidates and forgets them. They are few: all lie within the error of the float
@@ -188,7 +216,7 @@ static inline void keepCandidate(Search* s, int32_t slot, float bound) {
 }
 
 static inline void searchLeaf(Search* s, int32_t leaf) {
-  const V b = leafDistances(s->mesh->leaves + leaf, set(s->x), set(s->y), set(s->z));
+  const V b = triangleDistances(lanesOf(s->mesh->leaves + leaf), set(s->x), set(s->y), set(s->z));
   unsigned mask = lessOrEqualMask(b, set(s->limit));
   if (mask == 0) return;
   const float least = smallest(b);
@@ -204,16 +232,23 @@ static inline void searchLeaf(Search* s, int32_t leaf) {
   }
 }
 
-// Squared distances of oriented boxes, given as rows of `stride` floats.
-static inline V orientedBounds(const float* rows, int stride, V x, V y, V z) {
+// Squared distances of oriented boxes from a point; with a direction, also how far the point lies ahead of the nearest
+// points of the boxes.
+static inline V orientedBounds(const Lanes& boxes, V x, V y, V z, const V* way = nullptr, V* ahead = nullptr) {
   const V zero = set(0.0f);
   V squared = zero;
+  if (way != nullptr) *ahead = zero;
   for (int i = 0; i < 3; ++i) {
-    const float* axis = rows + 3 * i * stride;
-    const V a =
-        mad(load(axis), x, mad(load(axis + stride), y, mad(load(axis + 2 * stride), z, load(rows + (9 + i) * stride))));
-    const V d = maximum(sub(maximum(a, sub(zero, a)), load(rows + (12 + i) * stride)), zero);
-    squared = mad(d, d, squared);
+    const V ax = boxes.row(3 * i), ay = boxes.row(3 * i + 1), az = boxes.row(3 * i + 2), half = boxes.row(12 + i);
+    const V a = mad(ax, x, mad(ay, y, mad(az, z, boxes.row(9 + i))));
+    if (way == nullptr) {
+      const V d = maximum(sub(maximum(a, sub(zero, a)), half), zero);
+      squared = mad(d, d, squared);
+    } else {
+      const V d = sub(a, maximum(minimum(a, half), sub(zero, half)));
+      squared = mad(d, d, squared);
+      *ahead = mad(d, mad(ax, way[0], mad(ay, way[1], mul(az, way[2]))), *ahead);
+    }
   }
   return squared;
 }
@@ -247,7 +282,7 @@ static inline void searchTree(Search* s, int cold) {
       if (cold != 0 && s->least > 3e38f) tightenToBoxes(s, node, x, y, z);
       unsigned mask = lessOrEqualMask(b, set(s->limit));
       if (mask != 0 && (current & kHasLeaves) != 0) {
-        b = maximum(b, orientedBounds(s->mesh->boxes[current & kNumber].row[0], kWidth, x, y, z));
+        b = maximum(b, orientedBounds(lanesOf(s->mesh->boxes + (current & kNumber)), x, y, z));
         mask &= lessOrEqualMask(b, set(s->limit));
       }
       if (mask != 0) {
@@ -367,7 +402,7 @@ static inline void extendRegion(const Search* s, Cache* cache) {
         region->reach = -1.0;
         cache->open = -1;
         cache->span *= 0.7;
-        cache->margin *= 0.8;
+        cache->leaves.margin *= 0.8;
         return;
       }
       if ((child & kHasLeaves) != 0) addToRegion(region, child, node->low[0] + lane, node->high[0] + lane, kWidth);
@@ -384,118 +419,235 @@ static inline void extendRegion(const Search* s, Cache* cache) {
   }
 }
 
-struct Found {
-  int count;
-  V smallest;
-  int32_t leaf[ProximityCache::kRow];
-  float distance[ProximityCache::kRow][kWidth];
+static inline int holds(const ProximityCache::List* list, const double* q) {
+  return list->radius >= 0.0 && squaredDistance(q, list->origin) <= list->radius * list->radius;
+}
+
+// All triangles of the list at once, then the exact distances of the few that the floats cannot tell apart.
+static inline void searchTriangles(Search* s, ProximityCache::Triangles* list) {
+  const V x = set(s->x), y = set(s->y), z = set(s->z);
+  V squared[ProximityCache::kTriangles / kWidth];
+  V least = set(3.4e38f);
+  int batches = 0;
+  for (; batches * kWidth < list->count; ++batches) {
+    squared[batches] = triangleDistances(lanesOf(list, batches * kWidth), x, y, z);
+    least = minimum(least, squared[batches]);
+  }
+  tightenToFloat(s, smallest(least));
+  const V limit = set(s->limit);
+  for (int i = 0; i < batches; ++i)
+    for (unsigned mask = lessOrEqualMask(squared[i], limit); mask != 0; mask &= mask - 1)
+      tryTriangle(s, list->slot[i * kWidth + __builtin_ctz(mask)]);
+  ++list->uses;
+}
+
+// The leaves within the limit, without a branch on what they hold; then as above.
+static inline void searchLeaves(Search* s, ProximityCache::Leaves* list) {
+  const V x = set(s->x), y = set(s->y), z = set(s->z);
+  int32_t looked[ProximityCache::kLeaves];
+  float squared[ProximityCache::kLeaves][kWidth];
+  V least = set(3.4e38f);
+  int count = 0;
+  for (int first = 0; first < list->count; first += kWidth) {
+    const V b = orientedBounds(lanesOf(list, first), x, y, z);
+    unsigned mask = lessOrEqualMask(b, set(s->limit)) & firstLanes(list->count - first);
+    for (; mask != 0; mask &= mask - 1) {
+      const int32_t leaf = list->leaf[first + __builtin_ctz(mask)];
+      const V d = triangleDistances(lanesOf(s->mesh->leaves + leaf), x, y, z);
+      least = minimum(least, d);
+      looked[count] = leaf;
+      store(squared[count++], d);
+    }
+  }
+  tightenToFloat(s, smallest(least));
+  const V limit = set(s->limit);
+  for (int i = 0; i < count; ++i)
+    for (unsigned mask = lessOrEqualMask(load(squared[i]), limit); mask != 0; mask &= mask - 1)
+      tryTriangle(s, looked[i] * kWidth + __builtin_ctz(mask));
+  ++list->uses;
+}
+
+// Which convex bodies can be nearest within r of the origin o. Let f be the distance of one from o and n the direction
+// from its nearest point to o; x a point of the mesh, D its distance from o and m its direction. A distance from a
+// convex body is convex, so at o + e it is at least f + n.e; that of x is at most D + m.e + r^2 / (2 D). Hence only
+// bodies with f - D <= r |m - n| + r^2 / (2 D) matter, besides the plain f - D <= 2 r.
+struct Reach {
+  V most;         // squared plain reach
+  V m[3];         // direction
+  V start;        // D + r^2 / (2 D) and what the floats may err by
+  V twiceSquare;  // 2 r^2
+  V close;        // D / 2: below, the direction n is not to be trusted
+  int isPlain;    // near the surface the plain reach is as good
 };
 
-// The triangles of one leaf, without a branch on what they hold.
-static inline void lookAt(const Search* s, int32_t leaf, V x, V y, V z, Found* found) {
-  const V b = leafDistances(s->mesh->leaves + leaf, x, y, z);
-  store(found->distance[found->count], b);
-  found->leaf[found->count++] = leaf;
-  found->smallest = minimum(found->smallest, b);
+static inline Reach reachOf(const double* origin, const double* x, double r, double slack) {
+  double m[3];
+  subtract(origin, x, m);
+  const double D = __builtin_sqrt(dot(m, m));
+  Reach reach;
+  reach.most = set(limitOf(D + 2.0 * r, slack));
+  reach.isPlain = !(D > 2.0 * r && D > 64.0 * slack);
+  if (reach.isPlain) return reach;
+  // Distances known to e tell the nearest point of a convex body to sqrt(2 e f), and n to sqrt(2 e / f).
+  const double turn = 2.0 * __builtin_sqrt(4.0 * slack / D) + 2e-3;
+  for (int k = 0; k < 3; ++k) reach.m[k] = set(static_cast<float>(m[k] / D));
+  reach.start = set(upward(D + r * r / (2.0 * D) + r * turn + 2.0 * slack));
+  reach.twiceSquare = set(upward(2.0001 * r * r));
+  reach.close = set(static_cast<float>(0.5 * D));
+  return reach;
 }
 
-// The limit once for all leaves looked at, then the exact distances of the few triangles below it.
-static inline void settleFound(Search* s, const Found* found) {
-  const float least = smallest(found->smallest);
-  if (least < s->least) tightenToFloat(s, least);
-  const V limit = set(s->limit);
-  for (int i = 0; i < found->count; ++i)
-    for (unsigned mask = lessOrEqualMask(load(found->distance[i]), limit); mask != 0; mask &= mask - 1) {
-      const int lane = __builtin_ctz(mask);
-      tryTriangle(s, found->leaf[i] * kWidth + lane);
-    }
+static inline unsigned within(const Reach& reach, V squared, V ahead) {
+  const V f = root(squared), more = sub(f, reach.start);
+  // |m - n|^2 = 2 - 2 m.n
+  return lessOrEqualMask(f, reach.close) | lessOrEqualMask(more, set(0.0f)) |
+         lessOrEqualMask(mul(mul(more, more), f), mul(reach.twiceSquare, sub(f, ahead)));
 }
 
-static inline void searchList(Search* s, const ProximityCache::List* list) {
-  const V x = set(s->x), y = set(s->y), z = set(s->z);
-  Found found;
-  found.count = 0;
-  found.smallest = set(3.4e38f);
-  for (int first = 0; first < list->count; first += kWidth) {
-    const V b = orientedBounds(list->box[0] + first, ProximityCache::kRow, x, y, z);
-    unsigned mask = lessOrEqualMask(b, set(s->limit)) & firstLanes(list->count - first);
-    for (; mask != 0; mask &= mask - 1) lookAt(s, list->leaf[first + __builtin_ctz(mask)], x, y, z, &found);
-  }
-  settleFound(s, &found);
+static inline unsigned boxesWithin(const Reach& reach, const Lanes& boxes, V x, V y, V z) {
+  if (reach.isPlain) return lessOrEqualMask(orientedBounds(boxes, x, y, z), reach.most);
+  V ahead;
+  const V squared = orientedBounds(boxes, x, y, z, reach.m, &ahead);
+  return lessOrEqualMask(squared, reach.most) & within(reach, squared, ahead);
 }
 
-// Makes the list anew and searches it. It holds every leaf within d + 2 r of its origin o, where d is a distance that
-// some point of the mesh has from o. For a query p with |p - o| <= r, the nearest triangle is within d + r of p, hence
-// within d + 2 r of o: it is listed. Answers 0 if there are too many leaves; the margin adapts.
-static inline int searchRegion(Search* s, double nearest, Cache* cache) {
-  ProximityCache::List* list = &cache->list;
-  const ProximityCache::Region* region = &cache->region[cache->active];
-  const V x = set(s->x), y = set(s->y), z = set(s->z);
-  const V most = set(limitOf(nearest + 2.0 * cache->margin, s->slack)), limit = set(s->limit);
-  Found found;
-  found.count = 0;
-  found.smallest = set(3.4e38f);
+static inline unsigned trianglesWithin(const Reach& reach, const Lanes& frames, V x, V y, V z) {
+  V f[3], way[3], ahead;
+  toFrames(frames, x, y, z, f);
+  if (reach.isPlain) return lessOrEqualMask(frameDistances(frames, f[0], f[1], f[2]), reach.most);
+  turnToFrames(frames, reach.m, way);
+  const V squared = frameDistances(frames, f[0], f[1], f[2], way, &ahead);
+  return lessOrEqualMask(squared, reach.most) & within(reach, squared, ahead);
+}
+
+// Begins a list for a ball of radius r that lies mostly ahead of the tool.
+static inline Reach beginList(const Search* s, const Cache* cache, double r, ProximityCache::List* list) {
+  double way[3];
+  subtract(s->local, cache->query, way);
+  const double step = __builtin_sqrt(dot(way, way));
+  const double lead = step > 1e-3 * r ? kLead * r / step : 0.0;
+  for (int k = 0; k < 3; ++k) list->origin[k] = s->local[k] + lead * way[k];
   list->count = 0;
+  list->uses = 0;
   list->radius = -1.0;
+  return reachOf(list->origin, cache->surface, r, slackOf(s->mesh, list->origin));
+}
+
+// Answers 0 if there are too many leaves; the margin adapts.
+static inline int makeLeaves(const Search* s, Cache* cache) {
+  ProximityCache::Leaves* list = &cache->leaves;
+  const ProximityCache::Region* region = &cache->region[cache->active];
+  const Reach reach = beginList(s, cache, list->margin, list);
+  const V x = set(static_cast<float>(list->origin[0])), y = set(static_cast<float>(list->origin[1])),
+          z = set(static_cast<float>(list->origin[2]));
   for (int first = 0; first < region->count; first += kWidth) {
     const V bounds = boxBounds(region->low[0] + first, region->high[0] + first, ProximityCache::kRegion, x, y, z);
-    const unsigned mask = lessOrEqualMask(bounds, most) & firstLanes(region->count - first);
-    for (unsigned i = mask & (mask - 1); i != 0; i &= i - 1)
+    const unsigned nodes = lessOrEqualMask(bounds, reach.most) & firstLanes(region->count - first);
+    for (unsigned i = nodes & (nodes - 1); i != 0; i &= i - 1)
       fetch(s->mesh->boxes + region->node[first + __builtin_ctz(i)], 16);
-    for (unsigned i = mask; i != 0; i &= i - 1) {
+    for (unsigned i = nodes; i != 0; i &= i - 1) {
       const int32_t number = region->node[first + __builtin_ctz(i)];
       const Node* node = s->mesh->nodes + number;
       const LeafBoxes* boxes = s->mesh->boxes + number;
-      const V b = orientedBounds(boxes->row[0], kWidth, x, y, z);
-      const unsigned listed = lessOrEqualMask(b, most) & boxes->lanes;
-      const int count = __builtin_popcount(listed);
-      if (list->count + count > ProximityCache::kLeaves) {
-        cache->margin *= 0.6;
+      unsigned near = boxesWithin(reach, lanesOf(boxes), x, y, z) & boxes->lanes;
+      if (near == 0) continue;
+      if (list->count + __builtin_popcount(near) > ProximityCache::kLeaves) {
+        list->margin *= 0.6;
         return 0;
       }
-      for (unsigned j = listed & lessOrEqualMask(b, limit); j != 0; j &= j - 1)
-        lookAt(s, ~node->child[__builtin_ctz(j)], x, y, z, &found);
-      for (int row = 0; row < 15; ++row) compress(load(boxes->row[row]), listed, list->box[row] + list->count);
-      for (unsigned j = listed; j != 0; j &= j - 1) list->leaf[list->count++] = ~node->child[__builtin_ctz(j)];
+      const Chosen lanes = choose(near);
+      for (int row = 0; row < ProximityCache::kBoxRows; ++row)
+        compress(load(boxes->row[row]), lanes, list->row[row] + list->count);
+      for (; near != 0; near &= near - 1) list->leaf[list->count++] = ~node->child[__builtin_ctz(near)];
     }
   }
-  for (int k = 0; k < 3; ++k) list->origin[k] = s->local[k];
-  list->radius = cache->margin * (1.0 - 1e-6);
-  if (list->count <= kWidth / 2 && region->count <= ProximityCache::kRegion / 2) cache->margin *= 1.25;
-  if (list->count > kWidth) cache->margin *= 0.85;
-  settleFound(s, &found);
+  list->radius = list->margin * (1.0 - 1e-6);
+  if (list->count <= kWidth && region->count <= ProximityCache::kRegion / 2) list->margin *= 1.25;
+  if (list->count > kWidth + kWidth / 2) list->margin *= 0.85;
   return 1;
 }
 
-// The previous answer is on the mesh, so its distance bounds the new one. Close to it, a list of leaves answers. Lists
-// are made at once from a region, and regions ahead of time, a little every query, so that no query pays for much;
-// where neither is at hand the tree is searched.
+// The same from the leaves, for a ball within theirs. Answers 0 also where the ball would not hold for two queries.
+static inline int makeTriangles(const Search* s, Cache* cache) {
+  ProximityCache::Triangles* list = &cache->triangles;
+  const ProximityCache::Leaves* leaves = &cache->leaves;
+  const double room = leaves->radius - __builtin_sqrt(squaredDistance(s->local, leaves->origin));
+  const double r = list->margin < room / (1.0 + kLead) ? list->margin : room / (1.0 + kLead);
+  const double step = squaredDistance(s->local, cache->query);
+  if (step > r * r) {
+    list->margin *= 1.05;
+    return 0;
+  }
+  const int uses = list->uses;
+  const Reach reach = beginList(s, cache, r, list);
+  const V x = set(static_cast<float>(list->origin[0])), y = set(static_cast<float>(list->origin[1])),
+          z = set(static_cast<float>(list->origin[2]));
+  for (int first = 0; first < leaves->count; first += kWidth) {
+    unsigned mask = boxesWithin(reach, lanesOf(leaves, first), x, y, z) & firstLanes(leaves->count - first);
+    for (; mask != 0; mask &= mask - 1) {
+      const int32_t number = leaves->leaf[first + __builtin_ctz(mask)];
+      const Leaf* leaf = s->mesh->leaves + number;
+      unsigned near = trianglesWithin(reach, lanesOf(leaf), x, y, z);
+      if (near == 0) continue;
+      if (list->count + __builtin_popcount(near) > ProximityCache::kTriangles) {
+        list->margin *= 0.6;
+        return 0;
+      }
+      const Chosen lanes = choose(near);
+      for (int row = 0; row < ProximityCache::kFrameRows; ++row)
+        compress(load(leaf->row[row]), lanes, list->row[row] + list->count);
+      for (; near != 0; near &= near - 1) list->slot[list->count++] = number * kWidth + __builtin_ctz(near);
+    }
+  }
+  for (int row = 0; row < ProximityCache::kFrameRows; ++row) store(list->row[row] + list->count, set(unusedRow(row)));
+  list->radius = r * (1.0 - 1e-6);
+  // Two batches that hold for some ten queries cost least in the mean.
+  if (list->count <= kWidth || (uses < 6 && list->count <= 2 * kWidth)) list->margin *= 1.25;
+  if (list->count > 2 * kWidth + kWidth / 2 || (uses > 12 && list->count > kWidth)) list->margin *= 0.85;
+  return 1;
+}
+
+// The previous answer is on the mesh, so its distance bounds the new one. Close to it, a list of triangles answers; it
+// is made from a list of leaves, that one from a region, and the region ahead of time, a little every query: no query
+// makes more than one of them. Where none is at hand the tree is searched.
 static inline void searchWithCache(Search* s, Cache* cache) {
   const float surface = __builtin_sqrtf(static_cast<float>(squaredDistance(s->local, cache->surface))) * 1.000001f;
   lowerLimit(s, (surface + s->slackUp) * (surface + s->slackUp) * 1.000002f);
-  const ProximityCache::List* list = &cache->list;
-  if (list->radius >= 0.0 && squaredDistance(s->local, list->origin) <= list->radius * list->radius) {
-    searchList(s, list);
+  if (holds(&cache->triangles, s->local)) {
+    searchTriangles(s, &cache->triangles);
     if (cache->open >= 0) extendRegion(s, cache);
     return;
   }
+  if (holds(&cache->leaves, s->local)) {
+    if (makeTriangles(s, cache) != 0) {
+      searchTriangles(s, &cache->triangles);
+    } else {
+      searchLeaves(s, &cache->leaves);
+    }
+    return;
+  }
+  const double margin = cache->leaves.margin;
   const double step = squaredDistance(s->local, cache->query);
-  if (step * 4.0 > cache->margin * cache->margin) {  // a list would not hold for two queries
-    if (step <= 1.0 / 4096.0) cache->margin *= 1.1;
+  if (step * 2.0 > margin * margin) {  // a list would not hold for two queries
+    if (step <= 1.0 / 4096.0) cache->leaves.margin *= 1.1;
     searchTree(s, 0);
     return;
   }
-  const double nearest = static_cast<double>(surface);
-  const double need = nearest + 2.0 * cache->margin;
+  // The origin lies kLead margins ahead; a list reaches two margins farther than the mesh is from there.
+  const double need = static_cast<double>(surface) + 2.0 * (1.0 + kLead) * margin;
   const ProximityCache::Region* region = &cache->region[cache->active];
   const double room = region->reach - need - __builtin_sqrt(squaredDistance(s->local, region->origin));
-  if (room < 0.0 || searchRegion(s, nearest, cache) == 0) searchTree(s, 0);
+  if (room >= 0.0 && makeLeaves(s, cache) != 0) {
+    searchLeaves(s, &cache->leaves);
+  } else {
+    searchTree(s, 0);
+  }
   if (cache->open >= 0) {
     const ProximityCache::Region* next = &cache->region[1 - cache->active];
     if (next->reach - need - __builtin_sqrt(squaredDistance(s->local, next->origin)) < 0.0) cache->open = -1;
   }
   if (cache->open < 0 && room < 0.5 * cache->span) openRegion(s, need + cache->span, cache);
-  if (cache->open >= 0) extendRegion(s, cache);
+  if (cache->open >= 0 && room < 0.0) extendRegion(s, cache);
 }
 
 static void closest(const Mesh& mesh, const double point[3], double limitSquared, Cache* cache, Answer* answer) {
@@ -504,11 +656,12 @@ static void closest(const Mesh& mesh, const double point[3], double limitSquared
   const int known = cache != nullptr && cache->revision == mesh.revision;
   if (cache != nullptr && !known) {
     cache->revision = 0;
-    cache->list.radius = -1.0;
+    cache->triangles.radius = cache->leaves.radius = -1.0;
     cache->region[0].reach = cache->region[1].reach = -1.0;
     cache->active = 0;
     cache->open = -1;
-    cache->margin = 1.0 / 64.0;
+    cache->triangles.margin = 1.0 / 256.0;
+    cache->leaves.margin = 1.0 / 64.0;
     cache->span = 1.0 / 16.0;
   }
   if (isFar(s.local)) {
@@ -563,8 +716,8 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
       // Within reach of the segment is within reach of its middle, half its length added.
       unsigned near = 0xffffu;
       if (!isFar(middle)) {
-        const V d = leafDistances(mesh.leaves + ~current, set(static_cast<float>(middle[0])),
-                                  set(static_cast<float>(middle[1])), set(static_cast<float>(middle[2])));
+        const V d = triangleDistances(lanesOf(mesh.leaves + ~current), set(static_cast<float>(middle[0])),
+                                      set(static_cast<float>(middle[1])), set(static_cast<float>(middle[2])));
         near = lessOrEqualMask(d, set(limitOf(reach * mesh.scale + half, slack)));
       }
       for (; near != 0; near &= near - 1) {
@@ -641,20 +794,18 @@ static inline V segmentBounds(const LeafBoxes* boxes, const Ray* ray) {
 // of the triangles' nearest points, and half the way between the feet: the segment is nearer by no more than that.
 static inline V segmentDistances(const Leaf* leaf, const Ray* ray, V* halfWay, V* ahead) {
   const V zero = set(0.0f), half = set(0.5f);
+  const Lanes frames = lanesOf(leaf);
   V start[3], way[3];
-  for (int i = 0; i < 3; ++i) {
-    const V x = load(leaf->axis[i][0]), y = load(leaf->axis[i][1]), z = load(leaf->axis[i][2]);
-    start[i] = mad(x, ray->start[0], mad(y, ray->start[1], mad(z, ray->start[2], load(leaf->offset[i]))));
-    way[i] = mad(x, ray->way[0], mad(y, ray->way[1], mul(z, ray->way[2])));
-  }
+  toFrames(frames, ray->start[0], ray->start[1], ray->start[2], start);
+  turnToFrames(frames, ray->way, way);
   const V a = sub(zero, mad(start[0], way[0], mad(start[1], way[1], mul(start[2], way[2]))));
-  const V b = mad(load(leaf->length[0]), way[0], a);
-  const V c = mad(load(leaf->length[2]), mad(load(leaf->cosine[1]), way[0], mul(load(leaf->sine[1]), way[1])), a);
+  const V b = mad(frames.row(kLength), way[0], a);
+  const V c = mad(frames.row(kLength + 2), mad(frames.row(kCosine + 1), way[0], mul(frames.row(kSine + 1), way[1])), a);
   const V first = between(minimum(minimum(a, b), c), zero, ray->length);
   const V last = between(maximum(maximum(a, b), c), zero, ray->length);
   const V at = mul(add(first, last), half);
   *halfWay = mul(sub(last, first), half);
-  return frameDistances(leaf, mad(way[0], at, start[0]), mad(way[1], at, start[1]), mad(way[2], at, start[2]), way,
+  return frameDistances(frames, mad(way[0], at, start[0]), mad(way[1], at, start[1]), mad(way[2], at, start[2]), way,
                         ahead);
 }
 
@@ -788,8 +939,7 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
     const int32_t current = stack[--top];
     const Node* node = mesh.nodes + (current & kNumber);
     V b = boxBounds(node->low[0], node->high[0], kWidth, x, y, z);
-    if ((current & kHasLeaves) != 0)
-      b = maximum(b, orientedBounds(mesh.boxes[current & kNumber].row[0], kWidth, x, y, z));
+    if ((current & kHasLeaves) != 0) b = maximum(b, orientedBounds(lanesOf(mesh.boxes + (current & kNumber)), x, y, z));
     for (unsigned mask = lessOrEqualMask(b, limit); mask != 0; mask &= mask - 1) {
       const int32_t child = node->child[__builtin_ctz(mask)];
       if (child >= 0) {
@@ -797,7 +947,7 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
         continue;
       }
       V height;
-      const V d = leafDistances(mesh.leaves + ~child, x, y, z, &height);
+      const V d = triangleDistances(lanesOf(mesh.leaves + ~child), x, y, z, &height);
       const V high =
           sub(maximum(height, sub(set(0.0f), height)), sub(set(0.0f), slack));  // |height| and what both may err by
       const V least = mul(load(mesh.cones + ~child * kWidth), d);

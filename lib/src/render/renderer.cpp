@@ -1,6 +1,6 @@
 #include "enamel/render/renderer.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -23,10 +23,31 @@ bool within(const Vector& v, double limit) noexcept {
   return (v.array().abs() <= limit).all();
 }
 
-bool isFinite(const TickInput& in, int contacts) noexcept {
+// Three unit vectors at right angles, right-handed, to 1e-6.
+bool isRotation(const Mat3& r) noexcept {
+  const auto x = r.col(0), y = r.col(1), z = r.col(2);
+  const auto isUnit = [](const auto& v) { return std::abs(v.squaredNorm() - 1.0) <= 1e-6; };
+  return isUnit(x) && isUnit(y) && std::abs(x.dot(y)) <= 1e-6 && within(x.cross(y) - z, 1e-6);
+}
+
+// Everything has a limit, so that NaN and infinity pass none.
+bool isPlausible(const TickInput& in) noexcept {
+  bool plausible = std::isfinite(in.time) && in.maxTorque >= 0.0 && std::isfinite(in.maxTorque) &&
+                   isRotation(in.pose.rotation) && within(in.q, kLargestAngle) && within(in.rates, kLargestRate) &&
+                   within(in.pose.position, kLargestPosition) && within(in.twist.head<3>(), kLargestSpeed) &&
+                   within(in.twist.tail<3>(), kLargestRate);
+  for (int i = 0; i < in.contacts.count; ++i) {
+    const Contact& c = in.contacts.contacts[i];
+    plausible = plausible && std::abs(c.gap) <= kLargestGap && within(c.point, kLargestPosition) &&
+                within(c.obstacleVelocity, kLargestSpeed) && std::abs(c.normal.squaredNorm() - 1.0) <= 1e-6;
+  }
+  return plausible;
+}
+
+bool isFinite(const TickInput& in) noexcept {
   bool finite = std::isfinite(in.time) && std::isfinite(in.maxTorque) && in.q.allFinite() && in.rates.allFinite() &&
                 in.pose.position.allFinite() && in.pose.rotation.allFinite() && in.twist.allFinite();
-  for (int i = 0; i < contacts; ++i) {
+  for (int i = 0; i < in.contacts.count; ++i) {
     const Contact& c = in.contacts.contacts[i];
     finite =
         finite && c.point.allFinite() && c.normal.allFinite() && c.obstacleVelocity.allFinite() && std::isfinite(c.gap);
@@ -46,21 +67,8 @@ const char* toString(RenderMode mode) noexcept {
 }
 
 Status checkInput(const TickInput& input, double lastTime) noexcept {
-  const int contacts = input.contacts.count;
-  if (contacts < 0 || contacts > kMaxContacts) return Status::outOfRange;
-  if (!isFinite(input, contacts)) return Status::notFinite;
-  const Mat3& r = input.pose.rotation;
-  const bool rotation =
-      within(r, 1.0 + 1e-6) && within(r.lazyProduct(r.transpose()) - Mat3::Identity(), 1e-6) && r.determinant() > 0.0;
-  bool plausible = rotation && within(input.q, kLargestAngle) && within(input.rates, kLargestRate) &&
-                   within(input.pose.position, kLargestPosition) && within(input.twist.head<3>(), kLargestSpeed) &&
-                   within(input.twist.tail<3>(), kLargestRate) && input.maxTorque >= 0.0;
-  for (int i = 0; i < contacts; ++i) {
-    const Contact& c = input.contacts.contacts[i];
-    plausible = plausible && std::abs(c.gap) <= kLargestGap && within(c.point, kLargestPosition) &&
-                within(c.obstacleVelocity, kLargestSpeed) && std::abs(c.normal.squaredNorm() - 1.0) <= 1e-6;
-  }
-  if (!plausible) return Status::outOfRange;
+  if (input.contacts.count < 0 || input.contacts.count > kMaxContacts) return Status::outOfRange;
+  if (!isPlausible(input)) return isFinite(input) ? Status::outOfRange : Status::notFinite;
   return input.time > lastTime ? Status::ok : Status::stale;
 }
 

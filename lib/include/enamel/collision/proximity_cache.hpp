@@ -6,11 +6,14 @@
 
 namespace enamel {
 
-/// One for each tool shape and obstacle; not shared between threads. Plain data of fixed size (6 KB): a copy is as good
-/// as the original. The content is private to the queries.
+/// One for each tool shape and obstacle; not shared between threads. Plain data of fixed size (11 KB): a copy is as
+/// good as the original. The content is private to the queries.
 struct ProximityCache {
+  static constexpr int kTriangles = 48;
   static constexpr int kLeaves = 32;
-  static constexpr int kRow = kLeaves + 16;  // rows are written 16 at a time
+  static constexpr int kSpare = 16;  // rows are written 16 at a time
+  static constexpr int kFrameRows = 20;
+  static constexpr int kBoxRows = 15;
   static constexpr int kRegion = 64;
   static constexpr int kStack = 96;
 
@@ -18,18 +21,28 @@ struct ProximityCache {
   double query[3] = {};    // the last query point (local coordinates of the hierarchy, like all that follows)
   double surface[3] = {};  // its answer
 
-  // Every leaf that can hold the nearest point while the tool stays in a ball of a few ticks' way.
+  // What can hold the nearest point while the tool stays in a ball.
   struct List {
     int32_t count = 0;
+    int32_t uses = 0;
     double origin[3] = {};
     double radius = -1.0;
-    int32_t leaf[kRow] = {};
-    float box[15][kRow] = {};  // three axes, offsets, half sizes
+    double margin = 0.0;  // radius of the next one
   };
-  List list;
-  double margin = 0.0;  // radius of the next list
+  // Triangles for a few ticks' way, as in the leaves of the hierarchy.
+  struct Triangles : List {
+    int32_t slot[kTriangles + kSpare] = {};
+    float row[kFrameRows][kTriangles + kSpare] = {};
+  };
+  // Leaves for a longer way, with their oriented boxes: where the triangles are taken from.
+  struct Leaves : List {
+    int32_t leaf[kLeaves + kSpare] = {};
+    float row[kBoxRows][kLeaves + kSpare] = {};
+  };
+  Triangles triangles;
+  Leaves leaves;
 
-  // Every node with leaves within `reach` of its origin: where the lists are made from.
+  // Every node with leaves within `reach` of its origin: where the leaves are taken from.
   struct Region {
     int32_t count = 0;
     double origin[3] = {};
@@ -42,7 +55,7 @@ struct ProximityCache {
   int32_t active = 0;  // region in use; the other one is being prepared
   int32_t open = -1;   // entries on the stack of the region being prepared; -1: none is
   int32_t stack[kStack] = {};
-  double span = 0.0;  // how much farther than a list the next region reaches
+  double span = 0.0;  // how much farther than the leaves the next region reaches
 };
 
 }  // namespace enamel
