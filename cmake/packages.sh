@@ -1,6 +1,6 @@
 # Sourced by demo.sh and check.sh: installs the Debian packages that are missing, and says which.
 
-packages="g++ cmake make libeigen3-dev libopenmesh-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtbb-dev catch2"
+packages="g++ cmake ninja-build libeigen3-dev libopenmesh-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtbb-dev catch2"
 # The viewer: without these, everything else is built all the same. VTK is 400 MB of download: a step of its own.
 viewer_packages="libglfw3-dev libglm-dev libglew-dev libimgui-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri \
 pkg-config fonts-roboto-unhinted xvfb xauth"
@@ -36,5 +36,7 @@ install_step() {
 
 install_packages() {
   install_step $packages || exit 1
+  CMAKE_GENERATOR=${CMAKE_GENERATOR:-Ninja}
+  export CMAKE_GENERATOR
   { install_step $viewer_packages && install_step $vtk_packages; } || echo "== going on without the viewer" >&2
 }

@@ -135,9 +135,10 @@ TEST_CASE("a push through a plugin writes the same file as the linked renderer",
 TEST_CASE("a small study through plugins writes the same runs as the linked renderers", "[plugin]") {
   const test::TemporaryFolder folder;
   const std::string common = "study --grid 2 --runs 2 --scenario 1,2 --delay random:0..1 --seed 3 --output '";
-  REQUIRE(test::run(common + (folder / "linked") + "' --renderers position-control,impedance").status == 0);
-  REQUIRE(test::run(common + (folder / "plugins") + "' --renderers " ENAMEL_PLUGINS "/enamel_position_control.so," +
-                    ENAMEL_PLUGINS "/enamel_impedance.so --set release=off")  // the study holds as the paper does
+  REQUIRE(test::runAlone(common + (folder / "linked") + "' --renderers position-control,impedance").status == 0);
+  REQUIRE(test::runAlone(common + (folder / "plugins") +
+                         "' --renderers " ENAMEL_PLUGINS "/enamel_position_control.so," +
+                         ENAMEL_PLUGINS "/enamel_impedance.so --set release=off")  // the study holds as the paper does
               .status == 0);
   CHECK_THAT(test::run(common + (folder / "typo") + "' --renderers template --set relase=off").output,
              Contains("relase, which no plugin"));

@@ -10,9 +10,10 @@
 #include "support/devices.hpp"
 
 using namespace enamel;
-using test::run;
 
 namespace {
+
+using test::runAlone;
 
 const bool kLong = std::getenv("ENAMEL_LONG") != nullptr;
 
@@ -38,7 +39,7 @@ test::CommandResult interrupted(const std::string& arguments, const std::string&
 
 TEST_CASE("study: the same bytes with one thread and two, interrupted and killed", "[study_command]") {
   const test::TemporaryFolder folder;
-  REQUIRE(run(study(folder, "one", kSmall + "--threads 1")).status == 0);
+  REQUIRE(runAlone(study(folder, "one", kSmall + "--threads 1")).status == 0);
   const std::string runs = file(folder, "one", "runs.csv");
   CHECK(std::count(runs.begin(), runs.end(), '\n') == 1 + 4 * 8);
   const auto same = [&](const std::string& name) {
@@ -46,14 +47,14 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
     CHECK(file(folder, name, "points.csv") == file(folder, "one", "points.csv"));
     CHECK(file(folder, name, "summary.json") == file(folder, "one", "summary.json"));
   };
-  REQUIRE(run(study(folder, "two", kSmall + "--threads 2")).status == 0);
+  REQUIRE(runAlone(study(folder, "two", kSmall + "--threads 2")).status == 0);
   same("two");
-  REQUIRE(run(study(folder, "other", kSmall + "--seed 2")).status == 0);
+  REQUIRE(runAlone(study(folder, "other", kSmall + "--seed 2")).status == 0);
   CHECK(file(folder, "other", "runs.csv") != runs);
 
   // Long enough that the signal arrives before the end on any machine.
-  const std::string longer = "--renderers position-control --scenario 1 --grid 3 --runs 30";
-  REQUIRE(run(study(folder, "whole", longer)).status == 0);
+  const std::string longer = "--renderers position-control --scenario 1 --grid 3 --runs 16";
+  REQUIRE(runAlone(study(folder, "whole", longer)).status == 0);
   const std::string whole = file(folder, "whole", "runs.csv");
   for (const char* signal : {"INT", "TERM", "KILL"}) {
     const std::string name = std::string("cut-") + signal;
@@ -69,32 +70,32 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
       CHECK(left.back() == '\n');
     }
     // Forgetting --resume throws nothing away.
-    const auto forgotten = run(study(folder, name, longer));
+    const auto forgotten = runAlone(study(folder, name, longer));
     CHECK(forgotten.status == 1);
     CHECK(forgotten.output.find("holds an unfinished study") != std::string::npos);
     CHECK(file(folder, name, "runs.csv") == left);
     // Nor does another study go on in its place.
-    const auto mixed = run(study(folder, name, longer + " --resume --seed 9"));
+    const auto mixed = runAlone(study(folder, name, longer + " --resume --seed 9"));
     CHECK(mixed.status == 1);
     CHECK(mixed.output.find("holds another study: its seed is 1, here it is 9") != std::string::npos);
     CHECK(file(folder, name, "runs.csv") == left);
     // A torn line is cut off.
     test::writeFile(folder / (name + "/runs.csv"), left + "1,position-con");
-    REQUIRE(run(study(folder, name, longer + " --resume --threads 1")).status == 0);
+    REQUIRE(runAlone(study(folder, name, longer + " --resume --threads 1")).status == 0);
     CHECK(file(folder, name, "runs.csv") == whole);
     CHECK(std::filesystem::exists(folder / (name + "/report.html")));
   }
   // A finished one may be resumed, or done again.
-  REQUIRE(run(study(folder, "two", kSmall + "--resume")).status == 0);
+  REQUIRE(runAlone(study(folder, "two", kSmall + "--resume")).status == 0);
   same("two");
-  REQUIRE(run(study(folder, "two", kSmall)).status == 0);
+  REQUIRE(runAlone(study(folder, "two", kSmall)).status == 0);
   same("two");
 }
 
 TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_command]") {
   const test::TemporaryFolder folder;
   const std::string size = kLong ? "--grid 11 --runs 20" : "--grid 3 --runs 3";
-  const auto result = run(study(folder, "all", size));
+  const auto result = test::run(study(folder, "all", size));
   INFO(result.output);
   REQUIRE(result.status == 0);
   const auto summary = nlohmann::json::parse(file(folder, "all", "summary.json"));
@@ -129,18 +130,19 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
 TEST_CASE("study: encoders, delay and a design on another device make other studies", "[study_command]") {
   const test::TemporaryFolder folder;
   const std::string tiny = "--renderers position-control --scenario 1 --grid 1 --runs 2 ";
-  REQUIRE(run(study(folder, "plain", tiny)).status == 0);
+  REQUIRE(runAlone(study(folder, "plain", tiny)).status == 0);
   const std::string detailed = test::deviceFile("tau-detailed.toml");
   for (const std::string& other : {std::string("--encoders"), std::string("--delay constant:1"),
                                    "--design-device '" + detailed + "'", "--device '" + detailed + "'"}) {
     const std::string name = "other" + std::to_string(other.size());
     INFO(other);
-    REQUIRE(run(study(folder, name, tiny + other)).status == 0);
+    REQUIRE(runAlone(study(folder, name, tiny + other)).status == 0);
     CHECK(file(folder, name, "runs.csv") != file(folder, "plain", "runs.csv"));
     CHECK(file(folder, name, "study.json") != file(folder, "plain", "study.json"));
   }
   // The built-in device is the shipped one.
-  REQUIRE(run(study(folder, "named", tiny + "--device '" + test::deviceFile("tau-nominal.toml") + "'")).status == 0);
+  REQUIRE(runAlone(study(folder, "named", tiny + "--device '" + test::deviceFile("tau-nominal.toml") + "'")).status ==
+          0);
   CHECK(file(folder, "named", "runs.csv") == file(folder, "plain", "runs.csv"));
 }
 
@@ -148,7 +150,7 @@ TEST_CASE("study: runs that the plant cannot finish are lost, not numbers", "[st
   const test::TemporaryFolder folder;
   // The paper's gains are unstable at a constant delay of 8 ticks.
   const auto result =
-      run(study(folder, "late", "--renderers position-control --scenario 1 --grid 1 --runs 2 --delay constant:8"));
+      runAlone(study(folder, "late", "--renderers position-control --scenario 1 --grid 1 --runs 2 --delay constant:8"));
   INFO(result.output);
   REQUIRE(result.status == 0);
   const auto summary = nlohmann::json::parse(file(folder, "late", "summary.json"));
@@ -171,7 +173,7 @@ TEST_CASE("study: errors are one line, before any run", "[study_command]") {
         output + "--design-device '" + (folder / "broken.toml") + "'", std::string("--grid 3"),
         "--output '" + (folder / "plain-file") + "'", "--output '" + (folder / "plain-file") + "/below'",
         std::string("--output /proc/no-such-folder")}) {
-    const auto result = run("study " + arguments);
+    const auto result = runAlone("study " + arguments);
     INFO(arguments << "\n" << result.output);
     CHECK(result.status != 0);
     CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
@@ -181,13 +183,13 @@ TEST_CASE("study: errors are one line, before any run", "[study_command]") {
   if (geteuid() != 0) {  // root may write anywhere
     std::filesystem::create_directory(folder / "locked");
     std::filesystem::permissions(folder / "locked", std::filesystem::perms::owner_read);
-    CHECK(run(study(folder, "locked", kSmall)).output.find("cannot write into the folder") != std::string::npos);
+    CHECK(runAlone(study(folder, "locked", kSmall)).output.find("cannot write into the folder") != std::string::npos);
   }
 }
 
 TEST_CASE("study: a full disk ends it with one line, and it can go on", "[study_command]") {
   const test::TemporaryFolder folder;
-  REQUIRE(run(study(folder, "whole", kSmall)).status == 0);
+  REQUIRE(runAlone(study(folder, "whole", kSmall)).status == 0);
   // A limit on the size of files stands for the disk: 8 blocks of 512 bytes, or of 1024 where sh is bash.
   const auto full = test::runCommand("ulimit -f 8; '" ENAMEL_TOOL "' " + study(folder, "full", kSmall));
   INFO(full.output);
@@ -196,16 +198,13 @@ TEST_CASE("study: a full disk ends it with one line, and it can go on", "[study_
   const std::string left = file(folder, "full", "runs.csv"), whole = file(folder, "whole", "runs.csv");
   CHECK(left.size() <= 8192);
   CHECK(left == whole.substr(0, left.size()));
-  REQUIRE(run(study(folder, "full", kSmall + "--resume")).status == 0);
+  REQUIRE(runAlone(study(folder, "full", kSmall + "--resume")).status == 0);
   CHECK(file(folder, "full", "runs.csv") == whole);
 }
 
 TEST_CASE("study: without the program that draws, the report has no figures and says so", "[study_command]") {
   const test::TemporaryFolder folder;
-  std::filesystem::copy_file(ENAMEL_TOOL, folder / "enamel");
-  const auto result =
-      test::runCommand("'" + (folder / "enamel") + "' " +
-                       study(folder, "bare", "--renderers position-control --scenario 1 --grid 1 --runs 1"));
+  const auto result = runAlone(study(folder, "bare", "--renderers position-control --scenario 1 --grid 1 --runs 1"));
   INFO(result.output);
   CHECK(result.status == 0);
   CHECK(result.output.find("the report is without figures: enamel-figures is not there") != std::string::npos);
@@ -216,7 +215,7 @@ TEST_CASE("study: without the program that draws, the report has no figures and 
 
 TEST_CASE("study: convergence finds the default", "[study_command]") {
   const test::TemporaryFolder folder;
-  const auto result = run(study(folder, "speed", "--convergence --renderers position-control,impedance --grid 3"));
+  const auto result = runAlone(study(folder, "speed", "--convergence --renderers position-control,impedance --grid 3"));
   INFO(result.output);
   REQUIRE(result.status == 0);
   CHECK(result.output.find("is Runge-Kutta 4 with 1 step a tick") != std::string::npos);
