@@ -90,45 +90,30 @@ double sweepTriangle(void* context, std::int32_t slot, double reach) {
   return reach;
 }
 
-// Nearest points of two segments: each end against the other segment, and the inner minimum where the lines are not
-// parallel (Lumelsky 1985). All candidates are points of both, so the smallest distance is right to rounding.
-// `best.distance` is squared here.
-void trySegments(const Segment& s, const Vec3& c, const Vec3& d, SegmentPoint& best) {
-  const Vec3 u = s.b - s.a, v = d - c, w = s.a - c;
-  const auto consider = [&](double t, double r) {
-    const Vec3 x = c + r * v;
-    const double squared = (s.a + t * u - x).squaredNorm();
-    if (squared < best.distance) {
-      best.distance = squared;
-      best.parameter = t;
-      best.point = x;
-    }
-  };
-  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
-  const double det = uu * vv - uv * uv;
-  const auto along = [](double numerator, double denominator) {
-    return denominator > 0.0 ? std::clamp(numerator / denominator, 0.0, 1.0) : 0.0;
-  };
-  if (det > 0.0) {
-    double t = std::clamp((uv * v.dot(w) - vv * u.dot(w)) / det, 0.0, 1.0);
-    for (int pass = 0; pass < 3; ++pass) {  // alternate: repairs what a small determinant has lost
-      const double r = along(v.dot(s.a + t * u - c), vv);
-      t = along(u.dot(c + r * v - s.a), uu);
-      consider(t, r);
-    }
-  }
-  for (const double t : {0.0, 1.0}) consider(t, along(v.dot(s.a + t * u - c), vv));
-  consider(along(u.dot(c - s.a), uu), 0.0);
-  consider(along(u.dot(d - s.a), uu), 1.0);
-}
+double inverse(double x) { return x > 0.0 ? 1.0 / x : 0.0; }
+
+// A segment with what every triangle asks of it.
+struct Axis {
+  explicit Axis(const Segment& segment)
+      : a(segment.a),
+        b(segment.b),
+        way(segment.b - segment.a),
+        squared(way.squaredNorm()),
+        perSquared(inverse(squared)) {}
+  Vec3 at(double t) const { return a + t * way; }
+  double footOf(const Vec3& p) const { return std::clamp((p - a).dot(way) * perSquared, 0.0, 1.0); }
+  Vec3 a, b, way;
+  double squared, perSquared;
+};
 
 // Parameter of the crossing of a segment and a triangle (Moeller & Trumbore 1997, borders included); -1: none.
-double crossing(const Segment& s, const Triangle& triangle) {
-  const Vec3 a = vec(triangle.corner[0]), e1 = vec(triangle.corner[1]) - a, e2 = vec(triangle.corner[2]) - a;
-  const Vec3 way = s.b - s.a, h = way.cross(e2);
+double crossing(const Axis& axis, const std::array<Vec3, 3>& corner) {
+  const Vec3 &a = corner[0], e1 = corner[1] - a, e2 = corner[2] - a;
+  const Vec3& way = axis.way;
+  const Vec3 h = way.cross(e2);
   const double det = e1.dot(h);
   if (det == 0.0 || !std::isfinite(det)) return -1.0;
-  const Vec3 o = s.a - a, q = o.cross(e1);
+  const Vec3 o = axis.a - a, q = o.cross(e1);
   const double border = 1e-12 * std::abs(det), side = det > 0.0 ? 1.0 : -1.0;
   const double u = side * o.dot(h), v = side * way.dot(q);
   if (u < -border || v < -border || u + v > side * det + border) return -1.0;
@@ -136,56 +121,77 @@ double crossing(const Segment& s, const Triangle& triangle) {
   return t >= 0.0 && t <= 1.0 ? t : -1.0;
 }
 
-SegmentPoint nearestOn(const Triangle& triangle, const Segment& segment) {
+// The place of the segment where its line is nearest to that of an edge c + r v, if that is inside both (Lumelsky
+// 1985). Nearly parallel lines lose digits by the small determinant: going to and fro between the lines repairs them.
+// All candidates are points of both, so what is lost can only cost what they differ by.
+template <typename Consider>
+void tryEdge(const Axis& axis, const Vec3& c, const Vec3& v, const Consider& consider) {
+  const Vec3 w = axis.a - c;
+  const double vv = v.squaredNorm(), uv = axis.way.dot(v), uw = axis.way.dot(w), vw = v.dot(w);
+  const double both = axis.squared * vv, det = both - uv * uv;
+  if (!(det > 0.0)) return;
+  const double perVv = inverse(vv);
+  double t = std::clamp((uv * vw - vv * uw) / det, 0.0, 1.0);
+  for (int pass = det > 1e-3 * both ? 2 : 0; pass < 3; ++pass) {
+    const double r = std::clamp((vw + t * uv) * perVv, 0.0, 1.0);
+    t = std::clamp((r * uv - uw) * axis.perSquared, 0.0, 1.0);
+    consider(t, Vec3(c + r * v));
+  }
+}
+
+// The shortest way is between the segment and a corner, between an end and the triangle, or between the insides of the
+// segment and an edge; where they cross it is none.
+SegmentPoint nearestOn(const Triangle& triangle, const Axis& axis) {
   SegmentPoint here;
   here.triangle = triangle.index;
-  const double t = crossing(segment, triangle);
+  const std::array<Vec3, 3> corner = {vec(triangle.corner[0]), vec(triangle.corner[1]), vec(triangle.corner[2])};
+  const double t = crossing(axis, corner);
   if (t >= 0.0) {
     here.parameter = t;
-    here.point = segment.a + t * (segment.b - segment.a);
+    here.point = axis.at(t);
     return here;
   }
   here.distance = kNoLimit;
+  const auto take = [&here](double squared, double parameter, const Vec3& point) {
+    if (!(squared < here.distance)) return;
+    here.distance = squared;
+    here.parameter = parameter;
+    here.point = point;
+  };
+  const auto consider = [&](double place, const Vec3& x) { take((axis.at(place) - x).squaredNorm(), place, x); };
   for (const double end : {0.0, 1.0}) {
     Candidate c;
-    closestOnTriangle(&triangle, (end == 0.0 ? segment.a : segment.b).data(), &c);
-    if (c.squared < here.distance) {
-      here.distance = c.squared;
-      here.parameter = end;
-      here.point = vec(c.point);
-    }
+    closestOnTriangle(&triangle, (end == 0.0 ? axis.a : axis.b).data(), &c);
+    take(c.squared, end, vec(c.point));
   }
-  for (int i = 0; i < 3; ++i) trySegments(segment, vec(triangle.corner[i]), vec(triangle.corner[(i + 1) % 3]), here);
+  for (std::size_t i = 0; i < 3; ++i) {
+    consider(axis.footOf(corner[i]), corner[i]);
+    tryEdge(axis, corner[i], corner[(i + 1) % 3] - corner[i], consider);
+  }
   here.distance = std::sqrt(here.distance);
   return here;
 }
 
 struct SegmentSearch {
   const MeshData* data;
-  Segment segment;
-  Vec3 way;
+  Axis axis;
   double length, rounding;
   SegmentPoint best;
 };
-
-// Parameter of the point of the segment nearest to p.
-double footOf(const SegmentSearch& s, const Vec3& p) {
-  return s.length > 0.0 ? std::clamp((p - s.segment.a).dot(s.way) / (s.length * s.length), 0.0, 1.0) : 0.0;
-}
 
 // The nearest place of the segment lies between the feet of the corners. The distance is convex along the segment, so
 // it stays above its tangent in the middle there (where the nearest point is known to sqrt(2 rounding distance)).
 double lowerBound(const SegmentSearch& s, const Triangle& triangle) {
   double first = 1.0, last = 0.0;
   for (const auto& corner : triangle.corner) {
-    const double t = footOf(s, vec(corner));
+    const double t = s.axis.footOf(vec(corner));
     first = std::min(first, t);
     last = std::max(last, t);
   }
-  const Vec3 middle = s.segment.a + 0.5 * (first + last) * s.way;
+  const Vec3 middle = s.axis.at(0.5 * (first + last));
   const Nearest near = nearestOn(triangle, middle);
   if (!(near.distance > 64.0 * s.rounding)) return 0.0;
-  const double slope = std::abs((middle - near.point).dot(s.way)) / (s.length * near.distance) +
+  const double slope = std::abs((middle - near.point).dot(s.axis.way)) / (s.length * near.distance) +
                        2.0 * std::sqrt(s.rounding / near.distance);
   const double halfWay = s.length > 0.0 ? 0.5 * (last - first) * s.length * std::min(1.0, slope) : 0.0;
   return near.distance - halfWay - s.rounding;
@@ -195,7 +201,7 @@ double trySegmentTriangle(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<SegmentSearch*>(context);
   const Triangle& triangle = s.data->triangles[slot];
   if (lowerBound(s, triangle) > reach) return reach;
-  const SegmentPoint here = nearestOn(triangle, s.segment);
+  const SegmentPoint here = nearestOn(triangle, s.axis);
   if (here.distance > reach) return reach;
   if (s.best.triangle < 0 || here.distance < s.best.distance ||
       (here.distance == s.best.distance && here.triangle < s.best.triangle))
@@ -221,7 +227,7 @@ double waitOfPiece(const CapsuleSweep& s, const Triangle& triangle, double time,
   const auto on = [](const Vec3& a, const Vec3& b, double t) { return Vec3(a + t * (b - a)); };
   const Segment axis = s.at(time);
   const Segment piece{on(axis.a, axis.b, first), on(axis.a, axis.b, last)};
-  const SegmentPoint near = nearestOn(triangle, piece);
+  const SegmentPoint near = nearestOn(triangle, Axis(piece));
   const double gap = near.distance - s.radius;
   if (!(gap > 0.0) || !(near.distance > 1e-9 * s.data->size)) return gap > 0.0 ? gap / s.speed : 0.0;
   const Vec3 normal = (on(piece.a, piece.b, near.parameter) - near.point) / near.distance;
@@ -256,7 +262,7 @@ double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
   double time = s.start;
   for (int step = 0; step < kMostAdvances; ++step) {
     const Segment now = s.at(time);
-    const SegmentPoint near = nearestOn(triangle, now);
+    const SegmentPoint near = nearestOn(triangle, Axis(now));
     if (near.distance - s.radius > s.tolerance) {
       const double wait = step < kPlainAdvances ? waitOfPiece(s, triangle, time, 0.0, 1.0)
                                                 : waitOfAxis(s, triangle, time, near.parameter);
@@ -281,21 +287,22 @@ double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
 
 struct PickSearch {
   const MeshData* data;
-  Segment segment;
+  Axis axis;
   SweepHit best;
 };
 
 double pickTriangle(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<PickSearch*>(context);
   const Triangle& triangle = s.data->triangles[slot];
-  const double t = crossing(s.segment, triangle);
+  const std::array<Vec3, 3> corner = {vec(triangle.corner[0]), vec(triangle.corner[1]), vec(triangle.corner[2])};
+  const double t = crossing(s.axis, corner);
   if (t < 0.0 || !isBetter(s.best, t, triangle.index)) return reach;
   s.best.hit = true;
   s.best.time = t;
-  s.best.point = s.segment.a + t * (s.segment.b - s.segment.a);
+  s.best.point = s.axis.at(t);
   s.best.triangle = triangle.index;
-  const Vec3 n = unitNormal(vec(triangle.corner[0]), vec(triangle.corner[1]), vec(triangle.corner[2]));
-  s.best.normal = n.dot(s.segment.b - s.segment.a) > 0.0 ? Vec3(-n) : n;
+  const Vec3 n = unitNormal(corner[0], corner[1], corner[2]);
+  s.best.normal = n.dot(s.axis.way) > 0.0 ? Vec3(-n) : n;
   return reach;
 }
 
@@ -324,7 +331,7 @@ SweepHit sweepSphere(const MeshModel& model, const Vec3& from, const Vec3& to, d
 }
 
 SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit, int hint) noexcept {
-  SegmentSearch s{&model.data(), segment, segment.b - segment.a, (segment.b - segment.a).norm(), 0.0, {}};
+  SegmentSearch s{&model.data(), Axis(segment), (segment.b - segment.a).norm(), 0.0, {}};
   if (!segment.a.allFinite() || !segment.b.allFinite() || !(limit >= 0.0)) {
     s.best.status = Status::notFinite;
     return s.best;
@@ -336,12 +343,12 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
   if (hint >= 0 && hint < static_cast<int>(s.data->slotOf.size()) && hasTriangle(*s.data, hint))
     reach = trySegmentTriangle(&s, s.data->slotOf[hint], reach);
   if (std::max((segment.a - centre).norm(), (segment.b - centre).norm()) > kFarSizes * s.data->size) {
-    double t = footOf(s, centre);
+    double t = s.axis.footOf(centre);
     for (int pass = 0; pass < kMostBounds; ++pass) {
-      const SurfacePoint near = closestPoint(model, segment.a + t * s.way, nullptr, reach);
+      const SurfacePoint near = closestPoint(model, s.axis.at(t), nullptr, reach);
       if (near.triangle < 0) break;
       reach = std::min(reach, near.distance * (1.0 + 1e-12) + s.rounding);
-      t = footOf(s, near.point);
+      t = s.axis.footOf(near.point);
     }
   }
   kernel::loops().visitSegment(s.data->view, segment.a.data(), segment.b.data(), reach, &trySegmentTriangle, &s);
@@ -389,12 +396,12 @@ SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment
 }
 
 SweepHit pick(const MeshModel& model, const Segment& segment) noexcept {
-  PickSearch s{&model.data(), segment, {}};
+  PickSearch s{&model.data(), Axis(segment), {}};
   if (!segment.a.allFinite() || !segment.b.allFinite()) {
     s.best.status = Status::notFinite;
     return s.best;
   }
-  const Vec3 way = segment.b - segment.a;
+  const Vec3& way = s.axis.way;
   const double hair = 1e-12 * (s.data->size + way.norm());
   for (int piece = 0; piece < kPickPieces && !s.best.hit; ++piece) {  // small boxes, from the near end to the far one
     const Vec3 first = segment.a + way * (static_cast<double>(piece) / kPickPieces);
