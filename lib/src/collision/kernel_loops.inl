@@ -442,7 +442,7 @@ static inline void searchTriangles(Search* s, ProximityCache::Triangles* list) {
 }
 
 // The leaves within the limit, without a branch on what they hold; then as above.
-static inline void searchLeaves(Search* s, ProximityCache::Leaves* list) {
+static inline void searchLeaves(Search* s, const ProximityCache::Leaves* list) {
   const V x = set(s->x), y = set(s->y), z = set(s->z);
   int32_t looked[ProximityCache::kLeaves];
   float squared[ProximityCache::kLeaves][kWidth];
@@ -464,7 +464,6 @@ static inline void searchLeaves(Search* s, ProximityCache::Leaves* list) {
   for (int i = 0; i < count; ++i)
     for (unsigned mask = lessOrEqualMask(load(squared[i]), limit); mask != 0; mask &= mask - 1)
       tryTriangle(s, looked[i] * kWidth + __builtin_ctz(mask));
-  ++list->uses;
 }
 
 // Which convex bodies can be nearest within r of the origin o. Let f be the distance of one from o and n the direction
@@ -528,7 +527,6 @@ static inline Reach beginList(const Search* s, const Cache* cache, double r, Pro
   const double lead = step > 1e-3 * r ? kLead * r / step : 0.0;
   for (int k = 0; k < 3; ++k) list->origin[k] = s->local[k] + lead * way[k];
   list->count = 0;
-  list->uses = 0;
   list->radius = -1.0;
   return reachOf(list->origin, cache->surface, r, slackOf(s->mesh, list->origin));
 }
@@ -567,7 +565,8 @@ static inline int makeLeaves(const Search* s, Cache* cache) {
   return 1;
 }
 
-// The same from the leaves, for a ball within theirs. Answers 0 also where the ball would not hold for two queries.
+// The same from the leaves, for a ball within theirs. Answers 0 also where the ball would not hold for two queries. The
+// margin follows the radius that there was room for: it cannot run away.
 static inline int makeTriangles(const Search* s, Cache* cache) {
   ProximityCache::Triangles* list = &cache->triangles;
   const ProximityCache::Leaves* leaves = &cache->leaves;
@@ -575,10 +574,11 @@ static inline int makeTriangles(const Search* s, Cache* cache) {
   const double r = list->margin < room / (1.0 + kLead) ? list->margin : room / (1.0 + kLead);
   const double step = squaredDistance(s->local, cache->query);
   if (step > r * r) {
-    list->margin *= 1.05;
+    if (r == list->margin) list->margin *= 1.05;
     return 0;
   }
   const int uses = list->uses;
+  list->uses = 0;
   const Reach reach = beginList(s, cache, r, list);
   const V x = set(static_cast<float>(list->origin[0])), y = set(static_cast<float>(list->origin[1])),
           z = set(static_cast<float>(list->origin[2]));
@@ -590,7 +590,7 @@ static inline int makeTriangles(const Search* s, Cache* cache) {
       unsigned near = trianglesWithin(reach, lanesOf(leaf), x, y, z);
       if (near == 0) continue;
       if (list->count + __builtin_popcount(near) > ProximityCache::kTriangles) {
-        list->margin *= 0.6;
+        list->margin = 0.6 * r;
         return 0;
       }
       const Chosen lanes = choose(near);
@@ -602,8 +602,8 @@ static inline int makeTriangles(const Search* s, Cache* cache) {
   for (int row = 0; row < ProximityCache::kFrameRows; ++row) store(list->row[row] + list->count, set(unusedRow(row)));
   list->radius = r * (1.0 - 1e-6);
   // Two batches that hold for some ten queries cost least in the mean.
-  if (list->count <= kWidth || (uses < 6 && list->count <= 2 * kWidth)) list->margin *= 1.25;
-  if (list->count > 2 * kWidth + kWidth / 2 || (uses > 12 && list->count > kWidth)) list->margin *= 0.85;
+  if (list->count <= kWidth || (uses < 6 && list->count <= 2 * kWidth)) list->margin = 1.25 * r;
+  if (list->count > 2 * kWidth + kWidth / 2 || (uses > 12 && list->count > kWidth)) list->margin = 0.85 * r;
   return 1;
 }
 

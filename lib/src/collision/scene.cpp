@@ -290,8 +290,7 @@ void addNearest(const ShapeType& shape, const Segment& axis, double radius, Part
   if (!(t > 0.0 && t < 1.0)) return;
   const Vec3 middle = axis.a + t * (axis.b - axis.a);
   const auto between = nearestOf(shape, middle, cache(2));
-  if (between.distance < ends - kClearlyNearer)
-    out.add(middle, between.normal, between.distance, radius);
+  if (between.distance < ends - kClearlyNearer) out.add(middle, between.normal, between.distance, radius);
 }
 
 Vec3 toObstacle(const Obstacle& obstacle, const Vec3& p_W) {

@@ -32,7 +32,8 @@ Vec3 position(TomlTable& table, const char* key) {
 double length(TomlTable& table, const char* key, double low, double high) {
   const double value = table.number(key);
   if (!(value >= low && value <= high))
-    table.fail(key, "is " + formatNumber(value) + ", must be in " + formatNumber(low) + " to " + formatNumber(high) + " m");
+    table.fail(key,
+               "is " + formatNumber(value) + ", must be in " + formatNumber(low) + " to " + formatNumber(high) + " m");
   return value;
 }
 

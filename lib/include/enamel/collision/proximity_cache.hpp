@@ -24,13 +24,13 @@ struct ProximityCache {
   // What can hold the nearest point while the tool stays in a ball.
   struct List {
     int32_t count = 0;
-    int32_t uses = 0;
     double origin[3] = {};
     double radius = -1.0;
     double margin = 0.0;  // radius of the next one
   };
   // Triangles for a few ticks' way, as in the leaves of the hierarchy.
   struct Triangles : List {
+    int32_t uses = 0;  // queries that the list has answered
     int32_t slot[kTriangles + kSpare] = {};
     float row[kFrameRows][kTriangles + kSpare] = {};
   };
