@@ -130,6 +130,7 @@ void writeLeafBox(MeshData& data, std::int32_t leaf, bool keepAxes) {
   for (int i = 0; i < 9; ++i) oldAxes(i / 3, i % 3) = static_cast<double>(box.row[i][at.lane]);
   keepAxes = keepAxes && !oldAxes.isZero(0.0);
   for (auto& row : box.row) row[at.lane] = 0.0f;
+  if (!keepAxes) box.cone[at.lane] = 0.0f;
   if (corners.empty()) {  // far away
     for (int i = 0; i < 3; ++i) box.row[9 + i][at.lane] = kFarAway;
     return;
@@ -420,6 +421,22 @@ void buildHierarchy(MeshData& data) {
   data.isRewritten.assign(data.triangles.size(), 0);
 }
 
+// The cone of a leaf, about the third axis of its box, holds those of its triangles.
+void writeCone(MeshData& data, std::int32_t leaf, const std::vector<Vec3>& normal) {
+  const Parent at = data.leafParent[leaf];
+  LeafBoxes& box = data.boxes[at.node];
+  const Vec3 axis(box.row[6][at.lane], box.row[7][at.lane], box.row[8][at.lane]);
+  double widest = 0.0;
+  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot) {
+    const std::int32_t t = data.triangles[slot].index;
+    if (t < 0) continue;
+    const double cone = std::sqrt(static_cast<double>(data.cones[slot]));
+    widest = std::max(widest, std::acos(std::clamp(axis.dot(normal[t]), -1.0, 1.0)) + std::acos(cone) + 1e-3);
+  }
+  const double cosine = widest < 0.5 * M_PI ? std::cos(widest) : 0.0;
+  box.cone[at.lane] = static_cast<float>(0.999 * cosine * cosine);
+}
+
 void buildNormals(MeshData& data) {
   const TriangleMesh& mesh = data.mesh;
   data.place = weld(mesh);
@@ -496,6 +513,8 @@ void buildNormals(MeshData& data) {
     data.cones[data.slotOf[t]] = static_cast<float>(least * least);
   }
   data.view.cones = data.cones.data();
+  for (std::size_t leaf = 0; leaf < data.leaves.size(); ++leaf)
+    writeCone(data, static_cast<std::int32_t>(leaf), normal);
 }
 
 }  // namespace enamel::kernel

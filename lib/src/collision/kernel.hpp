@@ -58,6 +58,7 @@ static constexpr float unusedRow(int row) {
 /// Oriented boxes of the leaves below a node, by lane: |axis * q + offset| <= half. Lanes without a leaf hold zeros.
 struct alignas(64) LeafBoxes {
   float row[ProximityCache::kBoxRows][kWidth];  ///< three axes, offsets, half sizes
+  float cone[kWidth];                           ///< cos^2 of the angle from the third axis to the farthest normal, or 0
   uint32_t lanes;                               ///< bit mask of the lanes that have a leaf
 };
 

@@ -1,14 +1,13 @@
 #include "enamel/control/margins.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tuple>
 #include <utility>
 
+#include "control/spectrum.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -22,12 +21,6 @@ using Eigen::VectorXcd;
 
 constexpr int kMaxDelay = 64;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-VectorXcd eigenvalues(const MatrixXd& A) {
-  const Eigen::EigenSolver<MatrixXd> solver(A, false);
-  if (solver.info() != Eigen::Success) throw DesignError("margins: the eigenvalues do not converge");
-  return solver.eigenvalues();
-}
 
 // The loop at the plant's input as a function of frequency.
 class FrequencyResponse {
@@ -45,8 +38,8 @@ class FrequencyResponse {
     return M;
   }
   double smallestSingularValue(double w) const {
-    const Eigen::JacobiSVD<MatrixXcd> svd(returnDifference(w));
-    return svd.singularValues()[svd.singularValues().size() - 1];
+    const Eigen::VectorXd values = singularValues(returnDifference(w));
+    return values[values.size() - 1];
   }
   // Every input's loop with the others closed.
   VectorXcd loops(double w) const { return returnDifference(w).inverse().diagonal().cwiseInverse().array() - 1.0; }

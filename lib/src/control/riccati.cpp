@@ -1,9 +1,7 @@
 #include "enamel/control/riccati.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -12,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "control/spectrum.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -72,14 +71,13 @@ void check(const Problem& p) {
 // Popov-Belevitch-Hautus: rank [A - z I, B] = n for every eigenvalue z of A outside the open unit disk.
 bool isStabilisable(const Problem& p) {
   const Eigen::Index n = p.A.rows();
-  const Eigen::EigenSolver<MatrixXd> eigen(p.A, false);
   Eigen::MatrixXcd pencil(n, n + p.B.cols());
   pencil.rightCols(p.B.cols()) = p.B.cast<std::complex<double>>();
-  for (const std::complex<double> z : eigen.eigenvalues()) {
+  for (const std::complex<double> z : eigenvalues(p.A)) {
     if (std::abs(z) < 1.0 - 1e-12) continue;
     pencil.leftCols(n) = p.A.cast<std::complex<double>>();
     pencil.leftCols(n).diagonal().array() -= z;
-    const VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXcd>(pencil).singularValues();
+    const VectorXd singular = singularValues(pencil);
     if (singular[n - 1] <= 1e-12 * singular[0]) return false;
   }
   return true;
