@@ -214,6 +214,20 @@ void addPart(const Analytic& shape, const Segment& axis, double radius, PartCach
     addSphere(shape, middle, radius, out);
 }
 
+// Whether a corner of triangle `number` (-1: none) lies within `limit` of the axis.
+bool isWithin(const MeshModel& mesh, int number, const Segment& axis, double limit) {
+  const TriangleMesh& all = mesh.mesh();
+  if (number < 0 || number >= static_cast<int>(all.triangles.size()) || !hasTriangle(mesh.data(), number)) return false;
+  const Vec3 way = axis.b - axis.a;
+  const double squared = way.squaredNorm();
+  const auto& corners = all.triangles[number];
+  return std::any_of(corners.begin(), corners.end(), [&](int vertex) {
+    const Vec3 to = all.vertices[vertex] - axis.a;
+    const double t = squared > 0.0 ? std::clamp(to.dot(way) / squared, 0.0, 1.0) : 0.0;
+    return (to - t * way).squaredNorm() <= limit * limit;
+  });
+}
+
 // Outside of a closed surface the side cannot change before the surface is met: an axis that starts outside and keeps
 // away from every triangle lies outside, and it still does after a way shorter than its clearance. Most ticks of most
 // parts end there. `limit` then hides what is out of reach.
@@ -240,10 +254,16 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
     addSphere(mesh, axis.a, radius, atA, out);
     return;
   }
-  const bool isKnownWell =
-      clear >= reach / 8.0 && clear <= reach / 4.0;  // what clearance() says of a part that touches
-  if (mesh.data().closed && !isKnownWell && (isOutside || atA.distance > 0.0)) {
-    clear = loops().clearance(mesh.data().view, axis.a.data(), axis.b.data(), kLookAhead * reach, justBeyond);
+  // Where the triangle that was nearest is still within reach, so is the mesh: its distance is the clearance.
+  const int hint = cache == nullptr ? -1 : cache->nearest;
+  SegmentPoint between;
+  if (mesh.data().closed && (isOutside || atA.distance > 0.0)) {
+    if (isWithin(mesh, hint, axis, justBeyond)) {
+      between = closestToSegment(mesh, axis, justBeyond, hint);
+      clear = between.distance;
+    } else {
+      clear = loops().clearance(mesh.data().view, axis.a.data(), axis.b.data(), kLookAhead * reach, justBeyond);
+    }
     remember();
     if (clear > justBeyond) return;
   }
@@ -257,9 +277,9 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   if (atA.triangle >= 0) ends = std::min(ends, atA.distance - kClearlyNearer);
   if (atB.triangle >= 0) ends = std::min(ends, atB.distance - kClearlyNearer);
   if (!(ends > 0.0)) return;
-  const SegmentPoint between = closestToSegment(mesh, axis, ends, cache == nullptr ? -1 : cache->nearest);
+  if (between.triangle < 0) between = closestToSegment(mesh, axis, ends, hint);
   if (cache != nullptr) cache->nearest = between.triangle;
-  if (between.triangle < 0 || !(between.parameter > 0.0 && between.parameter < 1.0)) return;
+  if (between.triangle < 0 || between.distance > ends || !(between.parameter > 0.0 && between.parameter < 1.0)) return;
   const Vec3 middle = axis.a + between.parameter * (axis.b - axis.a);
   const SurfacePoint there = signedDistance(mesh, middle, point(2), limit);
   if (there.distance < ends) addSphere(mesh, middle, radius, there, out);
