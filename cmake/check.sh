@@ -39,26 +39,19 @@ build tsan --target test_unit_runtime test_unit_experiment test_unit_collision_t
 echo "== tsan: threads and their exchange of data"
 ctest --preset tsan -R 'unit.(runtime|experiment|collision_threads)'
 
-build release --target tests_realtime enamel
-echo "== release: allocations, speed against error"
+build release --target tests_realtime
+echo "== release: allocations"
 ctest --preset release -L realtime
-build/release/apps/enamel/enamel bench --filter tick --scale 0.2
 
 other=ci
 if [ -n "${ENAMEL_LONG:-}" ]; then
-  build dev --target enamel
+  build dev --target test_bits
   other=dev
 fi
 echo "== $other and release: the same bits"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-for preset in $other release; do
-  for renderer in position-control impedance; do
-    build/$preset/apps/enamel/enamel push --device data/devices/tau-nominal.toml --renderer $renderer --seed 7 \
-      --encoders --rates low-pass --output "$folder/$preset-$renderer.csv" >/dev/null
-  done
-done
-for renderer in position-control impedance; do
-  cmp "$folder/$other-$renderer.csv" "$folder/release-$renderer.csv"
-done
+build/$other/tests/test_bits >"$folder/other"
+build/release/tests/test_bits >"$folder/release"
+cmp "$folder/other" "$folder/release"
 echo "== all checks passed"

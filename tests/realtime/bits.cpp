@@ -1,0 +1,33 @@
+// Prints two pushes, every number in full. The same program of another build must print the same: check.sh compares.
+#include <cstdio>
+
+#include "enamel/control/device_plant.hpp"
+#include "support/pushes.hpp"
+
+using namespace enamel;
+
+namespace {
+
+template <typename Vector>
+void print(const Vector& v) {
+  for (Eigen::Index i = 0; i < v.size(); ++i) std::printf(" %a", v.data()[i]);
+}
+
+}  // namespace
+
+int main() {
+  const DeviceModel model = makeModel(test::nominal());
+  PositionControlRenderer hold(model, designServo(model, Pose{}, 1e-3).K, 1e-3, {});
+  ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
+  PushSetup setup;
+  setup.encoders = {true, RateSource::lowPass, 100.0};
+  setup.seed = 7;
+  for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&spring)})
+    for (const TickRecord& tick : test::recordPush(model, *renderer, setup)) {
+      print(tick.pose.position);
+      print(tick.pose.rotation);
+      print(tick.twist);
+      print(tick.torque);
+      std::puts("");
+    }
+}
