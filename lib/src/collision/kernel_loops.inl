@@ -566,7 +566,7 @@ static inline int makeLeaves(const Search* s, Cache* cache) {
 }
 
 // The same from the leaves, for a ball within theirs. Answers 0 also where the ball would not hold for two queries. The
-// margin follows the radius that there was room for: it cannot run away.
+// margin grows only where it had room: it cannot run away.
 static inline int makeTriangles(const Search* s, Cache* cache) {
   ProximityCache::Triangles* list = &cache->triangles;
   const ProximityCache::Leaves* leaves = &cache->leaves;
@@ -602,7 +602,7 @@ static inline int makeTriangles(const Search* s, Cache* cache) {
   for (int row = 0; row < ProximityCache::kFrameRows; ++row) store(list->row[row] + list->count, set(unusedRow(row)));
   list->radius = r * (1.0 - 1e-6);
   // Two batches that hold for some ten queries cost least in the mean.
-  if (list->count <= kWidth || (uses < 6 && list->count <= 2 * kWidth)) list->margin = 1.25 * r;
+  if (r == list->margin && (list->count <= kWidth || (uses < 6 && list->count <= 2 * kWidth))) list->margin *= 1.25;
   if (list->count > 2 * kWidth + kWidth / 2 || (uses > 12 && list->count > kWidth)) list->margin = 0.85 * r;
   return 1;
 }
