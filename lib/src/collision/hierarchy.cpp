@@ -149,6 +149,22 @@ void writeLeafBox(MeshData& data, std::int32_t leaf, bool keepAxes) {
   }
 }
 
+// The cone of a leaf, about the third axis of its box, holds those of its triangles.
+void writeCone(MeshData& data, std::int32_t leaf, const std::vector<Vec3>& normal) {
+  const Parent at = data.leafParent[leaf];
+  LeafBoxes& box = data.boxes[at.node];
+  const Vec3 axis(box.row[6][at.lane], box.row[7][at.lane], box.row[8][at.lane]);
+  double widest = 0.0;
+  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot) {
+    const std::int32_t t = data.triangles[slot].index;
+    if (t < 0) continue;
+    const double cone = std::sqrt(static_cast<double>(data.cones[slot]));
+    widest = std::max(widest, std::acos(std::clamp(axis.dot(normal[t]), -1.0, 1.0)) + std::acos(cone) + 1e-3);
+  }
+  const double cosine = widest < 0.5 * M_PI ? std::cos(widest) : 0.0;
+  box.cone[at.lane] = static_cast<float>(0.999 * cosine * cosine);
+}
+
 // A binary tree over ranges of `order`.
 struct Binary {
   Box box;
@@ -419,22 +435,6 @@ void buildHierarchy(MeshData& data) {
   data.dirtyLeaves.reserve(data.leaves.size());
   data.isDirty.assign(data.leaves.size(), 0);
   data.isRewritten.assign(data.triangles.size(), 0);
-}
-
-// The cone of a leaf, about the third axis of its box, holds those of its triangles.
-void writeCone(MeshData& data, std::int32_t leaf, const std::vector<Vec3>& normal) {
-  const Parent at = data.leafParent[leaf];
-  LeafBoxes& box = data.boxes[at.node];
-  const Vec3 axis(box.row[6][at.lane], box.row[7][at.lane], box.row[8][at.lane]);
-  double widest = 0.0;
-  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot) {
-    const std::int32_t t = data.triangles[slot].index;
-    if (t < 0) continue;
-    const double cone = std::sqrt(static_cast<double>(data.cones[slot]));
-    widest = std::max(widest, std::acos(std::clamp(axis.dot(normal[t]), -1.0, 1.0)) + std::acos(cone) + 1e-3);
-  }
-  const double cosine = widest < 0.5 * M_PI ? std::cos(widest) : 0.0;
-  box.cone[at.lane] = static_cast<float>(0.999 * cosine * cosine);
 }
 
 void buildNormals(MeshData& data) {

@@ -924,21 +924,24 @@ static double clearance(const Mesh& mesh, const double from[3], const double to[
   return searchSegment(mesh, from, to, most, needed, nullptr, nullptr);
 }
 
-// Leaves whose normals allow a local minimum: the way from one of their points to the point in question is nowhere
-// steeper to the third axis than the sides of the box allow.
-static inline unsigned leavesFacing(const LeafBoxes* boxes, V x, V y, V z, V slack) {
+// Leaves within the limit whose normals allow a local minimum: the way from one of their points to the point in
+// question is nowhere steeper to the third axis than the sides of the box allow.
+static inline unsigned leavesWithMinima(const LeafBoxes* boxes, V x, V y, V z, V limit, V slack) {
   const V zero = set(0.0f), one = set(1.0f);
-  V extent[3];
+  const Lanes lanes = lanesOf(boxes);
+  V extent[3], squared = zero;
   for (int i = 0; i < 3; ++i) {
-    const V a = mad(load(boxes->row[3 * i]), x,
-                    mad(load(boxes->row[3 * i + 1]), y, mad(load(boxes->row[3 * i + 2]), z, load(boxes->row[9 + i]))));
+    const V a = mad(lanes.row(3 * i), x, mad(lanes.row(3 * i + 1), y, mad(lanes.row(3 * i + 2), z, lanes.row(9 + i))));
     extent[i] = maximum(a, sub(zero, a));
+    const V d = maximum(sub(extent[i], lanes.row(12 + i)), zero);
+    squared = mad(d, d, squared);
   }
-  const V u = maximum(sub(sub(extent[0], load(boxes->row[12])), slack), zero);
-  const V v = maximum(sub(sub(extent[1], load(boxes->row[13])), slack), zero);
-  const V h = add(add(extent[2], load(boxes->row[14])), slack);
+  const V u = maximum(sub(sub(extent[0], lanes.row(12)), slack), zero);
+  const V v = maximum(sub(sub(extent[1], lanes.row(13)), slack), zero);
+  const V h = add(add(extent[2], lanes.row(14)), slack);
   const V cone = load(boxes->cone);
-  return lessOrEqualMask(mul(mad(u, u, mul(v, v)), cone), mul(mul(h, h), sub(one, cone)));
+  return lessOrEqualMask(squared, limit) &
+         lessOrEqualMask(mul(mad(u, u, mul(v, v)), cone), mul(mul(h, h), sub(one, cone)));
 }
 
 static void visitMinima(const Mesh& mesh, const double point[3], double reach, Visit visitor, void* context) {
@@ -955,12 +958,10 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
   while (top > 0) {
     const int32_t current = stack[--top];
     const Node* node = mesh.nodes + (current & kNumber);
-    V b = boxBounds(node->low[0], node->high[0], kWidth, x, y, z);
-    if ((current & kHasLeaves) != 0) b = maximum(b, orientedBounds(lanesOf(mesh.boxes + (current & kNumber)), x, y, z));
-    unsigned mask = lessOrEqualMask(b, limit);
+    unsigned mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), limit);
     if ((current & kHasLeaves) != 0) {
       const LeafBoxes* boxes = mesh.boxes + (current & kNumber);
-      mask &= leavesFacing(boxes, x, y, z, slack) | ~boxes->lanes;
+      mask &= leavesWithMinima(boxes, x, y, z, limit, slack) | ~boxes->lanes;
     }
     for (; mask != 0; mask &= mask - 1) {
       const int32_t child = node->child[__builtin_ctz(mask)];

@@ -23,11 +23,13 @@ bool within(const Vector& v, double limit) noexcept {
   return (v.array().abs() <= limit).all();
 }
 
-// Three unit vectors at right angles, right-handed, to 1e-6.
+// r r^T = 1 to 1e-6, right-handed.
 bool isRotation(const Mat3& r) noexcept {
-  const auto x = r.col(0), y = r.col(1), z = r.col(2);
-  const auto isUnit = [](const auto& v) { return std::abs(v.squaredNorm() - 1.0) <= 1e-6; };
-  return isUnit(x) && isUnit(y) && std::abs(x.dot(y)) <= 1e-6 && within(x.cross(y) - z, 1e-6);
+  const Vec3 x = r.row(0), y = r.row(1), z = r.row(2);
+  const auto isUnit = [](const Vec3& v) { return std::abs(v.squaredNorm() - 1.0) <= 1e-6; };
+  const auto areAcross = [](const Vec3& a, const Vec3& b) { return std::abs(a.dot(b)) <= 1e-6; };
+  return isUnit(x) && isUnit(y) && isUnit(z) && areAcross(x, y) && areAcross(y, z) && areAcross(z, x) &&
+         x.cross(y).dot(z) > 0.0;
 }
 
 // Everything has a limit, so that NaN and infinity pass none.
