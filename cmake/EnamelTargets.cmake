@@ -14,7 +14,7 @@ if(ENAMEL_SANITIZE)
   target_link_options(enamel_compile_options INTERFACE -fsanitize=${ENAMEL_SANITIZE})
 endif()
 
-option(ENAMEL_PRECOMPILED_HEADERS "Parse Eigen and other large headers once a target kind: builds in half the time" OFF)
+option(ENAMEL_PRECOMPILED_HEADERS "Parse Eigen once for each kind of target instead of once a file" OFF)
 
 # enamel_own_headers(<name> <header>...): a target that parses the headers once; give it the includes and definitions of
 # those that reuse them. enamel_reuse_headers(<target> <name>): a target that starts from them. Only headers of bare

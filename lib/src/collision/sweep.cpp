@@ -175,7 +175,7 @@ SegmentPoint nearestOn(const Triangle& triangle, const Axis& axis) {
 struct SegmentSearch {
   const MeshData* data;
   Axis axis;
-  double length, rounding;
+  double rounding;
   SegmentPoint best;
 };
 
@@ -191,9 +191,10 @@ double lowerBound(const SegmentSearch& s, const Triangle& triangle) {
   const Vec3 middle = s.axis.at(0.5 * (first + last));
   const Nearest near = nearestOn(triangle, middle);
   if (!(near.distance > 64.0 * s.rounding)) return 0.0;
-  const double slope = std::abs((middle - near.point).dot(s.axis.way)) / (s.length * near.distance) +
+  const double length = std::sqrt(s.axis.squared);
+  const double slope = std::abs((middle - near.point).dot(s.axis.way)) / (length * near.distance) +
                        2.0 * std::sqrt(s.rounding / near.distance);
-  const double halfWay = s.length > 0.0 ? 0.5 * (last - first) * s.length * std::min(1.0, slope) : 0.0;
+  const double halfWay = length > 0.0 ? 0.5 * (last - first) * length * std::min(1.0, slope) : 0.0;
   return near.distance - halfWay - s.rounding;
 }
 
@@ -331,7 +332,7 @@ SweepHit sweepSphere(const MeshModel& model, const Vec3& from, const Vec3& to, d
 }
 
 SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit, int hint) noexcept {
-  SegmentSearch s{&model.data(), Axis(segment), (segment.b - segment.a).norm(), 0.0, {}};
+  SegmentSearch s{&model.data(), Axis(segment), 0.0, {}};
   if (!segment.a.allFinite() || !segment.b.allFinite() || !(limit >= 0.0)) {
     s.best.status = Status::notFinite;
     return s.best;
