@@ -224,18 +224,24 @@ void measureNearest(const Workload& work, std::vector<Measurement>& rows) {
   const int count = static_cast<int>(work.path.size()), warm = count / 10;
   const TriangleMesh& mesh = model.mesh();
   const std::string truth = "m, against all triangles", size = ", " + work.size;
-  double embreeHaptic = std::numeric_limits<double>::quiet_NaN(), embreeRandom = embreeHaptic;
+  ProximityCache plain, withSign;
+  std::vector<std::function<void(int)>> onPath = {[&](int i) { keep(closestPoint(model, work.path[i], &plain)); },
+                                                  [&](int i) { keep(signedDistance(model, work.path[i], &withSign)); },
+                                                  [&](int i) { keep(closestPoint(model, work.path[i])); }};
+  std::vector<std::function<void(int)>> atRandom = {[&](int i) { keep(closestPoint(model, work.random[i])); }};
 #ifdef ENAMEL_BENCH_EMBREE
-  {
-    EmbreeMesh embree(mesh);
-    const Timing haptic = timeEachCall(count, warm, [&](int i) { keep(embree.distance(work.path[i], true)); });
-    const Timing random = timeEachCall(count, warm, [&](int i) { keep(embree.distance(work.random[i], false)); });
-    embreeHaptic = haptic.median_us;
-    embreeRandom = random.median_us;
-    const double error = largestError(mesh, work.path, [&](const Vec3& p) { return embree.distance(p, false); });
-    addRow(rows, "Embree 3 (float), haptic path, hint" + size, haptic, error, truth);
-    addRow(rows, "Embree 3 (float), random points" + size, random, error, truth);
-  }
+  EmbreeMesh embree(mesh);
+  onPath.push_back([&](int i) { keep(embree.distance(work.path[i], true)); });
+  atRandom.push_back([&](int i) { keep(embree.distance(work.random[i], false)); });
+#endif
+  const std::vector<Timing> path = timeInTurns(count, warm, onPath), random = timeInTurns(count, warm, atRandom);
+  double embreePath = std::numeric_limits<double>::quiet_NaN(), embreeRandom = embreePath;
+#ifdef ENAMEL_BENCH_EMBREE
+  const double embreeError = largestError(mesh, work.path, [&](const Vec3& p) { return embree.distance(p, false); });
+  addRow(rows, "Embree 3 (float), haptic path, hint" + size, path[3], embreeError, truth);
+  addRow(rows, "Embree 3 (float), random points" + size, random[1], embreeError, truth);
+  embreePath = path[3].median_us;
+  embreeRandom = random[1].median_us;
 #endif
 #ifdef ENAMEL_BENCH_FCL
   {
@@ -245,21 +251,12 @@ void measureNearest(const Workload& work, std::vector<Measurement>& rows) {
            largestError(mesh, work.path, [&](const Vec3& p) { return fcl.distance(p); }), truth);
   }
 #endif
-  const double error = largestError(mesh, work.path, [&](const Vec3& p) { return closestPoint(model, p).distance; });
-  const double randomError =
-      largestError(mesh, work.random, [&](const Vec3& p) { return closestPoint(model, p).distance; });
-  ProximityCache plain, withSign;
-  addRow(rows, "closest point, haptic path, cache" + size,
-         timeEachCall(count, warm, [&](int i) { keep(closestPoint(model, work.path[i], &plain)); }), error, truth,
-         embreeHaptic);
-  addRow(rows, "signed distance, haptic path, cache" + size,
-         timeEachCall(count, warm, [&](int i) { keep(signedDistance(model, work.path[i], &withSign)); }), error, truth,
-         embreeHaptic);
-  addRow(rows, "closest point, haptic path, no cache" + size,
-         timeEachCall(count, warm, [&](int i) { keep(closestPoint(model, work.path[i])); }), error, truth,
-         embreeHaptic);
-  addRow(rows, "closest point, random points" + size,
-         timeEachCall(count, warm, [&](int i) { keep(closestPoint(model, work.random[i])); }), randomError, truth,
+  const auto distance = [&](const Vec3& p) { return closestPoint(model, p).distance; };
+  const double error = largestError(mesh, work.path, distance);
+  addRow(rows, "closest point, haptic path, cache" + size, path[0], error, truth, embreePath);
+  addRow(rows, "signed distance, haptic path, cache" + size, path[1], error, truth, embreePath);
+  addRow(rows, "closest point, haptic path, no cache" + size, path[2], error, truth, embreePath);
+  addRow(rows, "closest point, random points" + size, random[0], largestError(mesh, work.random, distance), truth,
          embreeRandom);
 }
 

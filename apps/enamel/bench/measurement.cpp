@@ -22,26 +22,36 @@ Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int fi
   return {perCall_us[last / 2], perCall_us[static_cast<std::size_t>(0.99 * static_cast<double>(last))]};
 }
 
-Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run) {
+std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::function<void(int i)>>& runs) {
   using Clock = std::chrono::steady_clock;
-  const auto sortedTimes = [](int begin, int end, const auto& work) {
-    std::vector<double> times_us;
-    times_us.reserve(static_cast<std::size_t>(end - begin));
-    for (int i = begin; i < end; ++i) {
-      const auto start = Clock::now();
-      work(i);
-      times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
-    }
-    std::sort(times_us.begin(), times_us.end());
-    return times_us;
+  constexpr int kTurn = 1000, kUncounted = 20;
+  const auto timeCall_us = [](const std::function<void(int)>& run, int i) {
+    const auto start = Clock::now();
+    run(i);
+    return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
   };
+  std::vector<double> clock_us;
   const std::function<void(int)> nothing = [](int) {};
-  const double clock_us = sortedTimes(0, 1001, nothing)[500];
-  for (int i = 0; i < first; ++i) run(i);
-  const std::vector<double> times_us = sortedTimes(first, calls, run);
-  const std::size_t last = times_us.size() - 1;
-  return {times_us[last / 2] - clock_us,
-          times_us[static_cast<std::size_t>(0.99 * static_cast<double>(last))] - clock_us};
+  for (int i = 0; i < 1001; ++i) clock_us.push_back(timeCall_us(nothing, i));
+  std::nth_element(clock_us.begin(), clock_us.begin() + 500, clock_us.end());
+  std::vector<std::vector<double>> times_us(runs.size());
+  for (int start = 0; start < calls; start += kTurn)
+    for (std::size_t which = 0; which < runs.size(); ++which)
+      for (int i = start; i < std::min(start + kTurn, calls); ++i) {
+        const double time_us = timeCall_us(runs[which], i) - clock_us[500];
+        if (i >= first && (runs.size() == 1 || i >= start + kUncounted)) times_us[which].push_back(time_us);
+      }
+  std::vector<Timing> timings;
+  for (std::vector<double>& all : times_us) {
+    std::sort(all.begin(), all.end());
+    const std::size_t last = all.size() - 1;
+    timings.push_back({all[last / 2], all[static_cast<std::size_t>(0.99 * static_cast<double>(last))]});
+  }
+  return timings;
+}
+
+Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run) {
+  return timeInTurns(calls, first, {run}).front();
 }
 
 std::vector<Measurement> measureAll(const std::string& filter, double scale) {

@@ -387,7 +387,7 @@ void clearSlot(MeshData& data, std::int32_t slot) {
   const int lane = slot % kWidth;
   triangle = Triangle{};
   triangle.index = -1;
-  for (int row = 0; row < ProximityCache::kFrameRows; ++row) leaf.row[row][lane] = unusedRow(row);
+  for (int row = 0; row < kFrameRows; ++row) leaf.row[row][lane] = unusedRow(row);
 }
 
 void refitLeaf(MeshData& data, std::int32_t leaf) {

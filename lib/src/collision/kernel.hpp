@@ -19,6 +19,8 @@ inline constexpr int32_t kHasNodes = 1 << 29;      ///< added to the number of a
 inline constexpr int32_t kNumber = kHasNodes - 1;  ///< mask that takes both off
 inline constexpr int kMaxDepth = 48;               ///< levels that the builder may make
 inline constexpr int kStackSize = 768;             ///< entries; a level of the tree needs at most kWidth - 1
+inline constexpr int kFrameRows = 20;              ///< of a leaf
+inline constexpr int kBoxRows = 15;                ///< of the boxes of leaves
 static_assert(kStackSize >= kMaxDepth * (kWidth - 1) + kWidth, "the stack holds every child on a path");
 
 /// 16 child boxes, local coordinates, rounded outwards. Unused lanes hold an empty box.
@@ -31,7 +33,7 @@ struct alignas(64) Node {
 /// 16 triangles in local coordinates, each in a plane frame of its own: corner a at the origin, the longest edge along
 /// u, the opposite corner at v >= 0, the plane at h = 0. Unused lanes lie far away.
 struct alignas(64) Leaf {
-  float row[ProximityCache::kFrameRows][kWidth];
+  float row[kFrameRows][kWidth];
 };
 
 /// Rows of a leaf.
@@ -43,7 +45,7 @@ enum FrameRow : int {
   kSine = 17,    ///< two
   kInside = 19   ///< 0; -1e30 for a triangle that is bounded by its edges alone
 };
-static_assert(kInside + 1 == ProximityCache::kFrameRows);
+static_assert(kInside + 1 == kFrameRows);
 
 inline constexpr float kFarAway = 1e18f;  ///< its square is finite, and larger than that of any local coordinate
 
@@ -57,9 +59,9 @@ static constexpr float unusedRow(int row) {
 
 /// Oriented boxes of the leaves below a node, by lane: |axis * q + offset| <= half. Lanes without a leaf hold zeros.
 struct alignas(64) LeafBoxes {
-  float row[ProximityCache::kBoxRows][kWidth];  ///< three axes, offsets, half sizes
-  float cone[kWidth];                           ///< cos^2 of the angle from the third axis to the farthest normal, or 0
-  uint32_t lanes;                               ///< bit mask of the lanes that have a leaf
+  float row[kBoxRows][kWidth];  ///< three axes, offsets, half sizes
+  float cone[kWidth];           ///< cos^2 of the angle from the third axis to the farthest normal, or 0
+  uint32_t lanes;               ///< bit mask of the lanes that have a leaf
 };
 
 /// One triangle in double, in the order of the leaves: slot = 16 * leaf + lane.

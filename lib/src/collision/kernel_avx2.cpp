@@ -20,6 +20,7 @@ inline V add(V x, V y) { return {_mm256_add_ps(x.a, y.a), _mm256_add_ps(x.b, y.b
 inline V sub(V x, V y) { return {_mm256_sub_ps(x.a, y.a), _mm256_sub_ps(x.b, y.b)}; }
 inline V mul(V x, V y) { return {_mm256_mul_ps(x.a, y.a), _mm256_mul_ps(x.b, y.b)}; }
 inline V mad(V x, V y, V z) { return {_mm256_fmadd_ps(x.a, y.a, z.a), _mm256_fmadd_ps(x.b, y.b, z.b)}; }
+inline V divide(V x, V y) { return {_mm256_div_ps(x.a, y.a), _mm256_div_ps(x.b, y.b)}; }
 inline V root(V x) { return {_mm256_sqrt_ps(x.a), _mm256_sqrt_ps(x.b)}; }
 inline V maximum(V x, V y) { return {_mm256_max_ps(x.a, y.a), _mm256_max_ps(x.b, y.b)}; }
 inline V minimum(V x, V y) { return {_mm256_min_ps(x.a, y.a), _mm256_min_ps(x.b, y.b)}; }
@@ -39,25 +40,46 @@ inline V selectGreater(V x, V y, V p, V q) {
   return {_mm256_blendv_ps(q.a, p.a, _mm256_cmp_ps(x.a, y.a, _CMP_GT_OQ)),
           _mm256_blendv_ps(q.b, p.b, _mm256_cmp_ps(x.b, y.b, _CMP_GT_OQ))};
 }
+
+struct LaneTable {
+  uint8_t lane[256][8];  // by mask: its lanes
+};
+constexpr LaneTable makeLaneTable() {
+  LaneTable table{};
+  for (int mask = 0; mask < 256; ++mask)
+    for (int lane = 0, count = 0; lane < 8; ++lane)
+      if ((mask >> lane & 1) != 0) table.lane[mask][count++] = static_cast<uint8_t>(lane);
+  return table;
+}
+constexpr LaneTable kLanesOf = makeLaneTable();
 struct Chosen {
   __m256i a, b;  // lanes of the halves
   int inA;
 };
+inline __m256i lanesOfHalf(unsigned mask) {
+  return _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLanesOf.lane[mask & 0xffu])));
+}
 inline Chosen choose(unsigned mask) {
-  alignas(32) int32_t lanes[2][8] = {};
-  int count[2] = {0, 0};
-  for (; mask != 0; mask &= mask - 1) {
-    const int lane = __builtin_ctz(mask), half = lane >> 3;
-    lanes[half][count[half]++] = lane & 7;
-  }
-  return {_mm256_load_si256(reinterpret_cast<const __m256i*>(lanes[0])),
-          _mm256_load_si256(reinterpret_cast<const __m256i*>(lanes[1])), count[0]};
+  return {lanesOfHalf(mask), lanesOfHalf(mask >> 8), __builtin_popcount(mask & 0xffu)};
 }
 inline void compress(V x, const Chosen& lanes, float* p) {
   _mm256_storeu_ps(p, _mm256_permutevar8x32_ps(x.a, lanes.a));
   _mm256_storeu_ps(p + lanes.inA, _mm256_permutevar8x32_ps(x.b, lanes.b));
 }
+inline void compress(const int32_t* x, const Chosen& lanes, int32_t* p) {
+  const __m256i a = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(x));
+  const __m256i b = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(x + 8));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), _mm256_permutevar8x32_epi32(a, lanes.a));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(p + lanes.inA), _mm256_permutevar8x32_epi32(b, lanes.b));
+}
+inline void compressNumbers(int32_t first, const Chosen& lanes, int32_t* p) {
+  const __m256i a = _mm256_add_epi32(lanes.a, _mm256_set1_epi32(first));
+  const __m256i b = _mm256_add_epi32(lanes.b, _mm256_set1_epi32(first + 8));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), a);
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(p + lanes.inA), b);
+}
 
+#include "exact_four.inl"
 #include "kernel_loops.inl"
 
 }  // namespace

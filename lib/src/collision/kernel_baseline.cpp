@@ -41,6 +41,11 @@ inline V mad(const V& a, const V& b, const V& c) {
   for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] * b.v[i] + c.v[i];
   return r;
 }
+inline V divide(const V& a, const V& b) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] / b.v[i];
+  return r;
+}
 inline V root(const V& a) {
   V r;
   for (int i = 0; i < kWidth; ++i) r.v[i] = __builtin_sqrtf(a.v[i]);
@@ -75,6 +80,28 @@ using Chosen = unsigned;
 inline Chosen choose(unsigned mask) { return mask; }
 inline void compress(const V& a, Chosen mask, float* p) {
   for (; mask != 0; mask &= mask - 1) *p++ = a.v[__builtin_ctz(mask)];
+}
+inline void compress(const int32_t* x, Chosen mask, int32_t* p) {
+  for (; mask != 0; mask &= mask - 1) *p++ = x[__builtin_ctz(mask)];
+}
+inline void compressNumbers(int32_t first, Chosen mask, int32_t* p) {
+  for (; mask != 0; mask &= mask - 1) *p++ = first + __builtin_ctz(mask);
+}
+
+#include "exact.inl"
+
+// As in exact_four.inl.
+inline int closestOfFour(const Triangle* const* t, const double* point, Candidate* nearest) {
+  int lane = 0;
+  closestOnTriangle(t[0], point, nearest);
+  for (int i = 1; i < 4; ++i) {
+    Candidate c;
+    closestOnTriangle(t[i], point, &c);
+    if (!(c.squared < nearest->squared || (c.squared == nearest->squared && t[i]->index < t[lane]->index))) continue;
+    *nearest = c;
+    lane = i;
+  }
+  return lane;
 }
 
 #include "kernel_loops.inl"

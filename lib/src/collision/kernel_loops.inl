@@ -1,9 +1,7 @@
 // The search loops, written on a vector `V` of 16 floats that the including file defines together with
-// load, store, set, add, sub, mul, mad, root, maximum, minimum, smallest, lessOrEqualMask, selectGreater, and compress
-// (the lanes that choose() made of a mask to consecutive floats; up to 16 are written). Everything has internal
-// linkage.
-
-#include "exact.inl"
+// load, store, set, add, sub, mul, divide, mad, root, maximum, minimum, smallest, lessOrEqualMask, selectGreater,
+// compress and compressNumbers (the lanes that choose() made of a mask to consecutive places; up to 16 are written),
+// and closestOfFour. Everything has internal linkage.
 
 // Error of the float distances, with room to spare: at most 20 roundings of numbers not larger than |q|_1 + 2 extent
 // enter, 2^-24 each, and a triangle that is represented by its edges alone is lower than 2^-20.
@@ -11,8 +9,15 @@ static const double kBoundError = 0x1p-19;
 // Beyond this many mesh sizes float boxes no longer tell triangles apart; doubles take over.
 static const double kFar = 64.0;
 static const double kHuge = 1e300;
-// How far ahead of the tool the ball of a list lies, in parts of its radius.
-static const double kLead = 0.8;
+// A list is begun when the tool, going on as it does, leaves the last one within this many queries; its ball is at
+// least kLeastReach queries wide and lies kLead radii ahead of the place where it is needed first.
+static const double kAhead = 3.0;
+static const double kLeastReach = 3.0;
+static const double kLead = 0.9;
+// The work on a list, in nodes; boxes of leaves and the triangles of a leaf count twice. One query does kWorkPerQuery
+// at most. A list that took less than kLeastWork was too small, one above kMostWork too large; beyond kNoList it is
+// given up, and no other begun for a while: kPause queries, twice as many each time up to kLongPause.
+enum { kWorkPerQuery = 14, kLeastWork = 14, kMostWork = 18, kNoList = 52, kPause = 32, kLongPause = 1024 };
 
 enum { kMostCandidates = 64 };
 
@@ -91,21 +96,36 @@ static inline void startSearch(Search* s, const Mesh* mesh, const double* point,
 }
 
 // Smaller distance wins; at the same distance the smaller index.
+static inline void keepNearer(Search* s, const Triangle* t, const Candidate* c) {
+  if (!(c->squared < s->squared || (c->squared == s->squared && t->index < s->index))) return;
+  s->squared = c->squared;
+  s->slot = static_cast<int32_t>(t - s->mesh->triangles);
+  s->index = t->index;
+  s->best = *c;
+}
+
 static inline void tryTriangle(Search* s, int32_t slot) {
   const Triangle* t = s->mesh->triangles + slot;
   if (t->index < 0) return;
   Candidate c;
   closestOnTriangle(t, s->point, &c);
-  if (c.squared < s->squared) {
-    s->squared = c.squared;
-    s->slot = slot;
-    s->index = t->index;
-    s->best = c;
-  } else if (c.squared == s->squared && t->index < s->index) {
-    s->slot = slot;
-    s->index = t->index;
-    s->best = c;
+  keepNearer(s, t, &c);
+}
+
+// Up to four.
+static inline void tryTriangles(Search* s, const int32_t* slot, int count) {
+  const Triangle* t[4];
+  int odd = 0;
+  for (int i = 0; i < 4; ++i) {
+    t[i] = s->mesh->triangles + slot[i < count ? i : 0];
+    odd |= static_cast<int>(t[i]->index < 0) | t[i]->thin;
   }
+  if (odd != 0) {
+    for (int i = 0; i < count; ++i) tryTriangle(s, slot[i]);
+    return;
+  }
+  Candidate c;
+  keepNearer(s, t[closestOfFour(t, s->point, &c)], &c);
 }
 
 // Squared distances of 16 boxes from a box [x0, x1] (a point where both are the same), as floats from below but for
@@ -127,43 +147,56 @@ struct Lanes {
 
 static inline Lanes lanesOf(const Leaf* leaf) { return {leaf->row[0], kWidth}; }
 static inline Lanes lanesOf(const LeafBoxes* boxes) { return {boxes->row[0], kWidth}; }
-static inline Lanes lanesOf(const ProximityCache::Triangles* list, int lane) {
-  return {list->row[0] + lane, ProximityCache::kTriangles + ProximityCache::kSpare};
+// Where points (u, v) in the planes of 16 triangles lie, by edge: beyond its ends along it, across it (positive
+// outside) and their squared distance from it.
+struct Edges {
+  V beyond[3], across[3], squared[3];
+  V out;  // the largest `across`
+};
+
+static inline Edges edgesFrom(const Lanes& frames, V u, V v) {
+  const V zero = set(0.0f);
+  const V length0 = frames.row(kLength), length1 = frames.row(kLength + 1), length2 = frames.row(kLength + 2);
+  const V c1 = frames.row(kCosine), s1 = frames.row(kSine), c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
+  const V past = sub(u, length0);
+  const V along1 = mad(c1, past, mul(s1, v)), along2 = mad(c2, u, mul(s2, v));
+  Edges e;
+  e.across[0] = sub(zero, v);
+  e.across[1] = sub(mul(s1, past), mul(c1, v));
+  e.across[2] = sub(mul(c2, v), mul(s2, u));
+  e.beyond[0] = sub(u, maximum(minimum(u, length0), zero));
+  e.beyond[1] = sub(along1, maximum(minimum(along1, length1), zero));
+  e.beyond[2] = sub(along2, maximum(minimum(along2, length2), zero));
+  for (int i = 0; i < 3; ++i) e.squared[i] = mad(e.across[i], e.across[i], mul(e.beyond[i], e.beyond[i]));
+  e.out = maximum(maximum(e.across[0], e.across[1]), e.across[2]);
+  return e;
 }
-static inline Lanes lanesOf(const ProximityCache::Leaves* list, int lane) {
-  return {list->row[0] + lane, ProximityCache::kLeaves + ProximityCache::kSpare};
+
+// What belongs to the edge nearest to the point; none where the point lies over the triangle.
+static inline V ofNearestEdge(const Edges& e, V inside, V x0, V x1, V x2) {
+  const V x01 = selectGreater(e.squared[0], e.squared[1], x1, x0);
+  const V ofEdges = selectGreater(minimum(e.squared[0], e.squared[1]), e.squared[2], x2, x01);
+  return selectGreater(e.out, inside, ofEdges, set(0.0f));
 }
 
 // Squared distances of 16 triangles from points in their frames: to the plane where the point lies over the triangle,
 // else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
 // With directions in the frames, also how far the points lie ahead of the nearest points of the triangles.
 static inline V frameDistances(const Lanes& frames, V u, V v, V h, const V* way = nullptr, V* ahead = nullptr) {
-  const V zero = set(0.0f);
-  const V length0 = frames.row(kLength), length1 = frames.row(kLength + 1), length2 = frames.row(kLength + 2);
-  const V c1 = frames.row(kCosine), s1 = frames.row(kSine), c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
   const V inside = frames.row(kInside);
-  const V beyond = sub(u, length0);
-  // Across: positive outside. Along: from the start of the edge.
-  const V across0 = sub(zero, v);
-  const V across1 = sub(mul(s1, beyond), mul(c1, v)), along1 = mad(c1, beyond, mul(s1, v));
-  const V across2 = sub(mul(c2, v), mul(s2, u)), along2 = mad(c2, u, mul(s2, v));
-  const V end0 = sub(u, maximum(minimum(u, length0), zero));
-  const V end1 = sub(along1, maximum(minimum(along1, length1), zero));
-  const V end2 = sub(along2, maximum(minimum(along2, length2), zero));
-  const V edge0 = mad(v, v, mul(end0, end0));
-  const V edge1 = mad(across1, across1, mul(end1, end1));
-  const V edge2 = mad(across2, across2, mul(end2, end2));
-  const V edges = minimum(minimum(edge0, edge1), edge2);
-  const V out = maximum(maximum(across0, across1), across2);
+  const Edges e = edgesFrom(frames, u, v);
   if (way != nullptr) {
-    const V ahead0 = mad(end0, way[0], mul(v, way[1]));
-    const V ahead1 = mad(end1, mad(c1, way[0], mul(s1, way[1])), mul(across1, sub(mul(s1, way[0]), mul(c1, way[1]))));
-    const V ahead2 = mad(end2, mad(c2, way[0], mul(s2, way[1])), mul(across2, sub(mul(c2, way[1]), mul(s2, way[0]))));
-    const V of01 = selectGreater(edge0, edge1, ahead1, ahead0);
-    const V ofEdges = selectGreater(minimum(edge0, edge1), edge2, ahead2, of01);
-    *ahead = mad(h, way[2], selectGreater(out, inside, ofEdges, zero));
+    const V c1 = frames.row(kCosine), s1 = frames.row(kSine);
+    const V c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
+    const V ahead0 = sub(mul(e.beyond[0], way[0]), mul(e.across[0], way[1]));
+    const V ahead1 =
+        mad(e.beyond[1], mad(c1, way[0], mul(s1, way[1])), mul(e.across[1], sub(mul(s1, way[0]), mul(c1, way[1]))));
+    const V ahead2 =
+        mad(e.beyond[2], mad(c2, way[0], mul(s2, way[1])), mul(e.across[2], sub(mul(c2, way[1]), mul(s2, way[0]))));
+    *ahead = mad(h, way[2], ofNearestEdge(e, inside, ahead0, ahead1, ahead2));
   }
-  return mad(h, h, selectGreater(out, inside, edges, zero));
+  const V edges = minimum(minimum(e.squared[0], e.squared[1]), e.squared[2]);
+  return mad(h, h, selectGreater(e.out, inside, edges, set(0.0f)));
 }
 
 static inline void toFrames(const Lanes& frames, V x, V y, V z, V* f) {
@@ -187,8 +220,11 @@ static inline V triangleDistances(const Lanes& frames, V x, V y, V z, V* height 
 // Looks at the exact distances of the candidates and forgets them. They are few: all lie within the error of the float
 // distances.
 static inline void settle(Search* s) {
+  int32_t slot[kMostCandidates];
+  int count = 0;
   for (int i = 0; i < s->candidates; ++i)
-    if (s->candidateBound[i] <= s->limit) tryTriangle(s, s->candidate[i]);
+    if (s->candidateBound[i] <= s->limit) slot[count++] = s->candidate[i];
+  for (int i = 0; i < count; i += 4) tryTriangles(s, slot + i, count - i < 4 ? count - i : 4);
   s->candidates = 0;
 }
 
@@ -232,23 +268,14 @@ static inline void searchLeaf(Search* s, int32_t leaf) {
   }
 }
 
-// Squared distances of oriented boxes from a point; with a direction, also how far the point lies ahead of the nearest
-// points of the boxes.
-static inline V orientedBounds(const Lanes& boxes, V x, V y, V z, const V* way = nullptr, V* ahead = nullptr) {
+// Squared distances of oriented boxes from a point.
+static inline V orientedBounds(const Lanes& boxes, V x, V y, V z) {
   const V zero = set(0.0f);
   V squared = zero;
-  if (way != nullptr) *ahead = zero;
   for (int i = 0; i < 3; ++i) {
-    const V ax = boxes.row(3 * i), ay = boxes.row(3 * i + 1), az = boxes.row(3 * i + 2), half = boxes.row(12 + i);
-    const V a = mad(ax, x, mad(ay, y, mad(az, z, boxes.row(9 + i))));
-    if (way == nullptr) {
-      const V d = maximum(sub(maximum(a, sub(zero, a)), half), zero);
-      squared = mad(d, d, squared);
-    } else {
-      const V d = sub(a, maximum(minimum(a, half), sub(zero, half)));
-      squared = mad(d, d, squared);
-      *ahead = mad(d, mad(ax, way[0], mad(ay, way[1], mul(az, way[2]))), *ahead);
-    }
+    const V a = mad(boxes.row(3 * i), x, mad(boxes.row(3 * i + 1), y, mad(boxes.row(3 * i + 2), z, boxes.row(9 + i))));
+    const V d = maximum(sub(maximum(a, sub(zero, a)), boxes.row(12 + i)), zero);
+    squared = mad(d, d, squared);
   }
   return squared;
 }
@@ -361,293 +388,268 @@ static inline void searchFar(Search* s) {
   }
 }
 
-static inline unsigned firstLanes(int count) { return count >= kWidth ? 0xffffu : (1u << count) - 1u; }
+using List = ProximityCache::List;
 
-static inline void addToRegion(ProximityCache::Region* region, int32_t node, const float* low, const float* high,
-                               int stride) {
-  const int i = region->count++;
-  region->node[i] = node & kNumber;
-  for (int k = 0; k < 3; ++k) {
-    region->low[k][i] = low[k * stride];
-    region->high[k][i] = high[k * stride];
-  }
+// Each triangle lies behind the plane through its nearest point, across the way there; from a point e farther on it is
+// no nearer than height + normal.e. That holds for any normal not longer than 1: the height is taken over the corners.
+struct Planes {
+  V normal[3], height;
+};
+
+static inline Planes planesBefore(const Lanes& frames, V x, V y, V z) {
+  const V zero = set(0.0f), inside = frames.row(kInside);
+  const V c1 = frames.row(kCosine), s1 = frames.row(kSine), c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
+  V q[3], n[3];
+  toFrames(frames, x, y, z, q);
+  const Edges e = edgesFrom(frames, q[0], q[1]);
+  n[0] = ofNearestEdge(e, inside, e.beyond[0], mad(c1, e.beyond[1], mul(s1, e.across[1])),
+                       sub(mul(c2, e.beyond[2]), mul(s2, e.across[2])));
+  n[1] = ofNearestEdge(e, inside, q[1], sub(mul(s1, e.beyond[1]), mul(c1, e.across[1])),
+                       mad(s2, e.beyond[2], mul(c2, e.across[2])));
+  n[2] = q[2];
+  const V squared = mad(n[0], n[0], mad(n[1], n[1], mul(n[2], n[2])));
+  const V inverse = divide(set(1.0f), root(maximum(squared, set(1e-30f))));
+  for (V& component : n) component = mul(component, inverse);
+  const V length0 = frames.row(kLength), length2 = frames.row(kLength + 2);
+  const V corners = maximum(maximum(zero, mul(n[0], length0)), mul(length2, mad(c2, n[0], mul(s2, n[1]))));
+  Planes planes;
+  planes.height = sub(mad(n[0], q[0], mad(n[1], q[1], mul(n[2], q[2]))), corners);
+  for (int i = 0; i < 3; ++i)
+    planes.normal[i] = mad(frames.row(i), n[0], mad(frames.row(3 + i), n[1], mul(frames.row(6 + i), n[2])));
+  return planes;
 }
 
-static inline void openRegion(const Search* s, double reach, Cache* cache) {
-  const float low[3] = {-16.0f, -16.0f, -16.0f}, high[3] = {16.0f, 16.0f, 16.0f};
-  ProximityCache::Region* region = &cache->region[1 - cache->active];
-  region->count = 0;
-  for (int k = 0; k < 3; ++k) region->origin[k] = s->local[k];
-  region->reach = reach;
-  if ((s->mesh->root & kHasLeaves) != 0) addToRegion(region, s->mesh->root, low, high, 1);
-  cache->open = 0;
-  cache->stack[cache->open++] = s->mesh->root;
-}
-
-// Goes on with the region, a few nodes at a time. One that does not fit is given up; span and margin adapt.
-static inline void extendRegion(const Search* s, Cache* cache) {
-  const int kNodesPerQuery = 3;
-  ProximityCache::Region* region = &cache->region[1 - cache->active];
-  const V x = set(static_cast<float>(region->origin[0])), y = set(static_cast<float>(region->origin[1])),
-          z = set(static_cast<float>(region->origin[2]));
-  const V limit = set(limitOf(region->reach, s->slack));
-  for (int visited = 0; cache->open > 0 && visited < kNodesPerQuery; ++visited) {
-    const Node* node = s->mesh->nodes + (cache->stack[--cache->open] & kNumber);
-    unsigned mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), limit);
-    for (; mask != 0; mask &= mask - 1) {
-      const int lane = __builtin_ctz(mask);
-      const int32_t child = node->child[lane];
-      if (child < 0) continue;
-      if (region->count == ProximityCache::kRegion || cache->open == ProximityCache::kStack) {
-        region->reach = -1.0;
-        cache->open = -1;
-        cache->span *= 0.7;
-        cache->leaves.margin *= 0.8;
-        return;
-      }
-      if ((child & kHasLeaves) != 0) addToRegion(region, child, node->low[0] + lane, node->high[0] + lane, kWidth);
-      if ((child & kHasNodes) != 0) {
-        cache->stack[cache->open++] = child;
-        fetch(s->mesh->nodes + (child & kNumber), 7);
-      }
-    }
-  }
-  if (cache->open == 0) {
-    cache->open = -1;
-    cache->active = 1 - cache->active;
-    if (region->count <= ProximityCache::kRegion / 2) cache->span *= 1.25;
-  }
-}
-
-static inline int holds(const ProximityCache::List* list, const double* q) {
-  return list->radius >= 0.0 && squaredDistance(q, list->origin) <= list->radius * list->radius;
-}
-
-// All triangles of the list at once, then the exact distances of the few that the floats cannot tell apart.
-static inline void searchTriangles(Search* s, ProximityCache::Triangles* list) {
-  const V x = set(s->x), y = set(s->y), z = set(s->z);
-  V squared[ProximityCache::kTriangles / kWidth];
-  V least = set(3.4e38f);
-  int batches = 0;
-  for (; batches * kWidth < list->count; ++batches) {
-    squared[batches] = triangleDistances(lanesOf(list, batches * kWidth), x, y, z);
-    least = minimum(least, squared[batches]);
-  }
-  tightenToFloat(s, smallest(least));
-  const V limit = set(s->limit);
-  for (int i = 0; i < batches; ++i)
-    for (unsigned mask = lessOrEqualMask(squared[i], limit); mask != 0; mask &= mask - 1)
-      tryTriangle(s, list->slot[i * kWidth + __builtin_ctz(mask)]);
-  ++list->uses;
-}
-
-// The leaves within the limit, without a branch on what they hold; then as above.
-static inline void searchLeaves(Search* s, const ProximityCache::Leaves* list) {
-  const V x = set(s->x), y = set(s->y), z = set(s->z);
-  int32_t looked[ProximityCache::kLeaves];
-  float squared[ProximityCache::kLeaves][kWidth];
-  V least = set(3.4e38f);
-  int count = 0;
-  for (int first = 0; first < list->count; first += kWidth) {
-    const V b = orientedBounds(lanesOf(list, first), x, y, z);
-    unsigned mask = lessOrEqualMask(b, set(s->limit)) & firstLanes(list->count - first);
-    for (; mask != 0; mask &= mask - 1) {
-      const int32_t leaf = list->leaf[first + __builtin_ctz(mask)];
-      const V d = triangleDistances(lanesOf(s->mesh->leaves + leaf), x, y, z);
-      least = minimum(least, d);
-      looked[count] = leaf;
-      store(squared[count++], d);
-    }
-  }
-  tightenToFloat(s, smallest(least));
-  const V limit = set(s->limit);
-  for (int i = 0; i < count; ++i)
-    for (unsigned mask = lessOrEqualMask(load(squared[i]), limit); mask != 0; mask &= mask - 1)
-      tryTriangle(s, looked[i] * kWidth + __builtin_ctz(mask));
-}
-
-// Which convex bodies can be nearest within r of the origin o. Let f be the distance of one from o and n the direction
-// from its nearest point to o; x a point of the mesh, D its distance from o and m its direction. A distance from a
-// convex body is convex, so at o + e it is at least f + n.e; that of x is at most D + m.e + r^2 / (2 D). Hence only
-// bodies with f - D <= r |m - n| + r^2 / (2 D) matter, besides the plain f - D <= 2 r.
+// Which convex bodies can be nearest within r of the origin o. Let x be a point of the mesh, D its distance from o and
+// m its direction: at o + e it is at most D + m.e + r^2 / 2D away, and a body behind a plane of normal n and height f
+// is at least f + n.e away. Hence only bodies with f - D <= r |m - n| + r^2 / 2D matter, besides the plain
+// f - D <= 2 r.
 struct Reach {
-  V most;         // squared plain reach
-  V m[3];         // direction
-  V start;        // D + r^2 / (2 D) and what the floats may err by
-  V twiceSquare;  // 2 r^2
-  V close;        // D / 2: below, the direction n is not to be trusted
-  int isPlain;    // near the surface the plain reach is as good
+  V plain;   // D + 2 r
+  V square;  // its square
+  V start;   // D + r^2 / 2D
+  V turn;    // r^2
+  V m[3];
 };
 
 static inline Reach reachOf(const double* origin, const double* x, double r, double slack) {
   double m[3];
   subtract(origin, x, m);
   const double D = __builtin_sqrt(dot(m, m));
+  const double inverse = D > slack ? 1.0 / D : 0.0;
   Reach reach;
-  reach.most = set(limitOf(D + 2.0 * r, slack));
-  reach.isPlain = !(D > 2.0 * r && D > 64.0 * slack);
-  if (reach.isPlain) return reach;
-  // Distances known to e tell the nearest point of a convex body to sqrt(2 e f), and n to sqrt(2 e / f).
-  const double turn = 2.0 * __builtin_sqrt(4.0 * slack / D) + 2e-3;
-  for (int k = 0; k < 3; ++k) reach.m[k] = set(static_cast<float>(m[k] / D));
-  reach.start = set(upward(D + r * r / (2.0 * D) + r * turn + 2.0 * slack));
-  reach.twiceSquare = set(upward(2.0001 * r * r));
-  reach.close = set(static_cast<float>(0.5 * D));
+  reach.plain = set(upward(D + 2.0 * (r + slack)));
+  reach.square = set(limitOf(D + 2.0 * r, 2.0 * slack));
+  reach.start = set(D > slack ? upward(D + 0.5 * r * r * inverse + 2.0 * slack) : 3e38f);
+  reach.turn = set(upward(1.0001 * r * r));
+  for (int k = 0; k < 3; ++k) reach.m[k] = set(static_cast<float>(m[k] * inverse));
   return reach;
 }
 
-static inline unsigned within(const Reach& reach, V squared, V ahead) {
-  const V f = root(squared), more = sub(f, reach.start);
-  // |m - n|^2 = 2 - 2 m.n
-  return lessOrEqualMask(f, reach.close) | lessOrEqualMask(more, set(0.0f)) |
-         lessOrEqualMask(mul(mul(more, more), f), mul(reach.twiceSquare, sub(f, ahead)));
+static inline unsigned planesWithin(const Reach& reach, const Planes& planes) {
+  V squared = set(0.0f);
+  for (int k = 0; k < 3; ++k) {
+    const V d = sub(reach.m[k], planes.normal[k]);
+    squared = mad(d, d, squared);
+  }
+  const V more = maximum(sub(planes.height, reach.start), set(0.0f));
+  return lessOrEqualMask(planes.height, reach.plain) & lessOrEqualMask(mul(more, more), mul(reach.turn, squared));
 }
 
+// The plane of a box is as far away as its nearest point.
 static inline unsigned boxesWithin(const Reach& reach, const Lanes& boxes, V x, V y, V z) {
-  if (reach.isPlain) return lessOrEqualMask(orientedBounds(boxes, x, y, z), reach.most);
-  V ahead;
-  const V squared = orientedBounds(boxes, x, y, z, reach.m, &ahead);
-  return lessOrEqualMask(squared, reach.most) & within(reach, squared, ahead);
+  const V zero = set(0.0f);
+  V squared = zero, ahead = zero;
+  for (int i = 0; i < 3; ++i) {
+    const V ax = boxes.row(3 * i), ay = boxes.row(3 * i + 1), az = boxes.row(3 * i + 2), half = boxes.row(12 + i);
+    const V a = mad(ax, x, mad(ay, y, mad(az, z, boxes.row(9 + i))));
+    const V d = sub(a, maximum(minimum(a, half), sub(zero, half)));
+    squared = mad(d, d, squared);
+    ahead = mad(d, mad(ax, reach.m[0], mad(ay, reach.m[1], mul(az, reach.m[2]))), ahead);
+  }
+  const V f = root(squared), more = maximum(sub(f, reach.start), zero);
+  // f |m - n|^2 = 2 (f - m.d), rounded up
+  const V turn = sub(mul(f, set(2.00002f)), add(ahead, ahead));
+  return lessOrEqualMask(squared, reach.square) & lessOrEqualMask(mul(mul(more, more), f), mul(reach.turn, turn));
 }
 
-static inline unsigned trianglesWithin(const Reach& reach, const Lanes& frames, V x, V y, V z) {
-  V f[3], way[3], ahead;
-  toFrames(frames, x, y, z, f);
-  if (reach.isPlain) return lessOrEqualMask(frameDistances(frames, f[0], f[1], f[2]), reach.most);
-  turnToFrames(frames, reach.m, way);
-  const V squared = frameDistances(frames, f[0], f[1], f[2], way, &ahead);
-  return lessOrEqualMask(squared, reach.most) & within(reach, squared, ahead);
+static inline int holds(const List* list, const double* q) {
+  return list->radius >= 0.0 && squaredDistance(q, list->origin) <= list->radius * list->radius;
 }
 
-// Begins a list for a ball of radius r that lies mostly ahead of the tool.
-static inline Reach beginList(const Search* s, const Cache* cache, double r, ProximityCache::List* list) {
-  double way[3];
-  subtract(s->local, cache->query, way);
+// Lower bounds of the distances of 16 entries of a list from its origin plus e.
+static inline V boundsOf(const List* list, int first, const V* e) {
+  V bound = load(list->height + first);
+  for (int k = 0; k < 3; ++k) bound = mad(load(list->normal[k] + first), e[k], bound);
+  return bound;
+}
+
+static inline void fromOrigin(const List* list, const double* q, V* e) {
+  for (int k = 0; k < 3; ++k) e[k] = set(static_cast<float>(q[k] - list->origin[k]));
+}
+
+// The exact distances of the triangles that the planes do not rule out, four at a time.
+static inline void searchList(Search* s, const List* list, float most) {
+  int32_t slot[ProximityCache::kTriangles + kWidth];
+  int count = 0;
+  V e[3];
+  fromOrigin(list, s->local, e);
+  for (int first = 0; first < list->count; first += kWidth) {
+    const unsigned mask = lessOrEqualMask(boundsOf(list, first, e), set(most));
+    compress(list->slot + first, choose(mask), slot + count);
+    count += __builtin_popcount(mask);
+  }
+  for (int i = 0; i < count; i += 4) tryTriangles(s, slot + i, count - i < 4 ? count - i : 4);
+}
+
+// The witness moves to the triangle that seems nearest to the origin, if that is nearer.
+static inline void improveWitness(const Mesh* mesh, const List* list, const double* origin, double* witness) {
+  V e[3];
+  fromOrigin(list, origin, e);
+  float least = 3.4e38f;
+  int32_t slot = -1;
+  for (int first = 0; first < list->count; first += kWidth) {
+    const V bound = boundsOf(list, first, e);
+    const float here = smallest(bound);
+    if (!(here < least)) continue;
+    least = here;
+    slot = list->slot[first + __builtin_ctz(lessOrEqualMask(bound, set(here)))];
+  }
+  if (slot < 0) return;
+  double p[3], x[3];
+  for (int k = 0; k < 3; ++k) p[k] = origin[k] / mesh->scale + mesh->centre[k];
+  Candidate c;
+  closestOnTriangle(mesh->triangles + slot, p, &c);
+  for (int k = 0; k < 3; ++k) x[k] = (c.point[k] - mesh->centre[k]) * mesh->scale;
+  if (!(squaredDistance(x, origin) < squaredDistance(witness, origin))) return;
+  for (int k = 0; k < 3; ++k) witness[k] = x[k];
+}
+
+// For a tool that goes on by `way` a query and needs the list from `start` on.
+static inline void beginList(const Search* s, const double* start, const double* way, Cache* cache) {
+  List* list = &cache->list[1 - cache->active];
   const double step = __builtin_sqrt(dot(way, way));
+  const double r = cache->margin > kLeastReach * step ? cache->margin : kLeastReach * step;
   const double lead = step > 1e-3 * r ? kLead * r / step : 0.0;
-  for (int k = 0; k < 3; ++k) list->origin[k] = s->local[k] + lead * way[k];
-  list->count = 0;
+  for (int k = 0; k < 3; ++k) {
+    list->origin[k] = start[k] + lead * way[k];
+    cache->witness[k] = (s->best.point[k] - s->mesh->centre[k]) * s->mesh->scale;
+  }
+  const List* last = &cache->list[cache->active];
+  if (last->radius >= 0.0) improveWitness(s->mesh, last, list->origin, cache->witness);
   list->radius = -1.0;
-  return reachOf(list->origin, cache->surface, r, slackOf(s->mesh, list->origin));
+  list->count = 0;
+  cache->ball = r;
+  cache->work = 0;
+  cache->leaves = 0;
+  cache->node[0] = s->mesh->root;
+  cache->nodes = 1;
 }
 
-// Answers 0 if there are too many leaves; the margin adapts.
-static inline int makeLeaves(const Search* s, Cache* cache) {
-  ProximityCache::Leaves* list = &cache->leaves;
-  const ProximityCache::Region* region = &cache->region[cache->active];
-  const Reach reach = beginList(s, cache, list->margin, list);
+static inline void giveUpList(Cache* cache) {
+  cache->nodes = cache->leaves = 0;
+  cache->margin = 0.6 * cache->ball;
+  cache->rest = cache->pause;
+  if (cache->pause < kLongPause) cache->pause *= 2;
+}
+
+// Goes on with the list until it is complete or the work is done: the nodes first, depth first, then the leaves.
+static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
+  List* list = &cache->list[1 - cache->active];
+  const Reach reach = reachOf(list->origin, cache->witness, cache->ball, slackOf(mesh, list->origin));
   const V x = set(static_cast<float>(list->origin[0])), y = set(static_cast<float>(list->origin[1])),
           z = set(static_cast<float>(list->origin[2]));
-  for (int first = 0; first < region->count; first += kWidth) {
-    const V bounds = boxBounds(region->low[0] + first, region->high[0] + first, ProximityCache::kRegion, x, y, z);
-    const unsigned nodes = lessOrEqualMask(bounds, reach.most) & firstLanes(region->count - first);
-    for (unsigned i = nodes & (nodes - 1); i != 0; i &= i - 1)
-      fetch(s->mesh->boxes + region->node[first + __builtin_ctz(i)], 16);
-    for (unsigned i = nodes; i != 0; i &= i - 1) {
-      const int32_t number = region->node[first + __builtin_ctz(i)];
-      const Node* node = s->mesh->nodes + number;
-      const LeafBoxes* boxes = s->mesh->boxes + number;
-      unsigned near = boxesWithin(reach, lanesOf(boxes), x, y, z) & boxes->lanes;
-      if (near == 0) continue;
-      if (list->count + __builtin_popcount(near) > ProximityCache::kLeaves) {
-        list->margin *= 0.6;
-        return 0;
-      }
-      const Chosen lanes = choose(near);
-      for (int row = 0; row < ProximityCache::kBoxRows; ++row)
-        compress(load(boxes->row[row]), lanes, list->row[row] + list->count);
-      for (; near != 0; near &= near - 1) list->leaf[list->count++] = ~node->child[__builtin_ctz(near)];
+  int nodes = cache->nodes, leaves = cache->leaves, count = list->count, left = work;
+  while (nodes > 0 && left > 0) {
+    const int32_t current = cache->node[--nodes];
+    const Node* node = mesh->nodes + (current & kNumber);
+    unsigned mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), reach.square);
+    --left;
+    if ((current & kHasLeaves) != 0) {
+      const LeafBoxes* boxes = mesh->boxes + (current & kNumber);
+      const unsigned near = mask & boxes->lanes & boxesWithin(reach, lanesOf(boxes), x, y, z);
+      const int before = leaves;
+      leaves += __builtin_popcount(near);
+      if (leaves > ProximityCache::kLeaves) return giveUpList(cache);
+      compress(node->child, choose(near), cache->leaf + before);
+      for (int i = before; i < leaves; ++i) fetch(mesh->leaves + ~cache->leaf[i], 20);
+      mask &= ~boxes->lanes;
+      --left;
+    }
+    const int before = nodes;
+    nodes += __builtin_popcount(mask);
+    if (nodes > ProximityCache::kNodes) return giveUpList(cache);
+    compress(node->child, choose(mask), cache->node + before);
+    for (int i = before; i < nodes; ++i) {
+      fetch(mesh->nodes + (cache->node[i] & kNumber), 7);
+      if ((cache->node[i] & kHasLeaves) != 0) fetch(mesh->boxes + (cache->node[i] & kNumber), 17);
     }
   }
-  list->radius = list->margin * (1.0 - 1e-6);
-  if (list->count <= kWidth && region->count <= ProximityCache::kRegion / 2) list->margin *= 1.25;
-  if (list->count > kWidth + kWidth / 2) list->margin *= 0.85;
-  return 1;
+  for (; leaves > 0 && left > 0; left -= 2) {
+    const int32_t leaf = ~cache->leaf[--leaves];
+    const Planes planes = planesBefore(lanesOf(mesh->leaves + leaf), x, y, z);
+    const unsigned near = planesWithin(reach, planes);
+    const int before = count;
+    count += __builtin_popcount(near);
+    if (count > ProximityCache::kTriangles) return giveUpList(cache);
+    const Chosen lanes = choose(near);
+    for (int k = 0; k < 3; ++k) compress(planes.normal[k], lanes, list->normal[k] + before);
+    compress(planes.height, lanes, list->height + before);
+    compressNumbers(leaf * kWidth, lanes, list->slot + before);
+    for (int i = before; i < count; ++i) fetch(mesh->triangles + list->slot[i], 2);
+  }
+  cache->nodes = nodes;
+  cache->leaves = leaves;
+  list->count = count;
+  cache->work += work - left;
+  if (nodes + leaves > 0) {
+    if (cache->work > kNoList) giveUpList(cache);
+    return;
+  }
+  for (int k = 0; k < 3; ++k) store(list->normal[k] + count, set(0.0f));
+  store(list->height + count, set(3e38f));
+  list->radius = cache->ball * (1.0 - 1e-6);
+  cache->pause = kPause;
+  if (cache->work < kLeastWork) cache->margin = 1.08 * cache->ball;
+  if (cache->work > kMostWork) cache->margin = 0.92 * cache->ball;
 }
 
-// The same from the leaves, for a ball within theirs. Answers 0 also where the ball would not hold for two queries. The
-// margin grows only where it had room: it cannot run away.
-static inline int makeTriangles(const Search* s, Cache* cache) {
-  ProximityCache::Triangles* list = &cache->triangles;
-  const ProximityCache::Leaves* leaves = &cache->leaves;
-  const double room = leaves->radius - __builtin_sqrt(squaredDistance(s->local, leaves->origin));
-  const double r = list->margin < room / (1.0 + kLead) ? list->margin : room / (1.0 + kLead);
-  const double step = squaredDistance(s->local, cache->query);
-  if (step > r * r) {
-    if (r == list->margin) list->margin *= 1.05;
-    return 0;
-  }
-  const int uses = list->uses;
-  list->uses = 0;
-  const Reach reach = beginList(s, cache, r, list);
-  const V x = set(static_cast<float>(list->origin[0])), y = set(static_cast<float>(list->origin[1])),
-          z = set(static_cast<float>(list->origin[2]));
-  for (int first = 0; first < leaves->count; first += kWidth) {
-    unsigned mask = boxesWithin(reach, lanesOf(leaves, first), x, y, z) & firstLanes(leaves->count - first);
-    for (; mask != 0; mask &= mask - 1) {
-      const int32_t number = leaves->leaf[first + __builtin_ctz(mask)];
-      const Leaf* leaf = s->mesh->leaves + number;
-      unsigned near = trianglesWithin(reach, lanesOf(leaf), x, y, z);
-      if (near == 0) continue;
-      if (list->count + __builtin_popcount(near) > ProximityCache::kTriangles) {
-        list->margin = 0.6 * r;
-        return 0;
-      }
-      const Chosen lanes = choose(near);
-      for (int row = 0; row < ProximityCache::kFrameRows; ++row)
-        compress(load(leaf->row[row]), lanes, list->row[row] + list->count);
-      for (; near != 0; near &= near - 1) list->slot[list->count++] = number * kWidth + __builtin_ctz(near);
-    }
-  }
-  for (int row = 0; row < ProximityCache::kFrameRows; ++row) store(list->row[row] + list->count, set(unusedRow(row)));
-  list->radius = r * (1.0 - 1e-6);
-  // Two batches that hold for some ten queries cost least in the mean.
-  if (r == list->margin && (list->count <= kWidth || (uses < 6 && list->count <= 2 * kWidth))) list->margin *= 1.25;
-  if (list->count > 2 * kWidth + kWidth / 2 || (uses > 12 && list->count > kWidth)) list->margin = 0.85 * r;
-  return 1;
-}
-
-// The previous answer is on the mesh, so its distance bounds the new one. Close to it, a list of triangles answers; it
-// is made from a list of leaves, that one from a region, and the region ahead of time, a little every query: no query
-// makes more than one of them. Where none is at hand the tree is searched.
+// The previous answer is on the mesh, so its distance bounds the new one. Where a list holds, it answers; else the tree
+// is searched.
 static inline void searchWithCache(Search* s, Cache* cache) {
   const float surface = __builtin_sqrtf(static_cast<float>(squaredDistance(s->local, cache->surface))) * 1.000001f;
-  lowerLimit(s, (surface + s->slackUp) * (surface + s->slackUp) * 1.000002f);
-  if (holds(&cache->triangles, s->local)) {
-    searchTriangles(s, &cache->triangles);
-    if (cache->open >= 0) extendRegion(s, cache);
-    return;
-  }
-  if (holds(&cache->leaves, s->local)) {
-    if (makeTriangles(s, cache) != 0) {
-      searchTriangles(s, &cache->triangles);
-    } else {
-      searchLeaves(s, &cache->leaves);
+  if (!holds(&cache->list[cache->active], s->local)) {
+    List* next = &cache->list[1 - cache->active];
+    if (cache->nodes + cache->leaves > 0 &&
+        squaredDistance(s->local, next->origin) <= cache->ball * cache->ball * (1.0 - 4e-6))
+      extendList(s->mesh, 1 << 20, cache);
+    if (!holds(next, s->local)) {
+      lowerLimit(s, (surface + s->slackUp) * (surface + s->slackUp) * 1.000002f);
+      searchTree(s, 0);
+      return;
     }
+    cache->active = 1 - cache->active;
+  }
+  float most = surface + 3.0f * s->slackUp;
+  if (s->limit < most * most) most = __builtin_sqrtf(s->limit) * 1.000001f + s->slackUp;
+  searchList(s, &cache->list[cache->active], most);
+}
+
+// A list is made before it is needed, over some queries, so that none of them takes long.
+static inline void workAhead(const Search* s, Cache* cache) {
+  if (cache->nodes + cache->leaves > 0) {
+    extendList(s->mesh, kWorkPerQuery, cache);
     return;
   }
-  const double margin = cache->leaves.margin;
-  const double step = squaredDistance(s->local, cache->query);
-  if (step * 2.0 > margin * margin) {  // a list would not hold for two queries
-    if (step <= 1.0 / 4096.0) cache->leaves.margin *= 1.1;
-    searchTree(s, 0);
+  if (cache->rest > 0) {
+    --cache->rest;
     return;
   }
-  // The origin lies kLead margins ahead; a list reaches two margins farther than the mesh is from there.
-  const double need = static_cast<double>(surface) + 2.0 * (1.0 + kLead) * margin;
-  const ProximityCache::Region* region = &cache->region[cache->active];
-  const double room = region->reach - need - __builtin_sqrt(squaredDistance(s->local, region->origin));
-  if (room >= 0.0 && makeLeaves(s, cache) != 0) {
-    searchLeaves(s, &cache->leaves);
-  } else {
-    searchTree(s, 0);
-  }
-  if (cache->open >= 0) {
-    const ProximityCache::Region* next = &cache->region[1 - cache->active];
-    if (next->reach - need - __builtin_sqrt(squaredDistance(s->local, next->origin)) < 0.0) cache->open = -1;
-  }
-  if (cache->open < 0 && room < 0.5 * cache->span) openRegion(s, need + cache->span, cache);
-  if (cache->open >= 0 && room < 0.0) extendRegion(s, cache);
+  double way[3], start[3];
+  subtract(s->local, cache->query, way);
+  for (int k = 0; k < 3; ++k) start[k] = s->local[k] + kAhead * way[k];
+  if (holds(&cache->list[cache->active], start) || holds(&cache->list[1 - cache->active], start)) return;
+  beginList(s, start, way, cache);
+  extendList(s->mesh, kWorkPerQuery, cache);
 }
 
 static void closest(const Mesh& mesh, const double point[3], double limitSquared, Cache* cache, Answer* answer) {
@@ -656,13 +658,10 @@ static void closest(const Mesh& mesh, const double point[3], double limitSquared
   const int known = cache != nullptr && cache->revision == mesh.revision;
   if (cache != nullptr && !known) {
     cache->revision = 0;
-    cache->triangles.radius = cache->leaves.radius = -1.0;
-    cache->region[0].reach = cache->region[1].reach = -1.0;
-    cache->active = 0;
-    cache->open = -1;
-    cache->triangles.margin = 1.0 / 256.0;
-    cache->leaves.margin = 1.0 / 64.0;
-    cache->span = 1.0 / 16.0;
+    cache->list[0].radius = cache->list[1].radius = -1.0;
+    cache->nodes = cache->leaves = cache->rest = 0;
+    cache->pause = kPause;
+    cache->margin = 1.0 / 512.0;
   }
   if (isFar(s.local)) {
     searchFar(&s);
@@ -672,6 +671,7 @@ static void closest(const Mesh& mesh, const double point[3], double limitSquared
     searchTree(&s, mesh.tight);
   }
   settle(&s);
+  if (known && s.slot >= 0 && !isFar(s.local)) workAhead(&s, cache);
   if (cache != nullptr && s.slot >= 0) {
     cache->revision = mesh.revision;
     for (int k = 0; k < 3; ++k) {

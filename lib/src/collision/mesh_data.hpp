@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "enamel/collision/mesh.hpp"
+#include "huge_pages.hpp"
 #include "kernel.hpp"
 
 namespace enamel::kernel {
@@ -20,16 +21,19 @@ struct Parent {
   std::int32_t node = -1, lane = 0;
 };
 
+template <typename T>
+using Array = std::vector<T, HugePages<T>>;
+
 struct MeshData {
   TriangleMesh mesh;
   std::vector<int> place;          // of each vertex, as weld()
   std::vector<Vec3> cornerNormal;  // of each place: sum of angle times unit normal
-  std::vector<Node> nodes;
-  std::vector<Leaf> leaves;
-  std::vector<LeafBoxes> boxes;                        // by node
-  std::vector<Triangle> triangles;                     // by slot
-  std::vector<EdgeNormals> edgeNormals;                // by slot
-  std::vector<float> cones;                            // by slot, as Mesh::cones
+  Array<Node> nodes;
+  Array<Leaf> leaves;
+  Array<LeafBoxes> boxes;                              // by node
+  Array<Triangle> triangles;                           // by slot
+  Array<EdgeNormals> edgeNormals;                      // by slot
+  Array<float> cones;                                  // by slot, as Mesh::cones
   std::vector<std::int32_t> slotOf;                    // by triangle number; -1: removed
   std::vector<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one
   std::vector<Parent> nodeParent, leafParent;

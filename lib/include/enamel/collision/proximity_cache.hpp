@@ -6,56 +6,42 @@
 
 namespace enamel {
 
-/// One for each tool shape and obstacle; not shared between threads. Plain data of fixed size (11 KB): a copy is as
+/// One for each tool shape and obstacle; not shared between threads. Plain data of fixed size (7 KB): a copy is as
 /// good as the original. The content is private to the queries.
 struct ProximityCache {
-  static constexpr int kTriangles = 48;
+  static constexpr int kTriangles = 128;
+  static constexpr int kNodes = 48;
   static constexpr int kLeaves = 32;
   static constexpr int kSpare = 16;  // rows are written 16 at a time
-  static constexpr int kFrameRows = 20;
-  static constexpr int kBoxRows = 15;
-  static constexpr int kRegion = 64;
-  static constexpr int kStack = 96;
 
   uint64_t revision = 0;   // of the mesh that the content belongs to; 0: empty
   double query[3] = {};    // the last query point (local coordinates of the hierarchy, like all that follows)
   double surface[3] = {};  // its answer
 
-  // What can hold the nearest point while the tool stays in a ball.
+  // Every triangle that can be nearest while the tool stays in a ball. Seen from the origin each lies behind a plane,
+  // so from the origin plus e it is no nearer than height + normal.e.
   struct List {
     int32_t count = 0;
     double origin[3] = {};
     double radius = -1.0;
-    double margin = 0.0;  // radius of the next one
-  };
-  // Triangles for a few ticks' way, as in the leaves of the hierarchy.
-  struct Triangles : List {
-    int32_t uses = 0;  // queries that the list has answered
     int32_t slot[kTriangles + kSpare] = {};
-    float row[kFrameRows][kTriangles + kSpare] = {};
+    float normal[3][kTriangles + kSpare] = {};
+    float height[kTriangles + kSpare] = {};
   };
-  // Leaves for a longer way, with their oriented boxes: where the triangles are taken from.
-  struct Leaves : List {
-    int32_t leaf[kLeaves + kSpare] = {};
-    float row[kBoxRows][kLeaves + kSpare] = {};
-  };
-  Triangles triangles;
-  Leaves leaves;
+  List list[2];
+  int32_t active = 0;  // list in use; the other one is made ahead of the tool, a little every query
 
-  // Every node with leaves within `reach` of its origin: where the leaves are taken from.
-  struct Region {
-    int32_t count = 0;
-    double origin[3] = {};
-    double reach = -1.0;
-    int32_t node[kRegion] = {};
-    float low[3][kRegion] = {};
-    float high[3][kRegion] = {};
-  };
-  Region region[2];
-  int32_t active = 0;  // region in use; the other one is being prepared
-  int32_t open = -1;   // entries on the stack of the region being prepared; -1: none is
-  int32_t stack[kStack] = {};
-  double span = 0.0;  // how much farther than the leaves the next region reaches
+  // The list being made: nodes and leaves of the hierarchy that it has yet to look at.
+  int32_t nodes = 0;
+  int32_t leaves = 0;
+  int32_t node[kNodes + kSpare] = {};
+  int32_t leaf[kLeaves + kSpare] = {};
+  double witness[3] = {};  // a point of the mesh, close to the nearest one to the origin
+  double ball = 0.0;       // its radius
+  int32_t work = 0;        // spent on it
+  int32_t rest = 0;        // queries before another one is begun
+  int32_t pause = 0;       // rest after the next one that is given up
+  double margin = 0.0;     // radius of the next one
 };
 
 }  // namespace enamel
