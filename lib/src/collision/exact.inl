@@ -89,6 +89,38 @@ static inline void closestOnThin(const Triangle* t, const double* p, Candidate* 
   tryEdge(p, t->corner[2], t->corner[0], kCorner2, kCorner0, kEdge20, best);
 }
 
+// Where on a triangle the nearest point is: on edge 0, 1 or 2 at u of its length, or as a + u ab + v ac on the face.
+enum Part : int32_t { kPart01, kPart12, kPart20, kPartFace };
+
+static inline void placeOn(const Triangle* t, int32_t part, double u, double v, Candidate* best) {
+  const int32_t next = part == kPart20 ? 0 : part + 1;
+  const double* a = part == kPartFace ? t->corner[0] : t->corner[part];
+  const double* b = part == kPartFace ? t->corner[1] : t->corner[next];
+  double ab[3], ac[3];
+  subtract(b, a, ab);
+  if (part == kPartFace) {
+    subtract(t->corner[2], a, ac);
+    for (int k = 0; k < 3; ++k) best->point[k] = a[k] + (u * ab[k] + v * ac[k]);
+    best->feature = kFace;
+  } else if (u > 0.0 && u < 1.0) {
+    for (int k = 0; k < 3; ++k) best->point[k] = a[k] + u * ab[k];
+    best->feature = kEdge01 + part;
+  } else {
+    for (int k = 0; k < 3; ++k) best->point[k] = u > 0.0 ? b[k] : a[k];
+    best->feature = kCorner0 + (u > 0.0 ? next : part);
+  }
+}
+
+// Squared distance from the edge e, seen from its start.
+static inline double nearEdge(const double* fromStart, const double* e, double* at) {
+  double d[3];
+  const double along = dot(fromStart, e) / dot(e, e);
+  const double after = along > 0.0 ? along : 0.0;
+  *at = after < 1.0 ? after : 1.0;
+  for (int k = 0; k < 3; ++k) d[k] = fromStart[k] - *at * e[k];
+  return dot(d, d);
+}
+
 // The foot point on the plane where it lies inside, else the nearest point of the edges that it lies outside of.
 static inline void closestOnTriangle(const Triangle* t, const double* p, Candidate* best) {
   if (t->thin != 0) {
@@ -96,31 +128,39 @@ static inline void closestOnTriangle(const Triangle* t, const double* p, Candida
     return;
   }
   const double *a = t->corner[0], *b = t->corner[1], *c = t->corner[2];
-  double ab[3], ac[3], ap[3], bp[3], bc[3], n[3], s[3];
-  subtract(b, a, ab);
+  double e[3][3], ac[3], from[3][3], n[3], s[3], weight[3];
+  subtract(b, a, e[0]);
+  subtract(c, b, e[1]);
+  subtract(a, c, e[2]);
   subtract(c, a, ac);
-  subtract(c, b, bc);
-  subtract(p, a, ap);
-  subtract(p, b, bp);
-  cross(ab, ac, n);
-  cross(ab, ap, s);
-  const double weightC = dot(s, n);
-  cross(bc, bp, s);
-  const double weightA = dot(s, n);
-  cross(ap, ac, s);
-  const double weightB = dot(s, n);
-  if (weightA > 0.0 && weightB > 0.0 && weightC > 0.0) {
+  subtract(p, a, from[0]);
+  subtract(p, b, from[1]);
+  subtract(p, c, from[2]);
+  cross(e[0], ac, n);
+  for (int i = 0; i < 3; ++i) {  // of the corner opposite to edge i
+    cross(e[i], from[i], s);
+    weight[i] = dot(s, n);
+  }
+  if (weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0) {
     const double inverse = 1.0 / dot(n, n);
-    const double wb = weightB * inverse, wc = weightC * inverse;
-    for (int k = 0; k < 3; ++k) best->point[k] = a[k] + (wb * ab[k] + wc * ac[k]);
-    best->squared = squaredDistance(p, best->point);
-    best->feature = kFace;
+    const double u = weight[2] * inverse, v = weight[0] * inverse;
+    double d[3];
+    for (int k = 0; k < 3; ++k) d[k] = from[0][k] - (u * e[0][k] + v * ac[k]);
+    best->squared = dot(d, d);
+    placeOn(t, kPartFace, u, v, best);
     return;
   }
+  int32_t part = kPart01;
+  double u = 0.0;
   best->squared = 1e308;
-  for (int k = 0; k < 3; ++k) best->point[k] = a[k];
-  best->feature = kCorner0;
-  if (!(weightC > 0.0)) tryEdge(p, a, b, kCorner0, kCorner1, kEdge01, best);
-  if (!(weightA > 0.0)) tryEdge(p, b, c, kCorner1, kCorner2, kEdge12, best);
-  if (!(weightB > 0.0)) tryEdge(p, c, a, kCorner2, kCorner0, kEdge20, best);
+  for (int i = 0; i < 3; ++i) {
+    if (weight[i] > 0.0) continue;
+    double at;
+    const double squared = nearEdge(from[i], e[i], &at);
+    if (!(squared < best->squared)) continue;
+    best->squared = squared;
+    part = i;
+    u = at;
+  }
+  placeOn(t, part, u, 0.0, best);
 }

@@ -18,35 +18,6 @@ static inline void subtract4(const __m256d* a, const __m256d* b, __m256d* c) {
   for (int k = 0; k < 3; ++k) c[k] = _mm256_sub_pd(a[k], b[k]);
 }
 
-struct Candidate4 {
-  __m256d squared, point[3], feature;
-};
-
-// Where `chosen` and nearer, the candidate becomes (squared, x, feature).
-static inline void keepNearer4(__m256d chosen, __m256d squared, const __m256d* x, __m256d feature, Candidate4* best) {
-  const __m256d nearer = _mm256_and_pd(chosen, _mm256_cmp_pd(squared, best->squared, _CMP_LT_OQ));
-  best->squared = _mm256_blendv_pd(best->squared, squared, nearer);
-  for (int k = 0; k < 3; ++k) best->point[k] = _mm256_blendv_pd(best->point[k], x[k], nearer);
-  best->feature = _mm256_blendv_pd(best->feature, feature, nearer);
-}
-
-static inline void tryEdge4(__m256d chosen, const __m256d* p, const __m256d* a, const __m256d* b, Feature featureA,
-                            Feature featureB, Feature featureEdge, Candidate4* best) {
-  __m256d e[3], ap[3], x[3], d[3];
-  subtract4(b, a, e);
-  subtract4(p, a, ap);
-  const __m256d along = dot4(ap, e), length = dot4(e, e), t = _mm256_div_pd(along, length);
-  const __m256d afterA = _mm256_cmp_pd(along, _mm256_setzero_pd(), _CMP_GT_OQ);
-  const __m256d beforeB = _mm256_cmp_pd(along, length, _CMP_LT_OQ);
-  for (int k = 0; k < 3; ++k) {
-    const __m256d between = _mm256_add_pd(a[k], _mm256_mul_pd(t, e[k]));
-    x[k] = _mm256_blendv_pd(a[k], _mm256_blendv_pd(b[k], between, beforeB), afterA);
-  }
-  const __m256d atEnd = _mm256_blendv_pd(_mm256_set1_pd(featureB), _mm256_set1_pd(featureEdge), beforeB);
-  subtract4(p, x, d);
-  keepNearer4(chosen, dot4(d, d), x, _mm256_blendv_pd(_mm256_set1_pd(featureA), atEnd, afterA), best);
-}
-
 // Corners of four triangles as 3 * corner + coordinate.
 static inline void loadCorners4(const Triangle* const* t, __m256d* v) {
   for (int i = 0; i < 8; i += 4) {
@@ -64,53 +35,52 @@ static inline void loadCorners4(const Triangle* const* t, __m256d* v) {
 
 // Which of four triangles is nearest; of equally near ones the one of smallest index. None of them is thin.
 static inline int closestOfFour(const Triangle* const* t, const double* point, Candidate* nearest) {
-  const __m256d zero = _mm256_setzero_pd();
-  __m256d v[9], p[3], ab[3], ac[3], bc[3], ap[3], bp[3], n[3], s[3], d[3];
+  const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0);
+  __m256d v[9], p[3], e[3][3], ac[3], from[3][3], n[3], s[3], d[3], weight[3], outside[3];
   loadCorners4(t, v);
-  const __m256d *a = v, *b = v + 3, *c = v + 6;
   for (int k = 0; k < 3; ++k) p[k] = _mm256_set1_pd(point[k]);
-  subtract4(b, a, ab);
-  subtract4(c, a, ac);
-  subtract4(c, b, bc);
-  subtract4(p, a, ap);
-  subtract4(p, b, bp);
-  cross4(ab, ac, n);
-  cross4(ab, ap, s);
-  const __m256d weightC = dot4(s, n);
-  cross4(bc, bp, s);
-  const __m256d weightA = dot4(s, n);
-  cross4(ap, ac, s);
-  const __m256d weightB = dot4(s, n);
-  const __m256d outA = _mm256_cmp_pd(weightA, zero, _CMP_NGT_UQ), outB = _mm256_cmp_pd(weightB, zero, _CMP_NGT_UQ),
-                outC = _mm256_cmp_pd(weightC, zero, _CMP_NGT_UQ);
-  const __m256d outside = _mm256_or_pd(_mm256_or_pd(outA, outB), outC);
-  const __m256d inverse = _mm256_div_pd(_mm256_set1_pd(1.0), dot4(n, n));
-  const __m256d wb = _mm256_mul_pd(weightB, inverse), wc = _mm256_mul_pd(weightC, inverse);
-  Candidate4 best;
-  for (int k = 0; k < 3; ++k)
-    best.point[k] = _mm256_add_pd(a[k], _mm256_add_pd(_mm256_mul_pd(wb, ab[k]), _mm256_mul_pd(wc, ac[k])));
-  subtract4(p, best.point, d);
-  best.squared = dot4(d, d);
-  best.feature = _mm256_set1_pd(kFace);
-  if (_mm256_movemask_pd(outside) != 0) {
-    best.squared = _mm256_blendv_pd(best.squared, _mm256_set1_pd(1e308), outside);
-    for (int k = 0; k < 3; ++k) best.point[k] = _mm256_blendv_pd(best.point[k], a[k], outside);
-    best.feature = _mm256_blendv_pd(best.feature, _mm256_set1_pd(kCorner0), outside);
-    tryEdge4(outC, p, a, b, kCorner0, kCorner1, kEdge01, &best);
-    tryEdge4(outA, p, b, c, kCorner1, kCorner2, kEdge12, &best);
-    tryEdge4(outB, p, c, a, kCorner2, kCorner0, kEdge20, &best);
+  for (int i = 0; i < 3; ++i) {
+    subtract4(v + (i == 2 ? 0 : 3 * i + 3), v + 3 * i, e[i]);
+    subtract4(p, v + 3 * i, from[i]);
   }
-  const __m256d pairs = _mm256_min_pd(best.squared, _mm256_permute2f128_pd(best.squared, best.squared, 1));
+  subtract4(v + 6, v, ac);
+  cross4(e[0], ac, n);
+  for (int i = 0; i < 3; ++i) {
+    cross4(e[i], from[i], s);
+    weight[i] = dot4(s, n);
+    outside[i] = _mm256_cmp_pd(weight[i], zero, _CMP_NGT_UQ);
+  }
+  const __m256d inverse = _mm256_div_pd(one, dot4(n, n));
+  __m256d u = _mm256_mul_pd(weight[2], inverse);
+  const __m256d w = _mm256_mul_pd(weight[0], inverse);
+  for (int k = 0; k < 3; ++k)
+    d[k] = _mm256_sub_pd(from[0][k], _mm256_add_pd(_mm256_mul_pd(u, e[0][k]), _mm256_mul_pd(w, ac[k])));
+  __m256d squared = dot4(d, d), part = _mm256_set1_pd(kPartFace);
+  const __m256d onEdge = _mm256_or_pd(_mm256_or_pd(outside[0], outside[1]), outside[2]);
+  if (_mm256_movemask_pd(onEdge) != 0) {
+    squared = _mm256_blendv_pd(squared, _mm256_set1_pd(1e308), onEdge);
+    for (int i = 0; i < 3; ++i) {
+      const __m256d along = _mm256_div_pd(dot4(from[i], e[i]), dot4(e[i], e[i]));
+      const __m256d at = _mm256_min_pd(_mm256_max_pd(along, zero), one);  // as the scalar code also for NaN
+      for (int k = 0; k < 3; ++k) d[k] = _mm256_sub_pd(from[i][k], _mm256_mul_pd(at, e[i][k]));
+      const __m256d here = dot4(d, d);
+      const __m256d nearer = _mm256_and_pd(outside[i], _mm256_cmp_pd(here, squared, _CMP_LT_OQ));
+      squared = _mm256_blendv_pd(squared, here, nearer);
+      u = _mm256_blendv_pd(u, at, nearer);
+      part = _mm256_blendv_pd(part, _mm256_set1_pd(i), nearer);
+    }
+  }
+  const __m256d pairs = _mm256_min_pd(squared, _mm256_permute2f128_pd(squared, squared, 1));
   const __m256d least = _mm256_min_pd(pairs, _mm256_permute_pd(pairs, 5));
-  unsigned lanes = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(best.squared, least, _CMP_EQ_OQ)));
+  unsigned lanes = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(squared, least, _CMP_EQ_OQ)));
   int lane = __builtin_ctz(lanes | 8u);
   for (lanes &= lanes - 1; lanes != 0; lanes &= lanes - 1)
     if (t[__builtin_ctz(lanes)]->index < t[lane]->index) lane = __builtin_ctz(lanes);
-  alignas(32) double column[4][4];
-  for (int k = 0; k < 3; ++k) _mm256_store_pd(column[k], best.point[k]);
-  _mm256_store_pd(column[3], best.feature);
+  alignas(32) double column[3][4];
+  _mm256_store_pd(column[0], part);
+  _mm256_store_pd(column[1], u);
+  _mm256_store_pd(column[2], w);
   nearest->squared = _mm256_cvtsd_f64(least);
-  for (int k = 0; k < 3; ++k) nearest->point[k] = column[k][lane];
-  nearest->feature = static_cast<int32_t>(column[3][lane]);
+  placeOn(t[lane], static_cast<int32_t>(column[0][lane]), column[1][lane], column[2][lane], nearest);
   return lane;
 }

@@ -147,56 +147,36 @@ struct Lanes {
 
 static inline Lanes lanesOf(const Leaf* leaf) { return {leaf->row[0], kWidth}; }
 static inline Lanes lanesOf(const LeafBoxes* boxes) { return {boxes->row[0], kWidth}; }
-// Where points (u, v) in the planes of 16 triangles lie, by edge: beyond its ends along it, across it (positive
-// outside) and their squared distance from it.
-struct Edges {
-  V beyond[3], across[3], squared[3];
-  V out;  // the largest `across`
-};
-
-static inline Edges edgesFrom(const Lanes& frames, V u, V v) {
-  const V zero = set(0.0f);
-  const V length0 = frames.row(kLength), length1 = frames.row(kLength + 1), length2 = frames.row(kLength + 2);
-  const V c1 = frames.row(kCosine), s1 = frames.row(kSine), c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
-  const V past = sub(u, length0);
-  const V along1 = mad(c1, past, mul(s1, v)), along2 = mad(c2, u, mul(s2, v));
-  Edges e;
-  e.across[0] = sub(zero, v);
-  e.across[1] = sub(mul(s1, past), mul(c1, v));
-  e.across[2] = sub(mul(c2, v), mul(s2, u));
-  e.beyond[0] = sub(u, maximum(minimum(u, length0), zero));
-  e.beyond[1] = sub(along1, maximum(minimum(along1, length1), zero));
-  e.beyond[2] = sub(along2, maximum(minimum(along2, length2), zero));
-  for (int i = 0; i < 3; ++i) e.squared[i] = mad(e.across[i], e.across[i], mul(e.beyond[i], e.beyond[i]));
-  e.out = maximum(maximum(e.across[0], e.across[1]), e.across[2]);
-  return e;
-}
-
-// What belongs to the edge nearest to the point; none where the point lies over the triangle.
-static inline V ofNearestEdge(const Edges& e, V inside, V x0, V x1, V x2) {
-  const V x01 = selectGreater(e.squared[0], e.squared[1], x1, x0);
-  const V ofEdges = selectGreater(minimum(e.squared[0], e.squared[1]), e.squared[2], x2, x01);
-  return selectGreater(e.out, inside, ofEdges, set(0.0f));
-}
-
 // Squared distances of 16 triangles from points in their frames: to the plane where the point lies over the triangle,
 // else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
 // With directions in the frames, also how far the points lie ahead of the nearest points of the triangles.
 static inline V frameDistances(const Lanes& frames, V u, V v, V h, const V* way = nullptr, V* ahead = nullptr) {
+  const V zero = set(0.0f);
+  const V length0 = frames.row(kLength), length1 = frames.row(kLength + 1), length2 = frames.row(kLength + 2);
+  const V c1 = frames.row(kCosine), s1 = frames.row(kSine), c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
   const V inside = frames.row(kInside);
-  const Edges e = edgesFrom(frames, u, v);
+  const V beyond = sub(u, length0);
+  // Across: positive outside. Along: from the start of the edge.
+  const V across0 = sub(zero, v);
+  const V across1 = sub(mul(s1, beyond), mul(c1, v)), along1 = mad(c1, beyond, mul(s1, v));
+  const V across2 = sub(mul(c2, v), mul(s2, u)), along2 = mad(c2, u, mul(s2, v));
+  const V end0 = sub(u, maximum(minimum(u, length0), zero));
+  const V end1 = sub(along1, maximum(minimum(along1, length1), zero));
+  const V end2 = sub(along2, maximum(minimum(along2, length2), zero));
+  const V edge0 = mad(v, v, mul(end0, end0));
+  const V edge1 = mad(across1, across1, mul(end1, end1));
+  const V edge2 = mad(across2, across2, mul(end2, end2));
+  const V edges = minimum(minimum(edge0, edge1), edge2);
+  const V out = maximum(maximum(across0, across1), across2);
   if (way != nullptr) {
-    const V c1 = frames.row(kCosine), s1 = frames.row(kSine);
-    const V c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
-    const V ahead0 = sub(mul(e.beyond[0], way[0]), mul(e.across[0], way[1]));
-    const V ahead1 =
-        mad(e.beyond[1], mad(c1, way[0], mul(s1, way[1])), mul(e.across[1], sub(mul(s1, way[0]), mul(c1, way[1]))));
-    const V ahead2 =
-        mad(e.beyond[2], mad(c2, way[0], mul(s2, way[1])), mul(e.across[2], sub(mul(c2, way[1]), mul(s2, way[0]))));
-    *ahead = mad(h, way[2], ofNearestEdge(e, inside, ahead0, ahead1, ahead2));
+    const V ahead0 = mad(end0, way[0], mul(v, way[1]));
+    const V ahead1 = mad(end1, mad(c1, way[0], mul(s1, way[1])), mul(across1, sub(mul(s1, way[0]), mul(c1, way[1]))));
+    const V ahead2 = mad(end2, mad(c2, way[0], mul(s2, way[1])), mul(across2, sub(mul(c2, way[1]), mul(s2, way[0]))));
+    const V of01 = selectGreater(edge0, edge1, ahead1, ahead0);
+    const V ofEdges = selectGreater(minimum(edge0, edge1), edge2, ahead2, of01);
+    *ahead = mad(h, way[2], selectGreater(out, inside, ofEdges, zero));
   }
-  const V edges = minimum(minimum(e.squared[0], e.squared[1]), e.squared[2]);
-  return mad(h, h, selectGreater(e.out, inside, edges, set(0.0f)));
+  return mad(h, h, selectGreater(out, inside, edges, zero));
 }
 
 static inline void toFrames(const Lanes& frames, V x, V y, V z, V* f) {
@@ -390,28 +370,31 @@ static inline void searchFar(Search* s) {
 
 using List = ProximityCache::List;
 
-// Each triangle lies behind the plane through its nearest point, across the way there; from a point e farther on it is
-// no nearer than height + normal.e. That holds for any normal not longer than 1: the height is taken over the corners.
+// Each triangle lies behind a plane across the way to its nearest point; from a point e farther on it is no nearer than
+// height + normal.e. That holds for any normal not longer than 1, as the height is taken over the corners: a point
+// close to the nearest one does.
 struct Planes {
   V normal[3], height;
 };
 
 static inline Planes planesBefore(const Lanes& frames, V x, V y, V z) {
-  const V zero = set(0.0f), inside = frames.row(kInside);
+  const V zero = set(0.0f);
   const V c1 = frames.row(kCosine), s1 = frames.row(kSine), c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
+  const V length0 = frames.row(kLength), length2 = frames.row(kLength + 2);
   V q[3], n[3];
   toFrames(frames, x, y, z, q);
-  const Edges e = edgesFrom(frames, q[0], q[1]);
-  n[0] = ofNearestEdge(e, inside, e.beyond[0], mad(c1, e.beyond[1], mul(s1, e.across[1])),
-                       sub(mul(c2, e.beyond[2]), mul(s2, e.across[2])));
-  n[1] = ofNearestEdge(e, inside, q[1], sub(mul(s1, e.beyond[1]), mul(c1, e.across[1])),
-                       mad(s2, e.beyond[2], mul(c2, e.across[2])));
+  // Into the triangle: back over one edge, then over the other, then into its box.
+  const V over1 = maximum(sub(mul(s1, sub(q[0], length0)), mul(c1, q[1])), zero);
+  const V u1 = sub(q[0], mul(s1, over1)), v1 = mad(c1, over1, q[1]);
+  const V over2 = maximum(sub(mul(c2, v1), mul(s2, u1)), zero);
+  const V top = mul(length2, s2);
+  n[0] = sub(q[0], maximum(minimum(mad(s2, over2, u1), length0), zero));
+  n[1] = sub(q[1], maximum(minimum(sub(v1, mul(c2, over2)), top), zero));
   n[2] = q[2];
   const V squared = mad(n[0], n[0], mad(n[1], n[1], mul(n[2], n[2])));
   const V inverse = divide(set(1.0f), root(maximum(squared, set(1e-30f))));
   for (V& component : n) component = mul(component, inverse);
-  const V length0 = frames.row(kLength), length2 = frames.row(kLength + 2);
-  const V corners = maximum(maximum(zero, mul(n[0], length0)), mul(length2, mad(c2, n[0], mul(s2, n[1]))));
+  const V corners = maximum(maximum(zero, mul(n[0], length0)), mad(n[1], top, mul(n[0], mul(length2, c2))));
   Planes planes;
   planes.height = sub(mad(n[0], q[0], mad(n[1], q[1], mul(n[2], q[2]))), corners);
   for (int i = 0; i < 3; ++i)

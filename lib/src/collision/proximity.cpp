@@ -149,8 +149,11 @@ SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCach
   const Vec3 away = p - answer.point;
   const bool inside = away.dot(n) < 0.0;
   if (answer.distance > 1e-9 * data.size) {
-    // 1 / d as d / d^2: the division need not wait for the root.
-    answer.normal = away * (answer.distance * ((inside ? -1.0 : 1.0) / away.squaredNorm()));
+    // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the difference to the rounded
+    // point would make it too long.
+    const double inverse =
+        answer.distance > 1e-6 * data.size ? answer.distance / away.squaredNorm() : 1.0 / away.norm();
+    answer.normal = away * (inside ? -inverse : inverse);
   } else {
     const double length = n.norm();
     answer.normal = length > 0.0 ? Vec3(n / length) : Vec3(Vec3::UnitZ());
