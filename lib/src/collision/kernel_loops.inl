@@ -17,7 +17,7 @@ static const double kLead = 0.9;
 // The work on a list, in nodes; boxes of leaves and the triangles of a leaf count twice. One query does kWorkPerQuery
 // at most. A list that took less than kLeastWork was too small, one above kMostWork too large; beyond kNoList it is
 // given up, and no other begun for a while: kPause queries, twice as many each time up to kLongPause.
-enum { kWorkPerQuery = 14, kLeastWork = 14, kMostWork = 18, kNoList = 52, kPause = 32, kLongPause = 1024 };
+enum { kWorkPerQuery = 12, kLeastWork = 14, kMostWork = 18, kNoList = 52, kPause = 32, kLongPause = 1024 };
 
 enum { kMostCandidates = 64 };
 
@@ -545,11 +545,13 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
   while (nodes > 0 && left > 0) {
     const int32_t current = cache->node[--nodes];
     const Node* node = mesh->nodes + (current & kNumber);
-    unsigned mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), reach.square);
+    unsigned mask = 0;
     --left;
+    if ((current & kHasNodes) != 0)
+      mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), reach.square);
     if ((current & kHasLeaves) != 0) {
       const LeafBoxes* boxes = mesh->boxes + (current & kNumber);
-      const unsigned near = mask & boxes->lanes & boxesWithin(reach, lanesOf(boxes), x, y, z);
+      const unsigned near = boxes->lanes & boxesWithin(reach, lanesOf(boxes), x, y, z);
       const int before = leaves;
       leaves += __builtin_popcount(near);
       if (leaves > ProximityCache::kLeaves) return giveUpList(cache);
@@ -563,8 +565,10 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
     if (nodes > ProximityCache::kNodes) return giveUpList(cache);
     compress(node->child, choose(mask), cache->node + before);
     for (int i = before; i < nodes; ++i) {
-      fetch(mesh->nodes + (cache->node[i] & kNumber), 7);
-      if ((cache->node[i] & kHasLeaves) != 0) fetch(mesh->boxes + (cache->node[i] & kNumber), 17);
+      const int32_t number = cache->node[i] & kNumber;
+      if ((cache->node[i] & kHasNodes) != 0) fetch(mesh->nodes + number, 6);
+      if ((cache->node[i] & kHasLeaves) != 0) fetch(mesh->boxes + number, 17);
+      fetch(mesh->nodes[number].child, 1);
     }
   }
   for (; leaves > 0 && left > 0; left -= 2) {
