@@ -8,6 +8,7 @@
 #include <string>
 
 #include "enamel/core/types.hpp"
+#include "support/relative_error.hpp"
 
 namespace enamel::test {
 
@@ -32,11 +33,6 @@ inline Eigen::MatrixXd matrixFrom(const nlohmann::json& rows) {
     for (int j = 0; j < m.cols(); ++j)
       m(i, j) = rows.at(static_cast<std::size_t>(i)).at(static_cast<std::size_t>(j)).get<double>();
   return m;
-}
-
-/// Largest difference over the largest entry of the reference.
-inline double relativeError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference) {
-  return (value - reference).cwiseAbs().maxCoeff() / reference.cwiseAbs().maxCoeff();
 }
 
 }  // namespace enamel::test

@@ -6,6 +6,7 @@
 #include "support/command.hpp"
 #include "support/control_systems.hpp"
 #include "support/devices.hpp"
+#include "support/reference.hpp"
 
 using namespace enamel;
 using test::run;
