@@ -114,6 +114,10 @@ static inline void tryTriangle(Search* s, int32_t slot) {
 
 // Up to four.
 static inline void tryTriangles(Search* s, const int32_t* slot, int count) {
+  if (count == 1) {
+    tryTriangle(s, slot[0]);
+    return;
+  }
   const Triangle* t[4];
   int odd = 0;
   for (int i = 0; i < 4; ++i) {
@@ -608,7 +612,7 @@ static inline void searchWithCache(Search* s, Cache* cache) {
     List* next = &cache->list[1 - cache->active];
     if (cache->nodes + cache->leaves > 0 &&
         squaredDistance(s->local, next->origin) <= cache->ball * cache->ball * (1.0 - 4e-6))
-      extendList(s->mesh, 1 << 20, cache);
+      extendList(s->mesh, kNoList, cache);
     if (!holds(next, s->local)) {
       lowerLimit(s, (surface + s->slackUp) * (surface + s->slackUp) * 1.000002f);
       searchTree(s, 0);

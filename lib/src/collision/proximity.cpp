@@ -115,44 +115,45 @@ const TriangleMesh& MeshModel::mesh() const noexcept { return data_->mesh; }
 
 namespace {
 
-// Answers the slot, or -1.
-std::int32_t search(const kernel::MeshData& data, const Vec3& p, ProximityCache* cache, double limit,
-                    SurfacePoint& answer) noexcept {
+// Answers whether there is one.
+bool search(const kernel::MeshData& data, const Vec3& p, ProximityCache* cache, double limit, kernel::Answer& found,
+            SurfacePoint& answer) noexcept {
   if (!p.allFinite() || !(limit >= 0.0)) {
     answer.status = Status::notFinite;
-    return -1;
+    return false;
   }
-  kernel::Answer found;
   kernel::loops().closest(data.view, p.data(), limit * limit, cache, &found);
   answer.point = {found.point[0], found.point[1], found.point[2]};
-  if (found.slot < 0) return -1;
+  if (found.slot < 0) return false;
   answer.triangle = data.triangles[found.slot].index;
   answer.feature = static_cast<TriangleFeature>(found.feature);
   answer.distance = std::sqrt(found.squared);
-  return found.slot;
+  return true;
 }
 
 }  // namespace
 
 SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
+  kernel::Answer found;
   SurfacePoint answer;
-  search(model.data(), p, cache, limit, answer);
+  search(model.data(), p, cache, limit, found, answer);
   return answer;
 }
 
 SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
+  kernel::Answer found;
   SurfacePoint answer;
   const kernel::MeshData& data = model.data();
-  const std::int32_t slot = search(data, p, cache, limit, answer);
-  if (slot < 0) return answer;
-  const Vec3 n = kernel::pseudonormal(data, p, answer.point, answer.distance, slot, static_cast<int>(answer.feature));
+  if (!search(data, p, cache, limit, found, answer)) return answer;
+  const double distance = answer.distance;
+  const Vec3 n = kernel::pseudonormal(data, p, answer.point, distance, found.slot, found.feature);
   const Vec3 away = p - answer.point;
   const bool inside = away.dot(n) < 0.0;
-  if (answer.distance > 1e-9 * data.size) {
-    // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the difference to the rounded
-    // point would make it too long.
-    const double inverse =
-        answer.distance > 1e-6 * data.size ? answer.distance / away.squaredNorm() : 1.0 / away.norm();
+  if (distance > 1e-9 * data.size) {
+    // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the rounding of its point would
+    // show in the length.
+    const bool isClear = distance > 1e-6 * (data.size + p.lpNorm<1>());
+    const double inverse = isClear ? distance * (1.0 / found.squared) : 1.0 / away.norm();
     answer.normal = away * (inside ? -inverse : inverse);
   } else {
     const double length = n.norm();
