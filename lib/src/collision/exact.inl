@@ -19,74 +19,12 @@ static inline void cross(const double* a, const double* b, double* c) {
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+static inline double absolute(double v) { return v < 0.0 ? -v : v; }
+
 static inline double squaredDistance(const double* a, const double* b) {
   double d[3];
   subtract(a, b, d);
   return dot(d, d);
-}
-
-// x = a + t e, t = clamp((p - a).e / e.e, 0, 1): well conditioned for edges of any length, also of none.
-static inline void tryEdge(const double* p, const double* a, const double* b, int32_t featureA, int32_t featureB,
-                           int32_t featureEdge, Candidate* best) {
-  double e[3], ap[3], x[3];
-  subtract(b, a, e);
-  subtract(p, a, ap);
-  const double along = dot(ap, e), length = dot(e, e);
-  int32_t feature = featureEdge;
-  if (!(along > 0.0)) {
-    feature = featureA;
-    for (int k = 0; k < 3; ++k) x[k] = a[k];
-  } else if (!(along < length)) {
-    feature = featureB;
-    for (int k = 0; k < 3; ++k) x[k] = b[k];
-  } else {
-    const double t = along / length;
-    for (int k = 0; k < 3; ++k) x[k] = a[k] + t * e[k];
-  }
-  const double squared = squaredDistance(p, x);
-  if (squared < best->squared) {
-    best->squared = squared;
-    for (int k = 0; k < 3; ++k) best->point[k] = x[k];
-    best->feature = feature;
-  }
-}
-
-// A long or flat triangle: its plane's foot point by iterative refinement (each pass works on the remaining
-// difference, so that the error shrinks by 1e-16 length / height), against the edges. All candidates lie on the
-// triangle, so a wrong decision between them can only cost what they differ by.
-static inline void closestOnThin(const Triangle* t, const double* p, Candidate* best) {
-  double length[3];  // of the edge opposite to the corner
-  for (int i = 0; i < 3; ++i) length[i] = squaredDistance(t->corner[(i + 1) % 3], t->corner[(i + 2) % 3]);
-  const int first = length[0] >= length[1] && length[0] >= length[2] ? 0 : length[1] >= length[2] ? 1 : 2;
-  const double* a = t->corner[first];  // the two shorter edges meet here
-  double u[3], v[3], n[3], r[3];
-  subtract(t->corner[(first + 1) % 3], a, u);
-  subtract(t->corner[(first + 2) % 3], a, v);
-  cross(u, v, n);
-  const double nn = dot(n, n);
-  best->squared = 1e308;
-  for (int k = 0; k < 3; ++k) best->point[k] = a[k];
-  best->feature = kCorner0 + first;
-  if (nn > 0.0) {
-    double wu = 0.0, wv = 0.0, x[3], c[3];
-    subtract(p, a, r);
-    for (int pass = 0; pass < 4; ++pass) {
-      cross(r, v, c);
-      wu += dot(c, n) / nn;
-      cross(u, r, c);
-      wv += dot(c, n) / nn;
-      for (int k = 0; k < 3; ++k) x[k] = a[k] + (wu * u[k] + wv * v[k]);
-      subtract(p, x, r);
-    }
-    if (wu > 0.0 && wv > 0.0 && wu + wv < 1.0) {
-      best->squared = dot(r, r);
-      for (int k = 0; k < 3; ++k) best->point[k] = x[k];
-      best->feature = kFace;
-    }
-  }
-  tryEdge(p, t->corner[0], t->corner[1], kCorner0, kCorner1, kEdge01, best);
-  tryEdge(p, t->corner[1], t->corner[2], kCorner1, kCorner2, kEdge12, best);
-  tryEdge(p, t->corner[2], t->corner[0], kCorner2, kCorner0, kEdge20, best);
 }
 
 // Where on a triangle the nearest point is: on edge 0, 1 or 2 at u of its length, or as a + u ab + v ac on the face.
@@ -121,38 +59,19 @@ static inline double nearEdge(const double* fromStart, const double* e, double* 
   return dot(d, d);
 }
 
-// The foot point on the plane where it lies inside, else the nearest point of the edges that it lies outside of.
-static inline void closestOnTriangle(const Triangle* t, const double* p, Candidate* best) {
-  if (t->thin != 0) {
-    closestOnThin(t, p, best);
-    return;
+// What a point asks of a triangle: its edges, and the ways to the point from where they start.
+static inline void edgesOf(const Triangle* t, const double* p, double (*e)[3], double (*from)[3]) {
+  for (int i = 0; i < 3; ++i) {
+    subtract(t->corner[(i + 1) % 3], t->corner[i], e[i]);
+    subtract(p, t->corner[i], from[i]);
   }
-  const double *a = t->corner[0], *b = t->corner[1], *c = t->corner[2];
-  double e[3][3], ac[3], from[3][3], n[3], s[3], weight[3];
-  subtract(b, a, e[0]);
-  subtract(c, b, e[1]);
-  subtract(a, c, e[2]);
-  subtract(c, a, ac);
-  subtract(p, a, from[0]);
-  subtract(p, b, from[1]);
-  subtract(p, c, from[2]);
-  cross(e[0], ac, n);
-  for (int i = 0; i < 3; ++i) {  // of the corner opposite to edge i
-    cross(e[i], from[i], s);
-    weight[i] = dot(s, n);
-  }
-  if (weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0) {
-    const double inverse = 1.0 / dot(n, n);
-    const double u = weight[2] * inverse, v = weight[0] * inverse;
-    double d[3];
-    for (int k = 0; k < 3; ++k) d[k] = from[0][k] - (u * e[0][k] + v * ac[k]);
-    best->squared = dot(d, d);
-    placeOn(t, kPartFace, u, v, best);
-    return;
-  }
-  int32_t part = kPart01;
+}
+
+// Against the edges that the point lies outside of; `best` has no place yet where its distance is 1e308.
+static inline void tryEdges(const Triangle* t, const double (*e)[3], const double (*from)[3], const double* weight,
+                            Candidate* best) {
+  int32_t part = best->squared < 1e308 ? kPartFace : kPart01;
   double u = 0.0;
-  best->squared = 1e308;
   for (int i = 0; i < 3; ++i) {
     if (weight[i] > 0.0) continue;
     double at;
@@ -162,5 +81,243 @@ static inline void closestOnTriangle(const Triangle* t, const double* p, Candida
     part = i;
     u = at;
   }
-  placeOn(t, part, u, 0.0, best);
+  if (part != kPartFace) placeOn(t, part, u, 0.0, best);
+}
+
+// A long or flat triangle: its plane's foot point by iterative refinement (each pass works on the remaining
+// difference, so that the error shrinks by 1e-16 length / height), against the edges. All candidates lie on the
+// triangle, so a wrong decision between them can only cost what they differ by.
+static inline void closestOnThin(const Triangle* t, const double* p, Candidate* best) {
+  double length[3];  // of the edge opposite to the corner
+  for (int i = 0; i < 3; ++i) length[i] = squaredDistance(t->corner[(i + 1) % 3], t->corner[(i + 2) % 3]);
+  const int first = length[0] >= length[1] && length[0] >= length[2] ? 0 : length[1] >= length[2] ? 1 : 2;
+  const double* a = t->corner[first];  // the two shorter edges meet here
+  double u[3], v[3], n[3], r[3];
+  subtract(t->corner[(first + 1) % 3], a, u);
+  subtract(t->corner[(first + 2) % 3], a, v);
+  cross(u, v, n);
+  const double nn = dot(n, n);
+  best->squared = 1e308;
+  if (nn > 0.0) {
+    double wu = 0.0, wv = 0.0, x[3], c[3];
+    subtract(p, a, r);
+    for (int pass = 0; pass < 4; ++pass) {
+      cross(r, v, c);
+      wu += dot(c, n) / nn;
+      cross(u, r, c);
+      wv += dot(c, n) / nn;
+      for (int k = 0; k < 3; ++k) x[k] = a[k] + (wu * u[k] + wv * v[k]);
+      subtract(p, x, r);
+    }
+    if (wu > 0.0 && wv > 0.0 && wu + wv < 1.0) {
+      best->squared = dot(r, r);
+      for (int k = 0; k < 3; ++k) best->point[k] = x[k];
+      best->feature = kFace;
+    }
+  }
+  const double outside[3] = {0.0, 0.0, 0.0};
+  double e[3][3], from[3][3];
+  edgesOf(t, p, e, from);
+  tryEdges(t, e, from, outside, best);
+}
+
+// The foot point on the plane where it lies inside, else the nearest point of the edges that it lies outside of.
+static inline void closestOnTriangle(const Triangle* t, const double* p, Candidate* best) {
+  if (t->thin != 0) {
+    closestOnThin(t, p, best);
+    return;
+  }
+  double e[3][3], ac[3], from[3][3], n[3], s[3], weight[3];
+  edgesOf(t, p, e, from);
+  subtract(t->corner[2], t->corner[0], ac);
+  cross(e[0], ac, n);
+  for (int i = 0; i < 3; ++i) {  // of the corner opposite to edge i
+    cross(e[i], from[i], s);
+    weight[i] = dot(s, n);
+  }
+  best->squared = 1e308;
+  if (!(weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0)) {
+    tryEdges(t, e, from, weight, best);
+    return;
+  }
+  const double inverse = 1.0 / dot(n, n);
+  const double u = weight[2] * inverse, v = weight[0] * inverse;
+  double d[3];
+  for (int k = 0; k < 3; ++k) d[k] = from[0][k] - (u * e[0][k] + v * ac[k]);
+  best->squared = dot(d, d);
+  placeOn(t, kPartFace, u, v, best);
+}
+
+static inline double inverseOf(double x) { return x > 0.0 ? 1.0 / x : 0.0; }
+
+static inline double within01(double x) {
+  const double after = x > 0.0 ? x : 0.0;
+  return after < 1.0 ? after : 1.0;
+}
+
+// A segment with what every triangle asks of it.
+struct Axis {
+  double a[3], b[3], way[3];
+  double squared, perSquared;  // length^2, its inverse or 0
+};
+
+static inline Axis axisBetween(const double* a, const double* b) {
+  Axis axis;
+  for (int k = 0; k < 3; ++k) {
+    axis.a[k] = a[k];
+    axis.b[k] = b[k];
+  }
+  subtract(b, a, axis.way);
+  axis.squared = dot(axis.way, axis.way);
+  axis.perSquared = inverseOf(axis.squared);
+  return axis;
+}
+
+static inline double footOn(const Axis* axis, const double* p) {
+  double to[3];
+  subtract(p, axis->a, to);
+  return within01(dot(to, axis->way) * axis->perSquared);
+}
+
+// Parameter of the crossing of a segment and a triangle (Moeller & Trumbore 1997, borders included); -1: none.
+static inline double crossing(const Triangle* t, const Axis* axis) {
+  double e1[3], e2[3], h[3], o[3], q[3];
+  subtract(t->corner[1], t->corner[0], e1);
+  subtract(t->corner[2], t->corner[0], e2);
+  subtract(axis->a, t->corner[0], o);
+  cross(axis->way, e2, h);
+  cross(o, e1, q);
+  const double det = dot(e1, h), size = absolute(det), border = -1e-12 * size;
+  const double u = dot(o, h), v = dot(axis->way, q), at = dot(e2, q) / det;
+  const double inU = det > 0.0 ? u : -u, inV = det > 0.0 ? v : -v;
+  const int crosses = size > 0.0 && size < 1e308 && inU >= border && inV >= border && inU + inV <= size - border &&
+                      at >= 0.0 && at <= 1.0;
+  return crosses != 0 ? at : -1.0;
+}
+
+// Where a segment and a triangle are nearest to each other.
+struct SegmentCandidate {
+  double squared;
+  double parameter;  // of the segment
+  double point[3];   // on the triangle
+};
+
+// Where the segment lies almost in the plane, or the triangle is a needle, the crossing may be rounding alone: it
+// counts if its point lies on the triangle.
+static inline int crossesAxis(const Triangle* t, const Axis* axis, SegmentCandidate* best) {
+  const double at = crossing(t, axis);
+  if (!(at >= 0.0)) return 0;
+  double x[3], size = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    x[k] = axis->a[k] + at * axis->way[k];
+    size += absolute(axis->a[k]) + absolute(axis->b[k]);
+  }
+  Candidate c;
+  closestOnTriangle(t, x, &c);
+  if (!(c.squared <= 1e-28 * size * size)) return 0;
+  best->squared = 0.0;
+  best->parameter = at;
+  for (int k = 0; k < 3; ++k) best->point[k] = c.point[k];
+  return 1;
+}
+
+// Of sin^2 of the angle between lines.
+static const double kNearlyParallel = 1e-3;
+
+// The shortest way so far, from the segment's point to a place of the triangle, as placeOn().
+struct Shortest {
+  double squared, parameter, u, v;
+  int32_t part;
+};
+
+// From an end to the face.
+static inline void tryFace(const Triangle* t, const double (*e)[3], const double (*from)[3], double parameter,
+                           Shortest* best) {
+  double ac[3], n[3], m[3], weight[3], d[3];
+  subtract(t->corner[2], t->corner[0], ac);
+  cross(e[0], ac, n);
+  for (int i = 0; i < 3; ++i) {
+    cross(n, e[i], m);
+    weight[i] = dot(from[i], m);
+  }
+  if (!(weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0)) return;
+  const double inverse = 1.0 / dot(n, n);
+  const double u = weight[2] * inverse, v = weight[0] * inverse;
+  for (int k = 0; k < 3; ++k) d[k] = from[0][k] - (u * e[0][k] + v * ac[k]);
+  const double squared = dot(d, d);
+  if (squared < best->squared) *best = {squared, parameter, u, v, kPartFace};
+}
+
+// Between a place of the segment and one of an edge e; `from` is the way from its start to the segment's.
+static inline void tryPair(const Axis* axis, const double* from, const double* e, double parameter, double u,
+                           int32_t part, Shortest* best) {
+  double d[3];
+  for (int k = 0; k < 3; ++k) d[k] = (from[k] + parameter * axis->way[k]) - u * e[k];
+  const double squared = dot(d, d);
+  if (squared < best->squared) *best = {squared, parameter, u, 0.0, part};
+}
+
+// Edge i: from the ends, to its start, and where the lines are nearest to each other, if that is inside both. The small
+// determinant of nearly parallel lines costs digits; going to and fro between them repairs that.
+static inline void tryEdgeOnAxis(const Axis* axis, const double* from, const double* e, int32_t i, Shortest* best) {
+  const double length = dot(e, e), perLength = inverseOf(length), along = dot(axis->way, e);
+  const double alongEdge = dot(e, from), across = dot(axis->way, from);
+  tryPair(axis, from, e, 0.0, within01(alongEdge * perLength), i, best);
+  tryPair(axis, from, e, 1.0, within01((alongEdge + along) * perLength), i, best);
+  tryPair(axis, from, e, within01(-across * axis->perSquared), 0.0, i, best);
+  const double both = axis->squared * length, lines = both - along * along;
+  double parameter = lines > 0.0 ? within01((along * alongEdge - length * across) / lines) : 0.0, u = 0.0;
+  for (int pass = lines > kNearlyParallel * both ? 2 : 0; pass < 3; ++pass) {
+    u = within01((alongEdge + parameter * along) * perLength);
+    parameter = within01((u * along - across) * axis->perSquared);
+  }
+  tryPair(axis, from, e, parameter, u, i, best);
+}
+
+static inline void finishOnAxis(const Triangle* t, const Shortest* found, SegmentCandidate* best) {
+  Candidate place;
+  placeOn(t, found->part, found->u, found->v, &place);
+  best->squared = found->squared;
+  best->parameter = found->parameter;
+  for (int k = 0; k < 3; ++k) best->point[k] = place.point[k];
+}
+
+// The shortest way is between an end and the face, or between the segment and an edge: from an end, to a corner, or
+// between the insides of both (Lumelsky 1985). Where they cross it is none. All candidates are points of both, so what
+// is lost by rounding can only cost what they differ by.
+static inline void closestToAxis(const Triangle* t, const Axis* axis, SegmentCandidate* best) {
+  if (crossesAxis(t, axis, best) != 0) return;
+  Shortest found = {1e308, 0.0, 0.0, 0.0, kPart01};
+  double e[3][3], from[3][3];
+  if (t->thin == 0) {
+    edgesOf(t, axis->b, e, from);
+    tryFace(t, e, from, 1.0, &found);
+  }
+  edgesOf(t, axis->a, e, from);
+  if (t->thin == 0) tryFace(t, e, from, 0.0, &found);
+  for (int i = 0; i < 3; ++i) tryEdgeOnAxis(axis, from[i], e[i], i, &found);
+  finishOnAxis(t, &found, best);
+  if (t->thin == 0) return;
+  for (int end = 0; end < 2; ++end) {
+    Candidate c;
+    closestOnThin(t, end == 0 ? axis->a : axis->b, &c);
+    if (!(c.squared < best->squared)) continue;
+    best->squared = c.squared;
+    best->parameter = end;
+    for (int k = 0; k < 3; ++k) best->point[k] = c.point[k];
+  }
+}
+
+// The nearest of four triangles; of equally near ones that of smallest index.
+static inline int closestToAxisOneByOne(const Triangle* const* t, const Axis* axis, SegmentCandidate* nearest) {
+  int lane = 0;
+  closestToAxis(t[0], axis, nearest);
+  for (int i = 1; i < 4; ++i) {
+    SegmentCandidate c;
+    closestToAxis(t[i], axis, &c);
+    if (!(c.squared < nearest->squared || (c.squared == nearest->squared && t[i]->index < t[lane]->index))) continue;
+    *nearest = c;
+    lane = i;
+  }
+  return lane;
 }

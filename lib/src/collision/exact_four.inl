@@ -33,6 +33,17 @@ static inline void loadCorners4(const Triangle* const* t, __m256d* v) {
   v[8] = _mm256_setr_pd(t[0]->corner[2][2], t[1]->corner[2][2], t[2]->corner[2][2], t[3]->corner[2][2]);
 }
 
+// The lane of the smallest number; of equal ones that of the triangle of smallest index.
+static inline int nearestLane(const Triangle* const* t, __m256d squared) {
+  const __m256d pairs = _mm256_min_pd(squared, _mm256_permute2f128_pd(squared, squared, 1));
+  const __m256d least = _mm256_min_pd(pairs, _mm256_permute_pd(pairs, 5));
+  unsigned lanes = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(squared, least, _CMP_EQ_OQ)));
+  int lane = __builtin_ctz(lanes | 8u);
+  for (lanes &= lanes - 1; lanes != 0; lanes &= lanes - 1)
+    if (t[__builtin_ctz(lanes)]->index < t[lane]->index) lane = __builtin_ctz(lanes);
+  return lane;
+}
+
 // Which of four triangles is nearest; of equally near ones the one of smallest index. None of them is thin.
 static inline int closestOfFour(const Triangle* const* t, const double* point, Candidate* nearest) {
   const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0);
@@ -70,17 +81,131 @@ static inline int closestOfFour(const Triangle* const* t, const double* point, C
       part = _mm256_blendv_pd(part, _mm256_set1_pd(i), nearer);
     }
   }
-  const __m256d pairs = _mm256_min_pd(squared, _mm256_permute2f128_pd(squared, squared, 1));
-  const __m256d least = _mm256_min_pd(pairs, _mm256_permute_pd(pairs, 5));
-  unsigned lanes = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(squared, least, _CMP_EQ_OQ)));
-  int lane = __builtin_ctz(lanes | 8u);
-  for (lanes &= lanes - 1; lanes != 0; lanes &= lanes - 1)
-    if (t[__builtin_ctz(lanes)]->index < t[lane]->index) lane = __builtin_ctz(lanes);
-  alignas(32) double column[3][4];
+  const int lane = nearestLane(t, squared);
+  alignas(32) double column[4][4];
   _mm256_store_pd(column[0], part);
   _mm256_store_pd(column[1], u);
   _mm256_store_pd(column[2], w);
-  nearest->squared = _mm256_cvtsd_f64(least);
+  _mm256_store_pd(column[3], squared);
+  nearest->squared = column[3][lane];
   placeOn(t[lane], static_cast<int32_t>(column[0][lane]), column[1][lane], column[2][lane], nearest);
+  return lane;
+}
+
+static inline __m256d within01Of4(__m256d x) {  // as the scalar code also for NaN
+  return _mm256_min_pd(_mm256_max_pd(x, _mm256_setzero_pd()), _mm256_set1_pd(1.0));
+}
+
+// The shortest ways known so far, as Shortest.
+struct Shortest4 {
+  __m256d squared, parameter, u, v, part;
+};
+
+static inline void take4(__m256d valid, __m256d squared, __m256d parameter, __m256d u, __m256d v, double part,
+                         Shortest4* best) {
+  const __m256d nearer = _mm256_and_pd(valid, _mm256_cmp_pd(squared, best->squared, _CMP_LT_OQ));
+  best->squared = _mm256_blendv_pd(best->squared, squared, nearer);
+  best->parameter = _mm256_blendv_pd(best->parameter, parameter, nearer);
+  best->u = _mm256_blendv_pd(best->u, u, nearer);
+  best->v = _mm256_blendv_pd(best->v, v, nearer);
+  best->part = _mm256_blendv_pd(best->part, _mm256_set1_pd(part), nearer);
+}
+
+// closestToAxis() for four triangles of which none is thin: the nearest one; of equally near ones that of smallest
+// index.
+static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, SegmentCandidate* nearest) {
+  const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0), sign = _mm256_set1_pd(-0.0);
+  const __m256d all = _mm256_cmp_pd(zero, zero, _CMP_EQ_OQ);
+  __m256d v[9], a[3], b[3], way[3], e[3][3], ac[3], fromA[3][3], fromB[3][3], n[3], m[3][3], h[3], q[3];
+  loadCorners4(t, v);
+  for (int k = 0; k < 3; ++k) {
+    a[k] = _mm256_set1_pd(axis->a[k]);
+    b[k] = _mm256_set1_pd(axis->b[k]);
+    way[k] = _mm256_set1_pd(axis->way[k]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    subtract4(v + (i == 2 ? 0 : 3 * i + 3), v + 3 * i, e[i]);
+    subtract4(a, v + 3 * i, fromA[i]);
+    subtract4(b, v + 3 * i, fromB[i]);
+  }
+  subtract4(v + 6, v, ac);
+  cross4(way, ac, h);
+  cross4(fromA[0], e[0], q);
+  const __m256d det = dot4(e[0], h), size = _mm256_andnot_pd(sign, det), turn = _mm256_and_pd(sign, det);
+  const __m256d border = _mm256_mul_pd(_mm256_set1_pd(-1e-12), size), at = _mm256_div_pd(dot4(ac, q), det);
+  const __m256d inU = _mm256_xor_pd(dot4(fromA[0], h), turn), inV = _mm256_xor_pd(dot4(way, q), turn);
+  __m256d crosses =
+      _mm256_and_pd(_mm256_cmp_pd(size, zero, _CMP_GT_OQ), _mm256_cmp_pd(size, _mm256_set1_pd(1e308), _CMP_LT_OQ));
+  crosses = _mm256_and_pd(
+      crosses, _mm256_and_pd(_mm256_cmp_pd(inU, border, _CMP_GE_OQ), _mm256_cmp_pd(inV, border, _CMP_GE_OQ)));
+  crosses = _mm256_and_pd(crosses, _mm256_cmp_pd(_mm256_add_pd(inU, inV), _mm256_sub_pd(size, border), _CMP_LE_OQ));
+  crosses =
+      _mm256_and_pd(crosses, _mm256_and_pd(_mm256_cmp_pd(at, zero, _CMP_GE_OQ), _mm256_cmp_pd(at, one, _CMP_LE_OQ)));
+  if (_mm256_movemask_pd(crosses) != 0) return closestToAxisOneByOne(t, axis, nearest);
+
+  Shortest4 best = {_mm256_set1_pd(1e308), zero, zero, zero, zero};
+
+  cross4(e[0], ac, n);
+  for (int i = 0; i < 3; ++i) cross4(n, e[i], m[i]);
+  const __m256d inverse = _mm256_div_pd(one, dot4(n, n));
+  for (int end = 1; end >= 0; --end) {
+    const __m256d(*from)[3] = end == 1 ? fromB : fromA;
+    const __m256d w0 = dot4(from[0], m[0]), w1 = dot4(from[1], m[1]), w2 = dot4(from[2], m[2]);
+    const __m256d inside =
+        _mm256_and_pd(_mm256_and_pd(_mm256_cmp_pd(w0, zero, _CMP_GT_OQ), _mm256_cmp_pd(w1, zero, _CMP_GT_OQ)),
+                      _mm256_cmp_pd(w2, zero, _CMP_GT_OQ));
+    if (_mm256_movemask_pd(inside) == 0) continue;
+    const __m256d u = _mm256_mul_pd(w2, inverse), w = _mm256_mul_pd(w0, inverse);
+    __m256d d[3];
+    for (int k = 0; k < 3; ++k)
+      d[k] = _mm256_sub_pd(from[0][k], _mm256_add_pd(_mm256_mul_pd(u, e[0][k]), _mm256_mul_pd(w, ac[k])));
+    take4(inside, dot4(d, d), end == 1 ? one : zero, u, w, kPartFace, &best);
+  }
+
+  const __m256d wayLength = _mm256_set1_pd(axis->squared), perWay = _mm256_set1_pd(axis->perSquared);
+  for (int i = 0; i < 3; ++i) {
+    const __m256d length = dot4(e[i], e[i]), perLength = _mm256_div_pd(one, length), along = dot4(way, e[i]);
+    const __m256d alongEdge = dot4(e[i], fromA[i]), across = dot4(way, fromA[i]);
+    const auto tryPair4 = [&](__m256d parameter, __m256d u) {
+      __m256d d[3];
+      for (int k = 0; k < 3; ++k)
+        d[k] = _mm256_sub_pd(_mm256_add_pd(fromA[i][k], _mm256_mul_pd(parameter, way[k])), _mm256_mul_pd(u, e[i][k]));
+      take4(all, dot4(d, d), parameter, u, zero, i, &best);
+    };
+    tryPair4(zero, within01Of4(_mm256_mul_pd(alongEdge, perLength)));
+    tryPair4(one, within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, along), perLength)));
+    tryPair4(within01Of4(_mm256_mul_pd(_mm256_xor_pd(across, sign), perWay)), zero);
+    // As tryEdgeOnAxis().
+    const __m256d both = _mm256_mul_pd(wayLength, length), lines = _mm256_sub_pd(both, _mm256_mul_pd(along, along));
+    __m256d parameter = within01Of4(
+        _mm256_div_pd(_mm256_sub_pd(_mm256_mul_pd(along, alongEdge), _mm256_mul_pd(length, across)), lines));
+    parameter = _mm256_and_pd(parameter, _mm256_cmp_pd(lines, zero, _CMP_GT_OQ));
+    __m256d u = zero;
+    const auto goToAndFro = [&] {
+      u = within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, _mm256_mul_pd(parameter, along)), perLength));
+      parameter = within01Of4(_mm256_mul_pd(_mm256_sub_pd(_mm256_mul_pd(u, along), across), perWay));
+    };
+    goToAndFro();
+    const __m256d isApart = _mm256_cmp_pd(lines, _mm256_mul_pd(_mm256_set1_pd(kNearlyParallel), both), _CMP_GT_OQ);
+    if (_mm256_movemask_pd(isApart) != 15) {
+      const __m256d u1 = u, parameter1 = parameter;
+      goToAndFro();
+      goToAndFro();
+      u = _mm256_blendv_pd(u, u1, isApart);
+      parameter = _mm256_blendv_pd(parameter, parameter1, isApart);
+    }
+    tryPair4(parameter, u);
+  }
+
+  const int lane = nearestLane(t, best.squared);
+  alignas(32) double column[5][4];
+  _mm256_store_pd(column[0], best.squared);
+  _mm256_store_pd(column[1], best.parameter);
+  _mm256_store_pd(column[2], best.u);
+  _mm256_store_pd(column[3], best.v);
+  _mm256_store_pd(column[4], best.part);
+  const Shortest found = {column[0][lane], column[1][lane], column[2][lane], column[3][lane],
+                          static_cast<int32_t>(column[4][lane])};
+  finishOnAxis(t[lane], &found, nearest);
   return lane;
 }

@@ -98,6 +98,13 @@ struct Answer {
   int32_t feature;
 };
 
+struct SegmentAnswer {
+  double squared;    ///< distance^2
+  double parameter;  ///< of the segment's nearest point
+  double point[3];   ///< on the mesh
+  int32_t slot;      ///< -1 where nothing was found
+};
+
 /// Called for every triangle that may be within reach; answers the reach from now on.
 using Visit = double (*)(void* context, int32_t slot, double reach);
 
@@ -109,9 +116,10 @@ struct Loops {
   /// The same, the near ones first and few more.
   void (*visitSegment)(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visit,
                        void* context);
-  /// A lower bound of the distance between mesh and segment, close to it between `needed` and `most`; where it is below
-  /// `needed`, only one that is at most needed / 4.
-  double (*clearance)(const Mesh& mesh, const double from[3], const double to[3], double most, double needed);
+  /// Nearest triangle to the segment, not farther than `reach`; of equally near ones the one of smallest index. `hint`:
+  /// a slot that is likely to hold it, or -1.
+  void (*closestToSegment)(const Mesh& mesh, const double from[3], const double to[3], double reach, int32_t hint,
+                           SegmentAnswer* answer);
   /// Every triangle within `reach` that may hold a local minimum of the distance from the point: at one, the way to the
   /// point lies among the normals around it.
   void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);

@@ -84,6 +84,6 @@ inline void compressNumbers(int32_t first, const Chosen& lanes, int32_t* p) {
 
 }  // namespace
 
-const Loops kAvx2Loops = {&closest, &visit, &visitSegment, &clearance, &visitMinima};
+const Loops kAvx2Loops = {&closest, &visit, &visitSegment, &closestToSegment, &visitMinima};
 
 }  // namespace enamel::kernel

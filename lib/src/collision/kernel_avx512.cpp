@@ -42,6 +42,6 @@ inline void compressNumbers(int32_t first, Chosen lanes, int32_t* p) {
 
 }  // namespace
 
-const Loops kAvx512Loops = {&closest, &visit, &visitSegment, &clearance, &visitMinima};
+const Loops kAvx512Loops = {&closest, &visit, &visitSegment, &closestToSegment, &visitMinima};
 
 }  // namespace enamel::kernel

@@ -104,10 +104,14 @@ inline int closestOfFour(const Triangle* const* t, const double* point, Candidat
   return lane;
 }
 
+inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, SegmentCandidate* nearest) {
+  return closestToAxisOneByOne(t, axis, nearest);
+}
+
 #include "kernel_loops.inl"
 
 }  // namespace
 
-const Loops kBaselineLoops = {&closest, &visit, &visitSegment, &clearance, &visitMinima};
+const Loops kBaselineLoops = {&closest, &visit, &visitSegment, &closestToSegment, &visitMinima};
 
 }  // namespace enamel::kernel

@@ -71,8 +71,6 @@ static inline int isFar(const double* local) {
            local[2] > -kFar);
 }
 
-static inline double absolute(double v) { return v < 0.0 ? -v : v; }
-
 static inline double slackOf(const Mesh* mesh, const double* local) {
   return kBoundError * (absolute(local[0]) + absolute(local[1]) + absolute(local[2]) + 2.0 * mesh->extent);
 }
@@ -216,6 +214,17 @@ static inline void fetch(const void* address, int lines) {
   for (int i = 0; i < lines; ++i) __builtin_prefetch(static_cast<const char*>(address) + 64 * i);
 }
 
+static inline void fetchChild(const Mesh* mesh, int32_t child) {
+  if (child < 0) {
+    fetch(mesh->leaves + ~child, 20);
+    return;
+  }
+  const int32_t number = child & kNumber;
+  if ((child & kHasNodes) != 0) fetch(mesh->nodes + number, 6);
+  if ((child & kHasLeaves) != 0) fetch(mesh->boxes + number, 17);
+  fetch(mesh->nodes[number].child, 1);
+}
+
 static inline void keepCandidate(Search* s, int32_t slot, float bound) {
   if (s->candidates == kMostCandidates) {
     int kept = 0;
@@ -273,15 +282,37 @@ static inline void tightenToBoxes(Search* s, const Node* node, V x, V y, V z) {
   lowerLimit(s, d * d * 1.000002f);
 }
 
-struct Entry {
-  float bound;
-  int32_t child;
+// Nodes and leaves that have yet to be looked at, and no nearer than their bounds.
+struct Stack {
+  int top = 0;
+  float bound[kStackSize + kWidth];
+  int32_t child[kStackSize + kWidth];
 };
+
+// The nearest one comes to the top.
+static inline void push(const Mesh* mesh, V bounds, const int32_t* child, unsigned mask, Stack* stack) {
+  const int bottom = stack->top;
+  stack->top += __builtin_popcount(mask);
+  const Chosen lanes = choose(mask);
+  compress(bounds, lanes, stack->bound + bottom);
+  compress(child, lanes, stack->child + bottom);
+  int nearest = bottom;
+  for (int i = bottom; i < stack->top; ++i) {
+    nearest = stack->bound[i] < stack->bound[nearest] ? i : nearest;
+    fetchChild(mesh, stack->child[i]);
+  }
+  const int last = stack->top - 1;
+  const float bound = stack->bound[nearest];
+  const int32_t number = stack->child[nearest];
+  stack->bound[nearest] = stack->bound[last];
+  stack->child[nearest] = stack->child[last];
+  stack->bound[last] = bound;
+  stack->child[last] = number;
+}
 
 // Depth first, the nearest child first.
 static inline void searchTree(Search* s, int cold) {
-  Entry stack[kStackSize];
-  int top = 0;
+  Stack stack;
   int32_t current = s->mesh->root;
   const V x = set(s->x), y = set(s->y), z = set(s->z);
   for (;;) {
@@ -289,43 +320,29 @@ static inline void searchTree(Search* s, int cold) {
       searchLeaf(s, ~current);
     } else {
       const Node* node = s->mesh->nodes + (current & kNumber);
-      V b = boxBounds(node->low[0], node->high[0], kWidth, x, y, z);
+      V b = set(0.0f);
+      if ((current & kHasNodes) != 0) b = boxBounds(node->low[0], node->high[0], kWidth, x, y, z);
       if (cold != 0 && s->least > 3e38f) tightenToBoxes(s, node, x, y, z);
       unsigned mask = lessOrEqualMask(b, set(s->limit));
       if (mask != 0 && (current & kHasLeaves) != 0) {
-        b = maximum(b, orientedBounds(lanesOf(s->mesh->boxes + (current & kNumber)), x, y, z));
+        const LeafBoxes* boxes = s->mesh->boxes + (current & kNumber);
+        b = maximum(b, orientedBounds(lanesOf(boxes), x, y, z));
         mask &= lessOrEqualMask(b, set(s->limit));
+        if ((current & kHasNodes) == 0) mask &= boxes->lanes;
       }
       if (mask != 0) {
         if ((mask & (mask - 1)) == 0) {
           current = node->child[__builtin_ctz(mask)];
           continue;
         }
-        float bounds[kWidth];
-        store(bounds, b);
-        const int bottom = top;
-        for (; mask != 0; mask &= mask - 1) {
-          const int lane = __builtin_ctz(mask);
-          const float bound = bounds[lane];
-          int place = top++;
-          for (; place > bottom && stack[place - 1].bound < bound; --place) stack[place] = stack[place - 1];
-          const int32_t child = node->child[lane];
-          stack[place].bound = bound;
-          stack[place].child = child;
-        }
-        for (int i = top - 2; i < top; ++i)
-          if (stack[i].child < 0) {
-            fetch(s->mesh->leaves + ~stack[i].child, 20);
-          } else {
-            fetch(s->mesh->nodes + (stack[i].child & kNumber), 7);
-          }
+        push(s->mesh, b, node->child, mask, &stack);
       }
     }
     do {
-      if (top == 0) return;
-      --top;
-    } while (!(stack[top].bound <= s->limit));
-    current = stack[top].child;
+      if (stack.top == 0) return;
+      --stack.top;
+    } while (!(stack.bound[stack.top] <= s->limit));
+    current = stack.child[stack.top];
   }
 }
 
@@ -560,7 +577,7 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
       leaves += __builtin_popcount(near);
       if (leaves > ProximityCache::kLeaves) return giveUpList(cache);
       compress(node->child, choose(near), cache->leaf + before);
-      for (int i = before; i < leaves; ++i) fetch(mesh->leaves + ~cache->leaf[i], 20);
+      for (int i = before; i < leaves; ++i) fetchChild(mesh, cache->leaf[i]);
       mask &= ~boxes->lanes;
       --left;
     }
@@ -568,12 +585,7 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
     nodes += __builtin_popcount(mask);
     if (nodes > ProximityCache::kNodes) return giveUpList(cache);
     compress(node->child, choose(mask), cache->node + before);
-    for (int i = before; i < nodes; ++i) {
-      const int32_t number = cache->node[i] & kNumber;
-      if ((cache->node[i] & kHasNodes) != 0) fetch(mesh->nodes + number, 6);
-      if ((cache->node[i] & kHasLeaves) != 0) fetch(mesh->boxes + number, 17);
-      fetch(mesh->nodes[number].child, 1);
-    }
+    for (int i = before; i < nodes; ++i) fetchChild(mesh, cache->node[i]);
   }
   for (; leaves > 0 && left > 0; left -= 2) {
     const int32_t leaf = ~cache->leaf[--leaves];
@@ -739,9 +751,10 @@ struct Ray {
 
 static inline V between(V x, V low, V high) { return maximum(minimum(x, high), low); }
 
-// Squared distances of boxes |f| <= half from a segment that is given in their frames. What is nearest to a point of
-// the box is the foot of that point, so only the feet of the box count; their bounding box is taken.
-static inline V pieceBounds(const V* start, const V* way, const V* half, V length) {
+// Squared distances of boxes |f| <= half, from below, from a segment that is given in their frames. Only the feet of a
+// box on the segment can be nearest to it. The plane across the way from the middle of the feet to the box keeps the
+// box away; along the segment the height over it falls by no more than its slope.
+static inline V boxesBefore(const V* start, const V* way, const V* half, V length) {
   const V zero = set(0.0f);
   V foot = zero, extent = zero;
   for (int k = 0; k < 3; ++k) {
@@ -750,13 +763,16 @@ static inline V pieceBounds(const V* start, const V* way, const V* half, V lengt
   }
   const V first = between(sub(sub(zero, foot), extent), zero, length);
   const V last = between(sub(extent, foot), zero, length);
-  V squared = zero;
+  const V middle = mul(add(first, last), set(0.5f)), halfWay = mul(sub(last, first), set(0.5f));
+  V squared = zero, ahead = zero;
   for (int k = 0; k < 3; ++k) {
-    const V a = mad(way[k], first, start[k]), b = mad(way[k], last, start[k]);
-    const V d = maximum(sub(maximum(minimum(a, b), sub(zero, maximum(a, b))), half[k]), zero);
+    const V v = mad(way[k], middle, start[k]);
+    const V d = sub(v, maximum(minimum(v, half[k]), sub(zero, half[k])));
     squared = mad(d, d, squared);
+    ahead = mad(d, way[k], ahead);
   }
-  return squared;
+  const V height = maximum(sub(squared, mul(maximum(ahead, sub(zero, ahead)), halfWay)), zero);
+  return divide(mul(height, height), maximum(squared, set(1e-30f)));
 }
 
 static inline V segmentBounds(const Node* node, const Ray* ray) {
@@ -767,7 +783,7 @@ static inline V segmentBounds(const Node* node, const Ray* ray) {
     half[k] = maximum(mul(sub(high, low), middle), empty);
     start[k] = sub(ray->start[k], mul(add(high, low), middle));
   }
-  return pieceBounds(start, ray->way, half, ray->length);
+  return boxesBefore(start, ray->way, half, ray->length);
 }
 
 static inline V segmentBounds(const LeafBoxes* boxes, const Ray* ray) {
@@ -778,7 +794,7 @@ static inline V segmentBounds(const LeafBoxes* boxes, const Ray* ray) {
     way[i] = mad(x, ray->way[0], mad(y, ray->way[1], mul(z, ray->way[2])));
     half[i] = load(boxes->row[12 + i]);
   }
-  return pieceBounds(start, way, half, ray->length);
+  return boxesBefore(start, way, half, ray->length);
 }
 
 // Distances of the triangles of a leaf from the middle of their feet on the segment, squared, how far that lies ahead
@@ -809,9 +825,9 @@ static inline float tangentBound(float squared, float ahead, float halfWay, floa
   return d - halfWay * (slope < 1.0f ? slope : 1.0f);
 }
 
-// With a visitor as Loops::visitSegment, without one as Loops::clearance.
-static inline double searchSegment(const Mesh& mesh, const double from[3], const double to[3], double reach,
-                                   double needed, Visit visitor, void* context) {
+// As Loops::visitSegment; the visitor is known when this is compiled.
+static inline void searchSegment(const Mesh& mesh, const double from[3], const double to[3], double reach,
+                                 Visit visitor, void* context) {
   double a[3], b[3], way[3], size = 2.0 * mesh.extent;
   for (int k = 0; k < 3; ++k) {
     a[k] = (from[k] - mesh.centre[k]) * mesh.scale;
@@ -820,9 +836,8 @@ static inline double searchSegment(const Mesh& mesh, const double from[3], const
     size += absolute(a[k]) > absolute(b[k]) ? absolute(a[k]) : absolute(b[k]);
   }
   if (isFar(a) || isFar(b)) {
-    if (visitor == nullptr) return 0.0;
     visit(mesh, from, to, reach, visitor, context);
-    return 0.0;
+    return;
   }
   const double slack = kBoundError * size;
   const double length = __builtin_sqrt(dot(way, way));
@@ -832,10 +847,8 @@ static inline double searchSegment(const Mesh& mesh, const double from[3], const
     ray.way[k] = set(length > 0.0 ? static_cast<float>(way[k] / length) : 0.0f);
   }
   ray.length = set(static_cast<float>(length));
-  Entry stack[kStackSize];
-  int top = 0;
+  Stack stack;
   int32_t current = mesh.root;
-  const double least = slack / mesh.scale;
   const float error = 2.0f * static_cast<float>(slack);
   float limit = limitOf(reach * mesh.scale, slack);
   for (;;) {
@@ -859,60 +872,102 @@ static inline double searchSegment(const Mesh& mesh, const double from[3], const
             first = lane;
           }
         }
-        if (visitor == nullptr) {
-          const double clear = static_cast<double>(nearest) / mesh.scale - least;
-          if (clear < reach) reach = clear > 0.0 ? clear : 0.0;
-          if (reach < needed && reach > 0.25 * needed) reach = 0.25 * needed;
+        for (int lane = first; mask != 0; lane = __builtin_ctz(mask | 0x10000u)) {
+          mask &= ~(1u << lane);
+          if (!(bound[lane] <= root)) continue;
+          const double now = visitor(context, ~current * kWidth + lane, reach);
+          if (!(now < reach)) continue;
+          reach = now;
           limit = limitOf(reach * mesh.scale, slack);
-          if (!(reach > 0.0)) return 0.0;
-        } else {
-          for (int lane = first; mask != 0; lane = __builtin_ctz(mask | 0x10000u)) {
-            mask &= ~(1u << lane);
-            const int32_t slot = ~current * kWidth + lane;
-            if (!(bound[lane] <= root) || mesh.triangles[slot].index < 0) continue;
-            const double now = visitor(context, slot, reach);
-            if (!(now < reach)) continue;
-            reach = now;
-            limit = limitOf(reach * mesh.scale, slack);
-            root = __builtin_sqrtf(limit) * 1.000001f;
-          }
+          root = __builtin_sqrtf(limit) * 1.000001f;
         }
       }
     } else {
       const Node* node = mesh.nodes + (current & kNumber);
-      V near = segmentBounds(node, &ray);
+      V near = set(0.0f);
+      if ((current & kHasNodes) != 0) near = segmentBounds(node, &ray);
       unsigned mask = lessOrEqualMask(near, set(limit));
       if (mask != 0 && (current & kHasLeaves) != 0) {
-        near = maximum(near, segmentBounds(mesh.boxes + (current & kNumber), &ray));
+        const LeafBoxes* boxes = mesh.boxes + (current & kNumber);
+        near = maximum(near, segmentBounds(boxes, &ray));
         mask &= lessOrEqualMask(near, set(limit));
+        if ((current & kHasNodes) == 0) mask &= boxes->lanes;
       }
-      float bounds[kWidth];
-      store(bounds, near);
-      const int bottom = top;
-      for (; mask != 0; mask &= mask - 1) {
-        const int lane = __builtin_ctz(mask);
-        const float bound = bounds[lane];
-        int place = top++;
-        for (; place > bottom && stack[place - 1].bound < bound; --place) stack[place] = stack[place - 1];
-        stack[place].bound = bound;
-        stack[place].child = node->child[lane];
-      }
+      if (mask != 0) push(&mesh, near, node->child, mask, &stack);
     }
     do {
-      if (top == 0) return reach;
-      --top;
-    } while (!(stack[top].bound <= limit));
-    current = stack[top].child;
+      if (stack.top == 0) return;
+      --stack.top;
+    } while (!(stack.bound[stack.top] <= limit));
+    current = stack.child[stack.top];
   }
 }
 
 static void visitSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visitor,
                          void* context) {
-  searchSegment(mesh, from, to, reach, 0.0, visitor, context);
+  searchSegment(mesh, from, to, reach, visitor, context);
 }
 
-static double clearance(const Mesh& mesh, const double from[3], const double to[3], double most, double needed) {
-  return searchSegment(mesh, from, to, most, needed, nullptr, nullptr);
+// Triangles are collected and looked at in fours.
+struct AxisSearch {
+  const Mesh* mesh;
+  Axis axis;
+  SegmentAnswer* answer;
+  int waiting;
+  int32_t slot[4];
+};
+
+static inline void tryWaiting(AxisSearch* s) {
+  const Triangle* t[4];
+  int thin = 0;
+  for (int i = 0; i < 4; ++i) {
+    t[i] = s->mesh->triangles + s->slot[i < s->waiting ? i : 0];
+    thin |= t[i]->thin;
+  }
+  const auto keep = [s](const Triangle* triangle, const SegmentCandidate& c) {
+    SegmentAnswer* answer = s->answer;
+    if (!(c.squared < answer->squared) &&
+        !(c.squared == answer->squared &&
+          (answer->slot < 0 || triangle->index < s->mesh->triangles[answer->slot].index)))
+      return;
+    answer->squared = c.squared;
+    answer->parameter = c.parameter;
+    for (int k = 0; k < 3; ++k) answer->point[k] = c.point[k];
+    answer->slot = static_cast<int32_t>(triangle - s->mesh->triangles);
+  };
+  SegmentCandidate c;
+  if (thin == 0 && s->waiting > 1) {
+    const int lane = closestToAxisOfFour(t, &s->axis, &c);
+    keep(t[lane], c);
+  } else {
+    for (int i = 0; i < s->waiting; ++i) {
+      closestToAxis(t[i], &s->axis, &c);
+      keep(t[i], c);
+    }
+  }
+  s->waiting = 0;
+}
+
+static inline double collectForAxis(void* context, int32_t slot, double reach) {
+  AxisSearch* s = static_cast<AxisSearch*>(context);
+  if (s->mesh->triangles[slot].index < 0) return reach;
+  s->slot[s->waiting++] = slot;
+  if (s->waiting < 4) return reach;
+  tryWaiting(s);
+  return __builtin_sqrt(s->answer->squared);
+}
+
+static void closestToSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, int32_t hint,
+                             SegmentAnswer* answer) {
+  AxisSearch s = {&mesh, axisBetween(from, to), answer, 0, {}};
+  answer->squared = reach * reach < kHuge ? reach * reach : kHuge;
+  answer->slot = -1;
+  if (hint >= 0) {
+    s.slot[s.waiting++] = hint;
+    tryWaiting(&s);
+  }
+  searchSegment(mesh, from, to, __builtin_sqrt(answer->squared), &collectForAxis, &s);
+  if (s.waiting > 0) tryWaiting(&s);
 }
 
 // Leaves within the limit whose normals allow a local minimum: the way from one of their points to the point in
@@ -948,28 +1003,32 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
   stack[top++] = mesh.root;
   while (top > 0) {
     const int32_t current = stack[--top];
-    const Node* node = mesh.nodes + (current & kNumber);
-    unsigned mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), limit);
-    if ((current & kHasLeaves) != 0) {
-      const LeafBoxes* boxes = mesh.boxes + (current & kNumber);
-      mask &= leavesWithMinima(boxes, x, y, z, limit, slack) | ~boxes->lanes;
-    }
-    for (; mask != 0; mask &= mask - 1) {
-      const int32_t child = node->child[__builtin_ctz(mask)];
-      if (child >= 0) {
-        stack[top++] = child;
-        continue;
-      }
+    if (current < 0) {
       V height;
-      const V d = triangleDistances(lanesOf(mesh.leaves + ~child), x, y, z, &height);
+      const V d = triangleDistances(lanesOf(mesh.leaves + ~current), x, y, z, &height);
       const V high =
           sub(maximum(height, sub(set(0.0f), height)), sub(set(0.0f), slack));  // |height| and what both may err by
-      const V least = mul(load(mesh.cones + ~child * kWidth), d);
+      const V least = mul(load(mesh.cones + ~current * kWidth), d);
       unsigned near = lessOrEqualMask(d, limit) & lessOrEqualMask(least, mul(high, high));
       for (; near != 0; near &= near - 1) {
-        const int32_t slot = ~child * kWidth + __builtin_ctz(near);
+        const int32_t slot = ~current * kWidth + __builtin_ctz(near);
         if (mesh.triangles[slot].index >= 0) visitor(context, slot, reach);
       }
+      continue;
+    }
+    const Node* node = mesh.nodes + (current & kNumber);
+    unsigned mask = 0;
+    if ((current & kHasNodes) != 0)
+      mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), limit);
+    if ((current & kHasLeaves) != 0) {
+      const LeafBoxes* boxes = mesh.boxes + (current & kNumber);
+      mask = (mask & ~boxes->lanes) | (leavesWithMinima(boxes, x, y, z, limit, slack) & boxes->lanes);
+    }
+    for (; mask != 0; mask &= mask - 1) {
+      stack[top] = node->child[__builtin_ctz(mask)];
+      fetchChild(&mesh, stack[top]);
+      if (stack[top] < 0) fetch(mesh.cones + ~stack[top] * kWidth, 1);
+      ++top;
     }
   }
 }

@@ -18,6 +18,8 @@ constexpr double kSameDirection = 0.9659258262890683;  // cos 15 deg
 constexpr int kMostFanSteps = 64;
 constexpr int kAxisSteps = 64;           // halvings of the axis of a capsule: below 1e-18 of its length
 constexpr double kClearlyNearer = 1e-9;  // m
+constexpr double kClear = 1e-6;          // of the size: where the way to the surface gives the normal
+constexpr double kSurely = 1e-12;        // of the size: a distance that is more than rounding
 constexpr double kLookAhead = 2.5;       // times a part's reach: how far its clearance is looked for
 
 using MeshPointer = std::shared_ptr<const MeshModel>;
@@ -214,62 +216,46 @@ void addPart(const Analytic& shape, const Segment& axis, double radius, PartCach
     addSphere(shape, middle, radius, out);
 }
 
-// Whether a corner of triangle `number` (-1: none) lies within `limit` of the axis.
-bool isWithin(const MeshModel& mesh, int number, const Segment& axis, double limit) {
-  const TriangleMesh& all = mesh.mesh();
-  if (number < 0 || number >= static_cast<int>(all.triangles.size()) || !hasTriangle(mesh.data(), number)) return false;
-  const Vec3 way = axis.b - axis.a;
-  const double squared = way.squaredNorm();
-  const auto& corners = all.triangles[number];
-  return std::any_of(corners.begin(), corners.end(), [&](int vertex) {
-    const Vec3 to = all.vertices[vertex] - axis.a;
-    const double t = squared > 0.0 ? std::clamp(to.dot(way) / squared, 0.0, 1.0) : 0.0;
-    return (to - t * way).squaredNorm() <= limit * limit;
-  });
-}
-
 // Outside of a closed surface the side cannot change before the surface is met: an axis that starts outside and keeps
 // away from every triangle lies outside, and it still does after a way shorter than its clearance. Most ticks of most
 // parts end there. `limit` then hides what is out of reach.
 void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCache* cache, Collector& out) {
   const auto point = [cache](std::size_t i) { return cache == nullptr ? nullptr : &cache->points[i]; };
   const double reach = radius + std::max(out.margin, 0.0), justBeyond = reach * (1.0 + 1e-12);
-  const bool isSphere = axis.a == axis.b;
+  const bool isKnown = cache != nullptr && cache->revision == mesh.data().view.revision;
   double clear = -1.0;
-  if (cache != nullptr && cache->revision == mesh.data().view.revision)
-    clear = cache->clear - std::max((axis.a - cache->axis.a).norm(), (axis.b - cache->axis.b).norm());
+  if (isKnown) clear = cache->clear - std::max((axis.a - cache->axis.a).norm(), (axis.b - cache->axis.b).norm());
   if (clear > reach) return;
-  const auto remember = [&] {
-    if (cache == nullptr) return;
+  const bool isSphere = axis.a == axis.b, wasOutside = clear > 0.0 && !isSphere;
+  SurfacePoint atA, atB;
+  if (!wasOutside) {
+    atA = signedDistance(mesh, axis.a, point(0));
+    atB = isSphere ? atA : signedDistance(mesh, axis.b, point(1));
+    clear = std::min(atA.distance, atB.distance);
+  }
+  SegmentPoint between;
+  if (clear > 0.0 && !isSphere) {
+    const double far = kLookAhead * reach;
+    between = closestToSegment(mesh, axis, far, isKnown ? cache->nearest : -1);
+    clear = between.triangle < 0 ? far : between.distance;
+  }
+  const bool isOutside = mesh.data().closed && clear > kSurely * mesh.data().size;
+  if (cache != nullptr) {
     cache->revision = mesh.data().view.revision;
     cache->axis = axis;
-    cache->clear = mesh.data().closed ? clear * (1.0 - 1e-9) : -1.0;
-  };
-  SurfacePoint atA;
-  const bool isOutside = clear > 0.0;
-  if (isSphere || !isOutside) atA = signedDistance(mesh, axis.a, point(0));
+    cache->clear = isOutside ? clear * (1.0 - 1e-9) : -1.0;
+    cache->nearest = between.triangle;
+  }
   if (isSphere) {
-    clear = atA.distance;
-    remember();
     addSphere(mesh, axis.a, radius, atA, out);
     return;
   }
-  // Where the triangle that was nearest is still within reach, so is the mesh: its distance is the clearance.
-  const int hint = cache == nullptr ? -1 : cache->nearest;
-  SegmentPoint between;
-  if (mesh.data().closed && (isOutside || atA.distance > 0.0)) {
-    if (isWithin(mesh, hint, axis, justBeyond)) {
-      between = closestToSegment(mesh, axis, justBeyond, hint);
-      clear = between.distance;
-    } else {
-      clear = loops().clearance(mesh.data().view, axis.a.data(), axis.b.data(), kLookAhead * reach, justBeyond);
-    }
-    remember();
-    if (clear > justBeyond) return;
+  if (isOutside && clear > justBeyond) return;
+  const double limit = isOutside ? justBeyond : kNoLimit;
+  if (wasOutside) {
+    atA = signedDistance(mesh, axis.a, point(0), limit);
+    atB = signedDistance(mesh, axis.b, point(1), limit);
   }
-  const double limit = clear > 0.0 ? justBeyond : kNoLimit;
-  if (isOutside) atA = signedDistance(mesh, axis.a, point(0), limit);
-  const SurfacePoint atB = signedDistance(mesh, axis.b, point(1), limit);
   addSphere(mesh, axis.a, radius, atA, out);
   addSphere(mesh, axis.b, radius, atB, out);
   // Where an end lies behind the surface, no place between is nearer to the outside than both.
@@ -277,11 +263,17 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   if (atA.triangle >= 0) ends = std::min(ends, atA.distance - kClearlyNearer);
   if (atB.triangle >= 0) ends = std::min(ends, atB.distance - kClearlyNearer);
   if (!(ends > 0.0)) return;
-  if (between.triangle < 0) between = closestToSegment(mesh, axis, ends, hint);
-  if (cache != nullptr) cache->nearest = between.triangle;
   if (between.triangle < 0 || between.distance > ends || !(between.parameter > 0.0 && between.parameter < 1.0)) return;
   const Vec3 middle = axis.a + between.parameter * (axis.b - axis.a);
-  const SurfacePoint there = signedDistance(mesh, middle, point(2), limit);
+  SurfacePoint there;
+  if (isOutside && between.distance > kClear * mesh.data().size) {
+    there.triangle = between.triangle;
+    there.point = between.point;
+    there.distance = between.distance;
+    there.normal = (middle - between.point) / between.distance;
+  } else {
+    there = signedDistance(mesh, middle, point(2), limit);
+  }
   if (there.distance < ends) addSphere(mesh, middle, radius, there, out);
 }
 

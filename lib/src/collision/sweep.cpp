@@ -90,124 +90,18 @@ double sweepTriangle(void* context, std::int32_t slot, double reach) {
   return reach;
 }
 
-double inverse(double x) { return x > 0.0 ? 1.0 / x : 0.0; }
+Axis axisOf(const Segment& segment) { return axisBetween(segment.a.data(), segment.b.data()); }
 
-// A segment with what every triangle asks of it.
-struct Axis {
-  explicit Axis(const Segment& segment)
-      : a(segment.a),
-        b(segment.b),
-        way(segment.b - segment.a),
-        squared(way.squaredNorm()),
-        perSquared(inverse(squared)) {}
-  Vec3 at(double t) const { return a + t * way; }
-  double footOf(const Vec3& p) const { return std::clamp((p - a).dot(way) * perSquared, 0.0, 1.0); }
-  Vec3 a, b, way;
-  double squared, perSquared;
-};
-
-// Parameter of the crossing of a segment and a triangle (Moeller & Trumbore 1997, borders included); -1: none.
-double crossing(const Axis& axis, const std::array<Vec3, 3>& corner) {
-  const Vec3 &a = corner[0], e1 = corner[1] - a, e2 = corner[2] - a;
-  const Vec3& way = axis.way;
-  const Vec3 h = way.cross(e2);
-  const double det = e1.dot(h);
-  if (det == 0.0 || !std::isfinite(det)) return -1.0;
-  const Vec3 o = axis.a - a, q = o.cross(e1);
-  const double border = 1e-12 * std::abs(det), side = det > 0.0 ? 1.0 : -1.0;
-  const double u = side * o.dot(h), v = side * way.dot(q);
-  if (u < -border || v < -border || u + v > side * det + border) return -1.0;
-  const double t = e2.dot(q) / det;
-  return t >= 0.0 && t <= 1.0 ? t : -1.0;
-}
-
-// The place of the segment where its line is nearest to that of an edge c + r v, if that is inside both (Lumelsky
-// 1985). Nearly parallel lines lose digits by the small determinant: going to and fro between the lines repairs them.
-// All candidates are points of both, so what is lost can only cost what they differ by.
-template <typename Consider>
-void tryEdge(const Axis& axis, const Vec3& c, const Vec3& v, const Consider& consider) {
-  const Vec3 w = axis.a - c;
-  const double vv = v.squaredNorm(), uv = axis.way.dot(v), uw = axis.way.dot(w), vw = v.dot(w);
-  const double both = axis.squared * vv, det = both - uv * uv;
-  if (!(det > 0.0)) return;
-  const double perVv = inverse(vv);
-  double t = std::clamp((uv * vw - vv * uw) / det, 0.0, 1.0);
-  for (int pass = det > 1e-3 * both ? 2 : 0; pass < 3; ++pass) {
-    const double r = std::clamp((vw + t * uv) * perVv, 0.0, 1.0);
-    t = std::clamp((r * uv - uw) * axis.perSquared, 0.0, 1.0);
-    consider(t, Vec3(c + r * v));
-  }
-}
-
-// The shortest way is between the segment and a corner, between an end and the triangle, or between the insides of the
-// segment and an edge; where they cross it is none.
-SegmentPoint nearestOn(const Triangle& triangle, const Axis& axis) {
+SegmentPoint nearestOn(const Triangle& triangle, const Segment& segment) {
+  const Axis axis = axisOf(segment);
+  SegmentCandidate c;
+  closestToAxis(&triangle, &axis, &c);
   SegmentPoint here;
   here.triangle = triangle.index;
-  const std::array<Vec3, 3> corner = {vec(triangle.corner[0]), vec(triangle.corner[1]), vec(triangle.corner[2])};
-  const double t = crossing(axis, corner);
-  if (t >= 0.0) {
-    here.parameter = t;
-    here.point = axis.at(t);
-    return here;
-  }
-  here.distance = kNoLimit;
-  const auto take = [&here](double squared, double parameter, const Vec3& point) {
-    if (!(squared < here.distance)) return;
-    here.distance = squared;
-    here.parameter = parameter;
-    here.point = point;
-  };
-  const auto consider = [&](double place, const Vec3& x) { take((axis.at(place) - x).squaredNorm(), place, x); };
-  for (const double end : {0.0, 1.0}) {
-    Candidate c;
-    closestOnTriangle(&triangle, (end == 0.0 ? axis.a : axis.b).data(), &c);
-    take(c.squared, end, vec(c.point));
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    consider(axis.footOf(corner[i]), corner[i]);
-    tryEdge(axis, corner[i], corner[(i + 1) % 3] - corner[i], consider);
-  }
-  here.distance = std::sqrt(here.distance);
+  here.point = vec(c.point);
+  here.parameter = c.parameter;
+  here.distance = std::sqrt(c.squared);
   return here;
-}
-
-struct SegmentSearch {
-  const MeshData* data;
-  Axis axis;
-  double rounding;
-  SegmentPoint best;
-};
-
-// The nearest place of the segment lies between the feet of the corners. The distance is convex along the segment, so
-// it stays above its tangent in the middle there (where the nearest point is known to sqrt(2 rounding distance)).
-double lowerBound(const SegmentSearch& s, const Triangle& triangle) {
-  double first = 1.0, last = 0.0;
-  for (const auto& corner : triangle.corner) {
-    const double t = s.axis.footOf(vec(corner));
-    first = std::min(first, t);
-    last = std::max(last, t);
-  }
-  const Vec3 middle = s.axis.at(0.5 * (first + last));
-  const Nearest near = nearestOn(triangle, middle);
-  if (!(near.distance > 64.0 * s.rounding)) return 0.0;
-  const double length = std::sqrt(s.axis.squared);
-  const double slope = std::abs((middle - near.point).dot(s.axis.way)) / (length * near.distance) +
-                       2.0 * std::sqrt(s.rounding / near.distance);
-  const double halfWay = length > 0.0 ? 0.5 * (last - first) * length * std::min(1.0, slope) : 0.0;
-  return near.distance - halfWay - s.rounding;
-}
-
-double trySegmentTriangle(void* context, std::int32_t slot, double reach) {
-  auto& s = *static_cast<SegmentSearch*>(context);
-  const Triangle& triangle = s.data->triangles[slot];
-  if (lowerBound(s, triangle) > reach) return reach;
-  const SegmentPoint here = nearestOn(triangle, s.axis);
-  if (here.distance > reach) return reach;
-  if (s.best.triangle < 0 || here.distance < s.best.distance ||
-      (here.distance == s.best.distance && here.triangle < s.best.triangle))
-    s.best = here;
-  return std::min(reach, s.best.distance);
 }
 
 struct CapsuleSweep {
@@ -228,7 +122,7 @@ double waitOfPiece(const CapsuleSweep& s, const Triangle& triangle, double time,
   const auto on = [](const Vec3& a, const Vec3& b, double t) { return Vec3(a + t * (b - a)); };
   const Segment axis = s.at(time);
   const Segment piece{on(axis.a, axis.b, first), on(axis.a, axis.b, last)};
-  const SegmentPoint near = nearestOn(triangle, Axis(piece));
+  const SegmentPoint near = nearestOn(triangle, piece);
   const double gap = near.distance - s.radius;
   if (!(gap > 0.0) || !(near.distance > 1e-9 * s.data->size)) return gap > 0.0 ? gap / s.speed : 0.0;
   const Vec3 normal = (on(piece.a, piece.b, near.parameter) - near.point) / near.distance;
@@ -263,7 +157,7 @@ double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
   double time = s.start;
   for (int step = 0; step < kMostAdvances; ++step) {
     const Segment now = s.at(time);
-    const SegmentPoint near = nearestOn(triangle, Axis(now));
+    const SegmentPoint near = nearestOn(triangle, now);
     if (near.distance - s.radius > s.tolerance) {
       const double wait = step < kPlainAdvances ? waitOfPiece(s, triangle, time, 0.0, 1.0)
                                                 : waitOfAxis(s, triangle, time, near.parameter);
@@ -288,6 +182,7 @@ double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
 
 struct PickSearch {
   const MeshData* data;
+  Vec3 way;
   Axis axis;
   SweepHit best;
 };
@@ -295,15 +190,14 @@ struct PickSearch {
 double pickTriangle(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<PickSearch*>(context);
   const Triangle& triangle = s.data->triangles[slot];
-  const std::array<Vec3, 3> corner = {vec(triangle.corner[0]), vec(triangle.corner[1]), vec(triangle.corner[2])};
-  const double t = crossing(s.axis, corner);
-  if (t < 0.0 || !isBetter(s.best, t, triangle.index)) return reach;
+  SegmentCandidate c;
+  if (crossesAxis(&triangle, &s.axis, &c) == 0 || !isBetter(s.best, c.parameter, triangle.index)) return reach;
   s.best.hit = true;
-  s.best.time = t;
-  s.best.point = s.axis.at(t);
+  s.best.time = c.parameter;
+  s.best.point = vec(c.point);
   s.best.triangle = triangle.index;
-  const Vec3 n = unitNormal(corner[0], corner[1], corner[2]);
-  s.best.normal = n.dot(s.axis.way) > 0.0 ? Vec3(-n) : n;
+  const Vec3 n = unitNormal(vec(triangle.corner[0]), vec(triangle.corner[1]), vec(triangle.corner[2]));
+  s.best.normal = n.dot(s.way) > 0.0 ? Vec3(-n) : n;
   return reach;
 }
 
@@ -332,28 +226,36 @@ SweepHit sweepSphere(const MeshModel& model, const Vec3& from, const Vec3& to, d
 }
 
 SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit, int hint) noexcept {
-  SegmentSearch s{&model.data(), Axis(segment), 0.0, {}};
+  SegmentPoint best;
   if (!segment.a.allFinite() || !segment.b.allFinite() || !(limit >= 0.0)) {
-    s.best.status = Status::notFinite;
-    return s.best;
+    best.status = Status::notFinite;
+    return best;
   }
-  const Vec3 centre(s.data->view.centre[0], s.data->view.centre[1], s.data->view.centre[2]);
-  s.rounding = 1e-14 * (s.data->size + segment.a.norm() + segment.b.norm());
+  const MeshData& data = model.data();
+  const Vec3 centre = vec(data.view.centre);
   // Far away the boxes say little: points of the segment bound the distance, to and fro between it and the mesh.
   double reach = limit;
-  if (hint >= 0 && hint < static_cast<int>(s.data->slotOf.size()) && hasTriangle(*s.data, hint))
-    reach = trySegmentTriangle(&s, s.data->slotOf[hint], reach);
-  if (std::max((segment.a - centre).norm(), (segment.b - centre).norm()) > kFarSizes * s.data->size) {
-    double t = s.axis.footOf(centre);
+  if (std::max((segment.a - centre).norm(), (segment.b - centre).norm()) > kFarSizes * data.size) {
+    const Axis axis = axisOf(segment);
+    const double rounding = 1e-14 * (data.size + segment.a.norm() + segment.b.norm());
+    double t = footOn(&axis, centre.data());
     for (int pass = 0; pass < kMostBounds; ++pass) {
-      const SurfacePoint near = closestPoint(model, s.axis.at(t), nullptr, reach);
+      const SurfacePoint near = closestPoint(model, segment.a + t * (segment.b - segment.a), nullptr, reach);
       if (near.triangle < 0) break;
-      reach = std::min(reach, near.distance * (1.0 + 1e-12) + s.rounding);
-      t = s.axis.footOf(near.point);
+      reach = std::min(reach, near.distance * (1.0 + 1e-12) + rounding);
+      t = footOn(&axis, near.point.data());
     }
   }
-  kernel::loops().visitSegment(s.data->view, segment.a.data(), segment.b.data(), reach, &trySegmentTriangle, &s);
-  return s.best;
+  const bool isKnown = hint >= 0 && hint < static_cast<int>(data.slotOf.size()) && hasTriangle(data, hint);
+  SegmentAnswer found;
+  kernel::loops().closestToSegment(data.view, segment.a.data(), segment.b.data(), reach,
+                                   isKnown ? data.slotOf[hint] : -1, &found);
+  if (found.slot < 0) return best;
+  best.triangle = data.triangles[found.slot].index;
+  best.point = vec(found.point);
+  best.parameter = found.parameter;
+  best.distance = std::sqrt(found.squared);
+  return best;
 }
 
 SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment& to, double radius) noexcept {
@@ -397,16 +299,15 @@ SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment
 }
 
 SweepHit pick(const MeshModel& model, const Segment& segment) noexcept {
-  PickSearch s{&model.data(), Axis(segment), {}};
+  PickSearch s{&model.data(), segment.b - segment.a, axisOf(segment), {}};
   if (!segment.a.allFinite() || !segment.b.allFinite()) {
     s.best.status = Status::notFinite;
     return s.best;
   }
-  const Vec3& way = s.axis.way;
-  const double hair = 1e-12 * (s.data->size + way.norm());
+  const double hair = 1e-12 * (s.data->size + s.way.norm());
   for (int piece = 0; piece < kPickPieces && !s.best.hit; ++piece) {  // small boxes, from the near end to the far one
-    const Vec3 first = segment.a + way * (static_cast<double>(piece) / kPickPieces);
-    const Vec3 last = segment.a + way * ((piece + 1.0) / kPickPieces);
+    const Vec3 first = segment.a + s.way * (static_cast<double>(piece) / kPickPieces);
+    const Vec3 last = segment.a + s.way * ((piece + 1.0) / kPickPieces);
     kernel::loops().visit(s.data->view, first.data(), last.data(), hair, &pickTriangle, &s);
   }
   return s.best;
