@@ -307,17 +307,3 @@ static inline void closestToAxis(const Triangle* t, const Axis* axis, SegmentCan
     for (int k = 0; k < 3; ++k) best->point[k] = c.point[k];
   }
 }
-
-// The nearest of four triangles; of equally near ones that of smallest index.
-static inline int closestToAxisOneByOne(const Triangle* const* t, const Axis* axis, SegmentCandidate* nearest) {
-  int lane = 0;
-  closestToAxis(t[0], axis, nearest);
-  for (int i = 1; i < 4; ++i) {
-    SegmentCandidate c;
-    closestToAxis(t[i], axis, &c);
-    if (!(c.squared < nearest->squared || (c.squared == nearest->squared && t[i]->index < t[lane]->index))) continue;
-    *nearest = c;
-    lane = i;
-  }
-  return lane;
-}

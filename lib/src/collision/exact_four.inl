@@ -33,15 +33,19 @@ static inline void loadCorners4(const Triangle* const* t, __m256d* v) {
   v[8] = _mm256_setr_pd(t[0]->corner[2][2], t[1]->corner[2][2], t[2]->corner[2][2], t[3]->corner[2][2]);
 }
 
-// The lane of the smallest number; of equal ones that of the triangle of smallest index.
-static inline int nearestLane(const Triangle* const* t, __m256d squared) {
-  const __m256d pairs = _mm256_min_pd(squared, _mm256_permute2f128_pd(squared, squared, 1));
-  const __m256d least = _mm256_min_pd(pairs, _mm256_permute_pd(pairs, 5));
-  unsigned lanes = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(squared, least, _CMP_EQ_OQ)));
+static inline int smallestIndex(const Triangle* const* t, unsigned lanes) {
   int lane = __builtin_ctz(lanes | 8u);
   for (lanes &= lanes - 1; lanes != 0; lanes &= lanes - 1)
     if (t[__builtin_ctz(lanes)]->index < t[lane]->index) lane = __builtin_ctz(lanes);
   return lane;
+}
+
+// The lane of the smallest number; of equal ones that of the triangle of smallest index.
+static inline int nearestLane(const Triangle* const* t, __m256d squared) {
+  const __m256d pairs = _mm256_min_pd(squared, _mm256_permute2f128_pd(squared, squared, 1));
+  const __m256d least = _mm256_min_pd(pairs, _mm256_permute_pd(pairs, 5));
+  const int equal = _mm256_movemask_pd(_mm256_cmp_pd(squared, least, _CMP_EQ_OQ));
+  return smallestIndex(t, static_cast<unsigned>(equal));
 }
 
 // Which of four triangles is nearest; of equally near ones the one of smallest index. None of them is thin.
@@ -141,9 +145,17 @@ static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis
   crosses = _mm256_and_pd(crosses, _mm256_cmp_pd(_mm256_add_pd(inU, inV), _mm256_sub_pd(size, border), _CMP_LE_OQ));
   crosses =
       _mm256_and_pd(crosses, _mm256_and_pd(_mm256_cmp_pd(at, zero, _CMP_GE_OQ), _mm256_cmp_pd(at, one, _CMP_LE_OQ)));
-  if (_mm256_movemask_pd(crosses) != 0) return closestToAxisOneByOne(t, axis, nearest);
+  constexpr double kCrossed = kPartFace + 1;
+  alignas(32) double column[5][4] = {{1e308, 1e308, 1e308, 1e308}};
+  SegmentCandidate crossed[4];
+  for (unsigned lanes = static_cast<unsigned>(_mm256_movemask_pd(crosses)); lanes != 0; lanes &= lanes - 1) {
+    const int lane = __builtin_ctz(lanes);
+    if (crossesAxis(t[lane], axis, crossed + lane) == 0) continue;
+    column[0][lane] = 0.0;
+    column[4][lane] = kCrossed;
+  }
 
-  Shortest4 best = {_mm256_set1_pd(1e308), zero, zero, zero, zero};
+  Shortest4 best = {_mm256_load_pd(column[0]), zero, zero, zero, _mm256_load_pd(column[4])};
 
   cross4(e[0], ac, n);
   for (int i = 0; i < 3; ++i) cross4(n, e[i], m[i]);
@@ -198,12 +210,15 @@ static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis
   }
 
   const int lane = nearestLane(t, best.squared);
-  alignas(32) double column[5][4];
   _mm256_store_pd(column[0], best.squared);
   _mm256_store_pd(column[1], best.parameter);
   _mm256_store_pd(column[2], best.u);
   _mm256_store_pd(column[3], best.v);
   _mm256_store_pd(column[4], best.part);
+  if (column[4][lane] == kCrossed) {
+    *nearest = crossed[lane];
+    return lane;
+  }
   const Shortest found = {column[0][lane], column[1][lane], column[2][lane], column[3][lane],
                           static_cast<int32_t>(column[4][lane])};
   finishOnAxis(t[lane], &found, nearest);

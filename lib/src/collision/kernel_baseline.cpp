@@ -105,7 +105,16 @@ inline int closestOfFour(const Triangle* const* t, const double* point, Candidat
 }
 
 inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, SegmentCandidate* nearest) {
-  return closestToAxisOneByOne(t, axis, nearest);
+  int lane = 0;
+  closestToAxis(t[0], axis, nearest);
+  for (int i = 1; i < 4; ++i) {
+    SegmentCandidate c;
+    closestToAxis(t[i], axis, &c);
+    if (!(c.squared < nearest->squared || (c.squared == nearest->squared && t[i]->index < t[lane]->index))) continue;
+    *nearest = c;
+    lane = i;
+  }
+  return lane;
 }
 
 #include "kernel_loops.inl"
