@@ -17,6 +17,8 @@ constexpr float kEmptyBox = 3e38f;      // its square is infinite
 constexpr double kThin = 1e-3;          // height over longest edge, below which the careful path is taken
 constexpr double kEdgesOnly = 0x1p-20;  // local height below which the float bound uses the edges alone
 
+constexpr double kMuchSmaller = 0.8;
+
 struct Box {
   Eigen::Vector3f low = Eigen::Vector3f::Constant(kEmptyBox), high = Eigen::Vector3f::Constant(-kEmptyBox);
   void add(const Box& other) {
@@ -65,18 +67,18 @@ Box boxOf(const MeshData& data, std::int32_t triangle) {
 }
 
 void writeBox(MeshData& data, Parent at, const Box& box) {
-  Node& node = data.nodes[at.node];
+  AlignedBoxes& boxes = data.boxes[at.node];
   for (int k = 0; k < 3; ++k) {
-    node.low[k][at.lane] = box.low[k];
-    node.high[k][at.lane] = box.high[k];
+    boxes.low[k][at.lane] = box.low[k];
+    boxes.high[k][at.lane] = box.high[k];
   }
 }
 
-Box boxOfNode(const Node& node) {
+Box boxOfNode(const AlignedBoxes& boxes) {
   Box box;
   for (int k = 0; k < 3; ++k) {
-    box.low[k] = *std::min_element(node.low[k], node.low[k] + kWidth);
-    box.high[k] = *std::max_element(node.high[k], node.high[k] + kWidth);
+    box.low[k] = *std::min_element(boxes.low[k], boxes.low[k] + kWidth);
+    box.high[k] = *std::max_element(boxes.high[k], boxes.high[k] + kWidth);
   }
   return box;
 }
@@ -109,60 +111,99 @@ Mat3 axesAlong(const std::vector<Vec3>& corners, const Vec3& mean, const Vec3& n
   return axes;
 }
 
-// The axes follow the surface; a box that is only refitted keeps those it has.
-void writeLeafBox(MeshData& data, std::int32_t leaf, bool keepAxes) {
-  std::vector<Vec3>& corners = data.scratch;
-  corners.clear();
-  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
-  for (int lane = 0; lane < kWidth; ++lane) {
-    const std::int32_t t = data.triangles[leaf * kWidth + lane].index;
-    if (t < 0) continue;
-    for (const int v : data.mesh.triangles[t]) {
-      corners.push_back(local(data.view, data.mesh.vertices[v]));
-      mean += corners.back();
-    }
-    const Vec3* c = &corners[corners.size() - 3];
-    normal += (c[1] - c[0]).cross(c[2] - c[0]);
-  }
-  const Parent at = data.leafParent[leaf];
-  LeafBoxes& box = data.boxes[at.node];
-  Mat3 oldAxes;
-  for (int i = 0; i < 9; ++i) oldAxes(i / 3, i % 3) = static_cast<double>(box.row[i][at.lane]);
-  keepAxes = keepAxes && !oldAxes.isZero(0.0);
-  for (auto& row : box.row) row[at.lane] = 0.0f;
-  if (!keepAxes) box.cone[at.lane] = 0.0f;
-  if (corners.empty()) {  // far away
-    for (int i = 0; i < 3; ++i) box.row[9 + i][at.lane] = kFarAway;
-    return;
-  }
-  const Mat3 axes = keepAxes ? oldAxes : axesAlong(corners, mean / static_cast<double>(corners.size()), normal);
+double angleBetween(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
+double angleOfCone(float cone) { return std::acos(std::sqrt(static_cast<double>(cone))); }
+float coneOfAngle(double angle) {
+  const double cosine = angle + 1e-3 < 0.5 * M_PI ? std::cos(angle + 1e-3) : 0.0;
+  return static_cast<float>(0.999 * cosine * cosine);
+}
+
+struct Oriented {
+  Mat3 axes = Mat3::Zero();
+  Vec3 offset = Vec3::Constant(static_cast<double>(kFarAway)), half = Vec3::Zero();  // |axes q + offset| <= half
+  double halfArea() const { return half.x() * half.y() + half.y() * half.z() + half.z() * half.x(); }
+};
+
+Oriented boxAlong(const Mat3& axes, const std::vector<Vec3>& corners) {
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (const Vec3& c : corners) {
     const Vec3 f = axes * c;
     low = low.cwiseMin(f);
     high = high.cwiseMax(f);
   }
+  return {axes, -0.5 * (low + high), 0.5 * (high - low)};
+}
+
+Oriented readOriented(const MeshData& data, Parent at) {
+  const Node& node = data.nodes[at.node];
+  Oriented box;
   for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) box.row[3 * i + k][at.lane] = static_cast<float>(axes(i, k));
-    box.row[9 + i][at.lane] = static_cast<float>(-0.5 * (low[i] + high[i]));
-    box.row[12 + i][at.lane] = above(0.5 * (high[i] - low[i]));
+    for (int k = 0; k < 3; ++k) box.axes(i, k) = static_cast<double>(node.row[3 * i + k][at.lane]);
+    box.offset[i] = static_cast<double>(node.row[9 + i][at.lane]);
+    box.half[i] = static_cast<double>(node.row[12 + i][at.lane]);
+  }
+  return box;
+}
+
+void writeOriented(MeshData& data, Parent at, const Oriented& box) {
+  Node& node = data.nodes[at.node];
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) node.row[3 * i + k][at.lane] = static_cast<float>(box.axes(i, k));
+    node.row[9 + i][at.lane] = static_cast<float>(box.offset[i]);
+    node.row[12 + i][at.lane] = above(box.half[i]);
   }
 }
 
-// The cone of a leaf, about the third axis of its box, holds those of its triangles.
-void writeCone(MeshData& data, std::int32_t leaf, const std::vector<Vec3>& normal) {
-  const Parent at = data.leafParent[leaf];
-  LeafBoxes& box = data.boxes[at.node];
-  const Vec3 axis(box.row[6][at.lane], box.row[7][at.lane], box.row[8][at.lane]);
-  double widest = 0.0;
-  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot) {
-    const std::int32_t t = data.triangles[slot].index;
-    if (t < 0) continue;
-    const double cone = std::sqrt(static_cast<double>(data.cones[slot]));
-    widest = std::max(widest, std::acos(std::clamp(axis.dot(normal[t]), -1.0, 1.0)) + std::acos(cone) + 1e-3);
+// The corners of these triangles, to data.scratch.
+void gatherCorners(MeshData& data, const std::int32_t* triangles, int count) {
+  data.scratch.clear();
+  for (int i = 0; i < count; ++i)
+    for (const int v : data.mesh.triangles[triangles[i]]) data.scratch.push_back(local(data.view, data.mesh.vertices[v]));
+}
+
+// Of what was gathered. The axes follow the surface, or are those of the mesh where that is smaller.
+Oriented orientedBox(const std::vector<Vec3>& corners) {
+  if (corners.empty()) return {};
+  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    mean += corners[i] + corners[i + 1] + corners[i + 2];
+    normal += (corners[i + 1] - corners[i]).cross(corners[i + 2] - corners[i]);
   }
-  const double cosine = widest < 0.5 * M_PI ? std::cos(widest) : 0.0;
-  box.cone[at.lane] = static_cast<float>(0.999 * cosine * cosine);
+  const Oriented turned = boxAlong(axesAlong(corners, mean / static_cast<double>(corners.size()), normal), corners);
+  const Oriented straight = boxAlong(Mat3::Identity(), corners);
+  return straight.halfArea() < kMuchSmaller * turned.halfArea() ? straight : turned;
+}
+
+int trianglesOf(const MeshData& data, std::int32_t leaf, std::array<std::int32_t, kWidth>& triangles) {
+  int count = 0;
+  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot)
+    if (data.triangles[slot].index >= 0) triangles[count++] = data.triangles[slot].index;
+  return count;
+}
+
+// The cone of a leaf, about the third axis of its box, holds those of its triangles.
+void writeLeafCone(MeshData& data, std::int32_t leaf, const std::vector<Vec3>& normal) {
+  const Parent at = data.leafParent[leaf];
+  const Vec3 axis = readOriented(data, at).axes.row(2);
+  double widest = 0.0;
+  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot)
+    if (data.triangles[slot].index >= 0)
+      widest = std::max(widest, angleBetween(axis, normal[data.triangles[slot].index]) + angleOfCone(data.cones[slot]));
+  data.nodes[at.node].cone[at.lane] = coneOfAngle(widest);
+}
+
+// That of a node holds those of its children.
+void writeNodeCone(MeshData& data, std::int32_t number) {
+  const Parent at = data.nodeParent[number];
+  if (at.node < 0) return;
+  const Node& node = data.nodes[number];
+  const Vec3 axis = readOriented(data, at).axes.row(2);
+  double widest = 0.0;
+  for (int lane = 0; lane < kWidth; ++lane)
+    if ((node.lanes >> lane & 1u) != 0)
+      widest = std::max(widest, angleBetween(axis, readOriented(data, {number, lane}).axes.row(2)) +
+                                    angleOfCone(node.cone[lane]));
+  data.nodes[at.node].cone[at.lane] = coneOfAngle(widest);
 }
 
 // A binary tree over ranges of `order`.
@@ -281,7 +322,6 @@ class Builder {
           clearSlot(data_, slot);
         }
       }
-      writeLeafBox(data_, leaf, false);
       return ~leaf;
     }
     std::array<int, kWidth> child{top.left, top.right};
@@ -305,16 +345,19 @@ class Builder {
     data_.nodes.emplace_back();
     data_.boxes.emplace_back();
     data_.nodeParent.push_back(parent);
-    std::int32_t flags = 0;
     for (int lane = 0; lane < kWidth; ++lane) {
       const bool used = lane < count;
       const std::int32_t number = used ? fold(child[lane], {self, lane}) : 0;
-      if (used && number < 0) data_.boxes[self].lanes |= 1u << lane;
-      if (used) flags |= number < 0 ? kHasLeaves : kHasNodes;
-      data_.nodes[self].child[lane] = number;
+      Node& node = data_.nodes[self];
+      node.child[lane] = number;
+      if (used) node.lanes |= 1u << lane;
+      if (used && number < 0) node.leaves |= 1u << lane;
       writeBox(data_, {self, lane}, used ? tree_[child[lane]].box : Box());
+      data_.scratch.clear();
+      if (used) gatherCorners(data_, &order_[tree_[child[lane]].first], tree_[child[lane]].count);
+      writeOriented(data_, {self, lane}, orientedBox(data_.scratch));
     }
-    return self | flags;
+    return self;
   }
 
   MeshData& data_;
@@ -391,14 +434,30 @@ void clearSlot(MeshData& data, std::int32_t slot) {
 }
 
 void refitLeaf(MeshData& data, std::int32_t leaf) {
-  writeLeafBox(data, leaf, true);
   Parent at = data.leafParent[leaf];
+  std::array<std::int32_t, kWidth> triangles{};
+  const int count = trianglesOf(data, leaf, triangles);
+  // The axes stay where there are any, and with them the cone; the boxes above only grow.
+  gatherCorners(data, triangles.data(), count);
+  const Mat3 axes = readOriented(data, at).axes;
+  const bool isNew = count == 0 || axes.isZero(0.0);
+  if (isNew) openCones(data, at);
+  writeOriented(data, at, isNew ? orientedBox(data.scratch) : boxAlong(axes, data.scratch));
   Box box = boxOfLeaf(data, leaf);
   while (at.node >= 0) {
     writeBox(data, at, box);
-    box = boxOfNode(data.nodes[at.node]);
+    box = boxOfNode(data.boxes[at.node]);
     at = data.nodeParent[at.node];
+    if (at.node < 0) break;
+    Oriented parent = readOriented(data, at);
+    for (const Vec3& c : data.scratch) parent.half = parent.half.cwiseMax((parent.axes * c + parent.offset).cwiseAbs());
+    writeOriented(data, at, parent);
   }
+}
+
+void openCones(MeshData& data, Parent at) {
+  for (; at.node >= 0 && data.nodes[at.node].cone[at.lane] > 0.0f; at = data.nodeParent[at.node])
+    data.nodes[at.node].cone[at.lane] = 0.0f;
 }
 
 void buildHierarchy(MeshData& data) {
@@ -431,6 +490,7 @@ void buildHierarchy(MeshData& data) {
   data.view.boxes = data.boxes.data();
   data.view.triangles = data.triangles.data();
   data.view.revision = nextRevision();
+  data.scratch = std::vector<Vec3>();
   data.scratch.reserve(3 * kWidth);
   data.dirtyLeaves.reserve(data.leaves.size());
   data.isDirty.assign(data.leaves.size(), 0);
@@ -514,7 +574,8 @@ void buildNormals(MeshData& data) {
   }
   data.view.cones = data.cones.data();
   for (std::size_t leaf = 0; leaf < data.leaves.size(); ++leaf)
-    writeCone(data, static_cast<std::int32_t>(leaf), normal);
+    writeLeafCone(data, static_cast<std::int32_t>(leaf), normal);
+  for (std::size_t node = data.nodes.size(); node-- > 0;) writeNodeCone(data, static_cast<std::int32_t>(node));
 }
 
 }  // namespace enamel::kernel

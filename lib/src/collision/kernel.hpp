@@ -14,20 +14,25 @@
 namespace enamel::kernel {
 
 inline constexpr int kWidth = 16;                  ///< children of a node, triangles of a leaf
-inline constexpr int32_t kHasLeaves = 1 << 30;     ///< added to the number of a node with leaves among its children
-inline constexpr int32_t kHasNodes = 1 << 29;      ///< added to the number of a node with nodes among its children
-inline constexpr int32_t kNumber = kHasNodes - 1;  ///< mask that takes both off
 inline constexpr int kMaxDepth = 48;               ///< levels that the builder may make
 inline constexpr int kStackSize = 768;             ///< entries; a level of the tree needs at most kWidth - 1
 inline constexpr int kFrameRows = 20;              ///< of a leaf
-inline constexpr int kBoxRows = 15;                ///< of the boxes of leaves
+inline constexpr int kBoxRows = 15;                ///< of a node's boxes
 static_assert(kStackSize >= kMaxDepth * (kWidth - 1) + kWidth, "the stack holds every child on a path");
 
-/// 16 child boxes, local coordinates, rounded outwards. Unused lanes hold an empty box.
+/// Oriented boxes of 16 children: |axis * q + offset| <= half. Unused lanes lie far away.
 struct alignas(64) Node {
+  float row[kBoxRows][kWidth];  ///< three axes, offsets, half sizes
+  float cone[kWidth];           ///< cos^2 of the angle from the third axis to the farthest normal, or 0
+  int32_t child[kWidth];        ///< node number, or ~leaf number
+  uint32_t lanes;               ///< bit mask of those in use
+  uint32_t leaves;              ///< of those that hold a leaf
+};
+
+/// The same children between planes along the axes, rounded outwards. Unused lanes hold an empty box.
+struct alignas(64) AlignedBoxes {
   float low[3][kWidth];
   float high[3][kWidth];
-  int32_t child[kWidth];  ///< node number plus flags, or ~leaf number
 };
 
 /// 16 triangles in local coordinates, each in a plane frame of its own: corner a at the origin, the longest edge along
@@ -57,13 +62,6 @@ static constexpr float unusedRow(int row) {
                                                 : 0.0f;
 }
 
-/// Oriented boxes of the leaves below a node, by lane: |axis * q + offset| <= half. Lanes without a leaf hold zeros.
-struct alignas(64) LeafBoxes {
-  float row[kBoxRows][kWidth];  ///< three axes, offsets, half sizes
-  float cone[kWidth];           ///< cos^2 of the angle from the third axis to the farthest normal, or 0
-  uint32_t lanes;               ///< bit mask of the lanes that have a leaf
-};
-
 /// One triangle in double, in the order of the leaves: slot = 16 * leaf + lane.
 struct Triangle {
   double corner[3][3];
@@ -75,7 +73,7 @@ struct Triangle {
 struct Mesh {
   const Node* nodes;
   const Leaf* leaves;
-  const LeafBoxes* boxes;  ///< by node
+  const AlignedBoxes* boxes;  ///< by node
   const Triangle* triangles;
   const float* cones;  ///< by slot: cos^2 of the angle to the farthest normal around the triangle, or 0
   int32_t root;        ///< as Node::child; always a node

@@ -130,16 +130,6 @@ static inline void tryTriangles(Search* s, const int32_t* slot, int count) {
   keepNearer(s, t[closestOfFour(t, s->point, &c)], &c);
 }
 
-// Squared distances of 16 boxes from a box [x0, x1] (a point where both are the same), as floats from below but for
-// the slack that the limit carries.
-static inline V boxBounds(const float* low, const float* high, int stride, V x, V y, V z) {
-  const V zero = set(0.0f);
-  const V dx = maximum(maximum(sub(load(low), x), sub(x, load(high))), zero);
-  const V dy = maximum(maximum(sub(load(low + stride), y), sub(y, load(high + stride))), zero);
-  const V dz = maximum(maximum(sub(load(low + 2 * stride), z), sub(z, load(high + 2 * stride))), zero);
-  return mad(dx, dx, mad(dy, dy, mul(dz, dz)));
-}
-
 // 16 lanes of rows: of a leaf, of the boxes of a node, of a list.
 struct Lanes {
   const float* first;
@@ -148,7 +138,7 @@ struct Lanes {
 };
 
 static inline Lanes lanesOf(const Leaf* leaf) { return {leaf->row[0], kWidth}; }
-static inline Lanes lanesOf(const LeafBoxes* boxes) { return {boxes->row[0], kWidth}; }
+static inline Lanes lanesOf(const Node* node) { return {node->row[0], kWidth}; }
 // Squared distances of 16 triangles from points in their frames: to the plane where the point lies over the triangle,
 // else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
 // With directions in the frames, also how far the points lie ahead of the nearest points of the triangles.
@@ -217,12 +207,9 @@ static inline void fetch(const void* address, int lines) {
 static inline void fetchChild(const Mesh* mesh, int32_t child) {
   if (child < 0) {
     fetch(mesh->leaves + ~child, 20);
-    return;
+  } else {
+    fetch(mesh->nodes + child, 18);
   }
-  const int32_t number = child & kNumber;
-  if ((child & kHasNodes) != 0) fetch(mesh->nodes + number, 6);
-  if ((child & kHasLeaves) != 0) fetch(mesh->boxes + number, 17);
-  fetch(mesh->nodes[number].child, 1);
 }
 
 static inline void keepCandidate(Search* s, int32_t slot, float bound) {
@@ -261,24 +248,25 @@ static inline void searchLeaf(Search* s, int32_t leaf) {
   }
 }
 
-// Squared distances of oriented boxes from a point.
-static inline V orientedBounds(const Lanes& boxes, V x, V y, V z) {
+// Squared distances of the boxes of a node from a point, and of their farthest corners.
+static inline V boxBounds(const Node* node, V x, V y, V z, V* farthest) {
+  const Lanes boxes = lanesOf(node);
   const V zero = set(0.0f);
-  V squared = zero;
+  V squared = zero, most = zero;
   for (int i = 0; i < 3; ++i) {
+    const V half = boxes.row(12 + i);
     const V a = mad(boxes.row(3 * i), x, mad(boxes.row(3 * i + 1), y, mad(boxes.row(3 * i + 2), z, boxes.row(9 + i))));
-    const V d = maximum(sub(maximum(a, sub(zero, a)), boxes.row(12 + i)), zero);
+    const V along = maximum(a, sub(zero, a)), d = maximum(sub(along, half), zero), far = add(along, half);
     squared = mad(d, d, squared);
+    most = mad(far, far, most);
   }
+  *farthest = most;
   return squared;
 }
 
 // Every box holds a triangle, which is no farther than the farthest corner of the box.
-static inline void tightenToBoxes(Search* s, const Node* node, V x, V y, V z) {
-  const V dx = maximum(sub(x, load(node->low[0])), sub(load(node->high[0]), x));
-  const V dy = maximum(sub(y, load(node->low[1])), sub(load(node->high[1]), y));
-  const V dz = maximum(sub(z, load(node->low[2])), sub(load(node->high[2]), z));
-  const float d = __builtin_sqrtf(smallest(mad(dx, dx, mad(dy, dy, mul(dz, dz))))) + s->slackUp;
+static inline void tightenToBoxes(Search* s, V farthest) {
+  const float d = __builtin_sqrtf(smallest(farthest)) + s->slackUp;
   lowerLimit(s, d * d * 1.000002f);
 }
 
@@ -319,17 +307,11 @@ static inline void searchTree(Search* s, int cold) {
     if (current < 0) {
       searchLeaf(s, ~current);
     } else {
-      const Node* node = s->mesh->nodes + (current & kNumber);
-      V b = set(0.0f);
-      if ((current & kHasNodes) != 0) b = boxBounds(node->low[0], node->high[0], kWidth, x, y, z);
-      if (cold != 0 && s->least > 3e38f) tightenToBoxes(s, node, x, y, z);
-      unsigned mask = lessOrEqualMask(b, set(s->limit));
-      if (mask != 0 && (current & kHasLeaves) != 0) {
-        const LeafBoxes* boxes = s->mesh->boxes + (current & kNumber);
-        b = maximum(b, orientedBounds(lanesOf(boxes), x, y, z));
-        mask &= lessOrEqualMask(b, set(s->limit));
-        if ((current & kHasNodes) == 0) mask &= boxes->lanes;
-      }
+      const Node* node = s->mesh->nodes + current;
+      V farthest;
+      const V b = boxBounds(node, x, y, z, &farthest);
+      if (cold != 0 && s->least > 3e38f) tightenToBoxes(s, farthest);
+      const unsigned mask = node->lanes & lessOrEqualMask(b, set(s->limit));
       if (mask != 0) {
         if ((mask & (mask - 1)) == 0) {
           current = node->child[__builtin_ctz(mask)];
@@ -347,11 +329,11 @@ static inline void searchTree(Search* s, int cold) {
 }
 
 // Far away: the same search with distances to the boxes in double.
-static inline double boxDistance(const Node* node, int lane, const double* q) {
+static inline double boxDistance(const AlignedBoxes* boxes, int lane, const double* q) {
   double squared = 0.0;
   for (int k = 0; k < 3; ++k) {
-    const double below = static_cast<double>(node->low[k][lane]) - q[k];
-    const double above = q[k] - static_cast<double>(node->high[k][lane]);
+    const double below = static_cast<double>(boxes->low[k][lane]) - q[k];
+    const double above = q[k] - static_cast<double>(boxes->high[k][lane]);
     const double d = below > above ? below : above;
     if (d > 0.0) squared += d * d;
   }
@@ -375,11 +357,12 @@ static inline void searchFar(Search* s) {
       for (int lane = 0; lane < kWidth; ++lane) tryTriangle(s, ~entry.child * kWidth + lane);
       continue;
     }
-    const Node* node = s->mesh->nodes + (entry.child & kNumber);
+    const Node* node = s->mesh->nodes + entry.child;
+    const AlignedBoxes* boxes = s->mesh->boxes + entry.child;
     const int bottom = top;
     for (int lane = 0; lane < kWidth; ++lane) {
-      if (node->low[0][lane] > node->high[0][lane]) continue;
-      const double squared = boxDistance(node, lane, s->local);
+      if (boxes->low[0][lane] > boxes->high[0][lane]) continue;
+      const double squared = boxDistance(boxes, lane, s->local);
       if (squared * shrink > s->squared * unit) continue;
       int place = top++;
       for (; place > bottom && stack[place - 1].squared < squared; --place) stack[place] = stack[place - 1];
@@ -564,28 +547,18 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
           z = set(static_cast<float>(list->origin[2]));
   int nodes = cache->nodes, leaves = cache->leaves, count = list->count, left = work;
   while (nodes > 0 && left > 0) {
-    const int32_t current = cache->node[--nodes];
-    const Node* node = mesh->nodes + (current & kNumber);
-    unsigned mask = 0;
-    --left;
-    if ((current & kHasNodes) != 0)
-      mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), reach.square);
-    if ((current & kHasLeaves) != 0) {
-      const LeafBoxes* boxes = mesh->boxes + (current & kNumber);
-      const unsigned near = boxes->lanes & boxesWithin(reach, lanesOf(boxes), x, y, z);
-      const int before = leaves;
-      leaves += __builtin_popcount(near);
-      if (leaves > ProximityCache::kLeaves) return giveUpList(cache);
-      compress(node->child, choose(near), cache->leaf + before);
-      for (int i = before; i < leaves; ++i) fetchChild(mesh, cache->leaf[i]);
-      mask &= ~boxes->lanes;
-      --left;
-    }
-    const int before = nodes;
-    nodes += __builtin_popcount(mask);
-    if (nodes > ProximityCache::kNodes) return giveUpList(cache);
-    compress(node->child, choose(mask), cache->node + before);
-    for (int i = before; i < nodes; ++i) fetchChild(mesh, cache->node[i]);
+    const Node* node = mesh->nodes + cache->node[--nodes];
+    const unsigned near = node->lanes & boxesWithin(reach, lanesOf(node), x, y, z);
+    const unsigned nearLeaves = near & node->leaves, nearNodes = near & ~node->leaves;
+    const int before = leaves, nodesBefore = nodes;
+    leaves += __builtin_popcount(nearLeaves);
+    nodes += __builtin_popcount(nearNodes);
+    if (leaves > ProximityCache::kLeaves || nodes > ProximityCache::kNodes) return giveUpList(cache);
+    compress(node->child, choose(nearLeaves), cache->leaf + before);
+    compress(node->child, choose(nearNodes), cache->node + nodesBefore);
+    for (int i = before; i < leaves; ++i) fetchChild(mesh, cache->leaf[i]);
+    for (int i = nodesBefore; i < nodes; ++i) fetchChild(mesh, cache->node[i]);
+    left -= 2;
   }
   for (; leaves > 0 && left > 0; left -= 2) {
     const int32_t leaf = ~cache->leaf[--leaves];
@@ -730,16 +703,17 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
       if (reach < 0.0) return;
       continue;
     }
-    const Node* node = mesh.nodes + (current & kNumber);
+    const Node* node = mesh.nodes + current;
+    const AlignedBoxes* boxes = mesh.boxes + current;
     const V zero = set(0.0f);
     V squared = zero;
     for (int k = 0; k < 3; ++k) {
-      const V below = sub(load(node->low[k]), set(static_cast<float>(high[k])));
-      const V above = sub(set(static_cast<float>(low[k])), load(node->high[k]));
+      const V below = sub(load(boxes->low[k]), set(static_cast<float>(high[k])));
+      const V above = sub(set(static_cast<float>(low[k])), load(boxes->high[k]));
       const V d = maximum(maximum(below, above), zero);
       squared = mad(d, d, squared);
     }
-    unsigned mask = lessOrEqualMask(squared, set(limitOf(reach * mesh.scale, slack)));
+    unsigned mask = node->lanes & lessOrEqualMask(squared, set(limitOf(reach * mesh.scale, slack)));
     for (; mask != 0; mask &= mask - 1) stack[top++] = node->child[__builtin_ctz(mask)];
   }
 }
@@ -751,50 +725,33 @@ struct Ray {
 
 static inline V between(V x, V low, V high) { return maximum(minimum(x, high), low); }
 
-// Squared distances of boxes |f| <= half, from below, from a segment that is given in their frames. Only the feet of a
-// box on the segment can be nearest to it. The plane across the way from the middle of the feet to the box keeps the
-// box away; along the segment the height over it falls by no more than its slope.
-static inline V boxesBefore(const V* start, const V* way, const V* half, V length) {
-  const V zero = set(0.0f);
-  V foot = zero, extent = zero;
-  for (int k = 0; k < 3; ++k) {
-    foot = mad(start[k], way[k], foot);
-    extent = mad(maximum(way[k], sub(zero, way[k])), half[k], extent);
+// Squared distances of the boxes of a node from a segment, from below. Only the feet of a box on the segment can be
+// nearest to it. The plane across the way from the middle of the feet to the box keeps the box away; along the segment
+// the height over it falls by no more than its slope.
+static inline V segmentBounds(const Node* node, const Ray* ray) {
+  const Lanes boxes = lanesOf(node);
+  const V zero = set(0.0f), middleOf = set(0.5f);
+  V start[3], way[3], half[3], foot = zero, extent = zero;
+  for (int i = 0; i < 3; ++i) {
+    const V x = boxes.row(3 * i), y = boxes.row(3 * i + 1), z = boxes.row(3 * i + 2);
+    start[i] = mad(x, ray->start[0], mad(y, ray->start[1], mad(z, ray->start[2], boxes.row(9 + i))));
+    way[i] = mad(x, ray->way[0], mad(y, ray->way[1], mul(z, ray->way[2])));
+    half[i] = boxes.row(12 + i);
+    foot = mad(start[i], way[i], foot);
+    extent = mad(maximum(way[i], sub(zero, way[i])), half[i], extent);
   }
-  const V first = between(sub(sub(zero, foot), extent), zero, length);
-  const V last = between(sub(extent, foot), zero, length);
-  const V middle = mul(add(first, last), set(0.5f)), halfWay = mul(sub(last, first), set(0.5f));
+  const V first = between(sub(sub(zero, foot), extent), zero, ray->length);
+  const V last = between(sub(extent, foot), zero, ray->length);
+  const V middle = mul(add(first, last), middleOf), halfWay = mul(sub(last, first), middleOf);
   V squared = zero, ahead = zero;
-  for (int k = 0; k < 3; ++k) {
-    const V v = mad(way[k], middle, start[k]);
-    const V d = sub(v, maximum(minimum(v, half[k]), sub(zero, half[k])));
+  for (int i = 0; i < 3; ++i) {
+    const V v = mad(way[i], middle, start[i]);
+    const V d = sub(v, maximum(minimum(v, half[i]), sub(zero, half[i])));
     squared = mad(d, d, squared);
-    ahead = mad(d, way[k], ahead);
+    ahead = mad(d, way[i], ahead);
   }
   const V height = maximum(sub(squared, mul(maximum(ahead, sub(zero, ahead)), halfWay)), zero);
   return divide(mul(height, height), maximum(squared, set(1e-30f)));
-}
-
-static inline V segmentBounds(const Node* node, const Ray* ray) {
-  const V middle = set(0.5f), empty = set(-1e25f);  // its square is infinite
-  V start[3], half[3];
-  for (int k = 0; k < 3; ++k) {
-    const V low = load(node->low[k]), high = load(node->high[k]);
-    half[k] = maximum(mul(sub(high, low), middle), empty);
-    start[k] = sub(ray->start[k], mul(add(high, low), middle));
-  }
-  return boxesBefore(start, ray->way, half, ray->length);
-}
-
-static inline V segmentBounds(const LeafBoxes* boxes, const Ray* ray) {
-  V start[3], way[3], half[3];
-  for (int i = 0; i < 3; ++i) {
-    const V x = load(boxes->row[3 * i]), y = load(boxes->row[3 * i + 1]), z = load(boxes->row[3 * i + 2]);
-    start[i] = mad(x, ray->start[0], mad(y, ray->start[1], mad(z, ray->start[2], load(boxes->row[9 + i]))));
-    way[i] = mad(x, ray->way[0], mad(y, ray->way[1], mul(z, ray->way[2])));
-    half[i] = load(boxes->row[12 + i]);
-  }
-  return boxesBefore(start, way, half, ray->length);
 }
 
 // Distances of the triangles of a leaf from the middle of their feet on the segment, squared, how far that lies ahead
@@ -883,16 +840,9 @@ static inline void searchSegment(const Mesh& mesh, const double from[3], const d
         }
       }
     } else {
-      const Node* node = mesh.nodes + (current & kNumber);
-      V near = set(0.0f);
-      if ((current & kHasNodes) != 0) near = segmentBounds(node, &ray);
-      unsigned mask = lessOrEqualMask(near, set(limit));
-      if (mask != 0 && (current & kHasLeaves) != 0) {
-        const LeafBoxes* boxes = mesh.boxes + (current & kNumber);
-        near = maximum(near, segmentBounds(boxes, &ray));
-        mask &= lessOrEqualMask(near, set(limit));
-        if ((current & kHasNodes) == 0) mask &= boxes->lanes;
-      }
+      const Node* node = mesh.nodes + current;
+      const V near = segmentBounds(node, &ray);
+      const unsigned mask = node->lanes & lessOrEqualMask(near, set(limit));
       if (mask != 0) push(&mesh, near, node->child, mask, &stack);
     }
     do {
@@ -971,11 +921,11 @@ static void closestToSegment(const Mesh& mesh, const double from[3], const doubl
   if (s.waiting > 0) tryWaiting(&s);
 }
 
-// Leaves within the limit whose normals allow a local minimum: the way from one of their points to the point in
+// Children within the limit whose normals allow a local minimum: the way from one of their points to the point in
 // question is nowhere steeper to the third axis than the sides of the box allow.
-static inline unsigned leavesWithMinima(const LeafBoxes* boxes, V x, V y, V z, V limit, V slack) {
+static inline unsigned childrenWithMinima(const Node* node, V x, V y, V z, V limit, V slack) {
   const V zero = set(0.0f), one = set(1.0f);
-  const Lanes lanes = lanesOf(boxes);
+  const Lanes lanes = lanesOf(node);
   V extent[3], squared = zero;
   for (int i = 0; i < 3; ++i) {
     const V a = mad(lanes.row(3 * i), x, mad(lanes.row(3 * i + 1), y, mad(lanes.row(3 * i + 2), z, lanes.row(9 + i))));
@@ -986,8 +936,8 @@ static inline unsigned leavesWithMinima(const LeafBoxes* boxes, V x, V y, V z, V
   const V u = maximum(sub(sub(extent[0], lanes.row(12)), slack), zero);
   const V v = maximum(sub(sub(extent[1], lanes.row(13)), slack), zero);
   const V h = add(add(extent[2], lanes.row(14)), slack);
-  const V cone = load(boxes->cone);
-  return lessOrEqualMask(squared, limit) &
+  const V cone = load(node->cone);
+  return node->lanes & lessOrEqualMask(squared, limit) &
          lessOrEqualMask(mul(mad(u, u, mul(v, v)), cone), mul(mul(h, h), sub(one, cone)));
 }
 
@@ -1017,14 +967,8 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
       }
       continue;
     }
-    const Node* node = mesh.nodes + (current & kNumber);
-    unsigned mask = 0;
-    if ((current & kHasNodes) != 0)
-      mask = lessOrEqualMask(boxBounds(node->low[0], node->high[0], kWidth, x, y, z), limit);
-    if ((current & kHasLeaves) != 0) {
-      const LeafBoxes* boxes = mesh.boxes + (current & kNumber);
-      mask = (mask & ~boxes->lanes) | (leavesWithMinima(boxes, x, y, z, limit, slack) & boxes->lanes);
-    }
+    const Node* node = mesh.nodes + current;
+    unsigned mask = childrenWithMinima(node, x, y, z, limit, slack);
     for (; mask != 0; mask &= mask - 1) {
       stack[top] = node->child[__builtin_ctz(mask)];
       fetchChild(&mesh, stack[top]);

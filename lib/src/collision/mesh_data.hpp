@@ -30,7 +30,7 @@ struct MeshData {
   std::vector<Vec3> cornerNormal;  // of each place: sum of angle times unit normal
   Array<Node> nodes;
   Array<Leaf> leaves;
-  Array<LeafBoxes> boxes;                              // by node
+  Array<AlignedBoxes> boxes;                           // by node
   Array<Triangle> triangles;                           // by slot
   Array<EdgeNormals> edgeNormals;                      // by slot
   Array<float> cones;                                  // by slot, as Mesh::cones
@@ -78,8 +78,11 @@ void writeSlot(MeshData& data, std::int32_t slot, std::int32_t triangle);
 /// Marks a slot as unused.
 void clearSlot(MeshData& data, std::int32_t slot);
 
-/// Computes the boxes of a leaf anew: its oriented one, and those of all nodes above.
+/// Makes the boxes of a leaf and of all nodes above hold what is in it.
 void refitLeaf(MeshData& data, std::int32_t leaf);
+
+/// Gives up what is known of the normals below a child of a node, and so of the nodes above.
+void openCones(MeshData& data, Parent at);
 
 /// Builds the hierarchy over all triangles of data.mesh.
 void buildHierarchy(MeshData& data);

@@ -75,8 +75,7 @@ void taintPlace(MeshData& data, int place) {
     const int i = c % 3;
     const std::int32_t slot = data.slotOf[c / 3];
     data.cones[slot] = 0.0f;
-    const Parent leaf = data.leafParent[slot / kWidth];
-    data.boxes[leaf.node].cone[leaf.lane] = 0.0f;
+    openCones(data, data.leafParent[slot / kWidth]);
     data.edgeNormals[slot].tainted |= 1u << (kCorner0 + i) | 1u << (kEdge01 + i) | 1u << (kEdge01 + (i + 2) % 3);
   }
   data.isTainted[place] = 0;
