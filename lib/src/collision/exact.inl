@@ -7,6 +7,8 @@ struct Candidate {
   int32_t feature;
 };
 
+static inline bool isThin(const Triangle* t) { return t->cone < 0.0f; }
+
 static inline double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static inline void subtract(const double* a, const double* b, double* c) {
@@ -123,7 +125,7 @@ static inline void closestOnThin(const Triangle* t, const double* p, Candidate* 
 
 // The foot point on the plane where it lies inside, else the nearest point of the edges that it lies outside of.
 static inline void closestOnTriangle(const Triangle* t, const double* p, Candidate* best) {
-  if (t->thin != 0) {
+  if (isThin(t)) {
     closestOnThin(t, p, best);
     return;
   }
@@ -289,15 +291,15 @@ static inline void closestToAxis(const Triangle* t, const Axis* axis, SegmentCan
   if (crossesAxis(t, axis, best) != 0) return;
   Shortest found = {1e308, 0.0, 0.0, 0.0, kPart01};
   double e[3][3], from[3][3];
-  if (t->thin == 0) {
+  if (!isThin(t)) {
     edgesOf(t, axis->b, e, from);
     tryFace(t, e, from, 1.0, &found);
   }
   edgesOf(t, axis->a, e, from);
-  if (t->thin == 0) tryFace(t, e, from, 0.0, &found);
+  if (!isThin(t)) tryFace(t, e, from, 0.0, &found);
   for (int i = 0; i < 3; ++i) tryEdgeOnAxis(axis, from[i], e[i], i, &found);
   finishOnAxis(t, &found, best);
-  if (t->thin == 0) return;
+  if (!isThin(t)) return;
   for (int end = 0; end < 2; ++end) {
     Candidate c;
     closestOnThin(t, end == 0 ? axis->a : axis->b, &c);

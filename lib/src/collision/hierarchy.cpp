@@ -158,7 +158,8 @@ void writeOriented(MeshData& data, Parent at, const Oriented& box) {
 void gatherCorners(MeshData& data, const std::int32_t* triangles, int count) {
   data.scratch.clear();
   for (int i = 0; i < count; ++i)
-    for (const int v : data.mesh.triangles[triangles[i]]) data.scratch.push_back(local(data.view, data.mesh.vertices[v]));
+    for (const int v : data.mesh.triangles[triangles[i]])
+      data.scratch.push_back(local(data.view, data.mesh.vertices[v]));
 }
 
 // Of what was gathered. The axes follow the surface, or are those of the mesh where that is smaller.
@@ -201,8 +202,8 @@ void writeNodeCone(MeshData& data, std::int32_t number) {
   double widest = 0.0;
   for (int lane = 0; lane < kWidth; ++lane)
     if ((node.lanes >> lane & 1u) != 0)
-      widest = std::max(widest, angleBetween(axis, readOriented(data, {number, lane}).axes.row(2)) +
-                                    angleOfCone(node.cone[lane]));
+      widest = std::max(
+          widest, angleBetween(axis, readOriented(data, {number, lane}).axes.row(2)) + angleOfCone(node.cone[lane]));
   data.nodes[at.node].cone[at.lane] = coneOfAngle(widest);
 }
 
@@ -420,7 +421,7 @@ void writeSlot(MeshData& data, std::int32_t slot, std::int32_t number) {
   }
   leaf.row[kInside][lane] = height > kEdgesOnly ? 0.0f : -1e30f;
   triangle.index = number;
-  triangle.thin = !(height > kThin * longest);
+  triangle.cone = height > kThin * longest ? 0.0f : -1.0f;
   data.slotOf[number] = slot;
 }
 
@@ -570,7 +571,9 @@ void buildNormals(MeshData& data) {
         least = std::min(least, normal[t].dot(normal[static_cast<std::size_t>(c / 3)]));
     }
     least = 0.999 * std::max(least, 0.0);
-    data.cones[data.slotOf[t]] = static_cast<float>(least * least);
+    const std::int32_t slot = data.slotOf[t];
+    data.cones[slot] = static_cast<float>(least * least);
+    if (data.triangles[slot].cone >= 0.0f) data.triangles[slot].cone = data.cones[slot];
   }
   data.view.cones = data.cones.data();
   for (std::size_t leaf = 0; leaf < data.leaves.size(); ++leaf)

@@ -13,11 +13,11 @@
 
 namespace enamel::kernel {
 
-inline constexpr int kWidth = 16;                  ///< children of a node, triangles of a leaf
-inline constexpr int kMaxDepth = 48;               ///< levels that the builder may make
-inline constexpr int kStackSize = 768;             ///< entries; a level of the tree needs at most kWidth - 1
-inline constexpr int kFrameRows = 20;              ///< of a leaf
-inline constexpr int kBoxRows = 15;                ///< of a node's boxes
+inline constexpr int kWidth = 16;       ///< children of a node, triangles of a leaf
+inline constexpr int kMaxDepth = 48;    ///< levels that the builder may make
+inline constexpr int kStackSize = 768;  ///< entries; a level of the tree needs at most kWidth - 1
+inline constexpr int kFrameRows = 20;   ///< of a leaf
+inline constexpr int kBoxRows = 15;     ///< of a node's boxes
 static_assert(kStackSize >= kMaxDepth * (kWidth - 1) + kWidth, "the stack holds every child on a path");
 
 /// Oriented boxes of 16 children: |axis * q + offset| <= half. Unused lanes lie far away.
@@ -66,7 +66,7 @@ static constexpr float unusedRow(int row) {
 struct Triangle {
   double corner[3][3];
   int32_t index;  ///< number in the mesh; -1 for an unused slot
-  int32_t thin;   ///< 1: long or without area, needs the careful path
+  float cone;     ///< as Mesh::cones; -1: long or without area, needs the careful path
 };
 
 /// What the loops see of a mesh.

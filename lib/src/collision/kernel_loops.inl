@@ -17,7 +17,7 @@ static const double kLead = 0.9;
 // The work on a list, in nodes; boxes of leaves and the triangles of a leaf count twice. One query does kWorkPerQuery
 // at most. A list that took less than kLeastWork was too small, one above kMostWork too large; beyond kNoList it is
 // given up, and no other begun for a while: kPause queries, twice as many each time up to kLongPause.
-enum { kWorkPerQuery = 12, kLeastWork = 14, kMostWork = 18, kNoList = 52, kPause = 32, kLongPause = 1024 };
+enum { kWorkPerQuery = 12, kLeastWork = 18, kMostWork = 24, kNoList = 52, kPause = 32, kLongPause = 1024 };
 
 enum { kMostCandidates = 64 };
 
@@ -120,7 +120,7 @@ static inline void tryTriangles(Search* s, const int32_t* slot, int count) {
   int odd = 0;
   for (int i = 0; i < 4; ++i) {
     t[i] = s->mesh->triangles + slot[i < count ? i : 0];
-    odd |= static_cast<int>(t[i]->index < 0) | t[i]->thin;
+    odd |= static_cast<int>(t[i]->index < 0) | static_cast<int>(isThin(t[i]));
   }
   if (odd != 0) {
     for (int i = 0; i < count; ++i) tryTriangle(s, slot[i]);
@@ -248,25 +248,32 @@ static inline void searchLeaf(Search* s, int32_t leaf) {
   }
 }
 
-// Squared distances of the boxes of a node from a point, and of their farthest corners.
-static inline V boxBounds(const Node* node, V x, V y, V z, V* farthest) {
+// How far a point lies from the middles of the boxes of a node, along axis i.
+static inline V alongAxis(const Lanes& boxes, int i, V x, V y, V z) {
+  const V a = mad(boxes.row(3 * i), x, mad(boxes.row(3 * i + 1), y, mad(boxes.row(3 * i + 2), z, boxes.row(9 + i))));
+  return maximum(a, sub(set(0.0f), a));
+}
+
+// Squared distances of the boxes of a node from a point.
+static inline V boxBounds(const Node* node, V x, V y, V z) {
   const Lanes boxes = lanesOf(node);
-  const V zero = set(0.0f);
-  V squared = zero, most = zero;
+  V squared = set(0.0f);
   for (int i = 0; i < 3; ++i) {
-    const V half = boxes.row(12 + i);
-    const V a = mad(boxes.row(3 * i), x, mad(boxes.row(3 * i + 1), y, mad(boxes.row(3 * i + 2), z, boxes.row(9 + i))));
-    const V along = maximum(a, sub(zero, a)), d = maximum(sub(along, half), zero), far = add(along, half);
+    const V d = maximum(sub(alongAxis(boxes, i, x, y, z), boxes.row(12 + i)), set(0.0f));
     squared = mad(d, d, squared);
-    most = mad(far, far, most);
   }
-  *farthest = most;
   return squared;
 }
 
 // Every box holds a triangle, which is no farther than the farthest corner of the box.
-static inline void tightenToBoxes(Search* s, V farthest) {
-  const float d = __builtin_sqrtf(smallest(farthest)) + s->slackUp;
+static inline void tightenToBoxes(Search* s, const Node* node, V x, V y, V z) {
+  const Lanes boxes = lanesOf(node);
+  V squared = set(0.0f);
+  for (int i = 0; i < 3; ++i) {
+    const V d = add(alongAxis(boxes, i, x, y, z), boxes.row(12 + i));
+    squared = mad(d, d, squared);
+  }
+  const float d = __builtin_sqrtf(smallest(squared)) + s->slackUp;
   lowerLimit(s, d * d * 1.000002f);
 }
 
@@ -308,9 +315,8 @@ static inline void searchTree(Search* s, int cold) {
       searchLeaf(s, ~current);
     } else {
       const Node* node = s->mesh->nodes + current;
-      V farthest;
-      const V b = boxBounds(node, x, y, z, &farthest);
-      if (cold != 0 && s->least > 3e38f) tightenToBoxes(s, farthest);
+      const V b = boxBounds(node, x, y, z);
+      if (cold != 0 && s->least > 3e38f) tightenToBoxes(s, node, x, y, z);
       const unsigned mask = node->lanes & lessOrEqualMask(b, set(s->limit));
       if (mask != 0) {
         if ((mask & (mask - 1)) == 0) {
@@ -512,23 +518,23 @@ static inline void improveWitness(const Mesh* mesh, const List* list, const doub
 }
 
 // For a tool that goes on by `way` a query and needs the list from `start` on.
-static inline void beginList(const Search* s, const double* start, const double* way, Cache* cache) {
+static inline void beginList(const Mesh* mesh, const double* start, const double* way, Cache* cache) {
   List* list = &cache->list[1 - cache->active];
   const double step = __builtin_sqrt(dot(way, way));
   const double r = cache->margin > kLeastReach * step ? cache->margin : kLeastReach * step;
   const double lead = step > 1e-3 * r ? kLead * r / step : 0.0;
   for (int k = 0; k < 3; ++k) {
     list->origin[k] = start[k] + lead * way[k];
-    cache->witness[k] = (s->best.point[k] - s->mesh->centre[k]) * s->mesh->scale;
+    cache->witness[k] = cache->surface[k];
   }
   const List* last = &cache->list[cache->active];
-  if (last->radius >= 0.0) improveWitness(s->mesh, last, list->origin, cache->witness);
+  if (last->radius >= 0.0) improveWitness(mesh, last, list->origin, cache->witness);
   list->radius = -1.0;
   list->count = 0;
   cache->ball = r;
   cache->work = 0;
   cache->leaves = 0;
-  cache->node[0] = s->mesh->root;
+  cache->node[0] = mesh->root;
   cache->nodes = 1;
 }
 
@@ -611,21 +617,18 @@ static inline void searchWithCache(Search* s, Cache* cache) {
 }
 
 // A list is made before it is needed, over some queries, so that none of them takes long.
-static inline void workAhead(const Search* s, Cache* cache) {
-  if (cache->nodes + cache->leaves > 0) {
-    extendList(s->mesh, kWorkPerQuery, cache);
-    return;
+static inline void workAhead(const Mesh* mesh, const double* local, const double* way, Cache* cache) {
+  if (cache->nodes + cache->leaves == 0) {
+    if (cache->rest > 0) {
+      --cache->rest;
+      return;
+    }
+    double start[3];
+    for (int k = 0; k < 3; ++k) start[k] = local[k] + kAhead * way[k];
+    if (holds(&cache->list[cache->active], start) || holds(&cache->list[1 - cache->active], start)) return;
+    beginList(mesh, start, way, cache);
   }
-  if (cache->rest > 0) {
-    --cache->rest;
-    return;
-  }
-  double way[3], start[3];
-  subtract(s->local, cache->query, way);
-  for (int k = 0; k < 3; ++k) start[k] = s->local[k] + kAhead * way[k];
-  if (holds(&cache->list[cache->active], start) || holds(&cache->list[1 - cache->active], start)) return;
-  beginList(s, start, way, cache);
-  extendList(s->mesh, kWorkPerQuery, cache);
+  extendList(mesh, kWorkPerQuery, cache);
 }
 
 static void closest(const Mesh& mesh, const double point[3], double limitSquared, Cache* cache, Answer* answer) {
@@ -647,13 +650,15 @@ static void closest(const Mesh& mesh, const double point[3], double limitSquared
     searchTree(&s, mesh.tight);
   }
   settle(&s);
-  if (known && s.slot >= 0 && !isFar(s.local)) workAhead(&s, cache);
   if (cache != nullptr && s.slot >= 0) {
+    double way[3];
+    subtract(s.local, cache->query, way);
     cache->revision = mesh.revision;
     for (int k = 0; k < 3; ++k) {
       cache->query[k] = s.local[k];
       cache->surface[k] = (s.best.point[k] - mesh.centre[k]) * mesh.scale;
     }
+    if (known && !isFar(s.local)) workAhead(&mesh, s.local, way, cache);
   }
   answer->squared = s.squared;
   answer->slot = s.slot;
@@ -872,7 +877,7 @@ static inline void tryWaiting(AxisSearch* s) {
   int thin = 0;
   for (int i = 0; i < 4; ++i) {
     t[i] = s->mesh->triangles + s->slot[i < s->waiting ? i : 0];
-    thin |= t[i]->thin;
+    thin |= static_cast<int>(isThin(t[i]));
   }
   const auto keep = [s](const Triangle* triangle, const SegmentCandidate& c) {
     SegmentAnswer* answer = s->answer;
@@ -928,8 +933,7 @@ static inline unsigned childrenWithMinima(const Node* node, V x, V y, V z, V lim
   const Lanes lanes = lanesOf(node);
   V extent[3], squared = zero;
   for (int i = 0; i < 3; ++i) {
-    const V a = mad(lanes.row(3 * i), x, mad(lanes.row(3 * i + 1), y, mad(lanes.row(3 * i + 2), z, lanes.row(9 + i))));
-    extent[i] = maximum(a, sub(zero, a));
+    extent[i] = alongAxis(lanes, i, x, y, z);
     const V d = maximum(sub(extent[i], lanes.row(12 + i)), zero);
     squared = mad(d, d, squared);
   }

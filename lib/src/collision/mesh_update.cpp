@@ -75,6 +75,7 @@ void taintPlace(MeshData& data, int place) {
     const int i = c % 3;
     const std::int32_t slot = data.slotOf[c / 3];
     data.cones[slot] = 0.0f;
+    data.triangles[slot].cone = std::min(data.triangles[slot].cone, 0.0f);
     openCones(data, data.leafParent[slot / kWidth]);
     data.edgeNormals[slot].tainted |= 1u << (kCorner0 + i) | 1u << (kEdge01 + i) | 1u << (kEdge01 + (i + 2) % 3);
   }

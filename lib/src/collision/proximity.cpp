@@ -72,12 +72,14 @@ Vec3 gatheredNormal(const MeshData& data, const Vec3& p, const Vec3& x, double d
   return all.sum;
 }
 
-// Not normalised.
+Vec3 normalOf(const Triangle& t) { return (cornerOf(t, 1) - cornerOf(t, 0)).cross(cornerOf(t, 2) - cornerOf(t, 0)); }
+
+// Of the place where the nearest point lies, not normalised.
 Vec3 pseudonormal(const MeshData& data, const Vec3& p, const Vec3& x, double distance, std::int32_t slot,
                   std::int32_t feature) {
   const Triangle& t = data.triangles[slot];
   const EdgeNormals& normals = data.edgeNormals[slot];
-  if (feature == kFace) return (cornerOf(t, 1) - cornerOf(t, 0)).cross(cornerOf(t, 2) - cornerOf(t, 0));
+  if (feature == kFace) return normalOf(t);
   if ((normals.tainted >> feature & 1u) != 0) return gatheredNormal(data, p, x, distance);
   if (feature <= kCorner2) return data.cornerNormal[data.place[data.mesh.triangles[t.index][feature]]];
   const float* n = normals.edge[feature - kEdge01];
@@ -146,9 +148,15 @@ SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCach
   const kernel::MeshData& data = model.data();
   if (!search(data, p, cache, limit, found, answer)) return answer;
   const double distance = answer.distance;
-  const Vec3 n = kernel::pseudonormal(data, p, answer.point, distance, found.slot, found.feature);
-  const Vec3 away = p - answer.point;
-  const bool inside = away.dot(n) < 0.0;
+  const kernel::Triangle& nearest = data.triangles[found.slot];
+  const Vec3 away = p - answer.point, own = kernel::normalOf(nearest);
+  const auto normal = [&] { return kernel::pseudonormal(data, p, answer.point, distance, found.slot, found.feature); };
+  // All normals around a triangle lie within its cone, and so do the sums of them: where the way to the point lies
+  // clearly on one side of the cone, the triangle's own normal tells the side.
+  double side = away.dot(own);
+  const double beyondCone = 1.0 - static_cast<double>(nearest.cone);  // above 1 for a thin triangle: not told
+  if (!(side * side > beyondCone * found.squared * own.squaredNorm())) side = away.dot(normal());
+  const bool inside = side < 0.0;
   if (distance > 1e-9 * data.size) {
     // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the rounding of its point would
     // show in the length.
@@ -156,6 +164,7 @@ SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCach
     const double inverse = isClear ? distance * (1.0 / found.squared) : 1.0 / away.norm();
     answer.normal = away * (inside ? -inverse : inverse);
   } else {
+    const Vec3 n = normal();
     const double length = n.norm();
     answer.normal = length > 0.0 ? Vec3(n / length) : Vec3(Vec3::UnitZ());
   }
