@@ -6,6 +6,21 @@
 
 namespace enamel::bench {
 
+namespace {
+
+// Of sorted times. A clock that goes in steps, of 10 ns on some machines, gives many equal ones: they are taken as
+// spread evenly over the step.
+double percentile(const std::vector<double>& times_us, double part) {
+  const double rank = part * static_cast<double>(times_us.size() - 1);
+  const double time_us = times_us[static_cast<std::size_t>(rank)];
+  const auto [first, last] = std::equal_range(times_us.begin(), times_us.end(), time_us);
+  const double step_us = last == times_us.end() ? 0.0 : *last - time_us;
+  const double place = (rank - static_cast<double>(first - times_us.begin()) + 0.5) / static_cast<double>(last - first);
+  return time_us + (place - 0.5) * step_us;
+}
+
+}  // namespace
+
 Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int first, int count)>& run) {
   using Clock = std::chrono::steady_clock;
   std::vector<double> perCall_us(static_cast<std::size_t>(std::max(batches, 1)));
@@ -33,19 +48,19 @@ std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::fun
   std::vector<double> clock_us;
   const std::function<void(int)> nothing = [](int) {};
   for (int i = 0; i < 1001; ++i) clock_us.push_back(timeCall_us(nothing, i));
-  std::nth_element(clock_us.begin(), clock_us.begin() + 500, clock_us.end());
+  std::sort(clock_us.begin(), clock_us.end());
+  const double reading_us = percentile(clock_us, 0.5);
   std::vector<std::vector<double>> times_us(runs.size());
   for (int start = 0; start < calls; start += kTurn)
     for (std::size_t which = 0; which < runs.size(); ++which)
       for (int i = start; i < std::min(start + kTurn, calls); ++i) {
-        const double time_us = timeCall_us(runs[which], i) - clock_us[500];
+        const double time_us = timeCall_us(runs[which], i) - reading_us;
         if (i >= first && (runs.size() == 1 || i >= start + kUncounted)) times_us[which].push_back(time_us);
       }
   std::vector<Timing> timings;
   for (std::vector<double>& all : times_us) {
     std::sort(all.begin(), all.end());
-    const std::size_t last = all.size() - 1;
-    timings.push_back({all[last / 2], all[static_cast<std::size_t>(0.99 * static_cast<double>(last))]});
+    timings.push_back({percentile(all, 0.5), percentile(all, 0.99)});
   }
   return timings;
 }

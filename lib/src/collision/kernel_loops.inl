@@ -14,10 +14,11 @@ static const double kHuge = 1e300;
 static const double kAhead = 3.0;
 static const double kLeastReach = 3.0;
 static const double kLead = 0.9;
-// The work on a list, in nodes; boxes of leaves and the triangles of a leaf count twice. One query does kWorkPerQuery
-// at most. A list that took less than kLeastWork was too small, one above kMostWork too large; beyond kNoList it is
-// given up, and no other begun for a while: kPause queries, twice as many each time up to kLongPause.
-enum { kWorkPerQuery = 12, kLeastWork = 18, kMostWork = 24, kNoList = 52, kPause = 32, kLongPause = 1024 };
+// The work on a list. One query does kWorkPerQuery at most. A list that took less than kLeastWork was too small, one
+// above kMostWork too large; beyond kNoList it is given up, and no other begun for a while: kPause queries, twice as
+// many each time up to kLongPause.
+enum { kNodeWork = 2, kLeafWork = 3, kWorkPerQuery = 14, kLeastWork = 22, kMostWork = 29, kNoList = 64 };
+enum { kPause = 32, kLongPause = 1024 };
 
 enum { kMostCandidates = 64 };
 
@@ -533,27 +534,36 @@ static inline void beginList(const Mesh* mesh, const double* start, const double
   list->count = 0;
   cache->ball = r;
   cache->work = 0;
-  cache->leaves = 0;
+  cache->firstNode = cache->firstLeaf = cache->leaves = 0;
   cache->node[0] = mesh->root;
   cache->nodes = 1;
 }
 
+static inline void dropList(Cache* cache) {
+  cache->firstNode = cache->nodes = cache->firstLeaf = cache->leaves = 0;
+}
+
 static inline void giveUpList(Cache* cache) {
-  cache->nodes = cache->leaves = 0;
+  dropList(cache);
   cache->margin = 0.6 * cache->ball;
   cache->rest = cache->pause;
   if (cache->pause < kLongPause) cache->pause *= 2;
 }
 
-// Goes on with the list until it is complete or the work is done: the nodes first, depth first, then the leaves.
+static inline bool isListOpen(const Cache* cache) {
+  return cache->firstNode < cache->nodes || cache->firstLeaf < cache->leaves;
+}
+
+// Goes on with the list until it is complete or the work is done: the nodes first, level by level, so that memory has
+// time to bring them, then the leaves.
 static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
   List* list = &cache->list[1 - cache->active];
   const Reach reach = reachOf(list->origin, cache->witness, cache->ball, slackOf(mesh, list->origin));
   const V x = set(static_cast<float>(list->origin[0])), y = set(static_cast<float>(list->origin[1])),
           z = set(static_cast<float>(list->origin[2]));
-  int nodes = cache->nodes, leaves = cache->leaves, count = list->count, left = work;
-  while (nodes > 0 && left > 0) {
-    const Node* node = mesh->nodes + cache->node[--nodes];
+  int first = cache->firstNode, nodes = cache->nodes, leaves = cache->leaves, count = list->count, left = work;
+  for (; first < nodes && left > 0; left -= kNodeWork) {
+    const Node* node = mesh->nodes + cache->node[first++];
     const unsigned near = node->lanes & boxesWithin(reach, lanesOf(node), x, y, z);
     const unsigned nearLeaves = near & node->leaves, nearNodes = near & ~node->leaves;
     const int before = leaves, nodesBefore = nodes;
@@ -564,10 +574,11 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
     compress(node->child, choose(nearNodes), cache->node + nodesBefore);
     for (int i = before; i < leaves; ++i) fetchChild(mesh, cache->leaf[i]);
     for (int i = nodesBefore; i < nodes; ++i) fetchChild(mesh, cache->node[i]);
-    left -= 2;
   }
-  for (; leaves > 0 && left > 0; left -= 2) {
-    const int32_t leaf = ~cache->leaf[--leaves];
+  cache->firstNode = first;
+  cache->nodes = nodes;
+  for (first = cache->firstLeaf; first < leaves && left > 0; left -= kLeafWork) {
+    const int32_t leaf = ~cache->leaf[first++];
     const Planes planes = planesBefore(lanesOf(mesh->leaves + leaf), x, y, z);
     const unsigned near = planesWithin(reach, planes);
     const int before = count;
@@ -579,11 +590,11 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
     compressNumbers(leaf * kWidth, lanes, list->slot + before);
     for (int i = before; i < count; ++i) fetch(mesh->triangles + list->slot[i], 2);
   }
-  cache->nodes = nodes;
+  cache->firstLeaf = first;
   cache->leaves = leaves;
   list->count = count;
   cache->work += work - left;
-  if (nodes + leaves > 0) {
+  if (isListOpen(cache)) {
     if (cache->work > kNoList) giveUpList(cache);
     return;
   }
@@ -601,7 +612,7 @@ static inline void searchWithCache(Search* s, Cache* cache) {
   const float surface = __builtin_sqrtf(static_cast<float>(squaredDistance(s->local, cache->surface))) * 1.000001f;
   if (!holds(&cache->list[cache->active], s->local)) {
     List* next = &cache->list[1 - cache->active];
-    if (cache->nodes + cache->leaves > 0 &&
+    if (isListOpen(cache) &&
         squaredDistance(s->local, next->origin) <= cache->ball * cache->ball * (1.0 - 4e-6))
       extendList(s->mesh, kNoList, cache);
     if (!holds(next, s->local)) {
@@ -618,7 +629,7 @@ static inline void searchWithCache(Search* s, Cache* cache) {
 
 // A list is made before it is needed, over some queries, so that none of them takes long.
 static inline void workAhead(const Mesh* mesh, const double* local, const double* way, Cache* cache) {
-  if (cache->nodes + cache->leaves == 0) {
+  if (!isListOpen(cache)) {
     if (cache->rest > 0) {
       --cache->rest;
       return;
@@ -638,7 +649,8 @@ static void closest(const Mesh& mesh, const double point[3], double limitSquared
   if (cache != nullptr && !known) {
     cache->revision = 0;
     cache->list[0].radius = cache->list[1].radius = -1.0;
-    cache->nodes = cache->leaves = cache->rest = 0;
+    dropList(cache);
+    cache->rest = 0;
     cache->pause = kPause;
     cache->margin = 1.0 / 512.0;
   }

@@ -31,9 +31,9 @@ struct ProximityCache {
   List list[2];
   int32_t active = 0;  // list in use; the other one is made ahead of the tool, a little every query
 
-  // The list being made: nodes and leaves of the hierarchy that it has yet to look at.
-  int32_t nodes = 0;
-  int32_t leaves = 0;
+  // The list being made: nodes and leaves of the hierarchy, of which it has yet to look at those from the first on.
+  int32_t firstNode = 0, nodes = 0;
+  int32_t firstLeaf = 0, leaves = 0;
   int32_t node[kNodes + kSpare] = {};
   int32_t leaf[kLeaves + kSpare] = {};
   double witness[3] = {};  // a point of the mesh, close to the nearest one to the origin
