@@ -42,12 +42,9 @@ Vec3 local(const Mesh& view, const Vec3& p) {
 // Corners of a box in double, rounded outwards once at the end.
 struct Extent {
   Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
-  void add(const MeshData& data, std::int32_t triangle) {
-    for (const int v : data.mesh.triangles[triangle]) {
-      const Vec3 q = local(data.view, data.mesh.vertices[v]);
-      low = low.cwiseMin(q);
-      high = high.cwiseMax(q);
-    }
+  void add(const Vec3& q) {
+    low = low.cwiseMin(q);
+    high = high.cwiseMax(q);
   }
   Box box() const {
     Box box;
@@ -62,7 +59,7 @@ struct Extent {
 
 Box boxOf(const MeshData& data, std::int32_t triangle) {
   Extent extent;
-  extent.add(data, triangle);
+  for (const int v : data.mesh.triangles[triangle]) extent.add(local(data.view, data.mesh.vertices[v]));
   return extent.box();
 }
 
@@ -81,15 +78,6 @@ Box boxOfNode(const AlignedBoxes& boxes) {
     box.high[k] = *std::max_element(boxes.high[k], boxes.high[k] + kWidth);
   }
   return box;
-}
-
-Box boxOfLeaf(const MeshData& data, std::int32_t leaf) {
-  Extent extent;
-  for (int lane = 0; lane < kWidth; ++lane) {
-    const std::int32_t t = data.triangles[leaf * kWidth + lane].index;
-    if (t >= 0) extent.add(data, t);
-  }
-  return extent.box();
 }
 
 // The mean normal, and the direction in which the corners spread most across it.
@@ -438,20 +426,27 @@ void refitLeaf(MeshData& data, std::int32_t leaf) {
   Parent at = data.leafParent[leaf];
   std::array<std::int32_t, kWidth> triangles{};
   const int count = trianglesOf(data, leaf, triangles);
-  // The axes stay where there are any, and with them the cone; the boxes above only grow.
   gatherCorners(data, triangles.data(), count);
+  // The axes stay where there are any, and with them the cone; the oriented boxes above only grow.
   const Mat3 axes = readOriented(data, at).axes;
   const bool isNew = count == 0 || axes.isZero(0.0);
   if (isNew) openCones(data, at);
-  writeOriented(data, at, isNew ? orientedBox(data.scratch) : boxAlong(axes, data.scratch));
-  Box box = boxOfLeaf(data, leaf);
+  const Oriented oriented = isNew ? orientedBox(data.scratch) : boxAlong(axes, data.scratch);
+  writeOriented(data, at, oriented);
+  const Vec3 middle = -(oriented.axes.transpose() * oriented.offset);
+  Extent extent;
+  for (const Vec3& q : data.scratch) extent.add(q);
+  Box box = extent.box();
   while (at.node >= 0) {
     writeBox(data, at, box);
     box = boxOfNode(data.boxes[at.node]);
     at = data.nodeParent[at.node];
-    if (at.node < 0) break;
+    if (at.node < 0 || count == 0) continue;
     Oriented parent = readOriented(data, at);
-    for (const Vec3& c : data.scratch) parent.half = parent.half.cwiseMax((parent.axes * c + parent.offset).cwiseAbs());
+    const Vec3 far = (parent.axes * middle + parent.offset).cwiseAbs() +
+                     (parent.axes * oriented.axes.transpose()).cwiseAbs() * oriented.half;
+    if ((far.array() <= parent.half.array()).all()) continue;
+    parent.half = parent.half.cwiseMax(far);
     writeOriented(data, at, parent);
   }
 }
