@@ -792,16 +792,17 @@ static inline V segmentDistances(const Leaf* leaf, const Ray* ray, V* halfWay, V
 
 // The distance is a convex function along the segment, so it stays above its tangent in the middle of the feet. The
 // nearest point, whose distance is known to `error`, is known to sqrt(2 error distance), and so is the slope.
-static inline float tangentBound(float squared, float ahead, float halfWay, float error) {
-  const float d = __builtin_sqrtf(squared);
-  if (!(d > 32.0f * error)) return d - halfWay;
-  const float slope = (ahead < 0.0f ? -ahead : ahead) / d + 2.0f * __builtin_sqrtf(error / d);
-  return d - halfWay * (slope < 1.0f ? slope : 1.0f);
+static inline V tangentBounds(V squared, V ahead, V halfWay, float error) {
+  const V zero = set(0.0f), one = set(1.0f), d = root(squared), least = set(32.0f * error);
+  const V inverse = divide(one, maximum(d, least)), unsure = root(mul(set(4.0f * error), inverse));
+  const V slope = minimum(mad(maximum(ahead, sub(zero, ahead)), inverse, unsure), one);
+  return sub(d, mul(halfWay, selectGreater(d, least, slope, one)));
 }
 
-// As Loops::visitSegment; the visitor is known when this is compiled.
+// As Loops::visitSegment; the visitor is known when this is compiled. With `nearest` only those are visited that may be
+// the nearest one: no farther than any triangle is from the middle of its feet.
 static inline void searchSegment(const Mesh& mesh, const double from[3], const double to[3], double reach,
-                                 Visit visitor, void* context) {
+                                 bool nearest, Visit visitor, void* context) {
   double a[3], b[3], way[3], size = 2.0 * mesh.extent;
   for (int k = 0; k < 3; ++k) {
     a[k] = (from[k] - mesh.centre[k]) * mesh.scale;
@@ -829,31 +830,27 @@ static inline void searchSegment(const Mesh& mesh, const double from[3], const d
     if (current < 0) {
       V halfWay, ahead;
       const V d = segmentDistances(mesh.leaves + ~current, &ray, &halfWay, &ahead);
-      float root = __builtin_sqrtf(limit) * 1.000001f;
-      const V most = add(halfWay, set(root));
-      unsigned mask = lessOrEqualMask(d, mul(most, most));
+      const V bounds = tangentBounds(d, ahead, halfWay, error);
+      if (nearest) {
+        const float least = __builtin_sqrtf(smallest(d)) + error;
+        const float square = least * least * 1.000002f;
+        if (square < limit) limit = square;
+      }
+      float most = __builtin_sqrtf(limit) * 1.000001f;
+      unsigned mask = lessOrEqualMask(bounds, set(most));
       if (mask != 0) {
-        float bound[kWidth], half[kWidth], front[kWidth], nearest = 3.4e38f;
-        store(bound, d);
-        store(half, halfWay);
-        store(front, ahead);
-        int first = 0;
-        for (unsigned m = mask; m != 0; m &= m - 1) {
-          const int lane = __builtin_ctz(m);
-          bound[lane] = tangentBound(bound[lane], front[lane], half[lane], error);
-          if (bound[lane] < nearest) {
-            nearest = bound[lane];
-            first = lane;
-          }
-        }
-        for (int lane = first; mask != 0; lane = __builtin_ctz(mask | 0x10000u)) {
+        float bound[kWidth];
+        store(bound, bounds);
+        int lane = __builtin_ctz(lessOrEqualMask(bounds, set(smallest(bounds))));  // the nearest one first
+        for (; mask != 0; lane = __builtin_ctz(mask | 0x10000u)) {
           mask &= ~(1u << lane);
-          if (!(bound[lane] <= root)) continue;
+          if (!(bound[lane] <= most)) continue;
           const double now = visitor(context, ~current * kWidth + lane, reach);
           if (!(now < reach)) continue;
           reach = now;
-          limit = limitOf(reach * mesh.scale, slack);
-          root = __builtin_sqrtf(limit) * 1.000001f;
+          const float closer = limitOf(reach * mesh.scale, slack);
+          if (closer < limit) limit = closer;
+          most = __builtin_sqrtf(limit) * 1.000001f;
         }
       }
     } else {
@@ -872,7 +869,7 @@ static inline void searchSegment(const Mesh& mesh, const double from[3], const d
 
 static void visitSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visitor,
                          void* context) {
-  searchSegment(mesh, from, to, reach, visitor, context);
+  searchSegment(mesh, from, to, reach, false, visitor, context);
 }
 
 // Triangles are collected and looked at in fours.
@@ -934,7 +931,7 @@ static void closestToSegment(const Mesh& mesh, const double from[3], const doubl
     s.slot[s.waiting++] = hint;
     tryWaiting(&s);
   }
-  searchSegment(mesh, from, to, __builtin_sqrt(answer->squared), &collectForAxis, &s);
+  searchSegment(mesh, from, to, __builtin_sqrt(answer->squared), true, &collectForAxis, &s);
   if (s.waiting > 0) tryWaiting(&s);
 }
 
