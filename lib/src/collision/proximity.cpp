@@ -160,7 +160,7 @@ SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCach
   if (distance > 1e-9 * data.size) {
     // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the rounding of its point would
     // show in the length.
-    const bool isClear = distance > 1e-6 * (data.size + p.lpNorm<1>());
+    const bool isClear = distance > 1e-6 * p.lpNorm<1>();
     const double inverse = isClear ? distance * (1.0 / found.squared) : 1.0 / away.norm();
     answer.normal = away * (inside ? -inverse : inverse);
   } else {
