@@ -30,12 +30,12 @@ struct MeshData {
   std::vector<Vec3> cornerNormal;  // of each place: sum of angle times unit normal
   Array<Node> nodes;
   Array<Leaf> leaves;
-  Array<AlignedBoxes> boxes;                           // by node
-  Array<Triangle> triangles;                           // by slot
-  Array<EdgeNormals> edgeNormals;                      // by slot
-  Array<float> cones;                                  // by slot, as Mesh::cones
-  std::vector<std::int32_t> slotOf;                    // by triangle number; -1: removed
-  std::vector<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one
+  Array<AlignedBoxes> boxes;                     // by node
+  Array<Triangle> triangles;                     // by slot
+  Array<EdgeNormals> edgeNormals;                // by slot
+  Array<float> cones;                            // by slot, as Mesh::cones
+  Array<std::int32_t> slotOf;                    // by triangle number; -1: removed
+  Array<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one
   std::vector<Parent> nodeParent, leafParent;
   Mesh view{};
   // Triangles at a place, for the updates: corner = 3 * triangle + i; -1 ends a list.

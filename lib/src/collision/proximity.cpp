@@ -158,9 +158,9 @@ SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCach
   if (!(side * side > beyondCone * found.squared * own.squaredNorm())) side = away.dot(normal());
   const bool inside = side < 0.0;
   if (distance > 1e-9 * data.size) {
-    // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the rounding of its point would
-    // show in the length.
-    const bool isClear = distance > 1e-6 * p.lpNorm<1>();
+    // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the rounding of the point shows in
+    // the length.
+    const bool isClear = std::abs(away.squaredNorm() - found.squared) <= 1e-10 * found.squared;
     const double inverse = isClear ? distance * (1.0 / found.squared) : 1.0 / away.norm();
     answer.normal = away * (inside ? -inverse : inverse);
   } else {

@@ -76,30 +76,40 @@ struct MinimaSearch {
   Minima minima;
 };
 
-// Whether triangle `number` has a point nearer to p than `squared`.
-bool hasNearer(const MinimaSearch& s, std::int32_t number, double squared) {
-  if (number < 0) return false;
+bool hasNearer(const MinimaSearch& s, const Triangle& triangle, double squared) {
   Candidate c;
-  closestOnTriangle(&s.data->triangles[s.data->slotOf[number]], s.p.data(), &c);
+  closestOnTriangle(&triangle, s.p.data(), &c);
   return c.squared < squared * (1.0 - 1e-12);
 }
 
+// Which corner of a triangle lies at x; -1: none.
+int cornerAt(const Triangle& triangle, const double* x) {
+  for (int i = 0; i < 3; ++i)
+    if (std::equal(x, x + 3, triangle.corner[i])) return i;
+  return -1;
+}
+
 // A point on an edge or corner is a local minimum if no other triangle there comes nearer.
-bool isMinimum(const MinimaSearch& s, std::int32_t number, const Candidate& c) {
+bool isMinimum(const MinimaSearch& s, const Triangle& triangle, const Candidate& c) {
   if (c.feature == kFace) return true;
   const auto& neighbour = s.data->neighbour;
-  if (c.feature >= kEdge01) return !hasNearer(s, neighbour[number][c.feature - kEdge01], c.squared);
-  const auto& triangles = s.data->mesh.triangles;
-  const int place = s.data->place[triangles[number][c.feature]];
+  const auto triangleOf = [&s](std::int32_t number) -> const Triangle& {
+    return s.data->triangles[s.data->slotOf[number]];
+  };
+  if (c.feature >= kEdge01) {
+    const std::int32_t other = neighbour[triangle.index][c.feature - kEdge01];
+    return other < 0 || !hasNearer(s, triangleOf(other), c.squared);
+  }
   for (const int turn : {2, 0}) {  // round the corner one way, and the other way where a border stops the walk
-    std::int32_t at = number;
-    for (int step = 0; step < kMostFanSteps; ++step) {
-      int corner = 0;
-      while (corner < 2 && s.data->place[triangles[at][corner]] != place) ++corner;
+    std::int32_t at = triangle.index;
+    int corner = c.feature;
+    for (int step = 0; step < kMostFanSteps && corner >= 0; ++step) {
       at = neighbour[at][(corner + turn) % 3];
-      if (at == number) return true;
+      if (at == triangle.index) return true;
       if (at < 0) break;
-      if (hasNearer(s, at, c.squared)) return false;
+      const Triangle& next = triangleOf(at);
+      if (hasNearer(s, next, c.squared)) return false;
+      corner = cornerAt(next, triangle.corner[c.feature]);
     }
   }
   return true;
@@ -116,7 +126,7 @@ double tryMinimum(void* context, std::int32_t slot, double reach) {
   minimum.distance = std::sqrt(c.squared);
   minimum.normal = (s.p - minimum.point) / minimum.distance;
   minimum.triangle = triangle.index;
-  if (isMinimum(s, triangle.index, c)) keepMinimum(minimum, s.minima);
+  if (isMinimum(s, triangle, c)) keepMinimum(minimum, s.minima);
   return reach;
 }
 
@@ -236,7 +246,10 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   SegmentPoint between;
   if (clear > 0.0 && !isSphere) {
     const double far = kLookAhead * reach;
-    between = closestToSegment(mesh, axis, far, isKnown ? cache->nearest : -1);
+    const int hint = isKnown && cache->nearest >= 0 ? cache->nearest
+                     : atA.distance < atB.distance  ? atA.triangle
+                                                    : atB.triangle;
+    between = closestToSegment(mesh, axis, far, hint);
     clear = between.triangle < 0 ? far : between.distance;
   }
   const bool isOutside = mesh.data().closed && clear > kSurely * mesh.data().size;
