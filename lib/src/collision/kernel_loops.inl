@@ -914,8 +914,8 @@ static inline void tryWaiting(AxisSearch* s) {
 
 static inline double collectForAxis(void* context, int32_t slot, double reach) {
   AxisSearch* s = static_cast<AxisSearch*>(context);
-  const int32_t index = s->mesh->triangles[slot].index;
-  if (index < 0 || (s->answer->squared == 0.0 && index > s->mesh->triangles[s->answer->slot].index)) return reach;
+  const int32_t index = s->mesh->triangles[slot].index, best = s->answer->slot;
+  if (index < 0 || (best >= 0 && s->answer->squared == 0.0 && index > s->mesh->triangles[best].index)) return reach;
   s->slot[s->waiting++] = slot;
   if (s->waiting < 4) return reach;
   tryWaiting(s);
