@@ -165,7 +165,7 @@ TEST_CASE("segments are as near as brute force finds them, with any hint and on 
       for (const SimdLevel level : {SimdLevel::baseline, SimdLevel::avx2, SimdLevel::avx512}) {
         if (useSimdLevel(level) != level) continue;
         const int hint = i % 3 == 0 ? -1 : static_cast<int>(random.uniform(0.0, count));
-        const double limit = i % 2 == 0 ? kNoLimit : 1.001 * found.distance + rounding;
+        const double limit = i % 2 == 0 ? kNoLimit : found.distance > 0.0 ? 1.001 * found.distance + rounding : 0.0;
         const SegmentPoint again = closestToSegment(model, segment, limit, hint);
         REQUIRE(again.distance == found.distance);
         REQUIRE(again.triangle == found.triangle);

@@ -539,9 +539,7 @@ static inline void beginList(const Mesh* mesh, const double* start, const double
   cache->nodes = 1;
 }
 
-static inline void dropList(Cache* cache) {
-  cache->firstNode = cache->nodes = cache->firstLeaf = cache->leaves = 0;
-}
+static inline void dropList(Cache* cache) { cache->firstNode = cache->nodes = cache->firstLeaf = cache->leaves = 0; }
 
 static inline void giveUpList(Cache* cache) {
   dropList(cache);
@@ -612,8 +610,7 @@ static inline void searchWithCache(Search* s, Cache* cache) {
   const float surface = __builtin_sqrtf(static_cast<float>(squaredDistance(s->local, cache->surface))) * 1.000001f;
   if (!holds(&cache->list[cache->active], s->local)) {
     List* next = &cache->list[1 - cache->active];
-    if (isListOpen(cache) &&
-        squaredDistance(s->local, next->origin) <= cache->ball * cache->ball * (1.0 - 4e-6))
+    if (isListOpen(cache) && squaredDistance(s->local, next->origin) <= cache->ball * cache->ball * (1.0 - 4e-6))
       extendList(s->mesh, kNoList, cache);
     if (!holds(next, s->local)) {
       lowerLimit(s, (surface + s->slackUp) * (surface + s->slackUp) * 1.000002f);
@@ -801,8 +798,8 @@ static inline V tangentBounds(V squared, V ahead, V halfWay, float error) {
 
 // As Loops::visitSegment; the visitor is known when this is compiled. With `nearest` only those are visited that may be
 // the nearest one: no farther than any triangle is from the middle of its feet.
-static inline void searchSegment(const Mesh& mesh, const double from[3], const double to[3], double reach,
-                                 bool nearest, Visit visitor, void* context) {
+static inline void searchSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, bool nearest,
+                                 Visit visitor, void* context) {
   double a[3], b[3], way[3], size = 2.0 * mesh.extent;
   for (int k = 0; k < 3; ++k) {
     a[k] = (from[k] - mesh.centre[k]) * mesh.scale;
