@@ -368,9 +368,6 @@ void measureContacts(const Workload& work, std::vector<Measurement>& rows) {
       }
     }
     std::sort(times_us.begin(), times_us.end());
-    const auto percentile = [&](double part) {
-      return times_us[static_cast<std::size_t>(part * static_cast<double>(times_us.size() - 1))];
-    };
     double error = 0.0;
     for (std::size_t i = 0; i < poses.size(); i += poses.size() / 20) {
       if (findContacts(scene, bur, poses[i], 1e-4, &cache, contacts) != Status::ok) error = 1.0;
@@ -381,8 +378,8 @@ void measureContacts(const Workload& work, std::vector<Measurement>& rows) {
       }
     }
     addRow(rows, wall ? "contacts of a bur with a plane" : "contacts of a bur with a jaw, " + work.size,
-           {percentile(0.5), percentile(0.99)}, error, "m, gap of the contact point");
-    rows.back().p999_us = percentile(0.999);
+           {percentile(times_us, 0.5), percentile(times_us, 0.99)}, error, "m, gap of the contact point");
+    rows.back().p999_us = percentile(times_us, 0.999);
   }
 }
 

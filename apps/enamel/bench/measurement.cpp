@@ -6,10 +6,6 @@
 
 namespace enamel::bench {
 
-namespace {
-
-// Of sorted times. A clock that goes in steps, of 10 ns on some machines, gives many equal ones: they are taken as
-// spread evenly over the step.
 double percentile(const std::vector<double>& times_us, double part) {
   const double rank = part * static_cast<double>(times_us.size() - 1);
   const double time_us = times_us[static_cast<std::size_t>(rank)];
@@ -18,8 +14,6 @@ double percentile(const std::vector<double>& times_us, double part) {
   const double place = (rank - static_cast<double>(first - times_us.begin()) + 0.5) / static_cast<double>(last - first);
   return time_us + (place - 0.5) * step_us;
 }
-
-}  // namespace
 
 Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int first, int count)>& run) {
   using Clock = std::chrono::steady_clock;
@@ -33,8 +27,7 @@ Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int fi
     first += callsPerBatch;
   }
   std::sort(perCall_us.begin(), perCall_us.end());
-  const std::size_t last = perCall_us.size() - 1;
-  return {perCall_us[last / 2], perCall_us[static_cast<std::size_t>(0.99 * static_cast<double>(last))]};
+  return {percentile(perCall_us, 0.5), percentile(perCall_us, 0.99)};
 }
 
 std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::function<void(int i)>>& runs) {

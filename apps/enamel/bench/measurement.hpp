@@ -27,6 +27,10 @@ struct Timing {
   double p99_us;
 };
 
+/// Of sorted times. A clock that goes in steps, of 10 ns on some machines, gives many equal ones: they are taken as
+/// spread evenly over the step.
+double percentile(const std::vector<double>& times_us, double part);
+
 /// Times batches of calls: `run(first, count)` makes `count` calls, numbered from `first`. One warm-up batch first.
 Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int first, int count)>& run);
 

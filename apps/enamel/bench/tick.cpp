@@ -26,10 +26,7 @@ struct Percentiles {
 
 Percentiles percentilesOf(std::vector<double> times_us) {
   std::sort(times_us.begin(), times_us.end());
-  const auto at = [&](double share) {
-    return times_us[static_cast<std::size_t>(share * static_cast<double>(times_us.size() - 1))];
-  };
-  return {at(0.5), at(0.99), at(0.999)};
+  return {percentile(times_us, 0.5), percentile(times_us, 0.99), percentile(times_us, 0.999)};
 }
 
 // Times every call on its own; the clock's own cost (about 20 ns) is inside.

@@ -175,12 +175,6 @@ static inline Axis axisBetween(const double* a, const double* b) {
   return axis;
 }
 
-static inline double footOn(const Axis* axis, const double* p) {
-  double to[3];
-  subtract(p, axis->a, to);
-  return within01(dot(to, axis->way) * axis->perSquared);
-}
-
 // Parameter of the crossing of a segment and a triangle (Moeller & Trumbore 1997, borders included); -1: none.
 static inline double crossing(const Triangle* t, const Axis* axis) {
   double e1[3], e2[3], h[3], o[3], q[3];

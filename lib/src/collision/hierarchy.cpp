@@ -16,8 +16,7 @@ constexpr int kDepthOfHalving = 14;     // from here on pieces are halved, so th
 constexpr float kEmptyBox = 3e38f;      // its square is infinite
 constexpr double kThin = 1e-3;          // height over longest edge, below which the careful path is taken
 constexpr double kEdgesOnly = 0x1p-20;  // local height below which the float bound uses the edges alone
-
-constexpr double kMuchSmaller = 0.8;
+constexpr double kMuchSmaller = 0.8;    // of the area: a box along the mesh's axes gives up the cone of normals
 
 struct Box {
   Eigen::Vector3f low = Eigen::Vector3f::Constant(kEmptyBox), high = Eigen::Vector3f::Constant(-kEmptyBox);

@@ -90,13 +90,14 @@ inline void compressNumbers(int32_t first, Chosen mask, int32_t* p) {
 
 #include "exact.inl"
 
-// As in exact_four.inl.
-inline int closestOfFour(const Triangle* const* t, const double* point, Candidate* nearest) {
+// The nearest of four; of equally near ones that of smallest index.
+template <typename Found, typename Closest>
+int nearestOfFour(const Triangle* const* t, const Closest& closest, Found* nearest) {
   int lane = 0;
-  closestOnTriangle(t[0], point, nearest);
+  closest(t[0], nearest);
   for (int i = 1; i < 4; ++i) {
-    Candidate c;
-    closestOnTriangle(t[i], point, &c);
+    Found c;
+    closest(t[i], &c);
     if (!(c.squared < nearest->squared || (c.squared == nearest->squared && t[i]->index < t[lane]->index))) continue;
     *nearest = c;
     lane = i;
@@ -104,17 +105,15 @@ inline int closestOfFour(const Triangle* const* t, const double* point, Candidat
   return lane;
 }
 
+// As in exact_four.inl.
+inline int closestOfFour(const Triangle* const* t, const double* point, Candidate* nearest) {
+  return nearestOfFour(
+      t, [point](const Triangle* one, Candidate* c) { closestOnTriangle(one, point, c); }, nearest);
+}
+
 inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, SegmentCandidate* nearest) {
-  int lane = 0;
-  closestToAxis(t[0], axis, nearest);
-  for (int i = 1; i < 4; ++i) {
-    SegmentCandidate c;
-    closestToAxis(t[i], axis, &c);
-    if (!(c.squared < nearest->squared || (c.squared == nearest->squared && t[i]->index < t[lane]->index))) continue;
-    *nearest = c;
-    lane = i;
-  }
-  return lane;
+  return nearestOfFour(
+      t, [axis](const Triangle* one, SegmentCandidate* c) { closestToAxis(one, axis, c); }, nearest);
 }
 
 #include "kernel_loops.inl"

@@ -1,7 +1,7 @@
 // The search loops, written on a vector `V` of 16 floats that the including file defines together with
 // load, store, set, add, sub, mul, divide, mad, root, maximum, minimum, smallest, lessOrEqualMask, selectGreater,
 // compress and compressNumbers (the lanes that choose() made of a mask to consecutive places; up to 16 are written),
-// and closestOfFour. Everything has internal linkage.
+// closestOfFour and closestToAxisOfFour. Everything has internal linkage.
 
 // Error of the float distances, with room to spare: at most 20 roundings of numbers not larger than |q|_1 + 2 extent
 // enter, 2^-24 each, and a triangle that is represented by its edges alone is lower than 2^-20.
@@ -841,8 +841,9 @@ static inline void searchSegment(const Mesh& mesh, const double from[3], const d
         int lane = __builtin_ctz(lessOrEqualMask(bounds, set(smallest(bounds))));  // the nearest one first
         for (; mask != 0; lane = __builtin_ctz(mask | 0x10000u)) {
           mask &= ~(1u << lane);
-          if (!(bound[lane] <= most)) continue;
-          const double now = visitor(context, ~current * kWidth + lane, reach);
+          const int32_t slot = ~current * kWidth + lane;
+          if (!(bound[lane] <= most) || mesh.triangles[slot].index < 0) continue;
+          const double now = visitor(context, slot, reach);
           if (!(now < reach)) continue;
           reach = now;
           const float closer = limitOf(reach * mesh.scale, slack);
@@ -911,8 +912,9 @@ static inline void tryWaiting(AxisSearch* s) {
 
 static inline double collectForAxis(void* context, int32_t slot, double reach) {
   AxisSearch* s = static_cast<AxisSearch*>(context);
-  const int32_t index = s->mesh->triangles[slot].index, best = s->answer->slot;
-  if (index < 0 || (best >= 0 && s->answer->squared == 0.0 && index > s->mesh->triangles[best].index)) return reach;
+  const Triangle* all = s->mesh->triangles;
+  const int32_t best = s->answer->slot;
+  if (best >= 0 && s->answer->squared == 0.0 && all[slot].index > all[best].index) return reach;  // at best as near
   s->slot[s->waiting++] = slot;
   if (s->waiting < 4) return reach;
   tryWaiting(s);

@@ -150,21 +150,24 @@ SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCach
   const double distance = answer.distance;
   const kernel::Triangle& nearest = data.triangles[found.slot];
   const Vec3 away = p - answer.point, own = kernel::normalOf(nearest);
-  const auto normal = [&] { return kernel::pseudonormal(data, p, answer.point, distance, found.slot, found.feature); };
   // All normals around a triangle lie within its cone, and so do the sums of them: where the way to the point lies
   // clearly on one side of the cone, the triangle's own normal tells the side.
+  Vec3 n = own;
   double side = away.dot(own);
   const double beyondCone = 1.0 - static_cast<double>(nearest.cone);  // above 1 for a thin triangle: not told
-  if (!(side * side > beyondCone * found.squared * own.squaredNorm())) side = away.dot(normal());
+  const bool isApart = distance > 1e-9 * data.size;
+  if (!isApart || !(side * side > beyondCone * found.squared * own.squaredNorm())) {
+    n = kernel::pseudonormal(data, p, answer.point, distance, found.slot, found.feature);
+    side = away.dot(n);
+  }
   const bool inside = side < 0.0;
-  if (distance > 1e-9 * data.size) {
-    // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the rounding of the point shows in
-    // the length.
+  if (isApart) {
+    // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the rounding of the point shows
+    // in the length.
     const bool isClear = std::abs(away.squaredNorm() - found.squared) <= 1e-10 * found.squared;
     const double inverse = isClear ? distance * (1.0 / found.squared) : 1.0 / away.norm();
     answer.normal = away * (inside ? -inverse : inverse);
   } else {
-    const Vec3 n = normal();
     const double length = n.norm();
     answer.normal = length > 0.0 ? Vec3(n / length) : Vec3(Vec3::UnitZ());
   }

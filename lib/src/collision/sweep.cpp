@@ -92,6 +92,10 @@ double sweepTriangle(void* context, std::int32_t slot, double reach) {
 
 Axis axisOf(const Segment& segment) { return axisBetween(segment.a.data(), segment.b.data()); }
 
+double footOn(const Axis& axis, const Vec3& p) {
+  return within01((p - vec(axis.a)).dot(vec(axis.way)) * axis.perSquared);
+}
+
 SegmentPoint nearestOn(const Triangle& triangle, const Segment& segment) {
   const Axis axis = axisOf(segment);
   SegmentCandidate c;
@@ -238,12 +242,12 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
   if (std::max((segment.a - centre).norm(), (segment.b - centre).norm()) > kFarSizes * data.size) {
     const Axis axis = axisOf(segment);
     const double rounding = 1e-14 * (data.size + segment.a.norm() + segment.b.norm());
-    double t = footOn(&axis, centre.data());
+    double t = footOn(axis, centre);
     for (int pass = 0; pass < kMostBounds; ++pass) {
       const SurfacePoint near = closestPoint(model, segment.a + t * (segment.b - segment.a), nullptr, reach);
       if (near.triangle < 0) break;
       reach = std::min(reach, near.distance * (1.0 + 1e-12) + rounding);
-      t = footOn(&axis, near.point.data());
+      t = footOn(axis, near.point);
     }
   }
   const bool isKnown = hint >= 0 && hint < static_cast<int>(data.slotOf.size()) && hasTriangle(data, hint);
