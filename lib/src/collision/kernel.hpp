@@ -97,7 +97,7 @@ struct Answer {
 };
 
 struct SegmentAnswer {
-  double squared;    ///< distance^2
+  double squared;    ///< distance^2; where nothing was found, of a distance that every triangle keeps
   double parameter;  ///< of the segment's nearest point
   double point[3];   ///< on the mesh
   int32_t slot;      ///< -1 where nothing was found
@@ -114,10 +114,11 @@ struct Loops {
   /// The same, the near ones first and few more.
   void (*visitSegment)(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visit,
                        void* context);
-  /// Nearest triangle to the segment, not farther than `reach`; of equally near ones the one of smallest index. `hint`:
-  /// a slot that is likely to hold it, or -1.
-  void (*closestToSegment)(const Mesh& mesh, const double from[3], const double to[3], double reach, int32_t hint,
-                           SegmentAnswer* answer);
+  /// Nearest triangle to the segment, not farther than `reach`; of equally near ones the one of smallest index. Where
+  /// there is none, how far away all are at least: above `reach` not exactly, and not above `far`. `hint`: a slot that
+  /// is likely to hold the nearest one, or -1.
+  void (*closestToSegment)(const Mesh& mesh, const double from[3], const double to[3], double reach, double far,
+                           int32_t hint, SegmentAnswer* answer);
   /// Every triangle within `reach` that may hold a local minimum of the distance from the point: at one, the way to the
   /// point lies among the normals around it.
   void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);

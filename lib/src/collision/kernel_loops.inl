@@ -19,6 +19,10 @@ static const double kLead = 0.9;
 // many each time up to kLongPause.
 enum { kNodeWork = 2, kLeafWork = 3, kWorkPerQuery = 14, kLeastWork = 22, kMostWork = 29, kNoList = 64 };
 enum { kPause = 32, kLongPause = 1024 };
+// Of the clearance of a segment beyond its reach this much is worth knowing.
+static const float kEnough = 0.7f;
+// More triangles of a leaf than these that may be nearest to a segment are worth better bounds.
+enum { kManyOfLeaf = 3 };
 
 enum { kMostCandidates = 64 };
 
@@ -735,7 +739,28 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
 // A segment in local coordinates: start, unit direction, length.
 struct Ray {
   V start[3], way[3], length;
+  double slack;  // absolute error of a float distance
 };
+
+// 0: it lies too far away for floats.
+static inline int toRay(const Mesh& mesh, const double from[3], const double to[3], Ray* ray) {
+  double a[3], b[3], way[3], size = 2.0 * mesh.extent;
+  for (int k = 0; k < 3; ++k) {
+    a[k] = (from[k] - mesh.centre[k]) * mesh.scale;
+    b[k] = (to[k] - mesh.centre[k]) * mesh.scale;
+    way[k] = b[k] - a[k];
+    size += absolute(a[k]) > absolute(b[k]) ? absolute(a[k]) : absolute(b[k]);
+  }
+  if (isFar(a) || isFar(b)) return 0;
+  const double length = __builtin_sqrt(dot(way, way));
+  for (int k = 0; k < 3; ++k) {
+    ray->start[k] = set(static_cast<float>(a[k]));
+    ray->way[k] = set(length > 0.0 ? static_cast<float>(way[k] / length) : 0.0f);
+  }
+  ray->length = set(static_cast<float>(length));
+  ray->slack = kBoundError * size;
+  return 1;
+}
 
 static inline V between(V x, V low, V high) { return maximum(minimum(x, high), low); }
 
@@ -768,89 +793,75 @@ static inline V segmentBounds(const Node* node, const Ray* ray) {
   return divide(mul(height, height), maximum(squared, set(1e-30f)));
 }
 
-// Distances of the triangles of a leaf from the middle of their feet on the segment, squared, how far that lies ahead
-// of the triangles' nearest points, and half the way between the feet: the segment is nearer by no more than that.
-static inline V segmentDistances(const Leaf* leaf, const Ray* ray, V* halfWay, V* ahead) {
+// A ray as the frames of the triangles of a leaf see it, and their feet on it: from the middle half the way to both
+// sides.
+struct Feet {
+  V start[3], way[3], middle, halfWay;
+};
+
+static inline Feet feetOn(const Lanes& frames, const Ray* ray) {
   const V zero = set(0.0f), half = set(0.5f);
-  const Lanes frames = lanesOf(leaf);
-  V start[3], way[3];
-  toFrames(frames, ray->start[0], ray->start[1], ray->start[2], start);
-  turnToFrames(frames, ray->way, way);
+  Feet feet;
+  toFrames(frames, ray->start[0], ray->start[1], ray->start[2], feet.start);
+  turnToFrames(frames, ray->way, feet.way);
+  const V *start = feet.start, *way = feet.way;
   const V a = sub(zero, mad(start[0], way[0], mad(start[1], way[1], mul(start[2], way[2]))));
   const V b = mad(frames.row(kLength), way[0], a);
   const V c = mad(frames.row(kLength + 2), mad(frames.row(kCosine + 1), way[0], mul(frames.row(kSine + 1), way[1])), a);
   const V first = between(minimum(minimum(a, b), c), zero, ray->length);
   const V last = between(maximum(maximum(a, b), c), zero, ray->length);
-  const V at = mul(add(first, last), half);
-  *halfWay = mul(sub(last, first), half);
-  return frameDistances(frames, mad(way[0], at, start[0]), mad(way[1], at, start[1]), mad(way[2], at, start[2]), way,
-                        ahead);
+  feet.middle = mul(add(first, last), half);
+  feet.halfWay = mul(sub(last, first), half);
+  return feet;
 }
 
-// The distance is a convex function along the segment, so it stays above its tangent in the middle of the feet. The
-// nearest point, whose distance is known to `error`, is known to sqrt(2 error distance), and so is the slope.
-static inline V tangentBounds(V squared, V ahead, V halfWay, float error) {
-  const V zero = set(0.0f), one = set(1.0f), d = root(squared), least = set(32.0f * error);
-  const V inverse = divide(one, maximum(d, least)), unsure = root(mul(set(4.0f * error), inverse));
-  const V slope = minimum(mad(maximum(ahead, sub(zero, ahead)), inverse, unsure), one);
-  return sub(d, mul(halfWay, selectGreater(d, least, slope, one)));
+// Distances of the triangles from places of the ray, and their slopes along it. The distance is convex, so it stays
+// above its tangents. A nearest point whose distance is known to `error` is known to sqrt(2 error distance), and so is
+// the slope.
+struct Tangent {
+  V squared, distance, slope, unsure;
+};
+
+static inline Tangent tangentAt(const Lanes& frames, const Feet& feet, V at, float error) {
+  const V least = set(32.0f * error), one = set(1.0f);
+  V p[3], ahead;
+  for (int i = 0; i < 3; ++i) p[i] = mad(feet.way[i], at, feet.start[i]);
+  Tangent tangent;
+  tangent.squared = frameDistances(frames, p[0], p[1], p[2], feet.way, &ahead);
+  tangent.distance = root(tangent.squared);
+  const V inverse = divide(one, maximum(tangent.distance, least));
+  tangent.slope = mul(ahead, inverse);
+  tangent.unsure = selectGreater(tangent.distance, least, root(mul(set(4.0f * error), inverse)), one);
+  return tangent;
 }
 
-// As Loops::visitSegment; the visitor is known when this is compiled. With `nearest` only those are visited that may be
-// the nearest one: no farther than any triangle is from the middle of its feet.
-static inline void searchSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, bool nearest,
-                                 Visit visitor, void* context) {
-  double a[3], b[3], way[3], size = 2.0 * mesh.extent;
-  for (int k = 0; k < 3; ++k) {
-    a[k] = (from[k] - mesh.centre[k]) * mesh.scale;
-    b[k] = (to[k] - mesh.centre[k]) * mesh.scale;
-    way[k] = b[k] - a[k];
-    size += absolute(a[k]) > absolute(b[k]) ? absolute(a[k]) : absolute(b[k]);
-  }
-  if (isFar(a) || isFar(b)) {
-    visit(mesh, from, to, reach, visitor, context);
-    return;
-  }
-  const double slack = kBoundError * size;
-  const double length = __builtin_sqrt(dot(way, way));
-  Ray ray;
-  for (int k = 0; k < 3; ++k) {
-    ray.start[k] = set(static_cast<float>(a[k]));
-    ray.way[k] = set(length > 0.0 ? static_cast<float>(way[k] / length) : 0.0f);
-  }
-  ray.length = set(static_cast<float>(length));
+static inline V boundOf(const Tangent& t, V halfWay) {
+  const V steepest = minimum(add(maximum(t.slope, sub(set(0.0f), t.slope)), t.unsure), set(1.0f));
+  return sub(t.distance, mul(halfWay, steepest));
+}
+
+// A second tangent, where the first one comes down to the end of the feet: the bound lies where the two meet, or on the
+// flatter side of the middle.
+static inline V betterBound(const Lanes& frames, const Feet& feet, const Tangent& first, float error) {
+  const V zero = set(0.0f), w = feet.halfWay;
+  const V end = selectGreater(first.slope, zero, sub(feet.middle, w), add(feet.middle, w));
+  const Tangent second = tangentAt(frames, feet, end, error);
+  const V inwards = selectGreater(first.slope, zero, second.slope, sub(zero, second.slope));
+  const V down = maximum(sub(second.unsure, inwards), zero);  // from the end to the middle
+  const V up = add(maximum(first.slope, sub(zero, first.slope)), first.unsure);
+  const V met = divide(add(sub(second.distance, first.distance), mul(up, w)), maximum(add(up, down), set(1e-6f)));
+  const V low = sub(second.distance, mul(down, between(met, zero, w)));
+  return sub(minimum(low, sub(first.distance, mul(first.unsure, w))), set(error));
+}
+
+// Depth first through what lies within `limit`, the square of a float distance, which atLeaf() may lower.
+template <typename AtLeaf>
+static inline void searchSegment(const Mesh& mesh, const Ray& ray, const float& limit, const AtLeaf& atLeaf) {
   Stack stack;
   int32_t current = mesh.root;
-  const float error = 2.0f * static_cast<float>(slack);
-  float limit = limitOf(reach * mesh.scale, slack);
   for (;;) {
     if (current < 0) {
-      V halfWay, ahead;
-      const V d = segmentDistances(mesh.leaves + ~current, &ray, &halfWay, &ahead);
-      const V bounds = tangentBounds(d, ahead, halfWay, error);
-      if (nearest) {
-        const float least = __builtin_sqrtf(smallest(d)) + error;
-        const float square = least * least * 1.000002f;
-        if (square < limit) limit = square;
-      }
-      float most = __builtin_sqrtf(limit) * 1.000001f;
-      unsigned mask = lessOrEqualMask(bounds, set(most));
-      if (mask != 0) {
-        float bound[kWidth];
-        store(bound, bounds);
-        int lane = __builtin_ctz(lessOrEqualMask(bounds, set(smallest(bounds))));  // the nearest one first
-        for (; mask != 0; lane = __builtin_ctz(mask | 0x10000u)) {
-          mask &= ~(1u << lane);
-          const int32_t slot = ~current * kWidth + lane;
-          if (!(bound[lane] <= most) || mesh.triangles[slot].index < 0) continue;
-          const double now = visitor(context, slot, reach);
-          if (!(now < reach)) continue;
-          reach = now;
-          const float closer = limitOf(reach * mesh.scale, slack);
-          if (closer < limit) limit = closer;
-          most = __builtin_sqrtf(limit) * 1.000001f;
-        }
-      }
+      atLeaf(~current);
     } else {
       const Node* node = mesh.nodes + current;
       const V near = segmentBounds(node, &ray);
@@ -867,7 +878,24 @@ static inline void searchSegment(const Mesh& mesh, const double from[3], const d
 
 static void visitSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visitor,
                          void* context) {
-  searchSegment(mesh, from, to, reach, false, visitor, context);
+  Ray ray;
+  if (toRay(mesh, from, to, &ray) == 0) {
+    visit(mesh, from, to, reach, visitor, context);
+    return;
+  }
+  const float error = 2.0f * static_cast<float>(ray.slack);
+  float limit = limitOf(reach * mesh.scale, ray.slack);
+  searchSegment(mesh, ray, limit, [&](int32_t leaf) {
+    const Lanes frames = lanesOf(mesh.leaves + leaf);
+    const Feet feet = feetOn(frames, &ray);
+    const V bounds = boundOf(tangentAt(frames, feet, feet.middle, error), feet.halfWay);
+    unsigned mask = lessOrEqualMask(bounds, set(__builtin_sqrtf(limit) * 1.000001f));
+    for (; mask != 0; mask &= mask - 1) {
+      const int32_t slot = leaf * kWidth + __builtin_ctz(mask);
+      if (mesh.triangles[slot].index >= 0) reach = visitor(context, slot, reach);
+    }
+    limit = limitOf(reach * mesh.scale, ray.slack);
+  });
 }
 
 // Triangles are collected and looked at in fours.
@@ -879,6 +907,18 @@ struct AxisSearch {
   int32_t slot[4];
 };
 
+static inline void keepNearer(AxisSearch* s, const Triangle* triangle, const SegmentCandidate& c) {
+  SegmentAnswer* answer = s->answer;
+  if (!(c.squared < answer->squared) &&
+      !(c.squared == answer->squared &&
+        (answer->slot < 0 || triangle->index < s->mesh->triangles[answer->slot].index)))
+    return;
+  answer->squared = c.squared;
+  answer->parameter = c.parameter;
+  for (int k = 0; k < 3; ++k) answer->point[k] = c.point[k];
+  answer->slot = static_cast<int32_t>(triangle - s->mesh->triangles);
+}
+
 static inline void tryWaiting(AxisSearch* s) {
   const Triangle* t[4];
   int thin = 0;
@@ -886,25 +926,14 @@ static inline void tryWaiting(AxisSearch* s) {
     t[i] = s->mesh->triangles + s->slot[i < s->waiting ? i : 0];
     thin |= static_cast<int>(isThin(t[i]));
   }
-  const auto keep = [s](const Triangle* triangle, const SegmentCandidate& c) {
-    SegmentAnswer* answer = s->answer;
-    if (!(c.squared < answer->squared) &&
-        !(c.squared == answer->squared &&
-          (answer->slot < 0 || triangle->index < s->mesh->triangles[answer->slot].index)))
-      return;
-    answer->squared = c.squared;
-    answer->parameter = c.parameter;
-    for (int k = 0; k < 3; ++k) answer->point[k] = c.point[k];
-    answer->slot = static_cast<int32_t>(triangle - s->mesh->triangles);
-  };
   SegmentCandidate c;
   if (thin == 0 && s->waiting > 1) {
     const int lane = closestToAxisOfFour(t, &s->axis, &c);
-    keep(t[lane], c);
+    keepNearer(s, t[lane], c);
   } else {
     for (int i = 0; i < s->waiting; ++i) {
       closestToAxis(t[i], &s->axis, &c);
-      keep(t[i], c);
+      keepNearer(s, t[i], c);
     }
   }
   s->waiting = 0;
@@ -921,16 +950,72 @@ static inline double collectForAxis(void* context, int32_t slot, double reach) {
   return __builtin_sqrt(s->answer->squared);
 }
 
-static void closestToSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, int32_t hint,
-                             SegmentAnswer* answer) {
+// The triangles that may lie within reach are looked at exactly; of the others the bounds are enough.
+static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, double far) {
+  const Mesh& mesh = *s->mesh;
+  const float error = 2.0f * static_cast<float>(ray.slack);
+  float limit = limitOf((reach > far ? reach : far) * mesh.scale, ray.slack);
+  float exactly = __builtin_sqrtf(limitOf(reach * mesh.scale, ray.slack)) * 1.000001f;
+  float clear = 3.4e38f;
+  searchSegment(mesh, ray, limit, [&](int32_t leaf) {
+    const Lanes frames = lanesOf(mesh.leaves + leaf);
+    const Feet feet = feetOn(frames, &ray);
+    const Tangent tangent = tangentAt(frames, feet, feet.middle, error);
+    const float least = (__builtin_sqrtf(smallest(tangent.squared)) + error) * 1.000001f;
+    if (least < exactly) exactly = least;
+    const float enough = exactly + kEnough * (least - exactly);
+    if (enough * enough < limit) limit = enough * enough;
+    V bounds = boundOf(tangent, feet.halfWay);
+    unsigned mask = lessOrEqualMask(bounds, set(exactly));
+    if (__builtin_popcount(mask) > kManyOfLeaf) {
+      bounds = maximum(bounds, betterBound(frames, feet, tangent, error));
+      mask = lessOrEqualMask(bounds, set(exactly));
+    }
+    const float beyond = smallest(selectGreater(bounds, set(exactly), bounds, set(3.4e38f)));
+    if (beyond < clear) clear = beyond;
+    if (mask == 0) return;
+    float bound[kWidth];
+    store(bound, bounds);
+    int lane = __builtin_ctz(lessOrEqualMask(bounds, set(smallest(bounds))));  // the nearest one first
+    for (; mask != 0; lane = __builtin_ctz(mask | 0x10000u)) {
+      mask &= ~(1u << lane);
+      const int32_t slot = leaf * kWidth + lane;
+      if (!(bound[lane] <= exactly) || mesh.triangles[slot].index < 0) continue;
+      const double now = collectForAxis(s, slot, reach);
+      if (!(now < reach)) continue;
+      reach = now;
+      const float closer = limitOf(reach * mesh.scale, ray.slack);
+      if (closer < limit) limit = closer;
+      const float most = __builtin_sqrtf(closer) * 1.000001f;
+      if (most < exactly) exactly = most;
+    }
+  });
+  if (s->waiting > 0) tryWaiting(s);
+  if (s->answer->slot >= 0) return;
+  const float most = __builtin_sqrtf(limit);
+  const double keeps =
+      (static_cast<double>(clear < most ? clear : most) * (1.0 - 1e-6) - 2.0 * ray.slack) / mesh.scale;
+  if (keeps > reach) s->answer->squared = keeps * keeps;
+}
+
+static void closestToSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, double far,
+                             int32_t hint, SegmentAnswer* answer) {
   AxisSearch s = {&mesh, axisBetween(from, to), answer, 0, {}};
   answer->squared = reach * reach < kHuge ? reach * reach : kHuge;
   answer->slot = -1;
   if (hint >= 0) {
-    s.slot[s.waiting++] = hint;
-    tryWaiting(&s);
+    SegmentCandidate c;
+    closestToAxis(mesh.triangles + hint, &s.axis, &c);
+    keepNearer(&s, mesh.triangles + hint, c);
+    if (c.squared < far * far) far = __builtin_sqrt(c.squared);
   }
-  searchSegment(mesh, from, to, __builtin_sqrt(answer->squared), true, &collectForAxis, &s);
+  reach = __builtin_sqrt(answer->squared);
+  Ray ray;
+  if (toRay(mesh, from, to, &ray) != 0) {
+    searchAxis(&s, ray, reach, far);
+    return;
+  }
+  visit(mesh, from, to, reach, &collectForAxis, &s);
   if (s.waiting > 0) tryWaiting(&s);
 }
 

@@ -226,49 +226,60 @@ void addPart(const Analytic& shape, const Segment& axis, double radius, PartCach
     addSphere(shape, middle, radius, out);
 }
 
+bool isAhead(const SurfacePoint& end) { return end.triangle < 0 || end.distance > 0.0; }
+
 // Outside of a closed surface the side cannot change before the surface is met: an axis that starts outside and keeps
 // away from every triangle lies outside, and it still does after a way shorter than its clearance. Most ticks of most
-// parts end there. `limit` then hides what is out of reach.
+// parts end there. So does an end that was outside, if no triangle is as near as it came from: what is out of reach
+// then need not be known.
 void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCache* cache, Collector& out) {
   const auto point = [cache](std::size_t i) { return cache == nullptr ? nullptr : &cache->points[i]; };
   const double reach = radius + std::max(out.margin, 0.0), justBeyond = reach * (1.0 + 1e-12);
-  const bool isKnown = cache != nullptr && cache->revision == mesh.data().view.revision;
-  double clear = -1.0;
-  if (isKnown) clear = cache->clear - std::max((axis.a - cache->axis.a).norm(), (axis.b - cache->axis.b).norm());
+  double clear = -1.0, limitA = kNoLimit, limitB = kNoLimit;
+  int hint = -1;
+  if (cache != nullptr && cache->revision == mesh.data().view.revision) {
+    const double wayOfA = (axis.a - cache->axis.a).norm(), wayOfB = (axis.b - cache->axis.b).norm();
+    clear = cache->clear - std::max(wayOfA, wayOfB);
+    if (cache->isAheadA && wayOfA < reach) limitA = justBeyond;
+    if (cache->isAheadB && wayOfB < reach) limitB = justBeyond;
+    hint = cache->nearest;
+  }
   if (clear > reach) return;
   const bool isSphere = axis.a == axis.b, wasOutside = clear > 0.0 && !isSphere;
   SurfacePoint atA, atB;
-  if (!wasOutside) {
-    atA = signedDistance(mesh, axis.a, point(0));
-    atB = isSphere ? atA : signedDistance(mesh, axis.b, point(1));
-    clear = std::min(atA.distance, atB.distance);
-  }
+  const auto findEnds = [&] {
+    atA = signedDistance(mesh, axis.a, point(0), limitA);
+    atB = signedDistance(mesh, axis.b, point(1), limitB);
+  };
   SegmentPoint between;
-  if (clear > 0.0 && !isSphere) {
-    const double far = kLookAhead * reach;
-    const int hint = isKnown && cache->nearest >= 0 ? cache->nearest
-                     : atA.distance < atB.distance  ? atA.triangle
-                                                    : atB.triangle;
-    between = closestToSegment(mesh, axis, far, hint);
-    clear = between.triangle < 0 ? far : between.distance;
+  if (isSphere) {
+    atA = atB = signedDistance(mesh, axis.a, point(0));
+    clear = atA.distance;
+  } else {
+    if (!wasOutside) findEnds();
+    clear = -1.0;
+    if (isAhead(atA) && isAhead(atB)) {
+      if (hint < 0) hint = atB.triangle < 0 || (atA.triangle >= 0 && atA.distance < atB.distance) ? atA.triangle : atB.triangle;
+      between = closestToSegment(mesh, axis, justBeyond, hint, kLookAhead * reach);
+      clear = between.distance;
+    }
   }
-  const bool isOutside = mesh.data().closed && clear > kSurely * mesh.data().size;
+  const bool isClosed = mesh.data().closed, isOutside = isClosed && clear > kSurely * mesh.data().size;
+  const bool isOut = isOutside && clear > justBeyond;
+  if (wasOutside && !isOut) findEnds();
   if (cache != nullptr) {
     cache->revision = mesh.data().view.revision;
     cache->axis = axis;
     cache->clear = isOutside ? clear * (1.0 - 1e-9) : -1.0;
+    cache->isAheadA = isClosed && isAhead(atA);
+    cache->isAheadB = isClosed && isAhead(atB);
     cache->nearest = between.triangle;
   }
   if (isSphere) {
     addSphere(mesh, axis.a, radius, atA, out);
     return;
   }
-  if (isOutside && clear > justBeyond) return;
-  const double limit = isOutside ? justBeyond : kNoLimit;
-  if (wasOutside) {
-    atA = signedDistance(mesh, axis.a, point(0), limit);
-    atB = signedDistance(mesh, axis.b, point(1), limit);
-  }
+  if (isOut) return;
   addSphere(mesh, axis.a, radius, atA, out);
   addSphere(mesh, axis.b, radius, atB, out);
   // Where an end lies behind the surface, no place between is nearer to the outside than both.
@@ -285,7 +296,7 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
     there.distance = between.distance;
     there.normal = (middle - between.point) / between.distance;
   } else {
-    there = signedDistance(mesh, middle, point(2), limit);
+    there = signedDistance(mesh, middle, point(2), justBeyond);
   }
   if (there.distance < ends) addSphere(mesh, middle, radius, there, out);
 }

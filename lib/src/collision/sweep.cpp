@@ -229,7 +229,8 @@ SweepHit sweepSphere(const MeshModel& model, const Vec3& from, const Vec3& to, d
   return s.best;
 }
 
-SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit, int hint) noexcept {
+SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit, int hint,
+                              double far) noexcept {
   SegmentPoint best;
   if (!segment.a.allFinite() || !segment.b.allFinite() || !(limit >= 0.0)) {
     best.status = Status::notFinite;
@@ -252,13 +253,13 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
   }
   const bool isKnown = hint >= 0 && hint < static_cast<int>(data.slotOf.size()) && hasTriangle(data, hint);
   SegmentAnswer found;
-  kernel::loops().closestToSegment(data.view, segment.a.data(), segment.b.data(), reach,
+  kernel::loops().closestToSegment(data.view, segment.a.data(), segment.b.data(), reach, far,
                                    isKnown ? data.slotOf[hint] : -1, &found);
+  best.distance = std::sqrt(found.squared);
   if (found.slot < 0) return best;
   best.triangle = data.triangles[found.slot].index;
   best.point = vec(found.point);
   best.parameter = found.parameter;
-  best.distance = std::sqrt(found.squared);
   return best;
 }
 

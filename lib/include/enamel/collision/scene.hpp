@@ -71,6 +71,8 @@ struct PartCache {
   std::uint64_t revision = 0;            // of the mesh that the rest belongs to
   Segment axis;                          // of an earlier tick, in the obstacle's frame
   double clear = -1.0;                   // the axis lay outside of the obstacle, at least so far from it
+  bool isAheadA = false;                 // its ends lay outside
+  bool isAheadB = false;
   int nearest = -1;                      // triangle that was nearest to the axis
 };
 

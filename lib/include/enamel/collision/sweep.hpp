@@ -43,13 +43,14 @@ struct SegmentPoint {
   int triangle = -1;           ///< -1: none within the limit
   Vec3 point = Vec3::Zero();   ///< on the mesh, m
   double parameter = 0.0;      ///< of the segment's point a + parameter (b - a)
-  double distance = 0.0;       ///< m; 0 where they cross
+  double distance = 0.0;       ///< m; 0 where they cross; where none was found, of a way that is free all round
 };
 
 /// The shortest way between a mesh and a segment, double precision. `hint`: a triangle that is likely to be nearest,
-/// of an earlier tick; the answer is the same. Realtime: yes, as closestPoint().
-SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit = kNoLimit,
-                              int hint = -1) noexcept;
+/// of an earlier tick; the answer is the same. `far`, m: where nothing lies within the limit, how far away it is worth
+/// to know that nothing does. Realtime: yes, as closestPoint().
+SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit = kNoLimit, int hint = -1,
+                              double far = 0.0) noexcept;
 
 /// First triangle that the segment from a to b crosses, borders included, from either side; `time` is the parameter,
 /// `normal` the triangle's, turned against the segment. Realtime: yes; long segments visit many triangles.
