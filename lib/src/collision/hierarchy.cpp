@@ -100,6 +100,10 @@ Mat3 axesAlong(const std::vector<Vec3>& corners, const Vec3& mean, const Vec3& n
 
 double angleBetween(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
 double angleOfCone(float cone) { return std::acos(std::sqrt(static_cast<double>(cone))); }
+float coneOfCosine(double cosine) {  // a little wider
+  const double least = 0.99999 * std::max(cosine, 0.0);
+  return static_cast<float>(least * least);
+}
 float coneOfAngle(double angle) {
   const double cosine = angle + 1e-3 < 0.5 * M_PI ? std::cos(angle + 1e-3) : 0.0;
   return static_cast<float>(0.999 * cosine * cosine);
@@ -174,9 +178,13 @@ void writeLeafCone(MeshData& data, std::int32_t leaf, const std::vector<Vec3>& n
   const Parent at = data.leafParent[leaf];
   const Vec3 axis = readOriented(data, at).axes.row(2);
   double widest = 0.0;
-  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot)
-    if (data.triangles[slot].index >= 0)
-      widest = std::max(widest, angleBetween(axis, normal[data.triangles[slot].index]) + angleOfCone(data.cones[slot]));
+  const LeafCones& cones = data.cones[leaf];
+  for (int lane = 0; lane < kWidth; ++lane) {
+    const std::int32_t number = data.triangles[leaf * kWidth + lane].index;
+    if (number < 0) continue;
+    const float cone = std::min(cones.front[lane], cones.back[lane]);
+    widest = std::max(widest, angleBetween(axis, normal[number]) + angleOfCone(cone));
+  }
   data.nodes[at.node].cone[at.lane] = coneOfAngle(widest);
 }
 
@@ -492,6 +500,117 @@ void buildHierarchy(MeshData& data) {
   data.isRewritten.assign(data.triangles.size(), 0);
 }
 
+namespace {
+
+// Cosines of the widest angles between a triangle's normal and the ways from its edges and corners to the points that
+// they are nearest to, in front of it and behind it.
+struct Widest {
+  double front = 1.0, back = 1.0;
+  void add(double cosine, bool isBehind) { (isBehind ? back : front) = std::min(isBehind ? back : front, cosine); }
+};
+
+// The ways to the points that a corner is nearest to, among all that is near it: none of its edges comes nearer. They
+// are a cone; these are the directions at its edges. At saddles there are none.
+struct CornerWays {
+  static constexpr std::size_t kMostEdges = 12;
+  static constexpr double kRounding = 1e-3;  // rad
+  std::array<Vec3, kMostEdges> edge;
+  std::vector<Vec3> ways;
+  std::size_t count = 0;
+  bool areKnown = false;
+};
+
+void findWays(const MeshData& data, int place, const Vec3& corner, CornerWays& at) {
+  at.count = 0;
+  at.ways.clear();
+  at.areKnown = false;
+  for (std::int32_t c = data.firstCorner[place]; c >= 0; c = data.nextCorner[c]) {
+    if (at.count == CornerWays::kMostEdges) return;
+    const auto& t = data.mesh.triangles[c / 3];
+    at.edge[at.count++] = (data.mesh.vertices[t[(c + 1) % 3]] - corner).normalized();  // each edge leaves in one triangle
+  }
+  at.areKnown = true;
+  const auto keepsAhead = [&at](const Vec3& way) {
+    return std::all_of(at.edge.begin(), at.edge.begin() + at.count,
+                       [&way](const Vec3& e) { return e.dot(way) <= CornerWays::kRounding; });
+  };
+  for (std::size_t i = 0; i < at.count; ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const Vec3 across = at.edge[i].cross(at.edge[k]);
+      const double length = across.norm();
+      if (!(length > CornerWays::kRounding)) continue;
+      for (const Vec3& way : {Vec3(across / length), Vec3(across / -length)})
+        if (keepsAhead(way)) at.ways.push_back(way);
+    }
+}
+
+// Whether one walk round a corner meets all triangles there.
+bool isOneFan(const MeshData& data, int place) {
+  const std::int32_t first = data.firstCorner[place];
+  int count = 0, met = 0;
+  for (std::int32_t c = first; c >= 0; c = data.nextCorner[c]) ++count;
+  std::int32_t t = first / 3;
+  do {
+    int corner = 0;
+    while (corner < 2 && data.place[data.mesh.triangles[t][corner]] != place) ++corner;
+    t = data.neighbour[t][(corner + 2) % 3];
+    ++met;
+  } while (t >= 0 && t != first / 3 && met < count);
+  return t == first / 3 && met == count;
+}
+
+// At a local minimum of the distance the way to the point is a sum of the normals around it, with weights that are not
+// negative, and no edge there comes nearer. 0, no restriction, where the surface is open.
+void writeCones(MeshData& data, const std::vector<Vec3>& normal, const std::vector<char>& isOpen) {
+  const TriangleMesh& mesh = data.mesh;
+  std::vector<Widest> widest(mesh.triangles.size());
+  std::vector<double> around(mesh.triangles.size(), 1.0);  // of all normals
+  CornerWays at;
+  for (std::size_t place = 0; place < isOpen.size(); ++place) {
+    const std::int32_t first = data.firstCorner[place];
+    if (first < 0) continue;
+    const bool isKnown = isOpen[place] == 0 && isOneFan(data, static_cast<int>(place));
+    if (isKnown) findWays(data, static_cast<int>(place), mesh.vertices[mesh.triangles[first / 3][first % 3]], at);
+    for (std::int32_t c = first; c >= 0; c = data.nextCorner[c]) {
+      const std::size_t t = static_cast<std::size_t>(c / 3);
+      double least = isKnown ? 1.0 : 0.0;
+      for (std::int32_t other = first; other >= 0 && least > 0.0; other = data.nextCorner[other])
+        least = std::min(least, normal[t].dot(normal[static_cast<std::size_t>(other / 3)]));
+      around[t] = std::min(around[t], least);
+      if (!isKnown || !at.areKnown) {
+        widest[t].add(least, false);
+        widest[t].add(least, true);
+        continue;
+      }
+      double most = -1.0, smallest = 1.0;
+      for (const Vec3& way : at.ways) {
+        most = std::max(most, normal[t].dot(way));
+        smallest = std::min(smallest, normal[t].dot(way));
+      }
+      if (most > 0.0) widest[t].add(smallest, false);
+      if (smallest < 0.0) widest[t].add(-most, true);
+    }
+  }
+  data.cones.assign(data.leaves.size(), LeafCones{});
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      const std::int32_t other = data.neighbour[t][i];
+      if (other < 0) continue;
+      const Vec3 a = mesh.vertices[mesh.triangles[t][i]];
+      bool isBehind = true;  // the edge is a ridge for those behind
+      for (const int v : mesh.triangles[other]) isBehind = isBehind && normal[t].dot(mesh.vertices[v] - a) >= 0.0;
+      widest[t].add(normal[t].dot(normal[other]), isBehind);
+    }
+    const std::int32_t slot = data.slotOf[t];
+    LeafCones& cones = data.cones[slot / kWidth];
+    cones.front[slot % kWidth] = coneOfCosine(widest[t].front);
+    cones.back[slot % kWidth] = coneOfCosine(widest[t].back);
+    if (data.triangles[slot].cone >= 0.0f) data.triangles[slot].cone = coneOfCosine(around[t]);
+  }
+}
+
+}  // namespace
+
 void buildNormals(MeshData& data) {
   const TriangleMesh& mesh = data.mesh;
   data.place = weld(mesh);
@@ -523,6 +642,7 @@ void buildNormals(MeshData& data) {
     data.nextCorner[corner] = first;
     first = static_cast<std::int32_t>(corner);
   }
+  std::vector<char> isOpen(taintedPlace);
   data.closed = !edges.empty();
   data.neighbour.assign(mesh.triangles.size(), {-1, -1, -1});
   for (std::size_t first = 0, last; first < edges.size(); first = last) {
@@ -536,6 +656,7 @@ void buildNormals(MeshData& data) {
       tainted = tainted || normal[edges[last].triangle].isZero(0.0);
     }
     data.closed = data.closed && balance == 0;
+    if (last - first != 2 || balance != 0) isOpen[edges[first].low] = isOpen[edges[first].high] = 1;
     if (last - first == 2) {
       const EdgeUse &a = edges[first], &b = edges[first + 1];
       data.neighbour[a.triangle][a.edge] = b.triangle;
@@ -548,27 +669,7 @@ void buildNormals(MeshData& data) {
     }
   }
 
-  // At a local minimum of the distance the way to the point is a sum of the normals around it, with weights that are
-  // not negative, so it is no farther from each of them than they are from each other. 0.001 is left for rounding; 0,
-  // no restriction, at borders.
-  std::vector<char> isOpen(places, 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int i = 0; i < 3; ++i)
-      if (data.neighbour[t][i] < 0)
-        isOpen[data.place[mesh.triangles[t][i]]] = isOpen[data.place[mesh.triangles[t][(i + 1) % 3]]] = 1;
-  data.cones.assign(data.triangles.size(), 0.0f);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    double least = 1.0;
-    for (const int v : mesh.triangles[t]) {
-      if (isOpen[data.place[v]] != 0 || taintedPlace[data.place[v]] != 0) least = 0.0;
-      for (std::int32_t c = data.firstCorner[data.place[v]]; c >= 0 && least > 0.0; c = data.nextCorner[c])
-        least = std::min(least, normal[t].dot(normal[static_cast<std::size_t>(c / 3)]));
-    }
-    least = 0.999 * std::max(least, 0.0);
-    const std::int32_t slot = data.slotOf[t];
-    data.cones[slot] = static_cast<float>(least * least);
-    if (data.triangles[slot].cone >= 0.0f) data.triangles[slot].cone = data.cones[slot];
-  }
+  writeCones(data, normal, isOpen);
   data.view.cones = data.cones.data();
   for (std::size_t leaf = 0; leaf < data.leaves.size(); ++leaf)
     writeLeafCone(data, static_cast<std::int32_t>(leaf), normal);

@@ -66,7 +66,15 @@ static constexpr float unusedRow(int row) {
 struct Triangle {
   double corner[3][3];
   int32_t index;  ///< number in the mesh; -1 for an unused slot
-  float cone;     ///< as Mesh::cones; -1: long or without area, needs the careful path
+  float cone;     ///< cos^2 of the angle to the farthest normal around it, or 0; -1: long or without area, needs the
+                  ///< careful path
+};
+
+/// For a leaf, cos^2 of the angle between a triangle's normal and the farthest way from it to a point that it may hold a
+/// local minimum of the distance from, or 0: for points in front of it and behind it.
+struct alignas(64) LeafCones {
+  float front[kWidth];
+  float back[kWidth];
 };
 
 /// What the loops see of a mesh.
@@ -75,8 +83,8 @@ struct Mesh {
   const Leaf* leaves;
   const AlignedBoxes* boxes;  ///< by node
   const Triangle* triangles;
-  const float* cones;  ///< by slot: cos^2 of the angle to the farthest normal around the triangle, or 0
-  int32_t root;        ///< as Node::child; always a node
+  const LeafCones* cones;
+  int32_t root;  ///< as Node::child; always a node
   double centre[3];
   double scale;
   double extent;  ///< no local coordinate of the mesh is larger: 1 when it is built

@@ -1054,9 +1054,12 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
     if (current < 0) {
       V height;
       const V d = triangleDistances(lanesOf(mesh.leaves + ~current), x, y, z, &height);
-      const V high =
-          sub(maximum(height, sub(set(0.0f), height)), sub(set(0.0f), slack));  // |height| and what both may err by
-      const V least = mul(load(mesh.cones + ~current * kWidth), d);
+      const V under = sub(set(0.0f), height);
+      const V high = add(maximum(height, under), slack);  // and what both may err by
+      const LeafCones* cones = mesh.cones + ~current;
+      const V front = load(cones->front), back = load(cones->back);
+      const V either = selectGreater(under, slack, back, minimum(front, back));
+      const V least = mul(selectGreater(height, slack, front, either), d);
       unsigned near = lessOrEqualMask(d, limit) & lessOrEqualMask(least, mul(high, high));
       for (; near != 0; near &= near - 1) {
         const int32_t slot = ~current * kWidth + __builtin_ctz(near);
@@ -1069,7 +1072,7 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
     for (; mask != 0; mask &= mask - 1) {
       stack[top] = node->child[__builtin_ctz(mask)];
       fetchChild(&mesh, stack[top]);
-      if (stack[top] < 0) fetch(mesh.cones + ~stack[top] * kWidth, 1);
+      if (stack[top] < 0) fetch(mesh.cones + ~stack[top], 2);
       ++top;
     }
   }
