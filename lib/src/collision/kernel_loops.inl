@@ -206,7 +206,7 @@ static inline void settle(Search* s) {
 }
 
 static inline void fetch(const void* address, int lines) {
-  for (int i = 0; i < lines; ++i) __builtin_prefetch(static_cast<const char*>(address) + 64 * i);
+  for (int i = 0; i < lines; ++i) __builtin_prefetch(static_cast<const char*>(address) + 64 * i, 0, 2);
 }
 
 static inline void fetchChild(const Mesh* mesh, int32_t child) {
@@ -974,6 +974,8 @@ static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, doubl
     const float beyond = smallest(selectGreater(bounds, set(exactly), bounds, set(3.4e38f)));
     if (beyond < clear) clear = beyond;
     if (mask == 0) return;
+    for (unsigned rest = mask; rest != 0; rest &= rest - 1)
+      fetch(mesh.triangles + leaf * kWidth + __builtin_ctz(rest), 2);
     float bound[kWidth];
     store(bound, bounds);
     int lane = __builtin_ctz(lessOrEqualMask(bounds, set(smallest(bounds))));  // the nearest one first

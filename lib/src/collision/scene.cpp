@@ -29,8 +29,8 @@ Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
 // A local minimum of the distance from a point.
 struct Minimum {
   Vec3 point, normal;
-  double distance = 0.0;
-  int triangle = 0;
+  double distance;
+  int triangle;
 };
 
 // The nearest minima, whatever the order in which they are found: by distance, then by triangle.
@@ -57,23 +57,19 @@ void keepMinimum(const Minimum& minimum, Minima& minima) {
   minima.all[place] = minimum;
 }
 
-// From the nearest on, one for each direction.
-void thinOut(Minima& minima) {
-  int kept = 0;
-  for (int i = 0; i < minima.count && kept < kMaxContacts; ++i) {
-    const Minimum& candidate = minima.all[i];
-    const bool isNew = std::none_of(minima.all.begin(), minima.all.begin() + kept, [&](const Minimum& known) {
-      return known.normal.dot(candidate.normal) > kSameDirection;
-    });
-    if (isNew) minima.all[kept++] = candidate;
-  }
-  minima.count = kept;
-}
-
 struct MinimaSearch {
-  const MeshData* data;
+  const MeshData* data = nullptr;
   Vec3 p;
+  double reach = -1.0;
   Minima minima;
+};
+
+// The end that was looked at last. Parts that meet there share the work.
+struct End {
+  Vec3 point;
+  double limit = -1.0;
+  SurfacePoint nearest;
+  MinimaSearch minima;
 };
 
 bool hasNearer(const MinimaSearch& s, const Triangle& triangle, double squared) {
@@ -136,6 +132,8 @@ struct Collector {
   const Obstacle* obstacle;
   int number;
   double margin;
+  End* last;
+  double nextRadius;  // of the part that begins where this one ends, or 0
 
   // `normal` and `velocity` are made from the obstacle's frame.
   void add(const Vec3& centre, const Vec3& normal, double distance, double radius) {
@@ -159,20 +157,37 @@ struct Collector {
   }
 };
 
-// `nearest` is the answer of signedDistance().
-void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, const SurfacePoint& nearest, Collector& out) {
+// `nearest` is the answer of signedDistance(). Of the minima, from the nearest on, one for each direction counts; they
+// are looked for as far as `reach`, if that is farther than it need be for this radius.
+void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, const SurfacePoint& nearest, double reach,
+               MinimaSearch& s, Collector& out) {
   if (nearest.triangle < 0 || nearest.distance > radius + out.margin) return;
-  const double reach = radius + std::max(out.margin, 0.0);
-  const double single = 1e-9 * reach;
+  const double least = radius + std::max(out.margin, 0.0);
+  const double single = 1e-9 * least;
   if (nearest.distance <= single) {  // on or behind the surface: one way out
     out.add(centre, nearest.normal, nearest.distance, radius);
     return;
   }
-  MinimaSearch s{&mesh.data(), centre, {}};
-  loops().visitMinima(s.data->view, centre.data(), reach, &tryMinimum, &s);
-  thinOut(s.minima);
-  if (s.minima.count == 0) out.add(centre, nearest.normal, nearest.distance, radius);
-  for (int i = 0; i < s.minima.count; ++i) out.add(centre, s.minima.all[i].normal, s.minima.all[i].distance, radius);
+  if (s.data != &mesh.data() || s.p != centre || s.reach < least) {
+    s.data = &mesh.data();
+    s.p = centre;
+    s.reach = std::max(reach, least);
+    s.minima.count = 0;
+    loops().visitMinima(s.data->view, centre.data(), s.reach, &tryMinimum, &s);
+  }
+  std::array<const Minimum*, kMaxContacts> taken;
+  std::size_t count = 0;
+  for (int i = 0; i < s.minima.count && count < taken.size(); ++i) {
+    const Minimum& candidate = s.minima.all[i];
+    if (candidate.distance > least) break;
+    const bool isNew = std::none_of(taken.begin(), taken.begin() + count, [&](const Minimum* known) {
+      return known->normal.dot(candidate.normal) > kSameDirection;
+    });
+    if (!isNew) continue;
+    taken[count++] = &candidate;
+    out.add(centre, candidate.normal, candidate.distance, radius);
+  }
+  if (count == 0) out.add(centre, nearest.normal, nearest.distance, radius);
 }
 
 template <typename Analytic>
@@ -248,8 +263,13 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   const bool isSphere = axis.a == axis.b, wasOutside = clear > 0.0 && !isSphere;
   SurfacePoint atA, atB;
   const auto findEnds = [&] {
-    atA = signedDistance(mesh, axis.a, point(0), limitA);
+    End& last = *out.last;
+    const bool isShared = axis.a == last.point && (last.nearest.triangle >= 0 || last.limit >= limitA);
+    atA = isShared ? last.nearest : signedDistance(mesh, axis.a, point(0), limitA);
     atB = signedDistance(mesh, axis.b, point(1), limitB);
+    last.point = axis.b;
+    last.limit = limitB;
+    last.nearest = atB;
   };
   SegmentPoint between;
   if (isSphere) {
@@ -276,12 +296,12 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
     cache->nearest = between.triangle;
   }
   if (isSphere) {
-    addSphere(mesh, axis.a, radius, atA, out);
+    addSphere(mesh, axis.a, radius, atA, reach, out.last->minima, out);
     return;
   }
   if (isOut) return;
-  addSphere(mesh, axis.a, radius, atA, out);
-  addSphere(mesh, axis.b, radius, atB, out);
+  addSphere(mesh, axis.a, radius, atA, reach, out.last->minima, out);
+  addSphere(mesh, axis.b, radius, atB, out.nextRadius + std::max(out.margin, 0.0), out.last->minima, out);
   // Where an end lies behind the surface, no place between is nearer to the outside than both.
   double ends = justBeyond;
   if (atA.triangle >= 0) ends = std::min(ends, atA.distance - kClearlyNearer);
@@ -298,7 +318,9 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   } else {
     there = signedDistance(mesh, middle, point(2), justBeyond);
   }
-  if (there.distance < ends) addSphere(mesh, middle, radius, there, out);
+  if (!(there.distance < ends)) return;
+  MinimaSearch s;
+  addSphere(mesh, middle, radius, there, reach, s, out);
 }
 
 SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, ProximityCache* cache) {
@@ -352,11 +374,15 @@ template <typename Visit>
 bool forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                  ContactSnapshot& contacts, const Visit& visit) {
   const std::vector<Obstacle>& obstacles = scene.obstacles();
+  End last;
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     if (!isFinite(obstacles[i].pose)) return false;
-    Collector out{&contacts, &obstacles[i], static_cast<int>(i), margin};
+    last.limit = -1.0;
+    last.nearest = SurfacePoint();
+    Collector out{&contacts, &obstacles[i], static_cast<int>(i), margin, &last, 0.0};
     for (int k = 0; k < tool.count; ++k) {
       const ToolPart& part = tool.parts[k];
+      out.nextRadius = k + 1 < tool.count && tool.parts[k + 1].a == part.b ? tool.parts[k + 1].radius : 0.0;
       const Segment axis = axisOf(part, pose, obstacles[i]);
       PartCache* known = cacheOf(cache, i, k, tool.count);
       std::visit([&](const auto& shape) { visit(shapeOf(shape), axis, part.radius, known, out); }, obstacles[i].shape);
