@@ -20,9 +20,9 @@ static const double kLead = 0.9;
 enum { kNodeWork = 2, kLeafWork = 3, kWorkPerQuery = 14, kLeastWork = 22, kMostWork = 29, kNoList = 64 };
 enum { kPause = 32, kLongPause = 1024 };
 // Of the clearance of a segment beyond its reach this much is worth knowing.
-static const float kEnough = 0.7f;
+static const float kEnough = 0.5f;
 // More triangles of a leaf than these that may be nearest to a segment are worth better bounds.
-enum { kManyOfLeaf = 3 };
+enum { kManyOfLeaf = 5 };
 
 enum { kMostCandidates = 64 };
 
@@ -951,13 +951,15 @@ static inline double collectForAxis(void* context, int32_t slot, double reach) {
 }
 
 // The triangles that may lie within reach are looked at exactly; of the others the bounds are enough.
-static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, double far) {
+static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, double far, int32_t hint) {
   const Mesh& mesh = *s->mesh;
   const float error = 2.0f * static_cast<float>(ray.slack);
   float limit = limitOf((reach > far ? reach : far) * mesh.scale, ray.slack);
   float exactly = __builtin_sqrtf(limitOf(reach * mesh.scale, ray.slack)) * 1.000001f;
   float clear = 3.4e38f;
-  searchSegment(mesh, ray, limit, [&](int32_t leaf) {
+  int32_t done = -1;
+  const auto atLeaf = [&](int32_t leaf) {
+    if (leaf == done) return;
     const Lanes frames = lanesOf(mesh.leaves + leaf);
     const Feet feet = feetOn(frames, &ray);
     const Tangent tangent = tangentAt(frames, feet, feet.middle, error);
@@ -991,7 +993,12 @@ static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, doubl
       const float most = __builtin_sqrtf(closer) * 1.000001f;
       if (most < exactly) exactly = most;
     }
-  });
+  };
+  if (hint >= 0) {
+    atLeaf(hint / kWidth);
+    done = hint / kWidth;
+  }
+  searchSegment(mesh, ray, limit, atLeaf);
   if (s->waiting > 0) tryWaiting(s);
   if (s->answer->slot >= 0) return;
   const float most = __builtin_sqrtf(limit);
@@ -1005,18 +1012,12 @@ static void closestToSegment(const Mesh& mesh, const double from[3], const doubl
   AxisSearch s = {&mesh, axisBetween(from, to), answer, 0, {}};
   answer->squared = reach * reach < kHuge ? reach * reach : kHuge;
   answer->slot = -1;
-  if (hint >= 0) {
-    SegmentCandidate c;
-    closestToAxis(mesh.triangles + hint, &s.axis, &c);
-    keepNearer(&s, mesh.triangles + hint, c);
-    if (c.squared < far * far) far = __builtin_sqrt(c.squared);
-  }
-  reach = __builtin_sqrt(answer->squared);
   Ray ray;
   if (toRay(mesh, from, to, &ray) != 0) {
-    searchAxis(&s, ray, reach, far);
+    searchAxis(&s, ray, reach, far, hint);
     return;
   }
+  if (hint >= 0) s.slot[s.waiting++] = hint;
   visit(mesh, from, to, reach, &collectForAxis, &s);
   if (s.waiting > 0) tryWaiting(&s);
 }

@@ -20,6 +20,7 @@ constexpr int kAxisSteps = 64;           // halvings of the axis of a capsule: b
 constexpr double kClearlyNearer = 1e-9;  // m
 constexpr double kClear = 1e-6;          // of the size: where the way to the surface gives the normal
 constexpr double kSurely = 1e-12;        // of the size: a distance that is more than rounding
+constexpr double kNearly = 1e-6;         // of the reach: more than what is rounded
 constexpr double kLookAhead = 2.5;       // times a part's reach: how far its clearance is looked for
 
 using MeshPointer = std::shared_ptr<const MeshModel>;
@@ -316,7 +317,8 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
     there.distance = between.distance;
     there.normal = (middle - between.point) / between.distance;
   } else {
-    there = signedDistance(mesh, middle, point(2), justBeyond);
+    const double found = (middle - between.point).norm() + kNearly * reach;
+    there = signedDistance(mesh, middle, point(2), std::min(found, justBeyond));
   }
   if (!(there.distance < ends)) return;
   MinimaSearch s;
