@@ -289,25 +289,20 @@ struct Stack {
   int32_t child[kStackSize + kWidth];
 };
 
-// The nearest one comes to the top.
-static inline void push(const Mesh* mesh, V bounds, const int32_t* child, unsigned mask, Stack* stack) {
-  const int bottom = stack->top;
-  stack->top += __builtin_popcount(mask);
-  const Chosen lanes = choose(mask);
-  compress(bounds, lanes, stack->bound + bottom);
-  compress(child, lanes, stack->child + bottom);
-  int nearest = bottom;
-  for (int i = bottom; i < stack->top; ++i) {
-    nearest = stack->bound[i] < stack->bound[nearest] ? i : nearest;
-    fetchChild(mesh, stack->child[i]);
+// Of the children in the mask the nearest one comes next, at once; the others wait.
+static inline int32_t goDown(const Mesh* mesh, V bounds, const int32_t* child, unsigned mask, Stack* stack) {
+  const unsigned least = mask & lessOrEqualMask(bounds, set(smallest(bounds)));
+  const int nearest = __builtin_ctz(least != 0 ? least : mask);
+  mask &= ~(1u << nearest);
+  if (mask != 0) {
+    const int bottom = stack->top;
+    stack->top += __builtin_popcount(mask);
+    const Chosen lanes = choose(mask);
+    compress(bounds, lanes, stack->bound + bottom);
+    compress(child, lanes, stack->child + bottom);
+    for (int i = bottom; i < stack->top; ++i) fetchChild(mesh, stack->child[i]);
   }
-  const int last = stack->top - 1;
-  const float bound = stack->bound[nearest];
-  const int32_t number = stack->child[nearest];
-  stack->bound[nearest] = stack->bound[last];
-  stack->child[nearest] = stack->child[last];
-  stack->bound[last] = bound;
-  stack->child[last] = number;
+  return child[nearest];
 }
 
 // Depth first, the nearest child first.
@@ -324,11 +319,8 @@ static inline void searchTree(Search* s, int cold) {
       if (cold != 0 && s->least > 3e38f) tightenToBoxes(s, node, x, y, z);
       const unsigned mask = node->lanes & lessOrEqualMask(b, set(s->limit));
       if (mask != 0) {
-        if ((mask & (mask - 1)) == 0) {
-          current = node->child[__builtin_ctz(mask)];
-          continue;
-        }
-        push(s->mesh, b, node->child, mask, &stack);
+        current = goDown(s->mesh, b, node->child, mask, &stack);
+        continue;
       }
     }
     do {
@@ -866,7 +858,10 @@ static inline void searchSegment(const Mesh& mesh, const Ray& ray, const float& 
       const Node* node = mesh.nodes + current;
       const V near = segmentBounds(node, &ray);
       const unsigned mask = node->lanes & lessOrEqualMask(near, set(limit));
-      if (mask != 0) push(&mesh, near, node->child, mask, &stack);
+      if (mask != 0) {
+        current = goDown(&mesh, near, node->child, mask, &stack);
+        continue;
+      }
     }
     do {
       if (stack.top == 0) return;
