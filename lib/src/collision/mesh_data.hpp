@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "enamel/collision/mesh.hpp"
+#include "enamel/collision/proximity.hpp"
 #include "huge_pages.hpp"
 #include "kernel.hpp"
 
@@ -68,6 +69,12 @@ Vec3 unitNormal(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
 /// Angle at corner a between the ways to b and c, rad; 0 where one of them has no length.
 double cornerAngle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
+
+/// What closestPoint() answers where `found` is nearest.
+SurfacePoint surfacePoint(const MeshData& data, const Answer& found) noexcept;
+
+/// What signedDistance() answers for p where `found` is nearest.
+SurfacePoint signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found) noexcept;
 
 /// The loops of the SIMD level in use.
 const Loops& loops() noexcept;

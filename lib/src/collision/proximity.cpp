@@ -115,41 +115,22 @@ MeshModel::~MeshModel() = default;
 
 const TriangleMesh& MeshModel::mesh() const noexcept { return data_->mesh; }
 
-namespace {
-
-// Answers whether there is one.
-bool search(const kernel::MeshData& data, const Vec3& p, ProximityCache* cache, double limit, kernel::Answer& found,
-            SurfacePoint& answer) noexcept {
-  if (!p.allFinite() || !(limit >= 0.0)) {
-    answer.status = Status::notFinite;
-    return false;
-  }
-  kernel::loops().closest(data.view, p.data(), limit * limit, cache, &found);
+SurfacePoint kernel::surfacePoint(const MeshData& data, const Answer& found) noexcept {
+  SurfacePoint answer;
   answer.point = {found.point[0], found.point[1], found.point[2]};
-  if (found.slot < 0) return false;
+  if (found.slot < 0) return answer;
   answer.triangle = data.triangles[found.slot].index;
   answer.feature = static_cast<TriangleFeature>(found.feature);
   answer.distance = std::sqrt(found.squared);
-  return true;
-}
-
-}  // namespace
-
-SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
-  kernel::Answer found;
-  SurfacePoint answer;
-  search(model.data(), p, cache, limit, found, answer);
   return answer;
 }
 
-SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
-  kernel::Answer found;
-  SurfacePoint answer;
-  const kernel::MeshData& data = model.data();
-  if (!search(data, p, cache, limit, found, answer)) return answer;
+SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found) noexcept {
+  SurfacePoint answer = surfacePoint(data, found);
+  if (found.slot < 0) return answer;
   const double distance = answer.distance;
-  const kernel::Triangle& nearest = data.triangles[found.slot];
-  const Vec3 away = p - answer.point, own = kernel::normalOf(nearest);
+  const Triangle& nearest = data.triangles[found.slot];
+  const Vec3 away = p - answer.point, own = normalOf(nearest);
   // All normals around a triangle lie within its cone, and so do the sums of them: where the way to the point lies
   // clearly on one side of the cone, the triangle's own normal tells the side.
   Vec3 n = own;
@@ -157,7 +138,7 @@ SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCach
   const double beyondCone = 1.0 - static_cast<double>(nearest.cone);  // above 1 for a thin triangle: not told
   const bool isApart = distance > 1e-9 * data.size;
   if (!isApart || !(side * side > beyondCone * found.squared * own.squaredNorm())) {
-    n = kernel::pseudonormal(data, p, answer.point, distance, found.slot, found.feature);
+    n = pseudonormal(data, p, answer.point, distance, found.slot, found.feature);
     side = away.dot(n);
   }
   const bool inside = side < 0.0;
@@ -173,6 +154,34 @@ SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCach
   }
   if (inside) answer.distance = -answer.distance;
   return answer;
+}
+
+namespace {
+
+bool search(const kernel::MeshData& data, const Vec3& p, ProximityCache* cache, double limit,
+            kernel::Answer& found) noexcept {
+  if (!p.allFinite() || !(limit >= 0.0)) return false;
+  kernel::loops().closest(data.view, p.data(), limit * limit, cache, &found);
+  return true;
+}
+
+SurfacePoint notFinite() noexcept {
+  SurfacePoint answer;
+  answer.status = Status::notFinite;
+  return answer;
+}
+
+}  // namespace
+
+SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
+  kernel::Answer found;
+  return search(model.data(), p, cache, limit, found) ? kernel::surfacePoint(model.data(), found) : notFinite();
+}
+
+SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
+  kernel::Answer found;
+  return search(model.data(), p, cache, limit, found) ? kernel::signedSurfacePoint(model.data(), p, found)
+                                                      : notFinite();
 }
 
 }  // namespace enamel

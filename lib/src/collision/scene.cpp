@@ -58,19 +58,21 @@ void keepMinimum(const Minimum& minimum, Minima& minima) {
   minima.all[place] = minimum;
 }
 
+// The minima of the distance from p as far as `reach`, and what is nearest of all.
 struct MinimaSearch {
-  const MeshData* data = nullptr;
+  const MeshData* data;
   Vec3 p;
-  double reach = -1.0;
+  double reach = -1.0;  // not searched yet
+  Answer nearest;
   Minima minima;
 };
 
-// The end that was looked at last. Parts that meet there share the work.
+// An end of a part. The next part often begins where the last one ended.
 struct End {
   Vec3 point;
-  double limit = -1.0;
+  double limit = -1.0;  // of the search for the nearest point; not searched yet
   SurfacePoint nearest;
-  MinimaSearch minima;
+  MinimaSearch search;
 };
 
 bool hasNearer(const MinimaSearch& s, const Triangle& triangle, double squared) {
@@ -114,10 +116,16 @@ bool isMinimum(const MinimaSearch& s, const Triangle& triangle, const Candidate&
 
 double tryMinimum(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<MinimaSearch*>(context);
-  const Triangle& triangle = s.data->triangles[slot];
+  const Triangle* triangles = s.data->triangles.data();
+  const Triangle& triangle = triangles[slot];
   Candidate c;
   closestOnTriangle(&triangle, s.p.data(), &c);
-  if (!(c.squared <= reach * reach) || !(c.squared > 0.0)) return reach;
+  if (!(c.squared <= reach * reach)) return reach;
+  Answer& nearest = s.nearest;
+  if (nearest.slot < 0 || c.squared < nearest.squared ||
+      (c.squared == nearest.squared && triangle.index < triangles[nearest.slot].index))
+    nearest = {c.squared, {c.point[0], c.point[1], c.point[2]}, slot, c.feature};
+  if (!(c.squared > 0.0)) return reach;
   Minimum minimum;
   minimum.point = vec(c.point);
   minimum.distance = std::sqrt(c.squared);
@@ -127,13 +135,23 @@ double tryMinimum(void* context, std::int32_t slot, double reach) {
   return reach;
 }
 
+void searchMinima(const MeshModel& mesh, const Vec3& p, double reach, MinimaSearch& s) {
+  s.data = &mesh.data();
+  s.p = p;
+  s.reach = reach;
+  s.nearest.slot = -1;
+  s.minima.count = 0;
+  loops().visitMinima(s.data->view, p.data(), reach, &tryMinimum, &s);
+}
+
 // Contacts of one tick while they are collected; the deepest first.
 struct Collector {
   ContactSnapshot* contacts;
   const Obstacle* obstacle;
   int number;
   double margin;
-  End* last;
+  End* last;          // of the part before
+  End* next;          // to become that
   double nextRadius;  // of the part that begins where this one ends, or 0
 
   // `normal` and `velocity` are made from the obstacle's frame.
@@ -158,37 +176,30 @@ struct Collector {
   }
 };
 
-// `nearest` is the answer of signedDistance(). Of the minima, from the nearest on, one for each direction counts; they
-// are looked for as far as `reach`, if that is farther than it need be for this radius.
-void addSphere(const MeshModel& mesh, const Vec3& centre, double radius, const SurfacePoint& nearest, double reach,
-               MinimaSearch& s, Collector& out) {
+// Of the minima, from the nearest on, one for each direction counts.
+void addSphere(const MeshModel& mesh, End& end, double radius, Collector& out) {
+  const SurfacePoint& nearest = end.nearest;
   if (nearest.triangle < 0 || nearest.distance > radius + out.margin) return;
-  const double least = radius + std::max(out.margin, 0.0);
-  const double single = 1e-9 * least;
-  if (nearest.distance <= single) {  // on or behind the surface: one way out
-    out.add(centre, nearest.normal, nearest.distance, radius);
+  const double reach = radius + std::max(out.margin, 0.0);
+  if (nearest.distance <= 1e-9 * reach) {  // on or behind the surface: one way out
+    out.add(end.point, nearest.normal, nearest.distance, radius);
     return;
   }
-  if (s.data != &mesh.data() || s.p != centre || s.reach < least) {
-    s.data = &mesh.data();
-    s.p = centre;
-    s.reach = std::max(reach, least);
-    s.minima.count = 0;
-    loops().visitMinima(s.data->view, centre.data(), s.reach, &tryMinimum, &s);
-  }
+  if (end.search.reach < reach) searchMinima(mesh, end.point, reach, end.search);
+  const Minima& minima = end.search.minima;
   std::array<const Minimum*, kMaxContacts> taken;
   std::size_t count = 0;
-  for (int i = 0; i < s.minima.count && count < taken.size(); ++i) {
-    const Minimum& candidate = s.minima.all[i];
-    if (candidate.distance > least) break;
+  for (int i = 0; i < minima.count && count < taken.size(); ++i) {
+    const Minimum& candidate = minima.all[i];
+    if (candidate.distance > reach) break;
     const bool isNew = std::none_of(taken.begin(), taken.begin() + count, [&](const Minimum* known) {
       return known->normal.dot(candidate.normal) > kSameDirection;
     });
     if (!isNew) continue;
     taken[count++] = &candidate;
-    out.add(centre, candidate.normal, candidate.distance, radius);
+    out.add(end.point, candidate.normal, candidate.distance, radius);
   }
-  if (count == 0) out.add(centre, nearest.normal, nearest.distance, radius);
+  if (count == 0) out.add(end.point, nearest.normal, nearest.distance, radius);
 }
 
 template <typename Analytic>
@@ -242,7 +253,27 @@ void addPart(const Analytic& shape, const Segment& axis, double radius, PartCach
     addSphere(shape, middle, radius, out);
 }
 
-bool isAhead(const SurfacePoint& end) { return end.triangle < 0 || end.distance > 0.0; }
+bool isAhead(const End& end) { return end.nearest.triangle < 0 || end.nearest.distance > 0.0; }
+
+int nearerOf(const End& a, const End& b) {
+  const bool isA = a.nearest.triangle >= 0 && (b.nearest.triangle < 0 || a.nearest.distance < b.nearest.distance);
+  return isA ? a.nearest.triangle : b.nearest.triangle;
+}
+
+// The nearest point, wherever it is, comes by signedDistance(); one that is likely to be in reach, among the minima that
+// are then asked for anyway.
+void findEnd(const MeshModel& mesh, const Vec3& p, double limit, double reach, ProximityCache* cache, End& end) {
+  end.point = p;
+  end.limit = limit;
+  end.search.reach = -1.0;
+  if (limit < kNoLimit) {
+    end.limit = std::max(limit, reach);
+    searchMinima(mesh, p, end.limit, end.search);
+    end.nearest = signedSurfacePoint(mesh.data(), p, end.search.nearest);
+  } else {
+    end.nearest = signedDistance(mesh, p, cache);
+  }
+}
 
 // Outside of a closed surface the side cannot change before the surface is met: an axis that starts outside and keeps
 // away from every triangle lies outside, and it still does after a way shorter than its clearance. Most ticks of most
@@ -251,78 +282,72 @@ bool isAhead(const SurfacePoint& end) { return end.triangle < 0 || end.distance 
 void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCache* cache, Collector& out) {
   const auto point = [cache](std::size_t i) { return cache == nullptr ? nullptr : &cache->points[i]; };
   const double reach = radius + std::max(out.margin, 0.0), justBeyond = reach * (1.0 + 1e-12);
+  const bool isSphere = axis.a == axis.b, isClosed = mesh.data().closed;
   double clear = -1.0, limitA = kNoLimit, limitB = kNoLimit;
   int hint = -1;
   if (cache != nullptr && cache->revision == mesh.data().view.revision) {
     const double wayOfA = (axis.a - cache->axis.a).norm(), wayOfB = (axis.b - cache->axis.b).norm();
     clear = cache->clear - std::max(wayOfA, wayOfB);
-    if (cache->isAheadA && wayOfA < reach) limitA = justBeyond;
+    if (isSphere ? cache->clear > 0.0 && cache->clear + wayOfA < reach : cache->isAheadA && wayOfA < reach)
+      limitA = justBeyond;
     if (cache->isAheadB && wayOfB < reach) limitB = justBeyond;
     hint = cache->nearest;
   }
   if (clear > reach) return;
-  const bool isSphere = axis.a == axis.b, wasOutside = clear > 0.0 && !isSphere;
-  SurfacePoint atA, atB;
+  const bool wasOutside = clear > 0.0 && !isSphere;
+  End own;
+  End& a = axis.a == out.last->point && (out.last->nearest.triangle >= 0 || out.last->limit >= limitA) ? *out.last : own;
+  End& b = *out.next;
   const auto findEnds = [&] {
-    End& last = *out.last;
-    const bool isShared = axis.a == last.point && (last.nearest.triangle >= 0 || last.limit >= limitA);
-    atA = isShared ? last.nearest : signedDistance(mesh, axis.a, point(0), limitA);
-    atB = signedDistance(mesh, axis.b, point(1), limitB);
-    last.point = axis.b;
-    last.limit = limitB;
-    last.nearest = atB;
+    if (&a == &own) findEnd(mesh, axis.a, limitA, 0.0, point(0), a);
+    if (isSphere) return;
+    findEnd(mesh, axis.b, limitB, (out.nextRadius + std::max(out.margin, 0.0)) * (1.0 + 1e-12), point(1), b);
+    std::swap(out.last, out.next);
   };
   SegmentPoint between;
+  if (!wasOutside) findEnds();
   if (isSphere) {
-    atA = atB = signedDistance(mesh, axis.a, point(0));
-    clear = atA.distance;
+    clear = a.nearest.distance;
+  } else if (wasOutside || (isAhead(a) && isAhead(b))) {
+    if (hint < 0 && !wasOutside) hint = nearerOf(a, b);
+    between = closestToSegment(mesh, axis, justBeyond, hint, kLookAhead * reach);
+    clear = between.distance;
   } else {
-    if (!wasOutside) findEnds();
     clear = -1.0;
-    if (isAhead(atA) && isAhead(atB)) {
-      if (hint < 0) hint = atB.triangle < 0 || (atA.triangle >= 0 && atA.distance < atB.distance) ? atA.triangle : atB.triangle;
-      between = closestToSegment(mesh, axis, justBeyond, hint, kLookAhead * reach);
-      clear = between.distance;
-    }
   }
-  const bool isClosed = mesh.data().closed, isOutside = isClosed && clear > kSurely * mesh.data().size;
-  const bool isOut = isOutside && clear > justBeyond;
+  const bool isOutside = isClosed && clear > kSurely * mesh.data().size, isOut = isOutside && clear > justBeyond;
   if (wasOutside && !isOut) findEnds();
   if (cache != nullptr) {
     cache->revision = mesh.data().view.revision;
     cache->axis = axis;
     cache->clear = isOutside ? clear * (1.0 - 1e-9) : -1.0;
-    cache->isAheadA = isClosed && isAhead(atA);
-    cache->isAheadB = isClosed && isAhead(atB);
+    cache->isAheadA = isClosed && (isOut || isAhead(a));
+    cache->isAheadB = isClosed && (isOut || isAhead(b));
     cache->nearest = between.triangle;
   }
-  if (isSphere) {
-    addSphere(mesh, axis.a, radius, atA, reach, out.last->minima, out);
-    return;
-  }
   if (isOut) return;
-  addSphere(mesh, axis.a, radius, atA, reach, out.last->minima, out);
-  addSphere(mesh, axis.b, radius, atB, out.nextRadius + std::max(out.margin, 0.0), out.last->minima, out);
+  addSphere(mesh, a, radius, out);
+  if (isSphere) return;
+  addSphere(mesh, b, radius, out);
   // Where an end lies behind the surface, no place between is nearer to the outside than both.
   double ends = justBeyond;
-  if (atA.triangle >= 0) ends = std::min(ends, atA.distance - kClearlyNearer);
-  if (atB.triangle >= 0) ends = std::min(ends, atB.distance - kClearlyNearer);
+  if (a.nearest.triangle >= 0) ends = std::min(ends, a.nearest.distance - kClearlyNearer);
+  if (b.nearest.triangle >= 0) ends = std::min(ends, b.nearest.distance - kClearlyNearer);
   if (!(ends > 0.0)) return;
   if (between.triangle < 0 || between.distance > ends || !(between.parameter > 0.0 && between.parameter < 1.0)) return;
-  const Vec3 middle = axis.a + between.parameter * (axis.b - axis.a);
-  SurfacePoint there;
+  End middle;
+  middle.point = axis.a + between.parameter * (axis.b - axis.a);
+  SurfacePoint& there = middle.nearest;
   if (isOutside && between.distance > kClear * mesh.data().size) {
     there.triangle = between.triangle;
     there.point = between.point;
     there.distance = between.distance;
-    there.normal = (middle - between.point) / between.distance;
+    there.normal = (middle.point - between.point) / between.distance;
   } else {
-    const double found = (middle - between.point).norm() + kNearly * reach;
-    there = signedDistance(mesh, middle, point(2), std::min(found, justBeyond));
+    const double found = (middle.point - between.point).norm() + kNearly * reach;
+    there = signedDistance(mesh, middle.point, point(2), std::min(found, justBeyond));
   }
-  if (!(there.distance < ends)) return;
-  MinimaSearch s;
-  addSphere(mesh, middle, radius, there, reach, s, out);
+  if (there.distance < ends) addSphere(mesh, middle, radius, out);
 }
 
 SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, ProximityCache* cache) {
@@ -376,12 +401,12 @@ template <typename Visit>
 bool forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                  ContactSnapshot& contacts, const Visit& visit) {
   const std::vector<Obstacle>& obstacles = scene.obstacles();
-  End last;
+  End ends[2];
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     if (!isFinite(obstacles[i].pose)) return false;
-    last.limit = -1.0;
-    last.nearest = SurfacePoint();
-    Collector out{&contacts, &obstacles[i], static_cast<int>(i), margin, &last, 0.0};
+    ends[0].limit = -1.0;
+    ends[0].nearest = SurfacePoint();
+    Collector out{&contacts, &obstacles[i], static_cast<int>(i), margin, &ends[0], &ends[1], 0.0};
     for (int k = 0; k < tool.count; ++k) {
       const ToolPart& part = tool.parts[k];
       out.nextRadius = k + 1 < tool.count && tool.parts[k + 1].a == part.b ? tool.parts[k + 1].radius : 0.0;
