@@ -178,7 +178,7 @@ void writeLeafCone(MeshData& data, std::int32_t leaf, const std::vector<Vec3>& n
   const Parent at = data.leafParent[leaf];
   const Vec3 axis = readOriented(data, at).axes.row(2);
   double widest = 0.0;
-  const LeafCones& cones = data.cones[leaf];
+  const Leaf& cones = data.leaves[leaf];
   for (int lane = 0; lane < kWidth; ++lane) {
     const std::int32_t number = data.triangles[leaf * kWidth + lane].index;
     if (number < 0) continue;
@@ -591,7 +591,6 @@ void writeCones(MeshData& data, const std::vector<Vec3>& normal, const std::vect
       if (smallest < 0.0) widest[t].add(-most, true);
     }
   }
-  data.cones.assign(data.leaves.size(), LeafCones{});
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int i = 0; i < 3; ++i) {
       const std::int32_t other = data.neighbour[t][i];
@@ -602,9 +601,9 @@ void writeCones(MeshData& data, const std::vector<Vec3>& normal, const std::vect
       widest[t].add(normal[t].dot(normal[other]), isBehind);
     }
     const std::int32_t slot = data.slotOf[t];
-    LeafCones& cones = data.cones[slot / kWidth];
-    cones.front[slot % kWidth] = coneOfCosine(widest[t].front);
-    cones.back[slot % kWidth] = coneOfCosine(widest[t].back);
+    Leaf& leaf = data.leaves[slot / kWidth];
+    leaf.front[slot % kWidth] = coneOfCosine(widest[t].front);
+    leaf.back[slot % kWidth] = coneOfCosine(widest[t].back);
     if (data.triangles[slot].cone >= 0.0f) data.triangles[slot].cone = coneOfCosine(around[t]);
   }
 }
@@ -670,7 +669,6 @@ void buildNormals(MeshData& data) {
   }
 
   writeCones(data, normal, isOpen);
-  data.view.cones = data.cones.data();
   for (std::size_t leaf = 0; leaf < data.leaves.size(); ++leaf)
     writeLeafCone(data, static_cast<std::int32_t>(leaf), normal);
   for (std::size_t node = data.nodes.size(); node-- > 0;) writeNodeCone(data, static_cast<std::int32_t>(node));

@@ -36,9 +36,13 @@ struct alignas(64) AlignedBoxes {
 };
 
 /// 16 triangles in local coordinates, each in a plane frame of its own: corner a at the origin, the longest edge along
-/// u, the opposite corner at v >= 0, the plane at h = 0. Unused lanes lie far away.
+/// u, the opposite corner at v >= 0, the plane at h = 0. Unused lanes lie far away. `front` and `back`: cos^2 of the
+/// angle between the normal and the farthest way to a point in front of the triangle, or behind it, that it may hold a
+/// local minimum of the distance from, or 0.
 struct alignas(64) Leaf {
   float row[kFrameRows][kWidth];
+  float front[kWidth];
+  float back[kWidth];
 };
 
 /// Rows of a leaf.
@@ -70,20 +74,12 @@ struct Triangle {
                   ///< careful path
 };
 
-/// For a leaf, cos^2 of the angle between a triangle's normal and the farthest way from it to a point that it may hold a
-/// local minimum of the distance from, or 0: for points in front of it and behind it.
-struct alignas(64) LeafCones {
-  float front[kWidth];
-  float back[kWidth];
-};
-
 /// What the loops see of a mesh.
 struct Mesh {
   const Node* nodes;
   const Leaf* leaves;
   const AlignedBoxes* boxes;  ///< by node
   const Triangle* triangles;
-  const LeafCones* cones;
   int32_t root;  ///< as Node::child; always a node
   double centre[3];
   double scale;

@@ -25,6 +25,8 @@ static const float kEnough = 0.5f;
 enum { kManyOfLeaf = 5 };
 
 enum { kMostCandidates = 64 };
+// Cache lines: of a node, of the frames of a leaf, of all of a leaf.
+enum { kNodeLines = 18, kFrameLines = 20, kLeafLines = 22 };
 
 struct Search {
   const Mesh* mesh;
@@ -209,11 +211,11 @@ static inline void fetch(const void* address, int lines) {
   for (int i = 0; i < lines; ++i) __builtin_prefetch(static_cast<const char*>(address) + 64 * i, 0, 2);
 }
 
-static inline void fetchChild(const Mesh* mesh, int32_t child) {
+static inline void fetchChild(const Mesh* mesh, int32_t child, int leafLines = kFrameLines) {
   if (child < 0) {
-    fetch(mesh->leaves + ~child, 20);
+    fetch(mesh->leaves + ~child, leafLines);
   } else {
-    fetch(mesh->nodes + child, 18);
+    fetch(mesh->nodes + child, kNodeLines);
   }
 }
 
@@ -1044,34 +1046,37 @@ static void visitMinima(const Mesh& mesh, const double point[3], double reach, V
     return;
   }
   const V x = set(s.x), y = set(s.y), z = set(s.z), limit = set(s.limit), slack = set(2.0f * s.slackUp);
-  int32_t stack[kStackSize];
-  int top = 0;
+  int32_t stack[kStackSize + kWidth], slots[kMostCandidates + kWidth];
+  int top = 0, count = 0;
+  const auto visitAll = [&] {
+    for (int i = 0; i < count; ++i)
+      if (mesh.triangles[slots[i]].index >= 0) visitor(context, slots[i], reach);
+    count = 0;
+  };
   stack[top++] = mesh.root;
   while (top > 0) {
     const int32_t current = stack[--top];
     if (current < 0) {
+      const Leaf* leaf = mesh.leaves + ~current;
       V height;
-      const V d = triangleDistances(lanesOf(mesh.leaves + ~current), x, y, z, &height);
+      const V d = triangleDistances(lanesOf(leaf), x, y, z, &height);
       const V under = sub(set(0.0f), height);
       const V high = add(maximum(height, under), slack);  // and what both may err by
-      const LeafCones* cones = mesh.cones + ~current;
-      const V front = load(cones->front), back = load(cones->back);
+      const V front = load(leaf->front), back = load(leaf->back);
       const V either = selectGreater(under, slack, back, minimum(front, back));
       const V least = mul(selectGreater(height, slack, front, either), d);
-      unsigned near = lessOrEqualMask(d, limit) & lessOrEqualMask(least, mul(high, high));
-      for (; near != 0; near &= near - 1) {
-        const int32_t slot = ~current * kWidth + __builtin_ctz(near);
-        if (mesh.triangles[slot].index >= 0) visitor(context, slot, reach);
-      }
+      const unsigned near = lessOrEqualMask(d, limit) & lessOrEqualMask(least, mul(high, high));
+      compressNumbers(~current * kWidth, choose(near), slots + count);
+      for (int i = __builtin_popcount(near); i > 0; --i) fetch(mesh.triangles + slots[count++], 2);
+      if (count > kMostCandidates - kWidth) visitAll();
       continue;
     }
     const Node* node = mesh.nodes + current;
-    unsigned mask = childrenWithMinima(node, x, y, z, limit, slack);
-    for (; mask != 0; mask &= mask - 1) {
-      stack[top] = node->child[__builtin_ctz(mask)];
-      fetchChild(&mesh, stack[top]);
-      if (stack[top] < 0) fetch(mesh.cones + ~stack[top], 2);
-      ++top;
-    }
+    const unsigned mask = childrenWithMinima(node, x, y, z, limit, slack);
+    const int before = top;
+    compress(node->child, choose(mask), stack + top);
+    top += __builtin_popcount(mask);
+    for (int i = before; i < top; ++i) fetchChild(&mesh, stack[i], kLeafLines);
   }
+  visitAll();
 }

@@ -74,8 +74,8 @@ void taintPlace(MeshData& data, int place) {
   for (std::int32_t c = data.firstCorner[place]; c >= 0; c = data.nextCorner[c]) {
     const int i = c % 3;
     const std::int32_t slot = data.slotOf[c / 3];
-    LeafCones& cones = data.cones[slot / kWidth];
-    cones.front[slot % kWidth] = cones.back[slot % kWidth] = 0.0f;
+    Leaf& leaf = data.leaves[slot / kWidth];
+    leaf.front[slot % kWidth] = leaf.back[slot % kWidth] = 0.0f;
     data.triangles[slot].cone = std::min(data.triangles[slot].cone, 0.0f);
     openCones(data, data.leafParent[slot / kWidth]);
     data.edgeNormals[slot].tainted |= 1u << (kCorner0 + i) | 1u << (kEdge01 + i) | 1u << (kEdge01 + (i + 2) % 3);
