@@ -22,7 +22,7 @@ enum { kPause = 32, kLongPause = 1024 };
 // Of the clearance of a segment beyond its reach this much is worth knowing.
 static const float kEnough = 0.5f;
 // More triangles of a leaf than these that may be nearest to a segment are worth better bounds.
-enum { kManyOfLeaf = 5 };
+enum { kFewOfLeaf = 2, kManyOfLeaf = 4 };
 
 enum { kMostCandidates = 64 };
 // Cache lines: of a node, of the frames of a leaf, of all of a leaf.
@@ -834,6 +834,15 @@ static inline V boundOf(const Tangent& t, V halfWay) {
   return sub(t.distance, mul(halfWay, steepest));
 }
 
+// From where the line meets the plane, going d along it brings it nearer to the triangle by d cos of the angle between
+// them and away from the plane by d sin: it comes no nearer than the distance in the plane times that sine.
+static inline V lineBound(const Lanes& frames, const Feet& feet, float error) {
+  const V zero = set(0.0f), sine = maximum(feet.way[2], sub(zero, feet.way[2])), flat = set(1e-6f);
+  const V at = divide(sub(zero, feet.start[2]), selectGreater(sine, flat, feet.way[2], flat));
+  const V inPlane = frameDistances(frames, mad(feet.way[0], at, feet.start[0]), mad(feet.way[1], at, feet.start[1]), zero);
+  return sub(mul(root(inPlane), mul(sine, set(0.99999f))), set(2.0f * error));
+}
+
 // A second tangent, where the first one comes down to the end of the feet: the bound lies where the two meet, or on the
 // flatter side of the middle.
 static inline V betterBound(const Lanes& frames, const Feet& feet, const Tangent& first, float error) {
@@ -966,6 +975,10 @@ static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, doubl
     if (enough * enough < limit) limit = enough * enough;
     V bounds = boundOf(tangent, feet.halfWay);
     unsigned mask = lessOrEqualMask(bounds, set(exactly));
+    if (__builtin_popcount(mask) > kFewOfLeaf) {
+      bounds = maximum(bounds, lineBound(frames, feet, error));
+      mask = lessOrEqualMask(bounds, set(exactly));
+    }
     if (__builtin_popcount(mask) > kManyOfLeaf) {
       bounds = maximum(bounds, betterBound(frames, feet, tangent, error));
       mask = lessOrEqualMask(bounds, set(exactly));
