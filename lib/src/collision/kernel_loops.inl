@@ -148,8 +148,8 @@ static inline Lanes lanesOf(const Leaf* leaf) { return {leaf->row[0], kWidth}; }
 static inline Lanes lanesOf(const Node* node) { return {node->row[0], kWidth}; }
 // Squared distances of 16 triangles from points in their frames: to the plane where the point lies over the triangle,
 // else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
-// With directions in the frames, also how far the points lie ahead of the nearest points of the triangles.
-static inline V frameDistances(const Lanes& frames, V u, V v, V h, const V* way = nullptr, V* ahead = nullptr) {
+// `from`: the ways in the plane (u, v) from the nearest points of the triangles.
+static inline V frameDistances(const Lanes& frames, V u, V v, V h, V* from = nullptr) {
   const V zero = set(0.0f);
   const V length0 = frames.row(kLength), length1 = frames.row(kLength + 1), length2 = frames.row(kLength + 2);
   const V c1 = frames.row(kCosine), s1 = frames.row(kSine), c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
@@ -167,13 +167,15 @@ static inline V frameDistances(const Lanes& frames, V u, V v, V h, const V* way 
   const V edge2 = mad(across2, across2, mul(end2, end2));
   const V edges = minimum(minimum(edge0, edge1), edge2);
   const V out = maximum(maximum(across0, across1), across2);
-  if (way != nullptr) {
-    const V ahead0 = mad(end0, way[0], mul(v, way[1]));
-    const V ahead1 = mad(end1, mad(c1, way[0], mul(s1, way[1])), mul(across1, sub(mul(s1, way[0]), mul(c1, way[1]))));
-    const V ahead2 = mad(end2, mad(c2, way[0], mul(s2, way[1])), mul(across2, sub(mul(c2, way[1]), mul(s2, way[0]))));
-    const V of01 = selectGreater(edge0, edge1, ahead1, ahead0);
-    const V ofEdges = selectGreater(minimum(edge0, edge1), edge2, ahead2, of01);
-    *ahead = mad(h, way[2], selectGreater(out, inside, ofEdges, zero));
+  if (from != nullptr) {
+    const V first[2] = {end0, v};
+    const V second[2] = {mad(end1, c1, mul(across1, s1)), sub(mul(end1, s1), mul(across1, c1))};
+    const V third[2] = {sub(mul(end2, c2), mul(across2, s2)), mad(end2, s2, mul(across2, c2))};
+    for (int i = 0; i < 2; ++i) {
+      const V of01 = selectGreater(edge0, edge1, second[i], first[i]);
+      const V ofEdges = selectGreater(minimum(edge0, edge1), edge2, third[i], of01);
+      from[i] = selectGreater(out, inside, ofEdges, zero);
+    }
   }
   return mad(h, h, selectGreater(out, inside, edges, zero));
 }
@@ -809,29 +811,32 @@ static inline Feet feetOn(const Lanes& frames, const Ray* ray) {
   return feet;
 }
 
-// Distances of the triangles from places of the ray, and their slopes along it. The distance is convex, so it stays
-// above its tangents. A nearest point whose distance is known to `error` is known to sqrt(2 error distance), and so is
-// the slope.
-struct Tangent {
-  V squared, distance, slope, unsure;
+// Squared distances of the triangles from places of the ray, and planes that the triangles lie behind: so far are the
+// places in front of them, and so much more, for each step along the ray, are others. Any normal does that is not longer
+// than 1; that of the way from the nearest point is the best.
+struct InFront {
+  V squared, height, slope;
 };
 
-static inline Tangent tangentAt(const Lanes& frames, const Feet& feet, V at, float error) {
-  const V least = set(32.0f * error), one = set(1.0f);
-  V p[3], ahead;
+static inline InFront inFrontAt(const Lanes& frames, const Feet& feet, V at) {
+  const V zero = set(0.0f);
+  V p[3], n[3];
   for (int i = 0; i < 3; ++i) p[i] = mad(feet.way[i], at, feet.start[i]);
-  Tangent tangent;
-  tangent.squared = frameDistances(frames, p[0], p[1], p[2], feet.way, &ahead);
-  tangent.distance = root(tangent.squared);
-  const V inverse = divide(one, maximum(tangent.distance, least));
-  tangent.slope = mul(ahead, inverse);
-  tangent.unsure = selectGreater(tangent.distance, least, root(mul(set(4.0f * error), inverse)), one);
-  return tangent;
+  InFront front;
+  front.squared = frameDistances(frames, p[0], p[1], p[2], n);
+  n[2] = p[2];
+  const V inverse = divide(set(0.999999f), root(maximum(front.squared, set(1e-12f))));
+  const V toB = mul(n[0], frames.row(kLength));
+  const V toC =
+      mul(frames.row(kLength + 2), mad(n[0], frames.row(kCosine + 1), mul(n[1], frames.row(kSine + 1))));
+  const V corners = maximum(maximum(toB, toC), zero);
+  front.height = mul(sub(mad(n[0], p[0], mad(n[1], p[1], mul(n[2], p[2]))), corners), inverse);
+  front.slope = mul(mad(n[0], feet.way[0], mad(n[1], feet.way[1], mul(n[2], feet.way[2]))), inverse);
+  return front;
 }
 
-static inline V boundOf(const Tangent& t, V halfWay) {
-  const V steepest = minimum(add(maximum(t.slope, sub(set(0.0f), t.slope)), t.unsure), set(1.0f));
-  return sub(t.distance, mul(halfWay, steepest));
+static inline V boundOf(const InFront& front, V halfWay) {
+  return sub(front.height, mul(halfWay, maximum(front.slope, sub(set(0.0f), front.slope))));
 }
 
 // From where the line meets the plane, going d along it brings it nearer to the triangle by d cos of the angle between
@@ -843,18 +848,18 @@ static inline V lineBound(const Lanes& frames, const Feet& feet, float error) {
   return sub(mul(root(inPlane), mul(sine, set(0.99999f))), set(2.0f * error));
 }
 
-// A second tangent, where the first one comes down to the end of the feet: the bound lies where the two meet, or on the
-// flatter side of the middle.
-static inline V betterBound(const Lanes& frames, const Feet& feet, const Tangent& first, float error) {
+// With a second plane, at the end of the feet to which the first one comes down: the bound lies where the two meet, or in
+// the middle.
+static inline V betterBound(const Lanes& frames, const Feet& feet, const InFront& first, float error) {
   const V zero = set(0.0f), w = feet.halfWay;
   const V end = selectGreater(first.slope, zero, sub(feet.middle, w), add(feet.middle, w));
-  const Tangent second = tangentAt(frames, feet, end, error);
+  const InFront second = inFrontAt(frames, feet, end);
   const V inwards = selectGreater(first.slope, zero, second.slope, sub(zero, second.slope));
-  const V down = maximum(sub(second.unsure, inwards), zero);  // from the end to the middle
-  const V up = add(maximum(first.slope, sub(zero, first.slope)), first.unsure);
-  const V met = divide(add(sub(second.distance, first.distance), mul(up, w)), maximum(add(up, down), set(1e-6f)));
-  const V low = sub(second.distance, mul(down, between(met, zero, w)));
-  return sub(minimum(low, sub(first.distance, mul(first.unsure, w))), set(error));
+  const V down = maximum(sub(zero, inwards), zero);  // from the end to the middle
+  const V up = maximum(first.slope, sub(zero, first.slope));
+  const V met = divide(add(sub(second.height, first.height), mul(up, w)), maximum(add(up, down), set(1e-6f)));
+  const V low = sub(second.height, mul(down, between(met, zero, w)));
+  return sub(minimum(low, first.height), set(error));
 }
 
 // Depth first through what lies within `limit`, the square of a float distance, which atLeaf() may lower.
@@ -889,12 +894,11 @@ static void visitSegment(const Mesh& mesh, const double from[3], const double to
     visit(mesh, from, to, reach, visitor, context);
     return;
   }
-  const float error = 2.0f * static_cast<float>(ray.slack);
   float limit = limitOf(reach * mesh.scale, ray.slack);
   searchSegment(mesh, ray, limit, [&](int32_t leaf) {
     const Lanes frames = lanesOf(mesh.leaves + leaf);
     const Feet feet = feetOn(frames, &ray);
-    const V bounds = boundOf(tangentAt(frames, feet, feet.middle, error), feet.halfWay);
+    const V bounds = boundOf(inFrontAt(frames, feet, feet.middle), feet.halfWay);
     unsigned mask = lessOrEqualMask(bounds, set(__builtin_sqrtf(limit) * 1.000001f));
     for (; mask != 0; mask &= mask - 1) {
       const int32_t slot = leaf * kWidth + __builtin_ctz(mask);
@@ -968,19 +972,19 @@ static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, doubl
     if (leaf == done) return;
     const Lanes frames = lanesOf(mesh.leaves + leaf);
     const Feet feet = feetOn(frames, &ray);
-    const Tangent tangent = tangentAt(frames, feet, feet.middle, error);
-    const float least = (__builtin_sqrtf(smallest(tangent.squared)) + error) * 1.000001f;
+    const InFront front = inFrontAt(frames, feet, feet.middle);
+    const float least = (__builtin_sqrtf(smallest(front.squared)) + error) * 1.000001f;
     if (least < exactly) exactly = least;
     const float enough = exactly + kEnough * (least - exactly);
     if (enough * enough < limit) limit = enough * enough;
-    V bounds = boundOf(tangent, feet.halfWay);
+    V bounds = boundOf(front, feet.halfWay);
     unsigned mask = lessOrEqualMask(bounds, set(exactly));
     if (__builtin_popcount(mask) > kFewOfLeaf) {
       bounds = maximum(bounds, lineBound(frames, feet, error));
       mask = lessOrEqualMask(bounds, set(exactly));
     }
     if (__builtin_popcount(mask) > kManyOfLeaf) {
-      bounds = maximum(bounds, betterBound(frames, feet, tangent, error));
+      bounds = maximum(bounds, betterBound(frames, feet, front, error));
       mask = lessOrEqualMask(bounds, set(exactly));
     }
     const float beyond = smallest(selectGreater(bounds, set(exactly), bounds, set(3.4e38f)));
