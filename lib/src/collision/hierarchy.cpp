@@ -527,7 +527,8 @@ void findWays(const MeshData& data, int place, const Vec3& corner, CornerWays& a
   for (std::int32_t c = data.firstCorner[place]; c >= 0; c = data.nextCorner[c]) {
     if (at.count == CornerWays::kMostEdges) return;
     const auto& t = data.mesh.triangles[c / 3];
-    at.edge[at.count++] = (data.mesh.vertices[t[(c + 1) % 3]] - corner).normalized();  // each edge leaves in one triangle
+    at.edge[at.count++] =
+        (data.mesh.vertices[t[(c + 1) % 3]] - corner).normalized();  // each edge leaves in one triangle
   }
   at.areKnown = true;
   const auto keepsAhead = [&at](const Vec3& way) {

@@ -260,8 +260,8 @@ int nearerOf(const End& a, const End& b) {
   return isA ? a.nearest.triangle : b.nearest.triangle;
 }
 
-// The nearest point, wherever it is, comes by signedDistance(); one that is likely to be in reach, among the minima that
-// are then asked for anyway.
+// The nearest point, wherever it is, comes by signedDistance(); one that is likely to be in reach, among the minima
+// that are then asked for anyway.
 void findEnd(const MeshModel& mesh, const Vec3& p, double limit, double reach, ProximityCache* cache, End& end) {
   end.point = p;
   end.limit = limit;
@@ -296,7 +296,8 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   if (clear > reach) return;
   const bool wasOutside = clear > 0.0 && !isSphere;
   End own;
-  End& a = axis.a == out.last->point && (out.last->nearest.triangle >= 0 || out.last->limit >= limitA) ? *out.last : own;
+  End& a =
+      axis.a == out.last->point && (out.last->nearest.triangle >= 0 || out.last->limit >= limitA) ? *out.last : own;
   End& b = *out.next;
   const auto findEnds = [&] {
     if (&a == &own) findEnd(mesh, axis.a, limitA, 0.0, point(0), a);

@@ -73,7 +73,7 @@ struct PartCache {
   double clear = -1.0;                   // the axis lay outside of the obstacle, at least so far from it
   bool isAheadA = false;                 // its ends lay outside
   bool isAheadB = false;
-  int nearest = -1;                      // triangle that was nearest to the axis
+  int nearest = -1;  // triangle that was nearest to the axis
 };
 
 /// Caches of one tool in one scene. Made outside the ticks; not shared between threads.

@@ -1,0 +1,191 @@
+// Contacts of tools with meshes: against the local minima that brute force finds, and the same bits whatever is known
+// from earlier ticks.
+#include <Eigen/Geometry>
+
+#include "enamel/collision/scene.hpp"
+#include "support/catch.hpp"
+#include "support/meshes.hpp"
+#include "support/run_length.hpp"
+
+using namespace enamel;
+
+namespace {
+
+// The nearest point of a triangle: the foot on its plane if that lies inside, by the signs of areas, else on an edge.
+Vec3 nearestOf(const Vec3& p, const std::array<Vec3, 3>& corner) {
+  const Vec3 n = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+  bool isInside = n.squaredNorm() > 0.0;
+  Vec3 best = corner[0];
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 &a = corner[i], edge = corner[(i + 1) % 3] - a;
+    isInside = isInside && edge.cross(p - a).dot(n) > 0.0;
+    const Vec3 on = a + std::clamp(edge.dot(p - a) / edge.squaredNorm(), 0.0, 1.0) * edge;
+    if ((on - p).norm() < (best - p).norm()) best = on;
+  }
+  return isInside ? Vec3(p - n * (n.dot(p - corner[0]) / n.squaredNorm())) : best;
+}
+
+// Sound ones, and one with gaps between its parts, where much is near.
+std::vector<test::NamedMesh> contactMeshes() {
+  std::vector<test::NamedMesh> all = test::soundMeshes();
+  TriangleMesh balls;
+  for (int i = 0; i < 8; ++i)
+    balls = test::joined(
+        balls, test::transformed(test::ball(3, 0.1), 0.9, Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)));
+  all.push_back({"eight balls", std::move(balls), true});
+  return all;
+}
+
+struct Nearest {
+  Vec3 point;
+  double distance;
+};
+
+std::vector<Nearest> nearestOfAll(const TriangleMesh& mesh, const Vec3& p) {
+  std::vector<Nearest> all;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 x = nearestOf(p, {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+    all.push_back({x, (x - p).norm()});
+  }
+  return all;
+}
+
+// How much nearer the triangles come that pass through a triangle's nearest point, as a part of its distance.
+double nearerNearby(const TriangleMesh& mesh, const std::vector<Nearest>& all, std::size_t i, double size) {
+  double least = all[i].distance;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (!(all[k].distance < least)) continue;
+    const auto& t = mesh.triangles[k];
+    const Vec3 &x = all[i].point, &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    if ((x - a).squaredNorm() > 1.1 * std::max((b - a).squaredNorm(), (c - a).squaredNorm())) continue;
+    if ((nearestOf(x, {a, b, c}) - x).norm() < 1e-12 * size) least = all[k].distance;
+  }
+  return 1.0 - least / all[i].distance;
+}
+
+// Where p lies over a face, if only just, no neighbour is asked.
+bool isOverFace(const TriangleMesh& mesh, std::size_t triangle, const Vec3& p, const Nearest& nearest) {
+  const auto& t = mesh.triangles[triangle];
+  const Vec3& a = mesh.vertices[t[0]];
+  const Vec3 normal = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).normalized();
+  return std::abs(normal.dot(p - nearest.point)) > nearest.distance * (1.0 - 1e-13);
+}
+
+ContactSnapshot contactsOf(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache) {
+  ContactSnapshot contacts;
+  REQUIRE(findContacts(scene, tool, pose, margin, cache, contacts) == Status::ok);
+  return contacts;
+}
+
+bool areEqual(const ContactSnapshot& a, const ContactSnapshot& b) {
+  if (a.count != b.count) return false;
+  for (int i = 0; i < a.count; ++i)
+    if (a.contacts[i].gap != b.contacts[i].gap || a.contacts[i].point != b.contacts[i].point ||
+        a.contacts[i].normal != b.contacts[i].normal || a.contacts[i].obstacle != b.contacts[i].obstacle)
+      return false;
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("a sphere touches at every local minimum of the distance and nowhere else", "[hard]") {
+  const SimdLevel best = simdLevel();
+  int several = 0;
+  for (const auto& [name, mesh, closed] : contactMeshes()) {
+    INFO(name);
+    Scene scene;
+    scene.add({"mesh", std::make_shared<const MeshModel>(mesh), Pose(), Vec6::Zero(), 0});
+    const double size = test::sizeOf(mesh);
+    test::Random random(51);
+    const int count = mesh.triangles.size() > 5000 ? test::count(60, 3000) : test::count(300, 20000);
+    for (int i = 0; i < count; ++i) {
+      const Vec3 p = i % 2 == 0 ? test::queryPoint(mesh, random) : Vec3(random.vector(0.5 * size));
+      if (p.norm() > 3.0 * size || std::abs(test::windingNumber(mesh, p)) > 0.5) continue;
+      const std::vector<Nearest> all = nearestOfAll(mesh, p);
+      double nearest = 1e300;
+      for (const Nearest& one : all) nearest = std::min(nearest, one.distance);
+      if (!(nearest > 1e-6 * size)) continue;
+      const double reach = nearest * std::pow(10.0, random.uniform(0.0, 1.0)), radius = random.uniform(0.0, reach);
+      Tool tool;
+      tool.parts[0] = {Vec3::Zero(), Vec3::Zero(), radius};
+      const Pose pose{p, Mat3::Identity()};
+      const ContactSnapshot contacts = contactsOf(scene, tool, pose, reach - radius, nullptr);
+      for (const SimdLevel level : {SimdLevel::baseline, SimdLevel::avx2, SimdLevel::avx512})
+        if (useSimdLevel(level) == level)
+          REQUIRE(areEqual(contacts, contactsOf(scene, tool, pose, reach - radius, nullptr)));
+      useSimdLevel(best);
+      INFO("point " << i << " at " << p.transpose() << ", radius " << radius << ", reach " << reach);
+      REQUIRE(contacts.count >= 1);
+      CHECK(std::abs(contacts.contacts[0].gap + radius - nearest) <= 1e-12 * size);
+      for (int k = 0; k < contacts.count; ++k) {
+        const Contact& contact = contacts.contacts[k];
+        const Vec3 x = p - (contact.gap + radius) * contact.normal;
+        double least = 1.0;
+        for (std::size_t t = 0; t < all.size() && least > 1e-9; ++t)
+          if ((all[t].point - x).norm() < 1e-12 * size)
+            least = isOverFace(mesh, t, p, all[t]) ? 0.0 : std::min(least, nearerNearby(mesh, all, t, size));
+        CHECK(least <= 1e-9);  // the library allows for rounding, 1e-12
+      }
+      std::vector<std::size_t> minima;
+      for (std::size_t t = 0; t < all.size(); ++t)
+        if (all[t].distance < reach * (1.0 - 1e-9) && nearerNearby(mesh, all, t, size) <= 0.0) minima.push_back(t);
+      if (minima.size() > 60) continue;  // more than are kept
+      several += contacts.count > 1;
+      for (const std::size_t t : minima) {
+        bool isMet = contacts.count == kMaxContacts;
+        for (int k = 0; k < contacts.count; ++k)
+          isMet = isMet || (contacts.contacts[k].gap + radius <= all[t].distance + 1e-12 * size &&
+                            contacts.contacts[k].normal.dot((p - all[t].point) / all[t].distance) > 0.9659);
+        CHECK(isMet);
+      }
+    }
+  }
+  CHECK(several > 20);
+}
+
+TEST_CASE("a tool of parts that meet has the same contacts with and without a cache", "[hard]") {
+  int touching = 0, deep = 0, free = 0;
+  for (const auto& [name, mesh, closed] : contactMeshes()) {
+    INFO(name);
+    Scene scene;
+    scene.add({"mesh", std::make_shared<const MeshModel>(mesh), Pose(), Vec6::Zero(), 0});
+    scene.add({"turned",
+               std::make_shared<const MeshModel>(mesh),
+               {Vec3(0.3, 0.2, 0.1), Eigen::AngleAxisd(1.0, Vec3::UnitY()).toRotationMatrix()},
+               Vec6::Zero(),
+               0});
+    const double size = test::sizeOf(mesh);
+    test::Random random(52);
+    for (int walk = 0; walk < test::count(12, 400); ++walk) {
+      const double scale = size * std::pow(10.0, random.uniform(-2.0, -0.7)), margin = random.uniform(0.0, 0.3) * scale;
+      Tool tool;  // a ball, a neck and a shaft, thick after thin or thin after thick
+      tool.parts[0] = {Vec3::Zero(), Vec3::Zero(), 0.3 * scale};
+      tool.parts[1] = {{0, 0, 0.2 * scale}, {0, 0, scale}, random.uniform(0.05, 0.5) * scale};
+      tool.parts[2] = {{0, 0, scale}, {0, 0, 3.0 * scale}, random.uniform(0.05, 0.5) * scale};
+      tool.count = 3;
+      ToolCache cache = makeToolCache(scene, tool);
+      Vec3 p = test::queryPoint(mesh, random);
+      if (p.norm() > 2.0 * size) p *= size / p.norm();
+      Eigen::Quaterniond turned = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), random.direction());
+      Vec3 way = random.direction();
+      const double step = scale * std::pow(10.0, random.uniform(-3.0, 0.0));
+      for (int i = 0; i < 60; ++i) {
+        way = (way + 0.3 * random.direction()).normalized();
+        if (p.norm() > size) way = -p.normalized();
+        p += (i % 25 == 24 ? 0.3 * size : step) * way;
+        turned = Eigen::AngleAxisd(0.3 * step / scale, random.direction()) * turned;
+        const Pose pose{p, turned.toRotationMatrix()};
+        const ContactSnapshot plain = contactsOf(scene, tool, pose, margin, nullptr);
+        const ContactSnapshot cached = contactsOf(scene, tool, pose, margin, &cache);
+        INFO("walk " << walk << " step " << i << " of " << step << ", at " << p.transpose());
+        REQUIRE(areEqual(plain, cached));
+        ++(plain.count == 0 ? free : plain.contacts[0].gap < -0.5 * scale ? deep : touching);
+      }
+    }
+  }
+  if (test::kSlowdown == 1) {
+    CHECK(touching > 300);
+    CHECK(deep > 100);
+    CHECK(free > 300);
+  }
+}
