@@ -19,6 +19,7 @@ inline V mul(V x, V y) { return {_mm512_mul_ps(x.v, y.v)}; }
 inline V mad(V x, V y, V z) { return {_mm512_fmadd_ps(x.v, y.v, z.v)}; }
 inline V divide(V x, V y) { return {_mm512_div_ps(x.v, y.v)}; }
 inline V root(V x) { return {_mm512_sqrt_ps(x.v)}; }
+inline V inverseRoot(V x) { return {_mm512_rsqrt14_ps(x.v)}; }
 inline V maximum(V x, V y) { return {_mm512_max_ps(x.v, y.v)}; }
 inline V minimum(V x, V y) { return {_mm512_min_ps(x.v, y.v)}; }
 inline float smallest(V x) { return _mm512_reduce_min_ps(x.v); }

@@ -51,6 +51,11 @@ inline V root(const V& a) {
   for (int i = 0; i < kWidth; ++i) r.v[i] = __builtin_sqrtf(a.v[i]);
   return r;
 }
+inline V inverseRoot(const V& a) {
+  V r;
+  for (int i = 0; i < kWidth; ++i) r.v[i] = 1.0f / __builtin_sqrtf(a.v[i]);
+  return r;
+}
 inline V maximum(const V& a, const V& b) {
   V r;
   for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];

@@ -1,5 +1,5 @@
 // The search loops, written on a vector `V` of 16 floats that the including file defines together with
-// load, store, set, add, sub, mul, divide, mad, root, maximum, minimum, smallest, lessOrEqualMask, selectGreater,
+// load, store, set, add, sub, mul, divide, mad, root, inverseRoot (to 2^-11), maximum, minimum, smallest, lessOrEqualMask, selectGreater,
 // compress and compressNumbers (the lanes that choose() made of a mask to consecutive places; up to 16 are written),
 // closestOfFour and closestToAxisOfFour. Everything has internal linkage.
 
@@ -825,7 +825,7 @@ static inline InFront inFrontAt(const Lanes& frames, const Feet& feet, V at) {
   InFront front;
   front.squared = frameDistances(frames, p[0], p[1], p[2], n);
   n[2] = p[2];
-  const V inverse = divide(set(0.999999f), root(maximum(front.squared, set(1e-12f))));
+  const V inverse = mul(set(0.9995f), inverseRoot(maximum(front.squared, set(1e-12f))));
   const V toB = mul(n[0], frames.row(kLength));
   const V toC =
       mul(frames.row(kLength + 2), mad(n[0], frames.row(kCosine + 1), mul(n[1], frames.row(kSine + 1))));
