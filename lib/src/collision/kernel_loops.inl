@@ -1,7 +1,7 @@
 // The search loops, written on a vector `V` of 16 floats that the including file defines together with
-// load, store, set, add, sub, mul, divide, mad, root, inverseRoot (to 2^-11), maximum, minimum, smallest, lessOrEqualMask, selectGreater,
-// compress and compressNumbers (the lanes that choose() made of a mask to consecutive places; up to 16 are written),
-// closestOfFour and closestToAxisOfFour. Everything has internal linkage.
+// load, store, set, add, sub, mul, divide, mad, root, inverseRoot (to 2^-11), maximum, minimum, smallest,
+// lessOrEqualMask, selectGreater, compress and compressNumbers (the lanes that choose() made of a mask to consecutive
+// places; up to 16 are written), closestOfFour and closestToAxisOfFour. Everything has internal linkage.
 
 // Error of the float distances, with room to spare: at most 20 roundings of numbers not larger than |q|_1 + 2 extent
 // enter, 2^-24 each, and a triangle that is represented by its edges alone is lower than 2^-20.
@@ -812,8 +812,8 @@ static inline Feet feetOn(const Lanes& frames, const Ray* ray) {
 }
 
 // Squared distances of the triangles from places of the ray, and planes that the triangles lie behind: so far are the
-// places in front of them, and so much more, for each step along the ray, are others. Any normal does that is not longer
-// than 1; that of the way from the nearest point is the best.
+// places in front of them, and so much more, for each step along the ray, are others. Any normal does that is not
+// longer than 1; that of the way from the nearest point is the best.
 struct InFront {
   V squared, height, slope;
 };
@@ -827,8 +827,7 @@ static inline InFront inFrontAt(const Lanes& frames, const Feet& feet, V at) {
   n[2] = p[2];
   const V inverse = mul(set(0.9995f), inverseRoot(maximum(front.squared, set(1e-12f))));
   const V toB = mul(n[0], frames.row(kLength));
-  const V toC =
-      mul(frames.row(kLength + 2), mad(n[0], frames.row(kCosine + 1), mul(n[1], frames.row(kSine + 1))));
+  const V toC = mul(frames.row(kLength + 2), mad(n[0], frames.row(kCosine + 1), mul(n[1], frames.row(kSine + 1))));
   const V corners = maximum(maximum(toB, toC), zero);
   front.height = mul(sub(mad(n[0], p[0], mad(n[1], p[1], mul(n[2], p[2]))), corners), inverse);
   front.slope = mul(mad(n[0], feet.way[0], mad(n[1], feet.way[1], mul(n[2], feet.way[2]))), inverse);
@@ -844,12 +843,13 @@ static inline V boundOf(const InFront& front, V halfWay) {
 static inline V lineBound(const Lanes& frames, const Feet& feet, float error) {
   const V zero = set(0.0f), sine = maximum(feet.way[2], sub(zero, feet.way[2])), flat = set(1e-6f);
   const V at = divide(sub(zero, feet.start[2]), selectGreater(sine, flat, feet.way[2], flat));
-  const V inPlane = frameDistances(frames, mad(feet.way[0], at, feet.start[0]), mad(feet.way[1], at, feet.start[1]), zero);
+  const V inPlane =
+      frameDistances(frames, mad(feet.way[0], at, feet.start[0]), mad(feet.way[1], at, feet.start[1]), zero);
   return sub(mul(root(inPlane), mul(sine, set(0.99999f))), set(2.0f * error));
 }
 
-// With a second plane, at the end of the feet to which the first one comes down: the bound lies where the two meet, or in
-// the middle.
+// With a second plane, at the end of the feet to which the first one comes down: the bound lies where the two meet, or
+// in the middle.
 static inline V betterBound(const Lanes& frames, const Feet& feet, const InFront& first, float error) {
   const V zero = set(0.0f), w = feet.halfWay;
   const V end = selectGreater(first.slope, zero, sub(feet.middle, w), add(feet.middle, w));
@@ -920,8 +920,7 @@ struct AxisSearch {
 static inline void keepNearer(AxisSearch* s, const Triangle* triangle, const SegmentCandidate& c) {
   SegmentAnswer* answer = s->answer;
   if (!(c.squared < answer->squared) &&
-      !(c.squared == answer->squared &&
-        (answer->slot < 0 || triangle->index < s->mesh->triangles[answer->slot].index)))
+      !(c.squared == answer->squared && (answer->slot < 0 || triangle->index < s->mesh->triangles[answer->slot].index)))
     return;
   answer->squared = c.squared;
   answer->parameter = c.parameter;
@@ -1016,8 +1015,7 @@ static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, doubl
   if (s->waiting > 0) tryWaiting(s);
   if (s->answer->slot >= 0) return;
   const float most = __builtin_sqrtf(limit);
-  const double keeps =
-      (static_cast<double>(clear < most ? clear : most) * (1.0 - 1e-6) - 2.0 * ray.slack) / mesh.scale;
+  const double keeps = (static_cast<double>(clear < most ? clear : most) * (1.0 - 1e-6) - 2.0 * ray.slack) / mesh.scale;
   if (keeps > reach) s->answer->squared = keeps * keeps;
 }
 

@@ -260,9 +260,10 @@ int nearerOf(const End& a, const End& b) {
   return isA ? a.nearest.triangle : b.nearest.triangle;
 }
 
-// The nearest point, wherever it is, comes by signedDistance(); one that is likely to be in reach, among the minima
-// that are then asked for anyway.
-void findEnd(const MeshModel& mesh, const Vec3& p, double limit, double reach, ProximityCache* cache, End& end) {
+// The nearest point within `far` comes by signedDistance(); one that is likely to be in reach, within `limit` then,
+// among the minima that are asked for anyway.
+void findEnd(const MeshModel& mesh, const Vec3& p, double limit, double reach, double far, ProximityCache* cache,
+             End& end) {
   end.point = p;
   end.limit = limit;
   end.search.reach = -1.0;
@@ -271,7 +272,7 @@ void findEnd(const MeshModel& mesh, const Vec3& p, double limit, double reach, P
     searchMinima(mesh, p, end.limit, end.search);
     end.nearest = signedSurfacePoint(mesh.data(), p, end.search.nearest);
   } else {
-    end.nearest = signedDistance(mesh, p, cache);
+    end.nearest = signedDistance(mesh, p, cache, far);
   }
 }
 
@@ -283,7 +284,7 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   const auto point = [cache](std::size_t i) { return cache == nullptr ? nullptr : &cache->points[i]; };
   const double reach = radius + std::max(out.margin, 0.0), justBeyond = reach * (1.0 + 1e-12);
   const bool isSphere = axis.a == axis.b, isClosed = mesh.data().closed;
-  double clear = -1.0, limitA = kNoLimit, limitB = kNoLimit;
+  double clear = -1.0, limitA = kNoLimit, limitB = kNoLimit, far = kNoLimit;
   int hint = -1;
   if (cache != nullptr && cache->revision == mesh.data().view.revision) {
     const double wayOfA = (axis.a - cache->axis.a).norm(), wayOfB = (axis.b - cache->axis.b).norm();
@@ -294,21 +295,22 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
     hint = cache->nearest;
   }
   if (clear > reach) return;
+  if (isSphere && clear > 0.0) far = kLookAhead * reach;
   const bool wasOutside = clear > 0.0 && !isSphere;
   End own;
   End& a =
       axis.a == out.last->point && (out.last->nearest.triangle >= 0 || out.last->limit >= limitA) ? *out.last : own;
   End& b = *out.next;
   const auto findEnds = [&] {
-    if (&a == &own) findEnd(mesh, axis.a, limitA, 0.0, point(0), a);
+    if (&a == &own) findEnd(mesh, axis.a, limitA, 0.0, far, point(0), a);
     if (isSphere) return;
-    findEnd(mesh, axis.b, limitB, (out.nextRadius + std::max(out.margin, 0.0)) * (1.0 + 1e-12), point(1), b);
+    findEnd(mesh, axis.b, limitB, (out.nextRadius + std::max(out.margin, 0.0)) * (1.0 + 1e-12), kNoLimit, point(1), b);
     std::swap(out.last, out.next);
   };
   SegmentPoint between;
   if (!wasOutside) findEnds();
   if (isSphere) {
-    clear = a.nearest.distance;
+    clear = a.nearest.triangle < 0 ? far : a.nearest.distance;
   } else if (wasOutside || (isAhead(a) && isAhead(b))) {
     if (hint < 0 && !wasOutside) hint = nearerOf(a, b);
     between = closestToSegment(mesh, axis, justBeyond, hint, kLookAhead * reach);
