@@ -26,7 +26,12 @@ enum { kFewOfLeaf = 2, kManyOfLeaf = 4 };
 
 enum { kMostCandidates = 64 };
 // Cache lines: of a node, of the frames of a leaf, of all of a leaf.
-enum { kNodeLines = 18, kFrameLines = 20, kLeafLines = 22 };
+enum {
+  kLine = 64,
+  kNodeLines = sizeof(Node) / kLine,
+  kFrameLines = sizeof(Leaf::row) / kLine,
+  kLeafLines = sizeof(Leaf) / kLine
+};
 
 struct Search {
   const Mesh* mesh;
@@ -146,6 +151,7 @@ struct Lanes {
 
 static inline Lanes lanesOf(const Leaf* leaf) { return {leaf->row[0], kWidth}; }
 static inline Lanes lanesOf(const Node* node) { return {node->row[0], kWidth}; }
+
 // Squared distances of 16 triangles from points in their frames: to the plane where the point lies over the triangle,
 // else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
 // `from`: the ways in the plane (u, v) from the nearest points of the triangles.
@@ -209,8 +215,9 @@ static inline void settle(Search* s) {
   s->candidates = 0;
 }
 
+// To the second cache: the first one has no room for all that may be asked for.
 static inline void fetch(const void* address, int lines) {
-  for (int i = 0; i < lines; ++i) __builtin_prefetch(static_cast<const char*>(address) + 64 * i, 0, 2);
+  for (int i = 0; i < lines; ++i) __builtin_prefetch(static_cast<const char*>(address) + kLine * i, 0, 2);
 }
 
 static inline void fetchChild(const Mesh* mesh, int32_t child, int leafLines = kFrameLines) {

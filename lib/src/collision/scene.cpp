@@ -139,7 +139,7 @@ void searchMinima(const MeshModel& mesh, const Vec3& p, double reach, MinimaSear
   s.data = &mesh.data();
   s.p = p;
   s.reach = reach;
-  s.nearest.slot = -1;
+  s.nearest = {0.0, {p[0], p[1], p[2]}, -1, kFace};
   s.minima.count = 0;
   loops().visitMinima(s.data->view, p.data(), reach, &tryMinimum, &s);
 }
@@ -265,10 +265,9 @@ int nearerOf(const End& a, const End& b) {
 void findEnd(const MeshModel& mesh, const Vec3& p, double limit, double reach, double far, ProximityCache* cache,
              End& end) {
   end.point = p;
-  end.limit = limit;
+  end.limit = limit < kNoLimit ? std::max(limit, reach) : far;
   end.search.reach = -1.0;
   if (limit < kNoLimit) {
-    end.limit = std::max(limit, reach);
     searchMinima(mesh, p, end.limit, end.search);
     end.nearest = signedSurfacePoint(mesh.data(), p, end.search.nearest);
   } else {
@@ -310,7 +309,7 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   SegmentPoint between;
   if (!wasOutside) findEnds();
   if (isSphere) {
-    clear = a.nearest.triangle < 0 ? far : a.nearest.distance;
+    clear = a.nearest.triangle < 0 ? a.limit : a.nearest.distance;
   } else if (wasOutside || (isAhead(a) && isAhead(b))) {
     if (hint < 0 && !wasOutside) hint = nearerOf(a, b);
     between = closestToSegment(mesh, axis, justBeyond, hint, kLookAhead * reach);
