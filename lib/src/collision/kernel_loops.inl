@@ -22,7 +22,7 @@ enum { kPause = 32, kLongPause = 1024 };
 // Of the clearance of a segment beyond its reach this much is worth knowing.
 static const float kEnough = 0.5f;
 // More triangles of a leaf than these that may be nearest to a segment are worth better bounds.
-enum { kFewOfLeaf = 2, kManyOfLeaf = 4 };
+enum { kFewOfLeaf = 3, kManyOfLeaf = 6 };
 
 enum { kMostCandidates = 64 };
 // Cache lines: of a node, of the frames of a leaf, of all of a leaf.

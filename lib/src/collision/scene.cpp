@@ -21,7 +21,7 @@ constexpr double kClearlyNearer = 1e-9;  // m
 constexpr double kClear = 1e-6;          // of the size: where the way to the surface gives the normal
 constexpr double kSurely = 1e-12;        // of the size: a distance that is more than rounding
 constexpr double kNearly = 1e-6;         // of the reach: more than what is rounded
-constexpr double kLookAhead = 2.5;       // times a part's reach: how far its clearance is looked for
+constexpr double kLookAhead = 2.0;       // times a part's reach: how far its clearance is looked for
 
 using MeshPointer = std::shared_ptr<const MeshModel>;
 
