@@ -159,6 +159,14 @@ TEST_CASE("segments are as near as brute force finds them, with any hint and on 
       const double rounding = 1e-12 * (size + segment.a.lpNorm<1>() + segment.b.lpNorm<1>());
       REQUIRE(found.triangle >= 0);
       CHECK(std::abs(found.distance - static_cast<double>(truth)) <= rounding);
+      if (found.distance > 1e-6 * size) {  // what is free is free, and at least what was asked for
+        const double limit = found.distance * (i % 2 == 0 ? 0.9999 : random.uniform(0.5, 1.0));
+        const SegmentPoint clear =
+            closestToSegment(model, segment, limit, i % 3 == 0 ? -1 : found.triangle, random.uniform(0.0, 3.0) * limit);
+        REQUIRE(clear.triangle < 0);
+        CHECK(clear.distance >= limit * (1.0 - 1e-12));
+        CHECK(clear.distance <= found.distance);
+      }
       const Vec3 x = segment.a + found.parameter * (segment.b - segment.a);
       CHECK(std::abs((x - found.point).norm() - found.distance) <= rounding);
       CHECK(closestPoint(model, found.point).distance <= rounding);

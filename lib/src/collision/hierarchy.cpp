@@ -588,18 +588,21 @@ void writeCones(MeshData& data, const std::vector<Vec3>& normal, const std::vect
         most = std::max(most, normal[t].dot(way));
         smallest = std::min(smallest, normal[t].dot(way));
       }
-      if (most > 0.0) widest[t].add(smallest, false);
-      if (smallest < 0.0) widest[t].add(-most, true);
+      if (most > 0.0) widest[t].add(std::max(smallest, least), false);
+      if (smallest < 0.0) widest[t].add(std::max(-most, least), true);
     }
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int i = 0; i < 3; ++i) {
       const std::int32_t other = data.neighbour[t][i];
       if (other < 0) continue;
-      const Vec3 a = mesh.vertices[mesh.triangles[t][i]];
-      bool isBehind = true;  // the edge is a ridge for those behind
-      for (const int v : mesh.triangles[other]) isBehind = isBehind && normal[t].dot(mesh.vertices[v] - a) >= 0.0;
-      widest[t].add(normal[t].dot(normal[other]), isBehind);
+      const Vec3 &a = mesh.vertices[mesh.triangles[t][i]], &b = mesh.vertices[mesh.triangles[t][(i + 1) % 3]];
+      double height =
+          0.0;  // of the other triangle's third corner: where it is in front, the edge is a ridge from behind
+      for (const int v : mesh.triangles[other]) height += normal[t].dot(mesh.vertices[v] - a);
+      const double flat = 1e-9 * (b - a).norm(), cosine = normal[t].dot(normal[other]);
+      if (height <= flat) widest[t].add(cosine, false);
+      if (height >= -flat) widest[t].add(cosine, true);
     }
     const std::int32_t slot = data.slotOf[t];
     Leaf& leaf = data.leaves[slot / kWidth];

@@ -23,7 +23,7 @@ static_assert(kStackSize >= kMaxDepth * (kWidth - 1) + kWidth, "the stack holds 
 /// Oriented boxes of 16 children: |axis * q + offset| <= half. Unused lanes lie far away.
 struct alignas(64) Node {
   float row[kBoxRows][kWidth];  ///< three axes, offsets, half sizes
-  float cone[kWidth];           ///< cos^2 of the angle from the third axis to the farthest normal, or 0
+  float cone[kWidth];           ///< cos^2 of the angle between the third axis and the farthest way as Leaf::front, or 0
   int32_t child[kWidth];        ///< node number, or ~leaf number
   uint32_t lanes;               ///< bit mask of those in use
   uint32_t leaves;              ///< of those that hold a leaf
@@ -123,8 +123,8 @@ struct Loops {
   /// is likely to hold the nearest one, or -1.
   void (*closestToSegment)(const Mesh& mesh, const double from[3], const double to[3], double reach, double far,
                            int32_t hint, SegmentAnswer* answer);
-  /// Every triangle within `reach` that may hold a local minimum of the distance from the point: at one, the way to the
-  /// point lies among the normals around it.
+  /// Every triangle within `reach` that may hold a local minimum of the distance from the point: Leaf::front and back
+  /// allow the way there.
   void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);
 };
 

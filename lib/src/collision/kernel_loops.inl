@@ -922,9 +922,11 @@ struct AxisSearch {
   SegmentAnswer* answer;
   int waiting;
   int32_t slot[4];
+  double beyond;  // squared, of the nearest one that was looked at
 };
 
 static inline void keepNearer(AxisSearch* s, const Triangle* triangle, const SegmentCandidate& c) {
+  if (c.squared < s->beyond) s->beyond = c.squared;
   SegmentAnswer* answer = s->answer;
   if (!(c.squared < answer->squared) &&
       !(c.squared == answer->squared && (answer->slot < 0 || triangle->index < s->mesh->triangles[answer->slot].index)))
@@ -1023,12 +1025,14 @@ static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, doubl
   if (s->answer->slot >= 0) return;
   const float most = __builtin_sqrtf(limit);
   const double keeps = (static_cast<double>(clear < most ? clear : most) * (1.0 - 1e-6) - 2.0 * ray.slack) / mesh.scale;
-  if (keeps > reach) s->answer->squared = keeps * keeps;
+  const double looked = __builtin_sqrt(s->beyond) * (1.0 - 1e-12);
+  const double free = keeps < looked ? keeps : looked;
+  if (free > reach) s->answer->squared = free * free;
 }
 
 static void closestToSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, double far,
                              int32_t hint, SegmentAnswer* answer) {
-  AxisSearch s = {&mesh, axisBetween(from, to), answer, 0, {}};
+  AxisSearch s = {&mesh, axisBetween(from, to), answer, 0, {}, kHuge};
   answer->squared = reach * reach < kHuge ? reach * reach : kHuge;
   answer->slot = -1;
   Ray ray;
@@ -1041,8 +1045,8 @@ static void closestToSegment(const Mesh& mesh, const double from[3], const doubl
   if (s.waiting > 0) tryWaiting(&s);
 }
 
-// Children within the limit whose normals allow a local minimum: the way from one of their points to the point in
-// question is nowhere steeper to the third axis than the sides of the box allow.
+// Children within the limit whose cones allow a local minimum: the way from one of their points to the point in question
+// is nowhere steeper to the third axis than the sides of the box allow.
 static inline unsigned childrenWithMinima(const Node* node, V x, V y, V z, V limit, V slack) {
   const V zero = set(0.0f), one = set(1.0f);
   const Lanes lanes = lanesOf(node);

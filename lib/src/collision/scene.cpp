@@ -44,14 +44,16 @@ struct Minima {
 void keepMinimum(const Minimum& minimum, Minima& minima) {
   int place = minima.count;
   while (place > 0 && minimum.distance < minima.all[place - 1].distance) --place;
-  for (; place > 0 && minimum.distance == minima.all[place - 1].distance; --place) {
-    Minimum& known = minima.all[place - 1];
-    if (known.point == minimum.point) {  // a corner or edge, seen from another triangle
-      known.triangle = std::min(known.triangle, minimum.triangle);
-      return;
-    }
-    if (known.triangle < minimum.triangle) break;
+  int first = place;
+  for (; first > 0 && minimum.distance == minima.all[first - 1].distance; --first) {
+    const Minimum& known = minima.all[first - 1];
+    if (known.point != minimum.point) continue;  // else a corner or edge, seen from another triangle
+    if (known.triangle <= minimum.triangle) return;
+    std::copy(minima.all.begin() + first, minima.all.begin() + minima.count, minima.all.begin() + first - 1);
+    --minima.count;
+    --place;
   }
+  while (place > first && minimum.triangle < minima.all[place - 1].triangle) --place;
   if (place == Minima::kMost) return;
   minima.count = std::min(minima.count + 1, Minima::kMost);
   for (int i = minima.count - 1; i > place; --i) minima.all[i] = minima.all[i - 1];
@@ -69,7 +71,7 @@ struct MinimaSearch {
 
 // An end of a part. The next part often begins where the last one ended.
 struct End {
-  Vec3 point;
+  Vec3 point = Vec3::Zero();
   double limit = -1.0;  // of the search for the nearest point; not searched yet
   SurfacePoint nearest;
   MinimaSearch search;
@@ -154,7 +156,7 @@ struct Collector {
   End* next;          // to become that
   double nextRadius;  // of the part that begins where this one ends, or 0
 
-  // `normal` and `velocity` are made from the obstacle's frame.
+  // `centre` and `normal` in the obstacle's frame.
   void add(const Vec3& centre, const Vec3& normal, double distance, double radius) {
     const double gap = distance - radius;
     if (!(gap <= margin)) return;
@@ -185,7 +187,7 @@ void addSphere(const MeshModel& mesh, End& end, double radius, Collector& out) {
     out.add(end.point, nearest.normal, nearest.distance, radius);
     return;
   }
-  if (end.search.reach < reach) searchMinima(mesh, end.point, reach, end.search);
+  if (end.search.reach < reach) searchMinima(mesh, end.point, reach * (1.0 + 1e-12), end.search);
   const Minima& minima = end.search.minima;
   std::array<const Minimum*, kMaxContacts> taken;
   std::size_t count = 0;
@@ -282,6 +284,10 @@ void findEnd(const MeshModel& mesh, const Vec3& p, double limit, double reach, d
 void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCache* cache, Collector& out) {
   const auto point = [cache](std::size_t i) { return cache == nullptr ? nullptr : &cache->points[i]; };
   const double reach = radius + std::max(out.margin, 0.0), justBeyond = reach * (1.0 + 1e-12);
+  // What is hidden beyond that cannot make a place between the ends look less near.
+  const auto beyond = [&out](double r) {
+    return (r + std::max(out.margin, 0.0)) * (1.0 + 1e-12) + 2.0 * kClearlyNearer;
+  };
   const bool isSphere = axis.a == axis.b, isClosed = mesh.data().closed;
   double clear = -1.0, limitA = kNoLimit, limitB = kNoLimit, far = kNoLimit;
   int hint = -1;
@@ -289,8 +295,8 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
     const double wayOfA = (axis.a - cache->axis.a).norm(), wayOfB = (axis.b - cache->axis.b).norm();
     clear = cache->clear - std::max(wayOfA, wayOfB);
     if (isSphere ? cache->clear > 0.0 && cache->clear + wayOfA < reach : cache->isAheadA && wayOfA < reach)
-      limitA = justBeyond;
-    if (cache->isAheadB && wayOfB < reach) limitB = justBeyond;
+      limitA = beyond(radius);
+    if (cache->isAheadB && wayOfB < reach) limitB = beyond(radius);
     hint = cache->nearest;
   }
   if (clear > reach) return;
@@ -303,7 +309,7 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   const auto findEnds = [&] {
     if (&a == &own) findEnd(mesh, axis.a, limitA, 0.0, far, point(0), a);
     if (isSphere) return;
-    findEnd(mesh, axis.b, limitB, (out.nextRadius + std::max(out.margin, 0.0)) * (1.0 + 1e-12), kNoLimit, point(1), b);
+    findEnd(mesh, axis.b, limitB, beyond(out.nextRadius), kNoLimit, point(1), b);
     std::swap(out.last, out.next);
   };
   SegmentPoint between;
@@ -324,7 +330,7 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
     cache->axis = axis;
     cache->clear = isOutside ? clear * (1.0 - 1e-9) : -1.0;
     cache->isAheadA = isClosed && (isOut || isAhead(a));
-    cache->isAheadB = isClosed && (isOut || isAhead(b));
+    cache->isAheadB = isClosed && !isSphere && (isOut || isAhead(b));
     cache->nearest = between.triangle;
   }
   if (isOut) return;
