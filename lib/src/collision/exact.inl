@@ -254,7 +254,7 @@ static inline void tryPair(const Axis* axis, const double* from, const double* e
 }
 
 // Edge i: from the ends, to its start, and where the lines are nearest to each other, if that is inside both. The small
-// determinant of nearly parallel lines costs digits; going to and fro between them repairs that.
+// determinant of nearly parallel lines costs digits, cross products do not.
 static inline void tryEdgeOnAxis(const Axis* axis, const double* from, const double* e, int32_t i, Shortest* best) {
   const double length = dot(e, e), perLength = inverseOf(length), along = dot(axis->way, e);
   const double alongEdge = dot(e, from), across = dot(axis->way, from);
@@ -262,11 +262,18 @@ static inline void tryEdgeOnAxis(const Axis* axis, const double* from, const dou
   tryPair(axis, from, e, 1.0, within01((alongEdge + along) * perLength), i, best);
   tryPair(axis, from, e, within01(-across * axis->perSquared), 0.0, i, best);
   const double both = axis->squared * length, lines = both - along * along;
-  double parameter = lines > 0.0 ? within01((along * alongEdge - length * across) / lines) : 0.0, u = 0.0;
-  for (int pass = lines > kNearlyParallel * both ? 2 : 0; pass < 3; ++pass) {
-    u = within01((alongEdge + parameter * along) * perLength);
-    parameter = within01((u * along - across) * axis->perSquared);
+  double parameter = 0.0;
+  if (lines > kNearlyParallel * both) {
+    parameter = within01((along * alongEdge - length * across) / lines);
+  } else {
+    double n[3], m[3];
+    cross(axis->way, e, n);
+    cross(e, from, m);
+    const double nn = dot(n, n);
+    if (nn > 0.0) parameter = within01(dot(m, n) / nn);
   }
+  const double u = within01((alongEdge + parameter * along) * perLength);
+  parameter = within01((u * along - across) * axis->perSquared);
   tryPair(axis, from, e, parameter, u, i, best);
 }
 
