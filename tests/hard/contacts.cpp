@@ -140,7 +140,7 @@ TEST_CASE("a sphere touches at every local minimum of the distance and nowhere e
       }
     }
   }
-  CHECK(several > 20);
+  CHECK(several > (test::kSlowdown == 1 ? 20 : 0));
 }
 
 TEST_CASE("a tool of parts that meet has the same contacts with and without a cache", "[hard]") {
