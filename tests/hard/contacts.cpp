@@ -97,7 +97,7 @@ TEST_CASE("a sphere touches at every local minimum of the distance and nowhere e
     scene.add({"mesh", std::make_shared<const MeshModel>(mesh), Pose(), Vec6::Zero(), 0});
     const double size = test::sizeOf(mesh);
     test::Random random(51);
-    const int count = mesh.triangles.size() > 5000 ? test::count(60, 1500) : test::count(300, 10000);
+    const int count = mesh.triangles.size() > 5000 ? test::count(60, 600) : test::count(300, 4000);
     for (int i = 0; i < count; ++i) {
       const Vec3 p = i % 2 == 0 ? test::queryPoint(mesh, random) : Vec3(random.vector(0.5 * size));
       if (p.norm() > 3.0 * size || std::abs(test::windingNumber(mesh, p)) > 0.5) continue;
