@@ -1,5 +1,7 @@
 // Contacts of tools with meshes: against the local minima that brute force finds, and the same bits whatever is known
 // from earlier ticks.
+#include "support/contacts.hpp"
+
 #include <Eigen/Geometry>
 
 #include "enamel/collision/scene.hpp"
@@ -71,21 +73,6 @@ bool isOverFace(const TriangleMesh& mesh, std::size_t triangle, const Vec3& p, c
   return std::abs(normal.dot(p - nearest.point)) > nearest.distance * (1.0 - 1e-13);
 }
 
-ContactSnapshot contactsOf(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache) {
-  ContactSnapshot contacts;
-  REQUIRE(findContacts(scene, tool, pose, margin, cache, contacts) == Status::ok);
-  return contacts;
-}
-
-bool areEqual(const ContactSnapshot& a, const ContactSnapshot& b) {
-  if (a.count != b.count) return false;
-  for (int i = 0; i < a.count; ++i)
-    if (a.contacts[i].gap != b.contacts[i].gap || a.contacts[i].point != b.contacts[i].point ||
-        a.contacts[i].normal != b.contacts[i].normal || a.contacts[i].obstacle != b.contacts[i].obstacle)
-      return false;
-  return true;
-}
-
 }  // namespace
 
 TEST_CASE("a sphere touches at every local minimum of the distance and nowhere else", "[hard]") {
@@ -106,13 +93,11 @@ TEST_CASE("a sphere touches at every local minimum of the distance and nowhere e
       for (const Nearest& one : all) nearest = std::min(nearest, one.distance);
       if (!(nearest > 1e-6 * size)) continue;
       const double reach = nearest * std::pow(10.0, random.uniform(0.0, 1.0)), radius = random.uniform(0.0, reach);
-      Tool tool;
-      tool.parts[0] = {Vec3::Zero(), Vec3::Zero(), radius};
-      const Pose pose{p, Mat3::Identity()};
-      const ContactSnapshot contacts = contactsOf(scene, tool, pose, reach - radius, nullptr);
+      const Tool tool = test::sphereTool(radius);
+      const ContactSnapshot contacts = test::contactsOf(scene, tool, test::at(p), reach - radius);
       for (const SimdLevel level : {SimdLevel::baseline, SimdLevel::avx2, SimdLevel::avx512})
         if (useSimdLevel(level) == level)
-          REQUIRE(areEqual(contacts, contactsOf(scene, tool, pose, reach - radius, nullptr)));
+          REQUIRE(test::areEqual(contacts, test::contactsOf(scene, tool, test::at(p), reach - radius)));
       useSimdLevel(best);
       INFO("point " << i << " at " << p.transpose() << ", radius " << radius << ", reach " << reach);
       REQUIRE(contacts.count >= 1);
@@ -175,10 +160,10 @@ TEST_CASE("a tool of parts that meet has the same contacts with and without a ca
         p += (i % 25 == 24 ? 0.3 * size : step) * way;
         turned = Eigen::AngleAxisd(0.3 * step / scale, random.direction()) * turned;
         const Pose pose{p, turned.toRotationMatrix()};
-        const ContactSnapshot plain = contactsOf(scene, tool, pose, margin, nullptr);
-        const ContactSnapshot cached = contactsOf(scene, tool, pose, margin, &cache);
+        const ContactSnapshot plain = test::contactsOf(scene, tool, pose, margin);
+        const ContactSnapshot cached = test::contactsOf(scene, tool, pose, margin, &cache);
         INFO("walk " << walk << " step " << i << " of " << step << ", at " << p.transpose());
-        REQUIRE(areEqual(plain, cached));
+        REQUIRE(test::areEqual(plain, cached));
         ++(plain.count == 0 ? free : plain.contacts[0].gap < -0.5 * scale ? deep : touching);
       }
     }

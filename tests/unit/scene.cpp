@@ -4,29 +4,17 @@
 
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
+#include "support/contacts.hpp"
 #include "support/meshes.hpp"
 
 using namespace enamel;
+using test::at;
+using test::contactsOf;
+using test::sphereTool;
 
 namespace {
 
 std::shared_ptr<const MeshModel> model(const TriangleMesh& mesh) { return std::make_shared<const MeshModel>(mesh); }
-
-Tool sphereTool(double radius, const Vec3& centre = Vec3::Zero()) {
-  Tool tool;
-  tool.parts[0] = {centre, centre, radius};
-  tool.count = 1;
-  return tool;
-}
-
-Pose at(const Vec3& position) { return {position, Mat3::Identity()}; }
-
-ContactSnapshot contactsOf(const Scene& scene, const Tool& tool, const Pose& pose, double margin,
-                           ToolCache* cache = nullptr) {
-  ContactSnapshot contacts;
-  REQUIRE(findContacts(scene, tool, pose, margin, cache, contacts) == Status::ok);
-  return contacts;
-}
 
 }  // namespace
 
@@ -81,8 +69,8 @@ TEST_CASE("the nearest contact is the first of the contacts, and is found beyond
   test::Random random(505);
   Scene scene;
   scene.add({"box", Box{{0.01, 0.02, 0.005}}, at({0.03, 0, 0}), Vec6::Zero(), 1});
-  scene.add({"ball", model(test::transformed(test::ball(4, 0.0), 0.012, Vec3::Zero())), at({-0.03, 0, 0}),
-             Vec6::Zero(), 2});
+  scene.add(
+      {"ball", model(test::transformed(test::ball(4, 0.0), 0.012, Vec3::Zero())), at({-0.03, 0, 0}), Vec6::Zero(), 2});
   scene.add({"rod", Capsule{0.004, 0.02}, at({0, 0.04, 0}), Vec6::Zero(), 3});
   scene.add(halfSpace("floor", {0, 0, -0.03}, Vec3(0.1, 0, 1).normalized()));
   Tool tool = sphereTool(0.001);
@@ -225,13 +213,7 @@ TEST_CASE("contacts are the same with a cache and move little when the tool move
       direction = (direction - pose.position.normalized() * (pose.position.norm() - 0.0115) * 500.0).normalized();
     const ContactSnapshot plain = contactsOf(scene, tool, pose, 5e-4),
                           cached = contactsOf(scene, tool, pose, 5e-4, &cache);
-    REQUIRE(plain.count == cached.count);
-    for (int k = 0; k < plain.count; ++k) {
-      REQUIRE(plain.contacts[k].gap == cached.contacts[k].gap);
-      REQUIRE(plain.contacts[k].point == cached.contacts[k].point);
-      REQUIRE(plain.contacts[k].normal == cached.contacts[k].normal);
-      REQUIRE(plain.contacts[k].obstacle == cached.contacts[k].obstacle);
-    }
+    REQUIRE(test::areEqual(plain, cached));
     const double now = plain.count > 0 ? plain.contacts[0].gap : 5e-4;
     if (i > 0) CHECK(std::abs(now - gap) <= 2e-5 * (1.0 + 1e-9));  // gaps are Lipschitz
     gap = now;

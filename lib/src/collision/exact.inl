@@ -266,11 +266,11 @@ static inline void tryEdgeOnAxis(const Axis* axis, const double* from, const dou
   if (lines > kNearlyParallel * both) {
     parameter = within01((along * alongEdge - length * across) / lines);
   } else {
-    double n[3], m[3];
-    cross(axis->way, e, n);
-    cross(e, from, m);
-    const double nn = dot(n, n);
-    if (nn > 0.0) parameter = within01(dot(m, n) / nn);
+    double common[3], moment[3];
+    cross(axis->way, e, common);
+    cross(e, from, moment);
+    const double square = dot(common, common);
+    if (square > 0.0) parameter = within01(dot(moment, common) / square);
   }
   const double u = within01((alongEdge + parameter * along) * perLength);
   parameter = within01((u * along - across) * axis->perSquared);

@@ -193,16 +193,15 @@ static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis
         _mm256_div_pd(_mm256_sub_pd(_mm256_mul_pd(along, alongEdge), _mm256_mul_pd(length, across)), lines));
     const __m256d isApart = _mm256_cmp_pd(lines, _mm256_mul_pd(_mm256_set1_pd(kNearlyParallel), both), _CMP_GT_OQ);
     if (_mm256_movemask_pd(isApart) != 15) {
-      __m256d across3[3], fromEdge[3];
-      cross4(way, e[i], across3);
-      cross4(e[i], fromA[i], fromEdge);
-      const __m256d nn = dot4(across3, across3);
-      const __m256d parallel = _mm256_and_pd(within01Of4(_mm256_div_pd(dot4(fromEdge, across3), nn)),
-                                             _mm256_cmp_pd(nn, zero, _CMP_GT_OQ));
+      __m256d common[3], moment[3];
+      cross4(way, e[i], common);
+      cross4(e[i], fromA[i], moment);
+      const __m256d square = dot4(common, common);
+      const __m256d parallel = _mm256_and_pd(within01Of4(_mm256_div_pd(dot4(moment, common), square)),
+                                             _mm256_cmp_pd(square, zero, _CMP_GT_OQ));
       parameter = _mm256_blendv_pd(parallel, parameter, isApart);
     }
-    const __m256d u =
-        within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, _mm256_mul_pd(parameter, along)), perLength));
+    const __m256d u = within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, _mm256_mul_pd(parameter, along)), perLength));
     parameter = within01Of4(_mm256_mul_pd(_mm256_sub_pd(_mm256_mul_pd(u, along), across), perWay));
     tryPair4(parameter, u);
   }

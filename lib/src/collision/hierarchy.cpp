@@ -510,39 +510,28 @@ struct Widest {
 };
 
 // The ways to the points that a corner is nearest to, among all that is near it: none of its edges comes nearer. They
-// are a cone; these are the directions at its edges. At saddles there are none.
-struct CornerWays {
-  static constexpr std::size_t kMostEdges = 12;
-  static constexpr double kRounding = 1e-3;  // rad
+// are a cone; `ways` are the directions at its edges, none at a saddle. False: it has too many edges.
+bool findWays(const MeshData& data, int place, std::vector<Vec3>& ways) {
+  constexpr std::size_t kMostEdges = 12;
+  constexpr double kRounding = 1e-3;  // rad
   std::array<Vec3, kMostEdges> edge;
-  std::vector<Vec3> ways;
   std::size_t count = 0;
-  bool areKnown = false;
-};
-
-void findWays(const MeshData& data, int place, const Vec3& corner, CornerWays& at) {
-  at.count = 0;
-  at.ways.clear();
-  at.areKnown = false;
-  for (std::int32_t c = data.firstCorner[place]; c >= 0; c = data.nextCorner[c]) {
-    if (at.count == CornerWays::kMostEdges) return;
+  for (std::int32_t c = data.firstCorner[place]; c >= 0; c = data.nextCorner[c]) {  // each leaves in one triangle
+    if (count == kMostEdges) return false;
     const auto& t = data.mesh.triangles[c / 3];
-    at.edge[at.count++] =
-        (data.mesh.vertices[t[(c + 1) % 3]] - corner).normalized();  // each edge leaves in one triangle
+    edge[count++] = (data.mesh.vertices[t[(c + 1) % 3]] - data.mesh.vertices[t[c % 3]]).normalized();
   }
-  at.areKnown = true;
-  const auto keepsAhead = [&at](const Vec3& way) {
-    return std::all_of(at.edge.begin(), at.edge.begin() + at.count,
-                       [&way](const Vec3& e) { return e.dot(way) <= CornerWays::kRounding; });
-  };
-  for (std::size_t i = 0; i < at.count; ++i)
+  ways.clear();
+  for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < i; ++k) {
-      const Vec3 across = at.edge[i].cross(at.edge[k]);
+      const Vec3 across = edge[i].cross(edge[k]);
       const double length = across.norm();
-      if (!(length > CornerWays::kRounding)) continue;
+      if (!(length > kRounding)) continue;
       for (const Vec3& way : {Vec3(across / length), Vec3(across / -length)})
-        if (keepsAhead(way)) at.ways.push_back(way);
+        if (std::all_of(edge.begin(), edge.begin() + count, [&](const Vec3& e) { return e.dot(way) <= kRounding; }))
+          ways.push_back(way);
     }
+  return true;
 }
 
 // Whether one walk round a corner meets all triangles there.
@@ -566,25 +555,25 @@ void writeCones(MeshData& data, const std::vector<Vec3>& normal, const std::vect
   const TriangleMesh& mesh = data.mesh;
   std::vector<Widest> widest(mesh.triangles.size());
   std::vector<double> around(mesh.triangles.size(), 1.0);  // of all normals
-  CornerWays at;
+  std::vector<Vec3> ways;
   for (std::size_t place = 0; place < isOpen.size(); ++place) {
     const std::int32_t first = data.firstCorner[place];
     if (first < 0) continue;
     const bool isKnown = isOpen[place] == 0 && isOneFan(data, static_cast<int>(place));
-    if (isKnown) findWays(data, static_cast<int>(place), mesh.vertices[mesh.triangles[first / 3][first % 3]], at);
+    const bool hasWays = isKnown && findWays(data, static_cast<int>(place), ways);
     for (std::int32_t c = first; c >= 0; c = data.nextCorner[c]) {
       const std::size_t t = static_cast<std::size_t>(c / 3);
       double least = isKnown ? 1.0 : 0.0;
       for (std::int32_t other = first; other >= 0 && least > 0.0; other = data.nextCorner[other])
         least = std::min(least, normal[t].dot(normal[static_cast<std::size_t>(other / 3)]));
       around[t] = std::min(around[t], least);
-      if (!isKnown || !at.areKnown) {
+      if (!hasWays) {
         widest[t].add(least, false);
         widest[t].add(least, true);
         continue;
       }
       double most = -1.0, smallest = 1.0;
-      for (const Vec3& way : at.ways) {
+      for (const Vec3& way : ways) {
         most = std::max(most, normal[t].dot(way));
         smallest = std::min(smallest, normal[t].dot(way));
       }
@@ -597,8 +586,8 @@ void writeCones(MeshData& data, const std::vector<Vec3>& normal, const std::vect
       const std::int32_t other = data.neighbour[t][i];
       if (other < 0) continue;
       const Vec3 &a = mesh.vertices[mesh.triangles[t][i]], &b = mesh.vertices[mesh.triangles[t][(i + 1) % 3]];
-      double height =
-          0.0;  // of the other triangle's third corner: where it is in front, the edge is a ridge from behind
+      // Of the other triangle's third corner: where it is in front, the edge is a ridge from behind.
+      double height = 0.0;
       for (const int v : mesh.triangles[other]) height += normal[t].dot(mesh.vertices[v] - a);
       const double flat = 1e-9 * (b - a).norm(), cosine = normal[t].dot(normal[other]);
       if (height <= flat) widest[t].add(cosine, false);

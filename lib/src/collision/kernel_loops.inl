@@ -1045,8 +1045,8 @@ static void closestToSegment(const Mesh& mesh, const double from[3], const doubl
   if (s.waiting > 0) tryWaiting(&s);
 }
 
-// Children within the limit whose cones allow a local minimum: the way from one of their points to the point in question
-// is nowhere steeper to the third axis than the sides of the box allow.
+// Children within the limit whose cones allow a local minimum: the way from one of their points to the point in
+// question is nowhere steeper to the third axis than the sides of the box allow.
 static inline unsigned childrenWithMinima(const Node* node, V x, V y, V z, V limit, V slack) {
   const V zero = set(0.0f), one = set(1.0f);
   const Lanes lanes = lanesOf(node);

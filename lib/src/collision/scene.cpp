@@ -60,21 +60,21 @@ void keepMinimum(const Minimum& minimum, Minima& minima) {
   minima.all[place] = minimum;
 }
 
-// The minima of the distance from p as far as `reach`, and what is nearest of all.
-struct MinimaSearch {
-  const MeshData* data;
-  Vec3 p;
-  double reach = -1.0;  // not searched yet
-  Answer nearest;
+// A place on an axis, an end mostly, and what is known of it. The next part often begins where the last one ended.
+struct End {
+  Vec3 point = Vec3::Zero();
+  double limit = -1.0;   // as far as the nearest point was looked for
+  SurfacePoint nearest;  // signed
+  double reach = -1.0;   // as far as the minima of the distance were looked for
   Minima minima;
 };
 
-// An end of a part. The next part often begins where the last one ended.
-struct End {
-  Vec3 point = Vec3::Zero();
-  double limit = -1.0;  // of the search for the nearest point; not searched yet
-  SurfacePoint nearest;
-  MinimaSearch search;
+// The minima about a point, and the nearest point of all.
+struct MinimaSearch {
+  const MeshData* data;
+  Vec3 p;
+  Answer nearest;
+  Minima* minima;
 };
 
 bool hasNearer(const MinimaSearch& s, const Triangle& triangle, double squared) {
@@ -133,17 +133,18 @@ double tryMinimum(void* context, std::int32_t slot, double reach) {
   minimum.distance = std::sqrt(c.squared);
   minimum.normal = (s.p - minimum.point) / minimum.distance;
   minimum.triangle = triangle.index;
-  if (isMinimum(s, triangle, c)) keepMinimum(minimum, s.minima);
+  if (isMinimum(s, triangle, c)) keepMinimum(minimum, *s.minima);
   return reach;
 }
 
-void searchMinima(const MeshModel& mesh, const Vec3& p, double reach, MinimaSearch& s) {
-  s.data = &mesh.data();
-  s.p = p;
-  s.reach = reach;
-  s.nearest = {0.0, {p[0], p[1], p[2]}, -1, kFace};
-  s.minima.count = 0;
+// Answers the nearest point.
+Answer findMinima(const MeshModel& mesh, double reach, End& end) {
+  const Vec3& p = end.point;
+  MinimaSearch s{&mesh.data(), p, {0.0, {p[0], p[1], p[2]}, -1, kFace}, &end.minima};
+  end.reach = reach;
+  end.minima.count = 0;
   loops().visitMinima(s.data->view, p.data(), reach, &tryMinimum, &s);
+  return s.nearest;
 }
 
 // Contacts of one tick while they are collected; the deepest first.
@@ -155,6 +156,8 @@ struct Collector {
   End* last;          // of the part before
   End* next;          // to become that
   double nextRadius;  // of the part that begins where this one ends, or 0
+
+  double reachOf(double radius) const { return radius + std::max(margin, 0.0); }
 
   // `centre` and `normal` in the obstacle's frame.
   void add(const Vec3& centre, const Vec3& normal, double distance, double radius) {
@@ -182,13 +185,13 @@ struct Collector {
 void addSphere(const MeshModel& mesh, End& end, double radius, Collector& out) {
   const SurfacePoint& nearest = end.nearest;
   if (nearest.triangle < 0 || nearest.distance > radius + out.margin) return;
-  const double reach = radius + std::max(out.margin, 0.0);
+  const double reach = out.reachOf(radius);
   if (nearest.distance <= 1e-9 * reach) {  // on or behind the surface: one way out
     out.add(end.point, nearest.normal, nearest.distance, radius);
     return;
   }
-  if (end.search.reach < reach) searchMinima(mesh, end.point, reach * (1.0 + 1e-12), end.search);
-  const Minima& minima = end.search.minima;
+  if (end.reach < reach) findMinima(mesh, reach * (1.0 + 1e-12), end);
+  const Minima& minima = end.minima;
   std::array<const Minimum*, kMaxContacts> taken;
   std::size_t count = 0;
   for (int i = 0; i < minima.count && count < taken.size(); ++i) {
@@ -245,7 +248,7 @@ void addPart(const Analytic& shape, const Segment& axis, double radius, PartCach
   const double atA = addSphere(shape, axis.a, radius, out);
   if (axis.a == axis.b) return;
   const double atB = addSphere(shape, axis.b, radius, out);
-  const double reach = radius + std::max(out.margin, 0.0);
+  const double reach = out.reachOf(radius);
   // Distances change by no more than the way: between the ends they are at least (|a| + |b| - length) / 2.
   if (std::abs(atA) + std::abs(atB) - (axis.b - axis.a).norm() > 2.0 * reach) return;
   const double t = nearestOnAxis(shape, axis, reach);
@@ -262,19 +265,18 @@ int nearerOf(const End& a, const End& b) {
   return isA ? a.nearest.triangle : b.nearest.triangle;
 }
 
-// The nearest point within `far` comes by signedDistance(); one that is likely to be in reach, within `limit` then,
-// among the minima that are asked for anyway.
-void findEnd(const MeshModel& mesh, const Vec3& p, double limit, double reach, double far, ProximityCache* cache,
-             End& end) {
+// Where the surface is likely to be in reach: the nearest point is one of the minima, which are asked for anyway.
+void findEndNearby(const MeshModel& mesh, const Vec3& p, double reach, End& end) {
   end.point = p;
-  end.limit = limit < kNoLimit ? std::max(limit, reach) : far;
-  end.search.reach = -1.0;
-  if (limit < kNoLimit) {
-    searchMinima(mesh, p, end.limit, end.search);
-    end.nearest = signedSurfacePoint(mesh.data(), p, end.search.nearest);
-  } else {
-    end.nearest = signedDistance(mesh, p, cache, far);
-  }
+  end.limit = reach;
+  end.nearest = signedSurfacePoint(mesh.data(), p, findMinima(mesh, reach, end));
+}
+
+void findEnd(const MeshModel& mesh, const Vec3& p, double limit, ProximityCache* cache, End& end) {
+  end.point = p;
+  end.limit = limit;
+  end.nearest = signedDistance(mesh, p, cache, limit);
+  end.reach = -1.0;
 }
 
 // Outside of a closed surface the side cannot change before the surface is met: an axis that starts outside and keeps
@@ -283,33 +285,33 @@ void findEnd(const MeshModel& mesh, const Vec3& p, double limit, double reach, d
 // then need not be known.
 void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCache* cache, Collector& out) {
   const auto point = [cache](std::size_t i) { return cache == nullptr ? nullptr : &cache->points[i]; };
-  const double reach = radius + std::max(out.margin, 0.0), justBeyond = reach * (1.0 + 1e-12);
+  const double reach = out.reachOf(radius), justBeyond = reach * (1.0 + 1e-12);
   // What is hidden beyond that cannot make a place between the ends look less near.
-  const auto beyond = [&out](double r) {
-    return (r + std::max(out.margin, 0.0)) * (1.0 + 1e-12) + 2.0 * kClearlyNearer;
-  };
+  const auto beyond = [&out](double r) { return out.reachOf(r) * (1.0 + 1e-12) + 2.0 * kClearlyNearer; };
   const bool isSphere = axis.a == axis.b, isClosed = mesh.data().closed;
-  double clear = -1.0, limitA = kNoLimit, limitB = kNoLimit, far = kNoLimit;
+  bool isNearA = false, isNearB = false;  // or hidden, and outside
+  double clear = -1.0;
   int hint = -1;
   if (cache != nullptr && cache->revision == mesh.data().view.revision) {
     const double wayOfA = (axis.a - cache->axis.a).norm(), wayOfB = (axis.b - cache->axis.b).norm();
     clear = cache->clear - std::max(wayOfA, wayOfB);
-    if (isSphere ? cache->clear > 0.0 && cache->clear + wayOfA < reach : cache->isAheadA && wayOfA < reach)
-      limitA = beyond(radius);
-    if (cache->isAheadB && wayOfB < reach) limitB = beyond(radius);
+    isNearA = isSphere ? cache->clear > 0.0 && cache->clear + wayOfA < reach : cache->isAheadA && wayOfA < reach;
+    isNearB = cache->isAheadB && wayOfB < reach;
     hint = cache->nearest;
   }
   if (clear > reach) return;
-  if (isSphere && clear > 0.0) far = kLookAhead * reach;
   const bool wasOutside = clear > 0.0 && !isSphere;
+  const double limitA = isNearA ? beyond(radius) : isSphere && clear > 0.0 ? kLookAhead * reach : kNoLimit;
   End own;
   End& a =
       axis.a == out.last->point && (out.last->nearest.triangle >= 0 || out.last->limit >= limitA) ? *out.last : own;
   End& b = *out.next;
   const auto findEnds = [&] {
-    if (&a == &own) findEnd(mesh, axis.a, limitA, 0.0, far, point(0), a);
+    if (&a == &own && isNearA) findEndNearby(mesh, axis.a, limitA, a);
+    if (&a == &own && !isNearA) findEnd(mesh, axis.a, limitA, point(0), a);
     if (isSphere) return;
-    findEnd(mesh, axis.b, limitB, beyond(out.nextRadius), kNoLimit, point(1), b);
+    if (isNearB) findEndNearby(mesh, axis.b, beyond(std::max(radius, out.nextRadius)), b);
+    if (!isNearB) findEnd(mesh, axis.b, kNoLimit, point(1), b);
     std::swap(out.last, out.next);
   };
   SegmentPoint between;
