@@ -1,5 +1,5 @@
 // Builds and repairs the hierarchy of a mesh: a binary tree by the surface area heuristic (Goldsmith & Salmon 1987;
-// binned as by Wald 2007) whose leaves are full wherever possible, folded into nodes of 16 children.
+// binned as by Wald 2007) whose leaves are full wherever possible, folded into nodes of up to 16 children.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
@@ -221,6 +221,7 @@ class Builder {
 
   void run() {
     const int root = split(0, static_cast<int>(order_.size()), 0);
+    weighFolds();
     data_.view.root = fold(root, {});
   }
 
@@ -303,6 +304,44 @@ class Builder {
     }
   }
 
+  // Which parts of the binary tree become nodes: those that have the least area in all, by dynamic programming from the
+  // leaves up (Ylitie, Karras & Laine 2017).
+  void weighFolds() {
+    areas_.resize(tree_.size());
+    for (int i = static_cast<int>(tree_.size()) - 1; i >= 0; --i) {  // the parts of a part come after it
+      if (tree_[i].left < 0) continue;
+      const float asNode = tree_[i].box.halfArea() + areaOf(i, kWidth);
+      areas_[i][0] = asNode;
+      for (int places = 2; places <= kWidth; ++places) areas_[i][places - 1] = std::min(asNode, areaOf(i, places));
+    }
+  }
+
+  // Of all nodes below a part that takes up to `places` of a node's children, and is none itself; areas_ knows the
+  // least where it may be one.
+  float areaOf(int binary, int places) const {
+    const int ofLeft = placesOfLeft(binary, places);
+    return areas_[tree_[binary].left][ofLeft - 1] + areas_[tree_[binary].right][places - ofLeft - 1];
+  }
+
+  int placesOfLeft(int binary, int places) const {
+    const auto &left = areas_[tree_[binary].left], &right = areas_[tree_[binary].right];
+    int best = 1;
+    for (int ofLeft = 2; ofLeft < places; ++ofLeft)
+      if (left[ofLeft - 1] + right[places - ofLeft - 1] < left[best - 1] + right[places - best - 1]) best = ofLeft;
+    return best;
+  }
+
+  void collect(int binary, int places, std::array<int, kWidth>& child, int& count) const {
+    const Binary& top = tree_[binary];
+    if (top.left < 0 || places == 1 || areas_[binary][0] <= areaOf(binary, places)) {
+      child[count++] = binary;
+      return;
+    }
+    const int ofLeft = placesOfLeft(binary, places);
+    collect(top.left, ofLeft, child, count);
+    collect(top.right, places - ofLeft, child, count);
+  }
+
   std::int32_t fold(int binary, Parent parent) {
     const Binary& top = tree_[binary];
     if (top.left < 0 && parent.node >= 0) {
@@ -320,22 +359,14 @@ class Builder {
       }
       return ~leaf;
     }
-    std::array<int, kWidth> child{top.left, top.right};
-    int count = 2;
+    std::array<int, kWidth> child;
+    int count = 0;
     if (top.left < 0) {  // the root is a node also above a single leaf
-      child[0] = binary;
-      count = 1;
-    }
-    while (count < kWidth) {  // open the largest
-      int largest = -1;
-      for (int i = 0; i < count; ++i)
-        if (tree_[child[i]].left >= 0 &&
-            (largest < 0 || tree_[child[i]].box.halfArea() > tree_[child[largest]].box.halfArea()))
-          largest = i;
-      if (largest < 0) break;
-      const Binary& opened = tree_[child[largest]];
-      child[largest] = opened.left;
-      child[count++] = opened.right;
+      child[count++] = binary;
+    } else {
+      const int ofLeft = placesOfLeft(binary, kWidth);
+      collect(top.left, ofLeft, child, count);
+      collect(top.right, kWidth - ofLeft, child, count);
     }
     const auto self = static_cast<std::int32_t>(data_.nodes.size());
     data_.nodes.emplace_back();
@@ -360,6 +391,7 @@ class Builder {
   std::vector<Box> boxes_;
   std::vector<int> order_;
   std::vector<Binary> tree_;
+  std::vector<std::array<float, kWidth>> areas_;  // by part and number of places
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ static const double kLead = 0.9;
 // The work on a list. One query does kWorkPerQuery at most. A list that took less than kLeastWork was too small, one
 // above kMostWork too large; beyond kNoList it is given up, and no other begun for a while: kPause queries, twice as
 // many each time up to kLongPause.
-enum { kNodeWork = 2, kLeafWork = 3, kWorkPerQuery = 14, kLeastWork = 22, kMostWork = 29, kNoList = 64 };
+enum { kNodeWork = 2, kLeafWork = 3, kWorkPerQuery = 16, kLeastWork = 18, kMostWork = 25, kNoList = 64 };
 enum { kPause = 32, kLongPause = 1024 };
 // Of the clearance of a segment beyond its reach this much is worth knowing.
 static const float kEnough = 0.5f;
