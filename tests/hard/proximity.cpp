@@ -119,6 +119,27 @@ TEST_CASE("the same bits with and without a cache, and on every SIMD level", "[h
   }
 }
 
+TEST_CASE("a tool that jumped soon has its list of near triangles again", "[hard]") {
+  const MeshModel model(test::ball(5));
+  ProximityCache cache;
+  const auto walk = [&](const Vec3& start, int ticks) {  // how many queries a list could answer
+    int held = 0;
+    for (int i = 0; i < ticks; ++i) {
+      const Vec3 p = (start + 5e-4 * i * Vec3::UnitX()).normalized() * 1.02;
+      (void)closestPoint(model, p, &cache);
+      const ProximityCache::List& list = cache.list[cache.active];
+      const Vec3 origin(list.origin), now(cache.query);
+      held += (now - origin).norm() <= list.radius ? 1 : 0;
+    }
+    return held;
+  };
+  (void)walk(Vec3::UnitZ(), 200);
+  REQUIRE(walk(Vec3(0.1, 0, 1), 200) > 180);
+  for (int jump = 0; jump < 6; ++jump) (void)walk(Vec3(0, 0, jump % 2 == 0 ? -1 : 1), 1);
+  (void)walk(Vec3::UnitY(), 200);
+  CHECK(walk(Vec3(0.1, 1, 0), 200) > 180);
+}
+
 TEST_CASE("a limit hides what is farther and nothing else", "[hard]") {
   const MeshModel model(test::ball(4, 0.1));
   test::Random random(14);

@@ -33,6 +33,7 @@ Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int fi
 std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::function<void(int i)>>& runs) {
   using Clock = std::chrono::steady_clock;
   constexpr int kTurn = 1000, kUncounted = 20;
+  const int passes = runs.size() > 1 ? 5 : 1;
   const auto timeCall_us = [](const std::function<void(int)>& run, int i) {
     const auto start = Clock::now();
     run(i);
@@ -44,12 +45,13 @@ std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::fun
   std::sort(clock_us.begin(), clock_us.end());
   const double reading_us = percentile(clock_us, 0.5);
   std::vector<std::vector<double>> times_us(runs.size());
-  for (int start = 0; start < calls; start += kTurn)
-    for (std::size_t which = 0; which < runs.size(); ++which)
-      for (int i = start; i < std::min(start + kTurn, calls); ++i) {
-        const double time_us = timeCall_us(runs[which], i) - reading_us;
-        if (i >= first && (runs.size() == 1 || i >= start + kUncounted)) times_us[which].push_back(time_us);
-      }
+  for (int pass = 0; pass < passes; ++pass)
+    for (int start = 0; start < calls; start += kTurn)
+      for (std::size_t which = 0; which < runs.size(); ++which)
+        for (int i = start; i < std::min(start + kTurn, calls); ++i) {
+          const double time_us = timeCall_us(runs[which], i) - reading_us;
+          if (i >= first && (runs.size() == 1 || i >= start + kUncounted)) times_us[which].push_back(time_us);
+        }
   std::vector<Timing> timings;
   for (std::vector<double>& all : times_us) {
     std::sort(all.begin(), all.end());

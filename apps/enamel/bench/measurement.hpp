@@ -38,8 +38,9 @@ Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int fi
 /// costs is subtracted. The calls before `first` only warm up.
 Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run);
 
-/// The same for several that are to be compared: they take turns of 1000 calls, so that all see the same machine. The
-/// first 20 calls of a turn, which find the other ones' data in the caches, do not count.
+/// The same for several that are to be compared: they take turns of 1000 calls, five times from the first to the last
+/// one, so that all see the same machine. The first 20 calls of a turn, which find the other ones' data in the caches,
+/// do not count.
 std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::function<void(int i)>>& runs);
 
 /// Keeps the compiler from dropping a result that is not used otherwise.

@@ -548,9 +548,14 @@ static inline void beginList(const Mesh* mesh, const double* start, const double
 
 static inline void dropList(Cache* cache) { cache->firstNode = cache->nodes = cache->firstLeaf = cache->leaves = 0; }
 
+// The ball may be larger than the margin where the tool has jumped: that is no reason for larger ones from now on.
+static inline void lowerMargin(Cache* cache, double margin) {
+  if (margin < cache->margin) cache->margin = margin;
+}
+
 static inline void giveUpList(Cache* cache) {
   dropList(cache);
-  cache->margin = 0.6 * cache->ball;
+  lowerMargin(cache, 0.6 * cache->ball);
   cache->rest = cache->pause;
   if (cache->pause < kLongPause) cache->pause *= 2;
 }
@@ -608,7 +613,7 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
   list->radius = cache->ball * (1.0 - 1e-6);
   cache->pause = kPause;
   if (cache->work < kLeastWork) cache->margin = 1.08 * cache->ball;
-  if (cache->work > kMostWork) cache->margin = 0.92 * cache->ball;
+  if (cache->work > kMostWork) lowerMargin(cache, 0.92 * cache->ball);
 }
 
 // The previous answer is on the mesh, so its distance bounds the new one. Where a list holds, it answers; else the tree
