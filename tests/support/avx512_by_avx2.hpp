@@ -1,0 +1,121 @@
+// Stand-ins for the intrinsics that lib/src/collision/kernel_avx512.cpp uses, so that machines without AVX-512 test
+// that file too. They follow Intel's intrinsics guide; where it leaves room (the reciprocal root) they use all of it.
+#pragma once
+
+#include <immintrin.h>
+#include <stdint.h>
+#include <string.h>
+
+namespace enamel::test {
+
+struct Floats16 {
+  __m256 a, b;
+};
+struct Numbers16 {
+  int32_t lane[16];
+};
+
+inline Floats16 load(const float* p) { return {_mm256_loadu_ps(p), _mm256_loadu_ps(p + 8)}; }
+inline void store(float* p, Floats16 x) {
+  _mm256_storeu_ps(p, x.a);
+  _mm256_storeu_ps(p + 8, x.b);
+}
+inline Floats16 set(float x) { return {_mm256_set1_ps(x), _mm256_set1_ps(x)}; }
+inline Floats16 add(Floats16 x, Floats16 y) { return {_mm256_add_ps(x.a, y.a), _mm256_add_ps(x.b, y.b)}; }
+inline Floats16 sub(Floats16 x, Floats16 y) { return {_mm256_sub_ps(x.a, y.a), _mm256_sub_ps(x.b, y.b)}; }
+inline Floats16 mul(Floats16 x, Floats16 y) { return {_mm256_mul_ps(x.a, y.a), _mm256_mul_ps(x.b, y.b)}; }
+inline Floats16 divide(Floats16 x, Floats16 y) { return {_mm256_div_ps(x.a, y.a), _mm256_div_ps(x.b, y.b)}; }
+inline Floats16 maximum(Floats16 x, Floats16 y) { return {_mm256_max_ps(x.a, y.a), _mm256_max_ps(x.b, y.b)}; }
+inline Floats16 minimum(Floats16 x, Floats16 y) { return {_mm256_min_ps(x.a, y.a), _mm256_min_ps(x.b, y.b)}; }
+inline Floats16 root(Floats16 x) { return {_mm256_sqrt_ps(x.a), _mm256_sqrt_ps(x.b)}; }
+inline Floats16 mad(Floats16 x, Floats16 y, Floats16 z) {
+  return {_mm256_fmadd_ps(x.a, y.a, z.a), _mm256_fmadd_ps(x.b, y.b, z.b)};
+}
+inline Floats16 inverseRoot(Floats16 x) {  // to 2^-14: too large and too small in turns
+  float f[16];
+  store(f, x);
+  for (int i = 0; i < 16; ++i)
+    f[i] = static_cast<float>((i % 2 == 0 ? 1.0 + 0x1p-14 : 1.0 - 0x1p-14) / __builtin_sqrt(static_cast<double>(f[i])));
+  return load(f);
+}
+inline float smallest(Floats16 x) {
+  float f[16];
+  store(f, x);
+  float least = f[0];
+  for (const float one : f) least = one < least ? one : least;
+  return least;
+}
+template <int kPredicate>
+__mmask16 compare(Floats16 x, Floats16 y) {
+  const int a = _mm256_movemask_ps(_mm256_cmp_ps(x.a, y.a, kPredicate));
+  const int b = _mm256_movemask_ps(_mm256_cmp_ps(x.b, y.b, kPredicate));
+  return static_cast<__mmask16>(a | b << 8);
+}
+inline Floats16 blend(__mmask16 mask, Floats16 x, Floats16 y) {
+  float f[16], g[16];
+  store(f, x);
+  store(g, y);
+  for (int i = 0; i < 16; ++i)
+    if ((mask >> i & 1) != 0) f[i] = g[i];
+  return load(f);
+}
+inline Floats16 compress(__mmask16 mask, Floats16 x) {
+  float f[16], g[16] = {};
+  store(f, x);
+  for (int i = 0, count = 0; i < 16; ++i)
+    if ((mask >> i & 1) != 0) g[count++] = f[i];
+  return load(g);
+}
+inline Numbers16 compress(__mmask16 mask, Numbers16 x) {
+  Numbers16 y = {};
+  for (int i = 0, count = 0; i < 16; ++i)
+    if ((mask >> i & 1) != 0) y.lane[count++] = x.lane[i];
+  return y;
+}
+inline Numbers16 loadNumbers(const void* p) {
+  Numbers16 x;
+  memcpy(&x, p, sizeof x);
+  return x;
+}
+inline void storeNumbers(void* p, Numbers16 x) { memcpy(p, &x, sizeof x); }
+inline Numbers16 setNumbers(int32_t x) {
+  Numbers16 y;
+  for (int32_t& one : y.lane) one = x;
+  return y;
+}
+inline Numbers16 addNumbers(Numbers16 x, Numbers16 y) {
+  for (int i = 0; i < 16; ++i) x.lane[i] += y.lane[i];
+  return x;
+}
+
+}  // namespace enamel::test
+
+#undef _mm512_cmp_ps_mask
+#undef _mm512_setr_epi32
+#define __m512 enamel::test::Floats16
+#define _mm512_loadu_ps enamel::test::load
+#define _mm512_storeu_ps enamel::test::store
+#define _mm512_set1_ps enamel::test::set
+#define _mm512_add_ps enamel::test::add
+#define _mm512_sub_ps enamel::test::sub
+#define _mm512_mul_ps enamel::test::mul
+#define _mm512_div_ps enamel::test::divide
+#define _mm512_max_ps enamel::test::maximum
+#define _mm512_min_ps enamel::test::minimum
+#define _mm512_sqrt_ps enamel::test::root
+#define _mm512_fmadd_ps enamel::test::mad
+#define _mm512_rsqrt14_ps enamel::test::inverseRoot
+#define _mm512_reduce_min_ps enamel::test::smallest
+#define _mm512_cmp_ps_mask(x, y, predicate) enamel::test::compare<predicate>(x, y)
+#define _mm512_mask_blend_ps enamel::test::blend
+#define _mm512_maskz_compress_ps enamel::test::compress
+#define __m512i enamel::test::Numbers16
+#define _mm512_maskz_compress_epi32 enamel::test::compress
+#define _mm512_loadu_si512 enamel::test::loadNumbers
+#define _mm512_storeu_si512 enamel::test::storeNumbers
+#define _mm512_set1_epi32 enamel::test::setNumbers
+#define _mm512_setr_epi32(...) \
+  enamel::test::Numbers16 {    \
+    { __VA_ARGS__ }            \
+  }
+#define _mm512_add_epi32 enamel::test::addNumbers
