@@ -258,4 +258,11 @@ TEST_CASE("a pick hits what the segment crosses first", "[hard]") {
   for (std::size_t v = 0; v < mesh.vertices.size(); v += 5)
     CHECK(pick(model, {3.0 * mesh.vertices[v], 0.5 * mesh.vertices[v]}).hit);
   CHECK_FALSE(pick(model, {Vec3(3, 3, 3), Vec3(3, -3, 3)}).hit);
+  // A large triangle lies beside the segment all along; a small one is crossed before it.
+  TriangleMesh two;
+  two.vertices = {{-1, -1, -0.03}, {2, -1, 0.03}, {0.5, 2, 0}, {0.3, -0.1, -0.1}, {0.3, 0.1, -0.1}, {0.3, 0, 0.1}};
+  two.triangles = {{0, 1, 2}, {3, 4, 5}};
+  const SweepHit first = pick(MeshModel(two), {Vec3::Zero(), Vec3::UnitX()});
+  CHECK(first.triangle == 1);
+  CHECK(std::abs(first.time - 0.3) < 1e-15);
 }

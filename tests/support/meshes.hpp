@@ -238,7 +238,6 @@ class ReferenceDistance {
       for (const int v : t) radius = std::max(radius, (mesh.vertices[v] - centre).norm());
       centres_.push_back(centre);
       radii_.push_back(radius);
-      largest_ = std::max(largest_, radius);
     }
   }
   double operator()(const Vec3& p) const {
@@ -267,7 +266,6 @@ class ReferenceDistance {
   const TriangleMesh& mesh_;
   std::vector<Vec3> centres_;
   std::vector<double> radii_;
-  double largest_ = 0.0;
 };
 
 /// How often a closed surface goes round the point: solid angles (van Oosterom & Strackee 1983, eq. 8) over 4 pi.

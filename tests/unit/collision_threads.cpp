@@ -5,6 +5,7 @@
 
 #include "enamel/collision/scene.hpp"
 #include "support/catch.hpp"
+#include "support/contacts.hpp"
 #include "support/meshes.hpp"
 
 using namespace enamel;
@@ -18,19 +19,11 @@ struct Answers {
   ContactSnapshot contacts;
 };
 
-bool isSame(const ContactSnapshot& a, const ContactSnapshot& b) {
-  bool same = a.count == b.count;
-  for (int i = 0; same && i < a.count; ++i)
-    same = a.contacts[i].gap == b.contacts[i].gap && a.contacts[i].point == b.contacts[i].point &&
-           a.contacts[i].normal == b.contacts[i].normal;
-  return same;
-}
-
 bool isSame(const Answers& a, const Answers& b) {
   return a.nearest.distance == b.nearest.distance && a.nearest.triangle == b.nearest.triangle &&
          a.nearest.normal == b.nearest.normal && a.sphere.time == b.sphere.time && a.capsule.time == b.capsule.time &&
          a.capsule.point == b.capsule.point && a.segment.distance == b.segment.distance &&
-         a.segment.triangle == b.segment.triangle && isSame(a.contacts, b.contacts);
+         a.segment.triangle == b.segment.triangle && test::areEqual(a.contacts, b.contacts);
 }
 
 class Work {

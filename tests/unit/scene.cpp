@@ -2,6 +2,7 @@
 // velocities, caches, sweeps.
 #include "enamel/collision/scene.hpp"
 
+#include "enamel/collision/mesh_update.hpp"
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
 #include "support/contacts.hpp"
@@ -94,6 +95,18 @@ TEST_CASE("the nearest contact is the first of the contacts, and is found beyond
     REQUIRE((nearest.normal - all.contacts[0].normal).norm() < 1e-9);
   }
   CHECK(within > 500);
+  Scene deep;  // the ends of the part at one depth, its middle deeper
+  deep.add({"ball", Sphere{1.0}, Pose(), Vec6::Zero(), 1});
+  tool.parts[0] = {{-0.1, 0.05, 0}, {0.1, 0.05, 0}, 0.01};
+  tool.count = 1;
+  CHECK(std::abs(contactsOf(deep, tool, Pose(), 0.0).contacts[0].gap + 0.96) < 1e-15);
+  CHECK(std::abs(nearestContact(deep, tool, Pose(), nullptr).gap + 0.96) < 1e-15);
+  auto drilled = std::make_shared<MeshModel>(test::ball(1));
+  for (int t = 0; t < static_cast<int>(drilled->mesh().triangles.size()); ++t)
+    REQUIRE(removeTriangles(*drilled, &t, 1) == Status::ok);
+  Scene gone;
+  gone.add({"ball", std::shared_ptr<const MeshModel>(drilled), Pose(), Vec6::Zero(), 1});
+  CHECK(nearestContact(gone, tool, Pose(), nullptr).gap == kNoLimit);
   CHECK(nearestContact(Scene(), tool, Pose(), nullptr).gap == kNoLimit);
   CHECK(nearestContact(scene, tool, at({0, std::nan(""), 0}), nullptr).gap == kNoLimit);
 }

@@ -13,8 +13,8 @@ namespace enamel::bench {
 struct Measurement {
   std::string group;                                               ///< module, for example "device"
   std::string name;                                                ///< what was done
-  double median_us = 0.0;                                          ///< median over batches of the time per call
-  double p99_us = 0.0;                                             ///< 99th percentile over batches
+  double median_us = 0.0;                                          ///< over batches of calls, or over single calls
+  double p99_us = 0.0;                                             ///< likewise
   double error = 0.0;                                              ///< largest error seen
   std::string errorOf;                                             ///< what the error is, its unit, and against what
   double goal_us = std::numeric_limits<double>::quiet_NaN();       ///< stated goal
@@ -49,7 +49,7 @@ inline void keep(const T& value) {
   asm volatile("" : : "r"(&value) : "memory");
 }
 
-/// Runs every measurement whose group or name contains `filter`. `scale` multiplies the number of batches.
+/// Runs every measurement whose group or name contains `filter`. `scale` multiplies the number of batches or calls.
 std::vector<Measurement> measureAll(const std::string& filter, double scale);
 
 std::vector<Measurement> measureDevice(double scale);

@@ -47,7 +47,6 @@ struct Extent {
   }
   Box box() const {
     Box box;
-    if (low.x() > high.x()) return box;
     for (int k = 0; k < 3; ++k) {
       box.low[k] = below(low[k]);
       box.high[k] = above(high[k]);
@@ -464,13 +463,9 @@ void clearSlot(MeshData& data, std::int32_t slot) {
 void refitLeaf(MeshData& data, std::int32_t leaf) {
   Parent at = data.leafParent[leaf];
   std::array<std::int32_t, kWidth> triangles{};
-  const int count = trianglesOf(data, leaf, triangles);
-  gatherCorners(data, triangles.data(), count);
-  // The axes stay where there are any, and with them the cone; the oriented boxes above only grow.
-  const Mat3 axes = readOriented(data, at).axes;
-  const bool isNew = count == 0 || axes.isZero(0.0);
-  if (isNew) openCones(data, at);
-  const Oriented oriented = isNew ? orientedBox(data.scratch) : boxAlong(axes, data.scratch);
+  gatherCorners(data, triangles.data(), trianglesOf(data, leaf, triangles));
+  // The axes stay, and with them the cone; the oriented boxes above only grow.
+  const Oriented oriented = boxAlong(readOriented(data, at).axes, data.scratch);
   writeOriented(data, at, oriented);
   const Vec3 middle = -(oriented.axes.transpose() * oriented.offset);
   Extent extent;
@@ -480,7 +475,7 @@ void refitLeaf(MeshData& data, std::int32_t leaf) {
     writeBox(data, at, box);
     box = boxOfNode(data.boxes[at.node]);
     at = data.nodeParent[at.node];
-    if (at.node < 0 || count == 0) continue;
+    if (at.node < 0) break;
     Oriented parent = readOriented(data, at);
     const Vec3 far = (parent.axes * middle + parent.offset).cwiseAbs() +
                      (parent.axes * oriented.axes.transpose()).cwiseAbs() * oriented.half;
@@ -638,7 +633,7 @@ void writeCones(MeshData& data, const std::vector<Vec3>& normal, const std::vect
 void buildNormals(MeshData& data) {
   const TriangleMesh& mesh = data.mesh;
   data.place = weld(mesh);
-  const std::size_t places = data.place.empty() ? 0 : *std::max_element(data.place.begin(), data.place.end()) + 1u;
+  const std::size_t places = *std::max_element(data.place.begin(), data.place.end()) + 1u;
   data.cornerNormal.assign(places, Vec3::Zero());
   data.edgeNormals.assign(data.triangles.size(), EdgeNormals{});
   std::vector<Vec3> normal(mesh.triangles.size());

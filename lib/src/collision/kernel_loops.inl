@@ -14,7 +14,7 @@ static const double kHuge = 1e300;
 static const double kAhead = 3.0;
 static const double kLeastReach = 3.0;
 static const double kLead = 0.9;
-// The work on a list. One query does kWorkPerQuery at most. A list that took less than kLeastWork was too small, one
+// The work on a list. One query does kWorkPerQuery at most, unless it needs a list that is not complete. A list that took less than kLeastWork was too small, one
 // above kMostWork too large; beyond kNoList it is given up, and no other begun for a while: kPause queries, twice as
 // many each time up to kLongPause.
 enum { kNodeWork = 2, kLeafWork = 3, kWorkPerQuery = 16, kLeastWork = 18, kMostWork = 25, kNoList = 64 };
@@ -726,7 +726,6 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
         const int32_t slot = ~current * kWidth + __builtin_ctz(near);
         if (mesh.triangles[slot].index >= 0) reach = visitor(context, slot, reach);
       }
-      if (reach < 0.0) return;
       continue;
     }
     const Node* node = mesh.nodes + current;

@@ -130,7 +130,7 @@ MeshReport inspect(const TriangleMesh& mesh) {
   const std::vector<int> place = weld(mesh);
   report.triangles = static_cast<int>(mesh.triangles.size());
   report.vertices = static_cast<int>(mesh.vertices.size());
-  report.places = place.empty() ? 0 : *std::max_element(place.begin(), place.end()) + 1;
+  report.places = *std::max_element(place.begin(), place.end()) + 1;
 
   report.low = Vec3::Constant(kLargestCoordinate);
   report.high = -report.low;

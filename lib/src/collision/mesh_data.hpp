@@ -34,7 +34,7 @@ struct MeshData {
   Array<AlignedBoxes> boxes;                     // by node
   Array<Triangle> triangles;                     // by slot
   Array<EdgeNormals> edgeNormals;                // by slot
-  Array<std::int32_t> slotOf;                    // by triangle number; -1: removed
+  Array<std::int32_t> slotOf;                    // by triangle number, also of removed ones
   Array<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one
   std::vector<Parent> nodeParent, leafParent;
   Mesh view{};

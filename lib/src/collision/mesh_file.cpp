@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <sstream>
@@ -567,15 +568,16 @@ TriangleMesh parseMesh(std::string_view bytes, const std::string& path, double s
 }
 
 TriangleMesh loadMesh(const std::string& path, double scale) {
+  if (std::filesystem::is_directory(path)) throw ConfigurationError(path, 0, "", "is a folder, not a file");
   std::ifstream stream(path, std::ios::binary | std::ios::ate);
   if (!stream) throw ConfigurationError(path, 0, "", "cannot open the file");
   const std::streamoff size = stream.tellg();
-  if (size < 0) throw ConfigurationError(path, 0, "", "cannot read the file (is it a folder?)");
+  if (size < 0) throw ConfigurationError(path, 0, "", "cannot read the file");
   if (size > kLargestFile)
     throw ConfigurationError(path, 0, "", "is " + std::to_string(size) + " bytes, at most 2 GiB are read");
   std::string bytes(static_cast<std::size_t>(size), '\0');
   stream.seekg(0);
-  if (!stream.read(bytes.data(), size)) throw ConfigurationError(path, 0, "", "cannot read the file (is it a folder?)");
+  if (!stream.read(bytes.data(), size)) throw ConfigurationError(path, 0, "", "cannot read the file");
   return parseMesh(bytes, path, scale);
 }
 

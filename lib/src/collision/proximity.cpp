@@ -68,7 +68,7 @@ double addNormal(void* context, std::int32_t slot, double reach) {
 
 Vec3 gatheredNormal(const MeshData& data, const Vec3& p, const Vec3& x, double distance) {
   NormalSum all{&data, {p[0], p[1], p[2]}, x, 1e-9 * data.size};
-  loops().visit(data.view, all.p, all.p, distance + 1e-11 * data.size, &addNormal, &all);
+  loops().visit(data.view, all.p, all.p, distance * (1.0 + 1e-12) + 1e-11 * data.size, &addNormal, &all);
   return all.sum;
 }
 

@@ -249,8 +249,8 @@ void addPart(const Analytic& shape, const Segment& axis, double radius, PartCach
   if (axis.a == axis.b) return;
   const double atB = addSphere(shape, axis.b, radius, out);
   const double reach = out.reachOf(radius);
-  // Distances change by no more than the way: between the ends they are at least (|a| + |b| - length) / 2.
-  if (std::abs(atA) + std::abs(atB) - (axis.b - axis.a).norm() > 2.0 * reach) return;
+  // Distances change by no more than the way: between the ends they are at least (a + b - length) / 2.
+  if (atA + atB - (axis.b - axis.a).norm() > 2.0 * reach) return;
   const double t = nearestOnAxis(shape, axis, reach);
   if (!(t > 0.0 && t < 1.0)) return;
   const Vec3 middle = axis.a + t * (axis.b - axis.a);
@@ -325,17 +325,17 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   } else {
     clear = -1.0;
   }
-  const bool isOutside = isClosed && clear > kSurely * mesh.data().size, isOut = isOutside && clear > justBeyond;
-  if (wasOutside && !isOut) findEnds();
+  const bool isOutside = isClosed && clear > kSurely * mesh.data().size, isOutOfReach = isOutside && clear > justBeyond;
+  if (wasOutside && !isOutOfReach) findEnds();
   if (cache != nullptr) {
     cache->revision = mesh.data().view.revision;
     cache->axis = axis;
     cache->clear = isOutside ? clear * (1.0 - 1e-9) : -1.0;
-    cache->isAheadA = isClosed && (isOut || isAhead(a));
-    cache->isAheadB = isClosed && !isSphere && (isOut || isAhead(b));
+    cache->isAheadA = isClosed && (isOutOfReach || isAhead(a));
+    cache->isAheadB = isClosed && !isSphere && (isOutOfReach || isAhead(b));
     cache->nearest = between.triangle;
   }
-  if (isOut) return;
+  if (isOutOfReach) return;
   addSphere(mesh, a, radius, out);
   if (isSphere) return;
   addSphere(mesh, b, radius, out);
@@ -361,7 +361,9 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
 }
 
 SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, ProximityCache* cache) {
-  return signedDistance(mesh, p, cache);
+  SurfacePoint nearest = signedDistance(mesh, p, cache);
+  if (nearest.triangle < 0) nearest.distance = kNoLimit;  // all were removed
+  return nearest;
 }
 
 template <typename Analytic>

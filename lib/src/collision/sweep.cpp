@@ -310,8 +310,10 @@ SweepHit pick(const MeshModel& model, const Segment& segment) noexcept {
     return s.best;
   }
   const double hair = 1e-12 * (s.data->size + s.way.norm());
-  for (int piece = 0; piece < kPickPieces && !s.best.hit; ++piece) {  // small boxes, from the near end to the far one
-    const Vec3 first = segment.a + s.way * (static_cast<double>(piece) / kPickPieces);
+  for (int piece = 0; piece < kPickPieces; ++piece) {  // small boxes, from the near end to the far one
+    const double start = static_cast<double>(piece) / kPickPieces;
+    if (s.best.hit && s.best.time < start) break;  // a large triangle near an early piece may be crossed later
+    const Vec3 first = segment.a + s.way * start;
     const Vec3 last = segment.a + s.way * ((piece + 1.0) / kPickPieces);
     kernel::loops().visit(s.data->view, first.data(), last.data(), hair, &pickTriangle, &s);
   }

@@ -11,8 +11,8 @@ namespace enamel {
 
 /// Moves vertices: positions[i] is the new place of vertices[i], m. All triangles at these vertices follow, their boxes
 /// and normals too. Moved vertices keep their connections: two at one place move together only if both are named.
-/// notFinite: a position that is not finite or outside a box about four times as large as the mesh was when it was
-/// built, or an index out of range; nothing is changed then.
+/// notFinite: a position that is not finite or farther from the mesh's centre, along an axis, than 8 to 16 times half
+/// its size when it was built, or an index out of range; nothing is changed then.
 /// Realtime: yes (no allocation; work for the triangles at the vertices and the levels above them). Not while other
 /// threads query the model.
 Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions, int count) noexcept;

@@ -38,7 +38,7 @@ enum class TriangleFeature : int { corner0, corner1, corner2, edge01, edge12, ed
 
 /// Answer of the nearest-point queries.
 struct SurfacePoint {
-  Status status = Status::ok;  ///< notFinite: the query point or limit is not finite
+  Status status = Status::ok;  ///< notFinite: of the query point; or the limit is negative or no number
   int triangle = -1;           ///< -1: no triangle within the limit; the rest is then without meaning
   TriangleFeature feature = TriangleFeature::face;
   Vec3 point = Vec3::Zero();   ///< on the mesh, m

@@ -6,7 +6,7 @@
 
 namespace enamel {
 
-/// One for each tool shape and obstacle; not shared between threads. Plain data of fixed size (7 KB): a copy is as
+/// One for each tool shape and obstacle; not shared between threads. Plain data of fixed size (6.3 KB): a copy is as
 /// good as the original. The content is private to the queries.
 struct ProximityCache {
   static constexpr int kTriangles = 128;
