@@ -5,6 +5,8 @@ struct Candidate {
   double squared;
   double point[3];
   int32_t feature;
+  double overPlane;      // (p - a).n of the triangle's plane
+  double normalSquared;  // n.n; 0 for a long or flat triangle, whose n says little
 };
 
 static inline bool isThin(const Triangle* t) { return t->cone < 0.0f; }
@@ -125,6 +127,7 @@ static inline void closestOnThin(const Triangle* t, const double* p, Candidate* 
 
 // The foot point on the plane where it lies inside, else the nearest point of the edges that it lies outside of.
 static inline void closestOnTriangle(const Triangle* t, const double* p, Candidate* best) {
+  best->overPlane = best->normalSquared = 0.0;
   if (isThin(t)) {
     closestOnThin(t, p, best);
     return;
@@ -133,6 +136,8 @@ static inline void closestOnTriangle(const Triangle* t, const double* p, Candida
   edgesOf(t, p, e, from);
   subtract(t->corner[2], t->corner[0], ac);
   cross(e[0], ac, n);
+  best->overPlane = dot(from[0], n);
+  best->normalSquared = dot(n, n);
   for (int i = 0; i < 3; ++i) {  // of the corner opposite to edge i
     cross(e[i], from[i], s);
     weight[i] = dot(s, n);
@@ -142,7 +147,7 @@ static inline void closestOnTriangle(const Triangle* t, const double* p, Candida
     tryEdges(t, e, from, weight, best);
     return;
   }
-  const double inverse = 1.0 / dot(n, n);
+  const double inverse = 1.0 / best->normalSquared;
   const double u = weight[2] * inverse, v = weight[0] * inverse;
   double d[3];
   for (int k = 0; k < 3; ++k) d[k] = from[0][k] - (u * e[0][k] + v * ac[k]);

@@ -65,7 +65,7 @@ static inline int closestOfFour(const Triangle* const* t, const double* point, C
     weight[i] = dot4(s, n);
     outside[i] = _mm256_cmp_pd(weight[i], zero, _CMP_NGT_UQ);
   }
-  const __m256d inverse = _mm256_div_pd(one, dot4(n, n));
+  const __m256d normalSquared = dot4(n, n), inverse = _mm256_div_pd(one, normalSquared);
   __m256d u = _mm256_mul_pd(weight[2], inverse);
   const __m256d w = _mm256_mul_pd(weight[0], inverse);
   for (int k = 0; k < 3; ++k)
@@ -86,12 +86,16 @@ static inline int closestOfFour(const Triangle* const* t, const double* point, C
     }
   }
   const int lane = nearestLane(t, squared);
-  alignas(32) double column[4][4];
+  alignas(32) double column[6][4];
   _mm256_store_pd(column[0], part);
   _mm256_store_pd(column[1], u);
   _mm256_store_pd(column[2], w);
   _mm256_store_pd(column[3], squared);
+  _mm256_store_pd(column[4], dot4(from[0], n));
+  _mm256_store_pd(column[5], normalSquared);
   nearest->squared = column[3][lane];
+  nearest->overPlane = column[4][lane];
+  nearest->normalSquared = column[5][lane];
   placeOn(t[lane], static_cast<int32_t>(column[0][lane]), column[1][lane], column[2][lane], nearest);
   return lane;
 }

@@ -98,6 +98,8 @@ struct Answer {
   double point[3];  ///< on the mesh
   int32_t slot;     ///< -1 where nothing was found
   int32_t feature;
+  double overPlane = 0.0;  ///< as Candidate
+  double normalSquared = 0.0;
 };
 
 struct SegmentAnswer {

@@ -686,6 +686,8 @@ static void closest(const Mesh& mesh, const double point[3], double limitSquared
   if (s.slot >= 0) {
     for (int k = 0; k < 3; ++k) answer->point[k] = s.best.point[k];
     answer->feature = s.best.feature;
+    answer->overPlane = s.best.overPlane;
+    answer->normalSquared = s.best.normalSquared;
   } else {
     for (int k = 0; k < 3; ++k) answer->point[k] = point[k];
     answer->feature = kFace;

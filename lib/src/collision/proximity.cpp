@@ -129,15 +129,14 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
   SurfacePoint answer = surfacePoint(data, found);
   if (found.slot < 0) return answer;
   const double distance = answer.distance;
-  const Triangle& nearest = data.triangles[found.slot];
-  const Vec3 away = p - answer.point, own = normalOf(nearest);
+  const Vec3 away = p - answer.point;
   // All normals around a triangle lie within its cone, and so do the sums of them: where the way to the point lies
   // clearly on one side of the cone, the triangle's own normal tells the side.
-  Vec3 n = own;
-  double side = away.dot(own);
-  const double beyondCone = 1.0 - static_cast<double>(nearest.cone);  // above 1 for a thin triangle: not told
+  Vec3 n = Vec3::Zero();
+  double side = found.overPlane;  // like n.n 0 for a long or flat triangle: not told
+  const double beyondCone = 1.0 - static_cast<double>(data.triangles[found.slot].cone);
   const bool isApart = distance > 1e-9 * data.size;
-  if (!isApart || !(side * side > beyondCone * found.squared * own.squaredNorm())) {
+  if (!isApart || !(side * side > beyondCone * found.squared * found.normalSquared)) {
     n = pseudonormal(data, p, answer.point, distance, found.slot, found.feature);
     side = away.dot(n);
   }

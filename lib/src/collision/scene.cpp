@@ -126,7 +126,7 @@ double tryMinimum(void* context, std::int32_t slot, double reach) {
   Answer& nearest = s.nearest;
   if (nearest.slot < 0 || c.squared < nearest.squared ||
       (c.squared == nearest.squared && triangle.index < triangles[nearest.slot].index))
-    nearest = {c.squared, {c.point[0], c.point[1], c.point[2]}, slot, c.feature};
+    nearest = {c.squared, {c.point[0], c.point[1], c.point[2]}, slot, c.feature, c.overPlane, c.normalSquared};
   if (!(c.squared > 0.0)) return reach;
   Minimum minimum;
   minimum.point = vec(c.point);
