@@ -54,8 +54,8 @@ TEST_CASE("the loops for AVX-512 answer as those for AVX2", "[hard]") {
       for (ProximityCache* cache : {&wideCache, static_cast<ProximityCache*>(nullptr)}) {
         wide.closest(view, p.data(), squared, cache, &one);
         REQUIRE(one.slot == other.slot);
-        REQUIRE(one.squared == other.squared);
-        REQUIRE(std::equal(one.point, one.point + 3, other.point));
+        REQUIRE(one.nearest.squared == other.nearest.squared);
+        REQUIRE(std::equal(one.nearest.point, one.nearest.point + 3, other.nearest.point));
       }
       const Vec3 q = p + reach * random.direction();
       kernel::SegmentAnswer onAxis, expected;

@@ -8,42 +8,20 @@
 
 namespace enamel::test {
 
-struct Floats16 {
-  __m256 a, b;
-};
+#include "collision/vector_avx2.inl"
+
+using Floats16 = V;
+
 struct Numbers16 {
   int32_t lane[16];
 };
 
-inline Floats16 load(const float* p) { return {_mm256_loadu_ps(p), _mm256_loadu_ps(p + 8)}; }
-inline void store(float* p, Floats16 x) {
-  _mm256_storeu_ps(p, x.a);
-  _mm256_storeu_ps(p + 8, x.b);
-}
-inline Floats16 set(float x) { return {_mm256_set1_ps(x), _mm256_set1_ps(x)}; }
-inline Floats16 add(Floats16 x, Floats16 y) { return {_mm256_add_ps(x.a, y.a), _mm256_add_ps(x.b, y.b)}; }
-inline Floats16 sub(Floats16 x, Floats16 y) { return {_mm256_sub_ps(x.a, y.a), _mm256_sub_ps(x.b, y.b)}; }
-inline Floats16 mul(Floats16 x, Floats16 y) { return {_mm256_mul_ps(x.a, y.a), _mm256_mul_ps(x.b, y.b)}; }
-inline Floats16 divide(Floats16 x, Floats16 y) { return {_mm256_div_ps(x.a, y.a), _mm256_div_ps(x.b, y.b)}; }
-inline Floats16 maximum(Floats16 x, Floats16 y) { return {_mm256_max_ps(x.a, y.a), _mm256_max_ps(x.b, y.b)}; }
-inline Floats16 minimum(Floats16 x, Floats16 y) { return {_mm256_min_ps(x.a, y.a), _mm256_min_ps(x.b, y.b)}; }
-inline Floats16 root(Floats16 x) { return {_mm256_sqrt_ps(x.a), _mm256_sqrt_ps(x.b)}; }
-inline Floats16 mad(Floats16 x, Floats16 y, Floats16 z) {
-  return {_mm256_fmadd_ps(x.a, y.a, z.a), _mm256_fmadd_ps(x.b, y.b, z.b)};
-}
-inline Floats16 inverseRoot(Floats16 x) {  // to 2^-14: too large and too small in turns
+inline Floats16 roughInverseRoot(Floats16 x) {  // to 2^-14: too large and too small in turns
   float f[16];
   store(f, x);
   for (int i = 0; i < 16; ++i)
     f[i] = static_cast<float>((i % 2 == 0 ? 1.0 + 0x1p-14 : 1.0 - 0x1p-14) / __builtin_sqrt(static_cast<double>(f[i])));
   return load(f);
-}
-inline float smallest(Floats16 x) {
-  float f[16];
-  store(f, x);
-  float least = f[0];
-  for (const float one : f) least = one < least ? one : least;
-  return least;
 }
 template <int kPredicate>
 __mmask16 compare(Floats16 x, Floats16 y) {
@@ -104,7 +82,7 @@ inline Numbers16 addNumbers(Numbers16 x, Numbers16 y) {
 #define _mm512_min_ps enamel::test::minimum
 #define _mm512_sqrt_ps enamel::test::root
 #define _mm512_fmadd_ps enamel::test::mad
-#define _mm512_rsqrt14_ps enamel::test::inverseRoot
+#define _mm512_rsqrt14_ps enamel::test::roughInverseRoot
 #define _mm512_reduce_min_ps enamel::test::smallest
 #define _mm512_cmp_ps_mask(x, y, predicate) enamel::test::compare<predicate>(x, y)
 #define _mm512_mask_blend_ps enamel::test::blend

@@ -245,4 +245,5 @@ TEST_CASE("files on disk load with their scale", "[unit]") {
   test::writeFile(folder / "box.off", off(mesh));
   CHECK(loadMesh(folder / "box.off", 1e-3).vertices[7] == Vec3(1e-3, 1e-3, 1e-3));
   CHECK_THROWS_WITH(loadMesh(folder / ""), Catch::Contains("is a folder"));
+  CHECK_THROWS_AS(loadMesh(folder / std::string(5000, 'x')), ConfigurationError);
 }

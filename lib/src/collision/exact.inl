@@ -1,14 +1,6 @@
 // The closest point of a triangle in double: the one place where answered distances come from. Plain functions of
 // internal linkage, included by every kernel file and compiled without contraction, so that all agree bit for bit.
 
-struct Candidate {
-  double squared;
-  double point[3];
-  int32_t feature;
-  double overPlane;      // (p - a).n of the triangle's plane
-  double normalSquared;  // n.n; 0 for a long or flat triangle, whose n says little
-};
-
 static inline bool isThin(const Triangle* t) { return t->cone < 0.0f; }
 
 static inline double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

@@ -471,11 +471,11 @@ void refitLeaf(MeshData& data, std::int32_t leaf) {
   Extent extent;
   for (const Vec3& q : data.scratch) extent.add(q);
   Box box = extent.box();
-  while (at.node >= 0) {
+  for (;;) {
     writeBox(data, at, box);
     box = boxOfNode(data.boxes[at.node]);
     at = data.nodeParent[at.node];
-    if (at.node < 0) break;
+    if (at.node < 0) return;
     Oriented parent = readOriented(data, at);
     const Vec3 far = (parent.axes * middle + parent.offset).cwiseAbs() +
                      (parent.axes * oriented.axes.transpose()).cwiseAbs() * oriented.half;

@@ -93,13 +93,19 @@ enum Feature : int32_t { kCorner0, kCorner1, kCorner2, kEdge01, kEdge12, kEdge20
 
 using Cache = ProximityCache;
 
-struct Answer {
-  double squared;   ///< distance^2; the limit^2 where nothing was found
-  double point[3];  ///< on the mesh
-  int32_t slot;     ///< -1 where nothing was found
+/// The point of a triangle with plane (x - a).n = 0 that is nearest to p.
+struct Candidate {
+  double squared;  ///< distance^2
+  double point[3];
   int32_t feature;
-  double overPlane = 0.0;  ///< as Candidate
-  double normalSquared = 0.0;
+  double overPlane;      ///< (p - a).n
+  double normalSquared;  ///< n.n; both are 0 for a long or flat triangle, whose n says little
+};
+
+/// Where nothing was found: the limit^2, p, kFace, 0, 0 and slot -1.
+struct Answer {
+  Candidate nearest;
+  int32_t slot;
 };
 
 struct SegmentAnswer {

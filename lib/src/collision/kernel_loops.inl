@@ -14,9 +14,9 @@ static const double kHuge = 1e300;
 static const double kAhead = 3.0;
 static const double kLeastReach = 3.0;
 static const double kLead = 0.9;
-// The work on a list. One query does kWorkPerQuery at most, unless it needs a list that is not complete. A list that took less than kLeastWork was too small, one
-// above kMostWork too large; beyond kNoList it is given up, and no other begun for a while: kPause queries, twice as
-// many each time up to kLongPause.
+// The work on a list. One query does kWorkPerQuery at most, unless it needs a list that is not complete. A list that
+// took less than kLeastWork was too small, one above kMostWork too large; beyond kNoList it is given up, and no other
+// begun for a while: kPause queries, twice as many each time up to kLongPause.
 enum { kNodeWork = 2, kLeafWork = 3, kWorkPerQuery = 16, kLeastWork = 18, kMostWork = 25, kNoList = 64 };
 enum { kPause = 32, kLongPause = 1024 };
 // Of the clearance of a segment beyond its reach this much is worth knowing.
@@ -681,17 +681,8 @@ static void closest(const Mesh& mesh, const double point[3], double limitSquared
     }
     if (known && !isFar(s.local)) workAhead(&mesh, s.local, way, cache);
   }
-  answer->squared = s.squared;
   answer->slot = s.slot;
-  if (s.slot >= 0) {
-    for (int k = 0; k < 3; ++k) answer->point[k] = s.best.point[k];
-    answer->feature = s.best.feature;
-    answer->overPlane = s.best.overPlane;
-    answer->normalSquared = s.best.normalSquared;
-  } else {
-    for (int k = 0; k < 3; ++k) answer->point[k] = point[k];
-    answer->feature = kFace;
-  }
+  answer->nearest = s.slot >= 0 ? s.best : Candidate{s.squared, {point[0], point[1], point[2]}, kFace, 0.0, 0.0};
 }
 
 // Boxes against the box of the segment, grown by the reach: floats for the choice, the visitor decides exactly.

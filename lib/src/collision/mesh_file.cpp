@@ -568,7 +568,8 @@ TriangleMesh parseMesh(std::string_view bytes, const std::string& path, double s
 }
 
 TriangleMesh loadMesh(const std::string& path, double scale) {
-  if (std::filesystem::is_directory(path)) throw ConfigurationError(path, 0, "", "is a folder, not a file");
+  std::error_code ignored;  // what cannot be looked at cannot be opened either
+  if (std::filesystem::is_directory(path, ignored)) throw ConfigurationError(path, 0, "", "is a folder, not a file");
   std::ifstream stream(path, std::ios::binary | std::ios::ate);
   if (!stream) throw ConfigurationError(path, 0, "", "cannot open the file");
   const std::streamoff size = stream.tellg();

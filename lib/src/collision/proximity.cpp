@@ -117,35 +117,37 @@ const TriangleMesh& MeshModel::mesh() const noexcept { return data_->mesh; }
 
 SurfacePoint kernel::surfacePoint(const MeshData& data, const Answer& found) noexcept {
   SurfacePoint answer;
-  answer.point = {found.point[0], found.point[1], found.point[2]};
+  const Candidate& nearest = found.nearest;
+  answer.point = {nearest.point[0], nearest.point[1], nearest.point[2]};
   if (found.slot < 0) return answer;
   answer.triangle = data.triangles[found.slot].index;
-  answer.feature = static_cast<TriangleFeature>(found.feature);
-  answer.distance = std::sqrt(found.squared);
+  answer.feature = static_cast<TriangleFeature>(nearest.feature);
+  answer.distance = std::sqrt(nearest.squared);
   return answer;
 }
 
 SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found) noexcept {
   SurfacePoint answer = surfacePoint(data, found);
   if (found.slot < 0) return answer;
+  const Candidate& nearest = found.nearest;
   const double distance = answer.distance;
   const Vec3 away = p - answer.point;
   // All normals around a triangle lie within its cone, and so do the sums of them: where the way to the point lies
   // clearly on one side of the cone, the triangle's own normal tells the side.
   Vec3 n = Vec3::Zero();
-  double side = found.overPlane;  // like n.n 0 for a long or flat triangle: not told
+  double side = nearest.overPlane;  // like n.n 0 for a long or flat triangle: not told
   const double beyondCone = 1.0 - static_cast<double>(data.triangles[found.slot].cone);
   const bool isApart = distance > 1e-9 * data.size;
-  if (!isApart || !(side * side > beyondCone * found.squared * found.normalSquared)) {
-    n = pseudonormal(data, p, answer.point, distance, found.slot, found.feature);
+  if (!isApart || !(side * side > beyondCone * nearest.squared * nearest.normalSquared)) {
+    n = pseudonormal(data, p, answer.point, distance, found.slot, nearest.feature);
     side = away.dot(n);
   }
   const bool inside = side < 0.0;
   if (isApart) {
     // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the rounding of the point shows
     // in the length.
-    const bool isClear = std::abs(away.squaredNorm() - found.squared) <= 1e-10 * found.squared;
-    const double inverse = isClear ? distance * (1.0 / found.squared) : 1.0 / away.norm();
+    const bool isClear = std::abs(away.squaredNorm() - nearest.squared) <= 1e-10 * nearest.squared;
+    const double inverse = isClear ? distance * (1.0 / nearest.squared) : 1.0 / away.norm();
     answer.normal = away * (inside ? -inverse : inverse);
   } else {
     const double length = n.norm();

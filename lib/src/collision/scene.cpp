@@ -73,7 +73,7 @@ struct End {
 struct MinimaSearch {
   const MeshData* data;
   Vec3 p;
-  Answer nearest;
+  Answer found;
   Minima* minima;
 };
 
@@ -123,10 +123,10 @@ double tryMinimum(void* context, std::int32_t slot, double reach) {
   Candidate c;
   closestOnTriangle(&triangle, s.p.data(), &c);
   if (!(c.squared <= reach * reach)) return reach;
-  Answer& nearest = s.nearest;
-  if (nearest.slot < 0 || c.squared < nearest.squared ||
-      (c.squared == nearest.squared && triangle.index < triangles[nearest.slot].index))
-    nearest = {c.squared, {c.point[0], c.point[1], c.point[2]}, slot, c.feature, c.overPlane, c.normalSquared};
+  Answer& found = s.found;
+  if (found.slot < 0 || c.squared < found.nearest.squared ||
+      (c.squared == found.nearest.squared && triangle.index < triangles[found.slot].index))
+    found = {c, slot};
   if (!(c.squared > 0.0)) return reach;
   Minimum minimum;
   minimum.point = vec(c.point);
@@ -140,11 +140,11 @@ double tryMinimum(void* context, std::int32_t slot, double reach) {
 // Answers the nearest point.
 Answer findMinima(const MeshModel& mesh, double reach, End& end) {
   const Vec3& p = end.point;
-  MinimaSearch s{&mesh.data(), p, {0.0, {p[0], p[1], p[2]}, -1, kFace}, &end.minima};
+  MinimaSearch s{&mesh.data(), p, {{0.0, {p[0], p[1], p[2]}, kFace, 0.0, 0.0}, -1}, &end.minima};
   end.reach = reach;
   end.minima.count = 0;
   loops().visitMinima(s.data->view, p.data(), reach, &tryMinimum, &s);
-  return s.nearest;
+  return s.found;
 }
 
 // Contacts of one tick while they are collected; the deepest first.
@@ -258,11 +258,10 @@ void addPart(const Analytic& shape, const Segment& axis, double radius, PartCach
     addSphere(shape, middle, radius, out);
 }
 
-bool isAhead(const End& end) { return end.nearest.triangle < 0 || end.nearest.distance > 0.0; }
+bool isAhead(const End& end) { return end.nearest.distance > 0.0; }
 
 int nearerOf(const End& a, const End& b) {
-  const bool isA = a.nearest.triangle >= 0 && (b.nearest.triangle < 0 || a.nearest.distance < b.nearest.distance);
-  return isA ? a.nearest.triangle : b.nearest.triangle;
+  return a.nearest.distance < b.nearest.distance ? a.nearest.triangle : b.nearest.triangle;
 }
 
 // Where the surface is likely to be in reach: the nearest point is one of the minima, which are asked for anyway.
@@ -307,17 +306,25 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
       axis.a == out.last->point && (out.last->nearest.triangle >= 0 || out.last->limit >= limitA) ? *out.last : own;
   End& b = *out.next;
   const auto findEnds = [&] {
-    if (&a == &own && isNearA) findEndNearby(mesh, axis.a, limitA, a);
-    if (&a == &own && !isNearA) findEnd(mesh, axis.a, limitA, point(0), a);
+    if (&a == &own) {
+      if (isNearA) {
+        findEndNearby(mesh, axis.a, limitA, a);
+      } else {
+        findEnd(mesh, axis.a, limitA, point(0), a);
+      }
+    }
     if (isSphere) return;
-    if (isNearB) findEndNearby(mesh, axis.b, beyond(std::max(radius, out.nextRadius)), b);
-    if (!isNearB) findEnd(mesh, axis.b, kNoLimit, point(1), b);
+    if (isNearB) {
+      findEndNearby(mesh, axis.b, beyond(std::max(radius, out.nextRadius)), b);
+    } else {
+      findEnd(mesh, axis.b, kNoLimit, point(1), b);
+    }
     std::swap(out.last, out.next);
   };
   SegmentPoint between;
   if (!wasOutside) findEnds();
   if (isSphere) {
-    clear = a.nearest.triangle < 0 ? a.limit : a.nearest.distance;
+    clear = std::min(a.nearest.distance, a.limit);
   } else if (wasOutside || (isAhead(a) && isAhead(b))) {
     if (hint < 0 && !wasOutside) hint = nearerOf(a, b);
     between = closestToSegment(mesh, axis, justBeyond, hint, kLookAhead * reach);
@@ -340,9 +347,7 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   if (isSphere) return;
   addSphere(mesh, b, radius, out);
   // Where an end lies behind the surface, no place between is nearer to the outside than both.
-  double ends = justBeyond;
-  if (a.nearest.triangle >= 0) ends = std::min(ends, a.nearest.distance - kClearlyNearer);
-  if (b.nearest.triangle >= 0) ends = std::min(ends, b.nearest.distance - kClearlyNearer);
+  const double ends = std::min({justBeyond, a.nearest.distance - kClearlyNearer, b.nearest.distance - kClearlyNearer});
   if (!(ends > 0.0)) return;
   if (between.triangle < 0 || between.distance > ends || !(between.parameter > 0.0 && between.parameter < 1.0)) return;
   End middle;
@@ -361,9 +366,7 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
 }
 
 SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, ProximityCache* cache) {
-  SurfacePoint nearest = signedDistance(mesh, p, cache);
-  if (nearest.triangle < 0) nearest.distance = kNoLimit;  // all were removed
-  return nearest;
+  return signedDistance(mesh, p, cache);
 }
 
 template <typename Analytic>

@@ -36,17 +36,17 @@ class MeshModel {
 /// The part of a triangle that a point lies on. Corner i is triangles[t][i]; edge 01 joins corners 0 and 1.
 enum class TriangleFeature : int { corner0, corner1, corner2, edge01, edge12, edge20, face };
 
+inline constexpr double kNoLimit = std::numeric_limits<double>::max();
+
 /// Answer of the nearest-point queries.
 struct SurfacePoint {
   Status status = Status::ok;  ///< notFinite: of the query point; or the limit is negative or no number
-  int triangle = -1;           ///< -1: no triangle within the limit; the rest is then without meaning
+  int triangle = -1;           ///< -1: no triangle within the limit; then only the distance, kNoLimit, has a meaning
   TriangleFeature feature = TriangleFeature::face;
   Vec3 point = Vec3::Zero();   ///< on the mesh, m
-  double distance = 0.0;       ///< m
+  double distance = kNoLimit;  ///< m
   Vec3 normal = Vec3::Zero();  ///< outward unit normal; only from signedDistance()
 };
-
-inline constexpr double kNoLimit = std::numeric_limits<double>::max();
 
 /// The point of the mesh nearest to p: argmin |p - x|, among equally near triangles the one of smallest number. The
 /// distance is computed in double, to about 1e-15 of the mesh size, also for triangles without area.
