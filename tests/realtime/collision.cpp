@@ -29,7 +29,8 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
   ProximityCache one, other;
   ContactSnapshot contacts;
   test::Random random(61);
-  double sum = 0.0;
+  int undefined = 0;
+  const auto use = [&undefined](double answer) { undefined += !std::isfinite(answer); };
   long allocated = 0;
   Vec3 p = Vec3::UnitX();
   for (int i = 0; i < 2000; ++i) {
@@ -44,19 +45,22 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
     const Vec3 moved = 0.99 * mesh->mesh().vertices[static_cast<std::size_t>(i)];
     const auto corners = mesh->mesh().triangles[static_cast<std::size_t>(triangle)];
     const long before = test::allocationCount();
-    sum += closestPoint(*mesh, p, &one).distance + signedDistance(*mesh, q).distance;
-    sum += signedDistance(flats, onFlats, &other).distance;
-    sum += sweepSphere(*mesh, p, q, 0.1, &one).time + sweepCapsule(*mesh, {p, q}, {q, p}, 0.01).time;
-    sum += closestToSegment(*mesh, {p, q}).parameter + pick(*mesh, {p, Vec3::Zero()}).time;
-    sum += findContacts(scene, tool, pose, 0.1, &cache, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0;
-    sum += findContacts(scene, tool, next, 0.1, nullptr, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0;
-    if (i % 10 == 0) sum += sweepTool(scene, tool, pose, next, &cache).time;
+    use(closestPoint(*mesh, p, &one).distance);
+    use(signedDistance(*mesh, q).distance);
+    use(signedDistance(flats, onFlats, &other).distance);
+    use(sweepSphere(*mesh, p, q, 0.1, &one).time);
+    use(sweepCapsule(*mesh, {p, q}, {q, p}, 0.01).time);
+    use(closestToSegment(*mesh, {p, q}).parameter);
+    use(pick(*mesh, {p, Vec3::Zero()}).time);
+    use(findContacts(scene, tool, pose, 0.1, &cache, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0);
+    use(findContacts(scene, tool, next, 0.1, nullptr, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0);
+    if (i % 10 == 0) use(sweepTool(scene, tool, pose, next, &cache).time);
     scene.move(2, pose, Vec6::Ones());
-    sum += moveVertices(*mesh, &vertex, &moved, 1) == Status::ok;
-    sum += removeTriangles(*mesh, &triangle, 1) == Status::ok;
-    if (i % 2 == 0) sum += replaceTriangles(*mesh, &triangle, &corners, 1) == Status::ok;
+    use(moveVertices(*mesh, &vertex, &moved, 1) == Status::ok);
+    use(removeTriangles(*mesh, &triangle, 1) == Status::ok);
+    if (i % 2 == 0) use(replaceTriangles(*mesh, &triangle, &corners, 1) == Status::ok);
     allocated += test::allocationCount() - before;
   }
-  CHECK(std::isfinite(sum));
+  CHECK(undefined == 0);
   CHECK(allocated == 0);
 }
