@@ -100,9 +100,10 @@ TEST_CASE("soak", "[viewer]") {
   CHECK(report.at("size") == nlohmann::json{1280, 720});  // as measured in the middle
   CHECK(report.at("frames").get<double>() > 2.0 * seconds);
   CHECK(report.at("haptics").at("periods").get<double>() > 500.0 * seconds);
-  // Flat: in the same state of the viewer, the medians at the end are those in the middle. In seven measurements 120
-  // random actions apart the heap kept its level to 0.3 MB, but for one that still held the buffers of the size before,
-  // at most 13.4 MB. How much freed memory the C library keeps varied by 54 MB beside a level heap.
+  // Flat: in the same state of the viewer, the medians at the end are those in the middle. In nine measurements, some
+  // beside a compiler, the heap kept its level to 1.1 MB, or held one buffer more or less: 1280x720 pixels of four
+  // samples and 4 bytes, 14.1 MB. The limit lies between one buffer and two; some 20 changes of size lie between.
+  // How much freed memory the C library keeps varied by 54 MB beside a level heap.
   const auto levels = [&report, seconds](const char* key) {
     const auto memory = report.at(key).get<std::vector<double>>();
     REQUIRE(static_cast<double>(memory.size()) > 0.9 * seconds);
@@ -120,6 +121,6 @@ TEST_CASE("soak", "[viewer]") {
   WARN("heap in use " << heap.first << " MB, then " << heap.second << " MB; resident " << resident.first << " MB, then "
                       << resident.second << " MB; " << report.at("frames_per_second").get<double>()
                       << " frames/s; haptics " << report.at("haptics").dump());
-  CHECK(heap.second < heap.first + 14.0);
+  CHECK(heap.second < heap.first + 20.0);
   CHECK(resident.second < resident.first + 64.0);
 }
