@@ -45,12 +45,12 @@ vtkIdType append(vtkPoints* points, const Vec3& point) {
 }
 
 // Polygons over points that have a normal each.
-struct Surface {
+struct Polygons {
   vtkNew<vtkPoints> points;
   vtkNew<vtkCellArray> cells;
   vtkNew<vtkFloatArray> normals;
 
-  Surface() { normals->SetNumberOfComponents(3); }
+  Polygons() { normals->SetNumberOfComponents(3); }
   vtkIdType append(const Vec3& point, const Vec3& normal) {
     normals->InsertNextTuple3(normal.x(), normal.y(), normal.z());
     return viewer::append(points, point);
@@ -143,19 +143,19 @@ void CapsuleSolid::show(bool visible) {
 vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,
                                   const Finish& finish) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());  // normals of the triangles, by area
-  Surface surface;
+  Polygons polygons;
   for (const auto& t : mesh.triangles) {
     const auto corner = [&](int i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
     const Vec3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
-    surface.cells->InsertNextCell(3);
+    polygons.cells->InsertNextCell(3);
     for (const int vertex : t) {
       sums[static_cast<std::size_t>(vertex)] += normal;
-      surface.cells->InsertCellPoint(vertex);
+      polygons.cells->InsertCellPoint(vertex);
     }
   }
   for (std::size_t i = 0; i < sums.size(); ++i)
-    surface.append(pose.position + pose.rotation * mesh.vertices[i], pose.rotation * sums[i].normalized());
-  return surface.addTo(renderer, finish);
+    polygons.append(pose.position + pose.rotation * mesh.vertices[i], pose.rotation * sums[i].normalized());
+  return polygons.addTo(renderer, finish);
 }
 
 Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal) {
@@ -171,14 +171,14 @@ Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal) {
 }
 
 vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish) {
-  Surface surface;
+  Polygons polygons;
   for (const Polygon& face : faces) {
     if (face.size() < 3) continue;
     const Vec3 normal = (face[1] - face[0]).cross(face[2] - face[0]).normalized();
-    surface.cells->InsertNextCell(static_cast<int>(face.size()));
-    for (const Vec3& corner : face) surface.cells->InsertCellPoint(surface.append(corner, normal));
+    polygons.cells->InsertNextCell(static_cast<int>(face.size()));
+    for (const Vec3& corner : face) polygons.cells->InsertCellPoint(polygons.append(corner, normal));
   }
-  return surface.addTo(renderer, finish);
+  return polygons.addTo(renderer, finish);
 }
 
 vtkSmartPointer<vtkActor> addLines(vtkRenderer* renderer, const std::vector<std::array<Vec3, 2>>& lines,

@@ -2,6 +2,7 @@
 #include <Eigen/Cholesky>
 
 #include "bench/control_cases.hpp"
+#include "bench/measurement.hpp"
 #include "enamel/control/riccati.hpp"
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"

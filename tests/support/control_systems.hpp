@@ -12,9 +12,6 @@ namespace enamel::test {
 /// n x m numbers in [-1, 1), the same bits for a seed everywhere (mt19937_64 is fixed by the standard).
 Eigen::MatrixXd randomMatrix(std::mt19937_64& random, Eigen::Index rows, Eigen::Index columns);
 
-/// Spectral radius.
-double radius(const Eigen::MatrixXd& A);
-
 /// A matrix of data/reference/servo-nominal.json.
 Eigen::MatrixXd reference(const char* key);
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "enamel/control/discretise.hpp"
+#include "enamel/control/margins.hpp"
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
 #include "support/control_systems.hpp"
@@ -33,7 +34,7 @@ double contactRadius(const WallDevice& device, const Wall& wall) {
     closed.row(3) += force;
     for (Eigen::Index i = 4; i < n; ++i) closed(i, i - 1) = 1.0;
   }
-  return radius(closed);
+  return spectralRadius(closed);
 }
 
 }  // namespace

@@ -39,7 +39,10 @@ double radiusWith(const Loop& l, Index i, std::complex<double> factor) {
   MatrixXcd K = l.K.cast<std::complex<double>>();
   K.row(i) *= factor;
   const MatrixXcd closed = l.loop.A.cast<std::complex<double>>() - l.loop.B.cast<std::complex<double>>() * K;
-  return Eigen::ComplexEigenSolver<MatrixXcd>(closed, false).eigenvalues().cwiseAbs().maxCoeff();
+  const Index n = closed.rows();
+  MatrixXd parts(2 * n, 2 * n);  // real numbers only: the same eigenvalues and their conjugates
+  parts << closed.real(), -closed.imag(), closed.imag(), closed.real();
+  return spectralRadius(parts);
 }
 
 }  // namespace

@@ -119,12 +119,6 @@ std::vector<ExponentialCase> exponentialCases() {
   return cases;
 }
 
-double relativeError(const MatrixXd& value, const MatrixXd& reference) {
-  if (value.rows() != reference.rows() || value.cols() != reference.cols()) return HUGE_VAL;
-  const double error = (value - reference).cwiseAbs().maxCoeff(), scale = reference.cwiseAbs().maxCoeff();
-  return scale == 0.0 ? error : error / scale;
-}
-
 double entrywiseError(const MatrixXd& value, const MatrixXd& reference) {
   if (value.rows() != reference.rows() || value.cols() != reference.cols()) return HUGE_VAL;
   double worst = 0.0;

@@ -28,9 +28,6 @@ struct ExponentialCase {
 
 std::vector<ExponentialCase> exponentialCases();
 
-/// Largest |value - reference| over the largest |reference|; absolute where the reference is zero.
-double relativeError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference);
-
 /// Largest |value - reference| / |reference| over the entries; an entry that must be zero counts absolutely.
 double entrywiseError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference);
 

@@ -70,10 +70,6 @@ double poseError(const Pose& a, const Pose& b) {
   return std::max((a.position - b.position).norm(), 0.04 * angleBetween(a.rotation, b.rotation));
 }
 
-double relativeError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference) {
-  return (value - reference).cwiseAbs().maxCoeff() / reference.cwiseAbs().maxCoeff();
-}
-
 TreeState treeState(const DeviceParameters& device, const Sample& s) {
   TreeState state;
   const Vec3 elbow = elbowAngles(s.configuration);

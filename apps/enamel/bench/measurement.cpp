@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 
 namespace enamel::bench {
@@ -13,6 +14,12 @@ double percentile(const std::vector<double>& times_us, double part) {
   const double step_us = last == times_us.end() ? 0.0 : *last - time_us;
   const double place = (rank - static_cast<double>(first - times_us.begin()) + 0.5) / static_cast<double>(last - first);
   return time_us + (place - 0.5) * step_us;
+}
+
+double relativeError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference) {
+  if (value.rows() != reference.rows() || value.cols() != reference.cols()) return HUGE_VAL;
+  const double error = (value - reference).cwiseAbs().maxCoeff(), scale = reference.cwiseAbs().maxCoeff();
+  return scale == 0.0 ? error : error / scale;
 }
 
 Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int first, int count)>& run) {

@@ -2,6 +2,7 @@
 // beside the time, because a fast wrong answer is worth nothing.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <limits>
 #include <string>
@@ -48,6 +49,9 @@ template <typename T>
 inline void keep(const T& value) {
   asm volatile("" : : "r"(&value) : "memory");
 }
+
+/// Largest |value - reference| over the largest |reference|; absolute where the reference is zero.
+double relativeError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference);
 
 /// Runs every measurement whose group or name contains `filter`. `scale` multiplies the number of batches or calls.
 std::vector<Measurement> measureAll(const std::string& filter, double scale);

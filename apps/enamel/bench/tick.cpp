@@ -67,8 +67,8 @@ Path pathThroughTheWall(const DeviceModel& model, int ticks) {
 
 // The linked renderer and its plugin in turns, a hundred ticks each, so that what else the machine does meets both;
 // per tick, over the turns. Adds the ticks that were not ok to `faults`.
-std::pair<Percentiles, Percentiles> timeInTurns(const std::vector<TickInput>& inputs, Renderer& linked,
-                                                Renderer* plugin, int& faults) {
+std::pair<Percentiles, Percentiles> timeLinkedAndPlugin(const std::vector<TickInput>& inputs, Renderer& linked,
+                                                        Renderer* plugin, int& faults) {
   using Clock = std::chrono::steady_clock;
   constexpr std::size_t kTurn = 100;
   std::vector<double> times_us[2];
@@ -157,7 +157,7 @@ std::vector<Measurement> measureTick(double scale) {
       plugin = makeRenderer(PluginLibrary::load(pluginFile), setup);
       plugin->activate(kPeriod);
     }
-    const auto [part, across] = timeInTurns(inputs, *renderer, plugin.get(), faults);
+    const auto [part, across] = timeLinkedAndPlugin(inputs, *renderer, plugin.get(), faults);
     add(std::string("its renderer, ") + name, part, faults, "ticks that were not ok", none);
     if (!plugin) continue;
     renderer->reset();

@@ -10,9 +10,9 @@
 namespace enamel {
 namespace {
 
-constexpr double kPush = 12.0;    // N
-constexpr double kStill = 1e-12;  // m
-constexpr double kRunaway = 1.0;  // m: it will not come back
+constexpr double kPushOnWall = 12.0;  // N
+constexpr double kStill = 1e-12;      // m
+constexpr double kRunaway = 1.0;      // m: it will not come back
 
 // Largest minus smallest of the values seen.
 struct Range {
@@ -50,7 +50,7 @@ bool isWallStable(const WallDevice& device, const Wall& wall, double seconds) {
     const double z = state[1], rate = (z - previous) / device.period;
     previous = z;
     underWay.push_back(z < 0.0 ? -wall.stiffness * z - wall.damping * rate : 0.0);
-    state = A * state + B * (underWay.front() - kPush);
+    state = A * state + B * (underWay.front() - kPushOnWall);
     underWay.pop_front();
     if (!(std::abs(state[1]) < kRunaway)) return false;
     if (3 * j >= 2 * ticks)
