@@ -11,7 +11,7 @@
 namespace enamel::app {
 namespace {
 
-struct Options {
+struct BenchOptions {
   std::string filter;
   double scale = 1.0;
 };
@@ -20,7 +20,7 @@ std::string cell(double value, const char* format) {
   return std::isnan(value) ? "-" : fmt::format(fmt::runtime(format), value);
 }
 
-void run(const Options& options) {
+void run(const BenchOptions& options) {
   const auto rows = bench::measureAll(options.filter, options.scale);
   if (rows.empty()) throw Error("no measurement matches --filter " + options.filter);
   fmt::print("{:<62} {:>10} {:>10} {:>10} {:>8} {:>8} {:>9}  {}\n", "per call", "median us", "p99 us", "p99.9 us",
@@ -37,7 +37,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addBench(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "Speed against error: one row a measurement, times in microseconds");
   command->add_option("--filter", options->filter, "only rows whose name contains this text");
   command->add_option("--scale", options->scale, "multiplies the number of batches")

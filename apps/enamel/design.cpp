@@ -12,6 +12,7 @@
 #include "enamel/control/margins.hpp"
 #include "enamel/control/tuning.hpp"
 #include "enamel/core/error.hpp"
+#include "json_matrices.hpp"
 
 namespace enamel::app {
 namespace {
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kPush = 12.0;  // N, of the stiffness that is reported
 constexpr int kLargestDelay = 3;
 
-struct Options {
+struct DesignOptions {
   std::string device, output, impedanceMap;
   double rate = 1000.0;
   ServoWeights weights;
@@ -40,7 +41,7 @@ struct Device {
   TuneProblem problem;
 };
 
-Device makeDevice(const Options& options) {
+Device makeDevice(const DesignOptions& options) {
   Device device{makeModel(loadDevice(options.device)), {}, {}, {}};
   Pose pose;
   pose.position = Vec3(options.at[0], options.at[1], options.at[2]);
@@ -52,17 +53,6 @@ Device makeDevice(const Options& options) {
 }
 
 // --- servo.json ---------------------------------------------------------------------------------------------------
-
-template <typename Vector>
-Json listOf(const Vector& v) {
-  return Json(std::vector<double>(v.data(), v.data() + v.size()));
-}
-
-Json rowsOf(const MatrixXd& m) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < m.rows(); ++i) rows.push_back(listOf(Eigen::VectorXd(m.row(i))));
-  return rows;
-}
 
 struct Report {
   std::vector<std::complex<double>> poles;
@@ -77,7 +67,7 @@ Report reportOn(const ServoDesign& design, const Device& device) {
           measureMargins(runningLoop(design), design.K, design.period), requirementsOf(design, device.plant)};
 }
 
-Json jsonOf(const Options& options, const Device& device, const ServoDesign& design, const Report& report) {
+Json jsonOf(const DesignOptions& options, const Device& device, const ServoDesign& design, const Report& report) {
   const ServoWeights& w = design.weights;
   Json out;
   out["note"] =
@@ -171,7 +161,7 @@ std::optional<TunedServo> printTuned(const Device& device, const TuneRequirement
   return tuned;
 }
 
-std::optional<TunedServo> printTradeOff(const Device& device, const Options& options) {
+std::optional<TunedServo> printTradeOff(const Device& device, const DesignOptions& options) {
   fmt::print(
       "Stiffest servos with disk margin >= {:.3g} and chatter <= {:.3g} N m, for each delay that acts in the loop.\n",
       options.required.diskMargin, options.required.chatter);
@@ -196,7 +186,7 @@ std::optional<TunedServo> printTradeOff(const Device& device, const Options& opt
   return chosen;
 }
 
-void writeImpedanceMap(const Options& options, const Device& device) {
+void writeImpedanceMap(const DesignOptions& options, const Device& device) {
   std::vector<double> stiffnesses, dampings{0.0};
   for (int i = 0; i <= 24; ++i) stiffnesses.push_back(500.0 * std::pow(200.0, i / 24.0));  // 500 to 100 000 N/m
   for (int i = 0; i <= 12; ++i) dampings.push_back(0.1 * std::pow(1000.0, i / 12.0));      // 0.1 to 100 N s/m
@@ -218,7 +208,7 @@ void writeImpedanceMap(const Options& options, const Device& device) {
       wallDevice.mass, wallDevice.damping, map.size(), stable, passive, broken);
 }
 
-void run(const Options& options) {
+void run(const DesignOptions& options) {
   if (options.output.empty() && !options.tune && options.impedanceMap.empty())
     throw Error("nothing to do: give --output, --tune or --impedance-map");
   const Device device = makeDevice(options);
@@ -243,7 +233,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addDesign(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DesignOptions>();
   CLI::App* command = app.add_subcommand(
       "design",
       "Position servo of a device: linearise, hold, Riccati; margins and Table II.\n"

@@ -8,13 +8,14 @@
 #include "enamel/core/error.hpp"
 #include "enamel/device/dynamics.hpp"
 #include "enamel/device/kinematics.hpp"
+#include "json_matrices.hpp"
 
 namespace enamel::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct EvaluateOptions {
   std::string device, input, output;
 };
 
@@ -30,17 +31,6 @@ Eigen::Matrix<double, n, 1> vectorAt(const Json& row, const char* key) {
     v[i] = list[static_cast<std::size_t>(i)].get<double>();
   }
   return v;
-}
-
-template <typename Vector>
-Json listOf(const Vector& v) {
-  return Json(std::vector<double>(v.data(), v.data() + v.size()));
-}
-
-Json rowsOf(const Mat6& m) {
-  Json rows = Json::array();
-  for (int i = 0; i < 6; ++i) rows.push_back(listOf(Vec6(m.row(i))));
-  return rows;
 }
 
 Configuration configurationOf(const DeviceModel& model, const Json& row) {
@@ -85,7 +75,7 @@ Json evaluateRow(const DeviceModel& model, const Json& row) {
   return out;
 }
 
-void run(const Options& options) {
+void run(const EvaluateOptions& options) {
   const DeviceParameters device = loadDevice(options.device);
   const DeviceModel model = makeModel(device);
 
@@ -119,7 +109,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addEvaluate(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvaluateOptions>();
   CLI::App* command = app.add_subcommand(
       "evaluate",
       "Kinematics and dynamics of a device at given poses.\n"

@@ -14,7 +14,7 @@
 namespace enamel::app {
 namespace {
 
-struct Options {
+struct MeshOptions {
   std::string file, generate, output;
   double unit = 1e-3;  // m
 };
@@ -60,7 +60,7 @@ void write(const TriangleMesh& mesh, const std::string& path) {
   if (!file) throw Error(path + ": cannot write the file");
 }
 
-void run(const Options& options) {
+void run(const MeshOptions& options) {
   if (options.generate.empty()) {
     if (options.file.empty()) throw Error("needs a mesh file, or --generate with --output");
     print(inspect(loadMesh(options.file, options.unit)));
@@ -73,7 +73,7 @@ void run(const Options& options) {
 }  // namespace
 
 void addMesh(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MeshOptions>();
   CLI::App* command = app.add_subcommand("mesh", "What is wrong with a mesh file (ply, obj, stl, off), and its size");
   command->add_option("file", options->file, "mesh file");
   command->add_option("--unit", options->unit, "of the file's coordinates: m, mm or um")

@@ -16,7 +16,7 @@
 namespace enamel::app {
 namespace {
 
-struct Options {
+struct PushOptions {
   std::string device, scene, output;
   std::vector<std::string> renderers = {kPositionControl};
   std::string mode = "hold", delay = "none";
@@ -120,14 +120,14 @@ void printTable(const std::vector<std::string>& names, const std::vector<PushMet
 }
 
 // run.csv, or run-impedance.csv where several renderers write beside each other.
-std::string outputFor(const Options& options, const std::string& renderer) {
+std::string outputFor(const PushOptions& options, const std::string& renderer) {
   if (options.renderers.size() == 1) return options.output;
   std::filesystem::path path(options.output);
   path.replace_filename(path.stem().string() + "-" + renderer + path.extension().string());
   return path.string();
 }
 
-void run(Options options) {
+void run(PushOptions options) {
   const DeviceParameters device = loadDevice(options.device);
   const DeviceModel model = makeModel(device);
   PushSetup& setup = options.setup;
@@ -165,7 +165,8 @@ void run(Options options) {
       throw Error("--renderer names " + name + " twice");
   }
   const PluginSetup plugin{options.device, "", options.scene, "", parseParameters(options.set)};
-  if (!plugin.parameters.empty() && std::none_of(sources.begin(), sources.end(), [](const auto& s) { return s.plugin; }))
+  if (!plugin.parameters.empty() &&
+      std::none_of(sources.begin(), sources.end(), [](const auto& s) { return s.plugin; }))
     throw Error("--set is for plugins, and --renderer names none");
 
   std::vector<PushMetrics> metrics;
@@ -176,9 +177,9 @@ void run(Options options) {
     PositionControlOptions servo;
     servo.release = options.release;
     servo.antiWindup = options.antiWindup;
-    const std::unique_ptr<Renderer> renderer =
-        source.plugin ? makeRenderer(source.plugin, plugin)
-                      : makeRenderer(name, model, setup.period, servo, options.impedance);
+    const std::unique_ptr<Renderer> renderer = source.plugin
+                                                   ? makeRenderer(source.plugin, plugin)
+                                                   : makeRenderer(name, model, setup.period, servo, options.impedance);
     std::optional<CsvFile> csv;
     if (!options.output.empty()) csv.emplace(outputFor(options, name));
     MetricsCollector collector(setup);
@@ -217,7 +218,7 @@ void run(Options options) {
 }  // namespace
 
 void addPush(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PushOptions>();
   CLI::App* command = app.add_subcommand(
       "push",
       "One push of a tool against a wall, on the virtual device: z = 0, or the obstacle of a scene file that is "
