@@ -354,9 +354,7 @@ void measureContacts(const Workload& work, std::vector<Measurement>& rows) {
     std::vector<Pose> poses;  // the shaft follows the surface's normal, as fast as a hand turns
     Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
     for (const Vec3& p : work.path) {
-      const Vec3 normal = signedDistance(*work.model, p).normal;
-      // From z to the normal by the shortest way; 1e-9: where that is -z, one of many.
-      const auto wanted = Eigen::Quaterniond(1.0 + normal.z(), 1e-9 - normal.y(), normal.x(), 0.0).normalized();
+      const auto wanted = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), signedDistance(*work.model, p).normal);
       const double angle = turned.angularDistance(wanted);
       turned = angle > kTurn && !poses.empty() ? turned.slerp(kTurn / angle, wanted) : wanted;
       poses.push_back({p, turned.toRotationMatrix()});
