@@ -53,7 +53,7 @@ std::string randomScript(std::uint64_t seed, double seconds) {
       script << "slow 1\n" << time << " renderer impedance\n" << time << " scene " << scene << '\n';
       script << time << " camera-user\n" << time << " size 1280x720\n";
       // In the wall, long enough to be drawn: the tool that shines through has buffers of its own, of the size that it
-      // was last drawn at (14.4 MB here), and none before it is first drawn.
+      // was last drawn at (15 MB here), and none before it is first drawn.
       script << time << " hand 0 0 -30 over 0.2";
       time += 1.0;
     } else if (draw < 0.45 || measured(time)) {
