@@ -35,14 +35,14 @@ struct DesignOptions {
 
 // Everything that is known about the device at its operating point.
 struct Device {
-  DeviceModel model;
+  TauModel model;
   DevicePlant plant;
   Linearisation linear;
   TuneProblem problem;
 };
 
 Device makeDevice(const DesignOptions& options) {
-  Device device{makeModel(loadDevice(options.device)), {}, {}, {}};
+  Device device{makeModel(loadTau(options.device)), {}, {}, {}};
   Pose pose;
   pose.position = Vec3(options.at[0], options.at[1], options.at[2]);
   device.plant = devicePlant(device.model, pose);

@@ -6,8 +6,8 @@
 
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/device/dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 #include "json_matrices.hpp"
 
 namespace enamel::app {
@@ -33,8 +33,8 @@ Eigen::Matrix<double, n, 1> vectorAt(const Json& row, const char* key) {
   return v;
 }
 
-Configuration configurationOf(const DeviceModel& model, const Json& row) {
-  Configuration configuration;
+TauConfiguration configurationOf(const TauModel& model, const Json& row) {
+  TauConfiguration configuration;
   Status status = Status::ok;
   std::string what;
   if (row.contains("position") || row.contains("euler_xyz")) {
@@ -43,7 +43,7 @@ Configuration configurationOf(const DeviceModel& model, const Json& row) {
     Pose pose;
     pose.position = vectorAt<3>(row, "position");
     pose.rotation = rotationFromEuler(vectorAt<3>(row, "euler_xyz"));
-    status = configure(model, pose, configuration);
+    status = inverseKinematics(model, pose, configuration);
     what = "the pose is ";
   } else if (row.contains("q")) {
     status = forwardKinematicsFromHome(model, vectorAt<6>(row, "q"), configuration).status;
@@ -55,9 +55,9 @@ Configuration configurationOf(const DeviceModel& model, const Json& row) {
   return configuration;
 }
 
-Json evaluateRow(const DeviceModel& model, const Json& row) {
+Json evaluateRow(const TauModel& model, const Json& row) {
   if (!row.is_object()) throw Error("must be an object");
-  const Configuration c = configurationOf(model, row);
+  const TauConfiguration c = configurationOf(model, row);
   Json out;
   out["q"] = listOf(jointAngles(c));
   out["elbow"] = listOf(elbowAngles(c));
@@ -76,8 +76,8 @@ Json evaluateRow(const DeviceModel& model, const Json& row) {
 }
 
 void run(const EvaluateOptions& options) {
-  const DeviceParameters device = loadDevice(options.device);
-  const DeviceModel model = makeModel(device);
+  const TauParameters device = loadTau(options.device);
+  const TauModel model = makeModel(device);
 
   std::ifstream stream(options.input);
   if (!stream) throw Error(options.input + ": cannot open the file");

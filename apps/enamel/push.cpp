@@ -128,8 +128,8 @@ std::string outputFor(const PushOptions& options, const std::string& renderer) {
 }
 
 void run(PushOptions options) {
-  const DeviceParameters device = loadDevice(options.device);
-  const DeviceModel model = makeModel(device);
+  const TauParameters device = loadTau(options.device);
+  const TauModel model = makeModel(device);
   PushSetup& setup = options.setup;
   setup.start.position = Vec3(1e-3 * options.x_mm, 1e-3 * options.y_mm, 0.0);
   if (!options.scene.empty()) {
@@ -173,7 +173,7 @@ void run(PushOptions options) {
   nlohmann::ordered_json json;
   for (const RendererSource& source : sources) {
     const std::string& name = source.name;
-    const DeviceModel plant = plantFor(name, device, options.impedance);
+    const TauModel plant = plantFor(name, device, options.impedance);
     PositionControlOptions servo;
     servo.release = options.release;
     servo.antiWindup = options.antiWindup;

@@ -23,13 +23,13 @@ RendererSource findRenderer(const std::string& nameOrPath) {
   return {library->description().name, library};
 }
 
-std::unique_ptr<Renderer> makeRenderer(const std::string& name, const DeviceModel& model, double period,
+std::unique_ptr<Renderer> makeRenderer(const std::string& name, const TauModel& model, double period,
                                        const PositionControlOptions& servo, const ImpedanceOptions& impedance) {
   if (name == kImpedance) return std::make_unique<ImpedanceRenderer>(model, impedance);
   return std::make_unique<PositionControlRenderer>(model, designServo(model, Pose{}, period).K, period, servo);
 }
 
-DeviceModel plantFor(const std::string& name, DeviceParameters device, const ImpedanceOptions& impedance) {
+TauModel plantFor(const std::string& name, TauParameters device, const ImpedanceOptions& impedance) {
   if (name == kImpedance) device.platform.damping[2] += impedance.deviceDamping;
   return makeModel(device);
 }

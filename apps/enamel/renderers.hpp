@@ -29,12 +29,12 @@ struct RendererSource {
 RendererSource findRenderer(const std::string& nameOrPath);
 
 /// The linked renderer; its servo is designed at home. Throws Error.
-std::unique_ptr<Renderer> makeRenderer(const std::string& name, const DeviceModel& model, double period,
+std::unique_ptr<Renderer> makeRenderer(const std::string& name, const TauModel& model, double period,
                                        const PositionControlOptions& servo, const ImpedanceOptions& impedance);
 
 /// The plant under a renderer: the impedance wall runs on one with mechanical damping along z, as in the paper, the
 /// servo on one without.
-DeviceModel plantFor(const std::string& name, DeviceParameters device, const ImpedanceOptions& impedance);
+TauModel plantFor(const std::string& name, TauParameters device, const ImpedanceOptions& impedance);
 
 /// Metrics with their units in the names; what a run does not have is null.
 nlohmann::ordered_json toJson(const PushMetrics& metrics);

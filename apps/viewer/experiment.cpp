@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "enamel/device/dynamics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -28,8 +28,8 @@ LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose
 
 }  // namespace
 
-DeviceParameters changed(const DeviceParameters& device, const Settings& settings) {
-  DeviceParameters result = device;
+TauParameters changed(const TauParameters& device, const Settings& settings) {
+  TauParameters result = device;
   result.platform.mass += settings.extraMass;
   result.platform.damping.head<3>().array() += settings.toolDamping;
   result.motor.viscousFriction += settings.friction;
@@ -40,7 +40,7 @@ Wall wallOf(const PluginLibrary& plugin) noexcept {
   return std::strcmp(plugin.description().name, "impedance") == 0 ? Wall::impedance : Wall::positionControl;
 }
 
-StiffnessLimit stiffnessLimit(const DeviceModel& model, const Configuration& configuration, const Vec3& normal,
+StiffnessLimit stiffnessLimit(const TauModel& model, const TauConfiguration& configuration, const Vec3& normal,
                               double force, double preload, int delay) noexcept {
   const Vec6 gravity = gravityTorque(model, configuration);
   Vec6 push = Vec6::Zero();

@@ -31,7 +31,7 @@ struct Settings {
 
 /// A device with the servo gain that was designed for it at kPeriod, and the plugin that stands for one of the walls.
 struct ServoedDevice {
-  DeviceParameters parameters;
+  TauParameters parameters;
   PositionControlRenderer::Gain gain;
   std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
   PluginSetup pluginSetup;
@@ -113,7 +113,7 @@ class Experiment {
   void advanceTestPush() noexcept;
   void watchTestPush() noexcept;
 
-  DeviceModel model_, plant_;  // what the renderers know, and what is there
+  TauModel model_, plant_;  // what the renderers know, and what is there
   double noise_;
   RandomStream random_;
   PositionControlRenderer hold_;
@@ -131,7 +131,7 @@ class Experiment {
 };
 
 /// The parameters of a device with a person's changes to it.
-DeviceParameters changed(const DeviceParameters& device, const Settings& settings);
+TauParameters changed(const TauParameters& device, const Settings& settings);
 
 /// The physical limit of K_z1 without a force sensor, N/m: 2 m (F_max - F) / (F_max - F_0) / t1^2, t1 = (d + 1) Ts,
 /// with the effective mass m at the TCP along the normal, the largest normal force F_max that the motors give beyond
@@ -141,7 +141,7 @@ struct StiffnessLimit {
   double mass;          ///< kg
   double largestForce;  ///< F_max, N
 };
-StiffnessLimit stiffnessLimit(const DeviceModel& model, const Configuration& configuration, const Vec3& normal,
+StiffnessLimit stiffnessLimit(const TauModel& model, const TauConfiguration& configuration, const Vec3& normal,
                               double force, double preload, int delay) noexcept;
 
 }  // namespace enamel::viewer

@@ -98,7 +98,7 @@ void drawBox(const Box& box, const Pose& pose, Drawing& drawing) {
 }  // namespace
 
 struct SceneView::Parts {
-  Parts(vtkRenderer* renderer, vtkRenderer* above, const DeviceModel& deviceModel, const Tool& shape);
+  Parts(vtkRenderer* renderer, vtkRenderer* above, const TauModel& deviceModel, const Tool& shape);
 
   struct Chain {
     Rod link1, link2, arm, post;
@@ -115,7 +115,7 @@ struct SceneView::Parts {
     Rod handle, hub;
   };
 
-  DeviceModel model;
+  TauModel model;
   std::vector<Chain> chains;
   DrawnTool tool, ghost;
   Rod arrow, arrowHead, pull;
@@ -150,7 +150,7 @@ void SceneView::Parts::DrawnTool::show(bool visible) {
   for (Rod* rod : {&handle, &hub}) rod->show(visible);
 }
 
-SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const DeviceModel& deviceModel, const Tool& shape)
+SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const TauModel& deviceModel, const Tool& shape)
     : model(deviceModel),
       tool(renderer, shape, kPlatform, kHandle, kNeedle, 1.0, 1.0),
       ghost(renderer, shape, kBlue, kBlue, kBlue, 0.25, 1.3),
@@ -194,7 +194,7 @@ SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(rend
 
 SceneView::~SceneView() = default;
 
-void SceneView::build(const DeviceModel& model, const Scene& scene, const Tool& tool, float scale) {
+void SceneView::build(const TauModel& model, const Scene& scene, const Tool& tool, float scale) {
   renderer_->RemoveAllViewProps();
   above_->RemoveAllViewProps();
   Drawing drawing;

@@ -10,14 +10,14 @@
 
 #include "camera.hpp"
 #include "enamel/collision/scene.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 #include "shapes.hpp"
 
 namespace enamel::viewer {
 
 /// What a frame shows. All in W, SI.
 struct SceneState {
-  Configuration device;
+  TauConfiguration device;
   std::optional<Pose> ghost;  ///< reference pose
   Vec3 hand;                  ///< where the hand pulls the TCP to
   std::vector<Contact> touching;
@@ -33,7 +33,7 @@ class SceneView {
   SceneView& operator=(const SceneView&) = delete;
 
   /// Rebuilds what does not move. `scale`: pixels per unit of layout, for the width of lines.
-  void build(const DeviceModel& model, const Scene& scene, const Tool& tool, float scale);
+  void build(const TauModel& model, const Scene& scene, const Tool& tool, float scale);
   void update(const SceneState& state);
   void look(const Camera& camera);
 

@@ -6,7 +6,7 @@ namespace enamel::viewer {
 
 ServoedDevice loadServoedDevice(const std::string& path) {
   ServoedDevice device;
-  device.parameters = loadDevice(path);
+  device.parameters = loadTau(path);
   device.gain = designServo(makeModel(device.parameters), Pose{}, kPeriod).K;
   return device;
 }

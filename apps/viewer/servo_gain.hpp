@@ -8,7 +8,7 @@
 namespace enamel::viewer {
 
 /// Loads a device, without a plugin, and designs its position servo at home for kPeriod, with the paper's weights.
-/// Throws Error: as loadDevice(), makeModel() and designServo(). Realtime: no.
+/// Throws Error: as loadTau(), makeModel() and designServo(). Realtime: no.
 ServoedDevice loadServoedDevice(const std::string& path);
 
 }  // namespace enamel::viewer

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "enamel/core/error.hpp"
-#include "enamel/device/dynamics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -279,8 +279,8 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   for (const Action action : actions) act(action);
   if (now > noticeEnd_) overlay_.notice.clear();
 
-  Configuration at;
-  if (enamel::configure(model_, frame_.record.pose, at) == Status::ok) configuration_ = at;
+  TauConfiguration at;
+  if (inverseKinematics(model_, frame_.record.pose, at) == Status::ok) configuration_ = at;
   const Contact& contact = frame_.record.nearest;
   shown_.device = configuration_;
   shown_.hand = frame_.hand.position;
@@ -292,7 +292,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   }
   shown_.ghost.reset();
   if (frame_.holding) {
-    Configuration reference = configuration_;
+    TauConfiguration reference = configuration_;
     if (forwardKinematics(model_, frame_.reference, reference).status == Status::ok) shown_.ghost = reference.pose;
   } else if (contact.gap < 0.0) {
     shown_.ghost = Pose{frame_.record.pose.position - contact.gap * contact.normal, frame_.record.pose.rotation};

@@ -68,7 +68,7 @@ class Viewer final : public Driven {
 
   Surface& surface_;
   ServoedDevice device_;
-  DeviceModel model_;
+  TauModel model_;
   std::vector<std::string> sceneFiles_, sceneNames_;
   int sceneIndex_ = 0;
   SceneFile scene_;
@@ -84,7 +84,7 @@ class Viewer final : public Driven {
   Layout layout_;
 
   Frame frame_;
-  Configuration configuration_;
+  TauConfiguration configuration_;
   SceneState shown_;
   std::vector<Vec3> trail_;
   StiffnessLimit limit_{};

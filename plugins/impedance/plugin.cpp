@@ -28,7 +28,7 @@ class Impedance {
   }
 
  private:
-  enamel::DeviceModel model_;
+  enamel::TauModel model_;
   enamel::ImpedanceOptions options_;
 };
 

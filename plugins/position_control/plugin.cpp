@@ -35,7 +35,7 @@ class PositionControl {
   }
 
  private:
-  enamel::DeviceModel model_;
+  enamel::TauModel model_;
   enamel::PositionControlOptions options_;
 };
 

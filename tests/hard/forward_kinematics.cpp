@@ -1,7 +1,7 @@
 // Forward kinematics on many poses, on garbage, and against all assembly modes.
 #include <iostream>
 
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 #include "support/assembly_modes.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
@@ -13,12 +13,12 @@ namespace {
 
 double distance(const Pose& a, const Pose& b) { return (a.position - b.position).norm(); }
 
-Vec3 homeElevations(const DeviceModel& model) {
+Vec3 homeElevations(const TauModel& model) {
   const Vec3 elbow = elbowAngles(model.home);
   return {model.homeAngles[1] + elbow[0], model.homeAngles[3] + elbow[1], model.homeAngles[5] + elbow[2]};
 }
 
-Vec6 wayTo(const DeviceModel& model, const Vec6& q) {
+Vec6 wayTo(const TauModel& model, const Vec6& q) {
   Vec6 way;
   for (int i = 0; i < 6; ++i) way[i] = std::remainder(q[i] - model.homeAngles[i], 2.0 * M_PI);
   return way;
@@ -29,7 +29,7 @@ Vec6 wayTo(const DeviceModel& model, const Vec6& q) {
 TEST_CASE("forward kinematics converges on every workspace pose, near and cold", "[hard]") {
   constexpr std::uint64_t seed = 20260102;
   const int poses = test::count(100000, 1000000);
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   test::Random random(seed);
   long nearIterations = 0, coldIterations = 0;
   int nearFailures = 0, coldFailures = 0;
@@ -41,8 +41,8 @@ TEST_CASE("forward kinematics converges on every workspace pose, near and cold",
     Pose start = pose;
     start.position += 0.005 * random.direction();
     start.rotation = test::rotationAbout(random.direction(), 3.0 * M_PI / 180.0) * start.rotation;
-    Configuration near, cold;
-    REQUIRE(configure(model, start, near) == Status::ok);
+    TauConfiguration near, cold;
+    REQUIRE(inverseKinematics(model, start, near) == Status::ok);
     const auto check = [&](const ForwardKinematicsReport& report, const Pose& found, int& failures) {
       const double error_m = distance(found, pose), error_rad = angleBetween(found.rotation, pose.rotation);
       // The bars of the specification: 1e-11 m and 1e-10 rad. The platform is 75 mm wide.
@@ -66,8 +66,8 @@ TEST_CASE("forward kinematics converges on every workspace pose, near and cold",
 TEST_CASE("the branch that forward kinematics follows is the one continued from home", "[hard]") {
   constexpr std::uint64_t seed = 31;
   const int poses = test::count(300, 5000);
-  const DeviceParameters device = test::nominal();
-  const DeviceModel model = makeModel(device);
+  const TauParameters device = test::nominal();
+  const TauModel model = makeModel(device);
   test::Random random(seed);
   int fewest = 99, most = 0;
   double nearestImpostor_rad = M_PI;
@@ -94,7 +94,7 @@ TEST_CASE("the branch that forward kinematics follows is the one continued from 
     const test::Walk walk = test::slowWalk(device, model.homeAngles, homeElevations(model), wayTo(model, q), 2e-3);
     REQUIRE(walk.arrived);
     const Pose walked = test::poseOfMode(device, legs, walk.elevations);
-    Configuration c;
+    TauConfiguration c;
     REQUIRE(forwardKinematicsFromHome(model, q, c).status == Status::ok);
     CHECK(distance(walked, pose) < 1e-11);
     CHECK(distance(c.pose, walked) < 1e-11);
@@ -108,8 +108,8 @@ TEST_CASE("the branch that forward kinematics follows is the one continued from 
 TEST_CASE("garbage joint angles get a status, and ok only on the branch of home", "[hard]") {
   constexpr std::uint64_t seed = 41;
   const int vectors = test::count(20000, 100000);
-  for (const DeviceParameters& device : {test::nominal(), test::randomDevice(2)}) {
-    const DeviceModel model = makeModel(device);
+  for (const TauParameters& device : {test::nominal(), test::randomDevice(2)}) {
+    const TauModel model = makeModel(device);
     const Vec3 elevations = homeElevations(model);
     test::Random random(seed);
     int converged = 0, unreachable = 0, singular = 0, notFinite = 0, unfinished = 0, missed = 0, most = 0;
@@ -117,9 +117,9 @@ TEST_CASE("garbage joint angles get a status, and ok only on the branch of home"
       const double range = i % 3 == 0 ? M_PI : i % 3 == 1 ? 1.0 : 0.4;
       Vec6 q = model.homeAngles + random.vector6(range, range);
       if (i % 50 == 0) q[i / 50 % 6] = i % 100 == 0 ? std::nan("") : HUGE_VAL;
-      Configuration cold = model.home;
+      TauConfiguration cold = model.home;
       const ForwardKinematicsReport report = forwardKinematicsFromHome(model, q, cold);
-      Configuration warm = model.home;
+      TauConfiguration warm = model.home;
       const ForwardKinematicsReport warmReport = forwardKinematics(model, q, warm);
       most = std::max(most, report.iterations);
       REQUIRE(cold.pose.position.allFinite());
@@ -169,17 +169,17 @@ TEST_CASE("a warm start stays on the branch it starts from", "[hard]") {
   // From regular configurations anywhere (also near singularities) to joint angles up to 0.3 rad away: what is
   // reported ok must be what the slow walk from the start, or from home, arrives at.
   constexpr std::uint64_t seed = 45;
-  for (const DeviceParameters& device : {test::nominal(), test::randomDevice(2)}) {
-    const DeviceModel model = makeModel(device);
+  for (const TauParameters& device : {test::nominal(), test::randomDevice(2)}) {
+    const TauModel model = makeModel(device);
     test::Random random(seed);
     int warm = 0, walkedFromHome = 0, jumped = 0;
     for (int i = 0; i < test::count(20000, 200000); ++i) {
       const Vec6 q = model.homeAngles + random.vector6(1.0, 1.0);
-      Configuration start;
+      TauConfiguration start;
       if (forwardKinematicsFromHome(model, q, start).status != Status::ok) continue;
       const double range = random.uniform(0.0, 0.3);
       const Vec6 way = random.vector6(range, range);
-      Configuration c = start;
+      TauConfiguration c = start;
       if (forwardKinematics(model, q + way, c).status != Status::ok) continue;
       const Vec3 elbow = elbowAngles(start);
       const test::Walk walk = test::slowWalk(device, q, {q[1] + elbow[0], q[3] + elbow[1], q[5] + elbow[2]}, way, 2e-3);
@@ -188,7 +188,7 @@ TEST_CASE("a warm start stays on the branch it starts from", "[hard]") {
         ++warm;
         continue;
       }
-      Configuration fromHome;
+      TauConfiguration fromHome;
       const bool home = forwardKinematicsFromHome(model, q + way, fromHome).status == Status::ok;
       ++(home && distance(fromHome.pose, c.pose) < 1e-9 ? walkedFromHome : jumped);
     }
@@ -202,8 +202,8 @@ TEST_CASE("a warm start stays on the branch it starts from", "[hard]") {
 TEST_CASE("a singular pose is approached and refused, not jumped over", "[hard]") {
   // Walk from home along random directions of the joint space until the slow walk meets the fold; just before it
   // forward kinematics converges, just behind it there is no solution on this branch.
-  const DeviceParameters device = test::nominal();
-  const DeviceModel model = makeModel(device);
+  const TauParameters device = test::nominal();
+  const TauModel model = makeModel(device);
   const Vec3 elevations = homeElevations(model);
   test::Random random(51);
   int folds = 0;
@@ -217,7 +217,7 @@ TEST_CASE("a singular pose is approached and refused, not jumped over", "[hard]"
       (arrived ? good : bad) = middle;
     }
     ++folds;
-    Configuration c;
+    TauConfiguration c;
     const Vec6 behind = model.homeAngles + std::min(1.0, bad * 1.02 + 1e-3) * direction;
     CHECK(forwardKinematicsFromHome(model, behind, c).status != Status::ok);
   }

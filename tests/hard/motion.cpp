@@ -21,21 +21,21 @@ Vec6 springWrench(double, const Pose& pose, const Vec6&) {
   return wrench;
 }
 
-double energy(const DeviceModel& model, const DeviceState& state) {
-  Configuration c;
-  if (configure(model, state.pose(), c) != Status::ok) return HUGE_VAL;
+double energy(const TauModel& model, const DeviceState& state) {
+  TauConfiguration c;
+  if (inverseKinematics(model, state.pose(), c) != Status::ok) return HUGE_VAL;
   return kineticEnergy(model, c, state.twist) + potentialEnergy(model, c) +
          0.5 * kSpring * state.position.squaredNorm() + 0.5 * kTurn * (3.0 - c.pose.rotation.trace());
 }
 
-DeviceState moved(const DeviceModel& model, DeviceState state, double duration, double dt) {
+DeviceState moved(const TauModel& model, DeviceState state, double duration, double dt) {
   const int steps = static_cast<int>(std::lround(duration / dt));
   for (int i = 0; i < steps; ++i)
     REQUIRE(stepRungeKutta4(model, i * dt, dt, Vec6::Zero(), springWrench, state) == Status::ok);
   return state;
 }
 
-DeviceParameters conservative(DeviceParameters device) {
+TauParameters conservative(TauParameters device) {
   device.gravity.setZero();
   device.platform.damping.setZero();
   device.motor.viscousFriction = 0.0;
@@ -52,8 +52,8 @@ DeviceState startState() {
 }  // namespace
 
 TEST_CASE("undriven motion keeps its energy for 10 s", "[hard]") {
-  for (const DeviceParameters& device : {test::nominal(), test::detailed(), test::randomDevice(3)}) {
-    const DeviceModel model = makeModel(conservative(device));
+  for (const TauParameters& device : {test::nominal(), test::detailed(), test::randomDevice(3)}) {
+    const TauModel model = makeModel(conservative(device));
     const DeviceState start = startState();
     const double before = energy(model, start);
     // Runge-Kutta loses (w h)^6 / 72 of the energy a step: at h = 50 us and w = 80 rad/s, 2e-11 in 10 s.
@@ -64,7 +64,7 @@ TEST_CASE("undriven motion keeps its energy for 10 s", "[hard]") {
 }
 
 TEST_CASE("the integrator is of fourth order", "[hard]") {
-  const DeviceModel model = makeModel(conservative(test::detailed()));
+  const TauModel model = makeModel(conservative(test::detailed()));
   const DeviceState start = startState();
   const DeviceState exact = moved(model, start, 0.2, 0.2 / 3200);
   const auto errorAt = [&](int steps) {

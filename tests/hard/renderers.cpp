@@ -30,7 +30,7 @@ double garbage(test::Random& random) {
 TEST_CASE("garbage into the renderers", "[hard]") {
   constexpr std::uint64_t seed = 71;
   const int ticks = test::count(200000, 1000000);
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   PositionControlRenderer hold = test::positionControl(model),
                           paper = test::positionControl(model, test::asInThePaper());
   ImpedanceRenderer spring(model, {6000.0, 5.0, 4.0});

@@ -4,20 +4,20 @@
 #include "enamel/collision/mesh_file.hpp"
 #include "enamel/collision/proximity.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/device/dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 // What the library was compiled with; a consumer with AVX-512 must agree.
 static_assert(alignof(enamel::Mat6) == 16 && sizeof(enamel::Mat6) == 36 * sizeof(double), "layout of Mat6");
 
 int main() {
   try {
-    const enamel::DeviceModel model =
-        enamel::makeModel(enamel::loadDevice(ENAMEL_DATA_DIR "/devices/tau-nominal.toml"));
+    const enamel::TauModel model =
+        enamel::makeModel(enamel::loadTau(ENAMEL_DATA_DIR "/devices/tau-nominal.toml"));
     enamel::Pose pose;
     pose.position = {0.010, -0.005, 0.015};
     enamel::Vec6 q;
-    enamel::Configuration solved = model.home;
+    enamel::TauConfiguration solved = model.home;
     if (enamel::inverseKinematics(model, pose, q) != enamel::Status::ok) return 1;
     if (enamel::forwardKinematics(model, q, solved).status != enamel::Status::ok) return 1;
     const double error = (solved.pose.position - pose.position).norm();

@@ -34,7 +34,7 @@ void requireSame(const TickOutput& a, const TickOutput& b) {
 }  // namespace
 
 TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good input and bad", "[plugin]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   PositionControlRenderer hold(model, designServo(model, Pose{}, 1e-3).K, 1e-3, {});
   ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
   for (const auto& [name, linked] :
@@ -81,11 +81,11 @@ TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good in
 }
 
 TEST_CASE("the reference runs through plugins have the bits of the linked renderers", "[plugin]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   for (const auto& run : test::referenceFile("runs-nominal.json").at("rows")) {
     const bool servo = run.at("controller") == "pc";
     INFO((servo ? "position_control" : "impedance"));
-    const DeviceModel plant = makeModel(servo ? test::nominal() : test::dampedNominal());
+    const TauModel plant = makeModel(servo ? test::nominal() : test::dampedNominal());
     PositionControlRenderer hold(model, designServo(model, Pose{}, 1e-3).K, 1e-3, test::asInThePaper());
     ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
     PluginSetup given = nominalSetup();
@@ -171,7 +171,7 @@ TEST_CASE("a plugin's errors arrive with file and reason", "[plugin]") {
 }
 
 TEST_CASE("what a bad plugin does in a tick becomes a fault", "[plugin]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   TickOutput output;
   for (const auto& [name, status] : {std::pair{"nan", Status::notFinite}, {"limit", Status::ok}}) {
     INFO(name);

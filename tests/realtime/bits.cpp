@@ -16,13 +16,13 @@ void print(const Vector& v) {
 }  // namespace
 
 int main() {
-  const DeviceModel model = makeModel(test::nominal()), damped = makeModel(test::dampedNominal());
+  const TauModel model = makeModel(test::nominal()), damped = makeModel(test::dampedNominal());
   PositionControlRenderer hold(model, designServo(model, Pose{}, 1e-3).K, 1e-3, {});
   ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
   PushSetup setup;
   setup.encoders = {true, RateSource::lowPass, 100.0};
   setup.seed = 7;
-  for (const auto& [plant, renderer] : {std::pair<const DeviceModel&, Renderer&>{model, hold}, {damped, spring}})
+  for (const auto& [plant, renderer] : {std::pair<const TauModel&, Renderer&>{model, hold}, {damped, spring}})
     for (const TickRecord& tick : test::recordPush(plant, renderer, setup)) {
       print(tick.pose.position);
       print(tick.pose.rotation);

@@ -2,8 +2,8 @@
 #include <memory>
 #include <vector>
 
-#include "enamel/device/dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 #include "enamel/sim/integrator.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/catch.hpp"
@@ -18,7 +18,7 @@ TEST_CASE("the counter counts", "[realtime]") {
 }
 
 TEST_CASE("the device module allocates nothing in a tick", "[realtime]") {
-  const DeviceModel model = makeModel(test::detailed());
+  const TauModel model = makeModel(test::detailed());
   test::Random random(61);
   double sum = 0.0;
   long allocated = 0;
@@ -28,7 +28,7 @@ TEST_CASE("the device module allocates nothing in a tick", "[realtime]") {
     if (i % 25 == 0) pose.position[0] = std::nan("");
     const Vec6 v = random.vector6(1.0, 1.0);
     const long before = test::allocationCount();
-    Configuration c = model.home, cold = model.home;
+    TauConfiguration c = model.home, cold = model.home;
     Vec6 q = model.homeAngles;
     if (inverseKinematics(model, pose, q) == Status::ok) sum += q[0];
     if (forwardKinematics(model, q + 0.3 * v, c).status == Status::ok) sum += c.pose.position[0];

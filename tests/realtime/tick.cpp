@@ -9,7 +9,7 @@
 using namespace enamel;
 
 TEST_CASE("a tick of either renderer allocates nothing", "[realtime]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   const Scene wall = flatWall();
   const Tool tool;
   PositionControlRenderer hold = test::positionControl(model);

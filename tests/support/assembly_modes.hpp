@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "enamel/device/parameters.hpp"
+#include "enamel/device/tau/parameters.hpp"
 
 namespace enamel::test {
 
@@ -20,7 +20,7 @@ struct Legs {
   Vec3 slope(int i, double w) const { return length2[i] * (-std::sin(w) * u[i] + std::cos(w) * Vec3::UnitY()); }
 };
 
-inline Legs legsAt(const DeviceParameters& device, const Vec6& q) {
+inline Legs legsAt(const TauParameters& device, const Vec6& q) {
   Legs legs;
   for (int i = 0; i < 3; ++i) {
     const ChainParameters& c = device.chain[i];
@@ -34,7 +34,7 @@ inline Legs legsAt(const DeviceParameters& device, const Vec6& q) {
 }
 
 /// Rigid motion of the platform's points onto three tips (Kabsch by an orthonormal triad).
-inline Pose poseOfTips(const DeviceParameters& device, const Vec3 tips[3]) {
+inline Pose poseOfTips(const TauParameters& device, const Vec3 tips[3]) {
   const auto triad = [](const Vec3& a, const Vec3& b, const Vec3& c) {
     Mat3 m;
     m.col(0) = (b - a).normalized();
@@ -113,7 +113,7 @@ inline std::vector<Vec3> assemblyModes(const Legs& legs, int samples = 4000) {
   return modes;
 }
 
-inline Pose poseOfMode(const DeviceParameters& device, const Legs& legs, const Vec3& mode) {
+inline Pose poseOfMode(const TauParameters& device, const Legs& legs, const Vec3& mode) {
   const Vec3 tips[3] = {legs.tip(0, mode[0]), legs.tip(1, mode[1]), legs.tip(2, mode[2])};
   return poseOfTips(device, tips);
 }
@@ -141,7 +141,7 @@ struct Walk {
 };
 
 /// Plain Newton in very small steps along the straight line in joint space from home.
-inline Walk slowWalk(const DeviceParameters& device, const Vec6& home, const Vec3& homeElevations, const Vec6& way,
+inline Walk slowWalk(const TauParameters& device, const Vec6& home, const Vec3& homeElevations, const Vec6& way,
                      double stepAngle) {
   Walk walk;
   walk.elevations = homeElevations;

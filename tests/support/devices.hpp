@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "enamel/core/error.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 namespace enamel::test {
 
@@ -53,8 +53,8 @@ inline Mat3 rotationAbout(const Vec3& axis, double angle) {
 
 inline std::string deviceFile(const std::string& name) { return ENAMEL_SOURCE_DIR "/data/devices/" + name; }
 
-inline DeviceParameters nominal() { return loadDevice(deviceFile("tau-nominal.toml")); }
-inline DeviceParameters detailed() { return loadDevice(deviceFile("tau-detailed.toml")); }
+inline TauParameters nominal() { return loadTau(deviceFile("tau-nominal.toml")); }
+inline TauParameters detailed() { return loadTau(deviceFile("tau-detailed.toml")); }
 
 // The inertia of a few random point masses: any such tensor is that of a body.
 inline Mat3 randomInertia(Random& random, double mass, double size) {
@@ -67,10 +67,10 @@ inline Mat3 randomInertia(Random& random, double mass, double size) {
 }
 
 /// A random device that is regular in a neighbourhood of home: varied from the nominal one by about 20 %.
-inline DeviceParameters randomDevice(std::uint64_t seed) {
+inline TauParameters randomDevice(std::uint64_t seed) {
   Random random(seed);
   while (true) {
-    DeviceParameters device = nominal();
+    TauParameters device = nominal();
     device.name = "random " + std::to_string(seed);
     device.gravity = 9.81 * random.direction();
     for (auto& chain : device.chain) {
@@ -91,12 +91,12 @@ inline DeviceParameters randomDevice(std::uint64_t seed) {
     device.motor.rotorInertia = random.uniform(0.0, 3e-4);
     device.motor.viscousFriction = random.uniform(0.0, 0.01);
     try {
-      const DeviceModel model = makeModel(device);
+      const TauModel model = makeModel(device);
       bool regular = true;
       for (int corner = 0; corner < 8; ++corner) {  // of a cube of 20 mm
         const Vec3 position = 0.01 * Vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-        Configuration c;
-        regular = regular && configure(model, Pose{position, Mat3::Identity()}, c) == Status::ok;
+        TauConfiguration c;
+        regular = regular && inverseKinematics(model, Pose{position, Mat3::Identity()}, c) == Status::ok;
         if (!regular) break;
         const SingularityMeasures m = singularity(model, c);
         regular = m.elbow > 0.3 && m.yaw > 0.15 && m.parallel > 0.08;
@@ -108,7 +108,7 @@ inline DeviceParameters randomDevice(std::uint64_t seed) {
   }
 }
 
-inline std::vector<DeviceParameters> someDevices() {
+inline std::vector<TauParameters> someDevices() {
   return {nominal(), detailed(), randomDevice(1), randomDevice(2), randomDevice(3), randomDevice(4)};
 }
 

@@ -17,7 +17,7 @@ inline PositionControlRenderer::Gain referenceGain() {
   return matrixFrom(servo.at("K"));
 }
 
-inline PositionControlRenderer positionControl(const DeviceModel& model, const PositionControlOptions& options = {}) {
+inline PositionControlRenderer positionControl(const TauModel& model, const PositionControlOptions& options = {}) {
   return {model, referenceGain(), 1e-3, options};
 }
 
@@ -28,8 +28,8 @@ inline PositionControlOptions asInThePaper() {
 }
 
 /// The plant of the impedance scenarios: 4 N s/m of mechanical damping on the TCP along z.
-inline DeviceParameters dampedNominal() {
-  DeviceParameters device = nominal();
+inline TauParameters dampedNominal() {
+  TauParameters device = nominal();
   device.platform.damping[2] = 4.0;
   return device;
 }
@@ -44,7 +44,7 @@ inline PushSetup referenceSetup(const nlohmann::json& run) {
   return setup;
 }
 
-inline std::vector<TickRecord> recordPush(const DeviceModel& plant, Renderer& renderer, const PushSetup& setup) {
+inline std::vector<TickRecord> recordPush(const TauModel& plant, Renderer& renderer, const PushSetup& setup) {
   std::vector<TickRecord> ticks;
   const PushResult result = runPush(plant, renderer, setup, [&ticks](const TickRecord& t) { ticks.push_back(t); });
   if (result.status != Status::ok) throw Error(std::string("the plant became ") + toString(result.status));
@@ -52,9 +52,9 @@ inline std::vector<TickRecord> recordPush(const DeviceModel& plant, Renderer& re
 }
 
 /// An input at a pose that a renderer accepts, with the TCP's contact with the wall z = 0.
-inline TickInput inputAt(const DeviceModel& model, const Pose& pose, double time, const Vec6& twist = Vec6::Zero()) {
-  Configuration c;
-  if (configure(model, pose, c) != Status::ok) throw Error("pose outside the workspace");
+inline TickInput inputAt(const TauModel& model, const Pose& pose, double time, const Vec6& twist = Vec6::Zero()) {
+  TauConfiguration c;
+  if (inverseKinematics(model, pose, c) != Status::ok) throw Error("pose outside the workspace");
   TickInput input;
   input.time = time;
   input.q = jointAngles(c);

@@ -10,7 +10,7 @@
 namespace enamel::test {
 
 inline TuneProblem nominalProblem() {
-  const DeviceModel model = makeModel(nominal());
+  const TauModel model = makeModel(nominal());
   const DevicePlant plant = devicePlant(model, Pose{});
   return {outputsAsStates(linearise(plant.f, plant.h, plant.x0, plant.u0)), plant.jacobian, 1e-3,
           2.0 * M_PI / model.encoderCounts, model.maxTorque};

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "enamel/core/error.hpp"
-#include "enamel/device/model.hpp"
+#include "enamel/device/tau/model.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 
@@ -50,7 +50,7 @@ std::string edited(const std::string& from, const std::string& to) {
 void requireRefused(const std::string& from, const std::string& to, const std::string& message) {
   INFO(from << " -> " << to);
   try {
-    parseDevice(edited(from, to), "device.toml");
+    parseTau(edited(from, to), "device.toml");
     FAIL("accepted");
   } catch (const ConfigurationError& error) {
     INFO(error.what());
@@ -61,7 +61,7 @@ void requireRefused(const std::string& from, const std::string& to, const std::s
 }  // namespace
 
 TEST_CASE("the shipped device files load", "[device_file]") {
-  const DeviceParameters nominal = test::nominal(), detailed = test::detailed();
+  const TauParameters nominal = test::nominal(), detailed = test::detailed();
   CHECK(nominal.name == "TAU nominal");
   CHECK(nominal.chain[0].link2.length == 0.132);
   CHECK(detailed.chain[1].link1.com == Vec3(-0.003, -0.002, 0.031));
@@ -76,13 +76,13 @@ TEST_CASE("the shipped device files load", "[device_file]") {
 }
 
 TEST_CASE("optional keys default to zero and are read where they stand", "[device_file]") {
-  const DeviceParameters plain = parseDevice(edited("", ""), "device.toml");
+  const TauParameters plain = parseTau(edited("", ""), "device.toml");
   CHECK(plain.motor.viscousFriction == 0.0);
   CHECK(plain.platform.damping == Vec6::Zero());
   CHECK(
-      parseDevice(edited("max_torque = 2.0", "max_torque = 2.0\nviscous_friction = 0.01"), "f").motor.viscousFriction ==
+      parseTau(edited("max_torque = 2.0", "max_torque = 2.0\nviscous_friction = 0.01"), "f").motor.viscousFriction ==
       0.01);
-  CHECK(parseDevice(edited("mass = 0.120", "mass = 0.120\ndamping = [0, 0, 4, 0, 0, 0.5]"), "f").platform.damping[2] ==
+  CHECK(parseTau(edited("mass = 0.120", "mass = 0.120\ndamping = [0, 0, 4, 0, 0, 0.5]"), "f").platform.damping[2] ==
         4.0);
 }
 
@@ -130,19 +130,19 @@ TEST_CASE("a bad device file is refused with file, line, key, value and limit", 
 
 TEST_CASE("malformed TOML and unreadable files are refused", "[device_file]") {
   try {
-    parseDevice("name = \"a\"\ngravity = [0, 1\n", "broken.toml");
+    parseTau("name = \"a\"\ngravity = [0, 1\n", "broken.toml");
     FAIL("accepted");
   } catch (const ConfigurationError& error) {
     CHECK(error.file() == "broken.toml");
     CHECK(error.line() >= 2);
     CHECK(std::string(error.what()).find("not valid TOML") != std::string::npos);
   }
-  CHECK_THROWS_WITH(loadDevice("no/such/file.toml"), "no/such/file.toml: cannot open the file");
-  CHECK_THROWS_AS(loadDevice("."), ConfigurationError);
+  CHECK_THROWS_WITH(loadTau("no/such/file.toml"), "no/such/file.toml: cannot open the file");
+  CHECK_THROWS_AS(loadTau("."), ConfigurationError);
 }
 
 TEST_CASE("parameters that came from no file are checked alike", "[device_file]") {
-  DeviceParameters device = test::nominal();
+  TauParameters device = test::nominal();
   device.chain[1].link2.mass = 0.0;
   CHECK_THROWS_WITH(makeModel(device),
                     "device \"TAU nominal\": chain[1].link2.mass: is 0, must be greater than 0 kg and finite");

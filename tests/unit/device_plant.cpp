@@ -5,8 +5,8 @@
 #include "enamel/control/discretise.hpp"
 #include "enamel/control/servo_design.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/device/dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 #include "support/catch.hpp"
 #include "support/control_systems.hpp"
 #include "support/devices.hpp"
@@ -19,16 +19,16 @@ using Eigen::VectorXd;
 
 namespace {
 
-Configuration configurationAt(const DeviceModel& model, const Pose& pose) {
-  Configuration c;
-  REQUIRE(configure(model, pose, c) == Status::ok);
+TauConfiguration configurationAt(const TauModel& model, const Pose& pose) {
+  TauConfiguration c;
+  REQUIRE(inverseKinematics(model, pose, c) == Status::ok);
   return c;
 }
 
 // The linear model assembled from the mass matrix, the damping and the slope of gravity, without linearise():
 // M q'' = tau - dg/dq (q - q_op) - (J^T D J + c I) q'. Central differences of g with one extrapolation.
-StateSpace assembled(const DeviceModel& model, const Pose& pose) {
-  const Configuration home = configurationAt(model, pose);
+StateSpace assembled(const TauModel& model, const Pose& pose) {
+  const TauConfiguration home = configurationAt(model, pose);
   const Mat6 J = jacobian(model, home), inverse = massMatrix(model, home).inverse();
   const auto slope = [&](double h) {
     Mat6 S;
@@ -78,9 +78,9 @@ TEST_CASE("the nominal device at home gives the reference model, from the mechan
 
 TEST_CASE("the linear model of any device is that of its mass matrix, damping and gravity") {
   int devices = 0;
-  const auto check = [&devices](const DeviceParameters& device, const Pose& pose) {
+  const auto check = [&devices](const TauParameters& device, const Pose& pose) {
     INFO(device.name);
-    const DeviceModel model = makeModel(device);
+    const TauModel model = makeModel(device);
     const DevicePlant plant = devicePlant(model, pose);
     const Linearisation linear = linearised(plant);
     const StateSpace y = outputsAsStates(linear), expected = assembled(model, pose);
@@ -94,7 +94,7 @@ TEST_CASE("the linear model of any device is that of its mass matrix, damping an
     CHECK(relativeError(design.K, designServo(expected, 1e-3, ServoWeights{}).K) < 1e-6);
     ++devices;
   };
-  for (const DeviceParameters& device : someDevices()) check(device, Pose{});
+  for (const TauParameters& device : someDevices()) check(device, Pose{});
   Pose away;
   away.position = Vec3(0.01, -0.015, 0.02);
   away.rotation = rotationFromEuler(Vec3(0.1, -0.15, 0.05));

@@ -1,11 +1,11 @@
 // Rigid-body dynamics: reference rows, an assembled KKT system, energy, symmetry.
-#include "enamel/device/dynamics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "bench/assembled_dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/reference.hpp"
@@ -16,19 +16,19 @@ using test::relativeError;
 namespace {
 
 struct Moving {
-  Configuration configuration;
+  TauConfiguration configuration;
   Vec6 rates, twist;
 };
 
-Moving randomMotion(const DeviceModel& model, test::Random& random) {
+Moving randomMotion(const TauModel& model, test::Random& random) {
   Moving m;
-  REQUIRE(configure(model, random.workspacePose(0.3), m.configuration) == Status::ok);
+  REQUIRE(inverseKinematics(model, random.workspacePose(0.3), m.configuration) == Status::ok);
   m.rates = random.vector6(4.0, 4.0);
   m.twist = twistFromRates(model, m.configuration, m.rates);
   return m;
 }
 
-bench::TreeState treeState(const DeviceParameters& device, const Moving& m) {
+bench::TreeState treeState(const TauParameters& device, const Moving& m) {
   bench::TreeState state;
   const Vec6 q = jointAngles(m.configuration);
   const Vec3 elbow = elbowAngles(m.configuration);
@@ -43,13 +43,13 @@ bench::TreeState treeState(const DeviceParameters& device, const Moving& m) {
 
 TEST_CASE("dynamics agree with independent engines", "[dynamics]") {
   for (const std::string name : {"tau-nominal", "tau-detailed"}) {
-    const DeviceModel model = makeModel(loadDevice(test::deviceFile(name + ".toml")));
+    const TauModel model = makeModel(loadTau(test::deviceFile(name + ".toml")));
     for (const auto& row : test::referenceFile(name + ".json").at("rows")) {
       Pose pose;
       pose.position = test::vectorFrom<3>(row.at("position"));
       pose.rotation = rotationFromEuler(test::vectorFrom<3>(row.at("euler_xyz")));
-      Configuration c;
-      REQUIRE(configure(model, pose, c) == Status::ok);
+      TauConfiguration c;
+      REQUIRE(inverseKinematics(model, pose, c) == Status::ok);
       CHECK(relativeError(massMatrix(model, c), test::matrixFrom(row.at("mass_matrix"))) < 1e-13);
       CHECK(relativeError(gravityTorque(model, c), test::vectorFrom<6>(row.at("gravity_torque"))) < 1e-13);
       const Vec6 twist = twistFromRates(model, c, test::vectorFrom<6>(row.at("qdot")));
@@ -65,8 +65,8 @@ TEST_CASE("dynamics agree with independent engines", "[dynamics]") {
 
 TEST_CASE("forward dynamics equal an assembled system with loop closures", "[dynamics]") {
   test::Random random(21);
-  for (const DeviceParameters& device : test::someDevices()) {
-    const DeviceModel model = makeModel(device);
+  for (const TauParameters& device : test::someDevices()) {
+    const TauModel model = makeModel(device);
     for (int i = 0; i < 100; ++i) {
       const Moving m = randomMotion(model, random);
       const bench::TreeState state = treeState(device, m);
@@ -83,8 +83,8 @@ TEST_CASE("forward dynamics equal an assembled system with loop closures", "[dyn
 
 TEST_CASE("inverse dynamics invert forward dynamics, and split into their parts", "[dynamics]") {
   test::Random random(22);
-  for (const DeviceParameters& device : test::someDevices()) {
-    const DeviceModel model = makeModel(device);
+  for (const TauParameters& device : test::someDevices()) {
+    const TauModel model = makeModel(device);
     for (int i = 0; i < 50; ++i) {
       const Moving m = randomMotion(model, random);
       const Vec6 torque = random.vector6(2.0, 2.0), wrench = random.vector6(10.0, 0.3);
@@ -114,8 +114,8 @@ TEST_CASE("inverse dynamics invert forward dynamics, and split into their parts"
 
 TEST_CASE("power balance: the energy changes by the work of torques, wrench, friction and damping", "[dynamics]") {
   test::Random random(23);
-  for (const DeviceParameters& device : test::someDevices()) {
-    const DeviceModel model = makeModel(device);
+  for (const TauParameters& device : test::someDevices()) {
+    const TauModel model = makeModel(device);
     for (int i = 0; i < 30; ++i) {
       const Moving m = randomMotion(model, random);
       const Vec6 torque = random.vector6(2.0, 2.0), wrench = random.vector6(10.0, 0.3);
@@ -131,8 +131,8 @@ TEST_CASE("power balance: the energy changes by the work of torques, wrench, fri
         moved.position = pose.position + t * m.twist.head<3>() + 0.5 * t * t * acceleration.head<3>();
         const Vec3 turn = t * m.twist.tail<3>() + 0.5 * t * t * acceleration.tail<3>();
         moved.rotation = test::rotationAbout(turn.normalized(), turn.norm()) * pose.rotation;
-        Configuration c;
-        REQUIRE(configure(model, moved, c) == Status::ok);
+        TauConfiguration c;
+        REQUIRE(inverseKinematics(model, moved, c) == Status::ok);
         return kineticEnergy(model, c, m.twist + t * acceleration) + potentialEnergy(model, c);
       };
       const double h = 5e-6;
@@ -144,8 +144,8 @@ TEST_CASE("power balance: the energy changes by the work of torques, wrench, fri
 
 TEST_CASE("gravity torque is the derivative of the potential energy", "[dynamics]") {
   test::Random random(24);
-  for (const DeviceParameters& device : test::someDevices()) {
-    const DeviceModel model = makeModel(device);
+  for (const TauParameters& device : test::someDevices()) {
+    const TauModel model = makeModel(device);
     for (int i = 0; i < 30; ++i) {
       const Moving m = randomMotion(model, random);
       const Vec6 torque = gravityTorque(model, m.configuration);
@@ -155,8 +155,8 @@ TEST_CASE("gravity torque is the derivative of the potential energy", "[dynamics
         moved.position += t * m.twist.head<3>();
         moved.rotation =
             test::rotationAbout(m.twist.tail<3>().normalized(), t * m.twist.tail<3>().norm()) * moved.rotation;
-        Configuration c;
-        REQUIRE(configure(model, moved, c) == Status::ok);
+        TauConfiguration c;
+        REQUIRE(inverseKinematics(model, moved, c) == Status::ok);
         return potentialEnergy(model, c);
       };
       const double h = 1e-5;
@@ -166,7 +166,7 @@ TEST_CASE("gravity torque is the derivative of the potential energy", "[dynamics
 }
 
 TEST_CASE("effective mass at home, and by a push", "[dynamics]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   CHECK(effectiveMass(model, model.home, Vec3::Zero(), Vec3::UnitZ()) == Approx(0.273).margin(0.0005));
   // A unit force at a point accelerates that point along the force by 1 / mass.
   const Vec3 point(0.01, -0.02, 0.06), n = Vec3(1.0, 2.0, -0.5).normalized();

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <thread>
 
-#include "enamel/device/dynamics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
 #include "runner.hpp"
 #include "servo_gain.hpp"
 #include "support/catch.hpp"
@@ -108,7 +108,7 @@ TEST_CASE("a test push measures what the specification says", "[experiment]") {
 }
 
 TEST_CASE("the physical limit at home is that of the specification", "[experiment]") {
-  const DeviceModel model = makeModel(nominal().parameters);
+  const TauModel model = makeModel(nominal().parameters);
   const double expected[] = {421e3, 106e3, 47e3, 26e3};
   for (int d = 0; d < 4; ++d)
     CHECK(stiffnessLimit(model, model.home, Vec3::UnitZ(), 15.0, 0.0, d).stiffness ==

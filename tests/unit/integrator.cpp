@@ -12,7 +12,7 @@ namespace {
 
 // The device moves for 20 ms under a torque near gravity's, a spring and a force that changes.
 DeviceState after(Integrator integrator, int steps) {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   DeviceState state;
   state.twist << 0.05, -0.03, 0.08, 0.4, -0.6, 0.3;
   const Vec6 torque = gravityTorque(model, model.home) + (Vec6() << 5e-3, 1e-2, -4e-3, 8e-3, 2e-3, -1e-2).finished();
@@ -52,7 +52,7 @@ TEST_CASE("integrators converge with their orders to the same motion", "[integra
 }
 
 TEST_CASE("a step that leaves the workspace changes nothing", "[integrator]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   for (const Integrator integrator : {Integrator::semiImplicitEuler, Integrator::midpoint, Integrator::rungeKutta4}) {
     DeviceState state;
     state.position.x() = 1.0;

@@ -1,5 +1,5 @@
 // Inverse and forward kinematics and the Jacobians: reference rows, properties, refusals.
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 #include <complex>
 
@@ -12,13 +12,13 @@ using test::relativeError;
 
 namespace {
 
-Configuration configurationAt(const DeviceModel& model, const Pose& pose) {
-  Configuration c;
-  REQUIRE(configure(model, pose, c) == Status::ok);
+TauConfiguration configurationAt(const TauModel& model, const Pose& pose) {
+  TauConfiguration c;
+  REQUIRE(inverseKinematics(model, pose, c) == Status::ok);
   return c;
 }
 
-bool finite(const Configuration& c) {
+bool finite(const TauConfiguration& c) {
   bool all = c.pose.position.allFinite() && c.pose.rotation.allFinite();
   for (const auto& chain : c.chain) all = all && chain.tip.allFinite() && chain.arm.allFinite();
   return all;
@@ -42,17 +42,17 @@ TEST_CASE("Euler angles go to a rotation and back", "[kinematics]") {
 
 TEST_CASE("kinematics agree with independent engines", "[kinematics]") {
   for (const std::string name : {"tau-nominal", "tau-detailed"}) {
-    const DeviceModel model = makeModel(loadDevice(test::deviceFile(name + ".toml")));
+    const TauModel model = makeModel(loadTau(test::deviceFile(name + ".toml")));
     for (const auto& row : test::referenceFile(name + ".json").at("rows")) {
       Pose pose;
       pose.position = test::vectorFrom<3>(row.at("position"));
       pose.rotation = rotationFromEuler(test::vectorFrom<3>(row.at("euler_xyz")));
-      const Configuration c = configurationAt(model, pose);
+      const TauConfiguration c = configurationAt(model, pose);
       // The engines agree among themselves to 2e-15; ours to a few roundings more.
       CHECK(relativeError(jointAngles(c), test::vectorFrom<6>(row.at("q"))) < 1e-14);
       CHECK(relativeError(elbowAngles(c), test::vectorFrom<3>(row.at("elbow"))) < 1e-14);
       CHECK(relativeError(jacobian(model, c), test::matrixFrom(row.at("jacobian"))) < 5e-14);
-      Configuration solved;
+      TauConfiguration solved;
       REQUIRE(forwardKinematicsFromHome(model, test::vectorFrom<6>(row.at("q")), solved).status == Status::ok);
       CHECK((solved.pose.position - pose.position).norm() < 1e-14);
       CHECK(angleBetween(solved.pose.rotation, pose.rotation) < 1e-13);
@@ -61,11 +61,11 @@ TEST_CASE("kinematics agree with independent engines", "[kinematics]") {
 }
 
 TEST_CASE("the chain closes: base, knee and tip have the right distances", "[kinematics]") {
-  for (const DeviceParameters& device : test::someDevices()) {
-    const DeviceModel model = makeModel(device);
+  for (const TauParameters& device : test::someDevices()) {
+    const TauModel model = makeModel(device);
     test::Random random(5);
     for (int i = 0; i < 200; ++i) {
-      const Configuration c = configurationAt(model, random.workspacePose(0.3));
+      const TauConfiguration c = configurationAt(model, random.workspacePose(0.3));
       const Vec6 q = jointAngles(c);
       const Vec3 elbow = elbowAngles(c);
       for (int k = 0; k < 3; ++k) {
@@ -83,12 +83,12 @@ TEST_CASE("the chain closes: base, knee and tip have the right distances", "[kin
 }
 
 TEST_CASE("the Jacobian is the derivative of the inverse kinematics", "[kinematics]") {
-  for (const DeviceParameters& device : test::someDevices()) {
-    const DeviceModel model = makeModel(device);
+  for (const TauParameters& device : test::someDevices()) {
+    const TauModel model = makeModel(device);
     test::Random random(6);
     for (int i = 0; i < 50; ++i) {
       const Pose pose = random.workspacePose(0.3);
-      const Configuration c = configurationAt(model, pose);
+      const TauConfiguration c = configurationAt(model, pose);
       Mat6 differences;
       // Fourth-order central differences: truncation h^4 / 30 times the fifth derivative (1 / length^5 about 1e6) is
       // 3e-11 of the entries (about 10), rounding 1e-16 / h = 1e-13.
@@ -120,7 +120,7 @@ TEST_CASE("the Jacobian is the derivative of the inverse kinematics", "[kinemati
 
 TEST_CASE("the envelope of the nominal device", "[kinematics]") {
   // 27 positions x 9 orientations: corners, faces and centre of the cube, 0 and +-10 deg about pairs of axes.
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   double worstCondition = 1.0, worstElbow = 1.0;
   for (int p = 0; p < 27; ++p)
     for (int o = 0; o < 9; ++o) {
@@ -131,7 +131,7 @@ TEST_CASE("the envelope of the nominal device", "[kinematics]") {
                              ? Vec3(Vec3::Zero())
                              : Vec3(ten * (o - 1 & 1 ? 1 : -1), ten * (o - 1 & 2 ? 1 : -1), ten * (o - 1 & 4 ? 1 : -1));
       pose.rotation = rotationFromEuler(euler);
-      const Configuration c = configurationAt(model, pose);
+      const TauConfiguration c = configurationAt(model, pose);
       worstCondition = std::min(worstCondition, inverseCondition(jacobian(model, c), 0.04));
       worstElbow = std::min(worstElbow, singularity(model, c).elbow);
     }
@@ -140,36 +140,36 @@ TEST_CASE("the envelope of the nominal device", "[kinematics]") {
 }
 
 TEST_CASE("singularities are measured and refused", "[kinematics]") {
-  const DeviceModel model = makeModel(test::nominal());
-  const Configuration home = model.home;
+  const TauModel model = makeModel(test::nominal());
+  const TauConfiguration home = model.home;
   CHECK(singularity(model, home).elbow > 0.9);
   CHECK(singularity(model, home).parallel > 0.1);
 
-  Configuration c = home;
+  TauConfiguration c = home;
   Pose far;
   far.position = {0.5, 0.0, 0.0};
-  CHECK(configure(model, far, c) == Status::unreachable);
+  CHECK(inverseKinematics(model, far, c) == Status::unreachable);
   CHECK(c.pose.position == home.pose.position);  // unchanged
 
   // A tip on its yaw axis: lift the platform point of chain 1 above its base.
   Pose above;
   above.position = model.chain[0].base + Vec3(0.0, 0.12, 0.0) - model.chain[0].platform;
-  CHECK(configure(model, above, c) == Status::singular);
+  CHECK(inverseKinematics(model, above, c) == Status::singular);
 
   // A straight elbow: the tip of chain 3 moved out along the line from its base.
   const Vec3 reach = model.chain[2].platform - model.chain[2].base;
   Pose straight;
   straight.position = reach.normalized() * (model.chain[2].length1 + model.chain[2].length2) - reach;
-  CHECK(configure(model, straight, c) == Status::singular);
+  CHECK(inverseKinematics(model, straight, c) == Status::singular);
 }
 
 TEST_CASE("bad input gets a status and leaves the output", "[kinematics]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
     for (int k = 0; k < 6; ++k) {
       Vec6 q = model.homeAngles;
       q[k] = bad;
-      Configuration c = model.home;
+      TauConfiguration c = model.home;
       CHECK(forwardKinematics(model, q, c).status == Status::notFinite);
       CHECK(forwardKinematicsFromHome(model, q, c).status == Status::notFinite);
       CHECK(finite(c));
@@ -183,17 +183,17 @@ TEST_CASE("bad input gets a status and leaves the output", "[kinematics]") {
     }
   }
   Vec6 huge = Vec6::Constant(1e300);
-  Configuration c = model.home;
+  TauConfiguration c = model.home;
   CHECK(forwardKinematics(model, huge, c).status != Status::notFinite);
   CHECK(finite(c));
 }
 
 TEST_CASE("joint angles may wind: whole turns change nothing", "[kinematics]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   test::Random random(8);
   const Pose pose = random.workspacePose();
   const Vec6 q = jointAngles(configurationAt(model, pose));
-  Configuration c;
+  TauConfiguration c;
   Vec6 wound = q;
   wound[0] += 2.0 * M_PI;
   wound[5] -= 4.0 * M_PI;

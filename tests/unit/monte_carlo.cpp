@@ -21,7 +21,7 @@ StudyPlan smallPlan(int grid, int runs) {
   plan.grid = grid;
   plan.runs = runs;
   plan.setup.duration = 1.1;
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   plan.columns.push_back({"position-control", model, [model](std::size_t) {
                             return std::make_unique<PositionControlRenderer>(model, test::referenceGain(), 1e-3,
                                                                              PositionControlOptions{});

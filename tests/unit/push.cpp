@@ -13,7 +13,7 @@ using namespace enamel;
 TEST_CASE("the reference runs are reproduced to 1 nm at every tick", "[push]") {
   for (const auto& run : test::referenceFile("runs-nominal.json").at("rows")) {
     const bool servo = run.at("controller") == "pc";
-    const DeviceModel model = makeModel(test::nominal()),
+    const TauModel model = makeModel(test::nominal()),
                       plant = makeModel(servo ? test::nominal() : test::dampedNominal());
     PositionControlRenderer hold = test::positionControl(model, test::asInThePaper());
     ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
@@ -32,7 +32,7 @@ TEST_CASE("the reference runs are reproduced to 1 nm at every tick", "[push]") {
 }
 
 TEST_CASE("the wall's metrics at home are those of the specification", "[push]") {
-  const DeviceModel model = makeModel(test::nominal()), damped = makeModel(test::dampedNominal());
+  const TauModel model = makeModel(test::nominal()), damped = makeModel(test::dampedNominal());
   PushSetup setup;
   setup.person.noise = 0.0;
   PositionControlRenderer hold = test::positionControl(model, test::asInThePaper());
@@ -63,7 +63,7 @@ TEST_CASE("scenario 2: the hand arrives where its force is F_c", "[push]") {
     CHECK(acceleration == Approx(t < 1.45 ? -a : t < 1.55 ? 0.0 : a).margin(1e-9));
   }
   // Against a wall that holds, the spring's force at rest is F_c to within the penetration over 275 mm.
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   PositionControlRenderer hold = test::positionControl(model);
   PushSetup setup;
   setup.person.scenario = 2;
@@ -76,7 +76,7 @@ TEST_CASE("scenario 2: the hand arrives where its force is F_c", "[push]") {
 }
 
 TEST_CASE("the guide holds the free directions, without it the impedance wall drifts", "[push]") {
-  const DeviceModel model = makeModel(test::nominal()), plant = makeModel(test::dampedNominal());
+  const TauModel model = makeModel(test::nominal()), plant = makeModel(test::dampedNominal());
   double drift[2];
   for (const bool guide : {false, true}) {
     ImpedanceRenderer impedance(model, {6000.0, 0.0, 4.0});
@@ -148,7 +148,7 @@ TEST_CASE("random numbers: the generator's published vector, uniform and normal 
 }
 
 TEST_CASE("the same seed gives the same bits, another one does not", "[push]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   PushSetup setup;
   setup.duration = 1.2;
   setup.delay = {0, 3};
@@ -169,7 +169,7 @@ TEST_CASE("the same seed gives the same bits, another one does not", "[push]") {
 
 TEST_CASE("a default-length run allows the default integration step", "[push]") {
   // One Runge-Kutta step a tick against eight: the plant is slow between ticks.
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   std::vector<TickRecord> runs[2];
   for (const int substeps : {1, 8}) {
     PushSetup setup;
@@ -226,7 +226,7 @@ TEST_CASE("metrics of a hand-made record", "[push]") {
 }
 
 TEST_CASE("bad setups are refused before anything runs", "[push]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   PositionControlRenderer renderer = test::positionControl(model);
   const auto refuse = [&](auto change, const std::string& message) {
     PushSetup setup;

@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "enamel/core/error.hpp"
-#include "enamel/device/dynamics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
 #include "support/catch.hpp"
 #include "support/pushes.hpp"
 
@@ -22,7 +22,7 @@ std::vector<unsigned char> stateOf(const Renderer& renderer) {
 }  // namespace
 
 TEST_CASE("impedance: spring and damper along the normal, never pulling", "[renderers]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   ImpedanceRenderer renderer(model, {6000.0, 2.0, 4.0});
   renderer.activate(1e-3);
   TickOutput output;
@@ -31,8 +31,8 @@ TEST_CASE("impedance: spring and damper along the normal, never pulling", "[rend
     twist[2] = speed;
     const TickInput input = inputAt(model, poseAtDepth(depth), time, twist);
     REQUIRE(renderer.step(input, output) == Status::ok);
-    Configuration c;
-    REQUIRE(configure(model, input.pose, c) == Status::ok);
+    TauConfiguration c;
+    REQUIRE(inverseKinematics(model, input.pose, c) == Status::ok);
     return wrenchFromTorques(model, c, output.torque - gravityTorque(model, c));
   };
   // Forces pass through J^T and J^-T: a few hundred roundings.
@@ -47,7 +47,7 @@ TEST_CASE("impedance: spring and damper along the normal, never pulling", "[rend
 }
 
 TEST_CASE("impedance: forces at contacts away from the TCP have their moments, and add up", "[renderers]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   ImpedanceRenderer renderer(model, {1000.0, 0.0, 4.0});
   renderer.activate(1e-3);
   TickInput input = inputAt(model, Pose{}, 1.0);
@@ -78,15 +78,15 @@ TEST_CASE("impedance: the bound of eq. 16 is computed", "[renderers]") {
 }
 
 TEST_CASE("position control: gravity in free space, the servo law in contact", "[renderers]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   PositionControlRenderer renderer = test::positionControl(model, test::asInThePaper());
   renderer.activate(1e-3);
   TickOutput output;
   const TickInput outside = inputAt(model, poseAtDepth(-1e-3), 0.0);
   REQUIRE(renderer.step(outside, output) == Status::ok);
   CHECK(output.mode == RenderMode::free);
-  Configuration c;
-  REQUIRE(configure(model, outside.pose, c) == Status::ok);
+  TauConfiguration c;
+  REQUIRE(inverseKinematics(model, outside.pose, c) == Status::ok);
   CHECK(output.torque == gravityTorque(model, c));
 
   // First touch at 0.1 mm: the measured angles become the reference, so only the rates count.
@@ -95,7 +95,7 @@ TEST_CASE("position control: gravity in free space, the servo law in contact", "
   const TickInput touch = inputAt(model, poseAtDepth(1e-4), 1e-3, twist);
   REQUIRE(renderer.step(touch, output) == Status::ok);
   CHECK(output.mode == RenderMode::contact);
-  REQUIRE(configure(model, touch.pose, c) == Status::ok);
+  REQUIRE(inverseKinematics(model, touch.pose, c) == Status::ok);
   const PositionControlRenderer::Gain gain = test::referenceGain();
   Vec6 expected = gravityTorque(model, c) - gain.leftCols<6>() * touch.rates;
   CHECK(relativeError(output.torque, expected) < 1e-13);
@@ -115,7 +115,7 @@ TEST_CASE("position control: gravity in free space, the servo law in contact", "
 }
 
 TEST_CASE("position control: release ends the hold, and the next touch refers to the surface", "[renderers]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   PositionControlOptions options;
   options.releaseForce = 0.3;
   PositionControlRenderer renderer = test::positionControl(model, options);
@@ -144,7 +144,7 @@ TEST_CASE("position control: release ends the hold, and the next touch refers to
 }
 
 TEST_CASE("position control: anti-windup stops the integrators while a motor saturates", "[renderers]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   for (const bool antiWindup : {false, true}) {
     PositionControlOptions options = test::asInThePaper();
     options.antiWindup = antiWindup;
@@ -165,7 +165,7 @@ TEST_CASE("position control: anti-windup stops the integrators while a motor sat
 }
 
 TEST_CASE("renderers: reset gives the first tick again, a saved state continues bit for bit", "[renderers]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   PositionControlRenderer servo = test::positionControl(model);
   ImpedanceRenderer spring(model, {6000.0, 1.0, 4.0});
   for (Renderer* renderer : {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring)}) {
@@ -196,7 +196,7 @@ TEST_CASE("renderers: reset gives the first tick again, a saved state continues 
 }
 
 TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the state", "[renderers]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   PositionControlRenderer servo = test::positionControl(model);
   ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
   for (Renderer* renderer : {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring)}) {
@@ -239,7 +239,7 @@ TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the sta
 }
 
 TEST_CASE("renderers: a bad configuration is refused", "[renderers]") {
-  const DeviceModel model = makeModel(test::nominal());
+  const TauModel model = makeModel(test::nominal());
   CHECK_THROWS_WITH(ImpedanceRenderer(model, {-1.0, 0.0, 0.0}),
                     "impedance renderer: stiffness is -1, must be at least 0 N/m and finite");
   CHECK_THROWS_AS(ImpedanceRenderer(model, {1.0, std::nan(""), 0.0}), Error);

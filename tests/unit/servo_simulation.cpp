@@ -5,7 +5,7 @@
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/margins.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/device/dynamics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
 #include "support/catch.hpp"
 #include "support/control_systems.hpp"
 #include "support/devices.hpp"
@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 namespace {
 
 struct Nominal {
-  DeviceModel model = makeModel(nominal());
+  TauModel model = makeModel(nominal());
   DevicePlant plant = devicePlant(model, Pose{});
   ServoDesign design =
       designServo(outputsAsStates(linearise(plant.f, plant.h, plant.x0, plant.u0)), 1e-3, ServoWeights{});
@@ -39,10 +39,10 @@ SampledPlant nonlinearPlant(const Nominal& n) {
   return [&n, x](const VectorXd& y, const VectorXd& torque, const VectorXd& wrench) {
     if (y.isZero(0.0)) *x = n.plant.x0;  // every experiment starts from rest
     const auto f = [&](const VectorXd& at) {
-      Configuration c;
+      TauConfiguration c;
       const Vec3 v = at.segment<3>(3);
       Pose pose{at.head<3>(), v.norm() > 0.0 ? rotationAbout(v.normalized(), v.norm()) : Mat3(Mat3::Identity())};
-      REQUIRE(configure(n.model, pose, c) == Status::ok);
+      REQUIRE(inverseKinematics(n.model, pose, c) == Status::ok);
       return n.plant.f(at, n.plant.u0 + torque + jacobian(n.model, c).transpose() * wrench);
     };
     const double h = 0.25e-3;

@@ -1,6 +1,6 @@
 // What the viewer draws, in software GL without any X server, and in a window under Xvfb.
 #include "camera.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 #include "layout.hpp"
 #include "palette.hpp"
 #include "support/devices.hpp"

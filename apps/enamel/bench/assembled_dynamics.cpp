@@ -45,7 +45,7 @@ Mat3 spinJacobian(const ChainFrames& f, int joints) {
 
 }  // namespace
 
-void setRates(const DeviceParameters& device, TreeState& state) {
+void setRates(const TauParameters& device, TreeState& state) {
   for (int i = 0; i < 3; ++i) {
     const ChainFrames f = framesOf(device.chain[i], state.angles[i]);
     const Vec3 arm = state.pose.rotation * device.chain[i].platform;
@@ -54,7 +54,7 @@ void setRates(const DeviceParameters& device, TreeState& state) {
   }
 }
 
-TreeAcceleration assembledForwardDynamics(const DeviceParameters& device, const TreeState& state, const Vec6& torque,
+TreeAcceleration assembledForwardDynamics(const TauParameters& device, const TreeState& state, const Vec6& torque,
                                           const Vec6& wrench) {
   using Kkt = Eigen::Matrix<double, kCoordinates + kClosures, kCoordinates + kClosures>;
   Kkt kkt = Kkt::Zero();

@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "enamel/device/parameters.hpp"
+#include "enamel/device/tau/parameters.hpp"
 
 namespace enamel::bench {
 
@@ -25,10 +25,10 @@ struct TreeAcceleration {
 };
 
 /// Rates of the passive and driven joints that go with a twist, from the differentiated loop closures.
-void setRates(const DeviceParameters& device, TreeState& state);
+void setRates(const TauParameters& device, TreeState& state);
 
 /// Forward dynamics from the KKT system of 15 coordinates and 9 loop closures, solved by pivoted LU.
-TreeAcceleration assembledForwardDynamics(const DeviceParameters& device, const TreeState& state, const Vec6& torque,
+TreeAcceleration assembledForwardDynamics(const TauParameters& device, const TreeState& state, const Vec6& torque,
                                           const Vec6& wrench);
 
 }  // namespace enamel::bench

@@ -6,8 +6,8 @@
 #include "bench/assembled_dynamics.hpp"
 #include "bench/measurement.hpp"
 #include "bench/nominal_device.hpp"
-#include "enamel/device/dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 namespace enamel::bench {
 namespace {
@@ -15,13 +15,13 @@ namespace {
 constexpr int kSamples = 1024;  // a power of two: inputs are picked with a mask
 
 struct Sample {
-  Configuration configuration;
+  TauConfiguration configuration;
   Vec6 q, rates, twist, torque, wrench;
 };
 
-Sample sampleAt(const DeviceModel& model, const Pose& pose) {
+Sample sampleAt(const TauModel& model, const Pose& pose) {
   Sample s;
-  if (configure(model, pose, s.configuration) != Status::ok) throw std::logic_error("pose outside the workspace");
+  if (inverseKinematics(model, pose, s.configuration) != Status::ok) throw std::logic_error("pose outside the workspace");
   s.q = jointAngles(s.configuration);
   return s;
 }
@@ -39,7 +39,7 @@ Pose randomPose(std::mt19937_64& random) {
   return pose;
 }
 
-std::vector<Sample> randomSamples(const DeviceModel& model) {
+std::vector<Sample> randomSamples(const TauModel& model) {
   std::mt19937_64 random(20260101);
   std::vector<Sample> samples;
   for (int i = 0; i < kSamples; ++i) {
@@ -54,7 +54,7 @@ std::vector<Sample> randomSamples(const DeviceModel& model) {
 }
 
 // 1 kHz samples of a closed path through the workspace at up to 0.18 m/s and 1 rad/s.
-std::vector<Sample> pathSamples(const DeviceModel& model) {
+std::vector<Sample> pathSamples(const TauModel& model) {
   std::vector<Sample> samples;
   for (int i = 0; i < kSamples; ++i) {
     const double phase = 2.0 * M_PI * i / kSamples;
@@ -70,7 +70,7 @@ double poseError(const Pose& a, const Pose& b) {
   return std::max((a.position - b.position).norm(), 0.04 * angleBetween(a.rotation, b.rotation));
 }
 
-TreeState treeState(const DeviceParameters& device, const Sample& s) {
+TreeState treeState(const TauParameters& device, const Sample& s) {
   TreeState state;
   const Vec3 elbow = elbowAngles(s.configuration);
   for (int i = 0; i < 3; ++i) state.angles[i] = {s.q[2 * i], s.q[2 * i + 1], elbow[i]};
@@ -83,8 +83,8 @@ TreeState treeState(const DeviceParameters& device, const Sample& s) {
 }  // namespace
 
 std::vector<Measurement> measureDevice(double scale) {
-  const DeviceParameters device = nominalDevice();
-  const DeviceModel model = makeModel(device);
+  const TauParameters device = nominalDevice();
+  const TauModel model = makeModel(device);
   const std::vector<Sample> samples = randomSamples(model), path = pathSamples(model);
   const int batches = std::max(20, static_cast<int>(400 * scale)), calls = kSamples;
   const auto pick = [](const std::vector<Sample>& from, int i) -> const Sample& { return from[i & (kSamples - 1)]; };
@@ -103,7 +103,7 @@ std::vector<Measurement> measureDevice(double scale) {
   };
 
   {
-    Configuration tracked = path[0].configuration;
+    TauConfiguration tracked = path[0].configuration;
     double error = 0.0;
     for (int i = 0; i < 2 * kSamples; ++i) {
       const Sample& s = pick(path, i);
@@ -117,7 +117,7 @@ std::vector<Measurement> measureDevice(double scale) {
   }
   {
     std::mt19937_64 random(7);
-    std::vector<Configuration> starts;
+    std::vector<TauConfiguration> starts;
     double error = 0.0;
     for (const Sample& s : samples) {
       Pose start = s.configuration.pose;
@@ -125,13 +125,13 @@ std::vector<Measurement> measureDevice(double scale) {
       start.rotation =
           Eigen::AngleAxis<double>(3.0 * M_PI / 180.0, randomVector(random, 1.0).normalized()) * start.rotation;
       starts.push_back(sampleAt(model, start).configuration);
-      Configuration solved = starts.back();
+      TauConfiguration solved = starts.back();
       if (forwardKinematics(model, s.q, solved).status != Status::ok) error = 1.0;
       error = std::max(error, poseError(solved.pose, s.configuration.pose));
     }
     const Timing t = timeCalls(batches, calls, [&](int first, int count) {
       for (int i = first; i < first + count; ++i) {
-        Configuration c = starts[i & (kSamples - 1)];
+        TauConfiguration c = starts[i & (kSamples - 1)];
         keep(forwardKinematics(model, pick(samples, i).q, c));
       }
     });
@@ -140,12 +140,12 @@ std::vector<Measurement> measureDevice(double scale) {
   {
     double error = 0.0;
     for (const Sample& s : samples) {
-      Configuration c;
+      TauConfiguration c;
       if (forwardKinematicsFromHome(model, s.q, c).status != Status::ok) error = 1.0;
       error = std::max(error, poseError(c.pose, s.configuration.pose));
     }
     const Timing t = timeCalls(batches / 4, calls, [&](int first, int count) {
-      Configuration c;
+      TauConfiguration c;
       for (int i = first; i < first + count; ++i) keep(forwardKinematicsFromHome(model, pick(samples, i).q, c));
     });
     add("forward kinematics, cold from home", t, error, "pose, m (rotation x 40 mm)",
@@ -158,9 +158,9 @@ std::vector<Measurement> measureDevice(double scale) {
       error = std::max(error, relativeError(inverse * s.twist, s.rates));
     }
     const Timing t = timeCalls(batches, calls, [&](int first, int count) {
-      Configuration c;
+      TauConfiguration c;
       for (int i = first; i < first + count; ++i) {
-        keep(configure(model, pick(samples, i).configuration.pose, c));
+        keep(inverseKinematics(model, pick(samples, i).configuration.pose, c));
         keep(jointAngles(c));
         keep(inverseJacobian(model, c));
       }
@@ -200,10 +200,10 @@ std::vector<Measurement> measureDevice(double scale) {
       }
     });
     const Timing fromPose = timeCalls(batches, calls, [&](int first, int count) {
-      Configuration c;
+      TauConfiguration c;
       for (int i = first; i < first + count; ++i) {
         const Sample& s = pick(samples, i);
-        keep(configure(model, s.configuration.pose, c));
+        keep(inverseKinematics(model, s.configuration.pose, c));
         keep(forwardDynamics(model, c, s.twist, s.torque, s.wrench));
       }
     });
@@ -213,7 +213,7 @@ std::vector<Measurement> measureDevice(double scale) {
       for (int i = first; i < first + count; ++i) {
         const Sample& s = pick(path, i);
         const Sample& load = pick(samples, i);
-        Configuration c = pick(path, i + kSamples - 1).configuration;
+        TauConfiguration c = pick(path, i + kSamples - 1).configuration;
         keep(forwardKinematics(model, s.q, c));
         const Vec6 twist = twistFromRates(model, c, load.rates);
         keep(jointAccelerations(model, c, twist, forwardDynamics(model, c, twist, load.torque, load.wrench)));

@@ -1,12 +1,12 @@
 // The shipped nominal device, built in, so that the benchmark needs no file.
 #pragma once
 
-#include "enamel/device/parameters.hpp"
+#include "enamel/device/tau/parameters.hpp"
 
 namespace enamel::bench {
 
 /// data/devices/tau-nominal.toml as it was when this program was built.
 const char* nominalDeviceText();
-DeviceParameters nominalDevice();
+TauParameters nominalDevice();
 
 }  // namespace enamel::bench

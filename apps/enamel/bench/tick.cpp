@@ -48,7 +48,7 @@ struct Path {
   std::vector<Pose> poses;
 };
 
-Path pathThroughTheWall(const DeviceModel& model, int ticks) {
+Path pathThroughTheWall(const TauModel& model, int ticks) {
   Path path;
   for (int i = 0; i < ticks; ++i) {
     const double t = kPeriod * i;
@@ -56,8 +56,8 @@ Path pathThroughTheWall(const DeviceModel& model, int ticks) {
     pose.position = {0.01 * std::sin(2.0 * t), 0.01 * std::cos(3.0 * t), 2e-4 * std::sin(25.0 * t)};
     Vec6 twist = Vec6::Zero();
     twist.head<3>() << 0.02 * std::cos(2.0 * t), -0.03 * std::sin(3.0 * t), 5e-3 * std::cos(25.0 * t);
-    Configuration c;
-    if (configure(model, pose, c) != Status::ok) throw std::logic_error("path outside the workspace");
+    TauConfiguration c;
+    if (inverseKinematics(model, pose, c) != Status::ok) throw std::logic_error("path outside the workspace");
     path.q.push_back(jointAngles(c));
     path.rates.push_back(jointRates(model, c, twist));
     path.poses.push_back(pose);
@@ -88,7 +88,7 @@ std::pair<Percentiles, Percentiles> timeLinkedAndPlugin(const std::vector<TickIn
 }  // namespace
 
 std::vector<Measurement> measureTick(double scale) {
-  const DeviceModel model = makeModel(nominalDevice());
+  const TauModel model = makeModel(nominalDevice());
   const ServoDesign servo = designServo(model, Pose{}, kPeriod);
   PositionControlRenderer hold(model, servo.K, kPeriod, {});
   ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
@@ -111,7 +111,7 @@ std::vector<Measurement> measureTick(double scale) {
 
   add("nothing (the clock's own cost)", timeEach(ticks, [](int) {}), 0.0, "-", none);
   {
-    Configuration tracked = model.home;
+    TauConfiguration tracked = model.home;
     double error = 0.0;
     const Percentiles p = timeEach(ticks, [&](int i) {
       keep(forwardKinematics(model, path.q[static_cast<std::size_t>(i)], tracked));

@@ -10,7 +10,7 @@
 #include <filesystem>
 
 #include "design_results.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 extern char** environ;
 
@@ -101,7 +101,7 @@ Json horizontal(double low, double high, double y, const char* colour) {
 // ---- Fig. 6: the device and the query points -----------------------------------------------------------------------
 
 Figure sceneFigure(const Study& study) {
-  const DeviceModel model = makeModel(study.device);
+  const TauModel model = makeModel(study.device);
   const auto vec = [](const Vec3& v) { return Json{v.x(), v.y(), v.z()}; };
   Json scene;
   const auto rod = [&](const Vec3& from, const Vec3& to, double radius, const char* colour) {

@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kRateNames[] = {"exact", "difference", "lowPass"};
 constexpr const char* kIntegratorNames[] = {"rungeKutta4", "midpoint", "semiImplicitEuler"};
 
-DeviceParameters deviceOf(const std::string& path) { return path.empty() ? bench::nominalDevice() : loadDevice(path); }
+TauParameters deviceOf(const std::string& path) { return path.empty() ? bench::nominalDevice() : loadTau(path); }
 
 // Fowler, Noll, Vo (1991), FNV-1a, 64 bits: tells devices and designs apart, no more.
 std::string hashOf(const std::string& text) {
@@ -32,7 +32,7 @@ void append(std::string& text, const Matrix& m) {
   for (Eigen::Index i = 0; i < m.size(); ++i) text += fmt::format("{} ", m.data()[i]);
 }
 
-std::string hashOf(const DeviceParameters& d) {
+std::string hashOf(const TauParameters& d) {
   std::string text;
   append(text, d.gravity);
   for (const ChainParameters& c : d.chain) {

@@ -28,8 +28,8 @@ struct StudyOptions {
 
 struct Study {
   StudyOptions options;
-  DeviceParameters device, designDevice;
-  DeviceModel designModel;  ///< what the renderers know
+  TauParameters device, designDevice;
+  TauModel designModel;  ///< what the renderers know
   ImpedanceOptions impedance{6000.0, 0.0, 4.0};
   ServoDesign home;  ///< the servo of position-control
   StudyPlan plan;

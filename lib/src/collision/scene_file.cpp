@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/message.hpp"
 #include "core/toml.hpp"
 #include "enamel/collision/mesh_file.hpp"
 

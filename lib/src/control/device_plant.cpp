@@ -7,8 +7,8 @@
 #include <string>
 
 #include "enamel/core/error.hpp"
-#include "enamel/device/dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 namespace enamel {
 namespace {
@@ -32,22 +32,22 @@ Vec3 rotationVectorRate(const Vec3& v, const Vec3& w) {
 }
 
 struct Motion {
-  Configuration configuration;
+  TauConfiguration configuration;
   Vec3 rotationVector;
   Vec6 twist;
 };
 
 }  // namespace
 
-DevicePlant devicePlant(const DeviceModel& model, const Pose& pose) {
-  Configuration operating;
-  if (const Status status = configure(model, pose, operating); status != Status::ok)
+DevicePlant devicePlant(const TauModel& model, const Pose& pose) {
+  TauConfiguration operating;
+  if (const Status status = inverseKinematics(model, pose, operating); status != Status::ok)
     throw DesignError(std::string("device plant: the pose is ") + toString(status));
   const auto motionOf = [model, pose](const Eigen::VectorXd& x, Motion& motion) {
     motion.rotationVector = x.segment<3>(3);
     motion.twist = x.tail<6>();
     const Pose moved{x.head<3>(), rotationOf(motion.rotationVector) * pose.rotation};
-    return configure(model, moved, motion.configuration) == Status::ok;
+    return inverseKinematics(model, moved, motion.configuration) == Status::ok;
   };
   DevicePlant plant;
   plant.angles = jointAngles(operating);
@@ -82,7 +82,7 @@ DevicePlant devicePlant(const DeviceModel& model, const Pose& pose) {
   return plant;
 }
 
-ServoDesign designServo(const DeviceModel& model, const Pose& pose, double period, const ServoWeights& weights) {
+ServoDesign designServo(const TauModel& model, const Pose& pose, double period, const ServoWeights& weights) {
   const DevicePlant plant = devicePlant(model, pose);
   return designServo(outputsAsStates(linearise(plant.f, plant.h, plant.x0, plant.u0)), period, weights);
 }

@@ -1,10 +1,10 @@
 #include "toml.hpp"
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <utility>
+
+#include "core/message.hpp"
 
 namespace enamel {
 namespace {
@@ -26,12 +26,6 @@ std::string nameOfType(const toml::node& node) {
 int lineOf(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
 }  // namespace
-
-std::string formatNumber(double value) {
-  std::array<char, 32> buffer{};
-  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  return std::string(buffer.data(), result.ptr);
-}
 
 std::string readTextFile(const std::string& path) {
   std::ifstream stream(path, std::ios::binary | std::ios::ate);

@@ -62,7 +62,4 @@ TomlTable parseToml(std::string_view text, const std::string& file);
 /// Whole content of a text file. Throws ConfigurationError if it cannot be read or is larger than 16 MiB.
 std::string readTextFile(const std::string& path);
 
-/// A number as it should stand in a message (shortest form that is exact).
-std::string formatNumber(double value);
-
 }  // namespace enamel

@@ -7,7 +7,7 @@
 
 #include "convert.hpp"
 #include "core/assert.hpp"
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -44,16 +44,16 @@ PluginConfiguration::PluginConfiguration(const EnamelDescription& description, c
     if (value.empty()) refuse(key, "has no default and was not given");
   const auto nameOf = [](const char* path, const char* other) { return std::string(path == nullptr ? other : path); };
   if (given.device_text != nullptr)
-    device_ = parseDevice(given.device_text, nameOf(given.device_path, "device"));
+    device_ = parseTau(given.device_text, nameOf(given.device_path, "device"));
   else if (given.device_path != nullptr)
-    device_ = loadDevice(given.device_path);
+    device_ = loadTau(given.device_path);
   if (given.scene_text != nullptr)
     scene_ = parseScene(given.scene_text, nameOf(given.scene_path, "scene"));
   else if (given.scene_path != nullptr)
     scene_ = loadScene(given.scene_path);
 }
 
-const DeviceParameters& PluginConfiguration::device() const {
+const TauParameters& PluginConfiguration::device() const {
   if (!device_) throw ConfigurationError("plugin configuration", 0, "device", "is missing: give its path or its text");
   return *device_;
 }

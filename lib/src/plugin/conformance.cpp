@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "convert.hpp"
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/collision/scene.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 namespace enamel {
 namespace {
@@ -32,7 +32,7 @@ std::string nameOf(std::int32_t result) {
 }
 
 // Into the wall z = 0 and out again, three times, swaying; as a device at rest in every tick would measure it.
-std::vector<EnamelTickInput> pathThroughWall(const DeviceModel& model, const ConformanceOptions& options) {
+std::vector<EnamelTickInput> pathThroughWall(const TauModel& model, const ConformanceOptions& options) {
   std::vector<EnamelTickInput> path(static_cast<std::size_t>(options.ticks));
   const Scene wall = flatWall();
   Vec6 before = model.homeAngles;
@@ -41,8 +41,8 @@ std::vector<EnamelTickInput> pathThroughWall(const DeviceModel& model, const Con
     TickInput in;
     in.time = options.period * static_cast<double>(i + 1);
     in.pose.position = {2e-3 * std::sin(7.0 * t), 1e-3 * std::cos(5.0 * t), 1e-3 * std::cos(6.0 * M_PI * t)};
-    Configuration configuration;
-    if (configure(model, in.pose, configuration) != Status::ok) throw Error("the device cannot reach its own home");
+    TauConfiguration configuration;
+    if (inverseKinematics(model, in.pose, configuration) != Status::ok) throw Error("the device cannot reach its own home");
     in.q = jointAngles(configuration);
     in.rates = i == 0 ? Vec6::Zero().eval() : ((in.q - before) / options.period).eval();
     before = in.q;
@@ -129,8 +129,8 @@ std::string tick(std::size_t i) { return "tick " + std::to_string(i); }
 bool checkPlugin(const std::shared_ptr<const PluginLibrary>& library, const PluginSetup& setup,
                  const ConformanceOptions& options, const std::function<void(const ConformanceResult&)>& report) {
   using Verdict = ConformanceResult::Verdict;
-  const DeviceModel model =
-      makeModel(setup.deviceText.empty() ? loadDevice(setup.devicePath) : parseDevice(setup.deviceText, "device"));
+  const TauModel model =
+      makeModel(setup.deviceText.empty() ? loadTau(setup.devicePath) : parseTau(setup.deviceText, "device"));
   const std::vector<EnamelTickInput> path = pathThroughWall(model, options);
   const EnamelPlugin& table = library->table();
   bool allPassed = true;

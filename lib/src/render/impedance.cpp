@@ -5,11 +5,11 @@
 #include <cmath>
 #include <string>
 
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/control/impedance_map.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/device/dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 namespace enamel {
 namespace {
@@ -27,7 +27,7 @@ DampingBound dampingBound(const ImpedanceOptions& options, double period) noexce
   return {required, options.deviceDamping, options.deviceDamping > required};
 }
 
-ImpedanceRenderer::ImpedanceRenderer(const DeviceModel& model, const ImpedanceOptions& options)
+ImpedanceRenderer::ImpedanceRenderer(const TauModel& model, const ImpedanceOptions& options)
     : model_(model), options_(options) {
   requireNotNegative(options.stiffness, "stiffness", "N/m");
   requireNotNegative(options.damping, "damping", "N s/m");
@@ -35,8 +35,8 @@ ImpedanceRenderer::ImpedanceRenderer(const DeviceModel& model, const ImpedanceOp
 }
 
 Status ImpedanceRenderer::render(const TickInput& input, TickOutput& output) noexcept {
-  Configuration configuration;
-  const Status status = configure(model_, input.pose, configuration);
+  TauConfiguration configuration;
+  const Status status = inverseKinematics(model_, input.pose, configuration);
   if (status != Status::ok) return status;
 
   Vec6 wrench = Vec6::Zero();

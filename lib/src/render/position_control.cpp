@@ -3,14 +3,14 @@
 #include <cmath>
 #include <string>
 
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/device/dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 namespace enamel {
 
-PositionControlRenderer::PositionControlRenderer(const DeviceModel& model, const Gain& gain, double period,
+PositionControlRenderer::PositionControlRenderer(const TauModel& model, const Gain& gain, double period,
                                                  const PositionControlOptions& options)
     : model_(model), gain_(gain), period_(period), options_(options) {
   if (!gain_.allFinite()) throw Error("position-control renderer: the gain K is not finite");
@@ -26,8 +26,8 @@ void PositionControlRenderer::prepare(double period) {
 }
 
 Status PositionControlRenderer::render(const TickInput& input, TickOutput& output) noexcept {
-  Configuration configuration;
-  Status status = configure(model_, input.pose, configuration);
+  TauConfiguration configuration;
+  Status status = inverseKinematics(model_, input.pose, configuration);
   if (status != Status::ok) return status;
 
   if (state_.phase != kHolding && touches(input)) {
@@ -70,17 +70,17 @@ bool PositionControlRenderer::touches(const TickInput& input) noexcept {
 }
 
 // Takes the reference: the joint pose at first touch or, with release, the pose projected back to the surface.
-Status PositionControlRenderer::hold(const TickInput& input, const Configuration& configuration) noexcept {
+Status PositionControlRenderer::hold(const TickInput& input, const TauConfiguration& configuration) noexcept {
   const Contact& contact = input.contacts.contacts[0];
   State next;
   next.normal = contact.normal;
   next.phase = kHolding;
   next.reference = input.q;
-  Configuration surface = configuration;
+  TauConfiguration surface = configuration;
   if (options_.release && contact.gap < 0.0) {
     Pose pose = input.pose;
     pose.position -= contact.gap * contact.normal;
-    const Status status = configure(model_, pose, surface);
+    const Status status = inverseKinematics(model_, pose, surface);
     if (status != Status::ok) return status;
     // Encoders may count several turns: move the measured angles by the difference.
     const Vec6 change = jointAngles(surface) - jointAngles(configuration);

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {

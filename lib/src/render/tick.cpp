@@ -2,7 +2,7 @@
 
 namespace enamel {
 
-Status hapticTick(const DeviceModel& model, const Scene& scene, const Tool& tool, double time, const Vec6& q,
+Status hapticTick(const TauModel& model, const Scene& scene, const Tool& tool, double time, const Vec6& q,
                   const Vec6& rates, TickMemory& memory, Renderer& renderer, TickInput& input,
                   TickOutput& output) noexcept {
   output = TickOutput{};

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -95,7 +95,7 @@ void checkPush(const PushSetup& setup) {
           "duration is " + formatNumber(setup.duration) + ", must be in 0 to 3600 s");
 }
 
-PushResult runPush(const DeviceModel& model, Renderer& renderer, const PushSetup& setup,
+PushResult runPush(const TauModel& model, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record) {
   checkPush(setup);
   VirtualLoop loop(model, renderer, setup);

@@ -3,15 +3,15 @@
 #include <cmath>
 #include <string>
 
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
 namespace {
 
-Configuration reachable(const DeviceModel& model, const Pose& start) {
-  Configuration configuration;
-  if (const Status status = configure(model, start, configuration); status != Status::ok)
+TauConfiguration reachable(const TauModel& model, const Pose& start) {
+  TauConfiguration configuration;
+  if (const Status status = inverseKinematics(model, start, configuration); status != Status::ok)
     throw Error(std::string("the start pose is ") + toString(status));
   return configuration;
 }
@@ -39,7 +39,7 @@ void checkLoop(const LoopSetup& setup) {
           "cutoff of the rate filter is " + formatNumber(setup.encoders.cutoff) + ", must be greater than 0 Hz");
 }
 
-VirtualLoop::VirtualLoop(const DeviceModel& model, Renderer& renderer, const LoopSetup& setup)
+VirtualLoop::VirtualLoop(const TauModel& model, Renderer& renderer, const LoopSetup& setup)
     : model_(model),
       renderer_(renderer),
       setup_(checked(setup)),
@@ -60,7 +60,7 @@ Status VirtualLoop::begin(TickRecord& record) noexcept {
   record.time = static_cast<double>(tick_) * setup_.period;
   record.pose = state_.pose();
   record.twist = state_.twist;
-  if (const Status status = configure(model_, record.pose, plant_); status != Status::ok) return status;
+  if (const Status status = inverseKinematics(model_, record.pose, plant_); status != Status::ok) return status;
 
   const Measurement m = encoders_.measure(jointAngles(plant_), jointRates(model_, plant_, state_.twist));
   record.status =

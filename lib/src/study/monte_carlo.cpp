@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -40,8 +40,8 @@ void checkStudy(const StudyPlan& plan) {
     for (std::size_t point = 0; point < plan.points(); ++point) {
       Pose pose = plan.setup.start;
       pose.position = queryPoint(plan, point);
-      Configuration configuration;
-      const Status status = configure(column.plant, pose, configuration);
+      TauConfiguration configuration;
+      const Status status = inverseKinematics(column.plant, pose, configuration);
       require(status == Status::ok, "query point (" + millimetres(pose.position.x()) + ", " +
                                         millimetres(pose.position.y()) + ") mm is " + toString(status));
     }

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {

@@ -3,7 +3,7 @@
 
 #include "enamel/control/linearise.hpp"
 #include "enamel/control/servo_design.hpp"
-#include "enamel/device/model.hpp"
+#include "enamel/device/tau/model.hpp"
 
 namespace enamel {
 
@@ -20,10 +20,10 @@ struct DevicePlant {
 
 /// Wraps a device's forward dynamics at `pose`. The functions keep a copy of the model.
 /// Throws DesignError: the pose is out of reach or singular. Realtime: no.
-DevicePlant devicePlant(const DeviceModel& model, const Pose& pose);
+DevicePlant devicePlant(const TauModel& model, const Pose& pose);
 
 /// The paper's whole chain for a device at rest at `pose`: linearise, transform, augment, hold, Riccati. `period` in s.
 /// Throws DesignError: as devicePlant(), linearise() and designServo(). Realtime: no.
-ServoDesign designServo(const DeviceModel& model, const Pose& pose, double period, const ServoWeights& weights = {});
+ServoDesign designServo(const TauModel& model, const Pose& pose, double period, const ServoWeights& weights = {});
 
 }  // namespace enamel

@@ -14,6 +14,16 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat3 = Eigen::Matrix<double, 3, 3>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
+/// Most joints that a mechanism can have.
+inline constexpr int kMaxJoints = 7;
+
+/// One number a joint: rad, rad/s, N m (rotation) or m, m/s, N (translation). Up to kMaxJoints, stored in place.
+using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxJoints, 1>;
+/// n x n, stored in place.
+using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxJoints, kMaxJoints>;
+/// 6 x n: V = J q', tau = J^T F. Stored in place.
+using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxJoints>;
+
 /// Pose of the platform frame P in the world frame W.
 struct Pose {
   Vec3 position = Vec3::Zero();      ///< TCP in W, m

@@ -16,7 +16,7 @@
 #include <string>
 
 #include "enamel/collision/scene_file.hpp"
-#include "enamel/device/parameters.hpp"
+#include "enamel/device/tau/parameters.hpp"
 #include "enamel/plugin/abi.h"
 #include "enamel/render/renderer.hpp"
 
@@ -25,12 +25,12 @@ namespace enamel {
 /// What configure() was given, read and checked.
 class PluginConfiguration {
  public:
-  /// Throws ConfigurationError: as parseDevice() and parseScene(); a parameter that the description does not have,
+  /// Throws ConfigurationError: as parseTau() and parseScene(); a parameter that the description does not have,
   /// twice the same one, or none for one without a default.
   PluginConfiguration(const EnamelDescription& description, const EnamelConfiguration& configuration);
 
   /// Throws ConfigurationError where the host gave no device.
-  const DeviceParameters& device() const;
+  const TauParameters& device() const;
   const std::optional<SceneFile>& scene() const noexcept { return scene_; }
 
   /// A parameter's value: text; a finite number within [low, high] in `unit`; "on" or "off". Throws ConfigurationError
@@ -40,7 +40,7 @@ class PluginConfiguration {
   bool flag(const std::string& key) const;
 
  private:
-  std::optional<DeviceParameters> device_;
+  std::optional<TauParameters> device_;
   std::optional<SceneFile> scene_;
   std::map<std::string, std::string> parameters_;
 };

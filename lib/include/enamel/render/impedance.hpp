@@ -1,7 +1,7 @@
 // The conventional wall: a spring and a damper along the contact's normal.
 #pragma once
 
-#include "enamel/device/model.hpp"
+#include "enamel/device/tau/model.hpp"
 #include "enamel/render/renderer.hpp"
 
 namespace enamel {
@@ -29,7 +29,7 @@ DampingBound dampingBound(const ImpedanceOptions& options, double period) noexce
 class ImpedanceRenderer final : public Renderer {
  public:
   /// Throws Error: a stiffness, damping or device damping that is negative or not finite.
-  ImpedanceRenderer(const DeviceModel& model, const ImpedanceOptions& options);
+  ImpedanceRenderer(const TauModel& model, const ImpedanceOptions& options);
 
  private:
   void prepare(double) override {}
@@ -37,7 +37,7 @@ class ImpedanceRenderer final : public Renderer {
   void resetState() noexcept override {}
   StateBlock stateBlock() noexcept override { return {nullptr, 0}; }
 
-  DeviceModel model_;
+  TauModel model_;
   ImpedanceOptions options_;
 };
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "enamel/device/model.hpp"
+#include "enamel/device/tau/model.hpp"
 #include "enamel/render/renderer.hpp"
 
 namespace enamel {
@@ -32,7 +32,7 @@ class PositionControlRenderer final : public Renderer {
   /// `gain` is (K_c | K_i), [N m s/rad, N m/rad, N m/(rad s)], designed for ticks of `period` s.
   /// Throws Error: a gain that is not finite; a release force that is negative or not finite; at activate(), a period
   /// other than `period`.
-  PositionControlRenderer(const DeviceModel& model, const Gain& gain, double period,
+  PositionControlRenderer(const TauModel& model, const Gain& gain, double period,
                           const PositionControlOptions& options);
 
   /// Whether the servo holds, and at which joint angles q_ref, rad. Realtime: yes.
@@ -58,9 +58,9 @@ class PositionControlRenderer final : public Renderer {
   StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
 
   bool touches(const TickInput& input) noexcept;
-  Status hold(const TickInput& input, const Configuration& configuration) noexcept;
+  Status hold(const TickInput& input, const TauConfiguration& configuration) noexcept;
 
-  DeviceModel model_;
+  TauModel model_;
   Gain gain_;
   double period_;
   PositionControlOptions options_;

@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 
-#include "enamel/device/dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 namespace enamel {
 
@@ -41,11 +41,11 @@ inline Eigen::Matrix<double, 4, 1> orientationRate(const DeviceState& s, const V
 }
 
 template <typename Load>
-Status slopeAt(const DeviceModel& model, double time, const DeviceState& s, const Vec6& torque, const Load& load,
+Status slopeAt(const TauModel& model, double time, const DeviceState& s, const Vec6& torque, const Load& load,
                DeviceSlope& slope) noexcept {
-  Configuration configuration;
+  TauConfiguration configuration;
   const Pose pose{s.position, s.orientation.normalized().toRotationMatrix()};
-  const Status status = configure(model, pose, configuration);
+  const Status status = inverseKinematics(model, pose, configuration);
   if (status != Status::ok) return status;
   slope.position = s.twist.head<3>();
   slope.orientation = orientationRate(s, s.twist);
@@ -69,7 +69,7 @@ inline DeviceState moved(const DeviceState& state, const DeviceSlope& slope, dou
 /// is then unchanged.
 /// Realtime: yes, if `load` is.
 template <typename Load>
-[[nodiscard]] Status stepRungeKutta4(const DeviceModel& model, double time, double dt, const Vec6& torque,
+[[nodiscard]] Status stepRungeKutta4(const TauModel& model, double time, double dt, const Vec6& torque,
                                      const Load& load, DeviceState& state) noexcept {
   const auto slopeAt = [&](double t, const DeviceState& s, DeviceSlope& slope) {
     return detail::slopeAt(model, t, s, torque, load, slope);
@@ -90,7 +90,7 @@ template <typename Load>
 
 /// One step of the midpoint method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
 template <typename Load>
-[[nodiscard]] Status stepMidpoint(const DeviceModel& model, double time, double dt, const Vec6& torque,
+[[nodiscard]] Status stepMidpoint(const TauModel& model, double time, double dt, const Vec6& torque,
                                   const Load& load, DeviceState& state) noexcept {
   DeviceSlope slope;
   if (const Status s = detail::slopeAt(model, time, state, torque, load, slope); s != Status::ok) return s;
@@ -103,7 +103,7 @@ template <typename Load>
 
 /// One step of the semi-implicit Euler method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
 template <typename Load>
-[[nodiscard]] Status stepSemiImplicitEuler(const DeviceModel& model, double time, double dt, const Vec6& torque,
+[[nodiscard]] Status stepSemiImplicitEuler(const TauModel& model, double time, double dt, const Vec6& torque,
                                            const Load& load, DeviceState& state) noexcept {
   DeviceSlope slope;
   if (const Status s = detail::slopeAt(model, time, state, torque, load, slope); s != Status::ok) return s;
@@ -116,7 +116,7 @@ template <typename Load>
 
 /// One step of the given method. Realtime: yes, if `load` is.
 template <typename Load>
-[[nodiscard]] Status stepMotion(Integrator integrator, const DeviceModel& model, double time, double dt,
+[[nodiscard]] Status stepMotion(Integrator integrator, const TauModel& model, double time, double dt,
                                 const Vec6& torque, const Load& load, DeviceState& state) noexcept {
   switch (integrator) {
     case Integrator::midpoint: return stepMidpoint(model, time, dt, torque, load, state);

@@ -40,7 +40,7 @@ void checkPush(const PushSetup& setup);
 
 /// Runs a push on a VirtualLoop, `record` once a tick. The renderer is deactivated at the end. Throws what checkPush()
 /// and VirtualLoop throw. The same setup gives the same bits. Realtime: no (each tick is).
-PushResult runPush(const DeviceModel& model, Renderer& renderer, const PushSetup& setup,
+PushResult runPush(const TauModel& model, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record);
 
 /// Position of the hand in scenario 2 along n relative to its start, m, and its velocity, m/s. Realtime: yes.

@@ -49,7 +49,7 @@ struct TickRecord {
 class VirtualLoop {
  public:
   /// Throws Error: as checkLoop() and Renderer::activate(), or the start pose is not reachable. Realtime: no.
-  VirtualLoop(const DeviceModel& model, Renderer& renderer, const LoopSetup& setup);
+  VirtualLoop(const TauModel& model, Renderer& renderer, const LoopSetup& setup);
 
   /// One tick under load(time, pose, twist), the person's wrench on the platform at the TCP (N, N m). Fills `record`
   /// with what happened before and during the tick. Returns ok, or the status of the configuration that the plant could
@@ -81,12 +81,12 @@ class VirtualLoop {
  private:
   Status begin(TickRecord& record) noexcept;
 
-  const DeviceModel& model_;
+  const TauModel& model_;
   Renderer& renderer_;
   LoopSetup setup_;
   RandomStream random_;
   DeviceState state_;
-  Configuration plant_;
+  TauConfiguration plant_;
   TickMemory memory_;        // of the measured side
   ToolCache plantContacts_;  // of the true side
   Encoders encoders_;

@@ -10,7 +10,7 @@
 
 #include "enamel/core/status.hpp"
 #include "enamel/core/types.hpp"
-#include "enamel/device/parameters.hpp"
+#include "enamel/device/tau/parameters.hpp"
 
 namespace enamel {
 
@@ -26,8 +26,8 @@ struct ChainConfiguration {
 };
 
 /// A configuration of the device: the pose and everything about the chains that follows from it. Made by
-/// configure() from a pose or by forwardKinematics() from joint angles; plain data, freely copyable.
-struct Configuration {
+/// inverseKinematics() from a pose or by forwardKinematics() from joint angles; plain data, freely copyable.
+struct TauConfiguration {
   Pose pose;
   std::array<ChainConfiguration, 3> chain;
 };
@@ -44,7 +44,7 @@ struct ChainModel {
 };
 
 /// Immutable model of a device. Made by makeModel(); safe to share between threads.
-struct DeviceModel {
+struct TauModel {
   std::array<ChainModel, 3> chain;
 
   double platformMass;   ///< kg
@@ -62,13 +62,13 @@ struct DeviceModel {
   Mat3 triadInverse;           ///< inverse of [r_1 - r_0, r_2 - r_0, their cross product]
   Vec3 platformCentre;         ///< mean of the r_i, m
 
-  Configuration home;  ///< P = W
+  TauConfiguration home;  ///< P = W
   Vec6 homeAngles;     ///< rad
   double homeSign;     ///< sign of the determinant of the loop equations at home: marks the branch
 };
 
-/// Builds the model. Throws ConfigurationError (see checkDevice) and where home itself is a parallel singularity.
+/// Builds the model. Throws ConfigurationError (see checkTau) and where home itself is a parallel singularity.
 /// Realtime: no.
-DeviceModel makeModel(const DeviceParameters& parameters);
+TauModel makeModel(const TauParameters& parameters);
 
 }  // namespace enamel

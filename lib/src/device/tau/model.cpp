@@ -1,14 +1,14 @@
-#include "enamel/device/model.hpp"
+#include "enamel/device/tau/model.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 
-#include "core/toml.hpp"
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/device/dynamics.hpp"
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 #include "loop.hpp"
 
 namespace enamel {
@@ -24,9 +24,9 @@ constexpr double kSmallestHomeMeasure = 1e-4;  // of the parallel singularity at
 
 }  // namespace
 
-DeviceModel makeModel(const DeviceParameters& parameters) {
-  checkDevice(parameters);
-  DeviceModel model{};
+TauModel makeModel(const TauParameters& parameters) {
+  checkTau(parameters);
+  TauModel model{};
   for (std::size_t i = 0; i < 3; ++i) {
     const ChainParameters& p = parameters.chain[i];
     ChainModel& c = model.chain[i];
@@ -64,7 +64,7 @@ DeviceModel makeModel(const DeviceParameters& parameters) {
   const auto refuse = [&parameters](const std::string& problem) {
     throw ConfigurationError("device \"" + parameters.name + "\"", 0, "", problem);
   };
-  const Status status = configure(model, Pose{}, model.home);
+  const Status status = inverseKinematics(model, Pose{}, model.home);
   if (status != Status::ok) refuse(std::string("the home pose is ") + toString(status));
   model.homeAngles = jointAngles(model.home);
   const double measure = loopMeasure(model, model.home);

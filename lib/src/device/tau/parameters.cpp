@@ -1,4 +1,4 @@
-#include "enamel/device/parameters.hpp"
+#include "enamel/device/tau/parameters.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -6,47 +6,12 @@
 #include <cmath>
 #include <functional>
 
+#include "core/message.hpp"
 #include "core/toml.hpp"
+#include "device/read.hpp"
 
 namespace enamel {
 namespace {
-
-using Fail = std::function<void(const std::string& key, const std::string& problem)>;
-
-std::string formatVector(const Vec3& v) {
-  return "[" + formatNumber(v.x()) + ", " + formatNumber(v.y()) + ", " + formatNumber(v.z()) + "]";
-}
-
-void requirePositive(double value, const std::string& key, const std::string& unit, const Fail& fail) {
-  if (!(value > 0.0 && std::isfinite(value)))
-    fail(key, "is " + formatNumber(value) + ", must be greater than 0 " + unit + " and finite");
-}
-
-void requireNotNegative(double value, const std::string& key, const std::string& unit, const Fail& fail) {
-  if (!(value >= 0.0 && std::isfinite(value)))
-    fail(key, "is " + formatNumber(value) + ", must be at least 0 " + unit + " and finite");
-}
-
-// A tensor of inertia about the centre of mass is symmetric, has no negative principal moment, and none is
-// larger than the sum of the other two. The tolerance covers decimal rounding in a file.
-void checkInertia(const Mat3& inertia, const std::string& key, const Fail& fail) {
-  if (!inertia.allFinite()) return fail(key, "must be finite");
-  const double scale = inertia.cwiseAbs().maxCoeff();
-  const double tolerance = 1e-9 * scale;
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3;
-    if (std::abs(inertia(i, j) - inertia(j, i)) > tolerance)
-      fail(key, "is not symmetric: element (" + std::to_string(i) + "," + std::to_string(j) + ") is " +
-                    formatNumber(inertia(i, j)) + " and (" + std::to_string(j) + "," + std::to_string(i) + ") is " +
-                    formatNumber(inertia(j, i)) + " kg m^2");
-  }
-  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
-  if (moments[0] < -tolerance)
-    fail(key, "has the principal moment " + formatNumber(moments[0]) + ", must be at least 0 kg m^2");
-  if (moments[2] > moments[0] + moments[1] + tolerance)
-    fail(key, "is that of no body: the largest principal moment " + formatNumber(moments[2]) +
-                  " exceeds the sum of the others, " + formatNumber(moments[0] + moments[1]) + " kg m^2");
-}
 
 void checkLink(const LinkParameters& link, const std::string& key, const Fail& fail) {
   requirePositive(link.length, key + ".length", "m", fail);
@@ -73,7 +38,7 @@ void checkClosure(const ChainParameters& chain, const std::string& key, const Fa
                                 " m: the yaw angle is undefined there");
 }
 
-void check(const DeviceParameters& device, const Fail& fail) {
+void check(const TauParameters& device, const Fail& fail) {
   if (!device.gravity.allFinite()) fail("gravity", "must be finite");
   for (std::size_t i = 0; i < device.chain.size(); ++i) {
     const ChainParameters& chain = device.chain[i];
@@ -95,17 +60,8 @@ void check(const DeviceParameters& device, const Fail& fail) {
     fail("chain[2].platform", "is " + formatVector(device.chain[2].platform) +
                                   " m: the three platform points lie on one line, they must span a plane");
 
-  requirePositive(device.platform.mass, "platform.mass", "kg", fail);
-  if (!device.platform.com.allFinite()) fail("platform.com", "must be finite");
-  checkInertia(device.platform.inertia, "platform.inertia", fail);
-  for (int i = 0; i < 6; ++i)
-    requireNotNegative(device.platform.damping[i], "platform.damping[" + std::to_string(i) + "]",
-                       i < 3 ? "N s/m" : "N m s/rad", fail);
-
-  requirePositive(device.motor.maxTorque, "motor.max_torque", "N m", fail);
-  requireNotNegative(device.motor.rotorInertia, "motor.rotor_inertia", "kg m^2", fail);
-  requirePositive(device.motor.encoderCounts, "motor.encoder_counts", "per revolution", fail);
-  requireNotNegative(device.motor.viscousFriction, "motor.viscous_friction", "N m s/rad", fail);
+  checkPlatform(device.platform, fail);
+  checkMotor(device.motor, fail);
 }
 
 LinkParameters readLink(TomlTable& chain, const char* key) {
@@ -139,9 +95,8 @@ LinkParameters uniformRod(double length, double mass, double radius) noexcept {
   return link;
 }
 
-DeviceParameters parseDevice(std::string_view text, const std::string& file) {
-  TomlTable root = parseToml(text, file);
-  DeviceParameters device;
+TauParameters readTau(TomlTable& root) {
+  TauParameters device;
   device.name = root.text("name");
   device.gravity = root.vector3("gravity");
 
@@ -159,28 +114,23 @@ DeviceParameters parseDevice(std::string_view text, const std::string& file) {
     chains[i].finish();
   }
 
-  TomlTable platform = root.table("platform");
-  device.platform.mass = platform.number("mass");
-  device.platform.com = platform.vector3("com");
-  device.platform.inertia = platform.matrix3("inertia");
-  if (platform.has("damping")) device.platform.damping = platform.vector6("damping");
-  platform.finish();
-
-  TomlTable motor = root.table("motor");
-  device.motor.maxTorque = motor.number("max_torque");
-  device.motor.rotorInertia = motor.number("rotor_inertia");
-  device.motor.encoderCounts = motor.number("encoder_counts");
-  if (motor.has("viscous_friction")) device.motor.viscousFriction = motor.number("viscous_friction");
-  motor.finish();
+  device.platform = readPlatform(root);
+  device.motor = readMotor(root);
   root.finish();
 
   check(device, [&root](const std::string& key, const std::string& problem) { root.fail(key, problem); });
   return device;
 }
 
-DeviceParameters loadDevice(const std::string& path) { return parseDevice(readTextFile(path), path); }
+TauParameters parseTau(std::string_view text, const std::string& file) {
+  TomlTable root = parseToml(text, file);
+  if (const std::string kind = kindOf(root); kind != "tau") root.fail("kind", "is \"" + kind + "\", must be \"tau\" here");
+  return readTau(root);
+}
 
-void checkDevice(const DeviceParameters& parameters) {
+TauParameters loadTau(const std::string& path) { return parseTau(readTextFile(path), path); }
+
+void checkTau(const TauParameters& parameters) {
   check(parameters, [&parameters](const std::string& key, const std::string& problem) {
     throw ConfigurationError("device \"" + parameters.name + "\"", 0, key, problem);
   });

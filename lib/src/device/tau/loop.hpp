@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "enamel/device/model.hpp"
+#include "enamel/device/tau/model.hpp"
 
 namespace enamel {
 
@@ -40,13 +40,13 @@ inline LoopMatrix loopMatrix(const std::array<Vec3, 3>& sides, const std::array<
 }
 
 /// Product that makes the determinant dimensionless: it then lies in [-2, 2].
-inline double loopScale(const DeviceModel& model) noexcept {
+inline double loopScale(const TauModel& model) noexcept {
   double scale = 1.0;
   for (int k = 0; k < 3; ++k) scale *= model.chain[k].length2 * model.side[k];
   return scale;
 }
 
 /// Determinant of the loop matrix of a configuration, dimensionless; 0 at a parallel singularity.
-double loopMeasure(const DeviceModel& model, const Configuration& configuration) noexcept;
+double loopMeasure(const TauModel& model, const TauConfiguration& configuration) noexcept;
 
 }  // namespace enamel

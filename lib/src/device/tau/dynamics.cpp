@@ -1,9 +1,9 @@
-#include "enamel/device/dynamics.hpp"
+#include "enamel/device/tau/dynamics.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 namespace enamel {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 // of link 1, turning about the base, of link 2, carried by the knee, and of the rotors at a and b.
 class ChainDynamics {
  public:
-  ChainDynamics(const DeviceModel& model, const ChainModel& chain, const ChainConfiguration& c) noexcept
+  ChainDynamics(const TauModel& model, const ChainModel& chain, const ChainConfiguration& c) noexcept
       : model_(model), m_(chain), c_(c) {
     inverseRadius_ = 1.0 / c.radius;
     const double inverse1 = 1.0 / (chain.length1 * c.sinElbow), inverse2 = -1.0 / (chain.length2 * c.sinElbow);
@@ -119,7 +119,7 @@ class ChainDynamics {
  private:
   double cosElbow() const noexcept { return c_.cosLink2 * c_.cosLift + c_.sinLink2 * c_.sinLift; }
 
-  const DeviceModel& model_;
+  const TauModel& model_;
   const ChainModel& m_;
   const ChainConfiguration& c_;
   double inverseRadius_, liftU_, liftY_, link2U_, link2Y_;  // the rows of rates()
@@ -132,7 +132,7 @@ struct PlatformInertia {
   Mat3 inertia;
 };
 
-PlatformInertia platformInertia(const DeviceModel& model, const Mat3& rotation) noexcept {
+PlatformInertia platformInertia(const TauModel& model, const Mat3& rotation) noexcept {
   const Mat3 half = rotation.lazyProduct(model.platformInertia);
   return {model.platformMass, rotation * model.platformMoment, half.lazyProduct(rotation.transpose())};
 }
@@ -166,7 +166,7 @@ void addWrench(const Vec3& force, const Vec3& arm, Vec6& wrench) noexcept {
 
 // Wrench at the TCP that balances gravity and the velocity terms, plus Lambda where asked for.
 template <bool withGravity, bool withVelocity, bool withInertia>
-void assemble(const DeviceModel& model, const Configuration& configuration, const Vec6& twist, const Vec6& torque,
+void assemble(const TauModel& model, const TauConfiguration& configuration, const Vec6& twist, const Vec6& torque,
               Vec6& wrench, Mat6& lambda) noexcept {
   const PlatformInertia platform = platformInertia(model, configuration.pose.rotation);
   const Vec3 v = twist.head<3>(), omega = twist.tail<3>();
@@ -236,7 +236,7 @@ Vec6 solvePositiveDefinite(const Mat6& m, const Vec6& b) noexcept {
 
 }  // namespace
 
-Mat6 taskInertia(const DeviceModel& model, const Configuration& configuration) noexcept {
+Mat6 taskInertia(const TauModel& model, const TauConfiguration& configuration) noexcept {
   Mat6 lambda;
   setPlatform(platformInertia(model, configuration.pose.rotation), lambda);
   for (int i = 0; i < 3; ++i) {
@@ -247,33 +247,40 @@ Mat6 taskInertia(const DeviceModel& model, const Configuration& configuration) n
   return lambda;
 }
 
-Mat6 massMatrix(const DeviceModel& model, const Configuration& configuration) noexcept {
-  const Mat6 j = jacobian(model, configuration);
-  const Mat6 half = taskInertia(model, configuration).lazyProduct(j);
-  Mat6 m = j.transpose().lazyProduct(half);
+Mat6 massMatrix(const TauModel& model, const TauConfiguration& configuration, const Mat6& jacobian) noexcept {
+  const Mat6 half = taskInertia(model, configuration).lazyProduct(jacobian);
+  Mat6 m = jacobian.transpose().lazyProduct(half);
   mirror(m);
   return m;
 }
 
-Vec6 gravityTorque(const DeviceModel& model, const Configuration& configuration) noexcept {
+Mat6 massMatrix(const TauModel& model, const TauConfiguration& configuration) noexcept {
+  return massMatrix(model, configuration, jacobian(model, configuration));
+}
+
+Vec6 gravityTorque(const TauModel& model, const TauConfiguration& configuration) noexcept {
   return staticTorque(model, configuration, Vec6::Zero());
 }
 
-Vec6 staticTorque(const DeviceModel& model, const Configuration& configuration, const Vec6& wrench) noexcept {
+Vec6 gravityWrench(const TauModel& model, const TauConfiguration& configuration) noexcept {
   Vec6 gravity;
   Mat6 unused;
   assemble<true, false, false>(model, configuration, Vec6::Zero(), Vec6::Zero(), gravity, unused);
-  return jacobian(model, configuration).transpose() * (gravity + wrench);
+  return gravity;
 }
 
-Vec6 biasTorque(const DeviceModel& model, const Configuration& configuration, const Vec6& twist) noexcept {
+Vec6 staticTorque(const TauModel& model, const TauConfiguration& configuration, const Vec6& wrench) noexcept {
+  return jacobian(model, configuration).transpose() * (gravityWrench(model, configuration) + wrench);
+}
+
+Vec6 biasTorque(const TauModel& model, const TauConfiguration& configuration, const Vec6& twist) noexcept {
   Vec6 wrench;
   Mat6 unused;
   assemble<false, true, false>(model, configuration, twist, Vec6::Zero(), wrench, unused);
   return jacobian(model, configuration).transpose() * wrench;
 }
 
-Vec6 forwardDynamics(const DeviceModel& model, const Configuration& configuration, const Vec6& twist,
+Vec6 forwardDynamics(const TauModel& model, const TauConfiguration& configuration, const Vec6& twist,
                      const Vec6& torque, const Vec6& wrench) noexcept {
   Vec6 opposing;
   Mat6 lambda;
@@ -281,7 +288,7 @@ Vec6 forwardDynamics(const DeviceModel& model, const Configuration& configuratio
   return solvePositiveDefinite(lambda, wrench - opposing);
 }
 
-Vec6 inverseDynamics(const DeviceModel& model, const Configuration& configuration, const Vec6& twist,
+Vec6 inverseDynamics(const TauModel& model, const TauConfiguration& configuration, const Vec6& twist,
                      const Vec6& acceleration, const Vec6& wrench) noexcept {
   Vec6 opposing;
   Mat6 lambda;
@@ -289,7 +296,7 @@ Vec6 inverseDynamics(const DeviceModel& model, const Configuration& configuratio
   return jacobian(model, configuration).transpose() * (lambda * acceleration + opposing - wrench);
 }
 
-Vec6 jointAccelerations(const DeviceModel& model, const Configuration& configuration, const Vec6& twist,
+Vec6 jointAccelerations(const TauModel& model, const TauConfiguration& configuration, const Vec6& twist,
                         const Vec6& acceleration) noexcept {
   Vec6 result;
   const Vec3 v = twist.head<3>(), omega = twist.tail<3>();
@@ -306,11 +313,11 @@ Vec6 jointAccelerations(const DeviceModel& model, const Configuration& configura
   return result;
 }
 
-double kineticEnergy(const DeviceModel& model, const Configuration& configuration, const Vec6& twist) noexcept {
+double kineticEnergy(const TauModel& model, const TauConfiguration& configuration, const Vec6& twist) noexcept {
   return 0.5 * twist.dot(taskInertia(model, configuration) * twist);
 }
 
-double potentialEnergy(const DeviceModel& model, const Configuration& configuration) noexcept {
+double potentialEnergy(const TauModel& model, const TauConfiguration& configuration) noexcept {
   const Vec3 platform =
       model.platformMass * configuration.pose.position + configuration.pose.rotation * model.platformMoment;
   double energy = -model.gravity.dot(platform);
@@ -326,13 +333,6 @@ double potentialEnergy(const DeviceModel& model, const Configuration& configurat
     energy -= model.gravity.dot(ChainDynamics(model, m, c).toWorld(moment));
   }
   return energy;
-}
-
-double effectiveMass(const DeviceModel& model, const Configuration& configuration, const Vec3& point,
-                     const Vec3& direction) noexcept {
-  Vec6 n;
-  n << direction, (point - configuration.pose.position).cross(direction);
-  return 1.0 / n.dot(solvePositiveDefinite(taskInertia(model, configuration), n));
 }
 
 }  // namespace enamel

@@ -1,4 +1,4 @@
-#include "enamel/device/kinematics.hpp"
+#include "enamel/device/tau/kinematics.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -20,12 +20,12 @@ Vec3 elevated(const ChainConfiguration& c, double cosine, double sine) noexcept 
 
 Vec3 link2Direction(const ChainConfiguration& c) noexcept { return elevated(c, c.cosLink2, c.sinLink2); }
 
-std::array<Vec3, 3> sidesOf(const Configuration& configuration) noexcept {
+std::array<Vec3, 3> sidesOf(const TauConfiguration& configuration) noexcept {
   const auto& c = configuration.chain;
   return {c[0].tip - c[1].tip, c[1].tip - c[2].tip, c[2].tip - c[0].tip};
 }
 
-std::array<Vec3, 3> slopesOf(const DeviceModel& model, const Configuration& configuration) noexcept {
+std::array<Vec3, 3> slopesOf(const TauModel& model, const TauConfiguration& configuration) noexcept {
   return {tipPerElevation(model.chain[0], configuration.chain[0]),
           tipPerElevation(model.chain[1], configuration.chain[1]),
           tipPerElevation(model.chain[2], configuration.chain[2])};
@@ -46,7 +46,7 @@ struct Elevations {
   std::array<double, 3> cosine, sine;
 };
 
-Knees kneesAt(const DeviceModel& model, const Vec6& q) noexcept {
+Knees kneesAt(const TauModel& model, const Vec6& q) noexcept {
   Knees k;
   for (int i = 0; i < 3; ++i) {
     k.sinYaw[i] = std::sin(q[2 * i]);
@@ -62,7 +62,7 @@ Knees kneesAt(const DeviceModel& model, const Vec6& q) noexcept {
 
 // Directions from the knees to the tips of a start, projected onto the legs' planes; false where a tip would have to
 // move by more than kNearShare of link 2 to get there: that is no near start.
-bool project(const DeviceModel& model, const Knees& knees, const Configuration& start, Elevations& e) noexcept {
+bool project(const TauModel& model, const Knees& knees, const TauConfiguration& start, Elevations& e) noexcept {
   bool near = true;
   for (int i = 0; i < 3; ++i) {
     const double length = model.chain[i].length2;
@@ -98,7 +98,7 @@ struct Loop {
   double determinant;
 };
 
-Loop evaluate(const DeviceModel& model, const Knees& knees, const Elevations& e) noexcept {
+Loop evaluate(const TauModel& model, const Knees& knees, const Elevations& e) noexcept {
   Loop loop;
   for (int i = 0; i < 3; ++i) {
     const double l2 = model.chain[i].length2;
@@ -149,7 +149,7 @@ struct Solution {
 };
 
 // Iterates from `e`, as long as the steps contract and the determinant keeps `sign`.
-Solution iterate(const DeviceModel& model, const Knees& knees, double smallestDeterminant, double largestFirst,
+Solution iterate(const TauModel& model, const Knees& knees, double smallestDeterminant, double largestFirst,
                  Elevations& e) noexcept {
   Solution solution;
   double limit = largestFirst;
@@ -179,7 +179,7 @@ bool sameSide(double determinant, double other) noexcept {
 }
 
 // Whether the elbows have the signs of the home branch and the tips stand before their yaw axes.
-bool chainsOnBranch(const DeviceModel& model, const Knees& knees, const Elevations& e) noexcept {
+bool chainsOnBranch(const TauModel& model, const Knees& knees, const Elevations& e) noexcept {
   for (int i = 0; i < 3; ++i) {
     const ChainModel& chain = model.chain[i];
     const double sinElbow = e.sine[i] * knees.cosLift[i] - e.cosine[i] * knees.sinLift[i];
@@ -191,7 +191,7 @@ bool chainsOnBranch(const DeviceModel& model, const Knees& knees, const Elevatio
 }
 
 // Fills the configuration from a solution and returns its residual, m.
-double fill(const DeviceModel& model, const Knees& knees, const Elevations& e, Configuration& configuration) noexcept {
+double fill(const TauModel& model, const Knees& knees, const Elevations& e, TauConfiguration& configuration) noexcept {
   for (int i = 0; i < 3; ++i) {
     const ChainModel& chain = model.chain[i];
     ChainConfiguration& c = configuration.chain[i];
@@ -223,7 +223,7 @@ double fill(const DeviceModel& model, const Knees& knees, const Elevations& e, C
 }
 
 // A necessary condition: the knees are close enough for the tips' distances.
-bool tipsCanMeet(const DeviceModel& model, const Knees& knees) noexcept {
+bool tipsCanMeet(const TauModel& model, const Knees& knees) noexcept {
   for (int k = 0; k < 3; ++k) {
     const int j = (k + 1) % 3;
     const double reach = model.chain[k].length2 + model.chain[j].length2 + model.side[k];
@@ -236,9 +236,9 @@ double wrapped(double angle) noexcept { return std::remainder(angle, 2.0 * kPi);
 
 }  // namespace
 
-Status configure(const DeviceModel& model, const Pose& pose, Configuration& configuration) noexcept {
+Status inverseKinematics(const TauModel& model, const Pose& pose, TauConfiguration& configuration) noexcept {
   if (!pose.position.allFinite() || !pose.rotation.allFinite()) return Status::notFinite;
-  Configuration result;
+  TauConfiguration result;
   result.pose = pose;
   for (int i = 0; i < 3; ++i) {
     const ChainModel& chain = model.chain[i];
@@ -272,7 +272,7 @@ Status configure(const DeviceModel& model, const Pose& pose, Configuration& conf
   return Status::ok;
 }
 
-Vec6 jointAngles(const Configuration& configuration) noexcept {
+Vec6 jointAngles(const TauConfiguration& configuration) noexcept {
   Vec6 q;
   for (int i = 0; i < 3; ++i) {
     const ChainConfiguration& c = configuration.chain[i];
@@ -282,7 +282,7 @@ Vec6 jointAngles(const Configuration& configuration) noexcept {
   return q;
 }
 
-Vec3 elbowAngles(const Configuration& configuration) noexcept {
+Vec3 elbowAngles(const TauConfiguration& configuration) noexcept {
   Vec3 elbow;
   for (int i = 0; i < 3; ++i) {
     const ChainConfiguration& c = configuration.chain[i];
@@ -291,15 +291,15 @@ Vec3 elbowAngles(const Configuration& configuration) noexcept {
   return elbow;
 }
 
-Status inverseKinematics(const DeviceModel& model, const Pose& pose, Vec6& q) noexcept {
-  Configuration configuration;
-  const Status status = configure(model, pose, configuration);
+Status inverseKinematics(const TauModel& model, const Pose& pose, Vec6& q) noexcept {
+  TauConfiguration configuration;
+  const Status status = inverseKinematics(model, pose, configuration);
   if (status == Status::ok) q = jointAngles(configuration);
   return status;
 }
 
-ForwardKinematicsReport forwardKinematics(const DeviceModel& model, const Vec6& q,
-                                          Configuration& configuration) noexcept {
+ForwardKinematicsReport forwardKinematics(const TauModel& model, const Vec6& q,
+                                          TauConfiguration& configuration) noexcept {
   if (!q.allFinite()) return {Status::notFinite, 0, 0.0};
   const Knees knees = kneesAt(model, q);
   Elevations e;
@@ -314,8 +314,8 @@ ForwardKinematicsReport forwardKinematics(const DeviceModel& model, const Vec6& 
   return report;
 }
 
-ForwardKinematicsReport forwardKinematicsFromHome(const DeviceModel& model, const Vec6& q,
-                                                  Configuration& configuration) noexcept {
+ForwardKinematicsReport forwardKinematicsFromHome(const TauModel& model, const Vec6& q,
+                                                  TauConfiguration& configuration) noexcept {
   if (!q.allFinite()) return {Status::notFinite, 0, 0.0};
   const Knees target = kneesAt(model, q);
   if (!tipsCanMeet(model, target)) return {Status::unreachable, 0, 0.0};
@@ -325,7 +325,7 @@ ForwardKinematicsReport forwardKinematicsFromHome(const DeviceModel& model, cons
   const double smallest = kSingular * loopScale(model);
   const double length = way.cwiseAbs().maxCoeff();
 
-  Configuration current = model.home;
+  TauConfiguration current = model.home;
   Vec3 tangent = Vec3::Zero();  // of the elevations along the way, for the whole way; zero before the first step
   double done = 0.0;            // share of the way behind us
   double share = length > 0.0 ? std::min(1.0, 0.05 / length) : 1.0;
@@ -396,7 +396,11 @@ RateRows rateRows(const ChainModel& chain, const ChainConfiguration& c) noexcept
 
 }  // namespace
 
-Mat6 inverseJacobian(const DeviceModel& model, const Configuration& configuration) noexcept {
+Vec3 kneePoint(const ChainModel& chain, const ChainConfiguration& configuration) noexcept {
+  return chain.base + chain.length1 * elevated(configuration, configuration.cosLift, configuration.sinLift);
+}
+
+Mat6 inverseJacobian(const TauModel& model, const TauConfiguration& configuration) noexcept {
   Mat6 inverse;
   for (int i = 0; i < 3; ++i) {
     const ChainConfiguration& c = configuration.chain[i];
@@ -407,7 +411,7 @@ Mat6 inverseJacobian(const DeviceModel& model, const Configuration& configuratio
   return inverse;
 }
 
-Vec6 jointRates(const DeviceModel& model, const Configuration& configuration, const Vec6& twist) noexcept {
+Vec6 jointRates(const TauModel& model, const TauConfiguration& configuration, const Vec6& twist) noexcept {
   Vec6 rates;
   for (int i = 0; i < 3; ++i) {
     const ChainConfiguration& c = configuration.chain[i];
@@ -419,7 +423,7 @@ Vec6 jointRates(const DeviceModel& model, const Configuration& configuration, co
   return rates;
 }
 
-Vec6 wrenchFromTorques(const DeviceModel& model, const Configuration& configuration, const Vec6& torque) noexcept {
+Vec6 wrenchFromTorques(const TauModel& model, const TauConfiguration& configuration, const Vec6& torque) noexcept {
   Vec6 wrench = Vec6::Zero();
   for (int i = 0; i < 3; ++i) {
     const ChainConfiguration& c = configuration.chain[i];
@@ -437,7 +441,7 @@ namespace {
 // elevations' rates from the loop equations, then the rigid motion of the three tips.
 class TwistMap {
  public:
-  TwistMap(const DeviceModel& model, const Configuration& configuration) noexcept
+  TwistMap(const TauModel& model, const TauConfiguration& configuration) noexcept
       : slopes_(slopesOf(model, configuration)),
         sides_(sidesOf(configuration)),
         matrix_(loopMatrix(sides_, slopes_)),
@@ -484,7 +488,7 @@ Vec3 tipPerLift(const ChainModel& chain, const ChainConfiguration& c) noexcept {
 
 }  // namespace
 
-Vec6 twistFromRates(const DeviceModel& model, const Configuration& configuration, const Vec6& rates) noexcept {
+Vec6 twistFromRates(const TauModel& model, const TauConfiguration& configuration, const Vec6& rates) noexcept {
   std::array<Vec3, 3> velocity;
   for (int i = 0; i < 3; ++i) {
     const ChainConfiguration& c = configuration.chain[i];
@@ -493,7 +497,7 @@ Vec6 twistFromRates(const DeviceModel& model, const Configuration& configuration
   return TwistMap(model, configuration).twist(velocity);
 }
 
-Mat6 jacobian(const DeviceModel& model, const Configuration& configuration) noexcept {
+Mat6 jacobian(const TauModel& model, const TauConfiguration& configuration) noexcept {
   const TwistMap map(model, configuration);
   Mat6 j;
   for (int i = 0; i < 3; ++i) {
@@ -508,11 +512,11 @@ Mat6 jacobian(const DeviceModel& model, const Configuration& configuration) noex
 
 // ---- singularities ---------------------------------------------------------------------------------------------
 
-double loopMeasure(const DeviceModel& model, const Configuration& configuration) noexcept {
+double loopMeasure(const TauModel& model, const TauConfiguration& configuration) noexcept {
   return loopMatrix(sidesOf(configuration), slopesOf(model, configuration)).determinant() / loopScale(model);
 }
 
-SingularityMeasures singularity(const DeviceModel& model, const Configuration& configuration) noexcept {
+SingularityMeasures singularity(const TauModel& model, const TauConfiguration& configuration) noexcept {
   SingularityMeasures measures{1.0, 1.0, std::abs(loopMeasure(model, configuration))};
   for (int i = 0; i < 3; ++i) {
     const ChainModel& chain = model.chain[i];

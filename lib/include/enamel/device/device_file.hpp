@@ -1,0 +1,38 @@
+// Devices of any kind: their parameters, their TOML files, and the mechanisms made from them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "enamel/device/mechanism.hpp"
+#include "enamel/device/tau/parameters.hpp"
+
+namespace enamel {
+
+/// Parameters of a device, by its kind.
+using DeviceParameters = std::variant<TauParameters>;
+
+/// Reads a device file. Its `kind` says which: "tau" (also where it is absent).
+/// Throws ConfigurationError, with file, line, key, value and limit: a file that cannot be read, malformed TOML, unknown
+/// or missing keys, wrong types, values out of their range, an inertia tensor that no body can have, and a chain that
+/// cannot close at the home pose. Realtime: no.
+DeviceParameters loadDevice(const std::string& path);
+
+/// The same for text in memory; `file` stands in messages.
+DeviceParameters parseDevice(std::string_view text, const std::string& file);
+
+/// Checks the parameters as loadDevice() does and makes the mechanism. Throws ConfigurationError; also where home is a
+/// singularity or its mass matrix not positive definite. Realtime: no.
+std::shared_ptr<const Mechanism> makeMechanism(const DeviceParameters& parameters);
+
+const std::string& nameOf(const DeviceParameters& parameters) noexcept;
+
+/// More viscous damping of the TCP's twist (axes of W, N s/m, N m s/rad), more viscous friction of every driven joint
+/// (N m s/rad), more mass at the platform's centre of mass (kg). Realtime: no.
+void addDamping(DeviceParameters& parameters, const Vec6& damping);
+void addFriction(DeviceParameters& parameters, double friction);
+void addMass(DeviceParameters& parameters, double mass);
+
+}  // namespace enamel

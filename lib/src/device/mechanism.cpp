@@ -1,0 +1,60 @@
+#include "enamel/device/mechanism.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "enamel/core/error.hpp"
+
+namespace enamel {
+
+// Column by column: no order of summation depends on where a vector lies in memory.
+
+Vec6 twistOf(const Jacobian& jacobian, const JointVector& rates) noexcept {
+  Vec6 twist = Vec6::Zero();
+  for (int i = 0; i < jacobian.cols(); ++i) twist += jacobian.col(i) * rates[i];
+  return twist;
+}
+
+JointVector torqueOf(const Jacobian& jacobian, const Vec6& wrench) noexcept {
+  JointVector torque(jacobian.cols());
+  for (int i = 0; i < jacobian.cols(); ++i) torque[i] = jacobian.col(i).dot(wrench);
+  return torque;
+}
+
+Vec6 wrenchOf(const Kinematics& kinematics, const JointVector& torque) noexcept {
+  return twistOf(kinematics.inverseTransposed, torque);
+}
+
+double effectiveMass(const Kinematics& kinematics, const Vec3& point, const Vec3& direction) noexcept {
+  Vec6 push;
+  push << direction, (point - kinematics.pose.position).cross(direction);
+  const JointVector b = torqueOf(kinematics.jacobian, push);
+  return 1.0 / b.dot(kinematics.inertia.llt().solve(b));
+}
+
+double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, const Vec3& direction) noexcept {
+  Vec6 push;
+  push << direction, Vec3::Zero();
+  const JointVector torquePerForce = torqueOf(kinematics.jacobian, push);
+  double force = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < torquePerForce.size(); ++i) {
+    const double left = maxTorque[i] - std::copysign(1.0, torquePerForce[i]) * kinematics.gravity[i];
+    if (torquePerForce[i] != 0.0) force = std::min(force, left / std::abs(torquePerForce[i]));
+  }
+  return force;
+}
+
+void Mechanism::setHome() {
+  const auto refuse = [this](const std::string& problem) {
+    throw ConfigurationError("device \"" + name_ + "\"", 0, "", problem);
+  };
+  const Status status = reach(Pose{}, Vec6::Zero(), true, home_);
+  if (status != Status::ok) refuse(std::string("the home pose is ") + toString(status));
+  if (home_.inertia.llt().info() != Eigen::Success)
+    refuse("the mass matrix at home is not positive definite: give the platform or the links more inertia");
+}
+
+}  // namespace enamel

@@ -1,0 +1,83 @@
+#include "device/read.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "core/message.hpp"
+
+namespace enamel {
+
+std::string formatVector(const Vec3& v) {
+  return "[" + formatNumber(v.x()) + ", " + formatNumber(v.y()) + ", " + formatNumber(v.z()) + "]";
+}
+
+void requirePositive(double value, const std::string& key, const std::string& unit, const Fail& fail) {
+  if (!(value > 0.0 && std::isfinite(value)))
+    fail(key, "is " + formatNumber(value) + ", must be greater than 0 " + unit + " and finite");
+}
+
+void requireNotNegative(double value, const std::string& key, const std::string& unit, const Fail& fail) {
+  if (!(value >= 0.0 && std::isfinite(value)))
+    fail(key, "is " + formatNumber(value) + ", must be at least 0 " + unit + " and finite");
+}
+
+void checkInertia(const Mat3& inertia, const std::string& key, const Fail& fail) {
+  if (!inertia.allFinite()) return fail(key, "must be finite");
+  const double scale = inertia.cwiseAbs().maxCoeff();
+  const double tolerance = 1e-9 * scale;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    if (std::abs(inertia(i, j) - inertia(j, i)) > tolerance)
+      fail(key, "is not symmetric: element (" + std::to_string(i) + "," + std::to_string(j) + ") is " +
+                    formatNumber(inertia(i, j)) + " and (" + std::to_string(j) + "," + std::to_string(i) + ") is " +
+                    formatNumber(inertia(j, i)) + " kg m^2");
+  }
+  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  if (moments[0] < -tolerance)
+    fail(key, "has the principal moment " + formatNumber(moments[0]) + ", must be at least 0 kg m^2");
+  if (moments[2] > moments[0] + moments[1] + tolerance)
+    fail(key, "is that of no body: the largest principal moment " + formatNumber(moments[2]) +
+                  " exceeds the sum of the others, " + formatNumber(moments[0] + moments[1]) + " kg m^2");
+}
+
+void checkPlatform(const PlatformParameters& platform, const Fail& fail) {
+  requirePositive(platform.mass, "platform.mass", "kg", fail);
+  if (!platform.com.allFinite()) fail("platform.com", "must be finite");
+  checkInertia(platform.inertia, "platform.inertia", fail);
+  for (int i = 0; i < 6; ++i)
+    requireNotNegative(platform.damping[i], "platform.damping[" + std::to_string(i) + "]",
+                       i < 3 ? "N s/m" : "N m s/rad", fail);
+}
+
+void checkMotor(const MotorParameters& motor, const Fail& fail) {
+  requirePositive(motor.maxTorque, "motor.max_torque", "N m", fail);
+  requireNotNegative(motor.rotorInertia, "motor.rotor_inertia", "kg m^2", fail);
+  requirePositive(motor.encoderCounts, "motor.encoder_counts", "per revolution", fail);
+  requireNotNegative(motor.viscousFriction, "motor.viscous_friction", "N m s/rad", fail);
+}
+
+std::string kindOf(TomlTable& root) { return root.has("kind") ? root.text("kind") : "tau"; }
+
+PlatformParameters readPlatform(TomlTable& root) {
+  TomlTable table = root.table("platform");
+  PlatformParameters platform;
+  platform.mass = table.number("mass");
+  platform.com = table.vector3("com");
+  platform.inertia = table.matrix3("inertia");
+  if (table.has("damping")) platform.damping = table.vector6("damping");
+  table.finish();
+  return platform;
+}
+
+MotorParameters readMotor(TomlTable& root) {
+  TomlTable table = root.table("motor");
+  MotorParameters motor;
+  motor.maxTorque = table.number("max_torque");
+  motor.rotorInertia = table.number("rotor_inertia");
+  motor.encoderCounts = table.number("encoder_counts");
+  if (table.has("viscous_friction")) motor.viscousFriction = table.number("viscous_friction");
+  table.finish();
+  return motor;
+}
+
+}  // namespace enamel
