@@ -7,28 +7,25 @@ namespace {
 const EnamelParameter kParameters[] = {
     {"stiffness", "6000", "of the wall, N/m"},
     {"damping", "0", "of the wall, N s/m"},
-    {"device-damping", "4", "mechanical damping of the device that eq. 16 counts on, N s/m"},
 };
 
 class Impedance {
  public:
   static const EnamelDescription& describe() noexcept {
-    static const EnamelDescription description = {"impedance", "0.1.0", "A wall as a spring and damper (penalty force)",
+    static const EnamelDescription description = {"impedance", "0.2.0", "A wall as a spring and damper (penalty force)",
                                                   kParameters, std::size(kParameters)};
     return description;
   }
 
   explicit Impedance(const enamel::PluginConfiguration& configuration)
-      : model_(enamel::makeModel(configuration.device())),
-        options_{configuration.number("stiffness", 0.0, 1e7, "N/m"), configuration.number("damping", 0.0, 1e5, "N s/m"),
-                 configuration.number("device-damping", 0.0, 1e5, "N s/m")} {}
+      : options_{configuration.number("stiffness", 0.0, 1e7, "N/m"),
+                 configuration.number("damping", 0.0, 1e5, "N s/m")} {}
 
   std::unique_ptr<enamel::Renderer> activate(double) const {
-    return std::make_unique<enamel::ImpedanceRenderer>(model_, options_);
+    return std::make_unique<enamel::ImpedanceRenderer>(options_);
   }
 
  private:
-  enamel::TauModel model_;
   enamel::ImpedanceOptions options_;
 };
 

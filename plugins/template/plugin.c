@@ -1,6 +1,6 @@
-/* A renderer plugin in plain C, to copy: it holds the joints where the tool first touched, with a spring and a damper in
- * every joint. It knows no kinematics, so it neither balances gravity nor reports the wall's force; see ../impedance for
- * a plugin that does, and ../AUTHORS.md for the contract.
+/* A renderer plugin in plain C, to copy: a wall that pushes the tool out with a spring and a damper along each contact's
+ * normal. It answers the wrench on the tool; the host balances gravity and turns it into joint torques, so it runs on any
+ * mechanism. ../AUTHORS.md has the contract.
  *
  * Build it with the installed package:  find_package(Enamel REQUIRED)  enamel_add_plugin(my_wall plugin.c)
  */
@@ -13,23 +13,22 @@
 /* ---- what it is ---- */
 
 static const EnamelParameter kParameters[] = {
-    {"stiffness", "40", "of every joint, N m/rad"},
-    {"damping", "0.4", "of every joint, N m s/rad"},
+    {"stiffness", "2000", "of the wall, N/m"},
+    {"damping", "2", "of the wall against the tool moving in, N s/m"},
 };
 
 static const EnamelDescription kDescription = {
-    "template", "0.1.0", "Holds the joints where the tool first touched, by springs: a template for your own",
+    "template", "0.2.0", "A spring and a damper along every contact's normal: a template for your own",
     kParameters, sizeof kParameters / sizeof kParameters[0]};
 
 static const EnamelDescription* describe(void) { return &kDescription; }
 
 /* ---- an instance ---- */
 
-/* Everything that changes from tick to tick, in one block: save, load and compare are then copies of bytes. */
+/* Everything that changes from tick to tick, in one block without padding: save, load and compare are then copies of
+ * bytes. */
 typedef struct State {
-  double last_time;    /* s */
-  double reference[6]; /* joint angles at first touch, rad */
-  int64_t holding;     /* 64 bits: no padding, so equal states have equal bytes */
+  double last_time; /* s */
 } State;
 
 typedef struct Wall {
@@ -65,11 +64,11 @@ static int32_t configure(void* self, const EnamelConfiguration* configuration, E
   for (i = 0; i < configuration->parameter_count; ++i) {
     const EnamelParameter* given = &configuration->parameters[i];
     if (strcmp(given->key, "stiffness") == 0) {
-      if (!read_number(given, 0.0, 1e4, &stiffness))
-        return refuse(message, ENAMEL_BAD_CONFIGURATION, "stiffness must be in 0 to 10000 N m/rad, is ", given->value);
+      if (!read_number(given, 0.0, 1e7, &stiffness))
+        return refuse(message, ENAMEL_BAD_CONFIGURATION, "stiffness must be in 0 to 1e7 N/m, is ", given->value);
     } else if (strcmp(given->key, "damping") == 0) {
-      if (!read_number(given, 0.0, 100.0, &damping))
-        return refuse(message, ENAMEL_BAD_CONFIGURATION, "damping must be in 0 to 100 N m s/rad, is ", given->value);
+      if (!read_number(given, 0.0, 1e5, &damping))
+        return refuse(message, ENAMEL_BAD_CONFIGURATION, "damping must be in 0 to 1e5 N s/m, is ", given->value);
     } else {
       return refuse(message, ENAMEL_BAD_CONFIGURATION, "unknown parameter: ", given->key);
     }
@@ -101,45 +100,71 @@ static void deactivate(void* self) { ((Wall*)self)->active = 0; }
 
 /* ---- tick: no allocation, no lock, no file ---- */
 
+/* Finite, and no larger than a device can make it. */
+static int32_t check_numbers(const double* values, int count, double limit) {
+  int i;
+  for (i = 0; i < count; ++i)
+    if (!isfinite(values[i])) return ENAMEL_NOT_FINITE;
+  for (i = 0; i < count; ++i)
+    if (fabs(values[i]) > limit) return ENAMEL_OUT_OF_RANGE;
+  return ENAMEL_OK;
+}
+
 static int32_t check(const Wall* wall, const EnamelTickInput* input) {
+  int32_t result;
   int i;
   if (!wall->active) return ENAMEL_INACTIVE;
-  if (!isfinite(input->time) || !isfinite(input->max_torque)) return ENAMEL_NOT_FINITE;
-  for (i = 0; i < 6; ++i)
-    if (!isfinite(input->q[i]) || !isfinite(input->rates[i])) return ENAMEL_NOT_FINITE;
-  for (i = 0; i < 6; ++i)
-    if (fabs(input->q[i]) > 1e3 || fabs(input->rates[i]) > 1e3) return ENAMEL_OUT_OF_RANGE;
-  if (input->max_torque < 0.0 || input->contact_count < 0 || input->contact_count > ENAMEL_MAX_CONTACTS)
+  if (!isfinite(input->time)) return ENAMEL_NOT_FINITE;
+  if (input->joint_count < 1 || input->joint_count > ENAMEL_MAX_JOINTS || input->contact_count < 0 ||
+      input->contact_count > ENAMEL_MAX_CONTACTS)
     return ENAMEL_OUT_OF_RANGE;
-  if (input->contact_count > 0 && !isfinite(input->contacts[0].gap)) return ENAMEL_NOT_FINITE;
+  if ((result = check_numbers(input->q, input->joint_count, 1e3)) != ENAMEL_OK) return result;
+  if ((result = check_numbers(input->position, 3, 10.0)) != ENAMEL_OK) return result;
+  if ((result = check_numbers(input->twist, 6, 1e3)) != ENAMEL_OK) return result;
+  for (i = 0; i < input->contact_count; ++i) {
+    const EnamelContact* contact = &input->contacts[i];
+    if ((result = check_numbers(&contact->gap, 1, 100.0)) != ENAMEL_OK) return result;
+    if ((result = check_numbers(contact->point, 3, 10.0)) != ENAMEL_OK) return result;
+    if ((result = check_numbers(contact->normal, 3, 1.001)) != ENAMEL_OK) return result;
+    if ((result = check_numbers(contact->obstacle_velocity, 3, 100.0)) != ENAMEL_OK) return result;
+  }
   return input->time > wall->state.last_time ? ENAMEL_OK : ENAMEL_STALE;
+}
+
+static double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void cross(const double* a, const double* b, double* result) {
+  result[0] = a[1] * b[2] - a[2] * b[1];
+  result[1] = a[2] * b[0] - a[0] * b[2];
+  result[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 static int32_t step(void* self, const EnamelTickInput* input, EnamelTickOutput* output) {
   Wall* wall = self;
   const int32_t result = check(wall, input);
-  int i;
+  int i, k;
   memset(output, 0, sizeof *output);
   output->mode = ENAMEL_FAULT;
   if (result != ENAMEL_OK) return result;
 
   wall->state.last_time = input->time;
   output->mode = ENAMEL_FREE;
-  if (input->contact_count == 0 || input->contacts[0].gap > 0.0) {
-    wall->state.holding = 0;
-    memset(wall->state.reference, 0, sizeof wall->state.reference);
-    return ENAMEL_OK;
-  }
-  if (!wall->state.holding) {
-    wall->state.holding = 1;
-    memcpy(wall->state.reference, input->q, sizeof wall->state.reference);
-  }
-  output->mode = ENAMEL_CONTACT;
-  for (i = 0; i < 6; ++i) {
-    const double wanted =
-        -wall->stiffness * (input->q[i] - wall->state.reference[i]) - wall->damping * input->rates[i];
-    output->torque[i] = fmax(-input->max_torque, fmin(input->max_torque, wanted));
-    if (output->torque[i] != wanted) output->saturated = 1;
+  output->answer = ENAMEL_WRENCH;
+  for (i = 0; i < input->contact_count && input->contacts[i].gap < 0.0; ++i) { /* the deepest come first */
+    const EnamelContact* contact = &input->contacts[i];
+    double arm[3], spin[3], velocity[3], moment[3], force;
+    for (k = 0; k < 3; ++k) arm[k] = contact->point[k] - input->position[k];
+    cross(input->twist + 3, arm, spin);
+    for (k = 0; k < 3; ++k) velocity[k] = input->twist[k] + spin[k] - contact->obstacle_velocity[k];
+    force = -wall->stiffness * contact->gap - wall->damping * dot(contact->normal, velocity);
+    if (force < 0.0) force = 0.0; /* a wall does not pull */
+    cross(arm, contact->normal, moment);
+    for (k = 0; k < 3; ++k) {
+      output->wrench[k] += force * contact->normal[k];
+      output->wrench[k + 3] += force * moment[k];
+    }
+    if (i == 0) output->normal_force = force;
+    output->mode = ENAMEL_CONTACT;
   }
   return ENAMEL_OK;
 }
@@ -154,9 +179,22 @@ static void load_state(void* self, const void* state) { memcpy(&((Wall*)self)->s
 
 const EnamelPlugin* enamel_plugin(void) {
   static const EnamelPlugin table = {
-      ENAMEL_ABI_VERSION, sizeof(EnamelPlugin), sizeof(EnamelTickInput), sizeof(EnamelTickOutput),
-      describe,           create,               configure,               activate,
-      step,               reset,                deactivate,              destroy,
-      state_size,         save_state,           load_state};
+      ENAMEL_ABI_VERSION,
+      sizeof(EnamelPlugin),
+      sizeof(EnamelTickInput),
+      sizeof(EnamelTickOutput),
+      0, /* needs */
+      0, /* reserved */
+      describe,
+      create,
+      configure,
+      activate,
+      step,
+      reset,
+      deactivate,
+      destroy,
+      state_size,
+      save_state,
+      load_state};
   return &table;
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/message.hpp"
+#include "core/text_file.hpp"
 #include "core/toml.hpp"
 #include "enamel/collision/mesh_file.hpp"
 

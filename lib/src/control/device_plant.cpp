@@ -1,25 +1,16 @@
 #include "enamel/control/device_plant.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "enamel/core/error.hpp"
-#include "enamel/device/tau/dynamics.hpp"
-#include "enamel/device/tau/kinematics.hpp"
 
 namespace enamel {
 namespace {
 
 constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
-
-Mat3 rotationOf(const Vec3& rotationVector) {
-  const double angle = rotationVector.norm();
-  if (angle == 0.0) return Mat3::Identity();
-  return Eigen::AngleAxis<double>(angle, rotationVector / angle).toRotationMatrix();
-}
 
 // Derivative of the rotation vector v of R = exp(v) R0 at the angular velocity w (world axes):
 // v' = w - v x w / 2 + (1 - (a/2) cot(a/2)) / a^2 v x (v x w), a = |v| (Bortz 1971).
@@ -31,59 +22,63 @@ Vec3 rotationVectorRate(const Vec3& v, const Vec3& w) {
   return w - 0.5 * cross + c * v.cross(cross);
 }
 
-struct Motion {
-  TauConfiguration configuration;
-  Vec3 rotationVector;
-  Vec6 twist;
-};
-
 }  // namespace
 
-DevicePlant devicePlant(const TauModel& model, const Pose& pose) {
-  TauConfiguration operating;
-  if (const Status status = inverseKinematics(model, pose, operating); status != Status::ok)
+DevicePlant devicePlant(const std::shared_ptr<const Mechanism>& mechanism, const Pose& pose) {
+  const int n = mechanism->joints();
+  if (n != 3 && n != 6)
+    throw DesignError("device plant: the mechanism has " + std::to_string(n) + " joints, must have 3 or 6");
+  Kinematics operating;
+  if (const Status status = mechanism->reach(pose, Vec6::Zero(), true, operating); status != Status::ok)
     throw DesignError(std::string("device plant: the pose is ") + toString(status));
-  const auto motionOf = [model, pose](const Eigen::VectorXd& x, Motion& motion) {
-    motion.rotationVector = x.segment<3>(3);
-    motion.twist = x.tail<6>();
-    const Pose moved{x.head<3>(), rotationOf(motion.rotationVector) * pose.rotation};
-    return inverseKinematics(model, moved, motion.configuration) == Status::ok;
+  // Pose and twist of a state.
+  struct Motion {
+    Pose pose;
+    Vec3 rotationVector = Vec3::Zero();
+    Vec6 twist = Vec6::Zero();
+  };
+  const auto motionOf = [pose, n](const Eigen::VectorXd& x) {
+    Motion motion;
+    if (n == 6) motion.rotationVector = x.segment<3>(3);
+    motion.pose = {x.head<3>(), rotationFromVector(motion.rotationVector) * pose.rotation};
+    motion.twist.head(n) = x.tail(n);
+    return motion;
   };
   DevicePlant plant;
-  plant.angles = jointAngles(operating);
-  plant.jacobian = jacobian(model, operating);
-  plant.effectiveMass = effectiveMass(model, operating, pose.position, Vec3::UnitZ());
-  plant.x0 = Eigen::VectorXd::Zero(12);
+  plant.joints = operating.q;
+  plant.jacobian = operating.jacobian;
+  plant.effectiveMass = effectiveMass(operating, pose.position, Vec3::UnitZ());
+  plant.largestForce = largestForce(operating, mechanism->limits().torque, Vec3::UnitZ());
+  plant.x0 = Eigen::VectorXd::Zero(2 * n);
   plant.x0.head<3>() = pose.position;
-  plant.u0 = gravityTorque(model, operating);
-  plant.largestForce = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 6; ++i) {
-    const double torquePerForce = plant.jacobian(2, i),
-                 left = model.maxTorque - std::copysign(1.0, torquePerForce) * plant.u0[i];
-    if (torquePerForce != 0.0) plant.largestForce = std::min(plant.largestForce, left / std::abs(torquePerForce));
-  }
-  plant.f = [model, motionOf](const Eigen::VectorXd& x, const Eigen::VectorXd& u) {
-    Eigen::VectorXd rate = Eigen::VectorXd::Constant(12, kUndefined);
-    Motion m;
-    if (!motionOf(x, m)) return rate;
-    rate << m.twist.head<3>(), rotationVectorRate(m.rotationVector, m.twist.tail<3>()),
-        forwardDynamics(model, m.configuration, m.twist, Vec6(u), Vec6::Zero());
-    return rate;
+  plant.u0 = operating.gravity;
+  plant.f = [mechanism, motionOf, n](const Eigen::VectorXd& x, const Eigen::VectorXd& u) {
+    const Motion m = motionOf(x);
+    Vec6 acceleration;
+    if (mechanism->accelerate(m.pose, m.twist, u, Vec6::Zero(), acceleration) != Status::ok)
+      return Eigen::VectorXd(Eigen::VectorXd::Constant(2 * n, kUndefined));
+    Vec6 rate = m.twist;
+    rate.tail<3>() = rotationVectorRate(m.rotationVector, m.twist.tail<3>());
+    Eigen::VectorXd slope(2 * n);
+    slope << rate.head(n), acceleration.head(n);
+    return slope;
   };
-  plant.h = [model, motionOf, angles = plant.angles](const Eigen::VectorXd& x) {
-    Eigen::VectorXd y = Eigen::VectorXd::Constant(12, kUndefined);
-    Motion m;
-    if (!motionOf(x, m)) return y;
-    const Vec6 difference = jointAngles(m.configuration) - angles;
-    y << jointRates(model, m.configuration, m.twist),
-        difference.unaryExpr([](double angle) { return std::remainder(angle, 2.0 * M_PI); });
+  plant.h = [mechanism, motionOf, n, origin = plant.joints](const Eigen::VectorXd& x) {
+    const Motion m = motionOf(x);
+    Kinematics k;
+    if (mechanism->reach(m.pose, m.twist, false, k) != Status::ok)
+      return Eigen::VectorXd(Eigen::VectorXd::Constant(2 * n, kUndefined));
+    const Eigen::VectorXd moved = k.q - origin;  // angles come in (-pi, pi]; no joint in metres moves so far
+    Eigen::VectorXd y(2 * n);
+    y << k.rates, moved.unaryExpr([](double way) { return std::remainder(way, 2.0 * M_PI); });
     return y;
   };
   return plant;
 }
 
-ServoDesign designServo(const TauModel& model, const Pose& pose, double period, const ServoWeights& weights) {
-  const DevicePlant plant = devicePlant(model, pose);
+ServoDesign designServo(const std::shared_ptr<const Mechanism>& mechanism, const Pose& pose, double period,
+                        const ServoWeights& weights) {
+  const DevicePlant plant = devicePlant(mechanism, pose);
   return designServo(outputsAsStates(linearise(plant.f, plant.h, plant.x0, plant.u0)), period, weights);
 }
 

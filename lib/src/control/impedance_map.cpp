@@ -23,11 +23,7 @@ struct Range {
 
 }  // namespace
 
-double passiveDamping(const Wall& wall, double period) noexcept {
-  return 0.5 * wall.stiffness * period + std::abs(wall.damping);
-}
-
-bool isWallStable(const WallDevice& device, const Wall& wall, double seconds) {
+bool isWallStable(const WallDevice& device, const SpringWall& wall, double seconds) {
   for (const double value : {device.damping, wall.stiffness, wall.damping, seconds})
     if (!(value >= 0.0 && std::isfinite(value)))
       throw DesignError("wall: damping, stiffness and time must not be negative");
@@ -67,9 +63,8 @@ std::vector<WallStability> mapWallStability(const WallDevice& device, const std:
   for (const int delay : delays)
     for (const double damping : dampings)
       for (const double stiffness : stiffnesses) {
-        const Wall wall{stiffness, damping, delay};
-        const double needed = passiveDamping(wall, device.period);
-        map.push_back({wall, isWallStable(device, wall), needed, device.damping > needed});
+        const SpringWall wall{stiffness, damping, delay};
+        map.push_back({wall, isWallStable(device, wall)});
       }
   return map;
 }

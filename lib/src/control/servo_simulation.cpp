@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "enamel/control/first_impact.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -22,20 +24,28 @@ SampledPlant linearPlant(const ServoDesign& design, const MatrixXd& jacobian) {
 
 ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, const ServoExperiment& experiment) {
   const Index n = design.K.rows();
-  if (experiment.reference.size() != n || experiment.delay < 0 || experiment.ticks < 0)
-    throw DesignError("servo simulation: the reference needs one entry a joint; delay and ticks must not be negative");
+  const auto isVector = [n](const VectorXd& v) { return v.size() == 0 || v.size() == n; };
+  if (experiment.reference.size() != n || !isVector(experiment.encoderStep) || !isVector(experiment.maxTorque) ||
+      experiment.delay < 0 || experiment.ticks < 0)
+    throw DesignError(
+        "servo simulation: reference, encoder steps and torque limits need one entry a joint; delay and ticks must not "
+        "be "
+        "negative");
   ServoTrace trace{MatrixXd::Zero(2 * n, experiment.ticks + 1), MatrixXd::Zero(n, experiment.ticks)};
   VectorXd y = VectorXd::Zero(2 * n), state = VectorXd::Zero(3 * n), previous = VectorXd::Zero(n);
   for (int j = 0; j < experiment.ticks; ++j) {
     VectorXd q = y.tail(n), rate = y.head(n);
-    if (experiment.encoderStep > 0.0) {
-      q = experiment.encoderStep * (q / experiment.encoderStep).array().round();
+    if (experiment.encoderStep.size() > 0) {
+      q = experiment.encoderStep.array() * (q.array() / experiment.encoderStep.array()).round();
       rate = (q - previous) / design.period;
       previous = q;
     }
     state.head(n) = rate;
     state.segment(n, n) = q;
-    trace.torque.col(j) = (-design.K * state).cwiseMax(-experiment.maxTorque).cwiseMin(experiment.maxTorque);
+    VectorXd torque = -design.K * state;
+    if (experiment.maxTorque.size() > 0)
+      torque = torque.cwiseMax(-experiment.maxTorque).cwiseMin(experiment.maxTorque).eval();
+    trace.torque.col(j) = torque;
     state.tail(n) += design.period * (experiment.reference - q);
     const int acting = j - experiment.delay;
     y = plant(y, acting < 0 ? VectorXd(VectorXd::Zero(n)) : VectorXd(trace.torque.col(acting)), experiment.wrench);
@@ -44,12 +54,15 @@ ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, c
   return trace;
 }
 
-double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& normal, double force) {
+double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& normal, double force, double period) {
   const Index n = normal.size();
-  for (Index j = 1; j < trace.y.cols(); ++j) {
-    const double z = normal * trace.y.col(j).tail(n), rate = normal * trace.y.col(j).head(n);
-    const double before = normal * trace.y.col(j - 1).head(n);
-    if (z < 0.0 && before < 0.0 && rate >= 0.0) return -force / z;
+  FirstImpact impact;
+  double z = 0.0, rate = 0.0;
+  for (Index j = 0; j < trace.y.cols(); ++j) {
+    const double nextZ = normal * trace.y.col(j).tail(n), nextRate = normal * trace.y.col(j).head(n);
+    if (j > 0 && impact.add(z, rate, nextZ, nextRate, period)) return force / impact.depth();
+    z = nextZ;
+    rate = nextRate;
   }
   return std::numeric_limits<double>::quiet_NaN();
 }

@@ -44,8 +44,8 @@ std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const Ser
   experiment.delay = delay;
   experiment.maxTorque = problem.maxTorque;
   experiment.ticks = ticksOf(kImpactSeconds, problem.period);
-  servo.stiffness =
-      firstImpactStiffness(simulateServo(servo.design, plant, experiment), problem.jacobian.row(2), kPush);
+  servo.stiffness = firstImpactStiffness(simulateServo(servo.design, plant, experiment), problem.jacobian.row(2), kPush,
+                                         problem.period);
   if (!(servo.stiffness > toBeat)) return std::nullopt;
   const StateSpace loop = runningLoop(servo.design);
   servo.toleratedDelay = toleratedDelay(loop, servo.design.K);
@@ -91,9 +91,11 @@ std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequir
   return best;
 }
 
-double firstImpactLimit(double mass, double period, int delay, double force, double largestForce) noexcept {
+double firstImpactLimit(double mass, double period, int delay, double force, double largestForce,
+                        double preload) noexcept {
+  if (!(largestForce > std::max(force, preload))) return 0.0;
   const double reaction = (delay + 1) * period;
-  return std::max(0.0, 2.0 * mass * (1.0 - force / largestForce) / (reaction * reaction));
+  return 2.0 * mass * (largestForce - force) / (largestForce - preload) / (reaction * reaction);
 }
 
 }  // namespace enamel

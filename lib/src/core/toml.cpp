@@ -1,15 +1,12 @@
 #include "toml.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <utility>
 
 #include "core/message.hpp"
 
 namespace enamel {
 namespace {
-
-constexpr std::streamoff kLargestTextFile = 16 * 1024 * 1024;  // bytes
 
 std::string nameOfType(const toml::node& node) {
   switch (node.type()) {
@@ -26,19 +23,6 @@ std::string nameOfType(const toml::node& node) {
 int lineOf(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
 }  // namespace
-
-std::string readTextFile(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary | std::ios::ate);
-  if (!stream) throw ConfigurationError(path, 0, "", "cannot open the file");
-  const std::streamoff size = stream.tellg();
-  if (size < 0) throw ConfigurationError(path, 0, "", "cannot read the file (is it a folder?)");
-  if (size > kLargestTextFile)
-    throw ConfigurationError(path, 0, "", "is " + std::to_string(size) + " bytes, at most 16 MiB are read");
-  std::string text(static_cast<std::size_t>(size), '\0');
-  stream.seekg(0);
-  if (!stream.read(text.data(), size)) throw ConfigurationError(path, 0, "", "cannot read the file (is it a folder?)");
-  return text;
-}
 
 TomlTable parseToml(std::string_view text, const std::string& file) {
   try {

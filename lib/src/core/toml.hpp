@@ -59,7 +59,4 @@ class TomlTable {
 /// Parses TOML text; `file` stands in messages. Throws ConfigurationError.
 TomlTable parseToml(std::string_view text, const std::string& file);
 
-/// Whole content of a text file. Throws ConfigurationError if it cannot be read or is larger than 16 MiB.
-std::string readTextFile(const std::string& path);
-
 }  // namespace enamel

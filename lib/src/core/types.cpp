@@ -30,4 +30,17 @@ double angleBetween(const Mat3& a, const Mat3& b) noexcept {
   return std::atan2(sine, 0.5 * (r.trace() - 1.0));
 }
 
+Mat3 rotationFromVector(const Vec3& vector) noexcept {
+  const double angle = vector.norm();
+  if (angle == 0.0) return Mat3::Identity();
+  return Eigen::AngleAxis<double>(angle, vector / angle).toRotationMatrix();
+}
+
+Vec3 rotationVector(const Mat3& r) noexcept {
+  const Vec3 axis(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));
+  const double sine = 0.5 * axis.norm();
+  if (sine < 1e-9) return 0.5 * axis;
+  return axis * (0.5 * std::atan2(sine, 0.5 * (r.trace() - 1.0)) / sine);
+}
+
 }  // namespace enamel

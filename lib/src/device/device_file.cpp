@@ -1,5 +1,6 @@
 #include "enamel/device/device_file.hpp"
 
+#include "core/text_file.hpp"
 #include "core/toml.hpp"
 #include "device/read.hpp"
 #include "enamel/device/tau/mechanism.hpp"

@@ -24,6 +24,10 @@ JointVector torqueOf(const Jacobian& jacobian, const Vec6& wrench) noexcept {
   return torque;
 }
 
+JointVector staticTorque(const Kinematics& kinematics, const Vec6& wrench) noexcept {
+  return kinematics.gravity + torqueOf(kinematics.jacobian, wrench);
+}
+
 Vec6 wrenchOf(const Kinematics& kinematics, const JointVector& torque) noexcept {
   return twistOf(kinematics.inverseTransposed, torque);
 }

@@ -1,12 +1,10 @@
 #include "enamel/plugin/author.hpp"
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
 
 #include "convert.hpp"
-#include "core/assert.hpp"
 #include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
@@ -44,16 +42,16 @@ PluginConfiguration::PluginConfiguration(const EnamelDescription& description, c
     if (value.empty()) refuse(key, "has no default and was not given");
   const auto nameOf = [](const char* path, const char* other) { return std::string(path == nullptr ? other : path); };
   if (given.device_text != nullptr)
-    device_ = parseTau(given.device_text, nameOf(given.device_path, "device"));
+    device_ = parseDevice(given.device_text, nameOf(given.device_path, "device"));
   else if (given.device_path != nullptr)
-    device_ = loadTau(given.device_path);
+    device_ = loadDevice(given.device_path);
   if (given.scene_text != nullptr)
     scene_ = parseScene(given.scene_text, nameOf(given.scene_path, "scene"));
   else if (given.scene_path != nullptr)
     scene_ = loadScene(given.scene_path);
 }
 
-const TauParameters& PluginConfiguration::device() const {
+const DeviceParameters& PluginConfiguration::device() const {
   if (!device_) throw ConfigurationError("plugin configuration", 0, "device", "is missing: give its path or its text");
   return *device_;
 }
@@ -110,10 +108,11 @@ int32_t PluginInstance::activate(double period, EnamelMessage message) noexcept 
 int32_t PluginInstance::step(const EnamelTickInput& input, EnamelTickOutput& output) noexcept {
   TickOutput answer;
   Status status = Status::inactive;
-  if (renderer_) {
-    fromPlain(input, input_);
+  if (renderer_ && input.joint_count >= 1 && input.joint_count <= kMaxJoints) {
+    fromPlain(input, needsInertia_, input_);
     status = renderer_->step(input_, answer);
-    ENAMEL_ASSERT(answer.torque.allFinite() && std::isfinite(answer.normalForce));
+  } else if (renderer_) {
+    status = Status::outOfRange;
   }
   toPlain(answer, output);
   return static_cast<int32_t>(status);

@@ -9,25 +9,40 @@
 
 namespace enamel {
 
-static_assert(ENAMEL_MAX_CONTACTS == kMaxContacts);
+static_assert(ENAMEL_MAX_CONTACTS == kMaxContacts && ENAMEL_MAX_JOINTS == kMaxJoints);
 static_assert(ENAMEL_NOT_FINITE == static_cast<int>(Status::notFinite) &&
               ENAMEL_INACTIVE == static_cast<int>(Status::inactive));
 static_assert(ENAMEL_CONTACT == static_cast<int>(RenderMode::contact) &&
               ENAMEL_FAULT == static_cast<int>(RenderMode::fault));
+static_assert(ENAMEL_EDGE == static_cast<int>(Feature::edge) && ENAMEL_VERTEX == static_cast<int>(Feature::vertex));
 
 inline int storedContacts(int count) noexcept { return std::clamp(count, 0, kMaxContacts); }
+inline int storedJoints(int count) noexcept { return std::clamp(count, 0, kMaxJoints); }
+
+inline void toPlain(const JointVector& in, double* out) noexcept { std::copy_n(in.data(), in.size(), out); }
+inline void fromPlain(const double* in, int count, JointVector& out) noexcept {
+  out.resize(count);
+  std::copy_n(in, count, out.data());
+}
 
 inline void toPlain(const TickInput& in, EnamelTickInput& out) noexcept {
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const Kinematics& k = in.kinematics;
   out.time = in.time;
-  Eigen::Map<Vec6>(out.q) = in.q;
-  Eigen::Map<Vec6>(out.rates) = in.rates;
-  Eigen::Map<Vec3>(out.position) = in.pose.position;
-  Eigen::Map<RowMajor>(out.rotation) = in.pose.rotation;
-  Eigen::Map<Vec6>(out.twist) = in.twist;
-  out.max_torque = in.maxTorque;
+  toPlain(k.q, out.q);
+  toPlain(k.rates, out.rates);
+  Eigen::Map<Vec3>(out.position) = k.pose.position;
+  Eigen::Map<RowMajor>(out.rotation) = k.pose.rotation;
+  Eigen::Map<Vec6>(out.twist) = k.twist;
+  toPlain(k.gravity, out.gravity);
+  toPlain(in.maxTorque, out.max_torque);
+  toPlain(in.applied, out.applied);
+  std::copy_n(k.jacobian.data(), k.jacobian.size(), out.jacobian[0]);
+  std::copy_n(k.inverseTransposed.data(), k.inverseTransposed.size(), out.inverse[0]);
+  for (Eigen::Index i = 0; i < k.inertia.cols(); ++i)
+    std::copy_n(k.inertia.col(i).data(), k.inertia.rows(), out.inertia[i]);
+  out.joint_count = static_cast<int32_t>(k.q.size());
   out.contact_count = in.contacts.count;
-  out.reserved = 0;
   for (int i = 0; i < storedContacts(in.contacts.count); ++i) {
     const Contact& from = in.contacts.contacts[i];
     EnamelContact& to = out.contacts[i];
@@ -37,18 +52,34 @@ inline void toPlain(const TickInput& in, EnamelTickInput& out) noexcept {
     Eigen::Map<Vec3>(to.obstacle_velocity) = from.obstacleVelocity;
     to.obstacle = from.obstacle;
     to.material = from.material;
+    to.part = from.part;
+    to.triangle = from.triangle;
+    to.feature = static_cast<int32_t>(from.feature);
+    to.feature_index = from.featureIndex;
   }
 }
 
-inline void fromPlain(const EnamelTickInput& in, TickInput& out) noexcept {
+/// `withInertia`: the inertia is defined.
+inline void fromPlain(const EnamelTickInput& in, bool withInertia, TickInput& out) noexcept {
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const int n = storedJoints(in.joint_count);
+  Kinematics& k = out.kinematics;
   out.time = in.time;
-  out.q = Eigen::Map<const Vec6>(in.q);
-  out.rates = Eigen::Map<const Vec6>(in.rates);
-  out.pose.position = Eigen::Map<const Vec3>(in.position);
-  out.pose.rotation = Eigen::Map<const RowMajor>(in.rotation);
-  out.twist = Eigen::Map<const Vec6>(in.twist);
-  out.maxTorque = in.max_torque;
+  fromPlain(in.q, n, k.q);
+  fromPlain(in.rates, n, k.rates);
+  k.pose.position = Eigen::Map<const Vec3>(in.position);
+  k.pose.rotation = Eigen::Map<const RowMajor>(in.rotation);
+  k.twist = Eigen::Map<const Vec6>(in.twist);
+  fromPlain(in.gravity, n, k.gravity);
+  fromPlain(in.max_torque, n, out.maxTorque);
+  fromPlain(in.applied, n, out.applied);
+  k.jacobian.resize(6, n);
+  std::copy_n(in.jacobian[0], 6 * n, k.jacobian.data());
+  k.inverseTransposed.resize(6, n);
+  std::copy_n(in.inverse[0], 6 * n, k.inverseTransposed.data());
+  const int inertias = withInertia ? n : 0;
+  k.inertia.resize(inertias, inertias);
+  for (int i = 0; i < inertias; ++i) std::copy_n(in.inertia[i], n, k.inertia.col(i).data());
   out.contacts.count = in.contact_count;
   for (int i = 0; i < storedContacts(in.contact_count); ++i) {
     const EnamelContact& from = in.contacts[i];
@@ -59,12 +90,18 @@ inline void fromPlain(const EnamelTickInput& in, TickInput& out) noexcept {
     to.obstacleVelocity = Eigen::Map<const Vec3>(from.obstacle_velocity);
     to.obstacle = from.obstacle;
     to.material = from.material;
+    to.part = from.part;
+    to.triangle = from.triangle;
+    to.feature = static_cast<Feature>(std::clamp(from.feature, int32_t{ENAMEL_FACE}, int32_t{ENAMEL_VERTEX}));
+    to.featureIndex = from.feature_index;
   }
 }
 
 inline void toPlain(const TickOutput& in, EnamelTickOutput& out) noexcept {
-  Eigen::Map<Vec6>(out.torque) = in.torque;
+  out = EnamelTickOutput{};
+  toPlain(in.torque, out.torque);
   out.normal_force = in.normalForce;
+  out.answer = ENAMEL_TORQUE;
   out.mode = static_cast<int32_t>(in.mode);
   out.saturated = in.saturated ? 1 : 0;
 }

@@ -111,14 +111,18 @@ class PluginRenderer final : public Renderer {
     state_.assign(table_.state_size(self_.get()), 0);
   }
 
+  bool needsInertia() const noexcept override { return (table_.needs & ENAMEL_NEEDS_INERTIA) != 0; }
+
   Status render(const TickInput& input, TickOutput& output) noexcept override {
     toPlain(input, input_);
     const std::int32_t result = table_.step(self_.get(), &input_, &output_);
     if (result < ENAMEL_OK || result > ENAMEL_INACTIVE) return Status::inactive;  // no status that a tick can have
     if (result != ENAMEL_OK) return static_cast<Status>(result);
-    output.torque = Eigen::Map<const Vec6>(output_.torque);
+    if (output_.answer == ENAMEL_WRENCH)
+      output.torque = staticTorque(input.kinematics, Eigen::Map<const Vec6>(output_.wrench));
+    else
+      fromPlain(output_.torque, static_cast<int>(input.kinematics.q.size()), output.torque);
     output.normalForce = output_.normal_force;
-    if (!output.torque.allFinite() || !std::isfinite(output.normalForce)) return Status::notFinite;
     output.mode = output_.mode == ENAMEL_CONTACT ? RenderMode::contact : RenderMode::free;
     output.saturated = output_.saturated != 0;
     return Status::ok;

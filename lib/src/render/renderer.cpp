@@ -32,12 +32,31 @@ bool isRotation(const Mat3& r) noexcept {
          x.cross(y).dot(z) > 0.0;
 }
 
+bool isFinite(const Contact& c) noexcept {
+  return c.point.allFinite() && c.normal.allFinite() && c.obstacleVelocity.allFinite() && std::isfinite(c.gap);
+}
+
+// Zero times each number: only what is finite gives zero.
+template <typename Matrix>
+bool allFinite(const Matrix& m) noexcept {
+  return (0.0 * m).sum() == 0.0;
+}
+
+bool sizesAgree(const TickInput& in) noexcept {
+  const Kinematics& k = in.kinematics;
+  const auto n = k.q.size();
+  return n >= 1 && k.rates.size() == n && k.jacobian.cols() == n && k.inverseTransposed.cols() == n &&
+         k.gravity.size() == n && (k.inertia.rows() == n || k.inertia.rows() == 0) &&
+         k.inertia.cols() == k.inertia.rows() && in.maxTorque.size() == n && in.applied.size() == n;
+}
+
 // Everything has a limit, so that NaN and infinity pass none.
 bool isPlausible(const TickInput& in) noexcept {
-  bool plausible = std::isfinite(in.time) && in.maxTorque >= 0.0 && std::isfinite(in.maxTorque) &&
-                   isRotation(in.pose.rotation) && within(in.q, kLargestAngle) && within(in.rates, kLargestRate) &&
-                   within(in.pose.position, kLargestPosition) && within(in.twist.head<3>(), kLargestSpeed) &&
-                   within(in.twist.tail<3>(), kLargestRate);
+  const Kinematics& k = in.kinematics;
+  bool plausible = std::isfinite(in.time) && isRotation(k.pose.rotation) && within(k.q, kLargestAngle) &&
+                   within(k.rates, kLargestRate) && within(k.pose.position, kLargestPosition) &&
+                   within(k.twist.head<3>(), kLargestSpeed) && within(k.twist.tail<3>(), kLargestRate) &&
+                   (in.maxTorque.array() >= 0.0).all();
   for (int i = 0; i < in.contacts.count; ++i) {
     const Contact& c = in.contacts.contacts[i];
     plausible = plausible && std::abs(c.gap) <= kLargestGap && within(c.point, kLargestPosition) &&
@@ -47,13 +66,12 @@ bool isPlausible(const TickInput& in) noexcept {
 }
 
 bool isFinite(const TickInput& in) noexcept {
-  bool finite = std::isfinite(in.time) && std::isfinite(in.maxTorque) && in.q.allFinite() && in.rates.allFinite() &&
-                in.pose.position.allFinite() && in.pose.rotation.allFinite() && in.twist.allFinite();
-  for (int i = 0; i < in.contacts.count; ++i) {
-    const Contact& c = in.contacts.contacts[i];
-    finite =
-        finite && c.point.allFinite() && c.normal.allFinite() && c.obstacleVelocity.allFinite() && std::isfinite(c.gap);
-  }
+  const Kinematics& k = in.kinematics;
+  bool finite = std::isfinite(in.time) && allFinite(k.q) && allFinite(k.rates) && allFinite(k.pose.position) &&
+                allFinite(k.pose.rotation) && allFinite(k.twist) && allFinite(k.jacobian) &&
+                allFinite(k.inverseTransposed) && allFinite(k.gravity) && allFinite(k.inertia) &&
+                allFinite(in.maxTorque) && allFinite(in.applied);
+  for (int i = 0; i < in.contacts.count; ++i) finite = finite && isFinite(in.contacts.contacts[i]);
   return finite;
 }
 
@@ -69,8 +87,9 @@ const char* toString(RenderMode mode) noexcept {
 }
 
 Status checkInput(const TickInput& input, double lastTime) noexcept {
-  if (input.contacts.count < 0 || input.contacts.count > kMaxContacts) return Status::outOfRange;
-  if (!isPlausible(input)) return isFinite(input) ? Status::outOfRange : Status::notFinite;
+  if (input.contacts.count < 0 || input.contacts.count > kMaxContacts || !sizesAgree(input)) return Status::outOfRange;
+  if (!isFinite(input)) return Status::notFinite;
+  if (!isPlausible(input)) return Status::outOfRange;
   return input.time > lastTime ? Status::ok : Status::stale;
 }
 
@@ -83,15 +102,21 @@ void Renderer::activate(double period) {
 }
 
 Status Renderer::step(const TickInput& input, TickOutput& output) noexcept {
+  const auto joints = input.kinematics.q.size();
   output = TickOutput{};
+  output.torque.setZero(joints);
   if (!active_) return Status::inactive;
   Status status = checkInput(input, lastTime_);
   if (status == Status::ok) status = render(input, output);
+  if (status == Status::ok &&
+      !(output.torque.size() == joints && allFinite(output.torque) && std::isfinite(output.normalForce)))
+    status = Status::notFinite;
   if (status == Status::ok) {
     output.saturated = saturate(output.torque, input.maxTorque) || output.saturated;  // a plugin may have cut it
     lastTime_ = input.time;
   } else {
     output = TickOutput{};
+    output.torque.setZero(joints);
   }
   return status;
 }
@@ -119,11 +144,16 @@ void Renderer::loadState(const void* state) noexcept {
   stateLoaded();
 }
 
-bool saturate(Vec6& torque, double maxTorque) noexcept {
-  const Vec6 limited = torque.cwiseMin(maxTorque).cwiseMax(-maxTorque);
+bool saturate(JointVector& torque, const JointVector& maxTorque) noexcept {
+  const JointVector limited = torque.cwiseMin(maxTorque).cwiseMax(-maxTorque);
   const bool cut = limited != torque;
   torque = limited;
   return cut;
+}
+
+Vec3 contactVelocity(const Kinematics& kinematics, const Contact& contact) noexcept {
+  const Vec3 arm = contact.point - kinematics.pose.position;
+  return kinematics.twist.head<3>() + kinematics.twist.tail<3>().cross(arm) - contact.obstacleVelocity;
 }
 
 }  // namespace enamel

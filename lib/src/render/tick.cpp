@@ -2,21 +2,37 @@
 
 namespace enamel {
 
-Status hapticTick(const TauModel& model, const Scene& scene, const Tool& tool, double time, const Vec6& q,
-                  const Vec6& rates, TickMemory& memory, Renderer& renderer, TickInput& input,
-                  TickOutput& output) noexcept {
-  output = TickOutput{};
-  Status status = forwardKinematics(model, q, memory.tracked).status;
+HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer,
+                       double period, const Pose& start)
+    : mechanism_(mechanism), scene_(scene), tool_(tool), renderer_(renderer), cache_(makeToolCache(scene, tool)) {
+  input_.kinematics = mechanism.home();
+  input_.kinematics.pose = start;
+  input_.maxTorque = mechanism.limits().torque;
+  input_.applied.setZero(mechanism.joints());
+  output_.torque.setZero(mechanism.joints());
+  renderer.activate(period);
+}
+
+Status HapticTick::operator()(const Measurement& measurement, Command& command) noexcept {
+  Status status = see(measurement);
+  if (status == Status::ok) {
+    status = renderer_.step(input_, output_);
+  } else {
+    output_ = TickOutput{};
+    output_.torque.setZero(mechanism_.joints());
+  }
+  command.torque = output_.torque;
+  return status;
+}
+
+Status HapticTick::see(const Measurement& measurement) noexcept {
+  // What a device cannot tell is taken to be what it was asked for.
+  const JointVector& applied = measurement.applied.size() > 0 ? measurement.applied : output_.torque;
+  const Status status = mechanism_.track(measurement.q, measurement.rates, renderer_.needsInertia(), input_.kinematics);
   if (status != Status::ok) return status;
-  input.time = time;
-  input.q = q;
-  input.rates = rates;
-  input.pose = memory.tracked.pose;
-  input.twist = twistFromRates(model, memory.tracked, rates);
-  status = findContacts(scene, tool, input.pose, kContactMargin, &memory.contacts, input.contacts);
-  if (status != Status::ok) return status;
-  input.maxTorque = model.maxTorque;
-  return renderer.step(input, output);
+  input_.time = measurement.time;
+  input_.applied = applied;
+  return findContacts(scene_, tool_, input_.kinematics.pose, kContactMargin, &cache_, input_.contacts);
 }
 
 }  // namespace enamel

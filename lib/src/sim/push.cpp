@@ -5,28 +5,13 @@
 #include <string>
 
 #include "core/message.hpp"
-#include "enamel/core/error.hpp"
+#include "enamel/sim/hand.hpp"
 
 namespace enamel {
 namespace {
 
-constexpr double kHandStiffness = 40.0, kHandDamping = 3.6;     // N/m, N s/m
-constexpr double kGuideStiffness = 100.0, kGuideDamping = 3.6;  // N/m, N s/m
-constexpr double kGuideTurn = 0.5, kGuideTurnDamping = 0.014;   // N m/rad, N m s/rad
-constexpr double kOnset = 1.0, kHandStill = 2.0;                // s
-constexpr double kLongestRun = 3600.0;                          // s
-
-std::uint64_t tickAt(double time, double period) noexcept {
-  return static_cast<std::uint64_t>(std::llround(time / period));
-}
-
-// Rotation vector of a rotation matrix, rad; exact for the angles that a hand allows (below 2 rad).
-Vec3 rotationVector(const Mat3& r) noexcept {
-  const Vec3 axis(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));
-  const double sine = 0.5 * axis.norm();
-  if (sine < 1e-9) return 0.5 * axis;
-  return axis * (0.5 * std::atan2(sine, 0.5 * (r.trace() - 1.0)) / sine);
-}
+constexpr double kOnset = 1.0, kHandStill = 2.0;  // s
+constexpr double kLongestRun = 3600.0;            // s
 
 // The wrench of the person on the platform at the TCP.
 class PersonLoad {
@@ -41,8 +26,8 @@ class PersonLoad {
     if (person_.scenario == 1) return held_;
     const HandMotion hand = handMotion(person_.force, time);
     const Vec3& n = person_.normal;
-    const double spring = kHandStiffness * (hand.position - n.dot(pose.position - start_.position));
-    return held_ - spring - kHandDamping * (hand.velocity - n.dot(twist.head<3>()));
+    const double spring = kPaperGrip.stiffness * (hand.position - n.dot(pose.position - start_.position));
+    return held_ - spring - kPaperGrip.damping * (hand.velocity - n.dot(twist.head<3>()));
   }
 
   Vec6 operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
@@ -50,10 +35,9 @@ class PersonLoad {
     const Vec3& n = person_.normal;
     wrench.head<3>() = -force(time, pose, twist) * n;
     if (person_.guide) {
-      const Vec3 pull = kGuideStiffness * (pose.position - start_.position) + kGuideDamping * Vec3(twist.head<3>());
+      const Vec3 pull = kGuide.stiffness * (pose.position - start_.position) + kGuide.damping * Vec3(twist.head<3>());
       wrench.head<3>() -= pull - n.dot(pull) * n;
-      const Mat3 turned = pose.rotation.lazyProduct(start_.rotation.transpose());
-      wrench.tail<3>() -= kGuideTurn * rotationVector(turned) + kGuideTurnDamping * twist.tail<3>();
+      wrench.tail<3>() += holdingMoment(pose.rotation, start_.rotation, twist.tail<3>());
     }
     return wrench;
   }
@@ -63,10 +47,6 @@ class PersonLoad {
   Pose start_;
   double held_ = 0.0;  // N
 };
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw Error(message);
-}
 
 }  // namespace
 
@@ -83,6 +63,14 @@ HandMotion handMotion(double force, double time) noexcept {
   return motion;
 }
 
+PushTimes timesOf(const PushSetup& setup) noexcept {
+  const auto tickAt = [&setup](double time) {
+    return static_cast<std::uint64_t>(std::llround(std::max(0.0, time) / setup.period));
+  };
+  return {tickAt(kOnset), tickAt(setup.person.scenario == 1 ? kOnset : kHandStill), tickAt(setup.duration - 1.0),
+          tickAt(setup.duration)};
+}
+
 void checkPush(const PushSetup& setup) {
   checkLoop(setup);
   const Person& p = setup.person;
@@ -95,20 +83,18 @@ void checkPush(const PushSetup& setup) {
           "duration is " + formatNumber(setup.duration) + ", must be in 0 to 3600 s");
 }
 
-PushResult runPush(const TauModel& model, Renderer& renderer, const PushSetup& setup,
+PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record) {
   checkPush(setup);
-  VirtualLoop loop(model, renderer, setup);
+  VirtualLoop loop(mechanism, renderer, setup);
   PersonLoad person(setup.person, setup.start);
   const RandomStream random(setup.seed, setup.run);
-  const std::uint64_t onset = tickAt(kOnset, setup.period);
-  const std::uint64_t noisy = setup.person.scenario == 1 ? onset : tickAt(kHandStill, setup.period);
-  const std::uint64_t ticks = tickAt(setup.duration, setup.period);
+  const PushTimes times = timesOf(setup);
   PushResult result{Status::ok, 0};
   TickRecord tick;
-  for (std::uint64_t i = 0; i < ticks; ++i) {
-    person.hold(setup.person.scenario == 1 && i >= onset ? setup.person.force : 0.0,
-                i >= noisy ? setup.person.noise * random.normal(RandomStream::Purpose::noise, i) : 0.0);
+  for (std::uint64_t i = 0; i < times.end; ++i) {
+    person.hold(setup.person.scenario == 1 && i >= times.onset ? setup.person.force : 0.0,
+                i >= times.steady ? setup.person.noise * random.normal(RandomStream::Purpose::noise, i) : 0.0);
     result.status = loop.tick(person, tick);
     if (result.status != Status::ok) break;
     ++result.ticks;

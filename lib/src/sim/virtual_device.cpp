@@ -4,36 +4,51 @@
 #include <cmath>
 
 #include "core/assert.hpp"
+#include "core/message.hpp"
 
 namespace enamel {
+namespace {
 
-Encoders::Encoders(const EncoderOptions& options, double counts, double period) noexcept
-    : options_(options),
-      count_(2.0 * M_PI / counts),
-      period_(period),
-      gain_(options.rates == RateSource::lowPass ? -std::expm1(-2.0 * M_PI * options.cutoff * period) : 1.0) {}
-
-Measurement Encoders::measure(const Vec6& q, const Vec6& rates) noexcept {
-  Measurement m{q, rates};
-  if (options_.quantised)
-    for (int i = 0; i < 6; ++i) m.q[i] = count_ * std::nearbyint(q[i] / count_);
-  if (options_.rates == RateSource::exact) return m;
-  if (started_) {
-    const Vec6 difference = (m.q - last_) / period_;
-    filtered_ += gain_ * (difference - filtered_);
-  }
-  started_ = true;
-  last_ = m.q;
-  m.rates = filtered_;
-  return m;
+const VirtualDeviceSetup& checked(const VirtualDeviceSetup& setup) {
+  checkVirtualDevice(setup);
+  return setup;
 }
 
-Motors::Motors(const Delay& delay, const Vec6& initial) noexcept : delay_(delay), initial_(initial) {
+Kinematics atStart(const Mechanism& mechanism, const Pose& start) {
+  Kinematics kinematics;
+  const Status status = mechanism.reach(start, Vec6::Zero(), false, kinematics);
+  require(status == Status::ok, std::string("the start pose is ") + toString(status));
+  return kinematics;
+}
+
+}  // namespace
+
+Encoders::Encoders(const EncoderOptions& options, const JointVector& count, double period) noexcept
+    : options_(options),
+      count_(count),
+      period_(period),
+      gain_(options.rates == RateSource::lowPass ? -std::expm1(-2.0 * M_PI * options.cutoff * period) : 1.0),
+      last_(JointVector::Zero(count.size())),
+      filtered_(last_) {}
+
+void Encoders::measure(const JointVector& q, const JointVector& rates, Measurement& measurement) noexcept {
+  measurement.q = q;
+  measurement.rates = rates;
+  if (options_.quantised)
+    for (Eigen::Index i = 0; i < q.size(); ++i) measurement.q[i] = count_[i] * std::nearbyint(q[i] / count_[i]);
+  if (options_.rates == RateSource::exact) return;
+  if (started_) filtered_ += gain_ * ((measurement.q - last_) / period_ - filtered_);
+  started_ = true;
+  last_ = measurement.q;
+  measurement.rates = filtered_;
+}
+
+Motors::Motors(const Delay& delay, const JointVector& initial) noexcept : delay_(delay), initial_(initial) {
   ENAMEL_ASSERT(delay.low >= 0 && delay.low <= delay.high && delay.high <= kMaxDelay);
   commands_.fill(initial);
 }
 
-Vec6 Motors::actuate(std::uint64_t tick, const Vec6& command, const RandomStream& random) noexcept {
+JointVector Motors::actuate(std::uint64_t tick, const JointVector& command, const RandomStream& random) noexcept {
   commands_[tick % commands_.size()] = command;
   int delay = delay_.low;
   if (delay_.high > delay_.low) {
@@ -41,6 +56,44 @@ Vec6 Motors::actuate(std::uint64_t tick, const Vec6& command, const RandomStream
     delay += std::min(choices - 1, static_cast<int>(choices * random.uniform(RandomStream::Purpose::delay, tick)));
   }
   return static_cast<std::uint64_t>(delay) > tick ? initial_ : commands_[(tick - delay) % commands_.size()];
+}
+
+void checkVirtualDevice(const VirtualDeviceSetup& setup) {
+  require(setup.period > 0.0 && setup.period <= 0.1,
+          "period is " + formatNumber(setup.period) + ", must be in (0, 0.1] s");
+  require(setup.substeps >= 1 && setup.substeps <= 1000,
+          "substeps is " + std::to_string(setup.substeps) + ", must be in 1 to 1000");
+  require(0 <= setup.delay.low && setup.delay.low <= setup.delay.high && setup.delay.high <= kMaxDelay,
+          "delay is " + std::to_string(setup.delay.low) + ".." + std::to_string(setup.delay.high) +
+              ", must be in 0 to " + std::to_string(kMaxDelay) + " ticks, low first");
+  require(setup.encoders.cutoff > 0.0 && std::isfinite(setup.encoders.cutoff),
+          "cutoff of the rate filter is " + formatNumber(setup.encoders.cutoff) + ", must be greater than 0 Hz");
+}
+
+VirtualDevice::VirtualDevice(const Mechanism& mechanism, const VirtualDeviceSetup& setup)
+    : mechanism_(mechanism),
+      setup_(checked(setup)),
+      random_(setup.seed, setup.run),
+      kinematics_(atStart(mechanism, setup.start)),
+      encoders_(setup.encoders, mechanism.limits().count, setup.period),
+      motors_(setup.delay, kinematics_.gravity),
+      torque_(kinematics_.gravity) {
+  state_.position = setup.start.position;
+  state_.orientation = setup.start.rotation;
+}
+
+Status VirtualDevice::measure(Measurement& measurement) noexcept {
+  const Status status = mechanism_.reach(state_.pose(), state_.twist, false, kinematics_);
+  if (status != Status::ok) return status;
+  measurement.time = time();
+  measurement.applied = torque_;
+  encoders_.measure(kinematics_.q, kinematics_.rates, measurement);
+  return Status::ok;
+}
+
+Status VirtualDevice::actuate(const Command& command) noexcept {
+  torque_ = motors_.actuate(tick_, command.torque, random_);
+  return Status::ok;
 }
 
 }  // namespace enamel

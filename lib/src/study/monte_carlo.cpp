@@ -5,16 +5,11 @@
 #include <limits>
 
 #include "core/message.hpp"
-#include "enamel/core/error.hpp"
 
 namespace enamel {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw Error(message);
-}
 
 std::string millimetres(double metres) { return formatNumber(1e-6 * std::nearbyint(1e9 * metres)); }
 
@@ -40,8 +35,8 @@ void checkStudy(const StudyPlan& plan) {
     for (std::size_t point = 0; point < plan.points(); ++point) {
       Pose pose = plan.setup.start;
       pose.position = queryPoint(plan, point);
-      TauConfiguration configuration;
-      const Status status = inverseKinematics(column.plant, pose, configuration);
+      Kinematics unused;
+      const Status status = column.plant->reach(pose, Vec6::Zero(), false, unused);
       require(status == Status::ok, "query point (" + millimetres(pose.position.x()) + ", " +
                                         millimetres(pose.position.y()) + ") mm is " + toString(status));
     }
@@ -85,7 +80,7 @@ StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
   MetricsCollector collector(setup);
   StudyResult result;
   result.run = run;
-  result.status = runPush(column.plant, *renderer, setup, [&](const TickRecord& tick) {
+  result.status = runPush(*column.plant, *renderer, setup, [&](const TickRecord& tick) {
                     collector.add(tick);
                     if (record) record(tick);
                   }).status;

@@ -17,8 +17,6 @@
 namespace enamel {
 namespace {
 
-constexpr std::size_t kMetrics = 13;
-
 // The part of a line that the plan alone determines.
 std::string identity(const StudyPlan& plan, const StudyRun& run) {
   const Vec3 point = queryPoint(plan, run.point);
@@ -42,6 +40,12 @@ Status statusNamed(std::string_view name, const std::string& where) {
   throw Error(where + ": \"" + std::string(name) + "\" is not a status");
 }
 
+FirstImpactVerdict verdictNamed(std::string_view name, const std::string& where) {
+  for (int i = 0; i <= static_cast<int>(FirstImpactVerdict::slips); ++i)
+    if (name == toString(static_cast<FirstImpactVerdict>(i))) return static_cast<FirstImpactVerdict>(i);
+  throw Error(where + ": \"" + std::string(name) + "\" is not how a first impact can end");
+}
+
 StudyResult parseLine(const StudyPlan& plan, std::size_t index, std::string_view line, const std::string& where) {
   if (index >= plan.size()) throw Error(where + ": more runs than this study has");
   StudyResult result;
@@ -50,7 +54,8 @@ StudyResult parseLine(const StudyPlan& plan, std::size_t index, std::string_view
   if (line.substr(0, expected.size()) != expected)
     throw Error(where + ": is not run " + std::to_string(index) + " of this study, which begins with " + expected);
   line.remove_prefix(expected.size());
-  std::array<std::string_view, kMetrics + 1> fields;
+  // status, first impact, metrics, faults
+  std::array<std::string_view, std::tuple_size_v<std::decay_t<decltype(allMetrics())>> + 3> fields;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::size_t comma = line.find(',');
     if ((comma == std::string_view::npos) != (i + 1 == fields.size()))
@@ -61,12 +66,16 @@ StudyResult parseLine(const StudyPlan& plan, std::size_t index, std::string_view
   result.status = statusNamed(fields[0], where);
   if (result.status != Status::ok) return result;
   PushMetrics& m = result.metrics;
-  if (!fields[1].empty()) m.firstDepth = parse(fields[1], where);
-  if (!fields[2].empty()) m.firstStiffness = parse(fields[2], where);
-  double* const numbers[] = {&m.steadyDepth, &m.steadyCompliance, &m.rmsDepth,        &m.depth95, &m.largestDepth,
-                             &m.chatter,     &m.saturatedShare,   &m.tangentialForce, &m.work,    &m.drift};
-  for (std::size_t i = 0; i < std::size(numbers); ++i) *numbers[i] = parse(fields[3 + i], where);
-  m.faults = static_cast<std::uint64_t>(parse(fields[kMetrics], where));
+  m.verdict = verdictNamed(fields[1], where);
+  for (std::size_t i = 0; i < allMetrics().size(); ++i) {
+    const std::string_view field = fields[2 + i];
+    const auto& member = allMetrics()[i].member;
+    if (const auto* number = std::get_if<double PushMetrics::*>(&member))
+      m.** number = parse(field, where);
+    else if (!field.empty())
+      m.*std::get<1>(member) = parse(field, where);
+  }
+  m.faults = static_cast<std::uint64_t>(parse(fields.back(), where));
   return result;
 }
 
@@ -102,20 +111,20 @@ Content readContent(const StudyPlan& plan, const std::string& path) {
 }  // namespace
 
 std::string runHeader() {
-  return "scenario,renderer,x [m],y [m],run,F_c [N],status,D_z1 [m],K_z1 [N/m],D_zs [m],C_zs [m/N],rms depth [m],"
-         "depth 95 % [m],largest depth [m],chatter [N m],saturated share,tangential force [N],work [J],drift [m],"
-         "faults";
+  std::string header = "scenario,renderer,x [m],y [m],run,F_c [N],status,first impact";
+  for (const Metric& metric : allMetrics()) header += ',' + keyOf(metric);
+  return header + ",faults";
 }
 
 std::string runLine(const StudyPlan& plan, const StudyResult& result) {
-  std::string line = identity(plan, result.run) + toString(result.status);
-  if (result.status != Status::ok) return line + std::string(kMetrics, ',');
-  const PushMetrics& m = result.metrics;
-  line += ',' + numberOr(m.firstDepth) + ',' + numberOr(m.firstStiffness);
-  for (const double value : {m.steadyDepth, m.steadyCompliance, m.rmsDepth, m.depth95, m.largestDepth, m.chatter,
-                             m.saturatedShare, m.tangentialForce, m.work, m.drift})
-    line += ',' + formatNumber(value);
-  return line + ',' + std::to_string(m.faults);
+  const bool failed = result.status != Status::ok;
+  std::string line = identity(plan, result.run) + toString(result.status) + ',';
+  if (!failed) line += toString(result.metrics.verdict);
+  for (const Metric& metric : allMetrics()) {
+    line += ',';
+    if (!failed) line += numberOr(valueOf(result.metrics, metric));
+  }
+  return line + ',' + (failed ? "" : std::to_string(result.metrics.faults));
 }
 
 RunFile::RunFile(const StudyPlan& plan, std::string path, bool resume)

@@ -12,28 +12,22 @@ struct WallDevice {
   double period = 0.0;   ///< s
 };
 
-/// A rendered wall: F = -stiffness z - damping z' where z < 0, else 0; z' differenced over one period.
-struct Wall {
+/// A rendered spring-damper: F = -stiffness z - damping z' where z < 0, else 0; z' differenced over one period.
+struct SpringWall {
   double stiffness = 0.0;  ///< N/m
   double damping = 0.0;    ///< N s/m
   int delay = 0;           ///< samples from the measurement to the force
 };
 
-/// Mechanical damping that a wall needs to be passive, N s/m: b > K Ts / 2 + |B| ("A Position-Control Based Approach
-/// ...", eq. 16; Colgate and Brown 1994). Says nothing about delay. Realtime: yes.
-double passiveDamping(const Wall& wall, double period) noexcept;
-
 /// Simulates a push of 12 N on the wall from rest on its surface and answers whether the motion dies out: over the last
 /// third of `seconds` it is less than half of what it was over the second third, or less than 1e-12 m. A tool that
 /// bounces on without growing is not stable. Exact zero-order hold.
 /// Throws DesignError: a parameter negative, not finite, or mass or period zero. Realtime: no.
-bool isWallStable(const WallDevice& device, const Wall& wall, double seconds = 3.0);
+bool isWallStable(const WallDevice& device, const SpringWall& wall, double seconds = 3.0);
 
 struct WallStability {
-  Wall wall;
-  bool stable = false;          ///< simulated
-  double passiveDamping = 0.0;  ///< eq. 16, N s/m
-  bool passive = false;         ///< the device has more
+  SpringWall wall;
+  bool stable = false;
 };
 
 /// Every combination of the given values. Throws DesignError as isWallStable. Realtime: no.

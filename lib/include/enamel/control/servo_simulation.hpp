@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -24,8 +23,9 @@ struct ServoExperiment {
   Eigen::VectorXd reference;  ///< r - q_op, rad; it enters through the integrators only (eq. 11)
   Eigen::VectorXd wrench;     ///< at the TCP, N and N m
   int delay = 0;              ///< the torque computed at tick j acts from tick j + delay
-  double encoderStep = 0.0;  ///< rad; 0: exact positions and velocities; else positions rounded, velocities differenced
-  double maxTorque = std::numeric_limits<double>::infinity();  ///< N m, of the deviation from the operating point's
+  /// rad or m a joint; empty: exact positions and velocities; else positions rounded, velocities differenced
+  Eigen::VectorXd encoderStep;
+  Eigen::VectorXd maxTorque;  ///< N m or N, of the deviation from the operating point's; empty: no limit
 };
 
 struct ServoTrace {
@@ -36,10 +36,10 @@ struct ServoTrace {
 /// Runs u[j] = -K [q'; q - q_op; xi], xi += Ts (r - q) from tick 0. Throws DesignError: wrong sizes. Realtime: no.
 ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, const ServoExperiment& experiment);
 
-/// First impact stiffness K_z1 = F / D_z1 for a push of `force` (N): the penetration D_z1 at the first tick where z < 0
-/// and z' turns from negative to >= 0 ("A Position-Control Based Approach ...", section V-B). `normal`: z' = normal q'.
-/// NaN where there is no such tick. Realtime: no.
-double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& normal, double force);
+/// First impact stiffness K_z1 = F / D_z1 for a push of `force` (N), `period` s between the ticks: FirstImpact
+/// ("A Position-Control Based Approach ...", section V-B). `normal`: z' = normal q'. NaN where the tool does not
+/// return. Realtime: no.
+double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& normal, double force, double period);
 
 /// Largest over the joints of the torque's standard deviation over the last `ticks`, N m. Realtime: no.
 double torqueDeviation(const ServoTrace& trace, int ticks);

@@ -9,11 +9,11 @@ namespace enamel {
 
 /// What the servo is tuned for: the plant of the design and the hardware around it.
 struct TuneProblem {
-  StateSpace plant;          ///< states [q'; q - q_op]
-  Eigen::MatrixXd jacobian;  ///< 6 x n
-  double period = 0.0;       ///< s
-  double encoderStep = 0.0;  ///< rad
-  double maxTorque = 0.0;    ///< N m
+  StateSpace plant;             ///< states [q'; q - q_op]
+  Eigen::MatrixXd jacobian;     ///< 6 x n
+  double period = 0.0;          ///< s
+  Eigen::VectorXd encoderStep;  ///< a joint, rad or m
+  Eigen::VectorXd maxTorque;    ///< a joint, N m or N
 };
 
 /// What a tuned servo must keep to, all with `delay` samples of delay acting in the loop.
@@ -42,9 +42,11 @@ std::optional<TunedServo> judgeServo(const TuneProblem& problem, int delay, cons
 /// Throws DesignError: the plant has wrong sizes. Realtime: no (about 10 s).
 std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequirements& requirements);
 
-/// Largest first impact stiffness that any controller without a force sensor can have, N/m: a push F that arrives on a
-/// sample is answered t1 = (delay + 1) Ts later at the soonest, with at most the force F_max along the normal:
-/// K_z1 <= 2 m (1 - F / F_max) / t1^2. `mass` is effective, kg; 0 where F >= F_max. Realtime: yes.
-double firstImpactLimit(double mass, double period, int delay, double force, double largestForce) noexcept;
+/// Largest first impact stiffness that any controller without a force sensor can have, N/m: a push that rises from
+/// `preload` F_0 to `force` F on a sample is answered t1 = (delay + 1) Ts later at the soonest, with at most the force
+/// F_max along the normal: K_z1 <= 2 m (F_max - F) / (F_max - F_0) / t1^2. `mass` is effective, kg; 0 where F or F_0 >=
+/// F_max. Realtime: yes.
+double firstImpactLimit(double mass, double period, int delay, double force, double largestForce,
+                        double preload = 0.0) noexcept;
 
 }  // namespace enamel

@@ -41,6 +41,12 @@ Vec3 eulerFromRotation(const Mat3& rotation) noexcept;
 /// Angle between two orientations, rad, in [0, pi]; accurate for small angles. Realtime: yes.
 double angleBetween(const Mat3& a, const Mat3& b) noexcept;
 
+/// Rotation matrix of a rotation vector (axis times angle, rad). Realtime: yes.
+Mat3 rotationFromVector(const Vec3& vector) noexcept;
+
+/// Rotation vector of a rotation matrix, rad; accurate for angles below 3 rad. Realtime: yes.
+Vec3 rotationVector(const Mat3& rotation) noexcept;
+
 /// Matrix of the cross product: crossMatrix(a) b = a x b. Realtime: yes.
 inline Mat3 crossMatrix(const Vec3& a) noexcept {
   Mat3 m;

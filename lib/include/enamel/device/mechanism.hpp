@@ -16,14 +16,14 @@ namespace enamel {
 
 /// Everything about a mechanism in motion that one tick computes once. Plain data of fixed size; in W.
 struct Kinematics {
-  JointVector q;                ///< joint coordinates, rad or m
-  JointVector rates;            ///< q', rad/s or m/s
-  Pose pose;                    ///< of the platform
-  Vec6 twist = Vec6::Zero();    ///< V = J q', m/s, rad/s
-  Jacobian jacobian;            ///< J, 6 x n
-  Jacobian inverseTransposed;   ///< 6 x n: F = this tau is the wrench on the platform of torques tau, q' = this^T V
-  JointVector gravity;          ///< torque that balances gravity at rest, N m or N
-  JointMatrix inertia;          ///< M(q), n x n, kg m^2 or kg; 0 x 0 where nobody asked for it
+  JointVector q;               ///< joint coordinates, rad or m
+  JointVector rates;           ///< q', rad/s or m/s
+  Pose pose;                   ///< of the platform
+  Vec6 twist = Vec6::Zero();   ///< V = J q', m/s, rad/s
+  Jacobian jacobian;           ///< J, 6 x n
+  Jacobian inverseTransposed;  ///< 6 x n: F = this tau is the wrench on the platform of torques tau, q' = this^T V
+  JointVector gravity;         ///< torque that balances gravity at rest, N m or N
+  JointMatrix inertia;         ///< M(q), n x n, kg m^2 or kg; 0 x 0 where nobody asked for it
 };
 
 /// V = J q'. Realtime: yes.
@@ -31,6 +31,9 @@ Vec6 twistOf(const Jacobian& jacobian, const JointVector& rates) noexcept;
 
 /// tau = J^T F ("A Position-Control Based Approach ...", eq. 3). Realtime: yes.
 JointVector torqueOf(const Jacobian& jacobian, const Vec6& wrench) noexcept;
+
+/// Joint torque that balances gravity and puts the wrench F on the platform at rest: g + J^T F. Realtime: yes.
+JointVector staticTorque(const Kinematics& kinematics, const Vec6& wrench) noexcept;
 
 /// Wrench on the platform at the TCP, [N; N m], that joint torques put there: F = J^-T tau. Realtime: yes.
 Vec6 wrenchOf(const Kinematics& kinematics, const JointVector& torque) noexcept;
@@ -75,13 +78,13 @@ class Mechanism {
   [[nodiscard]] virtual Status track(const JointVector& q, const JointVector& rates, bool withInertia,
                                      Kinematics& kinematics) const noexcept = 0;
 
-  /// Inverse kinematics: everything from pose and twist. Statuses: notFinite, unreachable (also: a turn that the platform
-  /// cannot make), singular; `kinematics` is then unchanged. Realtime: yes.
+  /// Inverse kinematics: everything from pose and twist. Statuses: notFinite, unreachable (also: a turn that the
+  /// platform cannot make), singular; `kinematics` is then unchanged. Realtime: yes.
   [[nodiscard]] virtual Status reach(const Pose& pose, const Vec6& twist, bool withInertia,
                                      Kinematics& kinematics) const noexcept = 0;
 
-  /// Forward dynamics: V' = [v'; w'] at a pose and twist under joint torques and a wrench on the platform at the TCP (N,
-  /// N m), with gravity, friction and damping. Statuses as of reach(). Realtime: yes.
+  /// Forward dynamics: V' = [v'; w'] at a pose and twist under joint torques and a wrench on the platform at the TCP
+  /// (N, N m), with gravity, friction and damping. Statuses as of reach(). Realtime: yes.
   [[nodiscard]] virtual Status accelerate(const Pose& pose, const Vec6& twist, const JointVector& torque,
                                           const Vec6& wrench, Vec6& acceleration) const noexcept = 0;
 

@@ -20,7 +20,7 @@ extern "C" {
 #endif
 
 /* Raised when any struct or the meaning of any function changes. */
-#define ENAMEL_ABI_VERSION 1u
+#define ENAMEL_ABI_VERSION 2u
 
 /* Name of the exported function. */
 #define ENAMEL_PLUGIN_SYMBOL "enamel_plugin"
@@ -32,6 +32,7 @@ extern "C" {
 #endif
 
 #define ENAMEL_MAX_CONTACTS 8
+#define ENAMEL_MAX_JOINTS 7
 
 /* What every function that can fail answers. */
 enum EnamelResult {
@@ -49,6 +50,18 @@ enum EnamelResult {
 
 enum EnamelMode { ENAMEL_FREE = 0, ENAMEL_CONTACT = 1, ENAMEL_FAULT = 2 };
 
+/* What a renderer answers with. */
+enum EnamelAnswer {
+  ENAMEL_TORQUE = 0, /* the torque of every joint, gravity included */
+  ENAMEL_WRENCH = 1  /* the wall's wrench on the tool: the host adds the gravity torque, tau = gravity + J^T wrench */
+};
+
+/* What a plugin may ask for beyond what every tick has; bits of EnamelPlugin.needs. */
+#define ENAMEL_NEEDS_INERTIA 1u
+
+/* What a place on an obstacle's surface lies on. */
+enum EnamelFeature { ENAMEL_FACE = 0, ENAMEL_EDGE = 1, ENAMEL_VERTEX = 2 };
+
 /* One place where the tool is near or in an obstacle. */
 typedef struct EnamelContact {
   double point[3];             /* of the tool, nearest to or deepest in the obstacle, W, m */
@@ -57,28 +70,44 @@ typedef struct EnamelContact {
   double obstacle_velocity[3]; /* of the obstacle's material at the point, W, m/s */
   int32_t obstacle;            /* number of the obstacle in the scene */
   int32_t material;            /* number that the scene gave the obstacle */
+  int32_t part;                /* number of the tool's part */
+  int32_t triangle;            /* of the obstacle's mesh; -1: it has none */
+  int32_t feature;             /* EnamelFeature: what the nearest point of the obstacle lies on */
+  int32_t feature_index;       /* which edge or vertex of the triangle (0 to 2) or shape; -1: a face */
 } EnamelContact;
 
-/* What is known at a tick. */
+/* What is known at a tick. Joints: the first joint_count entries; those beyond are undefined. */
 typedef struct EnamelTickInput {
-  double time;            /* s, strictly increasing after reset() */
-  double q[6];            /* measured joint angles, rad */
-  double rates[6];        /* measured or filtered joint rates, rad/s */
-  double position[3];     /* of the TCP, W, m */
-  double rotation[9];     /* of the platform, platform to W, row after row */
-  double twist[6];        /* of the TCP, W: v m/s, then w rad/s */
-  double max_torque;      /* limit of every motor, N m */
-  int32_t contact_count;  /* 0 to ENAMEL_MAX_CONTACTS */
-  int32_t reserved;       /* 0 */
+  double time;                          /* s, strictly increasing after reset() */
+  double q[ENAMEL_MAX_JOINTS];          /* measured joint coordinates, rad or m */
+  double rates[ENAMEL_MAX_JOINTS];      /* measured or filtered q', rad/s or m/s */
+  double position[3];                   /* of the TCP, W, m */
+  double rotation[9];                   /* of the platform, platform to W, row after row */
+  double twist[6];                      /* of the TCP, W: v m/s, then w rad/s */
+  double gravity[ENAMEL_MAX_JOINTS];    /* torque that balances gravity, N m or N */
+  double max_torque[ENAMEL_MAX_JOINTS]; /* limit of every motor, N m or N */
+  double applied[ENAMEL_MAX_JOINTS];    /* torque that really acted since the last tick, N m or N */
+  /* jacobian[i] is the twist of a unit rate of joint i: twist = sum_i jacobian[i] rates[i], and a wrench F at the TCP asks
+   * for the torque tau_i = sum_k jacobian[i][k] F[k]. */
+  double jacobian[ENAMEL_MAX_JOINTS][6];
+  /* inverse[i] is the wrench of a unit torque of joint i: F = sum_i inverse[i] tau_i, rates_i = sum_k inverse[i][k]
+   * twist[k]. */
+  double inverse[ENAMEL_MAX_JOINTS][6];
+  double inertia[ENAMEL_MAX_JOINTS][ENAMEL_MAX_JOINTS]; /* M(q); undefined without ENAMEL_NEEDS_INERTIA */
+  int32_t joint_count;   /* 1 to ENAMEL_MAX_JOINTS, the same at every tick */
+  int32_t contact_count; /* 0 to ENAMEL_MAX_CONTACTS */
   EnamelContact contacts[ENAMEL_MAX_CONTACTS]; /* the deepest first; beyond contact_count: undefined */
 } EnamelTickInput;
 
 /* What a renderer asks for. */
 typedef struct EnamelTickOutput {
-  double torque[6];    /* N m, finite and within +-max_torque whatever the result */
+  double torque[ENAMEL_MAX_JOINTS]; /* N m or N, finite and within +-max_torque; 0 for ENAMEL_WRENCH and beyond joint_count */
+  double wrench[6];    /* on the tool at the TCP, W, N and N m, finite; 0 for ENAMEL_TORQUE */
   double normal_force; /* of the wall on the tool along the deepest contact's normal, N */
+  int32_t answer;      /* EnamelAnswer: which of the two counts */
   int32_t mode;        /* EnamelMode */
   int32_t saturated;   /* 1: a motor's limit cut the torque */
+  int32_t reserved;    /* 0 */
 } EnamelTickOutput;
 
 /* One text parameter. */
@@ -120,6 +149,8 @@ typedef struct EnamelPlugin {
   uint32_t plugin_size;  /* sizeof(EnamelPlugin) */
   uint32_t input_size;   /* sizeof(EnamelTickInput) */
   uint32_t output_size;  /* sizeof(EnamelTickOutput) */
+  uint32_t needs;        /* ENAMEL_NEEDS_... or 0 */
+  uint32_t reserved;     /* 0 */
 
   /* Setup. Never NULL. */
   const EnamelDescription* (*describe)(void);
@@ -133,8 +164,8 @@ typedef struct EnamelPlugin {
   /* Setup, once configured: gets ready for ticks of `period` s, in (0, 0.1], and resets. Allocate here. */
   int32_t (*activate)(void* self, double period, EnamelMessage message);
 
-  /* Tick. The output is defined whatever the result; on any but ENAMEL_OK the torque is 0, the mode ENAMEL_FAULT and the
-   * state unchanged. */
+  /* Tick. The output is defined whatever the result; on any but ENAMEL_OK torque and wrench are 0, the mode ENAMEL_FAULT and
+   * the state unchanged. A number of joints that the renderer was not made for is ENAMEL_OUT_OF_RANGE. */
   int32_t (*step)(void* self, const EnamelTickInput* input, EnamelTickOutput* output);
 
   /* Tick. Back to the state after activate(). */

@@ -2,6 +2,7 @@
 //
 //   class MyWall {
 //    public:
+//     static constexpr bool kNeedsInertia = true;  // where its renderers' needsInertia() does
 //     static const EnamelDescription& describe() noexcept;
 //     explicit MyWall(const enamel::PluginConfiguration& configuration);             // configure: throws Error
 //     std::unique_ptr<enamel::Renderer> activate(double period) const;               // throws Error
@@ -14,9 +15,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include "enamel/collision/scene_file.hpp"
-#include "enamel/device/tau/parameters.hpp"
+#include "enamel/device/device_file.hpp"
 #include "enamel/plugin/abi.h"
 #include "enamel/render/renderer.hpp"
 
@@ -25,12 +27,12 @@ namespace enamel {
 /// What configure() was given, read and checked.
 class PluginConfiguration {
  public:
-  /// Throws ConfigurationError: as parseTau() and parseScene(); a parameter that the description does not have,
+  /// Throws ConfigurationError: as parseDevice() and parseScene(); a parameter that the description does not have,
   /// twice the same one, or none for one without a default.
   PluginConfiguration(const EnamelDescription& description, const EnamelConfiguration& configuration);
 
   /// Throws ConfigurationError where the host gave no device.
-  const TauParameters& device() const;
+  const DeviceParameters& device() const;
   const std::optional<SceneFile>& scene() const noexcept { return scene_; }
 
   /// A parameter's value: text; a finite number within [low, high] in `unit`; "on" or "off". Throws ConfigurationError
@@ -40,7 +42,7 @@ class PluginConfiguration {
   bool flag(const std::string& key) const;
 
  private:
-  std::optional<TauParameters> device_;
+  std::optional<DeviceParameters> device_;
   std::optional<SceneFile> scene_;
   std::map<std::string, std::string> parameters_;
 };
@@ -50,7 +52,8 @@ class PluginInstance {
  public:
   using Activate = std::function<std::unique_ptr<Renderer>(double period)>;
   using Configure = std::function<Activate(const EnamelConfiguration&)>;
-  explicit PluginInstance(Configure configure) : configure_(std::move(configure)) {}
+  PluginInstance(bool needsInertia, Configure configure)
+      : needsInertia_(needsInertia), configure_(std::move(configure)) {}
 
   int32_t configure(const EnamelConfiguration& configuration, EnamelMessage message) noexcept;
   int32_t activate(double period, EnamelMessage message) noexcept;
@@ -62,11 +65,18 @@ class PluginInstance {
   void loadState(const void* state) noexcept;
 
  private:
+  bool needsInertia_;
   Configure configure_;
   Activate activate_;
   std::unique_ptr<Renderer> renderer_;  // while active
   TickInput input_;
 };
+
+/// Plugin::kNeedsInertia where a class has it: whether its renderers read the inertia.
+template <typename Plugin, typename = void>
+inline constexpr bool pluginNeedsInertia = false;
+template <typename Plugin>
+inline constexpr bool pluginNeedsInertia<Plugin, std::void_t<decltype(Plugin::kNeedsInertia)>> = Plugin::kNeedsInertia;
 
 /// The table of a plugin class.
 template <typename Plugin>
@@ -76,13 +86,16 @@ const EnamelPlugin& pluginTable() noexcept {
       sizeof(EnamelPlugin),
       sizeof(EnamelTickInput),
       sizeof(EnamelTickOutput),
+      pluginNeedsInertia<Plugin> ? ENAMEL_NEEDS_INERTIA : 0u,
+      0u,
       [] { return &Plugin::describe(); },
       []() -> void* {
         try {
-          return new PluginInstance([](const EnamelConfiguration& given) -> PluginInstance::Activate {
-            auto plugin = std::make_shared<const Plugin>(PluginConfiguration(Plugin::describe(), given));
-            return [plugin](double period) { return plugin->activate(period); };
-          });
+          return new PluginInstance(
+              pluginNeedsInertia<Plugin>, [](const EnamelConfiguration& given) -> PluginInstance::Activate {
+                auto plugin = std::make_shared<const Plugin>(PluginConfiguration(Plugin::describe(), given));
+                return [plugin](double period) { return plugin->activate(period); };
+              });
         } catch (...) {
           return nullptr;
         }

@@ -2,52 +2,50 @@
 // once the tool touches, a servo holds it there, and the contact force is what the servo needs.
 #pragma once
 
-#include <Eigen/Core>
-
-#include "enamel/device/tau/model.hpp"
 #include "enamel/render/renderer.hpp"
 
 namespace enamel {
 
+/// Gain of a servo, (K_c | K_i), n x 3n for n joints: [N m s/rad, N m/rad, N m/(rad s)]. Stored in place.
+using ServoGain = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxJoints, 3 * kMaxJoints>;
+
 /// Parameters of the position-control renderer, mode `hold`.
 struct PositionControlOptions {
   /// Ends the hold when the wall would pull, with the integrators emptied; the next touch takes as its reference the
-  /// first penetrating pose projected back to the surface. Off: as in the paper, the hold never ends and the reference
-  /// is the joint pose at first touch.
+  /// first penetrating pose moved back to the surface (to first order in the depth). Off: as in the paper, the hold
+  /// never ends and the reference is the joint pose at first touch.
   bool release = true;
   double releaseForce = 0.3;  ///< pull along the contact's normal beyond which the hold ends, N
   bool antiWindup = false;    ///< stops the integrators while a motor is saturated; off in the paper
 };
 
-/// u = g(q_ref) - (K_c | K_i) [q'; q - q_ref; xi], then xi += Ts (q_ref - q), u cut at +-maxTorque (eq. 11 with the
-/// reference held). Without contact u = g(q). A tool touches when a gap is at most kTouchGap and, where the hold was
-/// released inside the wall, when it also moves inwards.
+/// u = g - (K_c | K_i) [q'; q - q_ref; xi], then xi += Ts (q_ref - q), u cut at +-maxTorque (eq. 11 with the reference
+/// held); g is the gravity torque at first touch. Without contact u = g(q). A tool touches when a gap is at most
+/// kTouchGap and, where the hold was released inside the wall, when it also moves inwards. On any mechanism with the
+/// gain's number of joints.
 class PositionControlRenderer final : public Renderer {
  public:
-  using Gain = Eigen::Matrix<double, 6, 18>;
-
   /// A gap at which the tool touches, m: above rounding, below anything that can be felt.
   static constexpr double kTouchGap = 1e-9;
 
-  /// `gain` is (K_c | K_i), [N m s/rad, N m/rad, N m/(rad s)], designed for ticks of `period` s.
-  /// Throws Error: a gain that is not finite; a release force that is negative or not finite; at activate(), a period
-  /// other than `period`.
-  PositionControlRenderer(const TauModel& model, const Gain& gain, double period,
-                          const PositionControlOptions& options);
+  /// `gain` was designed for ticks of `period` s. Throws Error: a gain that is not n x 3n or not finite; a release
+  /// force that is negative or not finite; at activate(), a period other than `period`.
+  PositionControlRenderer(const ServoGain& gain, double period, const PositionControlOptions& options);
 
-  /// Whether the servo holds, and at which joint angles q_ref, rad. Realtime: yes.
+  /// Whether the servo holds, and at which joint coordinates q_ref, rad or m. Realtime: yes.
   bool holding() const noexcept { return state_.phase == kHolding; }
-  const Vec6& reference() const noexcept { return state_.reference; }
+  JointVector reference() const noexcept { return state_.reference.head(gain_.rows()); }
 
  private:
+  using Stored = Eigen::Matrix<double, kMaxJoints, 1>;  // zero beyond n
   struct State {
-    Vec6 reference = Vec6::Zero();    // q_ref, rad
-    Vec6 feedForward = Vec6::Zero();  // g(q_ref), N m
-    Vec6 integral = Vec6::Zero();     // xi, rad s
-    Vec3 normal = Vec3::Zero();       // of the contact that is held, W
-    double phase = 0.0;               // one of the three below; a double, so that the block has no padding
+    Stored reference = Stored::Zero();    // q_ref
+    Stored feedForward = Stored::Zero();  // g
+    Stored integral = Stored::Zero();     // xi
+    Vec3 normal = Vec3::Zero();           // of the contact that is held, W
+    double phase = 0.0;                   // one of the three below; a double, so that the block has no padding
   };
-  static_assert(sizeof(State) == 22 * sizeof(double), "the state is compared byte by byte");
+  static_assert(sizeof(State) == (3 * kMaxJoints + 4) * sizeof(double), "the state is compared byte by byte");
   static constexpr double kFree = 0.0;      // no contact
   static constexpr double kHolding = 1.0;   // the servo holds
   static constexpr double kReleased = 2.0;  // released inside the wall, and not yet out of it
@@ -57,11 +55,10 @@ class PositionControlRenderer final : public Renderer {
   void resetState() noexcept override { state_ = State{}; }
   StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
 
-  bool touches(const TickInput& input) noexcept;
-  Status hold(const TickInput& input, const TauConfiguration& configuration) noexcept;
+  void updatePhase(const TickInput& input) noexcept;
+  void hold(const TickInput& input) noexcept;
 
-  TauModel model_;
-  Gain gain_;
+  ServoGain gain_;
   double period_;
   PositionControlOptions options_;
   State state_;

@@ -1,8 +1,9 @@
-// The renderer contract: measured state and contacts in, joint torques out, once a tick.
+// The renderer contract: the mechanism's motion and the contacts in, joint torques out, once a tick. A renderer knows
+// no mechanism: what it needs of one stands in the Kinematics.
 //
-// Life of a renderer: construct (configure, throws) -> activate(dt) -> step ... reset ... step -> deactivate. step()
-// and reset() run in the real-time thread: no allocation, lock, exception or I/O. A renderer proposes a torque; what
-// reaches the motors is decided behind it.
+// Life of a renderer: construct (configure, throws) -> activate(period) -> step ... reset ... step -> deactivate.
+// step() and reset() run in the real-time thread: no allocation, lock, exception or I/O. A renderer proposes a torque;
+// what reaches the motors is decided behind it.
 #pragma once
 
 #include <cstddef>
@@ -10,19 +11,17 @@
 
 #include "enamel/collision/contact.hpp"
 #include "enamel/core/status.hpp"
-#include "enamel/core/types.hpp"
+#include "enamel/device/mechanism.hpp"
 
 namespace enamel {
 
-/// What is known at a tick. All in SI; poses, twists and contacts in W.
+/// What is known at a tick. All in SI; poses, twists and contacts in W. Joint vectors have n entries.
 struct TickInput {
-  double time = 0.0;          ///< s, strictly increasing
-  Vec6 q = Vec6::Zero();      ///< measured joint angles, rad
-  Vec6 rates = Vec6::Zero();  ///< measured or filtered joint rates, rad/s
-  Pose pose;                  ///< of the platform, by forward kinematics of q
-  Vec6 twist = Vec6::Zero();  ///< [v; w] of the TCP, J q', m/s, rad/s
-  ContactSnapshot contacts;   ///< at `pose`; the deepest first
-  double maxTorque = 0.0;     ///< limit of every motor, N m
+  double time = 0.0;         ///< s, strictly increasing
+  Kinematics kinematics;     ///< measured; the inertia where the renderer asked for it
+  ContactSnapshot contacts;  ///< at the pose; the deepest first
+  JointVector maxTorque;     ///< limit of every motor, N m or N
+  JointVector applied;       ///< torque that really acted since the last tick, N m or N; zero at the first
 };
 
 /// What a renderer is doing.
@@ -37,7 +36,7 @@ const char* toString(RenderMode mode) noexcept;
 
 /// What a renderer asks for.
 struct TickOutput {
-  Vec6 torque = Vec6::Zero();  ///< N m, finite and within +-maxTorque whatever the status
+  JointVector torque;  ///< N m or N, gravity included; finite and within +-maxTorque whatever the status
   RenderMode mode = RenderMode::fault;
   bool saturated = false;    ///< a motor's limit cut the torque
   double normalForce = 0.0;  ///< of the wall on the tool along the deepest contact's normal, N
@@ -56,13 +55,17 @@ class Renderer {
   /// was not designed for. Realtime: no.
   void activate(double period);
 
-  /// One tick: checkInput(), then the renderer's law. Statuses: ok; notFinite, outOfRange, stale (bad input);
-  /// unreachable, singular (no such pose); inactive. On any but ok the torque is zero, the mode is fault and the state
-  /// is unchanged. Realtime: yes.
+  /// One tick: checkInput(), then the renderer's law. Statuses: ok; notFinite, outOfRange, stale (bad input; outOfRange
+  /// also for a number of joints that this renderer was not made for); notFinite for an answer that is not finite or
+  /// has not one torque a joint; inactive. On any but ok the torque is zero, the mode is fault and the state is
+  /// unchanged. Realtime: yes.
   [[nodiscard]] Status step(const TickInput& input, TickOutput& output) noexcept;
 
   /// Back to the state after activate(). Realtime: yes.
   void reset() noexcept;
+
+  /// Whether step() reads the joint-space inertia: ticks then compute it.
+  virtual bool needsInertia() const noexcept { return false; }
 
   /// Ends the ticks; step() answers inactive until the next activate(). Realtime: no.
   void deactivate() noexcept { active_ = false; }
@@ -90,12 +93,16 @@ class Renderer {
   double lastTime_ = 0.0;  // s
 };
 
-/// Checks what every renderer checks first: finite numbers, sizes that a device can have (angles to 1000 rad, rates to
-/// 1000 rad/s, positions to 10 m, speeds to 100 m/s, gaps to 100 m), a rotation matrix, unit normals (to 1e-6), a count
-/// within capacity, and a time later than `lastTime`. Returns ok, notFinite, outOfRange or stale. Realtime: yes.
+/// Checks what every renderer checks first: joint vectors of one size; finite numbers, sizes that a device can have
+/// (joints to 1000 rad or m, rates to 1000 a second, positions to 10 m, speeds to 100 m/s, gaps to 100 m); a rotation
+/// matrix; unit normals (to 1e-6); a count within capacity; a time later than `lastTime`. Returns ok, notFinite,
+/// outOfRange or stale. Realtime: yes.
 [[nodiscard]] Status checkInput(const TickInput& input, double lastTime) noexcept;
 
 /// Cuts every torque at +-maxTorque; true if one was cut. Realtime: yes.
-bool saturate(Vec6& torque, double maxTorque) noexcept;
+bool saturate(JointVector& torque, const JointVector& maxTorque) noexcept;
+
+/// Velocity of the tool's material at the contact relative to the obstacle's, W, m/s. Realtime: yes.
+Vec3 contactVelocity(const Kinematics& kinematics, const Contact& contact) noexcept;
 
 }  // namespace enamel

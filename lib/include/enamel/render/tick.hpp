@@ -1,8 +1,8 @@
-// One haptic tick, from measured joints to the torque that a renderer proposes.
+// One haptic tick, from what a device measured to the torque that its motors get.
 #pragma once
 
 #include "enamel/collision/scene.hpp"
-#include "enamel/device/tau/kinematics.hpp"
+#include "enamel/device/haptic_device.hpp"
 #include "enamel/render/renderer.hpp"
 
 namespace enamel {
@@ -10,19 +10,33 @@ namespace enamel {
 /// Obstacles farther from the tool than this are no contacts of a tick, m.
 inline constexpr double kContactMargin = 1e-3;
 
-/// What one tick leaves to the next: where the search for the pose and for the contacts begins. Made outside the ticks.
-struct TickMemory {
-  TauConfiguration tracked;  ///< of the previous tick
-  ToolCache contacts;     ///< of makeToolCache() for the scene and the tool
-};
+/// Mechanism::track() -> contacts of the tool with the scene -> renderer. Owns what lasts from tick to tick; refers to
+/// mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks, none may be added.
+class HapticTick {
+ public:
+  /// Activates the renderer for ticks of `period` s. `start`: about where the platform is at the first tick. Throws
+  /// Error: as Renderer::activate(). Realtime: no.
+  HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer, double period,
+             const Pose& start = Pose{});
 
-/// Forward kinematics -> pose, twist -> contacts of the tool with the scene -> renderer.
-///
-/// `q` (rad) and `rates` (rad/s) are measured at `time` (s). `input` is what the renderer saw: contacts within
-/// kContactMargin. Statuses: those of forwardKinematics(), findContacts() and Renderer::step(); on any but ok the
-/// output is a fault with zero torque. Realtime: yes.
-[[nodiscard]] Status hapticTick(const TauModel& model, const Scene& scene, const Tool& tool, double time,
-                                const Vec6& q, const Vec6& rates, TickMemory& memory, Renderer& renderer,
-                                TickInput& input, TickOutput& output) noexcept;
+  /// One tick. Statuses: those of Mechanism::track(), findContacts() and Renderer::step(); on any but ok the command is
+  /// zero torque. Realtime: yes.
+  [[nodiscard]] Status operator()(const Measurement& measurement, Command& command) noexcept;
+
+  /// What the renderer saw and answered at the last tick. Realtime: yes.
+  const TickInput& input() const noexcept { return input_; }
+  const TickOutput& output() const noexcept { return output_; }
+
+ private:
+  Status see(const Measurement& measurement) noexcept;
+
+  const Mechanism& mechanism_;
+  const Scene& scene_;
+  Tool tool_;
+  Renderer& renderer_;
+  ToolCache cache_;
+  TickInput input_;
+  TickOutput output_;
+};
 
 }  // namespace enamel

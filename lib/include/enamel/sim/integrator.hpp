@@ -1,12 +1,11 @@
-// Fixed-step integration of the device's motion in pose and twist: no drift off the constraints, because the pose
-// is the state and the chains follow from it.
+// Fixed-step integration of a mechanism's motion in pose and twist: no drift off the constraints, because the pose is
+// the state and the chains follow from it.
 #pragma once
 
 #include <Eigen/Geometry>
 #include <cstdint>
 
-#include "enamel/device/tau/dynamics.hpp"
-#include "enamel/device/tau/kinematics.hpp"
+#include "enamel/device/mechanism.hpp"
 
 namespace enamel {
 
@@ -41,16 +40,12 @@ inline Eigen::Matrix<double, 4, 1> orientationRate(const DeviceState& s, const V
 }
 
 template <typename Load>
-Status slopeAt(const TauModel& model, double time, const DeviceState& s, const Vec6& torque, const Load& load,
-               DeviceSlope& slope) noexcept {
-  TauConfiguration configuration;
+Status slopeAt(const Mechanism& mechanism, double time, const DeviceState& s, const JointVector& torque,
+               const Load& load, DeviceSlope& slope) noexcept {
   const Pose pose{s.position, s.orientation.normalized().toRotationMatrix()};
-  const Status status = inverseKinematics(model, pose, configuration);
-  if (status != Status::ok) return status;
   slope.position = s.twist.head<3>();
   slope.orientation = orientationRate(s, s.twist);
-  slope.twist = forwardDynamics(model, configuration, s.twist, torque, load(time, pose, s.twist));
-  return Status::ok;
+  return mechanism.accelerate(pose, s.twist, torque, load(time, pose, s.twist), slope.twist);
 }
 
 inline DeviceState moved(const DeviceState& state, const DeviceSlope& slope, double h) noexcept {
@@ -63,16 +58,16 @@ inline DeviceState moved(const DeviceState& state, const DeviceSlope& slope, dou
 
 }  // namespace detail
 
-/// One step of the classical fourth-order Runge-Kutta method under constant joint torques (N m) and the wrench
+/// One step of the classical fourth-order Runge-Kutta method under constant joint torques (N m or N) and the wrench
 /// load(time, pose, twist) on the platform at the TCP (N, N m). The quaternion is integrated as a vector and brought
 /// back to unit length at every evaluation. Returns the status of the first configuration that is not regular; `state`
 /// is then unchanged.
 /// Realtime: yes, if `load` is.
 template <typename Load>
-[[nodiscard]] Status stepRungeKutta4(const TauModel& model, double time, double dt, const Vec6& torque,
+[[nodiscard]] Status stepRungeKutta4(const Mechanism& mechanism, double time, double dt, const JointVector& torque,
                                      const Load& load, DeviceState& state) noexcept {
   const auto slopeAt = [&](double t, const DeviceState& s, DeviceSlope& slope) {
-    return detail::slopeAt(model, t, s, torque, load, slope);
+    return detail::slopeAt(mechanism, t, s, torque, load, slope);
   };
   const auto moved = [&state](const DeviceSlope& slope, double h) { return detail::moved(state, slope, h); };
   DeviceSlope k1, k2, k3, k4;
@@ -90,12 +85,13 @@ template <typename Load>
 
 /// One step of the midpoint method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
 template <typename Load>
-[[nodiscard]] Status stepMidpoint(const TauModel& model, double time, double dt, const Vec6& torque,
+[[nodiscard]] Status stepMidpoint(const Mechanism& mechanism, double time, double dt, const JointVector& torque,
                                   const Load& load, DeviceState& state) noexcept {
   DeviceSlope slope;
-  if (const Status s = detail::slopeAt(model, time, state, torque, load, slope); s != Status::ok) return s;
+  if (const Status s = detail::slopeAt(mechanism, time, state, torque, load, slope); s != Status::ok) return s;
   const DeviceState middle = detail::moved(state, slope, 0.5 * dt);
-  if (const Status s = detail::slopeAt(model, time + 0.5 * dt, middle, torque, load, slope); s != Status::ok) return s;
+  if (const Status s = detail::slopeAt(mechanism, time + 0.5 * dt, middle, torque, load, slope); s != Status::ok)
+    return s;
   state = detail::moved(state, slope, dt);
   state.orientation.normalize();
   return Status::ok;
@@ -103,10 +99,10 @@ template <typename Load>
 
 /// One step of the semi-implicit Euler method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
 template <typename Load>
-[[nodiscard]] Status stepSemiImplicitEuler(const TauModel& model, double time, double dt, const Vec6& torque,
-                                           const Load& load, DeviceState& state) noexcept {
+[[nodiscard]] Status stepSemiImplicitEuler(const Mechanism& mechanism, double time, double dt,
+                                           const JointVector& torque, const Load& load, DeviceState& state) noexcept {
   DeviceSlope slope;
-  if (const Status s = detail::slopeAt(model, time, state, torque, load, slope); s != Status::ok) return s;
+  if (const Status s = detail::slopeAt(mechanism, time, state, torque, load, slope); s != Status::ok) return s;
   state.twist += dt * slope.twist;
   state.position += dt * state.twist.head<3>();
   state.orientation.coeffs() += dt * detail::orientationRate(state, state.twist);
@@ -116,14 +112,14 @@ template <typename Load>
 
 /// One step of the given method. Realtime: yes, if `load` is.
 template <typename Load>
-[[nodiscard]] Status stepMotion(Integrator integrator, const TauModel& model, double time, double dt,
-                                const Vec6& torque, const Load& load, DeviceState& state) noexcept {
+[[nodiscard]] Status stepMotion(Integrator integrator, const Mechanism& mechanism, double time, double dt,
+                                const JointVector& torque, const Load& load, DeviceState& state) noexcept {
   switch (integrator) {
-    case Integrator::midpoint: return stepMidpoint(model, time, dt, torque, load, state);
-    case Integrator::semiImplicitEuler: return stepSemiImplicitEuler(model, time, dt, torque, load, state);
+    case Integrator::midpoint: return stepMidpoint(mechanism, time, dt, torque, load, state);
+    case Integrator::semiImplicitEuler: return stepSemiImplicitEuler(mechanism, time, dt, torque, load, state);
     case Integrator::rungeKutta4: break;
   }
-  return stepRungeKutta4(model, time, dt, torque, load, state);
+  return stepRungeKutta4(mechanism, time, dt, torque, load, state);
 }
 
 }  // namespace enamel

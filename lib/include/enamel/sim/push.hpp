@@ -28,6 +28,15 @@ struct PushSetup : LoopSetup {
   double duration = 3.0;  ///< s
 };
 
+/// The ticks at which a push changes.
+struct PushTimes {
+  std::uint64_t onset;       ///< the person begins to push (1 s)
+  std::uint64_t steady;      ///< noise and steady state begin (scenario 1: 1 s; 2: 2 s, the hand stands still)
+  std::uint64_t lastSecond;  ///< the last second begins
+  std::uint64_t end;
+};
+PushTimes timesOf(const PushSetup& setup) noexcept;
+
 /// Why a run ended.
 struct PushResult {
   Status status;        ///< ok, or the status of the configuration that the plant could not leave
@@ -40,7 +49,7 @@ void checkPush(const PushSetup& setup);
 
 /// Runs a push on a VirtualLoop, `record` once a tick. The renderer is deactivated at the end. Throws what checkPush()
 /// and VirtualLoop throw. The same setup gives the same bits. Realtime: no (each tick is).
-PushResult runPush(const TauModel& model, Renderer& renderer, const PushSetup& setup,
+PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record);
 
 /// Position of the hand in scenario 2 along n relative to its start, m, and its velocity, m/s. Realtime: yes.

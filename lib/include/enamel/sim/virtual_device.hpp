@@ -1,9 +1,10 @@
-// The device in the computer: closed-form dynamics between ticks, motors with limits and delay, encoders.
+// The device in the computer: a mechanism's dynamics between ticks, motors with limits and delay, encoders.
 #pragma once
 
 #include <array>
 #include <cstdint>
 
+#include "enamel/device/haptic_device.hpp"
 #include "enamel/sim/integrator.hpp"
 #include "enamel/sim/random.hpp"
 
@@ -34,43 +35,101 @@ struct EncoderOptions {
   double cutoff = 100.0;  ///< f of lowPass, Hz
 };
 
-/// What the encoders deliver at a tick.
-struct Measurement {
-  Vec6 q;      ///< rad
-  Vec6 rates;  ///< rad/s
-};
-
 /// Encoders with the memory of the rate filter; plain data.
 class Encoders {
  public:
-  /// `counts` per joint revolution; `period` of the ticks, s.
-  Encoders(const EncoderOptions& options, double counts, double period) noexcept;
+  /// `count`: step of each joint, rad or m; `period` of the ticks, s.
+  Encoders(const EncoderOptions& options, const JointVector& count, double period) noexcept;
 
-  /// Measures exact angles and rates; the first call starts the rate filter at rest. Realtime: yes.
-  Measurement measure(const Vec6& q, const Vec6& rates) noexcept;
+  /// Measures exact coordinates and rates; the first call starts the rate filter at rest. Realtime: yes.
+  void measure(const JointVector& q, const JointVector& rates, Measurement& measurement) noexcept;
 
  private:
   EncoderOptions options_;
-  double count_;   // rad
+  JointVector count_;
   double period_;  // s
   double gain_;    // of the low pass
   bool started_ = false;
-  Vec6 last_ = Vec6::Zero(), filtered_ = Vec6::Zero();
+  JointVector last_, filtered_;
 };
 
 /// Motors behind a delay line; plain data.
 class Motors {
  public:
-  /// `initial`: the torque before the first command, N m.
-  Motors(const Delay& delay, const Vec6& initial) noexcept;
+  /// `initial`: the torque before the first command, N m or N.
+  Motors(const Delay& delay, const JointVector& initial) noexcept;
 
   /// Takes the command of tick `tick` (0, 1, 2, ...) and returns the torque that acts during this tick. Realtime: yes.
-  Vec6 actuate(std::uint64_t tick, const Vec6& command, const RandomStream& random) noexcept;
+  JointVector actuate(std::uint64_t tick, const JointVector& command, const RandomStream& random) noexcept;
 
  private:
   Delay delay_;
-  Vec6 initial_;
-  std::array<Vec6, kMaxDelay + 1> commands_;
+  JointVector initial_;
+  std::array<JointVector, kMaxDelay + 1> commands_;
+};
+
+/// What determines a virtual device.
+struct VirtualDeviceSetup {
+  Pose start;  ///< at rest
+  EncoderOptions encoders;
+  Delay delay;
+  double period = 1e-3;  ///< Ts, s
+  int substeps = 1;      ///< integration steps a tick
+  Integrator integrator = Integrator::rungeKutta4;
+  std::uint64_t seed = 1;
+  std::uint32_t run = 0;  ///< number of the random stream
+};
+
+/// Checks a setup. Throws Error: substeps outside 1 to 1000; a period outside (0, 0.1] s; delays outside 0 to kMaxDelay
+/// ticks or low > high; a cutoff that is not positive. Realtime: no.
+void checkVirtualDevice(const VirtualDeviceSetup& setup);
+
+/// A device that lives in steps of one period: measure(), actuate(), advance(), and again. It tells the torque that
+/// acted. Refers to the mechanism.
+class VirtualDevice final : public HapticDevice {
+ public:
+  /// Throws Error: as checkVirtualDevice(), or the start pose is not reachable. Realtime: no.
+  VirtualDevice(const Mechanism& mechanism, const VirtualDeviceSetup& setup);
+
+  /// ok, or the status of the configuration that the mechanism could not leave. Realtime: yes.
+  [[nodiscard]] Status measure(Measurement& measurement) noexcept override;
+  /// Always ok. Realtime: yes.
+  [[nodiscard]] Status actuate(const Command& command) noexcept override;
+
+  /// Moves on by one period under load(time, pose, twist), the wrench of the surroundings on the platform at the TCP
+  /// (N, N m). Returns ok, or the status of the configuration that it could not leave: it then stays where it is.
+  /// Realtime: yes, if `load` is.
+  template <typename Load>
+  [[nodiscard]] Status advance(const Load& load) noexcept {
+    const double step = setup_.period / setup_.substeps;
+    for (int i = 0; i < setup_.substeps; ++i) {
+      const Status status = stepMotion(setup_.integrator, mechanism_, time() + i * step, step, torque_, load, state_);
+      if (status != Status::ok) return status;
+    }
+    ++tick_;
+    return Status::ok;
+  }
+
+  /// Number and time (s) of the tick that comes next or is under way. Realtime: yes.
+  std::uint64_t tick() const noexcept { return tick_; }
+  double time() const noexcept { return static_cast<double>(tick_) * setup_.period; }
+
+  /// The truth: the state now; kinematics at the last measure(); torque that acts during the tick under way. Realtime:
+  /// yes.
+  const DeviceState& state() const noexcept { return state_; }
+  const Kinematics& kinematics() const noexcept { return kinematics_; }
+  const JointVector& torque() const noexcept { return torque_; }
+
+ private:
+  const Mechanism& mechanism_;
+  VirtualDeviceSetup setup_;
+  RandomStream random_;
+  DeviceState state_;
+  Kinematics kinematics_;
+  Encoders encoders_;
+  Motors motors_;
+  JointVector torque_;
+  std::uint64_t tick_ = 0;
 };
 
 }  // namespace enamel

@@ -1,18 +1,36 @@
 // Metrics of a run ("A Position-Control Based Approach to Haptic Rendering of Stiff Objects", section V.B, and more).
 #pragma once
 
+#include <array>
 #include <optional>
+#include <string>
+#include <variant>
 #include <vector>
 
+#include "enamel/control/first_impact.hpp"
 #include "enamel/sim/push.hpp"
 
 namespace enamel {
 
+/// Whether a push has a first impact stiffness, or why not.
+enum class FirstImpactVerdict : std::uint8_t {
+  measured,  ///< D_z1 and K_z1 are there
+  noStep,    ///< scenario 2: the force does not rise at once
+  noReturn,  ///< the tool never turned back
+  rings,     ///< from 0.5 s after the onset on, the depth's standard deviation is above D_z1 / 4, or more than half of
+             ///< the ticks are saturated (judged where the run goes on for 0.75 s or more)
+  slips,     ///< until its return the tool moved farther across the normal than along it
+};
+
+/// Name of a verdict in plain words. Realtime: yes.
+const char* toString(FirstImpactVerdict verdict) noexcept;
+
 /// Metrics of one push. Depths count positive into the wall; the steady state is 1 s to the end in scenario 1 and 2 s
 /// to the end in scenario 2.
 struct PushMetrics {
-  /// First impact: depth at the first tick after the onset where the tool is inside and its velocity along the normal
-  /// turns from negative to >= 0; nothing without such a tick, and in scenario 2.
+  /// First impact: the deepest point of the continuous motion up to its first return (FirstImpact), from the mean depth
+  /// in the 0.1 s before the step.
+  FirstImpactVerdict verdict = FirstImpactVerdict::noReturn;
   std::optional<double> firstDepth;      ///< D_z1, m
   std::optional<double> firstStiffness;  ///< K_z1 = F_1(t_z1) / D_z1, N/m
   double steadyDepth = 0.0;              ///< D_zs, signed mean, m
@@ -20,13 +38,32 @@ struct PushMetrics {
   double rmsDepth = 0.0;                 ///< of the steady state, m
   double depth95 = 0.0;                  ///< 95th percentile of |depth| of the steady state, m
   double largestDepth = 0.0;             ///< of the whole run, m
-  double chatter = 0.0;          ///< largest over the joints of the torque's standard deviation, last second, N m
+  double chatter = 0.0;          ///< largest over the joints of the torque's standard deviation, last second, N m or N
   double saturatedShare = 0.0;   ///< of all ticks
   double tangentialForce = 0.0;  ///< rms of the rendered force across the normal in the steady state, N
   double work = 0.0;             ///< of the rendered wrench on the tool, J
   double drift = 0.0;            ///< largest displacement across the normal from the start, m
   std::uint64_t faults = 0;      ///< ticks on which the renderer answered anything but ok
 };
+
+/// A metric as tables, files and pictures name it. In files: "symbol [unit]".
+struct Metric {
+  const char* symbol;   ///< of the field, or its name
+  const char* meaning;  ///< "" where the symbol says it
+  const char* unit;     ///< SI; "" for a share
+  const char* displayUnit;
+  double displayScale;  ///< from unit to displayUnit
+  std::variant<double PushMetrics::*, std::optional<double> PushMetrics::*> member;
+};
+
+/// All of them, in the order of files and tables.
+const std::array<Metric, 12>& allMetrics() noexcept;
+
+/// "symbol [unit]". Realtime: no.
+std::string keyOf(const Metric& metric);
+
+/// Its value; nothing where a run does not have it. Realtime: yes.
+std::optional<double> valueOf(const PushMetrics& metrics, const Metric& metric) noexcept;
 
 /// Collects the ticks of one run: give add() to runPush(). Realtime: no.
 class MetricsCollector {
@@ -36,13 +73,24 @@ class MetricsCollector {
   PushMetrics metrics() const;
 
  private:
+  void watchImpact(const TickRecord& tick, double depth);
+
   PushSetup setup_;
-  std::uint64_t onset_, steady_, lastSecond_;
-  std::vector<double> depths_;  // of the steady state
-  std::vector<Vec6> torques_;   // of the last second
+  PushTimes times_;
+  std::vector<double> depths_;        // of the steady state
+  std::vector<JointVector> torques_;  // of the last second
   PushMetrics running_;
-  double lastVelocity_ = 0.0, tangentialSquares_ = 0.0;
+  double tangentialSquares_ = 0.0;
   std::uint64_t ticks_ = 0, saturated_ = 0;
+
+  // First impact.
+  FirstImpact impact_;
+  double restSum_ = 0.0;
+  int restTicks_ = 0;
+  bool slipped_ = false;
+  double lastGap_ = 0.0, lastRate_ = 0.0, lastForce_ = 0.0;
+  double lateSum_ = 0.0, lateSquares_ = 0.0;  // of the depth, from 0.5 s after the onset on
+  std::uint64_t lateTicks_ = 0, lateSaturated_ = 0;
 };
 
 }  // namespace enamel

@@ -15,7 +15,7 @@ namespace enamel {
 /// A renderer to be judged, with the plant that it runs on.
 struct StudyColumn {
   std::string name;
-  TauModel plant;
+  std::shared_ptr<const Mechanism> plant;
   /// Makes the renderer for a query point; called from any thread.
   std::function<std::unique_ptr<Renderer>(std::size_t point)> make;
 };

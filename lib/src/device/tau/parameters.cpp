@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "core/message.hpp"
+#include "core/text_file.hpp"
 #include "core/toml.hpp"
 #include "device/read.hpp"
 
@@ -124,7 +125,8 @@ TauParameters readTau(TomlTable& root) {
 
 TauParameters parseTau(std::string_view text, const std::string& file) {
   TomlTable root = parseToml(text, file);
-  if (const std::string kind = kindOf(root); kind != "tau") root.fail("kind", "is \"" + kind + "\", must be \"tau\" here");
+  if (const std::string kind = kindOf(root); kind != "tau")
+    root.fail("kind", "is \"" + kind + "\", must be \"tau\" here");
   return readTau(root);
 }
 

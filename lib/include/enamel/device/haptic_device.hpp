@@ -1,0 +1,35 @@
+// What a tick asks of a device, virtual or real: measure, actuate. A device knows time and wires; its geometry and mass
+// are those of a Mechanism.
+#pragma once
+
+#include "enamel/core/status.hpp"
+#include "enamel/core/types.hpp"
+
+namespace enamel {
+
+/// What a device tells at a tick.
+struct Measurement {
+  double time = 0.0;    ///< s, strictly increasing
+  JointVector q;        ///< joint coordinates, rad or m
+  JointVector rates;    ///< q', rad/s or m/s
+  JointVector applied;  ///< torque that acted since the last measurement, N m or N; empty where the device cannot tell
+};
+
+/// What a device is told.
+struct Command {
+  JointVector torque;  ///< N m or N
+};
+
+/// A device that can be measured and actuated, in this order, once a tick. The virtual device and every driver.
+class HapticDevice {
+ public:
+  virtual ~HapticDevice() = default;
+
+  /// Any status but ok: the measurement is not to be used. Realtime: yes.
+  [[nodiscard]] virtual Status measure(Measurement& measurement) noexcept = 0;
+
+  /// Realtime: yes.
+  [[nodiscard]] virtual Status actuate(const Command& command) noexcept = 0;
+};
+
+}  // namespace enamel
