@@ -1,6 +1,8 @@
 // Long undriven motion: the energy stays, and the integrator has its order.
 #include <iostream>
 
+#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/device/tau/mechanism.hpp"
 #include "enamel/sim/integrator.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
@@ -28,10 +30,10 @@ double energy(const TauModel& model, const DeviceState& state) {
          0.5 * kSpring * state.position.squaredNorm() + 0.5 * kTurn * (3.0 - c.pose.rotation.trace());
 }
 
-DeviceState moved(const TauModel& model, DeviceState state, double duration, double dt) {
+DeviceState moved(const Mechanism& device, DeviceState state, double duration, double dt) {
   const int steps = static_cast<int>(std::lround(duration / dt));
   for (int i = 0; i < steps; ++i)
-    REQUIRE(stepRungeKutta4(model, i * dt, dt, Vec6::Zero(), springWrench, state) == Status::ok);
+    REQUIRE(stepRungeKutta4(device, i * dt, dt, JointVector::Zero(6), springWrench, state) == Status::ok);
   return state;
 }
 
@@ -53,22 +55,23 @@ DeviceState startState() {
 
 TEST_CASE("undriven motion keeps its energy for 10 s", "[hard]") {
   for (const TauParameters& device : {test::nominal(), test::detailed(), test::randomDevice(3)}) {
-    const TauModel model = makeModel(conservative(device));
+    const TauMechanism mechanism(conservative(device));
+    const TauModel& model = mechanism.model();
     const DeviceState start = startState();
     const double before = energy(model, start);
     // Runge-Kutta loses (w h)^6 / 72 of the energy a step: at h = 50 us and w = 80 rad/s, 2e-11 in 10 s.
-    const double after = energy(model, moved(model, start, 10.0, 5e-5));
+    const double after = energy(model, moved(mechanism, start, 10.0, 5e-5));
     std::cout << device.name << ": relative energy drift over 10 s " << (after - before) / before << "\n";
     CHECK(std::abs(after - before) < 1e-10 * before);
   }
 }
 
 TEST_CASE("the integrator is of fourth order", "[hard]") {
-  const TauModel model = makeModel(conservative(test::detailed()));
+  const TauMechanism device(conservative(test::detailed()));
   const DeviceState start = startState();
-  const DeviceState exact = moved(model, start, 0.2, 0.2 / 3200);
+  const DeviceState exact = moved(device, start, 0.2, 0.2 / 3200);
   const auto errorAt = [&](int steps) {
-    const DeviceState s = moved(model, start, 0.2, 0.2 / steps);
+    const DeviceState s = moved(device, start, 0.2, 0.2 / steps);
     return (s.position - exact.position).norm() + 0.1 * (s.orientation.coeffs() - exact.orientation.coeffs()).norm();
   };
   const double coarse = errorAt(50), middle = errorAt(100), fine = errorAt(200);

@@ -25,9 +25,17 @@ const EnamelPlugin& good() { return *good_plugin(); }
   memory[0] = 1;
   std::free(const_cast<char*>(memory));
 #elif defined(BAD_NAN)
-  if (output->mode == ENAMEL_CONTACT) output->torque[3] = std::nan("");
+  if (output->mode == ENAMEL_CONTACT) {
+    output->answer = ENAMEL_TORQUE;
+    output->torque[3] = std::nan("");
+    for (double& w : output->wrench) w = 0.0;
+  }
 #elif defined(BAD_LIMIT)
-  if (output->mode == ENAMEL_CONTACT) output->torque[2] = 2.0 * input->max_torque;
+  if (output->mode == ENAMEL_CONTACT) {
+    output->answer = ENAMEL_TORQUE;
+    output->torque[2] = 2.0 * input->max_torque[2];
+    for (double& w : output->wrench) w = 0.0;
+  }
 #elif defined(BAD_CRASH)
   if (output->mode == ENAMEL_CONTACT) std::abort();
 #elif defined(BAD_SYMBOL)

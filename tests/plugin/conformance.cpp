@@ -30,7 +30,7 @@ TEST_CASE("our plugins keep the contract and export one symbol", "[plugin]") {
 
 TEST_CASE("bad plugins are caught with the right reason", "[plugin]") {
   std::map<std::string, std::string> reasons = {
-      {"version", "has ABI version 2, this host 1"},
+      {"version", "has ABI version 3, this host 2"},
       {"size", "its EnamelTickInput has"},
       {"table", "a function of its table is missing"},
       {"symbol", "a_function_that_nobody_has"},
@@ -71,6 +71,6 @@ TEST_CASE("files that are no plugins are refused with what they are", "[plugin]"
   CHECK(std::count(listed.output.begin(), listed.output.end(), '\n') == 3);
   CHECK_THAT(listed.output, Contains("refused: ") && Contains("text.so: is no shared library"));
   CHECK_THAT(test::run("plugins '" ENAMEL_PLUGINS "'").output,
-             Contains("impedance 0.1.0") && Contains("--set stiffness=6000  of the wall, N/m") && Contains("template"));
+             Contains("impedance 0.2.0") && Contains("--set stiffness=6000  of the wall, N/m") && Contains("template"));
   CHECK(test::run("plugins /no/such/folder").status == 1);
 }

@@ -34,9 +34,9 @@ void requireSame(const TickOutput& a, const TickOutput& b) {
 }  // namespace
 
 TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good input and bad", "[plugin]") {
-  const TauModel model = makeModel(test::nominal());
-  PositionControlRenderer hold(model, designServo(model, Pose{}, 1e-3).K, 1e-3, {});
-  ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
+  const auto device = std::make_shared<TauMechanism>(test::nominal());
+  PositionControlRenderer hold(designServo(device, Pose{}, 1e-3).K, 1e-3, {});
+  ImpedanceRenderer spring({6000.0, 0.0});
   for (const auto& [name, linked] :
        {std::pair<std::string, Renderer*>{"position_control", &hold}, {"impedance", &spring}}) {
     INFO(name);
@@ -50,12 +50,12 @@ TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good in
     for (int i = 0; i < 3000; ++i) {
       Vec6 twist = Vec6::Zero();
       twist.head<3>() = random.vector(0.1);
-      TickInput input = test::inputAt(model, test::poseAtDepth(2e-4 * std::sin(0.01 * i)), 1e-3 * (i + 1), twist);
-      if (i % 50 == 7) input.q[2] = std::nan("");
+      TickInput input = test::inputAt(*device, test::poseAtDepth(2e-4 * std::sin(0.01 * i)), 1e-3 * (i + 1), twist);
+      if (i % 50 == 7) input.kinematics.q[2] = std::nan("");
       if (i % 50 == 8) input.contacts.contacts[0].gap = 1e9;
       if (i % 50 == 9) input.contacts.count = 99;
       if (i % 50 == 10) input.time = 0.0;
-      if (i % 3 == 0) input.maxTorque = 0.05;  // often cut
+      if (i % 3 == 0) input.maxTorque.setConstant(0.05);  // often cut
       TickOutput a, b;
       const Status wanted = linked->step(input, a), got = plugin->step(input, b);
       REQUIRE(got == wanted);
@@ -81,13 +81,13 @@ TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good in
 }
 
 TEST_CASE("the reference runs through plugins have the bits of the linked renderers", "[plugin]") {
-  const TauModel model = makeModel(test::nominal());
+  const auto device = std::make_shared<TauMechanism>(test::nominal());
   for (const auto& run : test::referenceFile("runs-nominal.json").at("rows")) {
     const bool servo = run.at("controller") == "pc";
     INFO((servo ? "position_control" : "impedance"));
-    const TauModel plant = makeModel(servo ? test::nominal() : test::dampedNominal());
-    PositionControlRenderer hold(model, designServo(model, Pose{}, 1e-3).K, 1e-3, test::asInThePaper());
-    ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
+    const TauMechanism plant(servo ? test::nominal() : test::dampedNominal());
+    PositionControlRenderer hold(designServo(device, Pose{}, 1e-3).K, 1e-3, test::asInThePaper());
+    ImpedanceRenderer spring({6000.0, 0.0});
     PluginSetup given = nominalSetup();
     if (servo) given.parameters = {{"release", "off"}};
     const auto plugin = makeRenderer(library(servo ? "position_control" : "impedance"), given);
@@ -126,7 +126,7 @@ TEST_CASE("a push through a plugin writes the same file as the linked renderer",
     CHECK(linked.size() > 100000);
     CHECK(linked == test::readFile(folder / "plugin.csv"));
   }
-  CHECK(test::run("push --device '" + kDevice + "' --renderer template --set stiffness=50 --duration 1.1").status == 0);
+  CHECK(test::run("push --device '" + kDevice + "' --renderer template --set stiffness=1000 --duration 1.1").status == 0);
   const auto unknown = test::run("push --device '" + kDevice + "' --renderer template --set brains=5");
   CHECK(unknown.status == 1);
   CHECK_THAT(unknown.output, Contains("unknown parameter: brains"));
@@ -147,9 +147,80 @@ TEST_CASE("a small study through plugins writes the same runs as the linked rend
   CHECK(linked == test::readFile(folder / "plugins/runs.csv"));
 }
 
+TEST_CASE("the template's wrench becomes the torque of gravity and wall on any mechanism", "[plugin]") {
+  PluginSetup setup;  // it asks for no device
+  setup.parameters = {{"stiffness", "3000"}, {"damping", "5"}};
+  const auto renderer = makeRenderer(library("template"), setup);
+  renderer->activate(1e-3);
+  ImpedanceRenderer spring({3000.0, 5.0});
+  spring.activate(1e-3);
+  const TauMechanism device(test::nominal());
+  test::Random random(17);
+  int contact = 0;
+  for (int i = 0; i < 500; ++i) {
+    TickInput input =
+        test::inputAt(device, random.workspacePose(0.2), 1e-3 * (i + 1), random.vector6(0.1, 1.0));
+    // Several contacts with their obstacles in motion, the deepest first.
+    input.contacts.count = i % 4;
+    double gap = -2e-3;
+    for (int k = 0; k < input.contacts.count; ++k) {
+      Contact& c = input.contacts.contacts[k];
+      c.point = input.kinematics.pose.position + random.vector(0.05);
+      c.normal = random.direction();
+      c.gap = gap += 1e-3 * random.uniform(0.0, 2.0);
+      c.obstacleVelocity = random.vector(0.05);
+    }
+    TickOutput a, b;
+    REQUIRE(renderer->step(input, a) == Status::ok);
+    REQUIRE(spring.step(input, b) == Status::ok);
+    CHECK((a.torque - b.torque).cwiseAbs().maxCoeff() <= 1e-14);  // sums in another order
+    CHECK(a.normalForce == Approx(b.normalForce).epsilon(1e-13));
+    CHECK(a.mode == b.mode);
+    contact += a.mode == RenderMode::contact;
+  }
+  CHECK(contact > 200);
+}
+
+TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
+  const test::TemporaryFolder folder;
+  const auto device = std::make_shared<TauMechanism>(test::nominal());
+  const Eigen::MatrixXd K = 0.5 * designServo(device, Pose{}, 1e-3).K;
+  nlohmann::json json = {{"model", "tau-nominal.toml"}, {"period", 1e-3}};
+  for (int i = 0; i < K.rows(); ++i) json["K"].push_back(std::vector<double>(K.cols()));
+  for (int i = 0; i < K.rows(); ++i)
+    for (int j = 0; j < K.cols(); ++j) json["K"][i][j] = K(i, j);
+  test::writeFile(folder / "servo.json", json.dump());
+  PluginSetup setup = nominalSetup();
+  setup.parameters = {{"gain", folder / "servo.json"}};
+  const auto plugin = makeRenderer(library("position_control"), setup);
+  plugin->activate(1e-3);
+  PositionControlRenderer linked(K, 1e-3, {});
+  linked.activate(1e-3);
+  for (int i = 1; i < 100; ++i) {
+    const TickInput input = test::inputAt(*device, test::poseAtDepth(1e-4 * std::sin(0.1 * i)), 1e-3 * i);
+    TickOutput a, b;
+    REQUIRE(plugin->step(input, a) == Status::ok);
+    REQUIRE(linked.step(input, b) == Status::ok);
+    requireSame(a, b);
+  }
+  CHECK_THROWS_WITH(plugin->activate(2e-3), Contains("designed for 0.001 s"));
+  const auto refuse = [&](const std::string& text, const std::string& reason) {
+    test::writeFile(folder / "bad.json", text);
+    setup.parameters = {{"gain", folder / "bad.json"}};
+    CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup), Contains("bad.json") && Contains(reason));
+  };
+  refuse("nonsense", "is not the JSON of a servo design");
+  refuse(R"({"model": "a", "period": 0.001})", "K: is missing");
+  refuse(R"({"model": "a", "period": 0, "K": [[1, 2, 3]]})", "period: is 0, must be in (0, 0.1] s");
+  refuse(R"({"model": "a", "period": 0.001, "K": [[1, 2]]})", "K[0]: must be a list of 3 numbers");
+  refuse(R"({"model": "a", "period": 0.001, "K": [[1, 2, "x"]]})", "K[0][2]: must be a number");
+  refuse(R"({"model": "a", "period": 0.001, "K": []})", "K: has 0 rows, must have 1 to 7");
+}
+
 TEST_CASE("a plugin's errors arrive with file and reason", "[plugin]") {
   const auto impedance = library("impedance");
-  CHECK_THROWS_WITH(makeRenderer(impedance, {}), Contains("configure() failed") && Contains("device: is missing"));
+  CHECK_THROWS_WITH(makeRenderer(library("position_control"), {}),
+                    Contains("configure() failed") && Contains("device: is missing"));
   PluginSetup setup = nominalSetup();
   setup.parameters = {{"stiffness", "-1"}};
   CHECK_THROWS_WITH(makeRenderer(impedance, setup), Contains("stiffness: is -1, must be in 0 to"));
@@ -171,14 +242,14 @@ TEST_CASE("a plugin's errors arrive with file and reason", "[plugin]") {
 }
 
 TEST_CASE("what a bad plugin does in a tick becomes a fault", "[plugin]") {
-  const TauModel model = makeModel(test::nominal());
+  const TauMechanism device(test::nominal());
   TickOutput output;
   for (const auto& [name, status] : {std::pair{"nan", Status::notFinite}, {"limit", Status::ok}}) {
     INFO(name);
     const auto renderer = makeRenderer(PluginLibrary::load(ENAMEL_BAD_PLUGINS "/bad_" + std::string(name) + ".so"), {});
     renderer->activate(1e-3);
-    CHECK(renderer->step(test::inputAt(model, test::poseAtDepth(1e-4), 1.0), output) == status);
+    CHECK(renderer->step(test::inputAt(device, test::poseAtDepth(1e-4), 1.0), output) == status);
     CHECK(output.torque.allFinite());
-    CHECK(output.torque.cwiseAbs().maxCoeff() <= model.maxTorque);
+    CHECK((output.torque.array().abs() <= device.limits().torque.array()).all());
   }
 }

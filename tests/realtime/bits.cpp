@@ -16,13 +16,14 @@ void print(const Vector& v) {
 }  // namespace
 
 int main() {
-  const TauModel model = makeModel(test::nominal()), damped = makeModel(test::dampedNominal());
-  PositionControlRenderer hold(model, designServo(model, Pose{}, 1e-3).K, 1e-3, {});
-  ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
+  const auto nominal = std::make_shared<TauMechanism>(test::nominal());
+  const TauMechanism damped(test::dampedNominal());
+  PositionControlRenderer hold(designServo(nominal, Pose{}, 1e-3).K, 1e-3, {});
+  ImpedanceRenderer spring({6000.0, 0.0});
   PushSetup setup;
   setup.encoders = {true, RateSource::lowPass, 100.0};
   setup.seed = 7;
-  for (const auto& [plant, renderer] : {std::pair<const TauModel&, Renderer&>{model, hold}, {damped, spring}})
+  for (const auto& [plant, renderer] : {std::pair<const TauMechanism&, Renderer&>{*nominal, hold}, {damped, spring}})
     for (const TickRecord& tick : test::recordPush(plant, renderer, setup)) {
       print(tick.pose.position);
       print(tick.pose.rotation);

@@ -4,6 +4,7 @@
 
 #include "enamel/device/tau/dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"
+#include "enamel/device/tau/mechanism.hpp"
 #include "enamel/sim/integrator.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/catch.hpp"
@@ -18,7 +19,8 @@ TEST_CASE("the counter counts", "[realtime]") {
 }
 
 TEST_CASE("the device module allocates nothing in a tick", "[realtime]") {
-  const TauModel model = makeModel(test::detailed());
+  const TauMechanism device(test::detailed());
+  const TauModel& model = device.model();
   test::Random random(61);
   double sum = 0.0;
   long allocated = 0;
@@ -38,11 +40,15 @@ TEST_CASE("the device module allocates nothing in a tick", "[realtime]") {
     const Vec6 acceleration = forwardDynamics(model, c, v, v, v);
     sum += jointAccelerations(model, c, v, acceleration)[0] + inverseDynamics(model, c, v, acceleration, v)[0];
     sum += kineticEnergy(model, c, v) + potentialEnergy(model, c) + twistFromRates(model, c, v)[0];
-    sum += effectiveMass(model, c, Vec3::Zero(), Vec3::UnitZ()) + singularity(model, c).parallel;
+    sum += effectiveMass(device.home(), Vec3::Zero(), Vec3::UnitZ()) + singularity(model, c).parallel;
+    sum += largestForce(device.home(), device.limits().torque, Vec3::UnitZ());
+    Kinematics k = device.home();
+    if (device.track(q + 0.3 * v, v, i % 2 == 0, k) == Status::ok) sum += wrenchOf(k, k.gravity)[2];
+    if (device.reach(pose, v, i % 2 == 0, k) == Status::ok) sum += staticTorque(k, v)[1] + twistOf(k.jacobian, k.rates)[0];
     sum += inverseCondition(jacobian(model, c), 0.04);
     DeviceState state;
     if (stepRungeKutta4(
-            model, 0.0, 1e-3, v, [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); }, state) ==
+            device, 0.0, 1e-3, v, [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); }, state) ==
         Status::ok)
       sum += state.position[0];
     allocated += test::allocationCount() - before;

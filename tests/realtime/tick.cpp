@@ -1,45 +1,59 @@
 // A whole tick, forward kinematics -> contact -> renderer, allocates nothing: good input, bad input, faults and resets.
 #include "enamel/render/tick.hpp"
 
-#include "enamel/sim/virtual_device.hpp"
+#include "enamel/sim/virtual_loop.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/catch.hpp"
 #include "support/pushes.hpp"
 
 using namespace enamel;
 
-TEST_CASE("a tick of either renderer allocates nothing", "[realtime]") {
-  const TauModel model = makeModel(test::nominal());
+TEST_CASE("a tick of either renderer allocates nothing, with inertia or without", "[realtime]") {
+  // Asks for the inertia, and reads it.
+  class Heavy final : public Renderer {
+   public:
+    bool needsInertia() const noexcept override { return true; }
+
+   private:
+    void prepare(double) override {}
+    Status render(const TickInput& input, TickOutput& output) noexcept override {
+      output.torque = input.kinematics.gravity + 1e-3 * input.kinematics.inertia.diagonal();
+      output.mode = input.contacts.count > 0 ? RenderMode::contact : RenderMode::free;
+      return Status::ok;
+    }
+    void resetState() noexcept override {}
+    StateBlock stateBlock() noexcept override { return {nullptr, 0}; }
+  };
+  const TauMechanism device(test::nominal());
   const Scene wall = flatWall();
-  const Tool tool;
-  PositionControlRenderer hold = test::positionControl(model);
-  ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
-  for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&spring)}) {
-    renderer->activate(1e-3);
-    test::Random random(81);
-    Encoders encoders({true, RateSource::lowPass, 100.0}, model.encoderCounts, 1e-3);
+  PositionControlRenderer hold = test::positionControl();
+  ImpedanceRenderer spring({6000.0, 0.0});
+  Heavy heavy;
+  for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&spring), static_cast<Renderer*>(&heavy)}) {
+    HapticTick tick(device, wall, Tool(), *renderer, 1e-3);
+    Encoders encoders({true, RateSource::lowPass, 100.0}, device.limits().count, 1e-3);
     const RandomStream stream(1, 0);
-    Motors motors({0, 3}, Vec6::Zero());
+    Motors motors({0, 3}, JointVector::Zero(6));
     std::vector<unsigned char> state(renderer->stateSize());
-    TickMemory memory{model.home, makeToolCache(wall, tool)};
-    TickInput input;
-    TickOutput output;
+    Measurement m;
+    Command command;
+    Kinematics k;
     int ok = 0, contact = 0;
     double sum = 0.0;
     const long before = test::allocationCount();
     for (std::uint64_t i = 0; i < 5000; ++i) {
       Pose pose;
       pose.position.z() = 2e-4 * std::sin(0.01 * static_cast<double>(i));
-      Vec6 q = model.homeAngles;
-      if (inverseKinematics(model, pose, q) != Status::ok) continue;
-      Measurement m = encoders.measure(q, Vec6::Zero());
+      if (device.reach(pose, Vec6::Zero(), false, k) != Status::ok) continue;
+      m.time = 1e-3 * static_cast<double>(i);
+      encoders.measure(k.q, k.rates, m);
       if (i % 100 == 7) m.q[2] = std::nan("");
       if (i % 100 == 9) m.q[2] += 2.0;
-      const Status status =
-          hapticTick(model, wall, tool, 1e-3 * static_cast<double>(i), m.q, m.rates, memory, *renderer, input, output);
+      if (i % 100 == 11) m.q.conservativeResize(4);
+      const Status status = tick(m, command);
       ok += status == Status::ok;
-      contact += output.mode == RenderMode::contact;
-      sum += motors.actuate(i, output.torque, stream)[0] + stream.normal(RandomStream::Purpose::noise, i);
+      contact += tick.output().mode == RenderMode::contact;
+      sum += motors.actuate(i, command.torque, stream)[0] + stream.normal(RandomStream::Purpose::noise, i);
       renderer->saveState(state.data());
       renderer->loadState(state.data());
       if (i % 1000 == 999) renderer->reset();
@@ -50,4 +64,20 @@ TEST_CASE("a tick of either renderer allocates nothing", "[realtime]") {
     CHECK(contact > 1000);
     CHECK(std::isfinite(sum));
   }
+}
+
+TEST_CASE("a loop on the virtual device allocates nothing", "[realtime]") {
+  const TauMechanism device(test::nominal());
+  PositionControlRenderer hold = test::positionControl();
+  LoopSetup setup;
+  setup.delay = {0, 3};
+  setup.encoders = {true, RateSource::lowPass, 100.0};
+  VirtualLoop loop(device, hold, setup);
+  TickRecord record;
+  const auto push = [](double, const Pose&, const Vec6&) { return Vec6((Vec6() << 0, 0, -5, 0, 0, 0).finished()); };
+  const long before = test::allocationCount();
+  int ok = 0;
+  for (int i = 0; i < 1000; ++i) ok += loop.tick(push, record) == Status::ok;
+  CHECK(test::allocationCount() == before);
+  CHECK(ok == 1000);
 }

@@ -5,6 +5,7 @@
 
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
+#include "enamel/device/tau/mechanism.hpp"
 #include "enamel/sim/push.hpp"
 #include "support/devices.hpp"
 #include "support/reference.hpp"
@@ -12,13 +13,13 @@
 namespace enamel::test {
 
 /// The gain of data/reference/servo-nominal.json: designed for the nominal device at 1 ms.
-inline PositionControlRenderer::Gain referenceGain() {
+inline ServoGain referenceGain() {
   static const nlohmann::json servo = referenceFile("servo-nominal.json");
   return matrixFrom(servo.at("K"));
 }
 
-inline PositionControlRenderer positionControl(const TauModel& model, const PositionControlOptions& options = {}) {
-  return {model, referenceGain(), 1e-3, options};
+inline PositionControlRenderer positionControl(const PositionControlOptions& options = {}) {
+  return {referenceGain(), 1e-3, options};
 }
 
 inline PositionControlOptions asInThePaper() {
@@ -44,7 +45,7 @@ inline PushSetup referenceSetup(const nlohmann::json& run) {
   return setup;
 }
 
-inline std::vector<TickRecord> recordPush(const TauModel& plant, Renderer& renderer, const PushSetup& setup) {
+inline std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& renderer, const PushSetup& setup) {
   std::vector<TickRecord> ticks;
   const PushResult result = runPush(plant, renderer, setup, [&ticks](const TickRecord& t) { ticks.push_back(t); });
   if (result.status != Status::ok) throw Error(std::string("the plant became ") + toString(result.status));
@@ -52,18 +53,14 @@ inline std::vector<TickRecord> recordPush(const TauModel& plant, Renderer& rende
 }
 
 /// An input at a pose that a renderer accepts, with the TCP's contact with the wall z = 0.
-inline TickInput inputAt(const TauModel& model, const Pose& pose, double time, const Vec6& twist = Vec6::Zero()) {
-  TauConfiguration c;
-  if (inverseKinematics(model, pose, c) != Status::ok) throw Error("pose outside the workspace");
+inline TickInput inputAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist = Vec6::Zero()) {
   TickInput input;
   input.time = time;
-  input.q = jointAngles(c);
-  input.rates = jointRates(model, c, twist);
-  input.pose = pose;
-  input.twist = twist;
+  if (mechanism.reach(pose, twist, true, input.kinematics) != Status::ok) throw Error("pose outside the workspace");
   input.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);
   input.contacts.count = 1;
-  input.maxTorque = model.maxTorque;
+  input.maxTorque = mechanism.limits().torque;
+  input.applied = input.kinematics.gravity;
   return input;
 }
 

@@ -7,6 +7,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/device/tau/dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"
+#include "enamel/device/tau/mechanism.hpp"
 #include "support/catch.hpp"
 #include "support/control_systems.hpp"
 #include "support/devices.hpp"
@@ -62,7 +63,7 @@ Linearisation linearised(const DevicePlant& plant) { return linearise(plant.f, p
 }  // namespace
 
 TEST_CASE("the nominal device at home gives the reference model, from the mechanism to the gain") {
-  const DevicePlant plant = devicePlant(makeModel(nominal()), Pose{});
+  const DevicePlant plant = devicePlant(std::make_shared<TauMechanism>(nominal()), Pose{});
   const Linearisation linear = linearised(plant);
   CHECK(linear.error < 1e-10);
   CHECK(linear.offset.cwiseAbs().maxCoeff() < 1e-10);  // rest: accelerations of 100 m/s^2 cancel to rounding
@@ -81,7 +82,7 @@ TEST_CASE("the linear model of any device is that of its mass matrix, damping an
   const auto check = [&devices](const TauParameters& device, const Pose& pose) {
     INFO(device.name);
     const TauModel model = makeModel(device);
-    const DevicePlant plant = devicePlant(model, pose);
+    const DevicePlant plant = devicePlant(std::make_shared<TauMechanism>(device), pose);
     const Linearisation linear = linearised(plant);
     const StateSpace y = outputsAsStates(linear), expected = assembled(model, pose);
     CHECK(linear.error < 1e-8);
@@ -107,7 +108,7 @@ TEST_CASE("the linear model of any device is that of its mass matrix, damping an
 
 TEST_CASE("the rotation vector is a coordinate of the orientation") {
   // Along any motion of x, the twist in x must be that of the pose in x: the joint rates are the derivative of q.
-  const DevicePlant plant = devicePlant(makeModel(nominal()), Pose{});
+  const DevicePlant plant = devicePlant(std::make_shared<TauMechanism>(nominal()), Pose{});
   Random random(5);
   for (int i = 0; i < 50; ++i) {
     VectorXd x(12);
@@ -123,5 +124,5 @@ TEST_CASE("the rotation vector is a coordinate of the orientation") {
 TEST_CASE("a pose out of reach is refused") {
   Pose far;
   far.position = Vec3(0.0, 0.0, 1.0);
-  CHECK_THROWS_AS(devicePlant(makeModel(nominal()), far), DesignError);
+  CHECK_THROWS_AS(devicePlant(std::make_shared<TauMechanism>(nominal()), far), DesignError);
 }

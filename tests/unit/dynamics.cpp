@@ -6,6 +6,7 @@
 
 #include "bench/assembled_dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"
+#include "enamel/device/tau/mechanism.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/reference.hpp"
@@ -166,8 +167,9 @@ TEST_CASE("gravity torque is the derivative of the potential energy", "[dynamics
 }
 
 TEST_CASE("effective mass at home, and by a push", "[dynamics]") {
-  const TauModel model = makeModel(test::nominal());
-  CHECK(effectiveMass(model, model.home, Vec3::Zero(), Vec3::UnitZ()) == Approx(0.273).margin(0.0005));
+  const TauMechanism device(test::nominal());
+  const TauModel& model = device.model();
+  CHECK(effectiveMass(device.home(), Vec3::Zero(), Vec3::UnitZ()) == Approx(0.273).margin(0.0005));
   // A unit force at a point accelerates that point along the force by 1 / mass.
   const Vec3 point(0.01, -0.02, 0.06), n = Vec3(1.0, 2.0, -0.5).normalized();
   Vec6 wrench;
@@ -175,5 +177,5 @@ TEST_CASE("effective mass at home, and by a push", "[dynamics]") {
   const Vec6 change = forwardDynamics(model, model.home, Vec6::Zero(), Vec6::Zero(), wrench) -
                       forwardDynamics(model, model.home, Vec6::Zero(), Vec6::Zero(), Vec6::Zero());
   const double along = n.dot(change.head<3>() + change.tail<3>().cross(point));
-  CHECK(effectiveMass(model, model.home, point, n) == Approx(1.0 / along).epsilon(1e-12));
+  CHECK(effectiveMass(device.home(), point, n) == Approx(1.0 / along).epsilon(1e-12));
 }

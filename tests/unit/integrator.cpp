@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "enamel/device/tau/mechanism.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 
@@ -12,10 +13,10 @@ namespace {
 
 // The device moves for 20 ms under a torque near gravity's, a spring and a force that changes.
 DeviceState after(Integrator integrator, int steps) {
-  const TauModel model = makeModel(test::nominal());
+  const TauMechanism device(test::nominal());
   DeviceState state;
   state.twist << 0.05, -0.03, 0.08, 0.4, -0.6, 0.3;
-  const Vec6 torque = gravityTorque(model, model.home) + (Vec6() << 5e-3, 1e-2, -4e-3, 8e-3, 2e-3, -1e-2).finished();
+  const JointVector torque = device.home().gravity + (Vec6() << 5e-3, 1e-2, -4e-3, 8e-3, 2e-3, -1e-2).finished();
   const auto spring = [](double time, const Pose& pose, const Vec6& twist) {
     Vec6 wrench = Vec6::Zero();
     wrench.head<3>() = -300.0 * pose.position - 2.0 * twist.head<3>();
@@ -24,7 +25,7 @@ DeviceState after(Integrator integrator, int steps) {
   };
   const double dt = 0.02 / steps;
   for (int i = 0; i < steps; ++i)
-    REQUIRE(stepMotion(integrator, model, i * dt, dt, torque, spring, state) == Status::ok);
+    REQUIRE(stepMotion(integrator, device, i * dt, dt, torque, spring, state) == Status::ok);
   return state;
 }
 
@@ -52,12 +53,12 @@ TEST_CASE("integrators converge with their orders to the same motion", "[integra
 }
 
 TEST_CASE("a step that leaves the workspace changes nothing", "[integrator]") {
-  const TauModel model = makeModel(test::nominal());
+  const TauMechanism device(test::nominal());
   for (const Integrator integrator : {Integrator::semiImplicitEuler, Integrator::midpoint, Integrator::rungeKutta4}) {
     DeviceState state;
     state.position.x() = 1.0;
     const auto none = [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); };
-    CHECK(stepMotion(integrator, model, 0.0, 1e-3, Vec6::Zero(), none, state) == Status::unreachable);
+    CHECK(stepMotion(integrator, device, 0.0, 1e-3, JointVector::Zero(6), none, state) == Status::unreachable);
     CHECK(state.position == Vec3(1.0, 0.0, 0.0));
     CHECK(state.twist == Vec6::Zero());
   }

@@ -2,6 +2,7 @@
 #include "enamel/sim/push.hpp"
 
 #include <cstring>
+#include <functional>
 
 #include "enamel/core/error.hpp"
 #include "enamel/study/metrics.hpp"
@@ -13,32 +14,31 @@ using namespace enamel;
 TEST_CASE("the reference runs are reproduced to 1 nm at every tick", "[push]") {
   for (const auto& run : test::referenceFile("runs-nominal.json").at("rows")) {
     const bool servo = run.at("controller") == "pc";
-    const TauModel model = makeModel(test::nominal()),
-                      plant = makeModel(servo ? test::nominal() : test::dampedNominal());
-    PositionControlRenderer hold = test::positionControl(model, test::asInThePaper());
-    ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
+    const TauMechanism plant(servo ? test::nominal() : test::dampedNominal());
+    PositionControlRenderer hold = test::positionControl(test::asInThePaper());
+    ImpedanceRenderer spring({6000.0, 0.0});
     const PushSetup setup = test::referenceSetup(run);
     const auto ticks = test::recordPush(plant, servo ? static_cast<Renderer&>(hold) : spring, setup);
     REQUIRE(ticks.size() == run.at("z").size());
     double worst = 0.0;
-    Vec6 torque = Vec6::Zero();
+    JointVector torque = JointVector::Zero(6);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
       worst = std::max(worst, std::abs(ticks[i].pose.position.z() - run.at("z")[i].get<double>()));
       torque = torque.cwiseMax(ticks[i].torque.cwiseAbs());
     }
     CHECK(worst < 1e-9);  // measured: 7e-12 m (servo), 2e-10 m (impedance; the reference takes four steps a tick)
-    CHECK(test::relativeError(torque, test::vectorFrom<6>(run.at("torque_max"))) < 1e-6);
+    CHECK(test::relativeError(Vec6(torque), test::vectorFrom<6>(run.at("torque_max"))) < 1e-6);
   }
 }
 
 TEST_CASE("the wall's metrics at home are those of the specification", "[push]") {
-  const TauModel model = makeModel(test::nominal()), damped = makeModel(test::dampedNominal());
+  const TauMechanism device(test::nominal()), damped(test::dampedNominal());
   PushSetup setup;
   setup.person.noise = 0.0;
-  PositionControlRenderer hold = test::positionControl(model, test::asInThePaper());
+  PositionControlRenderer hold = test::positionControl(test::asInThePaper());
   MetricsCollector servo(setup), spring(setup);
-  (void)runPush(model, hold, setup, [&](const TickRecord& t) { servo.add(t); });
-  ImpedanceRenderer impedance(model, {6000.0, 0.0, 4.0});
+  (void)runPush(device, hold, setup, [&](const TickRecord& t) { servo.add(t); });
+  ImpedanceRenderer impedance({6000.0, 0.0});
   (void)runPush(damped, impedance, setup, [&](const TickRecord& t) { spring.add(t); });
   CHECK(*servo.metrics().firstStiffness == Approx(27e3).epsilon(0.05));
   CHECK(*spring.metrics().firstStiffness == Approx(3.06e3).epsilon(0.01));
@@ -63,23 +63,23 @@ TEST_CASE("scenario 2: the hand arrives where its force is F_c", "[push]") {
     CHECK(acceleration == Approx(t < 1.45 ? -a : t < 1.55 ? 0.0 : a).margin(1e-9));
   }
   // Against a wall that holds, the spring's force at rest is F_c to within the penetration over 275 mm.
-  const TauModel model = makeModel(test::nominal());
-  PositionControlRenderer hold = test::positionControl(model);
+  const TauMechanism device(test::nominal());
+  PositionControlRenderer hold = test::positionControl();
   PushSetup setup;
   setup.person.scenario = 2;
   setup.person.force = force;
   setup.person.noise = 0.0;
-  const auto ticks = test::recordPush(model, hold, setup);
+  const auto ticks = test::recordPush(device, hold, setup);
   CHECK(-ticks.back().person[2] == Approx(force).epsilon(1e-3));
   CHECK(ticks.back().normalForce == Approx(force).epsilon(1e-2));
   CHECK(ticks[999].person[2] == Approx(0.0).margin(1e-9));
 }
 
 TEST_CASE("the guide holds the free directions, without it the impedance wall drifts", "[push]") {
-  const TauModel model = makeModel(test::nominal()), plant = makeModel(test::dampedNominal());
+  const TauMechanism plant(test::dampedNominal());
   double drift[2];
   for (const bool guide : {false, true}) {
-    ImpedanceRenderer impedance(model, {6000.0, 0.0, 4.0});
+    ImpedanceRenderer impedance({6000.0, 0.0});
     PushSetup setup;
     setup.person.guide = guide;
     setup.duration = 2.0;
@@ -93,11 +93,11 @@ TEST_CASE("the guide holds the free directions, without it the impedance wall dr
 
 TEST_CASE("motors: constant delays shift, random ones draw from the queue", "[push]") {
   const RandomStream random(3, 0);
-  Vec6 initial = Vec6::Constant(-1.0);
+  const JointVector initial = JointVector::Constant(6, -1.0);
   Motors none({0, 0}, initial), three({3, 3}, initial), mixed({0, 3}, initial);
   int seen[4] = {};
   for (std::uint64_t tick = 0; tick < 4000; ++tick) {
-    const Vec6 command = Vec6::Constant(static_cast<double>(tick));
+    const JointVector command = JointVector::Constant(6, static_cast<double>(tick));
     CHECK(none.actuate(tick, command, random) == command);
     CHECK(three.actuate(tick, command, random)[0] == (tick < 3 ? -1.0 : static_cast<double>(tick) - 3.0));
     const double acting = mixed.actuate(tick, command, random)[0];
@@ -111,18 +111,24 @@ TEST_CASE("motors: constant delays shift, random ones draw from the queue", "[pu
 }
 
 TEST_CASE("encoders: rounding, differences, and the low pass settles on the rate", "[push]") {
-  const double counts = 163840, count = 2.0 * M_PI / counts, period = 1e-3;
+  const double count = 2.0 * M_PI / 163840, period = 1e-3;
+  const JointVector counts = JointVector::Constant(6, count);
   Encoders exact({false, RateSource::exact, 100.0}, counts, period),
       rounded({true, RateSource::difference, 100.0}, counts, period),
       smooth({true, RateSource::lowPass, 50.0}, counts, period);
-  const Vec6 rate = (Vec6() << 0.5, -0.3, 1.0, 0.0, -2.0, 0.01).finished();
+  const JointVector rate = (Vec6() << 0.5, -0.3, 1.0, 0.0, -2.0, 0.01).finished();
+  const auto measure = [](Encoders& encoders, const JointVector& q, const JointVector& rates) {
+    Measurement measurement;
+    encoders.measure(q, rates, measurement);
+    return measurement;
+  };
   for (int tick = 0; tick < 200; ++tick) {
-    const Vec6 q = tick * period * rate;
-    CHECK(exact.measure(q, rate).q == q);
-    const Measurement m = rounded.measure(q, rate);
+    const JointVector q = tick * period * rate;
+    CHECK(measure(exact, q, rate).q == q);
+    const Measurement m = measure(rounded, q, rate);
     CHECK((m.q - q).cwiseAbs().maxCoeff() <= 0.5 * count * (1.0 + 1e-9));
     if (tick > 0) CHECK((m.rates - rate).cwiseAbs().maxCoeff() <= count / period * (1.0 + 1e-9));
-    const Measurement s = smooth.measure(q, rate);
+    const Measurement s = measure(smooth, q, rate);
     // The low pass at 50 Hz divides the rounding noise of the difference by about 3.
     if (tick > 100) CHECK((s.rates - rate).cwiseAbs().maxCoeff() <= 0.5 * count / period);
   }
@@ -148,7 +154,7 @@ TEST_CASE("random numbers: the generator's published vector, uniform and normal 
 }
 
 TEST_CASE("the same seed gives the same bits, another one does not", "[push]") {
-  const TauModel model = makeModel(test::nominal());
+  const TauMechanism device(test::nominal());
   PushSetup setup;
   setup.duration = 1.2;
   setup.delay = {0, 3};
@@ -156,9 +162,9 @@ TEST_CASE("the same seed gives the same bits, another one does not", "[push]") {
   const auto record = [&](std::uint64_t seed, std::uint32_t run) {
     setup.seed = seed;
     setup.run = run;
-    PositionControlRenderer renderer = test::positionControl(model);
+    PositionControlRenderer renderer = test::positionControl();
     std::vector<Vec6> all;
-    for (const TickRecord& t : test::recordPush(model, renderer, setup)) all.push_back(t.twist);
+    for (const TickRecord& t : test::recordPush(device, renderer, setup)) all.push_back(t.twist);
     return all;
   };
   const auto first = record(5, 0);
@@ -169,14 +175,14 @@ TEST_CASE("the same seed gives the same bits, another one does not", "[push]") {
 
 TEST_CASE("a default-length run allows the default integration step", "[push]") {
   // One Runge-Kutta step a tick against eight: the plant is slow between ticks.
-  const TauModel model = makeModel(test::nominal());
+  const TauMechanism device(test::nominal());
   std::vector<TickRecord> runs[2];
   for (const int substeps : {1, 8}) {
     PushSetup setup;
     setup.substeps = substeps;
     setup.duration = 1.5;
-    PositionControlRenderer renderer = test::positionControl(model);
-    runs[substeps == 8] = test::recordPush(model, renderer, setup);
+    PositionControlRenderer renderer = test::positionControl();
+    runs[substeps == 8] = test::recordPush(device, renderer, setup);
   }
   double worst = 0.0;
   for (std::size_t i = 0; i < runs[0].size(); ++i)
@@ -184,55 +190,172 @@ TEST_CASE("a default-length run allows the default integration step", "[push]") 
   CHECK(worst < 1e-9);
 }
 
-TEST_CASE("metrics of a hand-made record", "[push]") {
-  PushSetup setup;
-  setup.duration = 3.0;
-  setup.person.force = 10.0;
+namespace {
+
+// A tool that moves along z as told: depth and rate of the gap at each tick.
+PushMetrics metricsOf(const PushSetup& setup, const std::function<void(TickRecord&, double t)>& move) {
   MetricsCollector collector(setup);
-  for (std::uint64_t i = 0; i < 3000; ++i) {
-    TickRecord t{};
+  for (std::uint64_t i = 0; i < timesOf(setup).end; ++i) {
+    TickRecord t;
     t.tick = i;
-    t.time = 1e-3 * static_cast<double>(i);
-    t.person[2] = i >= 1000 ? -10.0 : 0.0;
-    // Goes in for 10 ticks to 1 mm, comes out to 0.5 mm and stays.
-    const double depth = i < 1000 ? 0.0 : i < 1010 ? 1e-4 * static_cast<double>(i - 1000) : i == 1010 ? 1e-3 : 0.5e-3;
-    t.nearest.gap = -depth;
-    t.pose.position = {3e-4, 4e-4, -depth};
-    t.twist[2] = i >= 1000 && i < 1010 ? -0.1 : 0.0;
-    t.torque[4] = i % 2 == 0 ? 0.1 : -0.1;
-    t.rendered << 0.3, 0.4, 10.0, 0.0, 0.0, 0.0;
-    t.saturated = i % 10 == 0;
-    t.status = i == 7 ? Status::stale : Status::ok;
+    t.time = setup.period * static_cast<double>(i);
+    t.torque = JointVector::Zero(6);
+    t.person[2] = t.time >= 1.0 - 1e-9 ? -setup.person.force : 0.0;
+    move(t, t.time - 1.0);
+    t.pose.position.z() = t.nearest.gap;
+    t.twist[2] = t.gapRate;
     collector.add(t);
   }
-  const PushMetrics m = collector.metrics();
-  CHECK(*m.firstDepth == 1e-3);
-  CHECK(*m.firstStiffness == Approx(10.0 / 1e-3));
-  CHECK(m.steadyDepth == Approx(0.5e-3).epsilon(0.01));
+  return collector.metrics();
+}
+
+}  // namespace
+
+TEST_CASE("metrics of a hand-made record", "[push]") {
+  PushSetup setup;
+  setup.person.force = 10.0;
+  // From 0.2 mm deep it goes to 1.2 mm within 10.4 ms and back to 0.7 mm, along two half cosines.
+  const double turn = 10.4e-3;
+  const auto gap = [turn](double t) {
+    if (t <= 0.0) return -0.2e-3;
+    if (t < turn) return -0.2e-3 - 0.5e-3 * (1.0 - std::cos(M_PI * t / turn));
+    if (t < 2.0 * turn) return -1.2e-3 + 0.25e-3 * (1.0 - std::cos(M_PI * (t - turn) / turn));
+    return -0.7e-3;
+  };
+  const auto move = [&](TickRecord& t, double since) {
+    t.nearest.gap = gap(since);
+    t.gapRate = (gap(since + 1e-7) - gap(since - 1e-7)) / 2e-7;
+    t.pose.position = {3e-4, 4e-4, t.nearest.gap};
+    t.torque[4] = t.tick % 2 == 0 ? 0.1 : -0.1;
+    t.rendered << 0.3, 0.4, 10.0, 0.0, 0.0, 0.0;
+    t.saturated = t.tick % 10 == 0;
+    t.status = t.tick == 7 ? Status::stale : Status::ok;
+  };
+  const PushMetrics m = metricsOf(setup, move);
+  // Between two ticks; the cubic's error is (pi 1 ms / turn)^4 / 384 of 0.5 mm: 1e-8 m. A tick sees 2.6e-6 m less.
+  CHECK(m.verdict == FirstImpactVerdict::measured);
+  CHECK(*m.firstDepth == Approx(1e-3).margin(2e-8));
+  CHECK(*m.firstStiffness == Approx(10.0 / *m.firstDepth));
+  CHECK(m.steadyDepth == Approx(0.7e-3).epsilon(0.01));
   CHECK(m.steadyCompliance == Approx(m.steadyDepth / 10.0));
-  CHECK(m.depth95 == 0.5e-3);
-  CHECK(m.largestDepth == 1e-3);
+  CHECK(m.depth95 == Approx(0.7e-3).epsilon(1e-9));
+  CHECK(m.largestDepth == Approx(1.2e-3).epsilon(5e-3));
   CHECK(m.chatter == Approx(0.1));
   CHECK(m.saturatedShare == Approx(0.1));
   CHECK(m.tangentialForce == Approx(0.5));
-  CHECK(m.work == Approx(-10.0 * 0.1 * 0.01));
+  CHECK(m.work == Approx(-10.0 * 0.5e-3).epsilon(0.01));
   CHECK(m.drift == Approx(5e-4));
   CHECK(m.faults == 1);
+  for (const Metric& metric : allMetrics()) CHECK(valueOf(m, metric).has_value());
+  CHECK(keyOf(allMetrics()[1]) == "K_z1 [N/m]");
+  CHECK(*valueOf(m, allMetrics()[1]) == *m.firstStiffness);
+  CHECK(*valueOf(m, allMetrics()[11]) == m.drift);
+}
 
+TEST_CASE("a push without a first impact stiffness says why", "[push]") {
+  PushSetup setup;
+  setup.person.force = 10.0;
+  const auto verdictOf = [&](const std::function<void(TickRecord&, double)>& move) {
+    const PushMetrics m = metricsOf(setup, move);
+    CHECK(m.firstStiffness.has_value() == (m.verdict == FirstImpactVerdict::measured));
+    CHECK(m.firstDepth.has_value() == m.firstStiffness.has_value());
+    return m.verdict;
+  };
+  // A damped oscillation about 1 mm that dies out, or does not.
+  const auto oscillation = [](double decay) {
+    return [decay](TickRecord& t, double since) {
+      if (since <= 0.0) return;
+      const double e = std::exp(-decay * since), w = 100.0;
+      t.nearest.gap = -1e-3 * (1.0 - e * std::cos(w * since));
+      t.gapRate = -1e-3 * e * (decay * std::cos(w * since) + w * std::sin(w * since));
+    };
+  };
+  CHECK(verdictOf(oscillation(20.0)) == FirstImpactVerdict::measured);
+  CHECK(verdictOf(oscillation(0.0)) == FirstImpactVerdict::rings);
+  CHECK(verdictOf([](TickRecord& t, double since) {
+          if (since > 0.0) t.nearest.gap = -1e-3 * since, t.gapRate = -1e-3;
+        }) == FirstImpactVerdict::noReturn);
+  CHECK(verdictOf([&](TickRecord& t, double since) {
+          oscillation(20.0)(t, since);
+          t.pose.position.x() = since > 0.0 ? 5e-3 : 0.0;
+        }) == FirstImpactVerdict::slips);
+  CHECK(verdictOf([&](TickRecord& t, double since) {
+          oscillation(20.0)(t, since);
+          t.saturated = since > 0.0;
+        }) == FirstImpactVerdict::rings);
+  // A bounce above the rest is no return from the wall.
+  CHECK(verdictOf([](TickRecord& t, double since) {
+          if (since > 0.0) t.nearest.gap = 1e-3 * (1.2 - std::cos(100.0 * since)), t.gapRate = 0.1 * std::sin(100.0 * since);
+        }) == FirstImpactVerdict::noReturn);
   setup.person.scenario = 2;
-  MetricsCollector hand(setup);
-  hand.add(TickRecord{});
-  CHECK_FALSE(hand.metrics().firstDepth.has_value());
+  CHECK(verdictOf(oscillation(20.0)) == FirstImpactVerdict::noStep);
+}
+
+TEST_CASE("first impact: exact for the motions between ticks, whatever the phase of the ticks", "[push]") {
+  // Constant acceleration within each tick: the cubic is the motion itself.
+  for (const double phase : {0.0, 0.1, 0.37, 0.5, 0.83, 0.999}) {
+    const double v0 = -0.02, a = 30.0, h = 1e-3;  // turns after 0.67 ms, 6.67 um deep
+    const auto z = [&](double t) { return v0 * t + 0.5 * a * t * t; };
+    FirstImpact impact;
+    bool turned = false;
+    for (int j = -2; j < 4; ++j) {
+      const double t0 = (j + phase) * h, t1 = t0 + h;
+      turned |= impact.add(z(t0), v0 + a * t0, z(t1), v0 + a * t1, h);
+    }
+    REQUIRE(turned);
+    CHECK(impact.depth() == Approx(0.5 * v0 * v0 / a).epsilon(1e-12));
+  }
+  // From its rest: one that turns above is no impact.
+  FirstImpact above(-1e-3);
+  CHECK_FALSE(above.add(-0.5e-3, -0.1, -0.5e-3, 0.1, 1e-3));
+  CHECK(above.add(-1.5e-3, -0.1, -1.5e-3, 0.1, 1e-3));
+  CHECK(above.depth() > 0.5e-3);
+  CHECK_FALSE(above.add(-9e-3, -0.1, -9e-3, 0.1, 1e-3));  // only the first counts
+}
+
+TEST_CASE("first impact on the device agrees with a push of finer steps", "[push]") {
+  // Sixteen integration steps a tick, and the deepest of all of them, against the cubic between the ticks.
+  const TauMechanism device(test::nominal());
+  for (const int delay : {0, 1}) {
+    PushSetup setup;
+    setup.person.noise = 0.0;
+    setup.duration = 1.5;
+    setup.delay = {delay, delay};
+    PositionControlRenderer renderer = test::positionControl(test::asInThePaper());
+    MetricsCollector collector(setup);
+    (void)runPush(device, renderer, setup, [&](const TickRecord& t) { collector.add(t); });
+    const double coarse = collector.metrics().firstDepth.value_or(0.0);
+
+    // The same torques and force, tick by tick, on a plant that is looked at 64 times a tick.
+    DeviceState state;
+    double deepest = 0.0;
+    bool returned = false;
+    const auto ticks = test::recordPush(device, renderer, setup);
+    for (std::size_t i = 1000; i < ticks.size() && !returned; ++i) {
+      state.position = ticks[i].pose.position;
+      state.orientation = ticks[i].pose.rotation;
+      state.twist = ticks[i].twist;
+      const auto person = [&](double, const Pose&, const Vec6&) { return ticks[i].person; };
+      for (int step = 0; step < 64; ++step) {
+        REQUIRE(stepRungeKutta4(device, 0.0, 1e-3 / 64, ticks[i].torque, person, state) == Status::ok);
+        if (state.position.z() < -deepest) deepest = -state.position.z();
+        else if (state.position.z() < 0.0 && state.twist[2] > 0.0) returned = true;
+      }
+    }
+    REQUIRE(returned);
+    // Quarter of a step of 16 us at speeds below 0.05 m/s: far below 0.1 um.
+    CHECK(coarse == Approx(deepest).margin(1e-7));
+  }
 }
 
 TEST_CASE("bad setups are refused before anything runs", "[push]") {
-  const TauModel model = makeModel(test::nominal());
-  PositionControlRenderer renderer = test::positionControl(model);
+  const TauMechanism device(test::nominal());
+  PositionControlRenderer renderer = test::positionControl();
   const auto refuse = [&](auto change, const std::string& message) {
     PushSetup setup;
     change(setup);
     int ticks = 0;
-    CHECK_THROWS_WITH(runPush(model, renderer, setup, [&](const TickRecord&) { ++ticks; }), message);
+    CHECK_THROWS_WITH(runPush(device, renderer, setup, [&](const TickRecord&) { ++ticks; }), message);
     CHECK(ticks == 0);
   };
   refuse([](PushSetup& s) { s.person.scenario = 3; }, "scenario is 3, must be 1 or 2");

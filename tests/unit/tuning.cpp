@@ -28,7 +28,7 @@ TEST_CASE("the paper's weights, judged") {
 }
 
 TEST_CASE("the limit of the first impact, at home for 15 N") {
-  const DevicePlant plant = devicePlant(makeModel(nominal()), Pose{});
+  const DevicePlant plant = devicePlant(std::make_shared<TauMechanism>(nominal()), Pose{});
   const auto limit = [&plant](int delay) {
     return firstImpactLimit(plant.effectiveMass, 1e-3, delay, 15.0, plant.largestForce);
   };
@@ -40,6 +40,10 @@ TEST_CASE("the limit of the first impact, at home for 15 N") {
   CHECK(limit(2) == Approx(47e3).epsilon(0.01));
   CHECK(limit(3) == Approx(26e3).epsilon(0.02));
   CHECK(firstImpactLimit(0.3, 1e-3, 0, 15.0, 10.0) == 0.0);
+  CHECK(firstImpactLimit(0.3, 1e-3, 0, 5.0, 10.0, 12.0) == 0.0);
+  // A preload that was held before the step leaves less to be answered.
+  CHECK(firstImpactLimit(0.3, 1e-3, 0, 15.0, 50.0, 1.0) ==
+        Approx(firstImpactLimit(0.3, 1e-3, 0, 15.0, 50.0) * 50.0 / 49.0).epsilon(1e-14));
   // It is what bang-bang control reaches: free for t1, then braked by F_max - F.
   const double m = 0.3, F = 15.0, brake = 50.0 - F, t1 = 2e-3, v = F / m * t1;
   const double depth = 0.5 * F / m * t1 * t1 + 0.5 * m * v * v / brake;
