@@ -1,6 +1,6 @@
-/* A renderer plugin in plain C, to copy: a wall that pushes the tool out with a spring and a damper along each contact's
- * normal. It answers the wrench on the tool; the host balances gravity and turns it into joint torques, so it runs on any
- * mechanism. ../AUTHORS.md has the contract.
+/* A renderer plugin in plain C, to copy: a wall that pushes the tool out with a spring and a damper along each
+ * contact's normal. It answers the wrench on the tool; the host balances gravity and turns it into joint torques, so it
+ * runs on any mechanism. ../AUTHORS.md has the contract.
  *
  * Build it with the installed package:  find_package(Enamel REQUIRED)  enamel_add_plugin(my_wall plugin.c)
  */
@@ -18,8 +18,8 @@ static const EnamelParameter kParameters[] = {
 };
 
 static const EnamelDescription kDescription = {
-    "template", "0.2.0", "A spring and a damper along every contact's normal: a template for your own",
-    kParameters, sizeof kParameters / sizeof kParameters[0]};
+    "template", "0.2.0", "A spring and a damper along every contact's normal: a template for your own", kParameters,
+    sizeof kParameters / sizeof kParameters[0]};
 
 static const EnamelDescription* describe(void) { return &kDescription; }
 
@@ -169,7 +169,7 @@ static int32_t step(void* self, const EnamelTickInput* input, EnamelTickOutput* 
   return ENAMEL_OK;
 }
 
-static size_t state_size(const void* self) { return sizeof ((const Wall*)self)->state; }
+static size_t state_size(const void* self) { return sizeof((const Wall*)self)->state; }
 
 static void save_state(const void* self, void* state) { memcpy(state, &((const Wall*)self)->state, sizeof(State)); }
 
@@ -178,23 +178,22 @@ static void load_state(void* self, const void* state) { memcpy(&((Wall*)self)->s
 /* ---- the table ---- */
 
 const EnamelPlugin* enamel_plugin(void) {
-  static const EnamelPlugin table = {
-      ENAMEL_ABI_VERSION,
-      sizeof(EnamelPlugin),
-      sizeof(EnamelTickInput),
-      sizeof(EnamelTickOutput),
-      0, /* needs */
-      0, /* reserved */
-      describe,
-      create,
-      configure,
-      activate,
-      step,
-      reset,
-      deactivate,
-      destroy,
-      state_size,
-      save_state,
-      load_state};
+  static const EnamelPlugin table = {ENAMEL_ABI_VERSION,
+                                     sizeof(EnamelPlugin),
+                                     sizeof(EnamelTickInput),
+                                     sizeof(EnamelTickOutput),
+                                     0, /* needs */
+                                     0, /* reserved */
+                                     describe,
+                                     create,
+                                     configure,
+                                     activate,
+                                     step,
+                                     reset,
+                                     deactivate,
+                                     destroy,
+                                     state_size,
+                                     save_state,
+                                     load_state};
   return &table;
 }

@@ -1,8 +1,9 @@
-/* A host in plain C: loads a renderer plugin and pushes a free mass of 0.3 kg against the wall z = 0 with 12 N, at 1 kHz.
- * The contact, the motion and the loop are here; the wall is the plugin's. A real host measures q, the pose and the twist
- * and sends the torques to its motors; this one moves along z only and uses the wall's force on the tool.
+/* A host in plain C: loads a renderer plugin and pushes a free mass of 0.3 kg against the wall z = 0 with 12 N, at 1
+ * kHz. The contact, the motion and the loop are here; the wall is the plugin's. The device is Cartesian: its three
+ * joints are x, y and z, their torques are forces, so that the Jacobian is the identity. A real host measures and sends
+ * its own.
  *
- *   c_host PLUGIN.so DEVICE.toml
+ *   c_host PLUGIN.so cartesian-3.toml
  */
 #include <dlfcn.h>
 #include <enamel/plugin/abi.h>
@@ -10,6 +11,7 @@
 #include <string.h>
 
 static const double kMass = 0.3, kDamping = 4.0, kPush = 12.0, kPeriod = 1e-3; /* kg, N s/m, N, s */
+static const double kLargestForce = 30.0;                                      /* N */
 
 static int fail(const char* what, const char* why) {
   fprintf(stderr, "c_host: %s: %s\n", what, why);
@@ -40,26 +42,34 @@ int main(int argc, char** argv) {
   if (plugin->activate(wall, kPeriod, message) != ENAMEL_OK) return fail("activate()", why);
 
   /* Ticks. */
-  double z = 0.0, v = 0.0, deepest = 0.0;
-  int tick, failed = 0;
+  double z = 0.0, v = 0.0, force = 0.0, deepest = 0.0;
+  int tick, axis, failed = 0;
   for (tick = 0; tick < 1000 && !failed; ++tick) {
     EnamelTickInput input;
     EnamelTickOutput output;
     memset(&input, 0, sizeof input);
     input.time = kPeriod * (tick + 1);
-    input.position[2] = z;
+    input.joint_count = 3;
+    input.q[2] = input.position[2] = z;
+    input.rates[2] = input.twist[2] = v;
     input.rotation[0] = input.rotation[4] = input.rotation[8] = 1.0;
-    input.twist[2] = v;
-    input.max_torque = 2.0;
+    for (axis = 0; axis < 3; ++axis) {
+      input.jacobian[axis][axis] = input.inverse[axis][axis] = 1.0;
+      input.max_torque[axis] = kLargestForce;
+    }
+    input.applied[2] = force;
     input.contact_count = 1;
     input.contacts[0].point[2] = z;
     input.contacts[0].normal[2] = 1.0;
     input.contacts[0].gap = z;
+    input.contacts[0].triangle = input.contacts[0].feature_index = -1;
     failed = plugin->step(wall, &input, &output) != ENAMEL_OK;
-    v += kPeriod * (output.normal_force - kPush - kDamping * v) / kMass;
+    force = output.answer == ENAMEL_WRENCH ? output.wrench[2] : output.torque[2];
+    if (force > kLargestForce) force = kLargestForce;
+    v += kPeriod * (force - kPush - kDamping * v) / kMass;
     z += kPeriod * v;
     if (z < deepest) deepest = z;
-    if (tick % 100 == 99) printf("%.1f s: %7.3f mm deep, the wall pushes with %6.2f N\n", input.time, -1e3 * z, output.normal_force);
+    if (tick % 100 == 99) printf("%.1f s: %7.3f mm deep, the wall pushes with %6.2f N\n", input.time, -1e3 * z, force);
   }
   plugin->deactivate(wall);
   plugin->destroy(wall);

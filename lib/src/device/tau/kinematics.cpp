@@ -438,45 +438,58 @@ Vec6 wrenchFromTorques(const TauModel& model, const TauConfiguration& configurat
 namespace {
 
 // The map from rates to the twist, prepared once a configuration: tips' velocities with free elevations, then the
-// elevations' rates from the loop equations, then the rigid motion of the three tips.
+// elevations' rates from the loop equations, then the rigid motion of the three tips. It takes the rates of the yaw and of
+// the lift joint of a chain at once: a Pair holds a number for each.
 class TwistMap {
  public:
+  using Pair = Eigen::Array<double, 2, 1>;
+
   TwistMap(const TauModel& model, const TauConfiguration& configuration) noexcept
       : slopes_(slopesOf(model, configuration)),
         sides_(sidesOf(configuration)),
-        matrix_(loopMatrix(sides_, slopes_)),
         arm0_(configuration.chain[0].arm) {
-    const double determinant = matrix_.determinant();
-    inverse_ = determinant != 0.0 ? 1.0 / determinant : 0.0;
+    const LoopMatrix matrix = loopMatrix(sides_, slopes_);
+    const double determinant = matrix.determinant(), inverse = determinant != 0.0 ? -1.0 / determinant : 0.0;
+    for (int k = 0; k < 3; ++k) rates_.col(k) = inverse * matrix.solveScaled(Vec3::Unit(k));
     d1_ = -sides_[0];
     d2_ = sides_[2];
     normal_ = d1_.cross(d2_);
     const double scale = 1.0 / normal_.squaredNorm();
-    normal_ *= scale;                                           // n / |n|^2
-    inPlane_ = normal_.cross(d1_) * (1.0 / d1_.squaredNorm());  // (n x d1) / (|n|^2 |d1|^2)
-    unscaled_ = normal_ / scale;
+    n_ = scale * normal_;                                     // n / |n|^2
+    inPlane_ = n_.cross(d1_) * (1.0 / d1_.squaredNorm());     // (n x d1) / (|n|^2 |d1|^2)
+    for (int i = 0; i < 3; ++i) slopeAlongN_[i] = n_.dot(slopes_[i]);
+    slopeInPlane_ = Vec3(inPlane_.dot(slopes_[0]), inPlane_.dot(slopes_[1]), 0.0);
   }
 
-  /// Twist when the tips move with `velocity` at fixed elevations.
-  Vec6 twist(const std::array<Vec3, 3>& velocity) const noexcept {
-    Vec3 drift;
-    for (int k = 0; k < 3; ++k) drift[k] = sides_[k].dot(velocity[k] - velocity[(k + 1) % 3]);
-    const Vec3 rates = matrix_.solveScaled(drift) * -inverse_;
-    const Vec3 v0 = velocity[0] + rates[0] * slopes_[0];
-    const Vec3 dot1 = velocity[1] + rates[1] * slopes_[1] - v0;
-    const Vec3 dot2 = velocity[2] + rates[2] * slopes_[2] - v0;
-    // w x d1 = d1', w x d2 = d2', solved along d1, d2 and their normal.
-    const Vec3 omega = normal_.dot(dot2) * d1_ - normal_.dot(dot1) * d2_ + inPlane_.dot(dot1) * unscaled_;
-    Vec6 result;
-    result << v0 - omega.cross(arm0_), omega;
-    return result;
+  /// Twists, column by column, when tip i moves with either velocity at fixed elevations.
+  template <int i>
+  void twists(const Vec3& first, const Vec3& second, Mat6& jacobian) const noexcept {
+    const auto along = [&](const Vec3& v) { return Pair(v.dot(first), v.dot(second)); };
+    constexpr int before = (i + 2) % 3;
+    const Pair drift = along(sides_[i]), driftBefore = -along(sides_[before]);
+    Pair rate[3];  // of the elevations
+    for (int j = 0; j < 3; ++j) rate[j] = rates_(j, i) * drift + rates_(j, before) * driftBefore;
+    // e1 and e2, the tips' velocities beyond that of tip 0, along n and in the plane.
+    const Pair own = along(n_);
+    Pair n1 = slopeAlongN_[1] * rate[1] - slopeAlongN_[0] * rate[0];
+    Pair n2 = slopeAlongN_[2] * rate[2] - slopeAlongN_[0] * rate[0];
+    Pair p1 = slopeInPlane_[1] * rate[1] - slopeInPlane_[0] * rate[0];
+    if (i == 0) n1 -= own, n2 -= own, p1 -= along(inPlane_);
+    if (i == 1) n1 += own, p1 += along(inPlane_);
+    if (i == 2) n2 += own;
+    for (int column = 0; column < 2; ++column) {
+      // w x d1 = e1, w x d2 = e2, solved along d1, d2 and their normal.
+      const Vec3 omega = n2[column] * d1_ - n1[column] * d2_ + p1[column] * normal_;
+      Vec3 v0 = rate[0][column] * slopes_[0];
+      if (i == 0) v0 += column == 0 ? first : second;
+      jacobian.col(2 * i + column) << v0 - omega.cross(arm0_), omega;
+    }
   }
 
  private:
   std::array<Vec3, 3> slopes_, sides_;
-  LoopMatrix matrix_;
-  Vec3 arm0_, d1_, d2_, normal_, inPlane_, unscaled_;
-  double inverse_;
+  Mat3 rates_;  // of the elevations by the drifts
+  Vec3 arm0_, d1_, d2_, normal_, n_, inPlane_, slopeAlongN_, slopeInPlane_;
 };
 
 // Velocity of a tip per unit yaw rate and per unit lift rate, at fixed elevation of link 2.
@@ -489,24 +502,16 @@ Vec3 tipPerLift(const ChainModel& chain, const ChainConfiguration& c) noexcept {
 }  // namespace
 
 Vec6 twistFromRates(const TauModel& model, const TauConfiguration& configuration, const Vec6& rates) noexcept {
-  std::array<Vec3, 3> velocity;
-  for (int i = 0; i < 3; ++i) {
-    const ChainConfiguration& c = configuration.chain[i];
-    velocity[i] = rates[2 * i] * tipPerYaw(c) + rates[2 * i + 1] * tipPerLift(model.chain[i], c);
-  }
-  return TwistMap(model, configuration).twist(velocity);
+  return jacobian(model, configuration) * rates;
 }
 
 Mat6 jacobian(const TauModel& model, const TauConfiguration& configuration) noexcept {
   const TwistMap map(model, configuration);
+  const auto& c = configuration.chain;
   Mat6 j;
-  for (int i = 0; i < 3; ++i) {
-    std::array<Vec3, 3> velocity{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-    velocity[i] = tipPerYaw(configuration.chain[i]);
-    j.col(2 * i) = map.twist(velocity);
-    velocity[i] = tipPerLift(model.chain[i], configuration.chain[i]);
-    j.col(2 * i + 1) = map.twist(velocity);
-  }
+  map.twists<0>(tipPerYaw(c[0]), tipPerLift(model.chain[0], c[0]), j);
+  map.twists<1>(tipPerYaw(c[1]), tipPerLift(model.chain[1], c[1]), j);
+  map.twists<2>(tipPerYaw(c[2]), tipPerLift(model.chain[2], c[2]), j);
   return j;
 }
 
