@@ -10,6 +10,7 @@
 
 #include "camera.hpp"
 #include "enamel/collision/scene.hpp"
+#include "enamel/collision/tool.hpp"
 #include "enamel/device/kinematics.hpp"
 #include "shapes.hpp"
 

@@ -1,7 +1,8 @@
 // A mesh that changes in use answers as one that is built anew.
 #include "enamel/collision/mesh_update.hpp"
 
-#include "enamel/collision/scene.hpp"
+#include "enamel/collision/contacts.hpp"
+#include "enamel/collision/sweep.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "collision/mesh_data.hpp"
 #include "enamel/collision/mesh_file.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
@@ -127,8 +128,9 @@ TEST_CASE("a tool that jumped soon has its list of near triangles again", "[hard
     for (int i = 0; i < ticks; ++i) {
       const Vec3 p = (start + 5e-4 * i * Vec3::UnitX()).normalized() * 1.02;
       (void)closestPoint(model, p, &cache);
-      const ProximityCache::List& list = cache.list[cache.active];
-      const Vec3 origin(list.origin), now(cache.query);
+      const kernel::Cache& content = *kernel::Inside::of(&cache);
+      const kernel::Cache::List& list = content.list[content.active];
+      const Vec3 origin(list.origin), now(content.query);
       held += (now - origin).norm() <= list.radius ? 1 : 0;
     }
     return held;

@@ -193,6 +193,7 @@ struct SegmentCandidate {
   double squared;
   double parameter;  // of the segment
   double point[3];   // on the triangle
+  int32_t feature;   // there
 };
 
 // Where the segment lies almost in the plane, or the triangle is a needle, the crossing may be rounding alone: it
@@ -211,6 +212,7 @@ static inline int crossesAxis(const Triangle* t, const Axis* axis, SegmentCandid
   best->squared = 0.0;
   best->parameter = at;
   for (int k = 0; k < 3; ++k) best->point[k] = c.point[k];
+  best->feature = c.feature;
   return 1;
 }
 
@@ -280,6 +282,7 @@ static inline void finishOnAxis(const Triangle* t, const Shortest* found, Segmen
   best->squared = found->squared;
   best->parameter = found->parameter;
   for (int k = 0; k < 3; ++k) best->point[k] = place.point[k];
+  best->feature = place.feature;
 }
 
 // The shortest way is between an end and the face, or between the segment and an edge: from an end, to a corner, or
@@ -305,5 +308,6 @@ static inline void closestToAxis(const Triangle* t, const Axis* axis, SegmentCan
     best->squared = c.squared;
     best->parameter = end;
     for (int k = 0; k < 3; ++k) best->point[k] = c.point[k];
+    best->feature = c.feature;
   }
 }

@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-#include "enamel/collision/proximity_cache.hpp"
+#include "query_cache.hpp"
 
 namespace enamel::kernel {
 
@@ -88,10 +88,8 @@ struct Mesh {
   uint64_t revision;
 };
 
-/// Parts of a triangle, as the closest point's place.
-enum Feature : int32_t { kCorner0, kCorner1, kCorner2, kEdge01, kEdge12, kEdge20, kFace };
-
-using Cache = ProximityCache;
+/// What of a triangle the closest point lies on: corner i, the edge from corner i, the face.
+enum TriangleFeature : int32_t { kCorner0, kCorner1, kCorner2, kEdge01, kEdge12, kEdge20, kFace };
 
 /// The point of a triangle with plane (x - a).n = 0 that is nearest to p.
 struct Candidate {
@@ -112,7 +110,8 @@ struct SegmentAnswer {
   double squared;    ///< distance^2; where nothing was found, of a distance that every triangle keeps
   double parameter;  ///< of the segment's nearest point
   double point[3];   ///< on the mesh
-  int32_t slot;      ///< -1 where nothing was found
+  int32_t feature;
+  int32_t slot;  ///< -1 where nothing was found
 };
 
 /// Called for every triangle that may be within reach; answers the reach from now on (visitMinima may go on with the

@@ -386,7 +386,7 @@ static inline void searchFar(Search* s) {
   }
 }
 
-using List = ProximityCache::List;
+using List = Cache::List;
 
 // Each triangle lies behind a plane across the way to its nearest point; from a point e farther on it is no nearer than
 // height + normal.e. That holds for any normal not longer than 1, as the height is taken over the corners: a point
@@ -490,7 +490,7 @@ static inline void fromOrigin(const List* list, const double* q, V* e) {
 
 // The exact distances of the triangles that the planes do not rule out, four at a time.
 static inline void searchList(Search* s, const List* list, float most) {
-  int32_t slot[ProximityCache::kTriangles + kWidth];
+  int32_t slot[Cache::kTriangles + kWidth];
   int count = 0;
   V e[3];
   fromOrigin(list, s->local, e);
@@ -579,7 +579,7 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
     const int before = leaves, nodesBefore = nodes;
     leaves += __builtin_popcount(nearLeaves);
     nodes += __builtin_popcount(nearNodes);
-    if (leaves > ProximityCache::kLeaves || nodes > ProximityCache::kNodes) return giveUpList(cache);
+    if (leaves > Cache::kLeaves || nodes > Cache::kNodes) return giveUpList(cache);
     compress(node->child, choose(nearLeaves), cache->leaf + before);
     compress(node->child, choose(nearNodes), cache->node + nodesBefore);
     for (int i = before; i < leaves; ++i) fetchChild(mesh, cache->leaf[i]);
@@ -593,7 +593,7 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
     const unsigned near = planesWithin(reach, planes);
     const int before = count;
     count += __builtin_popcount(near);
-    if (count > ProximityCache::kTriangles) return giveUpList(cache);
+    if (count > Cache::kTriangles) return giveUpList(cache);
     const Chosen lanes = choose(near);
     for (int k = 0; k < 3; ++k) compress(planes.normal[k], lanes, list->normal[k] + before);
     compress(planes.height, lanes, list->height + before);
@@ -931,6 +931,7 @@ static inline void keepNearer(AxisSearch* s, const Triangle* triangle, const Seg
   answer->squared = c.squared;
   answer->parameter = c.parameter;
   for (int k = 0; k < 3; ++k) answer->point[k] = c.point[k];
+  answer->feature = c.feature;
   answer->slot = static_cast<int32_t>(triangle - s->mesh->triangles);
 }
 

@@ -7,6 +7,7 @@
 
 #include "enamel/collision/mesh.hpp"
 #include "enamel/collision/proximity.hpp"
+#include "enamel/collision/sweep.hpp"
 #include "huge_pages.hpp"
 #include "kernel.hpp"
 
@@ -14,7 +15,7 @@ namespace enamel::kernel {
 
 struct EdgeNormals {
   float edge[3][3];       // sum of the unit normals of the triangles at edges 01, 12, 20
-  std::uint32_t tainted;  // bit i: corner or edge i (as Feature) touches a triangle without normal
+  std::uint32_t tainted;  // bit i: corner or edge i (as TriangleFeature) touches a triangle without normal
 };
 
 /// Where a node or leaf hangs: child `lane` of `node`; node -1 for the root.
@@ -68,6 +69,26 @@ Vec3 unitNormal(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
 /// Angle at corner a between the ways to b and c, rad; 0 where one of them has no length.
 double cornerAngle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
+
+/// Opens to the module what its public classes hold.
+struct Inside {
+  static MeshData& of(MeshModel& model) noexcept { return *model.data_; }
+  static const MeshData& of(const MeshModel& model) noexcept { return *model.data_; }
+  static Cache* of(ProximityCache* cache) noexcept { return cache == nullptr ? nullptr : cache->content_.get(); }
+};
+
+/// The public functions of these names, for what the public classes hold.
+SurfacePoint closestPoint(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept;
+SurfacePoint signedDistance(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept;
+SweepHit sweepSphere(const MeshData& data, const Vec3& from, const Vec3& to, double radius, Cache* cache) noexcept;
+
+/// Writes what the loops call a feature as public answers do.
+template <typename PublicAnswer>
+void setFeature(std::int32_t feature, PublicAnswer& answer) noexcept {
+  answer.feature = feature == kFace ? Feature::face : feature >= kEdge01 ? Feature::edge : Feature::vertex;
+  answer.featureIndex = feature == kFace ? -1 : feature % 3;
+}
+static_assert(kCorner0 % 3 == 0 && kEdge01 % 3 == 0);
 
 /// What closestPoint() answers where `found` is nearest.
 SurfacePoint surfacePoint(const MeshData& data, const Answer& found) noexcept;

@@ -111,7 +111,7 @@ bool areTriangles(const MeshData& data, const int* triangles, int count) {
 }  // namespace
 
 Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions, int count) noexcept {
-  MeshData& data = model.data();
+  MeshData& data = Inside::of(model);
   const int most = static_cast<int>(data.mesh.vertices.size());
   const Vec3 centre(data.view.centre[0], data.view.centre[1], data.view.centre[2]);
   double extent = data.view.extent;
@@ -135,7 +135,7 @@ Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions
 }
 
 Status removeTriangles(MeshModel& model, const int* triangles, int count) noexcept {
-  MeshData& data = model.data();
+  MeshData& data = Inside::of(model);
   if (!areTriangles(data, triangles, count)) return Status::notFinite;
   data.closed = false;
   data.view.tight = 0;
@@ -153,7 +153,7 @@ Status removeTriangles(MeshModel& model, const int* triangles, int count) noexce
 }
 
 Status replaceTriangles(MeshModel& model, const int* triangles, const std::array<int, 3>* corners, int count) noexcept {
-  MeshData& data = model.data();
+  MeshData& data = Inside::of(model);
   const int most = static_cast<int>(data.mesh.vertices.size());
   if (!areTriangles(data, triangles, count)) return Status::notFinite;
   double extent = data.view.extent;
@@ -186,7 +186,7 @@ Status replaceTriangles(MeshModel& model, const int* triangles, const std::array
 }
 
 bool isPresent(const MeshModel& model, int triangle) noexcept {
-  const MeshData& data = model.data();
+  const MeshData& data = Inside::of(model);
   return triangle >= 0 && triangle < static_cast<int>(data.mesh.triangles.size()) && hasTriangle(data, triangle);
 }
 

@@ -115,13 +115,30 @@ MeshModel::~MeshModel() = default;
 
 const TriangleMesh& MeshModel::mesh() const noexcept { return data_->mesh; }
 
+ProximityCache::ProximityCache() : content_(std::make_unique<kernel::Cache>()) {}
+
+ProximityCache::ProximityCache(const ProximityCache& other)
+    : content_(other.content_ ? std::make_unique<kernel::Cache>(*other.content_) : nullptr) {}
+
+ProximityCache& ProximityCache::operator=(const ProximityCache& other) {
+  if (content_ && other.content_)
+    *content_ = *other.content_;
+  else
+    *this = ProximityCache(other);
+  return *this;
+}
+
+ProximityCache::ProximityCache(ProximityCache&&) noexcept = default;
+ProximityCache& ProximityCache::operator=(ProximityCache&&) noexcept = default;
+ProximityCache::~ProximityCache() = default;
+
 SurfacePoint kernel::surfacePoint(const MeshData& data, const Answer& found) noexcept {
   SurfacePoint answer;
   const Candidate& nearest = found.nearest;
   answer.point = {nearest.point[0], nearest.point[1], nearest.point[2]};
   if (found.slot < 0) return answer;
   answer.triangle = data.triangles[found.slot].index;
-  answer.feature = static_cast<TriangleFeature>(nearest.feature);
+  setFeature(nearest.feature, answer);
   answer.distance = std::sqrt(nearest.squared);
   return answer;
 }
@@ -159,7 +176,7 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
 
 namespace {
 
-bool search(const kernel::MeshData& data, const Vec3& p, ProximityCache* cache, double limit,
+bool search(const kernel::MeshData& data, const Vec3& p, kernel::Cache* cache, double limit,
             kernel::Answer& found) noexcept {
   if (!p.allFinite() || !(limit >= 0.0)) return false;
   kernel::loops().closest(data.view, p.data(), limit * limit, cache, &found);
@@ -174,15 +191,22 @@ SurfacePoint notFinite() noexcept {
 
 }  // namespace
 
+SurfacePoint kernel::closestPoint(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept {
+  Answer found;
+  return search(data, p, cache, limit, found) ? surfacePoint(data, found) : notFinite();
+}
+
+SurfacePoint kernel::signedDistance(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept {
+  Answer found;
+  return search(data, p, cache, limit, found) ? signedSurfacePoint(data, p, found) : notFinite();
+}
+
 SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
-  kernel::Answer found;
-  return search(model.data(), p, cache, limit, found) ? kernel::surfacePoint(model.data(), found) : notFinite();
+  return kernel::closestPoint(kernel::Inside::of(model), p, kernel::Inside::of(cache), limit);
 }
 
 SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
-  kernel::Answer found;
-  return search(model.data(), p, cache, limit, found) ? kernel::signedSurfacePoint(model.data(), p, found)
-                                                      : notFinite();
+  return kernel::signedDistance(kernel::Inside::of(model), p, kernel::Inside::of(cache), limit);
 }
 
 }  // namespace enamel

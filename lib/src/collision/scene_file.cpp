@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/toml.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "enamel/collision/mesh_file.hpp"
 
 namespace enamel {

@@ -26,12 +26,20 @@ Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
 struct Nearest {
   Vec3 point;
   double distance;
+  int triangle;
+  Feature feature;
+  int featureIndex;
 };
 
 Nearest nearestOn(const Triangle& triangle, const Vec3& p) {
   Candidate c;
   closestOnTriangle(&triangle, p.data(), &c);
-  return {vec(c.point), std::sqrt(c.squared)};
+  Nearest here;
+  here.point = vec(c.point);
+  here.distance = std::sqrt(c.squared);
+  here.triangle = triangle.index;
+  setFeature(c.feature, here);
+  return here;
 }
 
 struct SphereSweep {
@@ -45,6 +53,17 @@ struct SphereSweep {
 bool isBetter(const SweepHit& best, double time, int triangle) {
   if (!best.hit || time < best.time) return true;
   return time == best.time && triangle < best.triangle;
+}
+
+template <typename Near>
+void setTouch(double time, const Near& near, const Vec3& normal, SweepHit& hit) {
+  hit.hit = true;
+  hit.time = time;
+  hit.point = near.point;
+  hit.normal = normal;
+  hit.triangle = near.triangle;
+  hit.feature = near.feature;
+  hit.featureIndex = near.featureIndex;
 }
 
 // From the touched point to the tool; where they coincide, the triangle's normal against the motion.
@@ -78,13 +97,8 @@ double sweepTriangle(void* context, std::int32_t slot, double reach) {
         continue;
       }
     }
-    if (isBetter(s.best, time, triangle.index)) {
-      s.best.hit = true;
-      s.best.time = time;
-      s.best.point = near.point;
-      s.best.normal = touchNormal(*s.data, apart, near.distance, triangle.index, s.way);
-      s.best.triangle = triangle.index;
-    }
+    if (isBetter(s.best, time, triangle.index))
+      setTouch(time, near, touchNormal(*s.data, apart, near.distance, triangle.index, s.way), s.best);
     return reach;
   }
   return reach;
@@ -105,6 +119,7 @@ SegmentPoint nearestOn(const Triangle& triangle, const Segment& segment) {
   here.point = vec(c.point);
   here.parameter = c.parameter;
   here.distance = std::sqrt(c.squared);
+  setFeature(c.feature, here);
   return here;
 }
 
@@ -173,11 +188,7 @@ double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
     }
     if (isBetter(s.best, time, triangle.index)) {
       const Vec3 apart = now.a + near.parameter * (now.b - now.a) - near.point;
-      s.best.hit = true;
-      s.best.time = time;
-      s.best.point = near.point;
-      s.best.normal = touchNormal(*s.data, apart, near.distance, triangle.index, s.wayA + s.wayB);
-      s.best.triangle = triangle.index;
+      setTouch(time, near, touchNormal(*s.data, apart, near.distance, triangle.index, s.wayA + s.wayB), s.best);
     }
     return std::min(reach, s.radius + s.speed * (s.best.time - s.start) + s.tolerance);
   }
@@ -200,6 +211,7 @@ double pickTriangle(void* context, std::int32_t slot, double reach) {
   s.best.time = c.parameter;
   s.best.point = vec(c.point);
   s.best.triangle = triangle.index;
+  setFeature(c.feature, s.best);
   const Vec3 n = unitNormal(vec(triangle.corner[0]), vec(triangle.corner[1]), vec(triangle.corner[2]));
   s.best.normal = n.dot(s.way) > 0.0 ? Vec3(-n) : n;
   return reach;
@@ -207,26 +219,27 @@ double pickTriangle(void* context, std::int32_t slot, double reach) {
 
 }  // namespace
 
-SweepHit sweepSphere(const MeshModel& model, const Vec3& from, const Vec3& to, double radius,
-                     ProximityCache* cache) noexcept {
-  SphereSweep s{&model.data(), from, to - from, radius, (to - from).norm(), 0.0, {}};
+SweepHit kernel::sweepSphere(const MeshData& data, const Vec3& from, const Vec3& to, double radius,
+                             Cache* cache) noexcept {
+  SphereSweep s{&data, from, to - from, radius, (to - from).norm(), 0.0, {}};
   if (!from.allFinite() || !to.allFinite() || !(radius >= 0.0) || !std::isfinite(radius)) {
     s.best.status = Status::notFinite;
     return s.best;
   }
   s.tolerance = 1e-15 * (s.data->size + radius + s.speed);
-  const SurfacePoint start = closestPoint(model, from, cache);
+  const SurfacePoint start = closestPoint(data, from, cache, kNoLimit);
   if (start.triangle < 0 || start.distance > radius + s.speed) return s.best;
   if (start.distance <= radius) {
-    s.best.hit = true;
-    s.best.time = 0.0;
-    s.best.point = start.point;
-    s.best.triangle = start.triangle;
-    s.best.normal = touchNormal(*s.data, from - start.point, start.distance, start.triangle, s.way);
+    setTouch(0.0, start, touchNormal(*s.data, from - start.point, start.distance, start.triangle, s.way), s.best);
     return s.best;
   }
-  kernel::loops().visit(s.data->view, from.data(), to.data(), radius, &sweepTriangle, &s);
+  loops().visit(s.data->view, from.data(), to.data(), radius, &sweepTriangle, &s);
   return s.best;
+}
+
+SweepHit sweepSphere(const MeshModel& model, const Vec3& from, const Vec3& to, double radius,
+                     ProximityCache* cache) noexcept {
+  return kernel::sweepSphere(Inside::of(model), from, to, radius, Inside::of(cache));
 }
 
 SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit, int hint,
@@ -236,7 +249,7 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
     best.status = Status::notFinite;
     return best;
   }
-  const MeshData& data = model.data();
+  const MeshData& data = Inside::of(model);
   const Vec3 centre = vec(data.view.centre);
   // Far away the boxes say little: points of the segment bound the distance, to and fro between it and the mesh.
   double reach = limit;
@@ -253,18 +266,19 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
   }
   const bool isKnown = hint >= 0 && hint < static_cast<int>(data.slotOf.size()) && hasTriangle(data, hint);
   SegmentAnswer found;
-  kernel::loops().closestToSegment(data.view, segment.a.data(), segment.b.data(), reach, far,
-                                   isKnown ? data.slotOf[hint] : -1, &found);
+  loops().closestToSegment(data.view, segment.a.data(), segment.b.data(), reach, far, isKnown ? data.slotOf[hint] : -1,
+                           &found);
   best.distance = std::sqrt(found.squared);
   if (found.slot < 0) return best;
   best.triangle = data.triangles[found.slot].index;
   best.point = vec(found.point);
   best.parameter = found.parameter;
+  setFeature(found.feature, best);
   return best;
 }
 
 SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment& to, double radius) noexcept {
-  CapsuleSweep s{&model.data(), from, to.a - from.a, to.b - from.b, radius, 0.0, 0.0, 0.0, 0.0, {}};
+  CapsuleSweep s{&Inside::of(model), from, to.a - from.a, to.b - from.b, radius, 0.0, 0.0, 0.0, 0.0, {}};
   if (!from.a.allFinite() || !from.b.allFinite() || !to.a.allFinite() || !to.b.allFinite() || !(radius >= 0.0) ||
       !std::isfinite(radius)) {
     s.best.status = Status::notFinite;
@@ -282,11 +296,8 @@ SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment
     const double gap = near.distance - radius;
     if (gap <= s.tolerance) {
       const Vec3 apart = now.a + near.parameter * (now.b - now.a) - near.point;
-      s.best.hit = true;
-      s.best.time = s.start;
-      s.best.point = near.point;
-      s.best.triangle = near.triangle;
-      s.best.normal = touchNormal(model.data(), apart, near.distance, near.triangle, s.wayA + s.wayB);
+      const Vec3 normal = touchNormal(*s.data, apart, near.distance, near.triangle, s.wayA + s.wayB);
+      setTouch(s.start, near, normal, s.best);
       return s.best;
     }
     if (!(s.speed > 0.0)) return s.best;
@@ -296,7 +307,7 @@ SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment
     }
     s.end = std::min(1.0, s.start + shortest / s.speed);
     const double reach = radius + s.speed * (s.end - s.start) + s.tolerance;
-    kernel::loops().visitSegment(s.data->view, now.a.data(), now.b.data(), reach, &sweepTriangleByCapsule, &s);
+    loops().visitSegment(s.data->view, now.a.data(), now.b.data(), reach, &sweepTriangleByCapsule, &s);
     if (s.best.hit || s.end >= 1.0) return s.best;
     s.start = s.end;
   }
@@ -304,7 +315,7 @@ SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment
 }
 
 SweepHit pick(const MeshModel& model, const Segment& segment) noexcept {
-  PickSearch s{&model.data(), segment.b - segment.a, axisOf(segment), {}};
+  PickSearch s{&Inside::of(model), segment.b - segment.a, axisOf(segment), {}};
   if (!segment.a.allFinite() || !segment.b.allFinite()) {
     s.best.status = Status::notFinite;
     return s.best;
@@ -315,7 +326,7 @@ SweepHit pick(const MeshModel& model, const Segment& segment) noexcept {
     if (s.best.hit && s.best.time < start) break;  // a large triangle near an early piece may be crossed later
     const Vec3 first = segment.a + s.way * start;
     const Vec3 last = segment.a + s.way * ((piece + 1.0) / kPickPieces);
-    kernel::loops().visit(s.data->view, first.data(), last.data(), hair, &pickTriangle, &s);
+    loops().visit(s.data->view, first.data(), last.data(), hair, &pickTriangle, &s);
   }
   return s.best;
 }

@@ -10,7 +10,7 @@
 
 #include "convert.hpp"
 #include "core/toml.hpp"
-#include "enamel/collision/scene.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "enamel/device/kinematics.hpp"
 
 namespace enamel {

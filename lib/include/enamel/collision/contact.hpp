@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "enamel/collision/feature.hpp"
 #include "enamel/core/types.hpp"
 
 namespace enamel {
@@ -15,6 +16,10 @@ struct Contact {
   Vec3 obstacleVelocity = Vec3::Zero();  ///< of the obstacle's material at the point, m/s
   int obstacle = 0;                      ///< number of the obstacle in its scene
   int material = 0;                      ///< number that the scene gave the obstacle
+  int part = -1;                         ///< number of the tool's part; -1: no contact
+  int triangle = -1;                     ///< of the obstacle's mesh; -1: it has none
+  Feature feature = Feature::face;       ///< of the triangle or shape, that the obstacle's nearest point lies on
+  int featureIndex = -1;                 ///< which one, as Feature tells
 };
 
 /// Most contacts that one query reports.

@@ -14,6 +14,8 @@ struct SweepHit {
   Vec3 point = Vec3::Zero();    ///< of the mesh that is touched, m
   Vec3 normal = Vec3::UnitZ();  ///< unit, from the touched point to the tool's axis
   int triangle = -1;
+  Feature feature = Feature::face;  ///< that the point lies on
+  int featureIndex = -1;            ///< as Feature tells
 };
 
 /// Sphere of `radius` whose centre goes from `from` to `to`. The distance from a triangle is a convex function of time,
@@ -41,9 +43,11 @@ SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment
 struct SegmentPoint {
   Status status = Status::ok;  ///< notFinite: an input is not finite
   int triangle = -1;           ///< -1: none within the limit
-  Vec3 point = Vec3::Zero();   ///< on the mesh, m
-  double parameter = 0.0;      ///< of the segment's point a + parameter (b - a)
-  double distance = 0.0;       ///< m; 0 where they cross; where none was found, of a way that is free all round
+  Feature feature = Feature::face;
+  int featureIndex = -1;      ///< as Feature tells
+  Vec3 point = Vec3::Zero();  ///< on the mesh, m
+  double parameter = 0.0;     ///< of the segment's point a + parameter (b - a)
+  double distance = 0.0;      ///< m; 0 where they cross; where none was found, of a way that is free all round
 };
 
 /// The shortest way between a mesh and a segment, double precision. `hint`: a triangle that is likely to be nearest,

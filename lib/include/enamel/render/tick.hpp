@@ -1,7 +1,7 @@
 // One haptic tick, from measured joints to the torque that a renderer proposes.
 #pragma once
 
-#include "enamel/collision/scene.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "enamel/device/kinematics.hpp"
 #include "enamel/render/renderer.hpp"
 
