@@ -53,23 +53,6 @@ struct MeshData {
   double size = 0.0;            // diagonal of the bounding box, m
 };
 
-/// One triangle at an edge between two different places.
-struct EdgeUse {
-  std::int32_t low, high;  // places, low < high
-  std::int32_t triangle;
-  std::int8_t edge;  // 0: corners 0 and 1, and so on round
-  bool forward;      // the triangle runs from low to high
-};
-
-/// All edges of all triangles, those between the same places side by side.
-std::vector<EdgeUse> sortedEdges(const TriangleMesh& mesh, const std::vector<int>& place);
-
-/// Unit normal of a triangle, or zero if it is lower than 1e-12 of its longest edge.
-Vec3 unitNormal(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
-
-/// Angle at corner a between the ways to b and c, rad; 0 where one of them has no length.
-double cornerAngle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
-
 /// Opens to the module what its public classes hold.
 struct Inside {
   static MeshData& of(MeshModel& model) noexcept { return *model.data_; }
@@ -99,30 +82,12 @@ SurfacePoint signedSurfacePoint(const MeshData& data, const Vec3& p, const Answe
 /// The loops of the SIMD level in use.
 const Loops& loops() noexcept;
 
-/// Writes one slot of a leaf from the mesh's vertices.
-void writeSlot(MeshData& data, std::int32_t slot, std::int32_t triangle);
-
-/// Marks a slot as unused.
-void clearSlot(MeshData& data, std::int32_t slot);
-
-/// Makes the boxes of a leaf and of all nodes above hold what is in it.
-void refitLeaf(MeshData& data, std::int32_t leaf);
-
-/// Gives up what is known of the normals below a child of a node, and so of the nodes above.
-void openCones(MeshData& data, Parent at);
-
-/// Builds the hierarchy over all triangles of data.mesh.
-void buildHierarchy(MeshData& data);
-
-/// Sums the normals at all edges and corners.
-void buildNormals(MeshData& data);
+/// Makes the updates' working space as large as it can ever become.
+void reserveForUpdates(MeshData& data);
 
 /// Whether a triangle is there (not removed).
 inline bool hasTriangle(const MeshData& data, std::int32_t triangle) noexcept {
   return data.triangles[data.slotOf[triangle]].index == triangle;
 }
-
-/// A number that no other state of any mesh has.
-std::uint64_t nextRevision() noexcept;
 
 }  // namespace enamel::kernel

@@ -4,7 +4,9 @@
 #include <atomic>
 #include <cmath>
 
-#include "mesh_data.hpp"
+#include "cones.hpp"
+#include "hierarchy.hpp"
+#include "normals.hpp"
 
 namespace enamel {
 namespace kernel {
@@ -106,7 +108,11 @@ MeshModel::MeshModel(TriangleMesh mesh) {
   data_ = std::make_unique<kernel::MeshData>();
   data_->mesh = std::move(mesh);
   kernel::buildHierarchy(*data_);
-  kernel::buildNormals(*data_);
+  const std::vector<kernel::EdgeUse> edges = kernel::buildTopology(*data_);
+  const std::vector<Vec3> normals = kernel::unitNormals(data_->mesh);
+  kernel::sumNormals(*data_, edges, normals);
+  kernel::buildCones(*data_, edges, normals);
+  kernel::reserveForUpdates(*data_);
 }
 
 MeshModel::MeshModel(MeshModel&&) noexcept = default;

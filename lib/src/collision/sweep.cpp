@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesh_data.hpp"
+#include "normals.hpp"
 
 namespace enamel {
 namespace {
