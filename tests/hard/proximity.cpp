@@ -154,4 +154,9 @@ TEST_CASE("a limit hides what is farther and nothing else", "[hard]") {
     if (found.triangle >= 0) REQUIRE(found.distance == all.distance);
     CHECK(closestPoint(model, p, nullptr, all.distance * (1.0 + 1e-15)).triangle == all.triangle);
   }
+  const auto statusOf = [&](double x, double limit) { return closestPoint(model, {x, 0, 0}, nullptr, limit).status; };
+  CHECK(statusOf(2.0, 0.0) == Status::ok);
+  CHECK(statusOf(2.0, -1.0) == Status::outOfRange);
+  CHECK(statusOf(2.0, std::nan("")) == Status::notFinite);
+  CHECK(statusOf(std::nan(""), 1.0) == Status::notFinite);
 }

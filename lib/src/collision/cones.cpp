@@ -20,16 +20,16 @@ float coneOfAngle(double angle) {
   return static_cast<float>(0.999 * cosine * cosine);
 }
 
-// Cosines of the widest angles between a triangle's normal and the ways from its edges and corners to the points that
-// they are nearest to, in front of it and behind it.
+// Cosines of the widest angles between a triangle's normal and the directions from its edges and corners to the points
+// that they are nearest to, in front of it and behind it.
 struct Widest {
   double front = 1.0, back = 1.0;
   void add(double cosine, bool isBehind) { (isBehind ? back : front) = std::min(isBehind ? back : front, cosine); }
 };
 
-// The ways to the points that a corner is nearest to, among all that is near it: none of its edges comes nearer. They
-// are a cone; `ways` are the directions at its edges, none at a saddle. False: it has too many edges.
-bool findWays(const MeshData& data, int place, std::vector<Vec3>& ways) {
+// The directions to the points that a corner is nearest to, among all that is near it: none of its edges comes nearer.
+// They are a cone; `directions` are those at its edges, none at a saddle. False: it has too many edges.
+bool findDirections(const MeshData& data, int place, std::vector<Vec3>& directions) {
   constexpr std::size_t kMostEdges = 12;
   constexpr double kRounding = 1e-3;  // rad
   std::array<Vec3, kMostEdges> edge;
@@ -39,15 +39,16 @@ bool findWays(const MeshData& data, int place, std::vector<Vec3>& ways) {
     const auto& t = data.mesh.triangles[c / 3];
     edge[count++] = (data.mesh.vertices[t[(c + 1) % 3]] - data.mesh.vertices[t[c % 3]]).normalized();
   }
-  ways.clear();
+  directions.clear();
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = 0; k < i; ++k) {
       const Vec3 across = edge[i].cross(edge[k]);
       const double length = across.norm();
       if (!(length > kRounding)) continue;
-      for (const Vec3& way : {Vec3(across / length), Vec3(across / -length)})
-        if (std::all_of(edge.begin(), edge.begin() + count, [&](const Vec3& e) { return e.dot(way) <= kRounding; }))
-          ways.push_back(way);
+      for (const Vec3& direction : {Vec3(across / length), Vec3(across / -length)})
+        if (std::all_of(edge.begin(), edge.begin() + count,
+                        [&](const Vec3& e) { return e.dot(direction) <= kRounding; }))
+          directions.push_back(direction);
     }
   return true;
 }
@@ -67,33 +68,33 @@ bool isOneFan(const MeshData& data, int place) {
   return t == first / 3 && met == count;
 }
 
-// At a local minimum of the distance the way to the point is a sum of the normals around it, with weights that are not
-// negative, and no edge there comes nearer. 0, no restriction, where the surface is open.
+// At a local minimum of the distance the offset to the point is a sum of the normals around it, with weights that are
+// not negative, and no edge there comes nearer. 0, no restriction, where the surface is open.
 void writeTriangleCones(MeshData& data, const std::vector<Vec3>& normal, const std::vector<char>& isOpen) {
   const TriangleMesh& mesh = data.mesh;
   std::vector<Widest> widest(mesh.triangles.size());
   std::vector<double> around(mesh.triangles.size(), 1.0);  // of all normals
-  std::vector<Vec3> ways;
+  std::vector<Vec3> directions;
   for (std::size_t place = 0; place < isOpen.size(); ++place) {
     const std::int32_t first = data.firstCorner[place];
     if (first < 0) continue;
     const bool isKnown = isOpen[place] == 0 && isOneFan(data, static_cast<int>(place));
-    const bool hasWays = isKnown && findWays(data, static_cast<int>(place), ways);
+    const bool hasDirections = isKnown && findDirections(data, static_cast<int>(place), directions);
     for (std::int32_t c = first; c >= 0; c = data.nextCorner[c]) {
       const std::size_t t = static_cast<std::size_t>(c / 3);
       double least = isKnown ? 1.0 : 0.0;
       for (std::int32_t other = first; other >= 0 && least > 0.0; other = data.nextCorner[other])
         least = std::min(least, normal[t].dot(normal[static_cast<std::size_t>(other / 3)]));
       around[t] = std::min(around[t], least);
-      if (!hasWays) {
+      if (!hasDirections) {
         widest[t].add(least, false);
         widest[t].add(least, true);
         continue;
       }
       double most = -1.0, smallest = 1.0;
-      for (const Vec3& way : ways) {
-        most = std::max(most, normal[t].dot(way));
-        smallest = std::min(smallest, normal[t].dot(way));
+      for (const Vec3& direction : directions) {
+        most = std::max(most, normal[t].dot(direction));
+        smallest = std::min(smallest, normal[t].dot(direction));
       }
       if (most > 0.0) widest[t].add(std::max(smallest, least), false);
       if (smallest < 0.0) widest[t].add(std::max(-most, least), true);

@@ -113,13 +113,13 @@ void kernel::reserveForUpdates(MeshData& data) {
 Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions, int count) noexcept {
   MeshData& data = Inside::of(model);
   const int most = static_cast<int>(data.mesh.vertices.size());
-  const Vec3 centre(data.view.centre[0], data.view.centre[1], data.view.centre[2]);
   double extent = data.view.extent;
   for (int i = 0; i < count; ++i) {
-    if (vertices[i] < 0 || vertices[i] >= most || !positions[i].allFinite()) return Status::notFinite;
-    extent = std::max(extent, ((positions[i] - centre) * data.view.scale).cwiseAbs().maxCoeff());
+    if (vertices[i] < 0 || vertices[i] >= most) return Status::outOfRange;
+    if (!positions[i].allFinite()) return Status::notFinite;
+    extent = std::max(extent, local(data.view, positions[i]).cwiseAbs().maxCoeff());
   }
-  if (!(extent <= kLargestExtent)) return Status::notFinite;
+  if (!(extent <= kLargestExtent)) return Status::outOfRange;
   data.view.extent = extent;
   for (int i = 0; i < count; ++i) data.mesh.vertices[vertices[i]] = positions[i];
   for (int i = 0; i < count; ++i)
@@ -136,7 +136,7 @@ Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions
 
 Status removeTriangles(MeshModel& model, const int* triangles, int count) noexcept {
   MeshData& data = Inside::of(model);
-  if (!areTriangles(data, triangles, count)) return Status::notFinite;
+  if (!areTriangles(data, triangles, count)) return Status::outOfRange;
   data.closed = false;
   data.view.tight = 0;
   for (int i = 0; i < count; ++i) {
@@ -153,15 +153,14 @@ Status removeTriangles(MeshModel& model, const int* triangles, int count) noexce
 Status replaceTriangles(MeshModel& model, const int* triangles, const std::array<int, 3>* corners, int count) noexcept {
   MeshData& data = Inside::of(model);
   const int most = static_cast<int>(data.mesh.vertices.size());
-  if (!areTriangles(data, triangles, count)) return Status::notFinite;
+  if (!areTriangles(data, triangles, count)) return Status::outOfRange;
   double extent = data.view.extent;
-  const Vec3 centre(data.view.centre[0], data.view.centre[1], data.view.centre[2]);
   for (int i = 0; i < count; ++i)
     for (const int v : corners[i]) {
-      if (v < 0 || v >= most) return Status::notFinite;
-      extent = std::max(extent, ((data.mesh.vertices[v] - centre) * data.view.scale).cwiseAbs().maxCoeff());
+      if (v < 0 || v >= most) return Status::outOfRange;
+      extent = std::max(extent, local(data.view, data.mesh.vertices[v]).cwiseAbs().maxCoeff());
     }
-  if (!(extent <= kLargestExtent)) return Status::notFinite;  // a vertex that no triangle used before
+  if (!(extent <= kLargestExtent)) return Status::outOfRange;  // a vertex that no triangle used before
   data.view.extent = extent;
   data.closed = false;
   data.view.tight = 0;

@@ -10,7 +10,7 @@ namespace enamel::kernel {
 /// Unit normal of a triangle, or zero if it is lower than 1e-12 of its longest edge.
 Vec3 unitNormal(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
-/// Angle at corner a between the ways to b and c, rad; 0 where one of them has no length.
+/// Angle at corner a between the directions to b and c, rad; 0 where one of them has no length.
 double cornerAngle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
 /// unitNormal() of all triangles.

@@ -155,7 +155,7 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
   const Candidate& nearest = found.nearest;
   const double distance = answer.distance;
   const Vec3 away = p - answer.point;
-  // All normals around a triangle lie within its cone, and so do the sums of them: where the way to the point lies
+  // All normals around a triangle lie within its cone, and so do the sums of them: where the offset to the point lies
   // clearly on one side of the cone, the triangle's own normal tells the side.
   Vec3 n = Vec3::Zero();
   double side = nearest.overPlane;  // like n.n 0 for a long or flat triangle: not told
@@ -189,9 +189,9 @@ bool search(const kernel::MeshData& data, const Vec3& p, kernel::Cache* cache, d
   return true;
 }
 
-SurfacePoint notFinite() noexcept {
+SurfacePoint refused(double limit) noexcept {
   SurfacePoint answer;
-  answer.status = Status::notFinite;
+  answer.status = limit < 0.0 ? Status::outOfRange : Status::notFinite;
   return answer;
 }
 
@@ -199,12 +199,12 @@ SurfacePoint notFinite() noexcept {
 
 SurfacePoint kernel::closestPoint(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept {
   Answer found;
-  return search(data, p, cache, limit, found) ? surfacePoint(data, found) : notFinite();
+  return search(data, p, cache, limit, found) ? surfacePoint(data, found) : refused(limit);
 }
 
 SurfacePoint kernel::signedDistance(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept {
   Answer found;
-  return search(data, p, cache, limit, found) ? signedSurfacePoint(data, p, found) : notFinite();
+  return search(data, p, cache, limit, found) ? signedSurfacePoint(data, p, found) : refused(limit);
 }
 
 SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
