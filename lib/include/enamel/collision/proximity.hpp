@@ -55,9 +55,8 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::max();
 
 /// Answer of the nearest-point queries.
 struct SurfacePoint {
-  Status status =
-      Status::ok;     ///< notFinite: the query point is not finite, or the limit NaN; outOfRange: it is negative
-  int triangle = -1;  ///< -1: no triangle within the limit; then only the distance, kNoLimit, has a meaning
+  Status status = Status::ok;  ///< notFinite: of the point, or the limit is NaN; outOfRange: the limit is negative
+  int triangle = -1;           ///< -1: no triangle within the limit; then only the distance, kNoLimit, has a meaning
   Feature feature = Feature::face;
   int featureIndex = -1;       ///< as Feature tells
   Vec3 point = Vec3::Zero();   ///< on the mesh, m
