@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "camera.hpp"
-#include "enamel/collision/scene.hpp"
-#include "enamel/collision/tool.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "enamel/device/kinematics.hpp"
 #include "shapes.hpp"
 
