@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "camera.hpp"
-#include "enamel/collision/scene.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "enamel/device/tau/kinematics.hpp"
 #include "shapes.hpp"
 

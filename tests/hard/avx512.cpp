@@ -40,10 +40,10 @@ TEST_CASE("the loops for AVX-512 answer as those for AVX2", "[hard]") {
   for (const auto& [name, mesh, closed] : meshes) {
     INFO(name);
     const MeshModel model(mesh);
-    const kernel::Mesh& view = model.data().view;
+    const kernel::Mesh& view = kernel::Inside::of(model).view;
     const double size = test::sizeOf(mesh);
     test::Random random(512);
-    ProximityCache wideCache, knownCache;
+    kernel::Cache wideCache, knownCache;
     Vec3 p = mesh.vertices[mesh.triangles[0][0]];
     for (int i = 0; i < test::count(3000, 30000); ++i) {
       p = i % 60 == 0 ? test::queryPoint(mesh, random) : Vec3(p + 0.002 * size * random.direction());
@@ -51,7 +51,7 @@ TEST_CASE("the loops for AVX-512 answer as those for AVX2", "[hard]") {
       const double squared = i % 3 == 0 ? reach * reach : kNoLimit;
       kernel::Answer one, other;
       known.closest(view, p.data(), squared, &knownCache, &other);
-      for (ProximityCache* cache : {&wideCache, static_cast<ProximityCache*>(nullptr)}) {
+      for (kernel::Cache* cache : {&wideCache, static_cast<kernel::Cache*>(nullptr)}) {
         wide.closest(view, p.data(), squared, cache, &one);
         REQUIRE(one.slot == other.slot);
         REQUIRE(one.nearest.squared == other.nearest.squared);

@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "enamel/collision/scene.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
@@ -164,6 +164,8 @@ TEST_CASE("a tool of parts that meet has the same contacts with and without a ca
         const ContactSnapshot cached = test::contactsOf(scene, tool, pose, margin, &cache);
         INFO("walk " << walk << " step " << i << " of " << step << ", at " << p.transpose());
         REQUIRE(test::areEqual(plain, cached));
+        for (int k = 0; k < plain.count; ++k)
+          REQUIRE(test::identityError(scene, tool, pose, plain.contacts[k]) <= 1e-12 * size);
         ++(plain.count == 0 ? free : plain.contacts[0].gap < -0.5 * scale ? deep : touching);
       }
     }

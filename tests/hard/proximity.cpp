@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "collision/mesh_data.hpp"
 #include "enamel/collision/mesh_file.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
@@ -127,8 +128,9 @@ TEST_CASE("a tool that jumped soon has its list of near triangles again", "[hard
     for (int i = 0; i < ticks; ++i) {
       const Vec3 p = (start + 5e-4 * i * Vec3::UnitX()).normalized() * 1.02;
       (void)closestPoint(model, p, &cache);
-      const ProximityCache::List& list = cache.list[cache.active];
-      const Vec3 origin(list.origin), now(cache.query);
+      const kernel::Cache& content = *kernel::Inside::of(&cache);
+      const kernel::Cache::List& list = content.list[content.active];
+      const Vec3 origin(list.origin), now(content.query);
       held += (now - origin).norm() <= list.radius ? 1 : 0;
     }
     return held;
@@ -152,4 +154,9 @@ TEST_CASE("a limit hides what is farther and nothing else", "[hard]") {
     if (found.triangle >= 0) REQUIRE(found.distance == all.distance);
     CHECK(closestPoint(model, p, nullptr, all.distance * (1.0 + 1e-15)).triangle == all.triangle);
   }
+  const auto statusOf = [&](double x, double limit) { return closestPoint(model, {x, 0, 0}, nullptr, limit).status; };
+  CHECK(statusOf(2.0, 0.0) == Status::ok);
+  CHECK(statusOf(2.0, -1.0) == Status::outOfRange);
+  CHECK(statusOf(2.0, std::nan("")) == Status::notFinite);
+  CHECK(statusOf(std::nan(""), 1.0) == Status::notFinite);
 }

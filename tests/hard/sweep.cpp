@@ -128,6 +128,10 @@ TEST_CASE("a plate of 1 um is not passed at 10 m/s", "[hard]") {
     CHECK(capsule.time <= truth + 1e-9);
     CHECK(capsule.time >= truth - 1e-9);
   }
+  CHECK(sweepSphere(plate, Vec3::Zero(), Vec3::Zero(), -1.0).status == Status::outOfRange);
+  CHECK(sweepSphere(plate, Vec3::Zero(), Vec3::Zero(), std::nan("")).status == Status::notFinite);
+  CHECK(sweepCapsule(plate, {}, {}, -1.0).status == Status::outOfRange);
+  CHECK(closestToSegment(plate, {}, -1.0).status == Status::outOfRange);
 }
 
 TEST_CASE("segments are as near as brute force finds them, with any hint and on any machine", "[hard]") {

@@ -1,6 +1,7 @@
 // No query or update of the collision module allocates: counted by interposition, with good and with bad input.
 #include "enamel/collision/mesh_update.hpp"
-#include "enamel/collision/scene.hpp"
+#include "enamel/collision/sweep.hpp"
+#include "enamel/collision/tool_sweep.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
@@ -26,7 +27,8 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
   tool.parts[1] = {{0, 0, 0}, {0.3, 0.2, 0.1}, 0.05};
   tool.count = 2;
   ToolCache cache = makeToolCache(scene, tool);
-  ProximityCache one, other;
+  ToolCache copy = cache;
+  ProximityCache one, other, copyOfOne;
   ContactSnapshot contacts;
   test::Random random(61);
   int undefined = 0;
@@ -54,6 +56,9 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
     use(pick(*mesh, {p, Vec3::Zero()}).time);
     use(findContacts(scene, tool, pose, 0.1, &cache, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0);
     use(findContacts(scene, tool, next, 0.1, nullptr, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0);
+    use(nearestContact(scene, tool, pose, &cache).gap);
+    copy = cache;
+    copyOfOne = one;
     if (i % 10 == 0) use(sweepTool(scene, tool, pose, next, &cache).time);
     scene.move(2, pose, Vec6::Ones());
     use(moveVertices(*mesh, &vertex, &moved, 1) == Status::ok);

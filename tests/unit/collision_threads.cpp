@@ -3,7 +3,8 @@
 #include <array>
 #include <thread>
 
-#include "enamel/collision/scene.hpp"
+#include "enamel/collision/contacts.hpp"
+#include "enamel/collision/sweep.hpp"
 #include "support/catch.hpp"
 #include "support/contacts.hpp"
 #include "support/meshes.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "enamel/collision/contacts.hpp"
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"

@@ -8,7 +8,8 @@
 
 #include "bench/measurement.hpp"
 #include "enamel/collision/mesh_update.hpp"
-#include "enamel/collision/scene.hpp"
+#include "enamel/collision/sweep.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "mesh_generator.hpp"
 
 #ifdef ENAMEL_BENCH_EMBREE

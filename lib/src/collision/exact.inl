@@ -55,7 +55,7 @@ static inline double nearEdge(const double* fromStart, const double* e, double* 
   return dot(d, d);
 }
 
-// What a point asks of a triangle: its edges, and the ways to the point from where they start.
+// What a point asks of a triangle: its edges, and the offsets of the point from where they start.
 static inline void edgesOf(const Triangle* t, const double* p, double (*e)[3], double (*from)[3]) {
   for (int i = 0; i < 3; ++i) {
     subtract(t->corner[(i + 1) % 3], t->corner[i], e[i]);
@@ -156,7 +156,7 @@ static inline double within01(double x) {
 
 // A segment with what every triangle asks of it.
 struct Axis {
-  double a[3], b[3], way[3];
+  double a[3], b[3], span[3];  // span: from a to b
   double squared, perSquared;  // length^2, its inverse or 0
 };
 
@@ -166,8 +166,8 @@ static inline Axis axisBetween(const double* a, const double* b) {
     axis.a[k] = a[k];
     axis.b[k] = b[k];
   }
-  subtract(b, a, axis.way);
-  axis.squared = dot(axis.way, axis.way);
+  subtract(b, a, axis.span);
+  axis.squared = dot(axis.span, axis.span);
   axis.perSquared = inverseOf(axis.squared);
   return axis;
 }
@@ -178,10 +178,10 @@ static inline double crossing(const Triangle* t, const Axis* axis) {
   subtract(t->corner[1], t->corner[0], e1);
   subtract(t->corner[2], t->corner[0], e2);
   subtract(axis->a, t->corner[0], o);
-  cross(axis->way, e2, h);
+  cross(axis->span, e2, h);
   cross(o, e1, q);
   const double det = dot(e1, h), size = absolute(det), border = -1e-12 * size;
-  const double u = dot(o, h), v = dot(axis->way, q), at = dot(e2, q) / det;
+  const double u = dot(o, h), v = dot(axis->span, q), at = dot(e2, q) / det;
   const double inU = det > 0.0 ? u : -u, inV = det > 0.0 ? v : -v;
   const int crosses = size > 0.0 && size < 1e308 && inU >= border && inV >= border && inU + inV <= size - border &&
                       at >= 0.0 && at <= 1.0;
@@ -193,6 +193,7 @@ struct SegmentCandidate {
   double squared;
   double parameter;  // of the segment
   double point[3];   // on the triangle
+  int32_t feature;   // there
 };
 
 // Where the segment lies almost in the plane, or the triangle is a needle, the crossing may be rounding alone: it
@@ -202,7 +203,7 @@ static inline int crossesAxis(const Triangle* t, const Axis* axis, SegmentCandid
   if (!(at >= 0.0)) return 0;
   double x[3], size = 0.0;
   for (int k = 0; k < 3; ++k) {
-    x[k] = axis->a[k] + at * axis->way[k];
+    x[k] = axis->a[k] + at * axis->span[k];
     size += absolute(axis->a[k]) + absolute(axis->b[k]);
   }
   Candidate c;
@@ -211,13 +212,14 @@ static inline int crossesAxis(const Triangle* t, const Axis* axis, SegmentCandid
   best->squared = 0.0;
   best->parameter = at;
   for (int k = 0; k < 3; ++k) best->point[k] = c.point[k];
+  best->feature = c.feature;
   return 1;
 }
 
 // Of sin^2 of the angle between lines.
 static const double kNearlyParallel = 1e-3;
 
-// The shortest way so far, from the segment's point to a place of the triangle, as placeOn().
+// The shortest distance so far, from the segment's point to a place of the triangle, as placeOn().
 struct Shortest {
   double squared, parameter, u, v;
   int32_t part;
@@ -241,11 +243,11 @@ static inline void tryFace(const Triangle* t, const double (*e)[3], const double
   if (squared < best->squared) *best = {squared, parameter, u, v, kPartFace};
 }
 
-// Between a place of the segment and one of an edge e; `from` is the way from its start to the segment's.
+// Between a place of the segment and one of an edge e; `from` leads from its start to the segment's.
 static inline void tryPair(const Axis* axis, const double* from, const double* e, double parameter, double u,
                            int32_t part, Shortest* best) {
   double d[3];
-  for (int k = 0; k < 3; ++k) d[k] = (from[k] + parameter * axis->way[k]) - u * e[k];
+  for (int k = 0; k < 3; ++k) d[k] = (from[k] + parameter * axis->span[k]) - u * e[k];
   const double squared = dot(d, d);
   if (squared < best->squared) *best = {squared, parameter, u, 0.0, part};
 }
@@ -253,8 +255,8 @@ static inline void tryPair(const Axis* axis, const double* from, const double* e
 // Edge i: from the ends, to its start, and where the lines are nearest to each other, if that is inside both. The small
 // determinant of nearly parallel lines costs digits, cross products do not.
 static inline void tryEdgeOnAxis(const Axis* axis, const double* from, const double* e, int32_t i, Shortest* best) {
-  const double length = dot(e, e), perLength = inverseOf(length), along = dot(axis->way, e);
-  const double alongEdge = dot(e, from), across = dot(axis->way, from);
+  const double length = dot(e, e), perLength = inverseOf(length), along = dot(axis->span, e);
+  const double alongEdge = dot(e, from), across = dot(axis->span, from);
   tryPair(axis, from, e, 0.0, within01(alongEdge * perLength), i, best);
   tryPair(axis, from, e, 1.0, within01((alongEdge + along) * perLength), i, best);
   tryPair(axis, from, e, within01(-across * axis->perSquared), 0.0, i, best);
@@ -264,7 +266,7 @@ static inline void tryEdgeOnAxis(const Axis* axis, const double* from, const dou
     parameter = within01((along * alongEdge - length * across) / lines);
   } else {
     double common[3], moment[3];
-    cross(axis->way, e, common);
+    cross(axis->span, e, common);
     cross(e, from, moment);
     const double square = dot(common, common);
     if (square > 0.0) parameter = within01(dot(moment, common) / square);
@@ -280,9 +282,10 @@ static inline void finishOnAxis(const Triangle* t, const Shortest* found, Segmen
   best->squared = found->squared;
   best->parameter = found->parameter;
   for (int k = 0; k < 3; ++k) best->point[k] = place.point[k];
+  best->feature = place.feature;
 }
 
-// The shortest way is between an end and the face, or between the segment and an edge: from an end, to a corner, or
+// The shortest line is between an end and the face, or between the segment and an edge: from an end, to a corner, or
 // between the insides of both (Lumelsky 1985). Where they cross it is none. All candidates are points of both, so what
 // is lost by rounding can only cost what they differ by.
 static inline void closestToAxis(const Triangle* t, const Axis* axis, SegmentCandidate* best) {
@@ -305,5 +308,6 @@ static inline void closestToAxis(const Triangle* t, const Axis* axis, SegmentCan
     best->squared = c.squared;
     best->parameter = end;
     for (int k = 0; k < 3; ++k) best->point[k] = c.point[k];
+    best->feature = c.feature;
   }
 }

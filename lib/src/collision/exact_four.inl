@@ -104,7 +104,7 @@ static inline __m256d within01Of4(__m256d x) {  // as the scalar code also for N
   return _mm256_min_pd(_mm256_max_pd(x, _mm256_setzero_pd()), _mm256_set1_pd(1.0));
 }
 
-// The shortest ways known so far, as Shortest.
+// The shortest distances known so far, as Shortest.
 struct Shortest4 {
   __m256d squared, parameter, u, v, part;
 };
@@ -124,12 +124,12 @@ static inline void take4(__m256d valid, __m256d squared, __m256d parameter, __m2
 static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, SegmentCandidate* nearest) {
   const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0), sign = _mm256_set1_pd(-0.0);
   const __m256d all = _mm256_cmp_pd(zero, zero, _CMP_EQ_OQ);
-  __m256d v[9], a[3], b[3], way[3], e[3][3], ac[3], fromA[3][3], fromB[3][3], n[3], m[3][3], h[3], q[3];
+  __m256d v[9], a[3], b[3], span[3], e[3][3], ac[3], fromA[3][3], fromB[3][3], n[3], m[3][3], h[3], q[3];
   loadCorners4(t, v);
   for (int k = 0; k < 3; ++k) {
     a[k] = _mm256_set1_pd(axis->a[k]);
     b[k] = _mm256_set1_pd(axis->b[k]);
-    way[k] = _mm256_set1_pd(axis->way[k]);
+    span[k] = _mm256_set1_pd(axis->span[k]);
   }
   for (int i = 0; i < 3; ++i) {
     subtract4(v + (i == 2 ? 0 : 3 * i + 3), v + 3 * i, e[i]);
@@ -137,11 +137,11 @@ static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis
     subtract4(b, v + 3 * i, fromB[i]);
   }
   subtract4(v + 6, v, ac);
-  cross4(way, ac, h);
+  cross4(span, ac, h);
   cross4(fromA[0], e[0], q);
   const __m256d det = dot4(e[0], h), size = _mm256_andnot_pd(sign, det), turn = _mm256_and_pd(sign, det);
   const __m256d border = _mm256_mul_pd(_mm256_set1_pd(-1e-12), size), at = _mm256_div_pd(dot4(ac, q), det);
-  const __m256d inU = _mm256_xor_pd(dot4(fromA[0], h), turn), inV = _mm256_xor_pd(dot4(way, q), turn);
+  const __m256d inU = _mm256_xor_pd(dot4(fromA[0], h), turn), inV = _mm256_xor_pd(dot4(span, q), turn);
   __m256d crosses =
       _mm256_and_pd(_mm256_cmp_pd(size, zero, _CMP_GT_OQ), _mm256_cmp_pd(size, _mm256_set1_pd(1e308), _CMP_LT_OQ));
   crosses = _mm256_and_pd(
@@ -178,27 +178,27 @@ static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis
     take4(inside, dot4(d, d), end == 1 ? one : zero, u, w, kPartFace, &best);
   }
 
-  const __m256d wayLength = _mm256_set1_pd(axis->squared), perWay = _mm256_set1_pd(axis->perSquared);
+  const __m256d spanSquared = _mm256_set1_pd(axis->squared), perSpan = _mm256_set1_pd(axis->perSquared);
   for (int i = 0; i < 3; ++i) {
-    const __m256d length = dot4(e[i], e[i]), perLength = _mm256_div_pd(one, length), along = dot4(way, e[i]);
-    const __m256d alongEdge = dot4(e[i], fromA[i]), across = dot4(way, fromA[i]);
+    const __m256d length = dot4(e[i], e[i]), perLength = _mm256_div_pd(one, length), along = dot4(span, e[i]);
+    const __m256d alongEdge = dot4(e[i], fromA[i]), across = dot4(span, fromA[i]);
     const auto tryPair4 = [&](__m256d parameter, __m256d u) {
       __m256d d[3];
       for (int k = 0; k < 3; ++k)
-        d[k] = _mm256_sub_pd(_mm256_add_pd(fromA[i][k], _mm256_mul_pd(parameter, way[k])), _mm256_mul_pd(u, e[i][k]));
+        d[k] = _mm256_sub_pd(_mm256_add_pd(fromA[i][k], _mm256_mul_pd(parameter, span[k])), _mm256_mul_pd(u, e[i][k]));
       take4(all, dot4(d, d), parameter, u, zero, i, &best);
     };
     tryPair4(zero, within01Of4(_mm256_mul_pd(alongEdge, perLength)));
     tryPair4(one, within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, along), perLength)));
-    tryPair4(within01Of4(_mm256_mul_pd(_mm256_xor_pd(across, sign), perWay)), zero);
+    tryPair4(within01Of4(_mm256_mul_pd(_mm256_xor_pd(across, sign), perSpan)), zero);
     // As tryEdgeOnAxis().
-    const __m256d both = _mm256_mul_pd(wayLength, length), lines = _mm256_sub_pd(both, _mm256_mul_pd(along, along));
+    const __m256d both = _mm256_mul_pd(spanSquared, length), lines = _mm256_sub_pd(both, _mm256_mul_pd(along, along));
     __m256d parameter = within01Of4(
         _mm256_div_pd(_mm256_sub_pd(_mm256_mul_pd(along, alongEdge), _mm256_mul_pd(length, across)), lines));
     const __m256d isApart = _mm256_cmp_pd(lines, _mm256_mul_pd(_mm256_set1_pd(kNearlyParallel), both), _CMP_GT_OQ);
     if (_mm256_movemask_pd(isApart) != 15) {
       __m256d common[3], moment[3];
-      cross4(way, e[i], common);
+      cross4(span, e[i], common);
       cross4(e[i], fromA[i], moment);
       const __m256d square = dot4(common, common);
       const __m256d parallel = _mm256_and_pd(within01Of4(_mm256_div_pd(dot4(moment, common), square)),
@@ -206,7 +206,7 @@ static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis
       parameter = _mm256_blendv_pd(parallel, parameter, isApart);
     }
     const __m256d u = within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, _mm256_mul_pd(parameter, along)), perLength));
-    parameter = within01Of4(_mm256_mul_pd(_mm256_sub_pd(_mm256_mul_pd(u, along), across), perWay));
+    parameter = within01Of4(_mm256_mul_pd(_mm256_sub_pd(_mm256_mul_pd(u, along), across), perSpan));
     tryPair4(parameter, u);
   }
 

@@ -9,7 +9,7 @@
 
 #include <stdint.h>
 
-#include "enamel/collision/proximity_cache.hpp"
+#include "query_cache.hpp"
 
 namespace enamel::kernel {
 
@@ -23,10 +23,10 @@ static_assert(kStackSize >= kMaxDepth * (kWidth - 1) + kWidth, "the stack holds 
 /// Oriented boxes of 16 children: |axis * q + offset| <= half. Unused lanes lie far away.
 struct alignas(64) Node {
   float row[kBoxRows][kWidth];  ///< three axes, offsets, half sizes
-  float cone[kWidth];           ///< cos^2 of the angle between the third axis and the farthest way as Leaf::front, or 0
-  int32_t child[kWidth];        ///< node number, or ~leaf number
-  uint32_t lanes;               ///< bit mask of those in use
-  uint32_t leaves;              ///< of those that hold a leaf
+  float cone[kWidth];     ///< cos^2 of the angle between the third axis and the farthest direction as Leaf::front, or 0
+  int32_t child[kWidth];  ///< node number, or ~leaf number
+  uint32_t lanes;         ///< bit mask of those in use
+  uint32_t leaves;        ///< of those that hold a leaf
 };
 
 /// The same children between planes along the axes, rounded outwards. Unused lanes hold an empty box.
@@ -37,8 +37,8 @@ struct alignas(64) AlignedBoxes {
 
 /// 16 triangles in local coordinates, each in a plane frame of its own: corner a at the origin, the longest edge along
 /// u, the opposite corner at v >= 0, the plane at h = 0. Unused lanes lie far away. `front` and `back`: cos^2 of the
-/// angle between the normal and the farthest way to a point in front of the triangle, or behind it, that it may hold a
-/// local minimum of the distance from, or 0.
+/// angle between the normal and the farthest direction to a point in front of the triangle, or behind it, that it may
+/// hold a local minimum of the distance from, or 0.
 struct alignas(64) Leaf {
   float row[kFrameRows][kWidth];
   float front[kWidth];
@@ -88,10 +88,8 @@ struct Mesh {
   uint64_t revision;
 };
 
-/// Parts of a triangle, as the closest point's place.
-enum Feature : int32_t { kCorner0, kCorner1, kCorner2, kEdge01, kEdge12, kEdge20, kFace };
-
-using Cache = ProximityCache;
+/// What of a triangle the closest point lies on: corner i, the edge from corner i, the face.
+enum TriangleFeature : int32_t { kCorner0, kCorner1, kCorner2, kEdge01, kEdge12, kEdge20, kFace };
 
 /// The point of a triangle with plane (x - a).n = 0 that is nearest to p.
 struct Candidate {
@@ -112,7 +110,8 @@ struct SegmentAnswer {
   double squared;    ///< distance^2; where nothing was found, of a distance that every triangle keeps
   double parameter;  ///< of the segment's nearest point
   double point[3];   ///< on the mesh
-  int32_t slot;      ///< -1 where nothing was found
+  int32_t feature;
+  int32_t slot;  ///< -1 where nothing was found
 };
 
 /// Called for every triangle that may be within reach; answers the reach from now on (visitMinima may go on with the
@@ -133,7 +132,7 @@ struct Loops {
   void (*closestToSegment)(const Mesh& mesh, const double from[3], const double to[3], double reach, double far,
                            int32_t hint, SegmentAnswer* answer);
   /// Every triangle within `reach` that may hold a local minimum of the distance from the point: Leaf::front and back
-  /// allow the way there.
+  /// allow the direction there.
   void (*visitMinima)(const Mesh& mesh, const double point[3], double reach, Visit visit, void* context);
 };
 

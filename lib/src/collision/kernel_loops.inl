@@ -154,7 +154,7 @@ static inline Lanes lanesOf(const Node* node) { return {node->row[0], kWidth}; }
 
 // Squared distances of 16 triangles from points in their frames: to the plane where the point lies over the triangle,
 // else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
-// `from`: the ways in the plane (u, v) from the nearest points of the triangles.
+// `from`: the offsets in the plane (u, v) from the nearest points of the triangles.
 static inline V frameDistances(const Lanes& frames, V u, V v, V h, V* from = nullptr) {
   const V zero = set(0.0f);
   const V length0 = frames.row(kLength), length1 = frames.row(kLength + 1), length2 = frames.row(kLength + 2);
@@ -192,9 +192,10 @@ static inline void toFrames(const Lanes& frames, V x, V y, V z, V* f) {
                mad(frames.row(3 * i + 1), y, mad(frames.row(3 * i + 2), z, frames.row(kOffset + i))));
 }
 
-static inline void turnToFrames(const Lanes& frames, const V* way, V* f) {
+static inline void turnToFrames(const Lanes& frames, const V* direction, V* f) {
   for (int i = 0; i < 3; ++i)
-    f[i] = mad(frames.row(3 * i), way[0], mad(frames.row(3 * i + 1), way[1], mul(frames.row(3 * i + 2), way[2])));
+    f[i] = mad(frames.row(3 * i), direction[0],
+               mad(frames.row(3 * i + 1), direction[1], mul(frames.row(3 * i + 2), direction[2])));
 }
 
 static inline V triangleDistances(const Lanes& frames, V x, V y, V z, V* height = nullptr) {
@@ -386,10 +387,10 @@ static inline void searchFar(Search* s) {
   }
 }
 
-using List = ProximityCache::List;
+using List = Cache::List;
 
-// Each triangle lies behind a plane across the way to its nearest point; from a point e farther on it is no nearer than
-// height + normal.e. That holds for any normal not longer than 1, as the height is taken over the corners: a point
+// Each triangle lies behind a plane across the line to its nearest point; from a point e farther on it is no nearer
+// than height + normal.e. That holds for any normal not longer than 1, as the height is taken over the corners: a point
 // close to the nearest one does.
 struct Planes {
   V normal[3], height;
@@ -490,7 +491,7 @@ static inline void fromOrigin(const List* list, const double* q, V* e) {
 
 // The exact distances of the triangles that the planes do not rule out, four at a time.
 static inline void searchList(Search* s, const List* list, float most) {
-  int32_t slot[ProximityCache::kTriangles + kWidth];
+  int32_t slot[Cache::kTriangles + kWidth];
   int count = 0;
   V e[3];
   fromOrigin(list, s->local, e);
@@ -525,14 +526,14 @@ static inline void improveWitness(const Mesh* mesh, const List* list, const doub
   for (int k = 0; k < 3; ++k) witness[k] = x[k];
 }
 
-// For a tool that goes on by `way` a query and needs the list from `start` on.
-static inline void beginList(const Mesh* mesh, const double* start, const double* way, Cache* cache) {
+// For a tool that goes on by `motion` a query and needs the list from `start` on.
+static inline void beginList(const Mesh* mesh, const double* start, const double* motion, Cache* cache) {
   List* list = &cache->list[1 - cache->active];
-  const double step = __builtin_sqrt(dot(way, way));
+  const double step = __builtin_sqrt(dot(motion, motion));
   const double r = cache->margin > kLeastReach * step ? cache->margin : kLeastReach * step;
   const double lead = step > 1e-3 * r ? kLead * r / step : 0.0;
   for (int k = 0; k < 3; ++k) {
-    list->origin[k] = start[k] + lead * way[k];
+    list->origin[k] = start[k] + lead * motion[k];
     cache->witness[k] = cache->surface[k];
   }
   const List* last = &cache->list[cache->active];
@@ -579,7 +580,7 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
     const int before = leaves, nodesBefore = nodes;
     leaves += __builtin_popcount(nearLeaves);
     nodes += __builtin_popcount(nearNodes);
-    if (leaves > ProximityCache::kLeaves || nodes > ProximityCache::kNodes) return giveUpList(cache);
+    if (leaves > Cache::kLeaves || nodes > Cache::kNodes) return giveUpList(cache);
     compress(node->child, choose(nearLeaves), cache->leaf + before);
     compress(node->child, choose(nearNodes), cache->node + nodesBefore);
     for (int i = before; i < leaves; ++i) fetchChild(mesh, cache->leaf[i]);
@@ -593,7 +594,7 @@ static inline void extendList(const Mesh* mesh, int work, Cache* cache) {
     const unsigned near = planesWithin(reach, planes);
     const int before = count;
     count += __builtin_popcount(near);
-    if (count > ProximityCache::kTriangles) return giveUpList(cache);
+    if (count > Cache::kTriangles) return giveUpList(cache);
     const Chosen lanes = choose(near);
     for (int k = 0; k < 3; ++k) compress(planes.normal[k], lanes, list->normal[k] + before);
     compress(planes.height, lanes, list->height + before);
@@ -637,16 +638,16 @@ static inline void searchWithCache(Search* s, Cache* cache) {
 }
 
 // A list is made before it is needed, over some queries, so that none of them takes long.
-static inline void workAhead(const Mesh* mesh, const double* local, const double* way, Cache* cache) {
+static inline void workAhead(const Mesh* mesh, const double* local, const double* motion, Cache* cache) {
   if (!isListOpen(cache)) {
     if (cache->rest > 0) {
       --cache->rest;
       return;
     }
     double start[3];
-    for (int k = 0; k < 3; ++k) start[k] = local[k] + kAhead * way[k];
+    for (int k = 0; k < 3; ++k) start[k] = local[k] + kAhead * motion[k];
     if (holds(&cache->list[cache->active], start) || holds(&cache->list[1 - cache->active], start)) return;
-    beginList(mesh, start, way, cache);
+    beginList(mesh, start, motion, cache);
   }
   extendList(mesh, kWorkPerQuery, cache);
 }
@@ -672,14 +673,14 @@ static void closest(const Mesh& mesh, const double point[3], double limitSquared
   }
   settle(&s);
   if (cache != nullptr && s.slot >= 0) {
-    double way[3];
-    subtract(s.local, cache->query, way);
+    double motion[3];
+    subtract(s.local, cache->query, motion);
     cache->revision = mesh.revision;
     for (int k = 0; k < 3; ++k) {
       cache->query[k] = s.local[k];
       cache->surface[k] = (s.best.point[k] - mesh.centre[k]) * mesh.scale;
     }
-    if (known && !isFar(s.local)) workAhead(&mesh, s.local, way, cache);
+    if (known && !isFar(s.local)) workAhead(&mesh, s.local, motion, cache);
   }
   answer->slot = s.slot;
   answer->nearest = s.slot >= 0 ? s.best : Candidate{s.squared, {point[0], point[1], point[2]}, kFace, 0.0, 0.0};
@@ -737,87 +738,88 @@ static void visit(const Mesh& mesh, const double from[3], const double to[3], do
 }
 
 // A segment in local coordinates: start, unit direction, length.
-struct Ray {
-  V start[3], way[3], length;
+struct LocalSegment {
+  V start[3], direction[3], length;
   double slack;  // absolute error of a float distance
 };
 
 // 0: it lies too far away for floats.
-static inline int toRay(const Mesh& mesh, const double from[3], const double to[3], Ray* ray) {
-  double a[3], b[3], way[3], size = 2.0 * mesh.extent;
+static inline int toLocal(const Mesh& mesh, const double from[3], const double to[3], LocalSegment* segment) {
+  double a[3], b[3], span[3], size = 2.0 * mesh.extent;
   for (int k = 0; k < 3; ++k) {
     a[k] = (from[k] - mesh.centre[k]) * mesh.scale;
     b[k] = (to[k] - mesh.centre[k]) * mesh.scale;
-    way[k] = b[k] - a[k];
+    span[k] = b[k] - a[k];
     size += absolute(a[k]) > absolute(b[k]) ? absolute(a[k]) : absolute(b[k]);
   }
   if (isFar(a) || isFar(b)) return 0;
-  const double length = __builtin_sqrt(dot(way, way));
+  const double length = __builtin_sqrt(dot(span, span));
   for (int k = 0; k < 3; ++k) {
-    ray->start[k] = set(static_cast<float>(a[k]));
-    ray->way[k] = set(length > 0.0 ? static_cast<float>(way[k] / length) : 0.0f);
+    segment->start[k] = set(static_cast<float>(a[k]));
+    segment->direction[k] = set(length > 0.0 ? static_cast<float>(span[k] / length) : 0.0f);
   }
-  ray->length = set(static_cast<float>(length));
-  ray->slack = kBoundError * size;
+  segment->length = set(static_cast<float>(length));
+  segment->slack = kBoundError * size;
   return 1;
 }
 
 static inline V between(V x, V low, V high) { return maximum(minimum(x, high), low); }
 
 // Squared distances of the boxes of a node from a segment, from below. Only the feet of a box on the segment can be
-// nearest to it. The plane across the way from the middle of the feet to the box keeps the box away; along the segment
+// nearest to it. The plane across the line from the middle of the feet to the box keeps the box away; along the segment
 // the height over it falls by no more than its slope.
-static inline V segmentBounds(const Node* node, const Ray* ray) {
+static inline V segmentBounds(const Node* node, const LocalSegment* segment) {
   const Lanes boxes = lanesOf(node);
   const V zero = set(0.0f), middleOf = set(0.5f);
-  V start[3], way[3], half[3], foot = zero, extent = zero;
+  V start[3], direction[3], half[3], foot = zero, extent = zero;
   for (int i = 0; i < 3; ++i) {
     const V x = boxes.row(3 * i), y = boxes.row(3 * i + 1), z = boxes.row(3 * i + 2);
-    start[i] = mad(x, ray->start[0], mad(y, ray->start[1], mad(z, ray->start[2], boxes.row(9 + i))));
-    way[i] = mad(x, ray->way[0], mad(y, ray->way[1], mul(z, ray->way[2])));
+    start[i] = mad(x, segment->start[0], mad(y, segment->start[1], mad(z, segment->start[2], boxes.row(9 + i))));
+    direction[i] = mad(x, segment->direction[0], mad(y, segment->direction[1], mul(z, segment->direction[2])));
     half[i] = boxes.row(12 + i);
-    foot = mad(start[i], way[i], foot);
-    extent = mad(maximum(way[i], sub(zero, way[i])), half[i], extent);
+    foot = mad(start[i], direction[i], foot);
+    extent = mad(maximum(direction[i], sub(zero, direction[i])), half[i], extent);
   }
-  const V first = between(sub(sub(zero, foot), extent), zero, ray->length);
-  const V last = between(sub(extent, foot), zero, ray->length);
-  const V middle = mul(add(first, last), middleOf), halfWay = mul(sub(last, first), middleOf);
+  const V first = between(sub(sub(zero, foot), extent), zero, segment->length);
+  const V last = between(sub(extent, foot), zero, segment->length);
+  const V middle = mul(add(first, last), middleOf), halfLength = mul(sub(last, first), middleOf);
   V squared = zero, ahead = zero;
   for (int i = 0; i < 3; ++i) {
-    const V v = mad(way[i], middle, start[i]);
+    const V v = mad(direction[i], middle, start[i]);
     const V d = sub(v, maximum(minimum(v, half[i]), sub(zero, half[i])));
     squared = mad(d, d, squared);
-    ahead = mad(d, way[i], ahead);
+    ahead = mad(d, direction[i], ahead);
   }
-  const V height = maximum(sub(squared, mul(maximum(ahead, sub(zero, ahead)), halfWay)), zero);
+  const V height = maximum(sub(squared, mul(maximum(ahead, sub(zero, ahead)), halfLength)), zero);
   return divide(mul(height, height), maximum(squared, set(1e-30f)));
 }
 
-// A ray as the frames of the triangles of a leaf see it, and their feet on it: from the middle half the way to both
-// sides.
+// A segment as the frames of the triangles of a leaf see it, and their feet on it: `halfLength` to both sides of the
+// middle.
 struct Feet {
-  V start[3], way[3], middle, halfWay;
+  V start[3], direction[3], middle, halfLength;
 };
 
-static inline Feet feetOn(const Lanes& frames, const Ray* ray) {
+static inline Feet feetOn(const Lanes& frames, const LocalSegment* segment) {
   const V zero = set(0.0f), half = set(0.5f);
   Feet feet;
-  toFrames(frames, ray->start[0], ray->start[1], ray->start[2], feet.start);
-  turnToFrames(frames, ray->way, feet.way);
-  const V *start = feet.start, *way = feet.way;
-  const V a = sub(zero, mad(start[0], way[0], mad(start[1], way[1], mul(start[2], way[2]))));
-  const V b = mad(frames.row(kLength), way[0], a);
-  const V c = mad(frames.row(kLength + 2), mad(frames.row(kCosine + 1), way[0], mul(frames.row(kSine + 1), way[1])), a);
-  const V first = between(minimum(minimum(a, b), c), zero, ray->length);
-  const V last = between(maximum(maximum(a, b), c), zero, ray->length);
+  toFrames(frames, segment->start[0], segment->start[1], segment->start[2], feet.start);
+  turnToFrames(frames, segment->direction, feet.direction);
+  const V *start = feet.start, *direction = feet.direction;
+  const V a = sub(zero, mad(start[0], direction[0], mad(start[1], direction[1], mul(start[2], direction[2]))));
+  const V b = mad(frames.row(kLength), direction[0], a);
+  const V c = mad(frames.row(kLength + 2),
+                  mad(frames.row(kCosine + 1), direction[0], mul(frames.row(kSine + 1), direction[1])), a);
+  const V first = between(minimum(minimum(a, b), c), zero, segment->length);
+  const V last = between(maximum(maximum(a, b), c), zero, segment->length);
   feet.middle = mul(add(first, last), half);
-  feet.halfWay = mul(sub(last, first), half);
+  feet.halfLength = mul(sub(last, first), half);
   return feet;
 }
 
-// Squared distances of the triangles from places of the ray, and planes that the triangles lie behind: so far are the
-// places in front of them, and so much more, for each step along the ray, are others. Any normal does that is not
-// longer than 1; that of the way from the nearest point is the best.
+// Squared distances of the triangles from places of the segment, and planes that the triangles lie behind: so far are
+// the places in front of them, and so much more, for each step along the segment, are others. Any normal does that is
+// not longer than 1; that of the offset from the nearest point is the best.
 struct InFront {
   V squared, height, slope;
 };
@@ -825,7 +827,7 @@ struct InFront {
 static inline InFront inFrontAt(const Lanes& frames, const Feet& feet, V at) {
   const V zero = set(0.0f);
   V p[3], n[3];
-  for (int i = 0; i < 3; ++i) p[i] = mad(feet.way[i], at, feet.start[i]);
+  for (int i = 0; i < 3; ++i) p[i] = mad(feet.direction[i], at, feet.start[i]);
   InFront front;
   front.squared = frameDistances(frames, p[0], p[1], p[2], n);
   n[2] = p[2];
@@ -834,28 +836,28 @@ static inline InFront inFrontAt(const Lanes& frames, const Feet& feet, V at) {
   const V toC = mul(frames.row(kLength + 2), mad(n[0], frames.row(kCosine + 1), mul(n[1], frames.row(kSine + 1))));
   const V corners = maximum(maximum(toB, toC), zero);
   front.height = mul(sub(mad(n[0], p[0], mad(n[1], p[1], mul(n[2], p[2]))), corners), inverse);
-  front.slope = mul(mad(n[0], feet.way[0], mad(n[1], feet.way[1], mul(n[2], feet.way[2]))), inverse);
+  front.slope = mul(mad(n[0], feet.direction[0], mad(n[1], feet.direction[1], mul(n[2], feet.direction[2]))), inverse);
   return front;
 }
 
-static inline V boundOf(const InFront& front, V halfWay) {
-  return sub(front.height, mul(halfWay, maximum(front.slope, sub(set(0.0f), front.slope))));
+static inline V boundOf(const InFront& front, V halfLength) {
+  return sub(front.height, mul(halfLength, maximum(front.slope, sub(set(0.0f), front.slope))));
 }
 
 // From where the line meets the plane, going d along it brings it nearer to the triangle by d cos of the angle between
 // them and away from the plane by d sin: it comes no nearer than the distance in the plane times that sine.
 static inline V lineBound(const Lanes& frames, const Feet& feet, float error) {
-  const V zero = set(0.0f), sine = maximum(feet.way[2], sub(zero, feet.way[2])), flat = set(1e-6f);
-  const V at = divide(sub(zero, feet.start[2]), selectGreater(sine, flat, feet.way[2], flat));
-  const V inPlane =
-      frameDistances(frames, mad(feet.way[0], at, feet.start[0]), mad(feet.way[1], at, feet.start[1]), zero);
+  const V zero = set(0.0f), sine = maximum(feet.direction[2], sub(zero, feet.direction[2])), flat = set(1e-6f);
+  const V at = divide(sub(zero, feet.start[2]), selectGreater(sine, flat, feet.direction[2], flat));
+  const V inPlane = frameDistances(frames, mad(feet.direction[0], at, feet.start[0]),
+                                   mad(feet.direction[1], at, feet.start[1]), zero);
   return sub(mul(root(inPlane), mul(sine, set(0.99999f))), set(2.0f * error));
 }
 
 // With a second plane, at the end of the feet to which the first one comes down: the bound lies where the two meet, or
 // in the middle.
 static inline V betterBound(const Lanes& frames, const Feet& feet, const InFront& first, float error) {
-  const V zero = set(0.0f), w = feet.halfWay;
+  const V zero = set(0.0f), w = feet.halfLength;
   const V end = selectGreater(first.slope, zero, sub(feet.middle, w), add(feet.middle, w));
   const InFront second = inFrontAt(frames, feet, end);
   const V inwards = selectGreater(first.slope, zero, second.slope, sub(zero, second.slope));
@@ -868,7 +870,8 @@ static inline V betterBound(const Lanes& frames, const Feet& feet, const InFront
 
 // Depth first through what lies within `limit`, the square of a float distance, which atLeaf() may lower.
 template <typename AtLeaf>
-static inline void searchSegment(const Mesh& mesh, const Ray& ray, const float& limit, const AtLeaf& atLeaf) {
+static inline void searchSegment(const Mesh& mesh, const LocalSegment& segment, const float& limit,
+                                 const AtLeaf& atLeaf) {
   Stack stack;
   int32_t current = mesh.root;
   for (;;) {
@@ -876,7 +879,7 @@ static inline void searchSegment(const Mesh& mesh, const Ray& ray, const float& 
       atLeaf(~current);
     } else {
       const Node* node = mesh.nodes + current;
-      const V near = segmentBounds(node, &ray);
+      const V near = segmentBounds(node, &segment);
       const unsigned mask = node->lanes & lessOrEqualMask(near, set(limit));
       if (mask != 0) {
         current = goDown(&mesh, near, node->child, mask, &stack);
@@ -893,22 +896,22 @@ static inline void searchSegment(const Mesh& mesh, const Ray& ray, const float& 
 
 static void visitSegment(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visitor,
                          void* context) {
-  Ray ray;
-  if (toRay(mesh, from, to, &ray) == 0) {
+  LocalSegment segment;
+  if (toLocal(mesh, from, to, &segment) == 0) {
     visit(mesh, from, to, reach, visitor, context);
     return;
   }
-  float limit = limitOf(reach * mesh.scale, ray.slack);
-  searchSegment(mesh, ray, limit, [&](int32_t leaf) {
+  float limit = limitOf(reach * mesh.scale, segment.slack);
+  searchSegment(mesh, segment, limit, [&](int32_t leaf) {
     const Lanes frames = lanesOf(mesh.leaves + leaf);
-    const Feet feet = feetOn(frames, &ray);
-    const V bounds = boundOf(inFrontAt(frames, feet, feet.middle), feet.halfWay);
+    const Feet feet = feetOn(frames, &segment);
+    const V bounds = boundOf(inFrontAt(frames, feet, feet.middle), feet.halfLength);
     unsigned mask = lessOrEqualMask(bounds, set(__builtin_sqrtf(limit) * 1.000001f));
     for (; mask != 0; mask &= mask - 1) {
       const int32_t slot = leaf * kWidth + __builtin_ctz(mask);
       if (mesh.triangles[slot].index >= 0) reach = visitor(context, slot, reach);
     }
-    limit = limitOf(reach * mesh.scale, ray.slack);
+    limit = limitOf(reach * mesh.scale, segment.slack);
   });
 }
 
@@ -931,6 +934,7 @@ static inline void keepNearer(AxisSearch* s, const Triangle* triangle, const Seg
   answer->squared = c.squared;
   answer->parameter = c.parameter;
   for (int k = 0; k < 3; ++k) answer->point[k] = c.point[k];
+  answer->feature = c.feature;
   answer->slot = static_cast<int32_t>(triangle - s->mesh->triangles);
 }
 
@@ -966,23 +970,23 @@ static inline double collectForAxis(void* context, int32_t slot, double reach) {
 }
 
 // The triangles that may lie within reach are looked at exactly; of the others the bounds are enough.
-static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, double far, int32_t hint) {
+static inline void searchAxis(AxisSearch* s, const LocalSegment& segment, double reach, double far, int32_t hint) {
   const Mesh& mesh = *s->mesh;
-  const float error = 2.0f * static_cast<float>(ray.slack);
-  float limit = limitOf((reach > far ? reach : far) * mesh.scale, ray.slack);
-  float exactly = __builtin_sqrtf(limitOf(reach * mesh.scale, ray.slack)) * 1.000001f;
+  const float error = 2.0f * static_cast<float>(segment.slack);
+  float limit = limitOf((reach > far ? reach : far) * mesh.scale, segment.slack);
+  float exactly = __builtin_sqrtf(limitOf(reach * mesh.scale, segment.slack)) * 1.000001f;
   float clear = 3.4e38f;
   int32_t done = -1;
   const auto atLeaf = [&](int32_t leaf) {
     if (leaf == done) return;
     const Lanes frames = lanesOf(mesh.leaves + leaf);
-    const Feet feet = feetOn(frames, &ray);
+    const Feet feet = feetOn(frames, &segment);
     const InFront front = inFrontAt(frames, feet, feet.middle);
     const float least = (__builtin_sqrtf(smallest(front.squared)) + error) * 1.000001f;
     if (least < exactly) exactly = least;
     const float enough = exactly + kEnough * (least - exactly);
     if (enough * enough < limit) limit = enough * enough;
-    V bounds = boundOf(front, feet.halfWay);
+    V bounds = boundOf(front, feet.halfLength);
     unsigned mask = lessOrEqualMask(bounds, set(exactly));
     if (__builtin_popcount(mask) > kFewOfLeaf) {
       bounds = maximum(bounds, lineBound(frames, feet, error));
@@ -1007,7 +1011,7 @@ static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, doubl
       const double now = collectForAxis(s, slot, reach);
       if (!(now < reach)) continue;
       reach = now;
-      const float closer = limitOf(reach * mesh.scale, ray.slack);
+      const float closer = limitOf(reach * mesh.scale, segment.slack);
       if (closer < limit) limit = closer;
       const float most = __builtin_sqrtf(closer) * 1.000001f;
       if (most < exactly) exactly = most;
@@ -1017,11 +1021,12 @@ static inline void searchAxis(AxisSearch* s, const Ray& ray, double reach, doubl
     atLeaf(hint / kWidth);
     done = hint / kWidth;
   }
-  searchSegment(mesh, ray, limit, atLeaf);
+  searchSegment(mesh, segment, limit, atLeaf);
   if (s->waiting > 0) tryWaiting(s);
   if (s->answer->slot >= 0) return;
   const float most = __builtin_sqrtf(limit);
-  const double keeps = (static_cast<double>(clear < most ? clear : most) * (1.0 - 1e-6) - 2.0 * ray.slack) / mesh.scale;
+  const double keeps =
+      (static_cast<double>(clear < most ? clear : most) * (1.0 - 1e-6) - 2.0 * segment.slack) / mesh.scale;
   const double looked = __builtin_sqrt(s->beyond) * (1.0 - 1e-12);
   const double free = keeps < looked ? keeps : looked;
   if (free > reach) s->answer->squared = free * free;
@@ -1032,9 +1037,9 @@ static void closestToSegment(const Mesh& mesh, const double from[3], const doubl
   AxisSearch s = {&mesh, axisBetween(from, to), answer, 0, {}, kHuge};
   answer->squared = reach * reach < kHuge ? reach * reach : kHuge;
   answer->slot = -1;
-  Ray ray;
-  if (toRay(mesh, from, to, &ray) != 0) {
-    searchAxis(&s, ray, reach, far, hint);
+  LocalSegment segment;
+  if (toLocal(mesh, from, to, &segment) != 0) {
+    searchAxis(&s, segment, reach, far, hint);
     return;
   }
   if (hint >= 0) s.slot[s.waiting++] = hint;
@@ -1042,7 +1047,7 @@ static void closestToSegment(const Mesh& mesh, const double from[3], const doubl
   if (s.waiting > 0) tryWaiting(&s);
 }
 
-// Children within the limit whose cones allow a local minimum: the way from one of their points to the point in
+// Children within the limit whose cones allow a local minimum: the line from one of their points to the point in
 // question is nowhere steeper to the third axis than the sides of the box allow.
 static inline unsigned childrenWithMinima(const Node* node, V x, V y, V z, V limit, V slack) {
   const V zero = set(0.0f), one = set(1.0f);

@@ -7,14 +7,13 @@
 #include <unordered_map>
 
 #include "enamel/core/error.hpp"
-#include "mesh_data.hpp"
+#include "normals.hpp"
 
 namespace enamel {
 namespace {
 
 constexpr double kLargestCoordinate = 1e9;
 constexpr std::size_t kMostTriangles = std::size_t{1} << 27;
-constexpr double kFlat = 1e-12;  // height over longest edge of a triangle that counts as without area
 
 struct Place {
   std::uint64_t bits[3];
@@ -86,44 +85,6 @@ std::vector<int> weld(const TriangleMesh& mesh) {
   return place;
 }
 
-namespace kernel {
-
-Vec3 unitNormal(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
-  const Vec3 ab = b - a, bc = c - b, ca = a - c;
-  const double longest = std::max({ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()});
-  // At the corner where the two shorter edges meet, the product loses least.
-  Vec3 n = longest == bc.squaredNorm() ? ca.cross(ab) : longest == ca.squaredNorm() ? ab.cross(bc) : bc.cross(ca);
-  const double length = n.norm();
-  if (!(length > kFlat * longest)) return Vec3::Zero();
-  return n / length;
-}
-
-double cornerAngle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
-  const Vec3 u = b - a, v = c - a;
-  return std::atan2(u.cross(v).norm(), u.dot(v));
-}
-
-std::vector<EdgeUse> sortedEdges(const TriangleMesh& mesh, const std::vector<int>& place) {
-  std::vector<EdgeUse> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int e = 0; e < 3; ++e) {
-      const int a = place[mesh.triangles[t][e]], b = place[mesh.triangles[t][(e + 1) % 3]];
-      if (a == b) continue;
-      edges.push_back(
-          {std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), static_cast<std::int8_t>(e), a < b});
-    }
-  std::sort(edges.begin(), edges.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    if (a.low != b.low) return a.low < b.low;
-    if (a.high != b.high) return a.high < b.high;
-    if (a.triangle != b.triangle) return a.triangle < b.triangle;
-    return a.edge < b.edge;
-  });
-  return edges;
-}
-
-}  // namespace kernel
-
 MeshReport inspect(const TriangleMesh& mesh) {
   checkMesh(mesh);
   MeshReport report;
@@ -153,26 +114,22 @@ MeshReport inspect(const TriangleMesh& mesh) {
   const std::vector<kernel::EdgeUse> edges = kernel::sortedEdges(mesh, place);
   Partition pieces(mesh.triangles.size()), fans(3 * mesh.triangles.size());
   bool balanced = !edges.empty();
-  for (std::size_t first = 0, last; first < edges.size(); first = last) {
-    int forward = 0;
-    const kernel::EdgeUse& head = edges[first];
-    for (last = first; last < edges.size() && edges[last].low == head.low && edges[last].high == head.high; ++last) {
-      const kernel::EdgeUse& use = edges[last];
-      forward += use.forward;
-      if (last == first) continue;
-      pieces.unite(head.triangle, use.triangle);
-      const auto corner = [](const kernel::EdgeUse& u, bool atLow) {
-        return 3 * u.triangle + (u.edge + (u.forward == atLow ? 0 : 1)) % 3;
-      };
-      for (const bool atLow : {false, true}) fans.unite(corner(head, atLow), corner(use, atLow));
+  kernel::forEachEdge(edges, [&](const kernel::EdgeUse* first, const kernel::EdgeUse* last) {
+    const auto corner = [](const kernel::EdgeUse& u, bool atLow) {
+      return 3 * u.triangle + (u.edge + (u.forward == atLow ? 0 : 1)) % 3;
+    };
+    for (const kernel::EdgeUse* use = first + 1; use != last; ++use) {
+      pieces.unite(first->triangle, use->triangle);
+      for (const bool atLow : {false, true}) fans.unite(corner(*first, atLow), corner(*use, atLow));
     }
-    const int uses = static_cast<int>(last - first);
+    const auto uses = last - first;
+    const bool isBalanced = kernel::balanceOf(first, last) == 0;
     ++report.edges;
     report.boundaryEdges += uses == 1;
     report.nonManifoldEdges += uses > 2;
-    report.flippedEdges += uses == 2 && forward != 1;
-    balanced = balanced && 2 * forward == uses;
-  }
+    report.flippedEdges += uses == 2 && !isBalanced;
+    balanced = balanced && isBalanced;
+  });
   for (int t = 0; t < report.triangles; ++t) report.components += pieces.find(t) == t;
   std::vector<int> fanPlaces;
   for (int c = 0; c < 3 * report.triangles; ++c)

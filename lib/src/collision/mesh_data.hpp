@@ -7,6 +7,7 @@
 
 #include "enamel/collision/mesh.hpp"
 #include "enamel/collision/proximity.hpp"
+#include "enamel/collision/sweep.hpp"
 #include "huge_pages.hpp"
 #include "kernel.hpp"
 
@@ -14,7 +15,7 @@ namespace enamel::kernel {
 
 struct EdgeNormals {
   float edge[3][3];       // sum of the unit normals of the triangles at edges 01, 12, 20
-  std::uint32_t tainted;  // bit i: corner or edge i (as Feature) touches a triangle without normal
+  std::uint32_t tainted;  // bit i: corner or edge i (as TriangleFeature) touches a triangle without normal
 };
 
 /// Where a node or leaf hangs: child `lane` of `node`; node -1 for the root.
@@ -52,22 +53,25 @@ struct MeshData {
   double size = 0.0;            // diagonal of the bounding box, m
 };
 
-/// One triangle at an edge between two different places.
-struct EdgeUse {
-  std::int32_t low, high;  // places, low < high
-  std::int32_t triangle;
-  std::int8_t edge;  // 0: corners 0 and 1, and so on round
-  bool forward;      // the triangle runs from low to high
+/// Opens to the module what its public classes hold.
+struct Inside {
+  static MeshData& of(MeshModel& model) noexcept { return *model.data_; }
+  static const MeshData& of(const MeshModel& model) noexcept { return *model.data_; }
+  static Cache* of(ProximityCache* cache) noexcept { return cache == nullptr ? nullptr : cache->content_.get(); }
 };
 
-/// All edges of all triangles, those between the same places side by side.
-std::vector<EdgeUse> sortedEdges(const TriangleMesh& mesh, const std::vector<int>& place);
+/// The public functions of these names, for what the public classes hold.
+SurfacePoint closestPoint(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept;
+SurfacePoint signedDistance(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept;
+SweepHit sweepSphere(const MeshData& data, const Vec3& from, const Vec3& to, double radius, Cache* cache) noexcept;
 
-/// Unit normal of a triangle, or zero if it is lower than 1e-12 of its longest edge.
-Vec3 unitNormal(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
-
-/// Angle at corner a between the ways to b and c, rad; 0 where one of them has no length.
-double cornerAngle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
+/// Writes what the loops call a feature as public answers do.
+template <typename PublicAnswer>
+void setFeature(std::int32_t feature, PublicAnswer& answer) noexcept {
+  answer.feature = feature == kFace ? Feature::face : feature >= kEdge01 ? Feature::edge : Feature::vertex;
+  answer.featureIndex = feature == kFace ? -1 : feature % 3;
+}
+static_assert(kCorner0 % 3 == 0 && kEdge01 % 3 == 0);
 
 /// What closestPoint() answers where `found` is nearest.
 SurfacePoint surfacePoint(const MeshData& data, const Answer& found) noexcept;
@@ -78,30 +82,12 @@ SurfacePoint signedSurfacePoint(const MeshData& data, const Vec3& p, const Answe
 /// The loops of the SIMD level in use.
 const Loops& loops() noexcept;
 
-/// Writes one slot of a leaf from the mesh's vertices.
-void writeSlot(MeshData& data, std::int32_t slot, std::int32_t triangle);
-
-/// Marks a slot as unused.
-void clearSlot(MeshData& data, std::int32_t slot);
-
-/// Makes the boxes of a leaf and of all nodes above hold what is in it.
-void refitLeaf(MeshData& data, std::int32_t leaf);
-
-/// Gives up what is known of the normals below a child of a node, and so of the nodes above.
-void openCones(MeshData& data, Parent at);
-
-/// Builds the hierarchy over all triangles of data.mesh.
-void buildHierarchy(MeshData& data);
-
-/// Sums the normals at all edges and corners.
-void buildNormals(MeshData& data);
+/// Makes the updates' working space as large as it can ever become.
+void reserveForUpdates(MeshData& data);
 
 /// Whether a triangle is there (not removed).
 inline bool hasTriangle(const MeshData& data, std::int32_t triangle) noexcept {
   return data.triangles[data.slotOf[triangle]].index == triangle;
 }
-
-/// A number that no other state of any mesh has.
-std::uint64_t nextRevision() noexcept;
 
 }  // namespace enamel::kernel

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesh_data.hpp"
+#include "boxes.hpp"
+#include "cones.hpp"
+#include "hierarchy.hpp"
+#include "topology.hpp"
 
 namespace enamel {
 namespace {
@@ -13,52 +16,6 @@ namespace {
 using namespace kernel;
 
 constexpr double kLargestExtent = 8.0;  // local; the mesh at its building reaches from -1 to 1
-
-int placeOfCorner(const MeshData& data, std::int32_t corner) {
-  return data.place[data.mesh.triangles[corner / 3][corner % 3]];
-}
-
-void insertCorners(MeshData& data, std::int32_t triangle) {
-  for (std::int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
-    std::int32_t& first = data.firstCorner[placeOfCorner(data, corner)];
-    data.nextCorner[corner] = first;
-    first = corner;
-  }
-}
-
-void eraseCorners(MeshData& data, std::int32_t triangle) {
-  for (std::int32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
-    std::int32_t* at = &data.firstCorner[placeOfCorner(data, corner)];
-    while (*at >= 0 && *at != corner) at = &data.nextCorner[*at];
-    if (*at == corner) *at = data.nextCorner[corner];
-  }
-}
-
-// Neighbours across the edge between two places: those of exactly two triangles.
-void relinkEdge(MeshData& data, int a, int b) {
-  std::int32_t user[2] = {-1, -1}, edge[2] = {0, 0};
-  int count = 0;
-  for (std::int32_t corner = data.firstCorner[a]; corner >= 0; corner = data.nextCorner[corner]) {
-    const std::int32_t t = corner / 3, i = corner % 3;
-    for (const int e : {i, (i + 2) % 3}) {  // the edges that leave and reach this corner
-      const int other = placeOfCorner(data, 3 * t + (e == i ? (i + 1) % 3 : e));
-      if (other != b || a == b) continue;
-      data.neighbour[t][e] = -1;
-      if (count < 2) {
-        user[count] = t;
-        edge[count] = e;
-      }
-      ++count;
-    }
-  }
-  if (count != 2) return;
-  data.neighbour[user[0]][edge[0]] = user[1];
-  data.neighbour[user[1]][edge[1]] = user[0];
-}
-
-void relink(MeshData& data, const std::array<int, 3>& corners) {
-  for (int i = 0; i < 3; ++i) relinkEdge(data, data.place[corners[i]], data.place[corners[(i + 1) % 3]]);
-}
 
 // To be done at the end: all corners at the places of these vertices, and the edges that meet there.
 void taint(MeshData& data, const std::array<int, 3>& corners) {
@@ -91,6 +48,40 @@ void rewrite(MeshData& data, std::int32_t triangle) {
   data.dirtyLeaves.push_back(leaf);
 }
 
+int trianglesOf(const MeshData& data, std::int32_t leaf, std::array<std::int32_t, kWidth>& triangles) {
+  int count = 0;
+  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot)
+    if (data.triangles[slot].index >= 0) triangles[count++] = data.triangles[slot].index;
+  return count;
+}
+
+// Makes the boxes of a leaf and of all nodes above hold what is in it.
+void refitLeaf(MeshData& data, std::int32_t leaf) {
+  Parent at = data.leafParent[leaf];
+  std::array<std::int32_t, kWidth> triangles{};
+  data.scratch.clear();
+  gatherCorners(data, triangles.data(), trianglesOf(data, leaf, triangles), data.scratch);
+  // The axes stay, and with them the cone; the oriented boxes above only grow.
+  const Oriented oriented = boxAlong(readOriented(data, at).axes, data.scratch);
+  writeOriented(data, at, oriented);
+  const Vec3 middle = -(oriented.axes.transpose() * oriented.offset);
+  Extent extent;
+  for (const Vec3& q : data.scratch) extent.add(q);
+  Box box = extent.box();
+  for (;;) {
+    writeBox(data, at, box);
+    box = boxOfNode(data.boxes[at.node]);
+    at = data.nodeParent[at.node];
+    if (at.node < 0) return;
+    Oriented parent = readOriented(data, at);
+    const Vec3 far = (parent.axes * middle + parent.offset).cwiseAbs() +
+                     (parent.axes * oriented.axes.transpose()).cwiseAbs() * oriented.half;
+    if ((far.array() <= parent.half.array()).all()) continue;
+    parent.half = parent.half.cwiseMax(far);
+    writeOriented(data, at, parent);
+  }
+}
+
 void finish(MeshData& data) {
   for (const std::int32_t leaf : data.dirtyLeaves) {
     refitLeaf(data, leaf);
@@ -110,16 +101,25 @@ bool areTriangles(const MeshData& data, const int* triangles, int count) {
 
 }  // namespace
 
+void kernel::reserveForUpdates(MeshData& data) {
+  data.scratch.reserve(3 * kWidth);
+  data.dirtyLeaves.reserve(data.leaves.size());
+  data.isDirty.assign(data.leaves.size(), 0);
+  data.isRewritten.assign(data.triangles.size(), 0);
+  data.isTainted.assign(data.firstCorner.size(), 0);
+  data.taintedPlaces.reserve(data.firstCorner.size());
+}
+
 Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions, int count) noexcept {
-  MeshData& data = model.data();
+  MeshData& data = Inside::of(model);
   const int most = static_cast<int>(data.mesh.vertices.size());
-  const Vec3 centre(data.view.centre[0], data.view.centre[1], data.view.centre[2]);
   double extent = data.view.extent;
   for (int i = 0; i < count; ++i) {
-    if (vertices[i] < 0 || vertices[i] >= most || !positions[i].allFinite()) return Status::notFinite;
-    extent = std::max(extent, ((positions[i] - centre) * data.view.scale).cwiseAbs().maxCoeff());
+    if (vertices[i] < 0 || vertices[i] >= most) return Status::outOfRange;
+    if (!positions[i].allFinite()) return Status::notFinite;
+    extent = std::max(extent, local(data.view, positions[i]).cwiseAbs().maxCoeff());
   }
-  if (!(extent <= kLargestExtent)) return Status::notFinite;
+  if (!(extent <= kLargestExtent)) return Status::outOfRange;
   data.view.extent = extent;
   for (int i = 0; i < count; ++i) data.mesh.vertices[vertices[i]] = positions[i];
   for (int i = 0; i < count; ++i)
@@ -135,17 +135,15 @@ Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions
 }
 
 Status removeTriangles(MeshModel& model, const int* triangles, int count) noexcept {
-  MeshData& data = model.data();
-  if (!areTriangles(data, triangles, count)) return Status::notFinite;
+  MeshData& data = Inside::of(model);
+  if (!areTriangles(data, triangles, count)) return Status::outOfRange;
   data.closed = false;
   data.view.tight = 0;
   for (int i = 0; i < count; ++i) {
     const int t = triangles[i];
     if (!hasTriangle(data, t)) continue;
-    eraseCorners(data, t);
+    unlinkTriangle(data, t);
     clearSlot(data, data.slotOf[t]);
-    data.neighbour[t] = {-1, -1, -1};
-    relink(data, data.mesh.triangles[t]);
     taint(data, data.mesh.triangles[t]);
   }
   finish(data);
@@ -153,31 +151,26 @@ Status removeTriangles(MeshModel& model, const int* triangles, int count) noexce
 }
 
 Status replaceTriangles(MeshModel& model, const int* triangles, const std::array<int, 3>* corners, int count) noexcept {
-  MeshData& data = model.data();
+  MeshData& data = Inside::of(model);
   const int most = static_cast<int>(data.mesh.vertices.size());
-  if (!areTriangles(data, triangles, count)) return Status::notFinite;
+  if (!areTriangles(data, triangles, count)) return Status::outOfRange;
   double extent = data.view.extent;
-  const Vec3 centre(data.view.centre[0], data.view.centre[1], data.view.centre[2]);
   for (int i = 0; i < count; ++i)
     for (const int v : corners[i]) {
-      if (v < 0 || v >= most) return Status::notFinite;
-      extent = std::max(extent, ((data.mesh.vertices[v] - centre) * data.view.scale).cwiseAbs().maxCoeff());
+      if (v < 0 || v >= most) return Status::outOfRange;
+      extent = std::max(extent, local(data.view, data.mesh.vertices[v]).cwiseAbs().maxCoeff());
     }
-  if (!(extent <= kLargestExtent)) return Status::notFinite;  // a vertex that no triangle used before
+  if (!(extent <= kLargestExtent)) return Status::outOfRange;  // a vertex that no triangle used before
   data.view.extent = extent;
   data.closed = false;
   data.view.tight = 0;
   for (int i = 0; i < count; ++i) {
     const int t = triangles[i];
     if (hasTriangle(data, t)) {
-      eraseCorners(data, t);
-      data.neighbour[t] = {-1, -1, -1};
-      relink(data, data.mesh.triangles[t]);
+      unlinkTriangle(data, t);
       taint(data, data.mesh.triangles[t]);
     }
-    data.mesh.triangles[t] = corners[i];
-    insertCorners(data, t);
-    relink(data, corners[i]);
+    linkTriangle(data, t, corners[i]);
     rewrite(data, t);
     taint(data, corners[i]);
   }
@@ -186,7 +179,7 @@ Status replaceTriangles(MeshModel& model, const int* triangles, const std::array
 }
 
 bool isPresent(const MeshModel& model, int triangle) noexcept {
-  const MeshData& data = model.data();
+  const MeshData& data = Inside::of(model);
   return triangle >= 0 && triangle < static_cast<int>(data.mesh.triangles.size()) && hasTriangle(data, triangle);
 }
 

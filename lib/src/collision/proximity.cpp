@@ -4,7 +4,9 @@
 #include <atomic>
 #include <cmath>
 
-#include "mesh_data.hpp"
+#include "cones.hpp"
+#include "hierarchy.hpp"
+#include "normals.hpp"
 
 namespace enamel {
 namespace kernel {
@@ -106,7 +108,11 @@ MeshModel::MeshModel(TriangleMesh mesh) {
   data_ = std::make_unique<kernel::MeshData>();
   data_->mesh = std::move(mesh);
   kernel::buildHierarchy(*data_);
-  kernel::buildNormals(*data_);
+  const std::vector<kernel::EdgeUse> edges = kernel::buildTopology(*data_);
+  const std::vector<Vec3> normals = kernel::unitNormals(data_->mesh);
+  kernel::sumNormals(*data_, edges, normals);
+  kernel::buildCones(*data_, edges, normals);
+  kernel::reserveForUpdates(*data_);
 }
 
 MeshModel::MeshModel(MeshModel&&) noexcept = default;
@@ -115,13 +121,30 @@ MeshModel::~MeshModel() = default;
 
 const TriangleMesh& MeshModel::mesh() const noexcept { return data_->mesh; }
 
+ProximityCache::ProximityCache() : content_(std::make_unique<kernel::Cache>()) {}
+
+ProximityCache::ProximityCache(const ProximityCache& other)
+    : content_(other.content_ ? std::make_unique<kernel::Cache>(*other.content_) : nullptr) {}
+
+ProximityCache& ProximityCache::operator=(const ProximityCache& other) {
+  if (content_ && other.content_)
+    *content_ = *other.content_;
+  else
+    *this = ProximityCache(other);
+  return *this;
+}
+
+ProximityCache::ProximityCache(ProximityCache&&) noexcept = default;
+ProximityCache& ProximityCache::operator=(ProximityCache&&) noexcept = default;
+ProximityCache::~ProximityCache() = default;
+
 SurfacePoint kernel::surfacePoint(const MeshData& data, const Answer& found) noexcept {
   SurfacePoint answer;
   const Candidate& nearest = found.nearest;
   answer.point = {nearest.point[0], nearest.point[1], nearest.point[2]};
   if (found.slot < 0) return answer;
   answer.triangle = data.triangles[found.slot].index;
-  answer.feature = static_cast<TriangleFeature>(nearest.feature);
+  setFeature(nearest.feature, answer);
   answer.distance = std::sqrt(nearest.squared);
   return answer;
 }
@@ -132,7 +155,7 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
   const Candidate& nearest = found.nearest;
   const double distance = answer.distance;
   const Vec3 away = p - answer.point;
-  // All normals around a triangle lie within its cone, and so do the sums of them: where the way to the point lies
+  // All normals around a triangle lie within its cone, and so do the sums of them: where the offset to the point lies
   // clearly on one side of the cone, the triangle's own normal tells the side.
   Vec3 n = Vec3::Zero();
   double side = nearest.overPlane;  // like n.n 0 for a long or flat triangle: not told
@@ -159,30 +182,37 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
 
 namespace {
 
-bool search(const kernel::MeshData& data, const Vec3& p, ProximityCache* cache, double limit,
+bool search(const kernel::MeshData& data, const Vec3& p, kernel::Cache* cache, double limit,
             kernel::Answer& found) noexcept {
   if (!p.allFinite() || !(limit >= 0.0)) return false;
   kernel::loops().closest(data.view, p.data(), limit * limit, cache, &found);
   return true;
 }
 
-SurfacePoint notFinite() noexcept {
+SurfacePoint refused(double limit) noexcept {
   SurfacePoint answer;
-  answer.status = Status::notFinite;
+  answer.status = limit < 0.0 ? Status::outOfRange : Status::notFinite;
   return answer;
 }
 
 }  // namespace
 
+SurfacePoint kernel::closestPoint(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept {
+  Answer found;
+  return search(data, p, cache, limit, found) ? surfacePoint(data, found) : refused(limit);
+}
+
+SurfacePoint kernel::signedDistance(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept {
+  Answer found;
+  return search(data, p, cache, limit, found) ? signedSurfacePoint(data, p, found) : refused(limit);
+}
+
 SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
-  kernel::Answer found;
-  return search(model.data(), p, cache, limit, found) ? kernel::surfacePoint(model.data(), found) : notFinite();
+  return kernel::closestPoint(kernel::Inside::of(model), p, kernel::Inside::of(cache), limit);
 }
 
 SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
-  kernel::Answer found;
-  return search(model.data(), p, cache, limit, found) ? kernel::signedSurfacePoint(model.data(), p, found)
-                                                      : notFinite();
+  return kernel::signedDistance(kernel::Inside::of(model), p, kernel::Inside::of(cache), limit);
 }
 
 }  // namespace enamel

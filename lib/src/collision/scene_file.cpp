@@ -6,6 +6,7 @@
 #include "core/message.hpp"
 #include "core/text_file.hpp"
 #include "core/toml.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "enamel/collision/mesh_file.hpp"
 
 namespace enamel {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesh_data.hpp"
+#include "normals.hpp"
 
 namespace enamel {
 namespace {
@@ -16,7 +16,7 @@ using namespace kernel;
 constexpr int kMostNewtonSteps = 64;
 constexpr int kMostAdvances = 256;
 constexpr int kPlainAdvances = 16;
-constexpr double kMostWindows = 1024.0;  // on a way as long as the mesh
+constexpr double kMostWindows = 1024.0;  // on a path as long as the mesh
 constexpr int kPickPieces = 32;
 constexpr int kMostBounds = 8;
 constexpr double kFarSizes = 8.0;
@@ -26,17 +26,25 @@ Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
 struct Nearest {
   Vec3 point;
   double distance;
+  int triangle;
+  Feature feature;
+  int featureIndex;
 };
 
 Nearest nearestOn(const Triangle& triangle, const Vec3& p) {
   Candidate c;
   closestOnTriangle(&triangle, p.data(), &c);
-  return {vec(c.point), std::sqrt(c.squared)};
+  Nearest here;
+  here.point = vec(c.point);
+  here.distance = std::sqrt(c.squared);
+  here.triangle = triangle.index;
+  setFeature(c.feature, here);
+  return here;
 }
 
 struct SphereSweep {
   const MeshData* data;
-  Vec3 from, way;
+  Vec3 from, motion;
   double radius, speed, tolerance;
   SweepHit best;
 };
@@ -47,14 +55,25 @@ bool isBetter(const SweepHit& best, double time, int triangle) {
   return time == best.time && triangle < best.triangle;
 }
 
+template <typename Near>
+void setTouch(double time, const Near& near, const Vec3& normal, SweepHit& hit) {
+  hit.hit = true;
+  hit.time = time;
+  hit.point = near.point;
+  hit.normal = normal;
+  hit.triangle = near.triangle;
+  hit.feature = near.feature;
+  hit.featureIndex = near.featureIndex;
+}
+
 // From the touched point to the tool; where they coincide, the triangle's normal against the motion.
-Vec3 touchNormal(const MeshData& data, const Vec3& apart, double distance, int triangle, const Vec3& way) {
+Vec3 touchNormal(const MeshData& data, const Vec3& apart, double distance, int triangle, const Vec3& motion) {
   if (distance > 1e-9 * data.size) return apart / distance;
   const Triangle& t = data.triangles[data.slotOf[triangle]];
   const Vec3 n = unitNormal(vec(t.corner[0]), vec(t.corner[1]), vec(t.corner[2]));
-  if (!n.isZero(0.0)) return n.dot(way) > 0.0 ? Vec3(-n) : n;
-  const double length = way.norm();
-  return length > 0.0 ? Vec3(-way / length) : Vec3(Vec3::UnitZ());
+  if (!n.isZero(0.0)) return n.dot(motion) > 0.0 ? Vec3(-n) : n;
+  const double length = motion.norm();
+  return length > 0.0 ? Vec3(-motion / length) : Vec3(Vec3::UnitZ());
 }
 
 double sweepTriangle(void* context, std::int32_t slot, double reach) {
@@ -63,11 +82,11 @@ double sweepTriangle(void* context, std::int32_t slot, double reach) {
   const double latest = s.best.hit ? s.best.time : 1.0;
   double time = 0.0;
   for (int step = 0; step < kMostNewtonSteps; ++step) {
-    const Vec3 p = s.from + time * s.way;
+    const Vec3 p = s.from + time * s.motion;
     const Nearest near = nearestOn(triangle, p);
     const double gap = near.distance - s.radius;
     const Vec3 apart = p - near.point;
-    const double closing = near.distance > 0.0 ? -apart.dot(s.way) / near.distance : s.speed;
+    const double closing = near.distance > 0.0 ? -apart.dot(s.motion) / near.distance : s.speed;
     const bool touches = gap <= s.tolerance;
     if (!touches) {
       if (!(closing > 0.0)) return reach;  // convex: it only grows from here
@@ -78,13 +97,8 @@ double sweepTriangle(void* context, std::int32_t slot, double reach) {
         continue;
       }
     }
-    if (isBetter(s.best, time, triangle.index)) {
-      s.best.hit = true;
-      s.best.time = time;
-      s.best.point = near.point;
-      s.best.normal = touchNormal(*s.data, apart, near.distance, triangle.index, s.way);
-      s.best.triangle = triangle.index;
-    }
+    if (isBetter(s.best, time, triangle.index))
+      setTouch(time, near, touchNormal(*s.data, apart, near.distance, triangle.index, s.motion), s.best);
     return reach;
   }
   return reach;
@@ -93,7 +107,7 @@ double sweepTriangle(void* context, std::int32_t slot, double reach) {
 Axis axisOf(const Segment& segment) { return axisBetween(segment.a.data(), segment.b.data()); }
 
 double footOn(const Axis& axis, const Vec3& p) {
-  return within01((p - vec(axis.a)).dot(vec(axis.way)) * axis.perSquared);
+  return within01((p - vec(axis.a)).dot(vec(axis.span)) * axis.perSquared);
 }
 
 SegmentPoint nearestOn(const Triangle& triangle, const Segment& segment) {
@@ -105,21 +119,22 @@ SegmentPoint nearestOn(const Triangle& triangle, const Segment& segment) {
   here.point = vec(c.point);
   here.parameter = c.parameter;
   here.distance = std::sqrt(c.squared);
+  setFeature(c.feature, here);
   return here;
 }
 
 struct CapsuleSweep {
   const MeshData* data;
   Segment from;
-  Vec3 wayA, wayB;
+  Vec3 motionA, motionB;
   double radius, speed, tolerance;
   double start, end;  // times of the window that is searched
   SweepHit best;
 
-  Segment at(double time) const { return {from.a + time * wayA, from.b + time * wayB}; }
+  Segment at(double time) const { return {from.a + time * motionA, from.b + time * motionB}; }
 };
 
-// How long a piece of the axis takes at least until it touches the triangle. The plane across the shortest way between
+// How long a piece of the axis takes at least until it touches the triangle. The plane across the shortest line between
 // them keeps them apart; the triangle rests and the ends move straight, so that no touch can come before an end has
 // used up its height over that plane.
 double waitOfPiece(const CapsuleSweep& s, const Triangle& triangle, double time, double first, double last) {
@@ -130,11 +145,11 @@ double waitOfPiece(const CapsuleSweep& s, const Triangle& triangle, double time,
   const double gap = near.distance - s.radius;
   if (!(gap > 0.0) || !(near.distance > 1e-9 * s.data->size)) return gap > 0.0 ? gap / s.speed : 0.0;
   const Vec3 normal = (on(piece.a, piece.b, near.parameter) - near.point) / near.distance;
-  const auto waitOf = [&](const Vec3& end, const Vec3& way) {
-    const double closing = -normal.dot(way);
+  const auto waitOf = [&](const Vec3& end, const Vec3& motion) {
+    const double closing = -normal.dot(motion);
     return closing > 0.0 ? std::max(normal.dot(end - near.point) - s.radius, gap) / closing : kNoLimit;
   };
-  return std::min(waitOf(piece.a, on(s.wayA, s.wayB, first)), waitOf(piece.b, on(s.wayA, s.wayB, last)));
+  return std::min(waitOf(piece.a, on(s.motionA, s.motionB, first)), waitOf(piece.b, on(s.motionA, s.motionB, last)));
 }
 
 // Where the far ends of a turning axis hold the steps up, the place that is nearest gets a short piece of its own, and
@@ -173,11 +188,7 @@ double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
     }
     if (isBetter(s.best, time, triangle.index)) {
       const Vec3 apart = now.a + near.parameter * (now.b - now.a) - near.point;
-      s.best.hit = true;
-      s.best.time = time;
-      s.best.point = near.point;
-      s.best.normal = touchNormal(*s.data, apart, near.distance, triangle.index, s.wayA + s.wayB);
-      s.best.triangle = triangle.index;
+      setTouch(time, near, touchNormal(*s.data, apart, near.distance, triangle.index, s.motionA + s.motionB), s.best);
     }
     return std::min(reach, s.radius + s.speed * (s.best.time - s.start) + s.tolerance);
   }
@@ -186,7 +197,7 @@ double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
 
 struct PickSearch {
   const MeshData* data;
-  Vec3 way;
+  Vec3 span;
   Axis axis;
   SweepHit best;
 };
@@ -200,43 +211,45 @@ double pickTriangle(void* context, std::int32_t slot, double reach) {
   s.best.time = c.parameter;
   s.best.point = vec(c.point);
   s.best.triangle = triangle.index;
+  setFeature(c.feature, s.best);
   const Vec3 n = unitNormal(vec(triangle.corner[0]), vec(triangle.corner[1]), vec(triangle.corner[2]));
-  s.best.normal = n.dot(s.way) > 0.0 ? Vec3(-n) : n;
+  s.best.normal = n.dot(s.span) > 0.0 ? Vec3(-n) : n;
   return reach;
 }
 
 }  // namespace
 
-SweepHit sweepSphere(const MeshModel& model, const Vec3& from, const Vec3& to, double radius,
-                     ProximityCache* cache) noexcept {
-  SphereSweep s{&model.data(), from, to - from, radius, (to - from).norm(), 0.0, {}};
+SweepHit kernel::sweepSphere(const MeshData& data, const Vec3& from, const Vec3& to, double radius,
+                             Cache* cache) noexcept {
+  SphereSweep s{&data, from, to - from, radius, (to - from).norm(), 0.0, {}};
   if (!from.allFinite() || !to.allFinite() || !(radius >= 0.0) || !std::isfinite(radius)) {
-    s.best.status = Status::notFinite;
+    s.best.status = radius < 0.0 ? Status::outOfRange : Status::notFinite;
     return s.best;
   }
   s.tolerance = 1e-15 * (s.data->size + radius + s.speed);
-  const SurfacePoint start = closestPoint(model, from, cache);
+  const SurfacePoint start = closestPoint(data, from, cache, kNoLimit);
   if (start.triangle < 0 || start.distance > radius + s.speed) return s.best;
   if (start.distance <= radius) {
-    s.best.hit = true;
-    s.best.time = 0.0;
-    s.best.point = start.point;
-    s.best.triangle = start.triangle;
-    s.best.normal = touchNormal(*s.data, from - start.point, start.distance, start.triangle, s.way);
+    setTouch(0.0, start, touchNormal(*s.data, from - start.point, start.distance, start.triangle, s.motion), s.best);
     return s.best;
   }
-  kernel::loops().visit(s.data->view, from.data(), to.data(), radius, &sweepTriangle, &s);
+  loops().visit(s.data->view, from.data(), to.data(), radius, &sweepTriangle, &s);
   return s.best;
+}
+
+SweepHit sweepSphere(const MeshModel& model, const Vec3& from, const Vec3& to, double radius,
+                     ProximityCache* cache) noexcept {
+  return kernel::sweepSphere(Inside::of(model), from, to, radius, Inside::of(cache));
 }
 
 SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit, int hint,
                               double far) noexcept {
   SegmentPoint best;
   if (!segment.a.allFinite() || !segment.b.allFinite() || !(limit >= 0.0)) {
-    best.status = Status::notFinite;
+    best.status = limit < 0.0 ? Status::outOfRange : Status::notFinite;
     return best;
   }
-  const MeshData& data = model.data();
+  const MeshData& data = Inside::of(model);
   const Vec3 centre = vec(data.view.centre);
   // Far away the boxes say little: points of the segment bound the distance, to and fro between it and the mesh.
   double reach = limit;
@@ -253,24 +266,25 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
   }
   const bool isKnown = hint >= 0 && hint < static_cast<int>(data.slotOf.size()) && hasTriangle(data, hint);
   SegmentAnswer found;
-  kernel::loops().closestToSegment(data.view, segment.a.data(), segment.b.data(), reach, far,
-                                   isKnown ? data.slotOf[hint] : -1, &found);
+  loops().closestToSegment(data.view, segment.a.data(), segment.b.data(), reach, far, isKnown ? data.slotOf[hint] : -1,
+                           &found);
   best.distance = std::sqrt(found.squared);
   if (found.slot < 0) return best;
   best.triangle = data.triangles[found.slot].index;
   best.point = vec(found.point);
   best.parameter = found.parameter;
+  setFeature(found.feature, best);
   return best;
 }
 
 SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment& to, double radius) noexcept {
-  CapsuleSweep s{&model.data(), from, to.a - from.a, to.b - from.b, radius, 0.0, 0.0, 0.0, 0.0, {}};
+  CapsuleSweep s{&Inside::of(model), from, to.a - from.a, to.b - from.b, radius, 0.0, 0.0, 0.0, 0.0, {}};
   if (!from.a.allFinite() || !from.b.allFinite() || !to.a.allFinite() || !to.b.allFinite() || !(radius >= 0.0) ||
       !std::isfinite(radius)) {
-    s.best.status = Status::notFinite;
+    s.best.status = radius < 0.0 ? Status::outOfRange : Status::notFinite;
     return s.best;
   }
-  s.speed = std::max(s.wayA.norm(), s.wayB.norm());
+  s.speed = std::max(s.motionA.norm(), s.motionB.norm());
   s.tolerance = 1e-15 * (s.data->size + radius + s.speed + (from.b - from.a).norm());
   const double shortest = std::max(s.speed, s.data->size) / kMostWindows;
   // As far as the distance allows while that is far, then from window to window: in each, all triangles are asked that
@@ -282,11 +296,8 @@ SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment
     const double gap = near.distance - radius;
     if (gap <= s.tolerance) {
       const Vec3 apart = now.a + near.parameter * (now.b - now.a) - near.point;
-      s.best.hit = true;
-      s.best.time = s.start;
-      s.best.point = near.point;
-      s.best.triangle = near.triangle;
-      s.best.normal = touchNormal(model.data(), apart, near.distance, near.triangle, s.wayA + s.wayB);
+      const Vec3 normal = touchNormal(*s.data, apart, near.distance, near.triangle, s.motionA + s.motionB);
+      setTouch(s.start, near, normal, s.best);
       return s.best;
     }
     if (!(s.speed > 0.0)) return s.best;
@@ -296,7 +307,7 @@ SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment
     }
     s.end = std::min(1.0, s.start + shortest / s.speed);
     const double reach = radius + s.speed * (s.end - s.start) + s.tolerance;
-    kernel::loops().visitSegment(s.data->view, now.a.data(), now.b.data(), reach, &sweepTriangleByCapsule, &s);
+    loops().visitSegment(s.data->view, now.a.data(), now.b.data(), reach, &sweepTriangleByCapsule, &s);
     if (s.best.hit || s.end >= 1.0) return s.best;
     s.start = s.end;
   }
@@ -304,18 +315,18 @@ SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment
 }
 
 SweepHit pick(const MeshModel& model, const Segment& segment) noexcept {
-  PickSearch s{&model.data(), segment.b - segment.a, axisOf(segment), {}};
+  PickSearch s{&Inside::of(model), segment.b - segment.a, axisOf(segment), {}};
   if (!segment.a.allFinite() || !segment.b.allFinite()) {
     s.best.status = Status::notFinite;
     return s.best;
   }
-  const double hair = 1e-12 * (s.data->size + s.way.norm());
+  const double hair = 1e-12 * (s.data->size + s.span.norm());
   for (int piece = 0; piece < kPickPieces; ++piece) {  // small boxes, from the near end to the far one
     const double start = static_cast<double>(piece) / kPickPieces;
     if (s.best.hit && s.best.time < start) break;  // a large triangle near an early piece may be crossed later
-    const Vec3 first = segment.a + s.way * start;
-    const Vec3 last = segment.a + s.way * ((piece + 1.0) / kPickPieces);
-    kernel::loops().visit(s.data->view, first.data(), last.data(), hair, &pickTriangle, &s);
+    const Vec3 first = segment.a + s.span * start;
+    const Vec3 last = segment.a + s.span * ((piece + 1.0) / kPickPieces);
+    loops().visit(s.data->view, first.data(), last.data(), hair, &pickTriangle, &s);
   }
   return s.best;
 }

@@ -10,7 +10,7 @@
 
 #include "convert.hpp"
 #include "core/message.hpp"
-#include "enamel/collision/scene.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "enamel/device/device_file.hpp"
 
 namespace enamel {

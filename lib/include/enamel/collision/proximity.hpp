@@ -5,15 +5,17 @@
 #include <limits>
 #include <memory>
 
+#include "enamel/collision/feature.hpp"
 #include "enamel/collision/mesh.hpp"
-#include "enamel/collision/proximity_cache.hpp"
 #include "enamel/core/status.hpp"
 
 namespace enamel {
 
 namespace kernel {
+struct Cache;
+struct Inside;
 struct MeshData;
-}
+}  // namespace kernel
 
 /// A mesh ready for queries. Immutable but for the updates of mesh_update.hpp; const use is thread-safe.
 class MeshModel {
@@ -26,23 +28,37 @@ class MeshModel {
 
   const TriangleMesh& mesh() const noexcept;
 
-  kernel::MeshData& data() noexcept { return *data_; }  ///< private to the module
-  const kernel::MeshData& data() const noexcept { return *data_; }
-
  private:
+  friend struct kernel::Inside;
   std::unique_ptr<kernel::MeshData> data_;
 };
 
-/// The part of a triangle that a point lies on. Corner i is triangles[t][i]; edge 01 joins corners 0 and 1.
-enum class TriangleFeature : int { corner0, corner1, corner2, edge01, edge12, edge20, face };
+/// What a tool remembers of its last query on a mesh, so that the next one, close by, is answered faster. The answer is
+/// the same bit for bit with a cache, with a cache of another place or mesh, and without one. One for each point that
+/// is followed on a mesh; not shared between threads. Making and copying one allocates (6.3 KB), assigning a copy does
+/// not; one that was moved from helps no more. Realtime: queries only.
+class ProximityCache {
+ public:
+  ProximityCache();
+  ProximityCache(const ProximityCache& other);
+  ProximityCache(ProximityCache&& other) noexcept;
+  ProximityCache& operator=(const ProximityCache& other);
+  ProximityCache& operator=(ProximityCache&& other) noexcept;
+  ~ProximityCache();
+
+ private:
+  friend struct kernel::Inside;
+  std::unique_ptr<kernel::Cache> content_;
+};
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::max();
 
 /// Answer of the nearest-point queries.
 struct SurfacePoint {
-  Status status = Status::ok;  ///< notFinite: of the query point; or the limit is negative or no number
+  Status status = Status::ok;  ///< notFinite: of the point, or the limit is NaN; outOfRange: the limit is negative
   int triangle = -1;           ///< -1: no triangle within the limit; then only the distance, kNoLimit, has a meaning
-  TriangleFeature feature = TriangleFeature::face;
+  Feature feature = Feature::face;
+  int featureIndex = -1;       ///< as Feature tells
   Vec3 point = Vec3::Zero();   ///< on the mesh, m
   double distance = kNoLimit;  ///< m
   Vec3 normal = Vec3::Zero();  ///< outward unit normal; only from signedDistance()

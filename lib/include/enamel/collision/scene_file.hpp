@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "enamel/collision/scene.hpp"
+#include "enamel/collision/tool.hpp"
 
 namespace enamel {
 

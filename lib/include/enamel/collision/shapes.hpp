@@ -1,6 +1,7 @@
 // Shapes that stay analytic: a wall is a plane and never a mesh. Each lies in a frame of its own, m.
 #pragma once
 
+#include "enamel/collision/feature.hpp"
 #include "enamel/core/types.hpp"
 
 namespace enamel {
@@ -29,6 +30,8 @@ struct ShapePoint {
   Vec3 point = Vec3::Zero();    ///< on the surface, m
   Vec3 normal = Vec3::UnitZ();  ///< outward unit normal there
   double distance = 0.0;        ///< signed, m; negative inside. p = point + distance * normal
+  Feature feature = Feature::face;
+  int featureIndex = -1;  ///< as Feature tells
 };
 
 /// Signed distance of p: exact everywhere; where several surface points are equally near (the middle of a box, the

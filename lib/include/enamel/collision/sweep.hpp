@@ -6,14 +6,16 @@
 
 namespace enamel {
 
-/// First touch on a way that is passed through between time 0 and time 1.
+/// First touch of a motion between time 0 and time 1.
 struct SweepHit {
-  Status status = Status::ok;   ///< notFinite: an input is not finite or the radius is negative
-  bool hit = false;             ///< false: free all the way; the rest is then without meaning
+  Status status = Status::ok;   ///< notFinite: an input is not finite; outOfRange: the radius is negative
+  bool hit = false;             ///< false: free to the end; the rest is then without meaning
   double time = 1.0;            ///< of the first touch; 0 where the tool touches from the start
   Vec3 point = Vec3::Zero();    ///< of the mesh that is touched, m
   Vec3 normal = Vec3::UnitZ();  ///< unit, from the touched point to the tool's axis
   int triangle = -1;
+  Feature feature = Feature::face;  ///< that the point lies on
+  int featureIndex = -1;            ///< as Feature tells
 };
 
 /// Sphere of `radius` whose centre goes from `from` to `to`. The distance from a triangle is a convex function of time,
@@ -39,14 +41,16 @@ SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment
 
 /// Nearest points of a mesh and a segment.
 struct SegmentPoint {
-  Status status = Status::ok;  ///< notFinite: an input is not finite
+  Status status = Status::ok;  ///< notFinite: an input is not finite; outOfRange: the limit is negative
   int triangle = -1;           ///< -1: none within the limit
-  Vec3 point = Vec3::Zero();   ///< on the mesh, m
-  double parameter = 0.0;      ///< of the segment's point a + parameter (b - a)
-  double distance = 0.0;       ///< m; 0 where they cross; where none was found, of a way that is free all round
+  Feature feature = Feature::face;
+  int featureIndex = -1;      ///< as Feature tells
+  Vec3 point = Vec3::Zero();  ///< on the mesh, m
+  double parameter = 0.0;     ///< of the segment's point a + parameter (b - a)
+  double distance = 0.0;      ///< m; 0 where they cross; where none was found, nothing is nearer
 };
 
-/// The shortest way between a mesh and a segment, double precision. `hint`: a triangle that is likely to be nearest,
+/// Nearest points of a mesh and a segment, double precision. `hint`: a triangle that is likely to be nearest,
 /// of an earlier tick; the answer is the same. `far`, m: where nothing lies within the limit, how far away it is worth
 /// to know that nothing does. Realtime: yes, as closestPoint().
 SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, double limit = kNoLimit, int hint = -1,

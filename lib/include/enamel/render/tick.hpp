@@ -1,7 +1,7 @@
 // One haptic tick, from what a device measured to the torque that its motors get.
 #pragma once
 
-#include "enamel/collision/scene.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "enamel/device/haptic_device.hpp"
 #include "enamel/render/renderer.hpp"
 

@@ -1,14 +1,12 @@
-// What a tool remembers of its last query on a mesh, so that the next one, close by, is answered faster. The answer
-// is the same bit for bit with a cache, with a cache of another place or mesh, and without one.
+// The content of a ProximityCache: plain data of fixed size (6.3 KB), without inline functions of the standard library,
+// as all that the loops see.
 #pragma once
 
 #include <stdint.h>
 
-namespace enamel {
+namespace enamel::kernel {
 
-/// One for each tool shape and obstacle; not shared between threads. Plain data of fixed size (6.3 KB): a copy is as
-/// good as the original. The content is private to the queries.
-struct ProximityCache {
+struct Cache {
   static constexpr int kTriangles = 128;
   static constexpr int kNodes = 48;
   static constexpr int kLeaves = 32;
@@ -44,4 +42,4 @@ struct ProximityCache {
   double margin = 0.0;     // radius of the next one
 };
 
-}  // namespace enamel
+}  // namespace enamel::kernel

@@ -1,0 +1,99 @@
+// What the queries of whole tools share: parts seen from an obstacle, what is remembered of them, contacts.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "enamel/collision/contacts.hpp"
+#include "mesh_data.hpp"
+
+namespace enamel::kernel {
+
+/// What is known of one part of a tool and one obstacle from an earlier tick.
+struct PartCache {
+  std::array<Cache, 3> points;  ///< both ends and the place between them
+  std::uint64_t revision = 0;   ///< of the mesh that the rest belongs to
+  Segment axis;                 ///< in the obstacle's frame
+  double clear = -1.0;          ///< the axis lay outside of the obstacle, at least so far from it
+  bool isAheadA = false;        ///< its ends lay outside
+  bool isAheadB = false;
+  int nearest = -1;  ///< triangle that was nearest to the axis
+
+  /// Null where there is none.
+  static PartCache* of(ToolCache* cache, std::size_t obstacle, int part, const Tool& tool) noexcept {
+    if (cache == nullptr) return nullptr;
+    const std::size_t i = obstacle * static_cast<std::size_t>(tool.count) + static_cast<std::size_t>(part);
+    return i < cache->parts_.size() ? &cache->parts_[i] : nullptr;
+  }
+};
+
+inline Cache* pointOf(PartCache* cache, std::size_t i) noexcept {
+  return cache == nullptr ? nullptr : &cache->points[i];
+}
+
+inline bool isFinite(const Pose& pose) noexcept { return pose.position.allFinite() && pose.rotation.allFinite(); }
+
+/// Axis of a part in the obstacle's frame.
+inline Segment axisOf(const ToolPart& part, const Pose& pose, const Obstacle& obstacle) noexcept {
+  const auto toObstacle = [&](const Vec3& p_P) {
+    return Vec3(obstacle.pose.rotation.transpose() * (pose.rotation * p_P + pose.position - obstacle.pose.position));
+  };
+  return {toObstacle(part.a), toObstacle(part.b)};
+}
+
+inline const MeshModel& shapeOf(const std::shared_ptr<const MeshModel>& mesh) noexcept { return *mesh; }
+template <typename Analytic>
+const Analytic& shapeOf(const Analytic& shape) noexcept {
+  return shape;
+}
+
+/// Place on the axis of the smallest signed distance, 0 to 1; -1: one of the ends. The signed distance of a convex
+/// shape is convex along the axis: halve by its slope, which the normal gives.
+inline double nearestOnAxis(const HalfSpace&, const Segment&) noexcept { return -1.0; }
+
+template <typename Analytic>
+double nearestOnAxis(const Analytic& shape, const Segment& axis) noexcept {
+  constexpr int kHalvings = 64;  // below 1e-18 of the length
+  const Vec3 along = axis.b - axis.a;
+  const auto rises = [&](double t) { return signedDistance(shape, axis.a + t * along).normal.dot(along) > 0.0; };
+  if (rises(0.0)) return 0.0;
+  if (!rises(1.0)) return 1.0;
+  double low = 0.0, high = 1.0;
+  for (int step = 0; step < kHalvings; ++step) {
+    const double middle = 0.5 * (low + high);
+    (rises(middle) ? high : low) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+inline int triangleOf(const ShapePoint&) noexcept { return -1; }
+template <typename OnMesh>
+int triangleOf(const OnMesh& found) noexcept {
+  return found.triangle;
+}
+
+/// A tool's part and an obstacle of the scene.
+struct Pair {
+  const Obstacle* obstacle;
+  int number;
+  int part;
+};
+
+/// What the pair and the surface's place `found` tell of the contact at contact.point.
+template <typename Found>
+void complete(const Pair& pair, const Found& found, Contact& contact) noexcept {
+  const Obstacle& obstacle = *pair.obstacle;
+  contact.obstacleVelocity =
+      obstacle.twist.head<3>() + Vec3(obstacle.twist.tail<3>()).cross(contact.point - obstacle.pose.position);
+  contact.obstacle = pair.number;
+  contact.material = obstacle.material;
+  contact.part = pair.part;
+  contact.triangle = triangleOf(found);
+  contact.feature = found.feature;
+  contact.featureIndex = found.featureIndex;
+}
+
+}  // namespace enamel::kernel

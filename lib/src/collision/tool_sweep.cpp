@@ -1,0 +1,92 @@
+#include "enamel/collision/tool_sweep.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "tool_parts.hpp"
+
+namespace enamel {
+namespace {
+
+using namespace kernel;
+
+// Analytic shapes: the signed distance of the sphere's centre is convex in time, so Newton's steps from the left never
+// pass its first root. A capsule advances until one of its ends meets the plane that keeps it from the shape.
+template <typename Analytic>
+SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to, double radius, PartCache*) {
+  SweepHit result;
+  const Vec3 motionA = to.a - from.a, motionB = to.b - from.b;
+  const bool isSphere = from.a == from.b && to.a == to.b;
+  const double speed = std::max(motionA.norm(), motionB.norm());
+  const double tolerance = 1e-15 * (1.0 + from.a.norm() + radius + speed);
+  double time = 0.0;
+  for (int step = 0; step < 256; ++step) {
+    const Segment now{from.a + time * motionA, from.b + time * motionB};
+    double t = isSphere ? 0.0 : nearestOnAxis(shape, now);
+    if (t < 0.0) t = signedDistance(shape, now.a).distance < signedDistance(shape, now.b).distance ? 0.0 : 1.0;
+    const Vec3 centre = now.a + t * (now.b - now.a);
+    const ShapePoint near = signedDistance(shape, centre);
+    const double gap = near.distance - radius;
+    if (gap <= tolerance || step == 255) {
+      result.hit = true;
+      result.time = time;
+      result.point = near.point;
+      result.normal = near.normal;
+      result.feature = near.feature;
+      result.featureIndex = near.featureIndex;
+      return result;
+    }
+    const auto waitOf = [&](const Vec3& end,
+                            const Vec3& motion) {  // until the end meets the plane over the nearest point
+      const double closing = -near.normal.dot(motion);
+      return closing > 0.0 ? std::max(near.normal.dot(end - near.point) - radius, gap) / closing : kNoLimit;
+    };
+    time += std::min(waitOf(now.a, motionA), waitOf(now.b, motionB));
+    if (!(time <= 1.0)) return result;
+  }
+  return result;
+}
+
+SweepHit sweepPart(const MeshModel& mesh, const Segment& from, const Segment& to, double radius, PartCache* cache) {
+  if (from.a == from.b && to.a == to.b) return sweepSphere(Inside::of(mesh), from.a, to.a, radius, pointOf(cache, 0));
+  return sweepCapsule(mesh, from, to, radius);
+}
+
+}  // namespace
+
+ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, const Pose& to, ToolCache* cache) noexcept {
+  ToolSweep result;
+  if (!isFinite(from) || !isFinite(to)) {
+    result.status = Status::notFinite;
+    return result;
+  }
+  const std::vector<Obstacle>& obstacles = scene.obstacles();
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    const Obstacle& obstacle = obstacles[i];
+    if (!isFinite(obstacle.pose)) {
+      result = ToolSweep();
+      result.status = Status::notFinite;
+      return result;
+    }
+    for (int k = 0; k < tool.count; ++k) {
+      const ToolPart& part = tool.parts[k];
+      const Segment first = axisOf(part, from, obstacle), last = axisOf(part, to, obstacle);
+      PartCache* known = PartCache::of(cache, i, k, tool);
+      const SweepHit hit =
+          std::visit([&](const auto& shape) { return sweepPart(shapeOf(shape), first, last, part.radius, known); },
+                     obstacle.shape);
+      if (!hit.hit || (result.hit && !(hit.time < result.time))) continue;
+      result.hit = true;
+      result.time = hit.time;
+      Contact& contact = result.contact;
+      contact.normal = obstacle.pose.rotation * hit.normal;
+      contact.point = obstacle.pose.rotation * hit.point + obstacle.pose.position;
+      contact.gap = 0.0;
+      complete({&obstacle, static_cast<int>(i), k}, hit, contact);
+    }
+  }
+  return result;
+}
+
+}  // namespace enamel
