@@ -135,9 +135,9 @@ TEST_CASE("every mechanism: J is the derivative, and its inverse is one", "[mech
     for (int i = 0; i < test::count(300, 5000); ++i) {
       const Pose pose = shipped.pose(random);
       const Kinematics k = reached(*mechanism, pose, Vec6::Zero());
-      // Fourth-order differences as in kinematics.cpp: truncation h^4 / 30 times the fifth derivative, about 1e-10 of
-      // the entries near the corners; rounding 1e-16 / h = 1e-12.
-      const double h = 1e-4;
+      // Fourth-order differences as in kinematics.cpp: truncation h^4 / 30 times the fifth derivative (1e-8 of the
+      // entries at h = 0.1 mm in the corners of the delta's cube) falls to 1e-10; rounding 1e-16 / h = 3e-12.
+      const double h = 3e-5;
       Eigen::MatrixXd differences(n, n);
       for (int j = 0; j < n; ++j) {
         const auto at = [&](double step) {
