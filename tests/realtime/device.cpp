@@ -9,6 +9,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
+#include "support/mechanisms.hpp"
 
 using namespace enamel;
 
@@ -55,4 +56,42 @@ TEST_CASE("the device module allocates nothing in a tick", "[realtime]") {
   }
   CHECK(std::isfinite(sum));
   CHECK(allocated == 0);
+}
+
+TEST_CASE("a mechanism of any kind allocates nothing in a tick", "[realtime]") {
+  for (const test::Shipped& shipped : test::shippedDevices()) {
+    INFO(shipped.file);
+    const auto mechanism = shipped.mechanism();
+    const int n = mechanism->joints();
+    test::Random random(62);
+    Kinematics kinematics = mechanism->home(), reached = mechanism->home();
+    double sum = 0.0;
+    long allocated = 0;
+    int good = 0, bad = 0;
+    for (int i = 0; i < 1000; ++i) {
+      Pose pose = shipped.pose(random);
+      if (i % 10 == 0) pose.position *= 20.0;
+      if (i % 25 == 0) pose.position[0] = std::nan("");
+      const Vec6 twist = shipped.twist(random), wrench = random.vector6(5.0, 0.2);
+      const JointVector torque = test::randomJoints(random, i % 50 == 7 ? n - 1 : n, 1.0);
+      JointVector far = mechanism->home().q + test::randomJoints(random, n, 3.0);
+      Vec6 acceleration = Vec6::Zero();
+      const auto count = [&](Status status) { ++(status == Status::ok ? good : bad); };
+      const long before = test::allocationCount();
+      const bool withInertia = i % 2 == 0;
+      count(mechanism->reach(pose, twist, withInertia, reached));
+      count(mechanism->track(reached.q, reached.rates, withInertia, kinematics));
+      count(mechanism->track(far, reached.rates, withInertia, kinematics));
+      count(mechanism->accelerate(pose, twist, torque, wrench, acceleration));
+      sum += acceleration[0] + twistOf(kinematics.jacobian, kinematics.rates)[0];
+      sum += torqueOf(kinematics.jacobian, wrench)[0] + wrenchOf(kinematics, kinematics.gravity)[0];
+      sum += largestForce(kinematics, mechanism->limits().torque, Vec3::UnitZ());
+      sum += effectiveMass(mechanism->home(), Vec3::Zero(), Vec3::UnitX());
+      allocated += test::allocationCount() - before;
+    }
+    CHECK(std::isfinite(sum));
+    CHECK(good > 2000);
+    CHECK(bad > 100);
+    CHECK(allocated == 0);
+  }
 }

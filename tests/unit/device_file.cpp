@@ -1,4 +1,6 @@
 // Strict device files: what is accepted, and the message for everything that is not.
+#include "enamel/device/device_file.hpp"
+
 #include <string>
 
 #include "enamel/core/error.hpp"
@@ -79,9 +81,8 @@ TEST_CASE("optional keys default to zero and are read where they stand", "[devic
   const TauParameters plain = parseTau(edited("", ""), "device.toml");
   CHECK(plain.motor.viscousFriction == 0.0);
   CHECK(plain.platform.damping == Vec6::Zero());
-  CHECK(
-      parseTau(edited("max_torque = 2.0", "max_torque = 2.0\nviscous_friction = 0.01"), "f").motor.viscousFriction ==
-      0.01);
+  CHECK(parseTau(edited("max_torque = 2.0", "max_torque = 2.0\nviscous_friction = 0.01"), "f").motor.viscousFriction ==
+        0.01);
   CHECK(parseTau(edited("mass = 0.120", "mass = 0.120\ndamping = [0, 0, 4, 0, 0, 0.5]"), "f").platform.damping[2] ==
         4.0);
 }
@@ -152,4 +153,67 @@ TEST_CASE("parameters that came from no file are checked alike", "[device_file]"
   device = test::nominal();
   device.gravity[0] = std::nan("");
   CHECK_THROWS_AS(makeModel(device), ConfigurationError);
+}
+
+TEST_CASE("a device file says its kind", "[device_file]") {
+  const auto load = [](const std::string& name) { return loadDevice(test::deviceFile(name)); };
+  CHECK(std::holds_alternative<TauParameters>(load("tau-nominal.toml")));
+  CHECK(std::holds_alternative<TauParameters>(load("tau-detailed.toml")));
+  CHECK(std::holds_alternative<DeltaParameters>(load("delta.toml")));
+  CHECK(std::get<CartesianParameters>(load("cartesian-3.toml")).axes == 3);
+  CHECK(std::get<CartesianParameters>(load("cartesian-6.toml")).axes == 6);
+  // Files from before there were kinds are of a TAU.
+  CHECK(std::holds_alternative<TauParameters>(parseDevice(edited("", ""), "f")));
+  CHECK(std::holds_alternative<TauParameters>(parseDevice(edited("name =", "kind = \"tau\"\nname ="), "f")));
+  CHECK_THROWS_WITH(parseDevice(edited("name =", "kind = \"stewart\"\nname ="), "device.toml"),
+                    "device.toml:1: kind: is \"stewart\", must be \"tau\", \"delta\" or \"cartesian\"");
+  CHECK_THROWS_WITH(parseDevice(edited("name =", "kind = 3\nname ="), "device.toml"),
+                    "device.toml:1: kind: is an integer, must be a string");
+  CHECK_THROWS_WITH(parseDevice(edited("name =", "kind = \"delta\"\nname ="), "device.toml"),
+                    "device.toml:1: home_distance: is missing");
+  CHECK_THROWS_WITH(loadTau(test::deviceFile("delta.toml")), Catch::Contains("must be \"tau\" here"));
+}
+
+TEST_CASE("the shipped delta has the published dimensions", "[device_file]") {
+  const DeltaParameters delta = loadDelta(test::deviceFile("delta.toml"));
+  const DeltaGeometry& g = delta.geometry;
+  CHECK(g.a == 0.060);
+  CHECK(g.b == 0.1025);
+  CHECK(g.c == 0.014);
+  CHECK(g.d == 0.01125);
+  CHECK(g.e == 0.01125);
+  CHECK(g.f == -0.025);
+  CHECK(g.r == 0.03723);
+  CHECK(g.s == -0.02733);
+  for (int i = 0; i < 3; ++i) CHECK(g.phi[i] == Approx((105.0 - 120.0 * i) * M_PI / 180.0).epsilon(1e-15));
+}
+
+TEST_CASE("damping, friction and mass are added to every kind", "[device_file]") {
+  Vec6 damping;
+  damping << 1.0, 2.0, 3.0, 4.0, 5.0, 6.0;
+  for (const std::string file : {"tau-nominal.toml", "delta.toml", "cartesian-3.toml", "cartesian-6.toml"}) {
+    INFO(file);
+    const DeviceParameters before = loadDevice(test::deviceFile(file));
+    DeviceParameters after = before;
+    addDamping(after, damping);
+    addFriction(after, 0.5);
+    addMass(after, 0.25);
+    if (const auto* tau = std::get_if<TauParameters>(&after)) {
+      const TauParameters& plain = std::get<TauParameters>(before);
+      CHECK(tau->platform.damping == plain.platform.damping + damping);
+      CHECK(tau->motor.viscousFriction == plain.motor.viscousFriction + 0.5);
+      CHECK(tau->platform.mass == plain.platform.mass + 0.25);
+    } else if (const auto* delta = std::get_if<DeltaParameters>(&after)) {
+      const DeltaParameters& plain = std::get<DeltaParameters>(before);
+      CHECK(delta->platform.damping == plain.platform.damping + damping.head<3>());
+      CHECK(delta->motor.viscousFriction == plain.motor.viscousFriction + 0.5);
+      CHECK(delta->platform.mass == plain.platform.mass + 0.25);
+    } else {
+      const CartesianParameters& plain = std::get<CartesianParameters>(before);
+      const CartesianParameters& device = std::get<CartesianParameters>(after);
+      for (int i = 0; i < 6; ++i) CHECK(device.damping[i] == (i < plain.axes ? damping[i] + 0.5 : 0.0));
+      CHECK(device.mass == plain.mass + 0.25);
+    }
+    CHECK_NOTHROW(makeMechanism(after));
+  }
 }

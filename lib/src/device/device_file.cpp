@@ -3,6 +3,8 @@
 #include "core/text_file.hpp"
 #include "core/toml.hpp"
 #include "device/read.hpp"
+#include "enamel/device/cartesian/mechanism.hpp"
+#include "enamel/device/delta/mechanism.hpp"
 #include "enamel/device/tau/mechanism.hpp"
 
 namespace enamel {
@@ -10,6 +12,31 @@ namespace {
 
 struct Make {
   std::shared_ptr<const Mechanism> operator()(const TauParameters& p) { return std::make_shared<TauMechanism>(p); }
+  std::shared_ptr<const Mechanism> operator()(const DeltaParameters& p) { return std::make_shared<DeltaMechanism>(p); }
+  std::shared_ptr<const Mechanism> operator()(const CartesianParameters& p) {
+    return std::make_shared<CartesianMechanism>(p);
+  }
+};
+
+struct AddDamping {
+  const Vec6& damping;
+  void operator()(TauParameters& p) const { p.platform.damping += damping; }
+  void operator()(DeltaParameters& p) const { p.platform.damping += damping.head<3>(); }
+  void operator()(CartesianParameters& p) const { p.damping.head(p.axes) += damping.head(p.axes); }
+};
+
+struct AddFriction {
+  double friction;
+  void operator()(TauParameters& p) const { p.motor.viscousFriction += friction; }
+  void operator()(DeltaParameters& p) const { p.motor.viscousFriction += friction; }
+  void operator()(CartesianParameters& p) const { p.damping.head(p.axes).array() += friction; }
+};
+
+struct AddMass {
+  double mass;
+  void operator()(TauParameters& p) const { p.platform.mass += mass; }
+  void operator()(DeltaParameters& p) const { p.platform.mass += mass; }
+  void operator()(CartesianParameters& p) const { p.mass += mass; }
 };
 
 }  // namespace
@@ -18,7 +45,9 @@ DeviceParameters parseDevice(std::string_view text, const std::string& file) {
   TomlTable root = parseToml(text, file);
   const std::string kind = kindOf(root);
   if (kind == "tau") return readTau(root);
-  root.fail("kind", "is \"" + kind + "\", must be \"tau\"");
+  if (kind == "delta") return readDelta(root);
+  if (kind == "cartesian") return readCartesian(root);
+  root.fail("kind", "is \"" + kind + "\", must be \"tau\", \"delta\" or \"cartesian\"");
 }
 
 DeviceParameters loadDevice(const std::string& path) { return parseDevice(readTextFile(path), path); }
@@ -31,16 +60,10 @@ const std::string& nameOf(const DeviceParameters& parameters) noexcept {
   return std::visit([](const auto& p) -> const std::string& { return p.name; }, parameters);
 }
 
-void addDamping(DeviceParameters& parameters, const Vec6& damping) {
-  std::visit([&](auto& p) { p.platform.damping += damping; }, parameters);
-}
+void addDamping(DeviceParameters& parameters, const Vec6& damping) { std::visit(AddDamping{damping}, parameters); }
 
-void addFriction(DeviceParameters& parameters, double friction) {
-  std::visit([&](auto& p) { p.motor.viscousFriction += friction; }, parameters);
-}
+void addFriction(DeviceParameters& parameters, double friction) { std::visit(AddFriction{friction}, parameters); }
 
-void addMass(DeviceParameters& parameters, double mass) {
-  std::visit([&](auto& p) { p.platform.mass += mass; }, parameters);
-}
+void addMass(DeviceParameters& parameters, double mass) { std::visit(AddMass{mass}, parameters); }
 
 }  // namespace enamel

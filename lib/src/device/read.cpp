@@ -58,6 +58,11 @@ void checkMotor(const MotorParameters& motor, const Fail& fail) {
 
 std::string kindOf(TomlTable& root) { return root.has("kind") ? root.text("kind") : "tau"; }
 
+void requireKind(TomlTable& root, const std::string& kind) {
+  if (const std::string found = kindOf(root); found != kind)
+    root.fail("kind", "is \"" + found + "\", must be \"" + kind + "\" here");
+}
+
 PlatformParameters readPlatform(TomlTable& root) {
   TomlTable table = root.table("platform");
   PlatformParameters platform;

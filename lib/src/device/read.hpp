@@ -24,6 +24,8 @@ void checkMotor(const MotorParameters& motor, const Fail& fail);
 
 /// `kind` of a device file, "tau" where it has none.
 std::string kindOf(TomlTable& root);
+/// Refuses a file of another kind.
+void requireKind(TomlTable& root, const std::string& kind);
 
 /// The tables [platform] and [motor].
 PlatformParameters readPlatform(TomlTable& root);
@@ -31,5 +33,7 @@ MotorParameters readMotor(TomlTable& root);
 
 /// A whole file of each kind, checked.
 TauParameters readTau(TomlTable& root);
+DeltaParameters readDelta(TomlTable& root);
+CartesianParameters readCartesian(TomlTable& root);
 
 }  // namespace enamel

@@ -63,6 +63,7 @@ Status TauMechanism::reach(const Pose& pose, const Vec6& twist, bool withInertia
 Status TauMechanism::accelerate(const Pose& pose, const Vec6& twist, const JointVector& torque, const Vec6& wrench,
                                 Vec6& acceleration) const noexcept {
   if (torque.size() != 6) return Status::outOfRange;
+  if (!twist.allFinite() || !torque.allFinite() || !wrench.allFinite()) return Status::notFinite;
   TauConfiguration configuration;
   const Status status = inverseKinematics(model_, pose, configuration);
   if (status == Status::ok) acceleration = forwardDynamics(model_, configuration, twist, Vec6(torque), wrench);

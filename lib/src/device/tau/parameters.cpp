@@ -125,8 +125,7 @@ TauParameters readTau(TomlTable& root) {
 
 TauParameters parseTau(std::string_view text, const std::string& file) {
   TomlTable root = parseToml(text, file);
-  if (const std::string kind = kindOf(root); kind != "tau")
-    root.fail("kind", "is \"" + kind + "\", must be \"tau\" here");
+  requireKind(root, "tau");
   return readTau(root);
 }
 

@@ -1,0 +1,46 @@
+// The shipped devices of every kind, and where each of them can be.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enamel/device/device_file.hpp"
+#include "support/devices.hpp"
+
+namespace enamel::test {
+
+struct Shipped {
+  std::string file;
+  double cube;  ///< half width of a cube about home that it reaches with some room for differences, m
+  double turn;  ///< largest angle about any axis, rad; 0: it only translates
+
+  DeviceParameters parameters() const { return loadDevice(deviceFile(file)); }
+  std::shared_ptr<const Mechanism> mechanism() const { return makeMechanism(parameters()); }
+
+  Pose pose(Random& random) const {
+    Pose pose;
+    pose.position = random.vector(cube);
+    if (turn > 0.0) pose.rotation = rotationAbout(random.direction(), random.uniform(0.0, turn));
+    return pose;
+  }
+  /// Up to 0.5 m/s and 3 rad/s.
+  Vec6 twist(Random& random) const { return random.vector6(0.5, turn > 0.0 ? 3.0 : 0.0); }
+};
+
+inline std::vector<Shipped> shippedDevices() {
+  const double ten = 10.0 * M_PI / 180.0;
+  return {{"tau-nominal.toml", 0.025, ten},
+          {"tau-detailed.toml", 0.025, ten},
+          {"delta.toml", 0.040, 0.0},
+          {"cartesian-3.toml", 0.034, 0.0},
+          {"cartesian-6.toml", 0.064, 2.4}};
+}
+
+inline JointVector randomJoints(Random& random, int joints, double size) {
+  JointVector q(joints);
+  for (int i = 0; i < joints; ++i) q[i] = random.uniform(-size, size);
+  return q;
+}
+
+}  // namespace enamel::test

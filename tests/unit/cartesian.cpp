@@ -1,0 +1,255 @@
+// The Cartesian device: rotation vectors, their Jacobian, the body's motion, strict files.
+#include <Eigen/LU>
+
+#include "enamel/core/error.hpp"
+#include "enamel/device/cartesian/mechanism.hpp"
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+#include "support/relative_error.hpp"
+#include "support/run_length.hpp"
+
+using namespace enamel;
+using test::relativeError;
+
+namespace {
+
+CartesianParameters shipped(int axes) {
+  return loadCartesian(test::deviceFile("cartesian-" + std::to_string(axes) + ".toml"));
+}
+
+// A device of 6 axes with a full tensor, damping and weight.
+CartesianParameters crooked(std::uint64_t seed) {
+  test::Random random(seed);
+  CartesianParameters device = shipped(6);
+  device.gravity = 9.81 * random.direction();
+  device.inertia = test::randomInertia(random, device.mass, 0.05);
+  device.damping = random.vector6(2.0, 0.01).cwiseAbs();
+  return device;
+}
+
+JointVector joints(const Vec3& position, const Vec3& turn) {
+  JointVector q(6);
+  q << position, turn;
+  return q;
+}
+
+Mat3 rotationOf(const Vec3& turn) {
+  return turn.norm() > 0.0 ? test::rotationAbout(turn.normalized(), turn.norm()) : Mat3(Mat3::Identity());
+}
+
+}  // namespace
+
+TEST_CASE("cartesian, 3 axes: position in, force out", "[cartesian]") {
+  CartesianParameters device = shipped(3);
+  device.gravity = {0.0, -2.0, 0.0};
+  device.damping.head<3>() = Vec3(1.0, 2.0, 3.0);
+  const CartesianMechanism mechanism(device);
+  JointVector q(3), rates(3), force(3);
+  q << 0.01, -0.02, 0.03;
+  rates << 0.1, 0.2, -0.3;
+  force << 1.0, -2.0, 0.5;
+  Kinematics k = mechanism.home();
+  REQUIRE(mechanism.track(q, rates, true, k) == Status::ok);
+  CHECK(k.pose.position == Vec3(0.01, -0.02, 0.03));
+  CHECK(k.pose.rotation == Mat3::Identity());
+  Vec6 twist;
+  twist << 0.1, 0.2, -0.3, 0.0, 0.0, 0.0;
+  CHECK(k.twist == twist);
+  CHECK(k.jacobian == Eigen::MatrixXd::Identity(6, 3));
+  CHECK(k.inverseTransposed == Eigen::MatrixXd::Identity(6, 3));
+  CHECK(k.gravity == Vec3(0.0, 2.0 * device.mass, 0.0));
+  CHECK(k.inertia == device.mass * Mat3::Identity());
+  CHECK(mechanism.limits().torque == Vec3::Constant(3.3));
+  CHECK(mechanism.limits().count == Vec3::Constant(5.5e-5));
+  CHECK(effectiveMass(k, Vec3::Zero(), Vec3(0.6, 0.0, 0.8)) == Approx(device.mass).epsilon(1e-14));
+
+  // m v' = f + F + m g - D v; a moment is borne by the device.
+  Vec6 wrench, acceleration;
+  wrench << 0.3, 0.4, 0.5, 9.0, 9.0, 9.0;
+  REQUIRE(mechanism.accelerate(k.pose, twist, force, wrench, acceleration) == Status::ok);
+  Vec6 expected = Vec6::Zero();
+  for (int i = 0; i < 3; ++i)
+    expected[i] = (force[i] + wrench[i] - device.damping[i] * twist[i]) / device.mass + device.gravity[i];
+  CHECK(relativeError(acceleration, expected) < 1e-14);
+}
+
+TEST_CASE("cartesian: the workspace and the largest turn", "[cartesian]") {
+  for (const int axes : {3, 6}) {
+    const CartesianParameters device = shipped(axes);
+    const CartesianMechanism mechanism(device);
+    const JointVector none = JointVector::Zero(axes);
+    Kinematics k = mechanism.home();
+    Vec6 acceleration;
+    for (int i = 0; i < 3; ++i)
+      for (const double way : {-1.0, 1.0})
+        for (const double share : {1.0, 1.0 + 1e-12}) {
+          const Status expected = share > 1.0 ? Status::unreachable : Status::ok;
+          JointVector q = none;
+          q[i] = way * share * device.halfWidths[i];
+          Pose pose;
+          pose.position[i] = q[i];
+          CHECK(mechanism.track(q, none, false, k) == expected);
+          CHECK(mechanism.reach(pose, Vec6::Zero(), false, k) == expected);
+          CHECK(mechanism.accelerate(pose, Vec6::Zero(), none, Vec6::Zero(), acceleration) == expected);
+        }
+  }
+  const CartesianMechanism mechanism(shipped(6));
+  Kinematics k;
+  test::Random random(911);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 axis = random.direction();
+    for (const double angle : {2.499999, 2.500001, 2.8, M_PI - 1e-9, M_PI}) {
+      const Status expected = angle < kMaxCartesianTurn ? Status::ok : Status::unreachable;
+      CHECK(mechanism.reach({Vec3::Zero(), rotationOf(angle * axis)}, Vec6::Zero(), false, k) == expected);
+      CHECK(mechanism.track(joints(Vec3::Zero(), angle * axis), JointVector::Zero(6), false, k) == expected);
+    }
+  }
+}
+
+TEST_CASE("cartesian, 6 axes: rotation vectors of every size", "[cartesian]") {
+  constexpr std::uint64_t seed = 912;
+  INFO("seed " << seed);
+  const CartesianMechanism mechanism(crooked(seed));
+  test::Random random(seed);
+  for (int i = 0; i < test::count(3000, 100000); ++i) {
+    // Angles from 1e-12 to 2.49 rad evenly by their logarithm, so that every branch of the series is met.
+    const double angle = 2.49 * std::pow(10.0, -random.uniform(0.0, 12.0));
+    const Vec3 turn = angle * random.direction();
+    const JointVector q = joints(random.vector(0.06), turn), rates = joints(random.vector(0.5), random.vector(3.0));
+    Kinematics k;
+    REQUIRE(mechanism.track(q, rates, true, k) == Status::ok);
+    CHECK((k.pose.rotation - rotationOf(turn)).cwiseAbs().maxCoeff() < 1e-15);  // a few roundings of numbers up to 1
+    CHECK((k.pose.rotation * k.pose.rotation.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff() < 2e-15);
+    const Mat3 e = k.jacobian.bottomRightCorner<3, 3>(), inverse = k.inverseTransposed.block<3, 3>(3, 3).transpose();
+    CHECK((e * inverse - Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-14);  // |E^-1| up to 2
+    CHECK(e.determinant() == Approx(std::pow(std::sin(0.5 * angle) / (0.5 * angle), 2)).epsilon(1e-14));
+    CHECK((e * turn - turn).norm() < 1e-15 * (1.0 + angle));  // a turn about its own axis
+
+    Kinematics back;
+    REQUIRE(mechanism.reach(k.pose, k.twist, true, back) == Status::ok);
+    // From a matrix: roundings of numbers of size 1, and sin 2.49 = 0.6.
+    for (int j = 0; j < 6; ++j) {
+      CHECK(std::abs(back.q[j] - q[j]) < 2e-15);
+      CHECK(std::abs(back.rates[j] - rates[j]) < 1e-13);
+    }
+  }
+}
+
+TEST_CASE("cartesian, 6 axes: V = J q' is the motion of the pose", "[cartesian]") {
+  constexpr std::uint64_t seed = 913;
+  INFO("seed " << seed);
+  const CartesianMechanism mechanism(crooked(seed));
+  test::Random random(seed);
+  for (int i = 0; i < test::count(1000, 20000); ++i) {
+    const Vec3 turn = random.uniform(0.0, 2.4) * random.direction(), rate = random.vector(3.0);
+    Kinematics k;
+    REQUIRE(mechanism.track(joints(Vec3::Zero(), turn), joints(Vec3(0.1, 0.2, 0.3), rate), false, k) == Status::ok);
+    CHECK(k.twist.head<3>() == Vec3(0.1, 0.2, 0.3));
+    // [w]x = R' R^T by fourth-order differences: truncation h^4 3^5 / 30 = 1e-11, rounding 1e-16 / h = 1e-13.
+    const double h = 1e-3;
+    const auto at = [&](double t) { return rotationOf(turn + t * rate); };
+    const Mat3 slope = (8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h);
+    const Vec3 spin = k.twist.tail<3>();
+    CHECK((slope * k.pose.rotation.transpose() - crossMatrix(spin)).cwiseAbs().maxCoeff() < 1e-9);
+  }
+}
+
+TEST_CASE("cartesian, 6 axes: a body turns as Euler says", "[cartesian]") {
+  constexpr std::uint64_t seed = 914;
+  INFO("seed " << seed);
+  test::Random random(seed);
+  for (int i = 0; i < test::count(500, 10000); ++i) {
+    const CartesianParameters device = crooked(random.uniform(0.0, 1.0) < 0.5 ? 1 : 2);
+    const CartesianMechanism mechanism(device);
+    Pose pose{random.vector(0.06), rotationOf(random.uniform(0.0, 2.4) * random.direction())};
+    const Vec6 twist = random.vector6(0.5, 5.0), wrench = random.vector6(10.0, 0.3);
+    const JointVector torque = joints(random.vector(10.0), random.vector(0.3));
+    Kinematics k;
+    REQUIRE(mechanism.reach(pose, twist, true, k) == Status::ok);
+    Vec6 acceleration;
+    REQUIRE(mechanism.accelerate(pose, twist, torque, wrench, acceleration) == Status::ok);
+    // In the axes of W: I w' + w x I w = E^-T tau + M - D w.
+    const Mat3 inertia = pose.rotation * device.inertia * pose.rotation.transpose();
+    const Vec3 spin = twist.tail<3>();
+    const Vec6 net = wrenchOf(k, torque) + wrench - device.damping.cwiseProduct(twist);
+    const Vec3 expected = inertia.inverse() * (net.tail<3>() - spin.cross(inertia * spin));
+    CHECK(relativeError(acceleration.tail<3>(), expected) < 1e-12);  // condition number of the tensor
+    CHECK(relativeError(acceleration.head<3>(), net.head<3>() / device.mass + device.gravity) < 1e-14);
+    const Mat3 e = k.jacobian.bottomRightCorner<3, 3>();
+    CHECK(relativeError(k.inertia.bottomRightCorner<3, 3>(), e.transpose() * inertia * e) < 1e-13);
+    CHECK(k.inertia.topLeftCorner<3, 3>() == device.mass * Mat3::Identity());
+    CHECK(k.inertia.topRightCorner<3, 3>() == Mat3::Zero());
+  }
+}
+
+namespace {
+
+std::string edited(const std::string& from, const std::string& to) {
+  std::string text =
+      "kind = \"cartesian\"\n"
+      "name = \"test\"\n"
+      "axes = 6\n"
+      "half_widths = [0.1, 0.2, 0.3]\n"
+      "max_force = 20\n"
+      "max_moment = 0.4\n"
+      "position_step = 1e-6\n"
+      "angle_step = 1e-4\n"
+      "[platform]\n"
+      "mass = 0.2\n"
+      "inertia = [4e-4, 4e-4, 2e-4]\n";
+  if (from.empty()) return text;
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+void requireRefused(const std::string& from, const std::string& to, const std::string& message) {
+  INFO(from << " -> " << to);
+  try {
+    parseCartesian(edited(from, to), "device.toml");
+    FAIL("accepted");
+  } catch (const ConfigurationError& error) {
+    CHECK(std::string(error.what()) == message);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("cartesian: a bad file is refused with file, line, key, value and limit", "[cartesian]") {
+  const CartesianParameters plain = parseCartesian(edited("", ""), "device.toml");
+  CHECK(plain.gravity == Vec3::Zero());
+  CHECK(plain.damping == Vec6::Zero());
+  CHECK(parseCartesian(edited("mass = 0.2", "mass = 0.2\ndamping = [1, 2, 3, 4, 5, 6]"), "f").damping[5] == 6.0);
+  CHECK(parseCartesian(edited("axes = 6", "axes = 6\ngravity = [0, -1, 0]"), "f").gravity.y() == -1.0);
+  requireRefused("kind = \"cartesian\"", "kind = \"delta\"",
+                 "device.toml:1: kind: is \"delta\", must be \"cartesian\" here");
+  requireRefused("axes = 6", "axes = 4", "device.toml:3: axes: is 4, must be 3 or 6");
+  requireRefused("axes = 6", "axes = 3",
+                 "device.toml:6: max_moment: stands beside axes = 3: only a device of 6 axes turns");
+  requireRefused("0.2, 0.3]", "0, 0.3]", "device.toml:4: half_widths[1]: is 0, must be greater than 0 m and finite");
+  requireRefused("max_force = 20", "max_force = -20",
+                 "device.toml:5: max_force: is -20, must be greater than 0 N and finite");
+  requireRefused("max_moment = 0.4\n", "", "device.toml:1: max_moment: is missing");
+  requireRefused("max_moment = 0.4", "max_moment = 0",
+                 "device.toml:6: max_moment: is 0, must be greater than 0 N m and finite");
+  requireRefused("position_step = 1e-6", "position_step = 0",
+                 "device.toml:7: position_step: is 0, must be greater than 0 m and finite");
+  requireRefused("angle_step = 1e-4", "angle_step = 0",
+                 "device.toml:8: angle_step: is 0, must be greater than 0 rad and finite");
+  requireRefused("mass = 0.2", "mass = 0", "device.toml:10: platform.mass: is 0, must be greater than 0 kg and finite");
+  requireRefused("mass = 0.2", "mass = 0.2\ndamping = [1, 2, 3, 4, 5, -6]",
+                 "device.toml:11: platform.damping[5]: is -6, must be at least 0 N m s/rad and finite");
+  requireRefused("mass = 0.2", "mass = 0.2\ncom = [0, 0, 0]", "device.toml:11: platform.com: is not a known key");
+  requireRefused("[4e-4, 4e-4, 2e-4]", "[4e-4, 4e-4, 0]",
+                 "device.toml:11: platform.inertia: has the principal moment 0, must be greater than 0 kg m^2 for a "
+                 "device of 6 axes");
+  requireRefused("[4e-4, 4e-4, 2e-4]", "[4e-5, 4e-5, 1e-4]",
+                 "device.toml:11: platform.inertia: is that of no body: the largest principal moment 1e-04 exceeds the "
+                 "sum of the others, 8e-05 kg m^2");
+  CartesianParameters device = shipped(3);
+  device.axes = 5;
+  CHECK_THROWS_WITH(CartesianMechanism(device), "device \"Cartesian, 3 axes\": axes: is 5, must be 3 or 6");
+  device = shipped(3);
+  device.mass = std::nan("");
+  CHECK_THROWS_AS(CartesianMechanism(device), ConfigurationError);
+}
