@@ -30,14 +30,14 @@ if [ -n "${ENAMEL_LONG:-}" ]; then
   echo "== asan: all tests that can run under sanitizers"
   ctest --preset asan -j 2 -L 'unit|hard|plugin'
 else
-  build asan --target tests_sanitized
+  build asan --target tests_unit tests_hard
   echo "== asan: files, kinematics, meshes, contacts and threads (--long: everything)"
   ctest --preset asan -j 2 -L sanitized
 fi
 
-build tsan --target test_unit_runtime test_unit_experiment test_unit_collision_threads
+build tsan --target tests_unit
 echo "== tsan: threads and their exchange of data"
-ctest --preset tsan -R 'unit.(runtime|experiment|collision_threads)'
+ctest --preset tsan -L threads
 
 build release --target tests_realtime
 echo "== release: allocations"

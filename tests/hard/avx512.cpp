@@ -13,7 +13,7 @@ namespace enamel::kernel {
 extern const Loops kAvx512LoopsByAvx2;
 }
 
-using namespace enamel;
+namespace enamel::test_avx512 {
 
 namespace {
 
@@ -71,3 +71,5 @@ TEST_CASE("the loops for AVX-512 answer as those for AVX2", "[hard]") {
     }
   }
 }
+
+}  // namespace enamel::test_avx512

@@ -8,7 +8,7 @@
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_proximity {
 
 namespace {
 
@@ -153,3 +153,5 @@ TEST_CASE("a limit hides what is farther and nothing else", "[hard]") {
     CHECK(closestPoint(model, p, nullptr, all.distance * (1.0 + 1e-15)).triangle == all.triangle);
   }
 }
+
+}  // namespace enamel::test_proximity

@@ -7,7 +7,8 @@
 #include "support/command.hpp"
 #include "support/pushes.hpp"
 
-using namespace enamel;
+namespace enamel::test_host {
+
 using Catch::Matchers::Contains;
 
 namespace {
@@ -182,3 +183,5 @@ TEST_CASE("what a bad plugin does in a tick becomes a fault", "[plugin]") {
     CHECK(output.torque.cwiseAbs().maxCoeff() <= model.maxTorque);
   }
 }
+
+}  // namespace enamel::test_host

@@ -9,7 +9,7 @@
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 
-using namespace enamel;
+namespace enamel::test_device {
 
 TEST_CASE("the counter counts", "[realtime]") {
   const long before = test::allocationCount();
@@ -50,3 +50,5 @@ TEST_CASE("the device module allocates nothing in a tick", "[realtime]") {
   CHECK(std::isfinite(sum));
   CHECK(allocated == 0);
 }
+
+}  // namespace enamel::test_device

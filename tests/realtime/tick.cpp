@@ -6,7 +6,7 @@
 #include "support/catch.hpp"
 #include "support/pushes.hpp"
 
-using namespace enamel;
+namespace enamel::test_tick {
 
 TEST_CASE("a tick of either renderer allocates nothing", "[realtime]") {
   const DeviceModel model = makeModel(test::nominal());
@@ -51,3 +51,5 @@ TEST_CASE("a tick of either renderer allocates nothing", "[realtime]") {
     CHECK(std::isfinite(sum));
   }
 }
+
+}  // namespace enamel::test_tick

@@ -5,6 +5,8 @@
 #include "bench/measurement.hpp"
 #include "support/catch.hpp"
 
+namespace enamel::test_collision {
+
 TEST_CASE("speed against error of the collision module", "[timing]") {
   for (const auto& row : enamel::bench::measureCollision(0.1)) {
     std::printf("%-60s %9.4f us  p99 %9.4f us  error %.1e (%s)\n", row.name.c_str(), row.median_us, row.p99_us,
@@ -14,3 +16,5 @@ TEST_CASE("speed against error of the collision module", "[timing]") {
     CHECK(row.median_us > 0.0);
   }
 }
+
+}  // namespace enamel::test_collision

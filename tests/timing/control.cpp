@@ -5,6 +5,8 @@
 #include "bench/measurement.hpp"
 #include "support/catch.hpp"
 
+namespace enamel::test_control {
+
 TEST_CASE("speed against error of the control module", "[timing]") {
   for (const auto& row : enamel::bench::measureControl(0.2)) {
     INFO(row.name);
@@ -14,3 +16,5 @@ TEST_CASE("speed against error of the control module", "[timing]") {
     CHECK(row.error < (row.name == "Riccati, DAREX 14, tau = 1e8" ? 1e-7 : 1e-12));
   }
 }
+
+}  // namespace enamel::test_control

@@ -5,6 +5,8 @@
 #include "bench/measurement.hpp"
 #include "support/catch.hpp"
 
+namespace enamel::test_device {
+
 TEST_CASE("speed against error of the device module", "[timing]") {
   for (const auto& row : enamel::bench::measureDevice(0.1)) {
     std::printf("%-60s %9.4f us  error %.1e (%s)\n", row.name.c_str(), row.median_us, row.error, row.errorOf.c_str());
@@ -12,3 +14,5 @@ TEST_CASE("speed against error of the device module", "[timing]") {
     CHECK(row.median_us > 0.0);
   }
 }
+
+}  // namespace enamel::test_device

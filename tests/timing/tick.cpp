@@ -4,6 +4,8 @@
 #include "bench/measurement.hpp"
 #include "support/catch.hpp"
 
+namespace enamel::test_tick {
+
 TEST_CASE("speed against error of a tick and of a push", "[timing]") {
   for (const auto& row : enamel::bench::measureTick(0.1)) {
     std::printf("%-45s p50 %9.3f us, p99 %9.3f us, p99.9 %9.3f us, error %.1e (%s)\n", row.name.c_str(), row.median_us,
@@ -12,3 +14,5 @@ TEST_CASE("speed against error of a tick and of a push", "[timing]") {
     CHECK(row.median_us > 0.0);
   }
 }
+
+}  // namespace enamel::test_tick

@@ -9,8 +9,7 @@
 #include "support/devices.hpp"
 #include "viewer/support.hpp"
 
-using namespace enamel;
-using namespace enamel::viewer;
+namespace enamel::viewer::test_viewer {
 
 namespace {
 
@@ -66,3 +65,5 @@ TEST_CASE("missed ticks without and with rendering", "[timing]") {
               json.at("frames_per_second").get<double>());
   CHECK(h.at("periods") > 0);
 }
+
+}  // namespace enamel::viewer::test_viewer

@@ -6,7 +6,7 @@
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 
-using namespace enamel;
+namespace enamel::test_device_file {
 
 namespace {
 
@@ -153,3 +153,5 @@ TEST_CASE("parameters that came from no file are checked alike", "[device_file]"
   device.gravity[0] = std::nan("");
   CHECK_THROWS_AS(makeModel(device), ConfigurationError);
 }
+
+}  // namespace enamel::test_device_file

@@ -10,7 +10,8 @@
 #include "support/devices.hpp"
 #include "support/reference.hpp"
 
-using namespace enamel;
+namespace enamel::test_dynamics {
+
 using test::relativeError;
 
 namespace {
@@ -177,3 +178,5 @@ TEST_CASE("effective mass at home, and by a push", "[dynamics]") {
   const double along = n.dot(change.head<3>() + change.tail<3>().cross(point));
   CHECK(effectiveMass(model, model.home, point, n) == Approx(1.0 / along).epsilon(1e-12));
 }
+
+}  // namespace enamel::test_dynamics

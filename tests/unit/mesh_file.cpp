@@ -10,7 +10,8 @@
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_mesh_file {
+
 using Catch::Matchers::Contains;
 
 namespace {
@@ -247,3 +248,5 @@ TEST_CASE("files on disk load with their scale", "[unit]") {
   CHECK_THROWS_WITH(loadMesh(folder / ""), Catch::Contains("is a folder"));
   CHECK_THROWS_AS(loadMesh(folder / std::string(5000, 'x')), ConfigurationError);
 }
+
+}  // namespace enamel::test_mesh_file

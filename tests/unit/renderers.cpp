@@ -6,7 +6,8 @@
 #include "support/catch.hpp"
 #include "support/pushes.hpp"
 
-using namespace enamel;
+namespace enamel::test_renderers {
+
 using test::inputAt;
 using test::poseAtDepth;
 using test::relativeError;
@@ -255,3 +256,5 @@ TEST_CASE("renderers: a bad configuration is refused", "[renderers]") {
   options.releaseForce = -1.0;
   CHECK_THROWS_AS(PositionControlRenderer(model, test::referenceGain(), 1e-3, options), Error);
 }
+
+}  // namespace enamel::test_renderers

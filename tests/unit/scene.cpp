@@ -8,7 +8,8 @@
 #include "support/contacts.hpp"
 #include "support/meshes.hpp"
 
-using namespace enamel;
+namespace enamel::test_scene {
+
 using test::at;
 using test::contactsOf;
 using test::sphereTool;
@@ -275,3 +276,5 @@ TEST_CASE("bad scenes are refused, bad poses reported", "[unit]") {
   CHECK(findContacts(scene, sphereTool(1.0), at({0, std::nan(""), 0}), 0.1, nullptr, contacts) == Status::notFinite);
   CHECK(contacts.count == 0);
 }
+
+}  // namespace enamel::test_scene

@@ -6,8 +6,8 @@
 #include "support/devices.hpp"
 #include "viewer/support.hpp"
 
-using namespace enamel;
-using namespace enamel::viewer;
+namespace enamel::viewer::test_pictures {
+
 using test::hasHue;
 using test::patchOf;
 using test::Pixels;
@@ -216,3 +216,5 @@ TEST_CASE("camera: unproject inverts project", "[viewer]") {
     CHECK(glm::distance(unproject(camera, size, glm::dvec2(seenAt), point), point) < 1e-9);
   }
 }
+
+}  // namespace enamel::viewer::test_pictures

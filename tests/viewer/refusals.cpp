@@ -3,7 +3,7 @@
 
 #include "viewer/support.hpp"
 
-using namespace enamel;
+namespace enamel::test_refusals {
 
 namespace {
 
@@ -75,3 +75,5 @@ TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
   test::writeFile(folder / "close.txt", "0.5 quit\n60 end\n");
   CHECK(test::viewer("--script '" + folder / "close.txt'", test::kXvfb).status == 0);
 }
+
+}  // namespace enamel::test_refusals

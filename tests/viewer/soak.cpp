@@ -7,7 +7,7 @@
 #include "support/run_length.hpp"
 #include "viewer/support.hpp"
 
-using namespace enamel;
+namespace enamel::test_soak {
 
 namespace {
 
@@ -127,3 +127,5 @@ TEST_CASE("soak", "[viewer]") {
   CHECK(heap.second < heap.first + 14.0);
   CHECK(resident.second < resident.first + 64.0);
 }
+
+}  // namespace enamel::test_soak
