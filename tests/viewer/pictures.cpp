@@ -131,10 +131,7 @@ TEST_CASE("headless pictures show the scene, at both scales, and the same bytes 
 }
 
 TEST_CASE("a window under Xvfb shows the same", "[viewer]") {
-  if (!test::haveXvfb()) {
-    WARN("xvfb-run or xauth is missing: windows are not tested");
-    return;
-  }
+  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
   const test::TemporaryFolder folder;
   test::writeFile(folder / "script.txt", kScript);
   const std::string out = folder / "window";

@@ -85,10 +85,7 @@ std::string randomScript(std::uint64_t seed, double seconds) {
 }  // namespace
 
 TEST_CASE("soak", "[viewer]") {
-  if (!test::haveXvfb()) {
-    WARN("xvfb-run or xauth is missing: the soak is not run");
-    return;
-  }
+  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
   const double seconds = test::count(120, 1800);
   const std::uint64_t seed = 701;
   INFO("seed " << seed);
