@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs what is missing, builds, runs every test: with assertions, with sanitizers, the threads with theirs, and the
 # allocation tests in the release build, whose bits are those of the Debug build. `check.sh --long` runs the full counts
-# (millions of poses, soaks).
+# (millions of poses, soaks). The tests of one build run beside the next build.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh
@@ -11,43 +11,61 @@ case "${1:-}" in
   --long) ENAMEL_LONG=1; export ENAMEL_LONG ;;
   *) echo "usage: check.sh [--long]" >&2; exit 2 ;;
 esac
+
+begin=$(date +%s)
+say() { printf '== [%2d:%02d] %s\n' $((($(date +%s) - begin) / 60)) $((($(date +%s) - begin) % 60)) "$1"; }
+
 install_packages
 install_step clang || echo "== going on without Clang: plugins are not tried across compilers" >&2
 
-build() { # preset, targets...
-  preset=$1; shift
-  echo "== $preset: configure and build"
-  cmake --preset "$preset" -DENAMEL_BUILD_TESTS=ON >/dev/null
-  cmake --build --preset "$preset" "$@"
+folder=$(mktemp -d)
+running=
+trap '[ -z "$running" ] || kill "$running"; rm -rf "$folder"' EXIT
+trap 'exit 130' INT TERM
+
+build() { # preset and further options of the configuration, --, targets
+  preset=$1 options=
+  while shift && [ $# -gt 0 ] && [ "$1" != -- ]; do options="$options $1"; done
+  [ $# -eq 0 ] || shift
+  say "$preset: build"
+  cmake --preset "$preset" -DENAMEL_BUILD_TESTS=ON $options >"$folder/configure" || { cat "$folder/configure"; exit 1; }
+  cmake --build --preset "$preset" ${1:+--target "$@"}
+}
+
+finish() { # waits for the tests that are under way
+  [ -n "$running" ] || return 0
+  wait "$running" || { running=; cat "$folder/tests"; say "$tests: failed"; exit 1; }
+  running=
+  sed -n '/tests passed/,$p' "$folder/tests"
+  say "$tests: passed"
+}
+
+start() { # name, arguments of ctest: runs beside what follows
+  finish
+  tests=$1; shift
+  say "$tests"
+  ctest "$@" >"$folder/tests" 2>&1 &
+  running=$!
 }
 
 build ci
-echo "== ci: all tests"
-ctest --preset ci -j 2
-
+start "ci: all tests" --preset ci -j 2
 if [ -n "${ENAMEL_LONG:-}" ]; then
-  build asan --target tests_unit tests_hard tests_plugin
-  echo "== asan: all tests that can run under sanitizers"
-  ctest --preset asan -j 2 -L 'unit|hard|plugin'
+  build asan -DENAMEL_TESTS= -- tests_unit tests_hard tests_plugin
+  start "asan: all tests that can run under sanitizers" --preset asan -j 2 -L 'unit|hard|plugin'
 else
-  build asan --target tests_sanitized
-  echo "== asan: files, kinematics, meshes, contacts and threads (--long: everything)"
-  ctest --preset asan -j 2 -L sanitized
+  build asan -DENAMEL_TESTS=sanitized -- tests_unit tests_hard
+  start "asan: files, kinematics, meshes, contacts and threads (--long: everything)" --preset asan -j 2 -L sanitized
 fi
+build tsan -- tests_unit
+start "tsan: threads and their exchange of data" --preset tsan -L threads
+build release -- tests_realtime test_bits
+start "release: allocations" --preset release -L realtime
+build dev -- test_bits
+finish
 
-build tsan --target test_unit_runtime test_unit_experiment test_unit_collision_threads
-echo "== tsan: threads and their exchange of data"
-ctest --preset tsan -R 'unit.(runtime|experiment|collision_threads)'
-
-build release --target tests_realtime
-echo "== release: allocations"
-ctest --preset release -L realtime
-
-build dev --target test_bits
-echo "== debug and release: the same bits"
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
+say "debug and release: the same bits"
 build/dev/tests/test_bits >"$folder/debug"
 build/release/tests/test_bits >"$folder/release"
 cmp "$folder/debug" "$folder/release"
-echo "== all checks passed"
+say "all checks passed"

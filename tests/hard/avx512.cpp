@@ -1,19 +1,19 @@
 // The query loops for AVX-512 against those for AVX2, on any machine that has AVX2: the intrinsics are replaced.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
 #include "collision/mesh_data.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
+#include "support/skip.hpp"
 
 namespace enamel::kernel {
 extern const Loops kAvx512LoopsByAvx2;
 }
 
-using namespace enamel;
+namespace enamel::test_avx512 {
 
 namespace {
 
@@ -30,10 +30,7 @@ std::vector<int> minimaOf(const kernel::Loops& loops, const kernel::Mesh& mesh, 
 }  // namespace
 
 TEST_CASE("the loops for AVX-512 answer as those for AVX2", "[hard]") {
-  if (simdLevel() == SimdLevel::baseline) {
-    std::puts("skipped: this machine has no AVX2");
-    return;
-  }
+  if (simdLevel() == SimdLevel::baseline) return test::skipTest("this machine has no AVX2");
   const kernel::Loops &wide = kernel::kAvx512LoopsByAvx2, &known = kernel::kAvx2Loops;
   std::vector<test::NamedMesh> meshes = test::brokenMeshes();
   meshes.push_back({"ball", test::ball(5, 0.1)});
@@ -71,3 +68,5 @@ TEST_CASE("the loops for AVX-512 answer as those for AVX2", "[hard]") {
     }
   }
 }
+
+}  // namespace enamel::test_avx512

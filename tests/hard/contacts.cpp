@@ -9,7 +9,7 @@
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_contacts {
 
 namespace {
 
@@ -176,3 +176,5 @@ TEST_CASE("a tool of parts that meet has the same contacts with and without a ca
     CHECK(free > 300);
   }
 }
+
+}  // namespace enamel::test_contacts

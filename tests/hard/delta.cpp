@@ -8,7 +8,7 @@
 #include "support/relative_error.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_delta {
 
 namespace {
 
@@ -175,3 +175,5 @@ TEST_CASE("delta: any joint vector gets a status, and ok means the one pose on t
     CHECK(wrong == 0);
   }
 }
+
+}  // namespace enamel::test_delta

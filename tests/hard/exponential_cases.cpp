@@ -4,7 +4,8 @@
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
 
-using namespace enamel;
+namespace enamel::test_exponential_cases {
+
 using Eigen::MatrixXd;
 
 TEST_CASE("hard exponentials are right entry by entry") {
@@ -38,3 +39,5 @@ TEST_CASE("exponentials that do not exist in doubles are refused") {
   CHECK_THROWS_AS(zeroOrderHold({I, I}, NAN), DesignError);
   CHECK_THROWS_AS(zeroOrderHold({I, MatrixXd::Zero(2, 1)}, 1e-3), DesignError);
 }
+
+}  // namespace enamel::test_exponential_cases

@@ -7,7 +7,7 @@
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_forward_kinematics {
 
 namespace {
 
@@ -223,3 +223,5 @@ TEST_CASE("a singular pose is approached and refused, not jumped over", "[hard]"
   }
   CHECK(folds > 2);
 }
+
+}  // namespace enamel::test_forward_kinematics

@@ -7,7 +7,7 @@
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_mesh_update {
 
 namespace {
 
@@ -143,3 +143,5 @@ TEST_CASE("everything may be removed, and bad updates change nothing", "[hard]")
   CHECK(replaceTriangles(model, all, again, 1) == Status::ok);
   CHECK(closestPoint(model, {-0.5, -0.5, 3}).distance == 2.0);
 }
+
+}  // namespace enamel::test_mesh_update

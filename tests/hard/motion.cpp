@@ -8,7 +8,7 @@
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_motion {
 
 namespace {
 
@@ -81,3 +81,5 @@ TEST_CASE("the integrator is of fourth order", "[hard]") {
   CHECK(middle / fine < 19.0);
   CHECK(coarse / middle > 11.0);
 }
+
+}  // namespace enamel::test_motion

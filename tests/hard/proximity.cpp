@@ -9,7 +9,7 @@
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_proximity {
 
 namespace {
 
@@ -160,3 +160,5 @@ TEST_CASE("a limit hides what is farther and nothing else", "[hard]") {
   CHECK(statusOf(2.0, std::nan("")) == Status::notFinite);
   CHECK(statusOf(std::nan(""), 1.0) == Status::notFinite);
 }
+
+}  // namespace enamel::test_proximity

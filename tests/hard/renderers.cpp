@@ -7,7 +7,7 @@
 #include "support/pushes.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_renderers {
 
 namespace {
 
@@ -96,3 +96,5 @@ TEST_CASE("garbage into the renderers", "[hard]") {
     CHECK(refused > ticks / 50);
   }
 }
+
+}  // namespace enamel::test_renderers

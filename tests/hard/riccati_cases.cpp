@@ -7,7 +7,8 @@
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
 
-using namespace enamel;
+namespace enamel::test_riccati_cases {
+
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 
@@ -70,3 +71,5 @@ TEST_CASE("equations without a stabilising solution are refused, and the message
   CHECK_THAT(message(0.5 * I2, e2, skew, I), Contains("Q is not symmetric"));
   CHECK_THAT(message(0.5 * I2, I2, I2, skew), Contains("R is not symmetric"));
 }
+
+}  // namespace enamel::test_riccati_cases

@@ -8,7 +8,7 @@
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_sweep {
 
 namespace {
 
@@ -270,3 +270,5 @@ TEST_CASE("a pick hits what the segment crosses first", "[hard]") {
   CHECK(first.triangle == 1);
   CHECK(std::abs(first.time - 0.3) < 1e-15);
 }
+
+}  // namespace enamel::test_sweep

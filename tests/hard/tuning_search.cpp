@@ -9,7 +9,8 @@
 #include "support/run_length.hpp"
 #include "support/tune_problem.hpp"
 
-using namespace enamel;
+namespace enamel::test_tuning_search {
+
 using namespace enamel::test;
 
 TEST_CASE("a tuned servo keeps to its requirements, and its neighbours do not do better") {
@@ -58,3 +59,5 @@ TEST_CASE("requirements that nothing meets give nothing") {
   requirements.diskMargin = 1.01;  // |1 + L| -> 1 at best
   CHECK_FALSE(tuneServo(nominalProblem(), requirements));
 }
+
+}  // namespace enamel::test_tuning_search

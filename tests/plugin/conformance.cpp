@@ -5,7 +5,8 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 
-using namespace enamel;
+namespace enamel::test_conformance {
+
 using Catch::Matchers::Contains;
 
 namespace {
@@ -74,3 +75,5 @@ TEST_CASE("files that are no plugins are refused with what they are", "[plugin]"
              Contains("impedance 0.2.0") && Contains("--set stiffness=6000  of the wall, N/m") && Contains("template"));
   CHECK(test::run("plugins /no/such/folder").status == 1);
 }
+
+}  // namespace enamel::test_conformance

@@ -7,7 +7,8 @@
 #include "support/command.hpp"
 #include "support/pushes.hpp"
 
-using namespace enamel;
+namespace enamel::test_host {
+
 using Catch::Matchers::Contains;
 
 namespace {
@@ -253,3 +254,5 @@ TEST_CASE("what a bad plugin does in a tick becomes a fault", "[plugin]") {
     CHECK((output.torque.array().abs() <= device.limits().torque.array()).all());
   }
 }
+
+}  // namespace enamel::test_host

@@ -6,7 +6,7 @@
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
 
-using namespace enamel;
+namespace enamel::test_collision {
 
 TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
   const auto mesh = std::make_shared<MeshModel>(test::ball(5, 0.1));
@@ -69,3 +69,5 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
   CHECK(undefined == 0);
   CHECK(allocated == 0);
 }
+
+}  // namespace enamel::test_collision

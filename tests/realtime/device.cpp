@@ -11,7 +11,7 @@
 #include "support/devices.hpp"
 #include "support/mechanisms.hpp"
 
-using namespace enamel;
+namespace enamel::test_device {
 
 TEST_CASE("the counter counts", "[realtime]") {
   const long before = test::allocationCount();
@@ -95,3 +95,4 @@ TEST_CASE("a mechanism of any kind allocates nothing in a tick", "[realtime]") {
     CHECK(allocated == 0);
   }
 }
+}  // namespace enamel::test_device

@@ -7,12 +7,12 @@
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 
-using namespace enamel;
-using namespace enamel::viewer;
+namespace enamel::viewer::test_experiment {
 
 TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
   const ServoedDevice device = loadServoedDevice(test::deviceFile("tau-nominal.toml"));
-  for (const char* name : {"flat-wall.toml", "oblique-wall.toml", "corner.toml", "box.toml", "molar.toml", "jaw.toml"}) {
+  for (const char* name :
+       {"flat-wall.toml", "oblique-wall.toml", "corner.toml", "box.toml", "molar.toml", "jaw.toml"}) {
     const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + std::string(name));
     Pose start;
     start.position = scene.start;
@@ -58,3 +58,5 @@ TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
     CHECK(runner.frame().plant == Status::ok);
   }
 }
+
+}  // namespace enamel::viewer::test_experiment

@@ -6,7 +6,7 @@
 #include "support/catch.hpp"
 #include "support/pushes.hpp"
 
-using namespace enamel;
+namespace enamel::test_tick {
 
 TEST_CASE("a tick of either renderer allocates nothing, with inertia or without", "[realtime]") {
   // Asks for the inertia, and reads it.
@@ -81,3 +81,4 @@ TEST_CASE("a loop on the virtual device allocates nothing", "[realtime]") {
   CHECK(test::allocationCount() == before);
   CHECK(ok == 1000);
 }
+}  // namespace enamel::test_tick

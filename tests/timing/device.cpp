@@ -5,10 +5,17 @@
 #include "bench/measurement.hpp"
 #include "support/catch.hpp"
 
+namespace enamel::test_device {
+
 TEST_CASE("speed against error of the device module", "[timing]") {
-  for (const auto& row : enamel::bench::measureDevice(0.1)) {
+  const auto rows = bench::measureDevice(0.1);
+  REQUIRE_FALSE(rows.empty());
+  for (const auto& row : rows) {
     std::printf("%-60s %9.4f us  error %.1e (%s)\n", row.name.c_str(), row.median_us, row.error, row.errorOf.c_str());
     CHECK(row.error < 1e-12);
-    CHECK(row.median_us > 0.0);
+    CHECK(row.median_us > 1e-3);  // less than any of them takes: the compiler has dropped the work
+    CHECK_FALSE(row.p99_us < row.median_us);
   }
 }
+
+}  // namespace enamel::test_device

@@ -8,7 +8,7 @@
 #include "support/relative_error.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_cartesian {
 using test::relativeError;
 
 namespace {
@@ -253,3 +253,5 @@ TEST_CASE("cartesian: a bad file is refused with file, line, key, value and limi
   device.mass = std::nan("");
   CHECK_THROWS_AS(CartesianMechanism(device), ConfigurationError);
 }
+
+}  // namespace enamel::test_cartesian

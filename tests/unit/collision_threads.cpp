@@ -9,7 +9,7 @@
 #include "support/contacts.hpp"
 #include "support/meshes.hpp"
 
-using namespace enamel;
+namespace enamel::test_collision_threads {
 
 namespace {
 
@@ -102,3 +102,5 @@ TEST_CASE("several threads get the answers that one gets", "[unit]") {
   }
   useSimdLevel(best);
 }
+
+}  // namespace enamel::test_collision_threads

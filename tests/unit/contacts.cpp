@@ -7,7 +7,7 @@
 #include "support/contacts.hpp"
 #include "support/meshes.hpp"
 
-using namespace enamel;
+namespace enamel::test_contacts {
 using test::at;
 using test::contactsOf;
 using test::sphereTool;
@@ -283,3 +283,5 @@ TEST_CASE("contacts are the same with a cache and move little when the tool move
   }
   CHECK(seen > 100);
 }
+
+}  // namespace enamel::test_contacts

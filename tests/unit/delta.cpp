@@ -11,7 +11,7 @@
 #include "support/relative_error.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_delta {
 using test::AssembledDelta;
 using test::relativeError;
 
@@ -321,3 +321,5 @@ TEST_CASE("delta: a bad file is refused with file, line, key, value and limit", 
   device.geometry.phi[2] = device.geometry.phi[1];  // two legs in one place: nothing holds the platform
   CHECK_THROWS_WITH(DeltaMechanism(device), "device \"Delta desktop\": the home pose is singular");
 }
+
+}  // namespace enamel::test_delta

@@ -8,7 +8,8 @@
 #include "support/devices.hpp"
 #include "support/reference.hpp"
 
-using namespace enamel;
+namespace enamel::test_design_command {
+
 using test::run;
 
 namespace {
@@ -114,3 +115,5 @@ TEST_CASE("design says in one line what is wrong", "[design]") {
     CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
   }
 }
+
+}  // namespace enamel::test_design_command

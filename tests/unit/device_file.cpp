@@ -8,7 +8,7 @@
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 
-using namespace enamel;
+namespace enamel::test_device_file {
 
 namespace {
 
@@ -217,3 +217,4 @@ TEST_CASE("damping, friction and mass are added to every kind", "[device_file]")
     CHECK_NOTHROW(makeMechanism(after));
   }
 }
+}  // namespace enamel::test_device_file

@@ -13,7 +13,8 @@
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_device_plant {
+
 using namespace enamel::test;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -126,3 +127,5 @@ TEST_CASE("a pose out of reach is refused") {
   far.position = Vec3(0.0, 0.0, 1.0);
   CHECK_THROWS_AS(devicePlant(std::make_shared<TauMechanism>(nominal()), far), DesignError);
 }
+
+}  // namespace enamel::test_device_plant

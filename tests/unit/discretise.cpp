@@ -5,7 +5,8 @@
 #include "support/control_systems.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_discretise {
+
 using namespace enamel::test;
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -89,3 +90,5 @@ TEST_CASE("the augmented servo plant, held for 1 ms, agrees with an independent 
   CHECK(relativeError(held.A, reference("Ad")) < 1e-15);
   CHECK(relativeError(held.B, reference("Bd")) < 1e-15);
 }
+
+}  // namespace enamel::test_discretise

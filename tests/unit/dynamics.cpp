@@ -11,7 +11,8 @@
 #include "support/devices.hpp"
 #include "support/reference.hpp"
 
-using namespace enamel;
+namespace enamel::test_dynamics {
+
 using test::relativeError;
 
 namespace {
@@ -179,3 +180,5 @@ TEST_CASE("effective mass at home, and by a push", "[dynamics]") {
   const double along = n.dot(change.head<3>() + change.tail<3>().cross(point));
   CHECK(effectiveMass(device.home(), point, n) == Approx(1.0 / along).epsilon(1e-12));
 }
+
+}  // namespace enamel::test_dynamics

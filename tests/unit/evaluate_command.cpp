@@ -6,7 +6,8 @@
 #include "support/devices.hpp"
 #include "support/reference.hpp"
 
-using namespace enamel;
+namespace enamel::test_evaluate_command {
+
 using test::run;
 
 namespace {
@@ -108,3 +109,5 @@ TEST_CASE("enamel: errors are one line and the status is not 0", "[evaluate]") {
     CHECK(result.output.size() > 100);
   }
 }
+
+}  // namespace enamel::test_evaluate_command

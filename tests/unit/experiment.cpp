@@ -13,8 +13,7 @@
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
-using namespace enamel::viewer;
+namespace enamel::viewer::test_experiment {
 
 namespace {
 
@@ -259,3 +258,5 @@ TEST_CASE("beside a haptic thread: random commands, no sample lost or out of ord
   CHECK(frames > 50);
   CHECK(runner.frame().droppedSamples == 0);
 }
+
+}  // namespace enamel::viewer::test_experiment

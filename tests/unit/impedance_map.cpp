@@ -9,7 +9,8 @@
 #include "support/control_systems.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_impedance_map {
+
 using namespace enamel::test;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
@@ -93,3 +94,5 @@ TEST_CASE("walls and devices that do not exist are refused") {
   CHECK_THROWS_AS(isWallStable(device, {1000.0, NAN, 0}), DesignError);
   CHECK_THROWS_AS(isWallStable(device, {1000.0, 1.0, -1}), DesignError);
 }
+
+}  // namespace enamel::test_impedance_map

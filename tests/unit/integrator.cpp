@@ -7,7 +7,7 @@
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 
-using namespace enamel;
+namespace enamel::test_integrator {
 
 namespace {
 
@@ -63,3 +63,5 @@ TEST_CASE("a step that leaves the workspace changes nothing", "[integrator]") {
     CHECK(state.twist == Vec6::Zero());
   }
 }
+
+}  // namespace enamel::test_integrator

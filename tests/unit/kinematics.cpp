@@ -7,7 +7,8 @@
 #include "support/devices.hpp"
 #include "support/reference.hpp"
 
-using namespace enamel;
+namespace enamel::test_kinematics {
+
 using test::relativeError;
 
 namespace {
@@ -200,3 +201,5 @@ TEST_CASE("joint angles may wind: whole turns change nothing", "[kinematics]") {
   REQUIRE(forwardKinematicsFromHome(model, wound, c).status == Status::ok);
   CHECK((c.pose.position - pose.position).norm() < 1e-14);
 }
+
+}  // namespace enamel::test_kinematics

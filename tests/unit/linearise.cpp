@@ -7,7 +7,8 @@
 #include "support/control_systems.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_linearise {
+
 using namespace enamel::test;
 using Catch::Matchers::Contains;
 using Eigen::Index;
@@ -147,3 +148,5 @@ TEST_CASE("eq. 5 refuses a singular C, whatever the units, and accepts extreme u
   l.C = MatrixXd::Identity(2, 3);
   CHECK_THAT(refusal([&] { outputsAsStates(l); }), Contains("2 x 3"));
 }
+
+}  // namespace enamel::test_linearise

@@ -8,7 +8,8 @@
 #include "support/control_systems.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_margins {
+
 using namespace enamel::test;
 using Eigen::Index;
 using Eigen::MatrixXcd;
@@ -150,3 +151,5 @@ TEST_CASE("the reference servo: known numbers") {
   CHECK(toleratedDelay(l.loop, l.K) == 1);
   CHECK(spectralRadius(closedLoop(l.loop, l.K, 2)) == Approx(1.145).margin(1e-3));  // of an independent prototype
 }
+
+}  // namespace enamel::test_margins

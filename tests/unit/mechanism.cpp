@@ -6,7 +6,7 @@
 #include "support/relative_error.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_mechanism {
 using test::relativeError;
 
 namespace {
@@ -347,3 +347,5 @@ TEST_CASE("every mechanism: what it cannot take gets a status and leaves the out
     if (status == Status::ok) CHECK(lost.pose.position.norm() < 1e-12);
   }
 }
+
+}  // namespace enamel::test_mechanism

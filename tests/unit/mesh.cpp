@@ -7,7 +7,7 @@
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
 
-using namespace enamel;
+namespace enamel::test_mesh {
 
 TEST_CASE("a sound box has no defects and the volume of a box", "[unit]") {
   const MeshReport report = inspect(test::boxMesh({1, 2, 3}));
@@ -83,3 +83,5 @@ TEST_CASE("meshes that no query can use are refused with the place", "[unit]") {
   CHECK_THROWS_WITH(checkMesh(mesh), Contains("triangle 7") && Contains("vertex 8"));
   CHECK_THROWS_AS(checkMesh(TriangleMesh{}), Error);
 }
+
+}  // namespace enamel::test_mesh

@@ -3,7 +3,8 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 
-using namespace enamel;
+namespace enamel::test_mesh_command {
+
 using Catch::Matchers::Contains;
 
 TEST_CASE("the report names what was counted", "[unit]") {
@@ -46,3 +47,5 @@ TEST_CASE("the shipped meshes are closed, in mm, and made by the generator", "[u
     CHECK(difference < 1e-8);
   }
 }
+
+}  // namespace enamel::test_mesh_command

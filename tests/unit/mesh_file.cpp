@@ -10,7 +10,8 @@
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_mesh_file {
+
 using Catch::Matchers::Contains;
 
 namespace {
@@ -172,7 +173,8 @@ TEST_CASE("unusable files are refused with the file, the place and the reason", 
   checkRefused("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "a.obj", "a.obj:4: a face names vertex 0");
   const TriangleMesh mesh = test::boxMesh({1, 1, 1});
   const std::string binary = stlBinary(mesh);
-  checkRefused(binary.substr(0, binary.size() - 1), "a.stl", "is");  // no longer binary by its size: read as text
+  checkRefused(binary.substr(0, binary.size() - 1), "a.stl",
+               "endsolid is missing");  // no longer binary by its size: read as text
   std::string bare = binary;
   bare.replace(0, 5, "SOLID");
   checkRefused(bare.substr(0, bare.size() - 1), "a.stl", "promises 12 triangles, there is room for at most 11");
@@ -247,3 +249,5 @@ TEST_CASE("files on disk load with their scale", "[unit]") {
   CHECK_THROWS_WITH(loadMesh(folder / ""), Catch::Contains("is a folder"));
   CHECK_THROWS_AS(loadMesh(folder / std::string(5000, 'x')), ConfigurationError);
 }
+
+}  // namespace enamel::test_mesh_file

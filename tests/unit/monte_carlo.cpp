@@ -12,7 +12,7 @@
 #include "support/command.hpp"
 #include "support/pushes.hpp"
 
-using namespace enamel;
+namespace enamel::test_monte_carlo {
 
 namespace {
 
@@ -302,3 +302,5 @@ TEST_CASE("plans that cannot be run are refused", "[monte_carlo]") {
   refuse([](StudyPlan& p) { p.halfWidth = 0.3; }, "query point (-300, -300) mm is unreachable");
   CHECK_NOTHROW(checkStudy(smallPlan(3, 1)));
 }
+
+}  // namespace enamel::test_monte_carlo

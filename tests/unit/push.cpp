@@ -9,7 +9,7 @@
 #include "support/catch.hpp"
 #include "support/pushes.hpp"
 
-using namespace enamel;
+namespace enamel::test_push {
 
 TEST_CASE("the reference runs are reproduced to 1 nm at every tick", "[push]") {
   for (const auto& run : test::referenceFile("runs-nominal.json").at("rows")) {
@@ -368,3 +368,5 @@ TEST_CASE("bad setups are refused before anything runs", "[push]") {
   refuse([](PushSetup& s) { s.encoders.cutoff = 0.0; }, "cutoff of the rate filter is 0, must be greater than 0 Hz");
   refuse([](PushSetup& s) { s.start.position.x() = 1.0; }, "the start pose is unreachable");
 }
+
+}  // namespace enamel::test_push

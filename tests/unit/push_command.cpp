@@ -7,7 +7,8 @@
 #include "support/devices.hpp"
 #include "support/reference.hpp"
 
-using namespace enamel;
+namespace enamel::test_push_command {
+
 using test::run;
 
 namespace {
@@ -102,3 +103,5 @@ TEST_CASE("push: errors are one line and the status is not 0", "[push_command]")
   }
   CHECK(run("push --device none.toml").status != 0);
 }
+
+}  // namespace enamel::test_push_command

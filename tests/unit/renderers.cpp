@@ -7,7 +7,8 @@
 #include "support/catch.hpp"
 #include "support/pushes.hpp"
 
-using namespace enamel;
+namespace enamel::test_renderers {
+
 using test::inputAt;
 using test::poseAtDepth;
 using test::relativeError;
@@ -335,3 +336,5 @@ TEST_CASE("position control: the reference at a deep touch is the surface's, to 
     CHECK(angleBetween(surface.pose.rotation, Mat3::Identity()) < 200.0 * depth * depth);
   }
 }
+
+}  // namespace enamel::test_renderers

@@ -7,7 +7,8 @@
 #include "support/control_systems.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_riccati {
+
 using namespace enamel::test;
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -135,3 +136,5 @@ TEST_CASE("the servo's equation agrees with an independent program") {
   CHECK(relativeError(r.P, reference("P")) < 1e-12);
   CHECK(relativeError(r.K, reference("K")) < 1e-12);
 }
+
+}  // namespace enamel::test_riccati

@@ -10,7 +10,7 @@
 #include "support/catch.hpp"
 #include "support/run_length.hpp"
 
-using namespace enamel;
+namespace enamel::test_runtime {
 
 namespace {
 
@@ -134,3 +134,5 @@ TEST_CASE("periodic thread: one call a period, late deadlines skipped and counte
   std::this_thread::sleep_for(std::chrono::milliseconds(10));
   CHECK(calls == after);
 }
+
+}  // namespace enamel::test_runtime

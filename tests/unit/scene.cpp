@@ -5,7 +5,8 @@
 #include "support/catch.hpp"
 #include "support/contacts.hpp"
 
-using namespace enamel;
+namespace enamel::test_scene {
+
 using test::at;
 using test::sphereTool;
 
@@ -24,3 +25,5 @@ TEST_CASE("bad scenes are refused, bad poses reported", "[unit]") {
   CHECK(findContacts(scene, sphereTool(1.0), at({0, std::nan(""), 0}), 0.1, nullptr, contacts) == Status::notFinite);
   CHECK(contacts.count == 0);
 }
+
+}  // namespace enamel::test_scene

@@ -9,7 +9,7 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 
-using namespace enamel;
+namespace enamel::test_scene_file {
 
 namespace {
 
@@ -151,3 +151,5 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
   CHECK_THROWS_WITH(parseScene(tool + "radius = 1\n", "s.toml"),
                     "s.toml:5: tool[0].radius: is 1, must be in 0 to 0.05 m");
 }
+
+}  // namespace enamel::test_scene_file

@@ -6,7 +6,8 @@
 #include "support/catch.hpp"
 #include "support/control_systems.hpp"
 
-using namespace enamel;
+namespace enamel::test_servo_design {
+
 using namespace enamel::test;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -71,3 +72,5 @@ TEST_CASE("unusable plants and weights are refused") {
   const StateSpace dead{plant.A, 0.0 * plant.B};
   CHECK_THROWS_WITH(designServo(dead, 1e-3, ServoWeights{}), Catch::Matchers::Contains("not stabilisable"));
 }
+
+}  // namespace enamel::test_servo_design

@@ -11,7 +11,8 @@
 #include "support/control_systems.hpp"
 #include "support/devices.hpp"
 
-using namespace enamel;
+namespace enamel::test_servo_simulation {
+
 using namespace enamel::test;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -189,3 +190,5 @@ TEST_CASE("wrong sizes are refused") {
   e.delay = -1;
   CHECK_THROWS_AS(simulateServo(n.design, n.linear, e), DesignError);
 }
+
+}  // namespace enamel::test_servo_simulation

@@ -4,7 +4,7 @@
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
 
-using namespace enamel;
+namespace enamel::test_shapes {
 
 TEST_CASE("shapes answer with a point of their surface, a unit normal and the distance", "[unit]") {
   test::Random random(41);
@@ -41,3 +41,5 @@ TEST_CASE("a box's distance is the distance: zero on the surface, 1-Lipschitz, n
   CHECK(signedDistance(box, Vec3::Zero()).distance == -1.0);
   CHECK(signedDistance(box, {1.0 + 1e-300, 0.0, 0.0}).distance == 0.0);
 }
+
+}  // namespace enamel::test_shapes

@@ -9,7 +9,7 @@
 #include "support/command.hpp"
 #include "support/devices.hpp"
 
-using namespace enamel;
+namespace enamel::test_study_command {
 
 namespace {
 
@@ -224,3 +224,5 @@ TEST_CASE("study: convergence finds the default", "[study_command]") {
   CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 3 * 4);
   CHECK(file(folder, "speed", "convergence.html").find("Speed against error") != std::string::npos);
 }
+
+}  // namespace enamel::test_study_command

@@ -5,7 +5,7 @@
 #include "support/contacts.hpp"
 #include "support/meshes.hpp"
 
-using namespace enamel;
+namespace enamel::test_tool_sweep {
 using test::at;
 using test::sphereTool;
 
@@ -77,3 +77,5 @@ TEST_CASE("a swept tool stops at the first obstacle", "[unit]") {
   CHECK(std::abs(turn.contact.point.z() + 0.01) < 1e-9);
   CHECK(turn.time < 1.0);
 }
+
+}  // namespace enamel::test_tool_sweep

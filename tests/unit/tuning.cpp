@@ -10,7 +10,8 @@
 #include "support/run_length.hpp"
 #include "support/tune_problem.hpp"
 
-using namespace enamel;
+namespace enamel::test_tuning {
+
 using namespace enamel::test;
 
 TEST_CASE("the paper's weights, judged") {
@@ -49,3 +50,5 @@ TEST_CASE("the limit of the first impact, at home for 15 N") {
   const double depth = 0.5 * F / m * t1 * t1 + 0.5 * m * v * v / brake;
   CHECK(firstImpactLimit(m, 1e-3, 1, F, 50.0) == Approx(F / depth));
 }
+
+}  // namespace enamel::test_tuning

@@ -5,7 +5,8 @@
 
 #include "viewer/support.hpp"
 
-using namespace enamel;
+namespace enamel::test_figures {
+
 using test::Pixels;
 
 namespace {
@@ -141,3 +142,5 @@ TEST_CASE("figures: descriptions that cannot be drawn are refused in one line", 
   }
   CHECK(test::runCommand("'" + program + "'").status == 2);
 }
+
+}  // namespace enamel::test_figures

@@ -11,8 +11,7 @@
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 
-using namespace enamel;
-using namespace enamel::viewer;
+namespace enamel::viewer::test_input {
 
 namespace {
 
@@ -153,3 +152,5 @@ TEST_CASE("the wheel presses, with Ctrl it zooms; held keys go with time", "[vie
   hold(1.0);
   CHECK(recorder.pressed == Approx(-3.2));
 }
+
+}  // namespace enamel::viewer::test_input

@@ -6,8 +6,8 @@
 #include "support/devices.hpp"
 #include "viewer/support.hpp"
 
-using namespace enamel;
-using namespace enamel::viewer;
+namespace enamel::viewer::test_pictures {
+
 using test::hasHue;
 using test::patchOf;
 using test::Pixels;
@@ -131,10 +131,7 @@ TEST_CASE("headless pictures show the scene, at both scales, and the same bytes 
 }
 
 TEST_CASE("a window under Xvfb shows the same", "[viewer]") {
-  if (!test::haveXvfb()) {
-    WARN("xvfb-run or xauth is missing: windows are not tested");
-    return;
-  }
+  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
   const test::TemporaryFolder folder;
   test::writeFile(folder / "script.txt", kScript);
   const std::string out = folder / "window";
@@ -216,3 +213,5 @@ TEST_CASE("camera: unproject inverts project", "[viewer]") {
     CHECK(glm::distance(unproject(camera, size, glm::dvec2(seenAt), point), point) < 1e-9);
   }
 }
+
+}  // namespace enamel::viewer::test_pictures

@@ -7,7 +7,7 @@
 #include "support/run_length.hpp"
 #include "viewer/support.hpp"
 
-using namespace enamel;
+namespace enamel::test_soak {
 
 namespace {
 
@@ -85,10 +85,7 @@ std::string randomScript(std::uint64_t seed, double seconds) {
 }  // namespace
 
 TEST_CASE("soak", "[viewer]") {
-  if (!test::haveXvfb()) {
-    WARN("xvfb-run or xauth is missing: the soak is not run");
-    return;
-  }
+  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
   const double seconds = test::count(120, 1800);
   const std::uint64_t seed = 701;
   INFO("seed " << seed);
@@ -127,3 +124,5 @@ TEST_CASE("soak", "[viewer]") {
   CHECK(heap.second < heap.first + 14.0);
   CHECK(resident.second < resident.first + 64.0);
 }
+
+}  // namespace enamel::test_soak

@@ -12,6 +12,7 @@
 
 #include "support/catch.hpp"
 #include "support/command.hpp"
+#include "support/skip.hpp"
 
 namespace enamel::test {
 

@@ -1,0 +1,11 @@
+// A test that cannot run here says so: `return skipTest("xvfb-run is missing");`.
+#pragma once
+
+#include <string>
+
+namespace enamel::test {
+
+/// Prints the reason; where nothing fails, the runner ends with status 4, which ctest calls skipped.
+void skipTest(const std::string& reason);
+
+}  // namespace enamel::test
