@@ -8,14 +8,16 @@ namespace enamel {
 
 PositionControlRenderer::PositionControlRenderer(const ServoGain& gain, double period,
                                                  const PositionControlOptions& options)
-    : gain_(gain), period_(period), options_(options) {
+    : joints_(gain.rows()), period_(period), options_(options) {
   require(gain.rows() >= 1 && gain.cols() == 3 * gain.rows(), "position-control renderer: the gain K is " +
                                                                   std::to_string(gain.rows()) + " x " +
                                                                   std::to_string(gain.cols()) + ", must be n x 3n");
-  require(gain_.allFinite(), "position-control renderer: the gain K is not finite");
+  require(gain.allFinite(), "position-control renderer: the gain K is not finite");
   require(options_.releaseForce >= 0.0 && std::isfinite(options_.releaseForce),
           "position-control renderer: release force is " + formatNumber(options_.releaseForce) +
               ", must be at least 0 N and finite");
+  gain_.setZero();
+  gain_.topLeftCorner(gain.rows(), gain.cols()) = gain;
 }
 
 void PositionControlRenderer::prepare(double period) {
@@ -26,7 +28,7 @@ void PositionControlRenderer::prepare(double period) {
 
 Status PositionControlRenderer::render(const TickInput& input, TickOutput& output) noexcept {
   const Kinematics& k = input.kinematics;
-  const auto n = gain_.rows();
+  const auto n = joints_;
   if (k.q.size() != n) return Status::outOfRange;
   updatePhase(input);
   output.mode = RenderMode::free;
@@ -34,9 +36,11 @@ Status PositionControlRenderer::render(const TickInput& input, TickOutput& outpu
   if (state_.phase != kHolding) return Status::ok;
 
   const JointVector error = k.q - state_.reference.head(n);
-  JointVector servo = JointVector::Zero(n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    servo -= gain_.col(i) * k.rates[i] + gain_.col(n + i) * error[i] + gain_.col(2 * n + i) * state_.integral[i];
+  Eigen::Matrix<double, kMaxJoints + 1, 1> sum = gain_.col(0) * k.rates[0];
+  for (Eigen::Index i = 1; i < n; ++i) sum += gain_.col(i) * k.rates[i];
+  for (Eigen::Index i = 0; i < n; ++i) sum += gain_.col(n + i) * error[i];
+  for (Eigen::Index i = 0; i < n; ++i) sum += gain_.col(2 * n + i) * state_.integral[i];
+  const JointVector servo = -sum.head(n);
   const double normalForce = state_.normal.dot(wrenchOf(k, servo).head<3>());
   if (options_.release && normalForce < -options_.releaseForce) {
     state_ = State{};
@@ -65,7 +69,7 @@ void PositionControlRenderer::updatePhase(const TickInput& input) noexcept {
 void PositionControlRenderer::hold(const TickInput& input) noexcept {
   const Kinematics& k = input.kinematics;
   const Contact& contact = input.contacts.contacts[0];
-  const auto n = gain_.rows();
+  const auto n = joints_;
   state_ = State{};
   state_.phase = kHolding;
   state_.normal = contact.normal;

@@ -36,10 +36,16 @@ bool isFinite(const Contact& c) noexcept {
   return c.point.allFinite() && c.normal.allFinite() && c.obstacleVelocity.allFinite() && std::isfinite(c.gap);
 }
 
-// Zero times each number: only what is finite gives zero.
+// Zero times each number is zero only where it is finite. Eight sums at once: an addition waits for the one before.
 template <typename Matrix>
 bool allFinite(const Matrix& m) noexcept {
-  return (0.0 * m).sum() == 0.0;
+  using Eight = Eigen::Array<double, 8, 1>;
+  const double* value = m.data();
+  Eigen::Index left = m.size();
+  Eight sums = Eight::Zero();
+  for (; left >= 8; left -= 8, value += 8) sums += 0.0 * Eigen::Map<const Eight>(value);
+  for (; left > 0; --left) sums[0] += 0.0 * *value++;
+  return sums.sum() == 0.0;
 }
 
 bool sizesAgree(const TickInput& in) noexcept {

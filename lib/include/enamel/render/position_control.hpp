@@ -34,7 +34,7 @@ class PositionControlRenderer final : public Renderer {
 
   /// Whether the servo holds, and at which joint coordinates q_ref, rad or m. Realtime: yes.
   bool holding() const noexcept { return state_.phase == kHolding; }
-  JointVector reference() const noexcept { return state_.reference.head(gain_.rows()); }
+  JointVector reference() const noexcept { return state_.reference.head(joints_); }
 
  private:
   using Stored = Eigen::Matrix<double, kMaxJoints, 1>;  // zero beyond n
@@ -58,7 +58,9 @@ class PositionControlRenderer final : public Renderer {
   void updatePhase(const TickInput& input) noexcept;
   void hold(const TickInput& input) noexcept;
 
-  ServoGain gain_;
+  // Rows beyond n are zero: columns of fixed size need no loop in the tick.
+  Eigen::Matrix<double, kMaxJoints + 1, 3 * kMaxJoints> gain_;
+  Eigen::Index joints_;
   double period_;
   PositionControlOptions options_;
   State state_;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/message.hpp"
+#include "core/text_file.hpp"
 #include "core/toml.hpp"
 #include "device/read.hpp"
 

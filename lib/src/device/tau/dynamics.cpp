@@ -263,10 +263,14 @@ Vec6 gravityTorque(const TauModel& model, const TauConfiguration& configuration)
 }
 
 Vec6 gravityWrench(const TauModel& model, const TauConfiguration& configuration) noexcept {
-  Vec6 gravity;
-  Mat6 unused;
-  assemble<true, false, false>(model, configuration, Vec6::Zero(), Vec6::Zero(), gravity, unused);
-  return gravity;
+  const Vec3 moment = configuration.pose.rotation * model.platformMoment;
+  Vec6 wrench;
+  wrench << -model.platformMass * model.gravity, -moment.cross(model.gravity);
+  for (int i = 0; i < 3; ++i) {
+    const ChainDynamics chain(model, model.chain[i], configuration.chain[i]);
+    addWrench(chain.toWorld(chain.tipForce(chain.gravity())), configuration.chain[i].arm, wrench);
+  }
+  return wrench;
 }
 
 Vec6 staticTorque(const TauModel& model, const TauConfiguration& configuration, const Vec6& wrench) noexcept {

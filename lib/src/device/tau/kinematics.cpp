@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/assert.hpp"
+#include "core/trigonometry.hpp"
 #include "loop.hpp"
 
 namespace enamel {
@@ -48,11 +49,13 @@ struct Elevations {
 
 Knees kneesAt(const TauModel& model, const Vec6& q) noexcept {
   Knees k;
+  Eigen::Array<double, 6, 1> sine, cosine;
+  sinCos<6>(q.array(), sine, cosine);
   for (int i = 0; i < 3; ++i) {
-    k.sinYaw[i] = std::sin(q[2 * i]);
-    k.cosYaw[i] = std::cos(q[2 * i]);
-    k.sinLift[i] = std::sin(q[2 * i + 1]);
-    k.cosLift[i] = std::cos(q[2 * i + 1]);
+    k.sinYaw[i] = sine[2 * i];
+    k.cosYaw[i] = cosine[2 * i];
+    k.sinLift[i] = sine[2 * i + 1];
+    k.cosLift[i] = cosine[2 * i + 1];
     const double l1 = model.chain[i].length1;
     const double horizontal = l1 * k.cosLift[i];
     k.point[i] = model.chain[i].base + Vec3(horizontal * k.sinYaw[i], l1 * k.sinLift[i], horizontal * k.cosYaw[i]);
