@@ -22,7 +22,8 @@ inline constexpr double kSmallestDeltaMeasure = 1e-3;
 /// 0, rho the distance of the platform joint from the elbow in the plane of a leg. `configuration.position` is where
 /// the search begins; where that fails, it begins again in front of all elbows, from where the convex surfaces are met
 /// from outside. Statuses: notFinite; unreachable (no convergence: the legs do not meet; or a leg leans away from the
-/// user); singular; `configuration` is then unchanged. Realtime: yes (at most 2 kMaxDeltaIterations iterations).
+/// user); singular; `configuration` is then unchanged. Far outside the workspace a joint vector that
+/// has a pose may be refused (1 in 1e5 of random ones). Realtime: yes (at most 2 kMaxDeltaIterations iterations).
 [[nodiscard]] Status forwardKinematics(const DeltaModel& model, const Vec3& q,
                                        DeltaConfiguration& configuration) noexcept;
 
