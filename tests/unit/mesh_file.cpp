@@ -173,8 +173,8 @@ TEST_CASE("unusable files are refused with the file, the place and the reason", 
   checkRefused("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "a.obj", "a.obj:4: a face names vertex 0");
   const TriangleMesh mesh = test::boxMesh({1, 1, 1});
   const std::string binary = stlBinary(mesh);
-  checkRefused(binary.substr(0, binary.size() - 1), "a.stl",
-               "endsolid is missing");  // no longer binary by its size: read as text
+  // No longer binary by its size: read as text.
+  checkRefused(binary.substr(0, binary.size() - 1), "a.stl", "endsolid is missing");
   std::string bare = binary;
   bare.replace(0, 5, "SOLID");
   checkRefused(bare.substr(0, bare.size() - 1), "a.stl", "promises 12 triangles, there is room for at most 11");
