@@ -1,9 +1,36 @@
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <string>
 
 #include "commands.hpp"
+
+namespace {
+
+// CLI11 reads "010" as eight, and takes "0x10" and "nan": numbers are decimal and finite here.
+void requireDecimalNumbers(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    const std::string type = option->get_type_name();
+    const bool whole = type.rfind("INT", 0) == 0 || type.rfind("UINT", 0) == 0;
+    if (!whole && type.rfind("FLOAT", 0) != 0) continue;
+    option->check([whole](const std::string& text) -> std::string {
+      const std::string_view digits = std::string_view(text).substr(text[0] == '-' ? 1 : 0);
+      if (whole)
+        return digits.find_first_not_of("0123456789") == digits.npos && (digits.size() == 1 || digits[0] != '0')
+                   ? ""
+                   : "\"" + text + "\" is not a whole number";
+      double value = 0.0;
+      const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      return error == std::errc{} && *rest == 0 && std::isfinite(value)
+                 ? ""
+                 : "\"" + text + "\" is not a finite decimal number";
+    });
+  }
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{
@@ -17,6 +44,7 @@ int main(int argc, char** argv) {
   enamel::app::addMesh(app);
   enamel::app::addPlugins(app);
   enamel::app::addBench(app);
+  for (CLI::App* command : app.get_subcommands({})) requireDecimalNumbers(*command);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
