@@ -103,13 +103,14 @@ void run(const PushOptions& options) {
       if (!warning.empty()) fmt::print(stderr, "enamel: warning: {}\n", warning);
       return wall;
     }
-    return std::make_unique<PositionControlRenderer>(gain ? *gain : designServo(device, Pose{}, setup.period).K,
-                                                     setup.period, options.servo);
+    return std::make_unique<PositionControlRenderer>(
+        gain ? *gain : ServoGain(designServo(device, Pose{}, setup.period).K), setup.period, options.servo);
   };
   std::vector<PushOutcome> outcomes;
   std::vector<std::string> files;
   std::string failures;
-  for (const auto& [name, library] : sources) try {
+  for (const auto& [name, library] : sources) {
+    try {
       const std::unique_ptr<Renderer> renderer = library ? makeRenderer(library, plugin) : makeLinked(name);
       std::optional<TickFile> file;
       if (!options.output.empty()) file.emplace(outputFor(options, name), *device);
@@ -127,6 +128,7 @@ void run(const PushOptions& options) {
     } catch (const std::exception& error) {  // what the others reach is printed all the same
       failures += fmt::format("{}{}: {}", failures.empty() ? "" : "; ", name, error.what());
     }
+  }
 
   if (options.json && !outcomes.empty()) {
     fmt::print("{}", jsonOf(outcomes));
