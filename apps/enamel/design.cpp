@@ -249,7 +249,7 @@ void addDesign(CLI::App& app) {
   command
       ->add_option("--device-damping", options->deviceDamping,
                    "of the TCP along z, N s/m, beside what the device file gives (the paper's spring has 4)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   command->callback([options] { run(*options); });
 }

@@ -188,7 +188,7 @@ void addPush(CLI::App& app) {
       ->add_option("--device-damping", options->deviceDamping,
                    "of the TCP along z, N s/m, beside what the device file gives: on the plant of every renderer (the "
                    "paper's spring has 4)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   command->add_option("--scenario", options->setup.person.scenario, "1: step of force at 1 s; 2: a hand moves in")
       ->capture_default_str();

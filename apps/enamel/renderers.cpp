@@ -51,17 +51,19 @@ ServoGain loadGain(const std::string& path, int joints, double period) {
 }
 
 double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal) {
+  const auto require = [&pose](Status status) {
+    if (status != Status::ok)
+      throw Error(fmt::format("the pose at ({:.4g}, {:.4g}, {:.4g}) m is {}", pose.position.x(), pose.position.y(),
+                              pose.position.z(), toString(status)));
+  };
   Kinematics k;
-  if (const Status status = plant.reach(pose, Vec6::Zero(), true, k); status != Status::ok)
-    throw Error(std::string("the pose is ") + toString(status));
+  require(plant.reach(pose, Vec6::Zero(), true, k));
   // What a motion and its opposite do not have in common: gravity and centrifugal forces are even in the twist.
   constexpr double kSpeed = 0.1;  // m/s
   Vec6 twist, forth, back;
   twist << kSpeed * normal, Vec3::Zero();
-  for (const auto& [sign, acceleration] : {std::pair{1.0, &forth}, {-1.0, &back}})
-    if (const Status status = plant.accelerate(pose, sign * twist, k.gravity, Vec6::Zero(), *acceleration);
-        status != Status::ok)
-      throw Error(std::string("the pose is ") + toString(status));
+  require(plant.accelerate(pose, twist, k.gravity, Vec6::Zero(), forth));
+  require(plant.accelerate(pose, -twist, k.gravity, Vec6::Zero(), back));
   const JointVector rates = torqueOf(k.inverseTransposed, twist),
                     slowing = torqueOf(k.inverseTransposed, 0.5 * (back - forth));
   return rates.dot(k.inertia * slowing) / (kSpeed * kSpeed);

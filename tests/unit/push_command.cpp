@@ -257,6 +257,7 @@ TEST_CASE("push: errors are one line and the status is not 0", "[push_command]")
                                 "--force 12N",
                                 "--low-pass inf",
                                 "--seed 010",
+                                "--seed -1",
                                 "--seed 1e3",
                                 "--substeps 1.5",
                                 "--delay 'constant: 1'",
