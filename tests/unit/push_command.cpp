@@ -18,6 +18,11 @@ std::string push(const std::string& arguments) {
   return "push --device '" + test::deviceFile("tau-nominal.toml") + "' " + arguments;
 }
 
+// What a push prints on stdout alone; stderr goes into a file.
+test::CommandResult printed(const std::string& arguments, const std::string& errors = "/dev/null") {
+  return test::runCommand("{ '" ENAMEL_TOOL "' " + push(arguments) + " 2>'" + errors + "'; }");
+}
+
 // One column of a CSV file by its name.
 std::vector<std::string> column(const std::string& text, const std::string& name) {
   std::istringstream lines(text);
@@ -102,7 +107,7 @@ TEST_CASE("push: a missing stiffness has its reason", "[push_command]") {
            {"--renderer impedance --device-damping 4 --duration 1.004", "never returned"},
            {"--renderer impedance --noise 0 --duration 2", "rings"}}) {
     INFO(options);
-    const auto json = nlohmann::json::parse(run(push(options + " --json 2>/dev/null")).output).front();
+    const auto json = nlohmann::json::parse(printed(options + " --json").output).front();
     CHECK(json.at("first impact") == reason);
     CHECK(json.at("K_z1 [N/m]").is_null());
     CHECK(json.at("D_z1 [m]").is_null());
@@ -181,16 +186,16 @@ TEST_CASE("push: a servo of enamel design --output, linked and as a plugin", "[p
 TEST_CASE("push: what one renderer reached outlives the failure of another", "[push_command]") {
   const test::TemporaryFolder folder;
   for (const char* renderers : {"impedance,position-control", "position-control,impedance"}) {
-    const std::string both = push(std::string("--renderer ") + renderers + " --stiffness -5 --duration 1.1 ");
+    const std::string both = std::string("--renderer ") + renderers + " --stiffness -5 --duration 1.1 ";
     const std::string output = "--output '" + (folder / "run.csv") + "' ";
-    const auto table = run(both + output + "2>'" + (folder / "errors") + "'");
+    const auto table = printed(both + output, folder / "errors");
     CHECK(table.status == 1);
     CHECK_THAT(table.output, Contains("K_z1") && Contains("position-control") && Contains("run-position-control.csv") &&
                                  !Contains("impedance"));
     const std::string errors = test::readFile(folder / "errors");
     CHECK(errors.rfind("enamel: impedance: ", 0) == 0);
     CHECK(std::count(errors.begin(), errors.end(), '\n') == 1);
-    const auto json = run(both + "--json 2>/dev/null");
+    const auto json = printed(both + "--json");
     CHECK(json.status == 1);
     const auto metrics = nlohmann::json::parse(json.output);
     CHECK(metrics.size() == 1);
