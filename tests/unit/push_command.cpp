@@ -183,6 +183,35 @@ TEST_CASE("push: a servo of enamel design --output, linked and as a plugin", "[p
   }
 }
 
+TEST_CASE("push and design on other mechanisms: as many columns as joints, in their units", "[push_command]") {
+  const test::TemporaryFolder folder;
+  for (const auto& [file, columns] : std::vector<std::pair<std::string, std::string>>{
+           {"delta.toml", "q1 [rad],q2 [rad],q3 [rad],tau1 [N m],tau2 [N m],tau3 [N m],mode"},
+           {"cartesian-3.toml", "q1 [m],q2 [m],q3 [m],tau1 [N],tau2 [N],tau3 [N],mode"}}) {
+    INFO(file);
+    const std::string device = "--device '" + test::deviceFile(file) + "' --force 2 ";
+    const auto ticks = [&](const std::string& options) {
+      const auto result = run("push " + device + "--duration 1.1 --output '" + (folder / "run.csv") + "' " + options);
+      INFO(result.output);
+      REQUIRE(result.status == 0);
+      return test::readFile(folder / "run.csv");
+    };
+    const auto designed = run("design " + device + "--output '" + (folder / "servo.json") + "'");
+    INFO(designed.output);
+    REQUIRE(designed.status == 0);
+    CHECK_THAT(designed.output, Contains("q3 ") && !Contains("q4 ") && Contains("Table II"));
+    const auto K = nlohmann::json::parse(test::readFile(folder / "servo.json")).at("K");
+    CHECK(K.size() == 3);
+    const std::string inPlace = ticks("");
+    CHECK_THAT(inPlace.substr(0, inPlace.find('\n')), Contains(",wall force [N]," + columns + ","));
+    CHECK(ticks("--gain '" + (folder / "servo.json") + "'") == inPlace);
+    CHECK(ticks("--renderer impedance --stiffness 1000") != inPlace);
+    const auto wrong = run(push("--gain '" + (folder / "servo.json") + "'"));
+    CHECK(wrong.status == 1);
+    CHECK_THAT(wrong.output, Contains("for 3 joints, the device has 6"));
+  }
+}
+
 TEST_CASE("push: what one renderer reached outlives the failure of another", "[push_command]") {
   const test::TemporaryFolder folder;
   for (const char* renderers : {"impedance,position-control", "position-control,impedance"}) {
