@@ -1,7 +1,6 @@
 // What `enamel design` and the study's report both say about a servo and its device.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "enamel/control/device_plant.hpp"
@@ -12,7 +11,6 @@ namespace enamel::app {
 
 /// Table II of a servo on its own linear model.
 std::vector<Requirement> requirementsOf(const ServoDesign& design, const DevicePlant& plant);
-nlohmann::ordered_json toJson(const std::vector<Requirement>& requirements);
 
 /// The device as an impedance wall z = 0 feels it.
 WallDevice wallDeviceOf(const DevicePlant& plant, double damping, double period);

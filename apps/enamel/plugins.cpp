@@ -109,7 +109,7 @@ void addPlugins(CLI::App& app) {
       "allocation, limits. Exits with 0 if it keeps the contract.");
   command->add_option("file", options->file, "plugin (.so)")->required();
   command->add_option("--device", options->device, "device file (TOML); default: the nominal TAU");
-  command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE");
+  command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);
   command->callback([options] { check(*options); });
 }
 

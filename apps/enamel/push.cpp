@@ -1,123 +1,33 @@
 #include <fmt/core.h>
-#include <fmt/os.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/device/device_file.hpp"
 #include "plugin_folder.hpp"
+#include "push_report.hpp"
 #include "renderers.hpp"
 
 namespace enamel::app {
 namespace {
 
 struct PushOptions {
-  std::string device, scene, output;
+  std::string device, scene, gain, output;
   std::vector<std::string> renderers = {kPositionControl};
   std::string mode = "hold", delay = "none";
-  bool release = true, guide = true, encoders = false, antiWindup = false, json = false;
+  bool guide = true, encoders = false, json = false;
+  PositionControlOptions servo;
   std::string rates;
   std::vector<std::string> set;
-  double x_mm = 0.0, y_mm = 0.0, lowPass_Hz = 100.0;
-  ImpedanceOptions impedance{6000.0, 0.0, 4.0};
+  double x_mm = 0.0, y_mm = 0.0, lowPass_Hz = 100.0, deviceDamping = 0.0;
+  ImpedanceOptions impedance;
   PushSetup setup;
 };
-
-class CsvFile {
- public:
-  explicit CsvFile(const std::string& path) : path_(path), file_(std::fopen(path.c_str(), "w"), &std::fclose) {
-    if (!file_) throw Error(path + ": cannot write the file");
-    fmt::print(file_.get(),
-               "t [s],x [m],y [m],z [m],alpha [rad],beta [rad],gamma [rad],vx [m/s],vy [m/s],vz [m/s],wx [rad/s],"
-               "wy [rad/s],wz [rad/s],gap [m],person fx [N],person fy [N],person fz [N],rendered fx [N],rendered fy "
-               "[N],rendered fz [N],"
-               "wall force [N],q1 [rad],q2 [rad],q3 [rad],q4 [rad],q5 [rad],q6 [rad],tau1 [N m],tau2 [N m],tau3 [N m],"
-               "tau4 [N m],tau5 [N m],tau6 [N m],mode,saturated,status\n");
-  }
-
-  void write(const TickRecord& t) {
-    line_ = fmt::format("{}", t.time);
-    const Vec3 euler = eulerFromRotation(t.pose.rotation);
-    append(t.pose.position.data(), 3);
-    append(euler.data(), 3);
-    append(t.twist.data(), 6);
-    append(&t.nearest.gap, 1);
-    append(t.person.data(), 3);
-    append(t.rendered.data(), 3);
-    append(&t.normalForce, 1);
-    append(t.q.data(), 6);
-    append(t.torque.data(), 6);
-    fmt::print(file_.get(), "{},{},{},{}\n", line_, toString(t.mode), t.saturated ? 1 : 0, toString(t.status));
-  }
-
-  void close() {
-    const bool failed = std::ferror(file_.get()) != 0;
-    if (std::fclose(file_.release()) != 0 || failed) throw Error(path_ + ": cannot write the file (is the disk full?)");
-  }
-
- private:
-  void append(const double* values, int count) {
-    for (int i = 0; i < count; ++i) fmt::format_to(std::back_inserter(line_), ",{}", values[i]);
-  }
-
-  std::string path_, line_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
-};
-
-// One metric: its name, unit, how to read it, and the paper's figure for each renderer at any query point.
-struct Row {
-  const char* name;
-  const char* unit;
-  double scale;
-  std::optional<double> (*value)(const PushMetrics&);
-  const char* paperServo;
-  const char* paperImpedance;
-};
-
-const Row kRows[] = {
-    {"first impact depth D_z1", "mm", 1e3, [](const PushMetrics& m) { return m.firstDepth; }, "-", "-"},
-    {"first impact stiffness K_z1", "kN/m", 1e-3, [](const PushMetrics& m) { return m.firstStiffness; }, "lowest 17.2",
-     "highest 3.11"},
-    {"steady depth D_zs (signed mean)", "mm", 1e3, [](const PushMetrics& m) { return std::optional(m.steadyDepth); },
-     "-", "-"},
-    {"steady compliance C_zs", "mm/N", 1e3, [](const PushMetrics& m) { return std::optional(m.steadyCompliance); },
-     "highest 0.0108", "lowest 0.162"},
-    {"rms depth", "mm", 1e3, [](const PushMetrics& m) { return std::optional(m.rmsDepth); }, "-", "-"},
-    {"95 % depth", "mm", 1e3, [](const PushMetrics& m) { return std::optional(m.depth95); }, "-", "-"},
-    {"largest depth", "mm", 1e3, [](const PushMetrics& m) { return std::optional(m.largestDepth); }, "below 1", "-"},
-    {"chatter (torque std, last second)", "N m", 1.0, [](const PushMetrics& m) { return std::optional(m.chatter); },
-     "-", "-"},
-    {"saturated ticks", "%", 100.0, [](const PushMetrics& m) { return std::optional(m.saturatedShare); }, "-", "-"},
-    {"tangential force (rms)", "N", 1.0, [](const PushMetrics& m) { return std::optional(m.tangentialForce); }, "-",
-     "-"},
-    {"work on the tool", "J", 1.0, [](const PushMetrics& m) { return std::optional(m.work); }, "-", "-"},
-    {"drift across the normal", "mm", 1e3, [](const PushMetrics& m) { return std::optional(m.drift); }, "-", "-"},
-};
-
-std::string cell(const std::optional<double>& value, double scale) {
-  return value ? fmt::format("{:.4g}", *value * scale) : "none";
-}
-
-void printTable(const std::vector<std::string>& names, const std::vector<PushMetrics>& metrics, int scenario) {
-  fmt::print("{:<42}", "");
-  for (const std::string& name : names) fmt::print("{:>18}{:>18}", name, scenario == 1 ? "(paper*)" : "");
-  fmt::print("\n");
-  for (const Row& row : kRows) {
-    fmt::print("{:<42}", fmt::format("{} [{}]", row.name, row.unit));
-    for (std::size_t i = 0; i < names.size(); ++i)
-      fmt::print("{:>18}{:>18}", cell(row.value(metrics[i]), row.scale),
-                 scenario != 1            ? ""
-                 : names[i] == kImpedance ? row.paperImpedance
-                                          : row.paperServo);
-    fmt::print("\n");
-  }
-  if (scenario == 1) fmt::print("* extremes over the paper's 121 query points on its own device: compare magnitudes\n");
-}
 
 // run.csv, or run-impedance.csv where several renderers write beside each other.
 std::string outputFor(const PushOptions& options, const std::string& renderer) {
@@ -127,10 +37,9 @@ std::string outputFor(const PushOptions& options, const std::string& renderer) {
   return path.string();
 }
 
-void run(PushOptions options) {
-  const TauParameters device = loadTau(options.device);
-  const TauModel model = makeModel(device);
-  PushSetup& setup = options.setup;
+// What the options say, checked as far as it can be before a renderer runs.
+PushSetup setupOf(const PushOptions& options) {
+  PushSetup setup = options.setup;
   setup.start.position = Vec3(1e-3 * options.x_mm, 1e-3 * options.y_mm, 0.0);
   if (!options.scene.empty()) {
     SceneFile file = loadScene(options.scene);
@@ -155,64 +64,90 @@ void run(PushOptions options) {
                          : options.encoders            ? RateSource::difference
                                                        : RateSource::exact;
   checkPush(setup);
-  const DampingBound bound = dampingBound(options.impedance, setup.period);
+  return setup;
+}
 
+std::vector<RendererSource> sourcesOf(const PushOptions& options) {
   std::vector<RendererSource> sources;
-  for (std::string& name : options.renderers) {
-    sources.push_back(findRenderer(name));
-    name = sources.back().name;
-    if (std::count(options.renderers.begin(), options.renderers.end(), name) > 1)
-      throw Error("--renderer names " + name + " twice");
+  const auto has = [&](const auto& condition) { return std::any_of(sources.begin(), sources.end(), condition); };
+  for (const std::string& text : options.renderers) {
+    const RendererSource source = findRenderer(text);
+    if (has([&](const RendererSource& s) { return s.name == source.name; }))
+      throw Error("--renderer names " + source.name + " twice");
+    sources.push_back(source);
   }
-  const PluginSetup plugin{options.device, "", options.scene, "", parseParameters(options.set)};
-  if (!plugin.parameters.empty() &&
-      std::none_of(sources.begin(), sources.end(), [](const auto& s) { return s.plugin; }))
+  if (!options.set.empty() && !has([](const RendererSource& s) { return s.plugin != nullptr; }))
     throw Error("--set is for plugins, and --renderer names none");
+  if (!options.gain.empty() && !has([](const RendererSource& s) { return !s.plugin && s.name == kPositionControl; }))
+    throw Error("--gain is for the linked position-control, and --renderer does not name it");
+  return sources;
+}
 
-  std::vector<PushMetrics> metrics;
-  nlohmann::ordered_json json;
-  for (const RendererSource& source : sources) {
-    const std::string& name = source.name;
-    const TauModel plant = plantFor(name, device, options.impedance);
-    PositionControlOptions servo;
-    servo.release = options.release;
-    servo.antiWindup = options.antiWindup;
-    const std::unique_ptr<Renderer> renderer = source.plugin
-                                                   ? makeRenderer(source.plugin, plugin)
-                                                   : makeRenderer(name, model, setup.period, servo, options.impedance);
-    std::optional<CsvFile> csv;
-    if (!options.output.empty()) csv.emplace(outputFor(options, name));
-    MetricsCollector collector(setup);
-    const PushResult result = runPush(plant, *renderer, setup, [&](const TickRecord& tick) {
-      collector.add(tick);
-      if (csv) csv->write(tick);
-    });
-    if (csv) csv->close();
-    if (result.status != Status::ok)
-      throw Error(fmt::format("{}: the device left its workspace at {} s: its pose is {}", name,
-                              static_cast<double>(result.ticks) * setup.period, toString(result.status)));
-    metrics.push_back(collector.metrics());
-    json[name] = toJson(metrics.back());
-    if (name == kImpedance && !bound.met)
-      fmt::print(stderr,
-                 "enamel: warning: a stiffness of {} N/m and a damping of {} N s/m need more than {} N s/m of device "
-                 "damping at {} s (eq. 16), there are {}\n",
-                 options.impedance.stiffness, options.impedance.damping, bound.required, setup.period, bound.available);
+void run(const PushOptions& options) {
+  // The damping that an option adds is the plant's: servos and plugins are designed on the device of the file.
+  DeviceParameters parameters = loadDevice(options.device);
+  const std::shared_ptr<const Mechanism> device = makeMechanism(parameters);
+  addDamping(parameters, options.deviceDamping * Vec6::Unit(2));
+  const std::shared_ptr<const Mechanism> plant = makeMechanism(parameters);
+  const PushSetup setup = setupOf(options);
+  const std::vector<RendererSource> sources = sourcesOf(options);
+  const PluginSetup plugin{options.device, "", options.scene, "", parseParameters(options.set)};
+  const double damping = dampingAlong(*plant, setup.start, setup.person.normal);
+  std::optional<ServoGain> gain;
+  if (!options.gain.empty()) gain = loadGain(options.gain, device->joints(), setup.period);
+
+  const auto makeLinked = [&](const std::string& name) -> std::unique_ptr<Renderer> {
+    if (name == kImpedance) {
+      auto wall = std::make_unique<ImpedanceRenderer>(options.impedance);
+      const std::string warning = dampingWarning(options.impedance, setup.period, damping);
+      if (!warning.empty()) fmt::print(stderr, "enamel: warning: {}\n", warning);
+      return wall;
+    }
+    return std::make_unique<PositionControlRenderer>(
+        gain ? *gain : ServoGain(designServo(device, Pose{}, setup.period).K), setup.period, options.servo);
+  };
+  std::vector<PushOutcome> outcomes;
+  std::vector<std::string> files;
+  std::string failures;
+  for (const auto& [name, library] : sources) {
+    try {
+      const std::unique_ptr<Renderer> renderer = library ? makeRenderer(library, plugin) : makeLinked(name);
+      std::optional<TickFile> file;
+      if (!options.output.empty()) file.emplace(outputFor(options, name), *device);
+      MetricsCollector collector(setup);
+      const PushResult result = runPush(*plant, *renderer, setup, [&](const TickRecord& tick) {
+        collector.add(tick);
+        if (file) file->write(tick);
+      });
+      if (file) file->close();
+      if (result.status != Status::ok)
+        throw Error(fmt::format("the device left its workspace at {} s: its pose is {}",
+                                static_cast<double>(result.ticks) * setup.period, toString(result.status)));
+      outcomes.push_back({name, library == nullptr, collector.metrics()});
+      if (file) files.push_back(outputFor(options, name));
+    } catch (const std::exception& error) {  // what the others reach is printed all the same
+      failures += fmt::format("{}{}: {}", failures.empty() ? "" : "; ", name, error.what());
+    }
   }
-  if (options.json) {
-    fmt::print("{}\n", json.dump(2));
-    return;
+
+  if (options.json && !outcomes.empty()) {
+    fmt::print("{}", jsonOf(outcomes));
+  } else if (!outcomes.empty()) {
+    const Person& person = setup.person;
+    const Vec3 start_mm = 1e3 * setup.start.position;
+    fmt::print(
+        "{}: scenario {}, {} N at ({:.4g}, {:.4g}, {:.4g}) mm against ({:.3g}, {:.3g}, {:.3g}), noise {} N, guide {}, "
+        "delay {}, seed {}\nplant of every renderer: mechanical damping {:.4g} N s/m along the normal{}\n",
+        device->name(), person.scenario, person.force, start_mm.x(), start_mm.y(), start_mm.z(), person.normal.x(),
+        person.normal.y(), person.normal.z(), person.noise, options.guide ? "on" : "off", options.delay, setup.seed,
+        damping, gain ? "; gain of position-control: " + options.gain : "");
+    fmt::print("{}", tableOf(outcomes, person.scenario));
+    for (const std::string& file : files) fmt::print("every tick: {}\n", file);
   }
-  const Vec3 start_mm = 1e3 * setup.start.position;
-  fmt::print(
-      "{}: scenario {}, {} N at ({:.4g}, {:.4g}, {:.4g}) mm against ({:.3g}, {:.3g}, {:.3g}), noise {} N, "
-      "guide {}, delay {}, seed {}\n",
-      device.name, setup.person.scenario, setup.person.force, start_mm.x(), start_mm.y(), start_mm.z(),
-      setup.person.normal.x(), setup.person.normal.y(), setup.person.normal.z(), setup.person.noise,
-      options.guide ? "on" : "off", options.delay, setup.seed);
-  printTable(options.renderers, metrics, setup.person.scenario);
-  if (!options.output.empty())
-    for (const std::string& name : options.renderers) fmt::print("every tick: {}\n", outputFor(options, name));
+  if (!failures.empty()) {
+    std::fflush(stdout);
+    throw Error(failures);
+  }
 }
 
 }  // namespace
@@ -237,18 +172,23 @@ void addPush(CLI::App& app) {
                    "position-control, impedance, the name of a plugin (see enamel plugins) or its path; several are "
                    "separated by commas")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->capture_default_str();
-  command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE");
+  command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);
+  command->add_option("--gain", options->gain,
+                      "of the linked position-control: a file of enamel design --output; without it, designed at home");
   command->add_option("--mode", options->mode, "of position-control: hold (sticks to the point of touch)")
       ->check(CLI::IsMember({"hold"}))
       ->capture_default_str();
-  flag("--release", options->release, "on: the hold ends when the wall would pull; off: never, as in the paper");
-  flag("--anti-windup", options->antiWindup, "on: the integrators stop while a motor is saturated");
+  flag("--release", options->servo.release, "on: the hold ends when the wall would pull; off: never, as in the paper");
+  flag("--anti-windup", options->servo.antiWindup, "on: the integrators stop while a motor is saturated");
   command->add_option("--stiffness", options->impedance.stiffness, "of the impedance wall, N/m")->capture_default_str();
   command->add_option("--damping", options->impedance.damping, "of the impedance wall, N s/m")->capture_default_str();
   command
-      ->add_option("--device-damping", options->impedance.deviceDamping,
-                   "mechanical damping of the TCP along z under the impedance wall, N s/m")
+      ->add_option("--device-damping", options->deviceDamping,
+                   "of the TCP along z, N s/m, beside what the device file gives: on the plant of every renderer (the "
+                   "paper's spring has 4)")
+      ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   command->add_option("--scenario", options->setup.person.scenario, "1: step of force at 1 s; 2: a hand moves in")
       ->capture_default_str();

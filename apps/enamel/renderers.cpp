@@ -1,20 +1,38 @@
 #include "renderers.hpp"
 
-#include <cstdio>
-#include <nlohmann/json.hpp>
+#include <fmt/core.h>
 
+#include <charconv>
+
+#include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
 #include "plugin_folder.hpp"
 
 namespace enamel::app {
 
 Delay parseDelay(const std::string& text) {
-  int low = 0, high = 0;
-  char rest = 0;
-  if (text == "none") return {0, 0};
-  if (std::sscanf(text.c_str(), "constant:%d%c", &low, &rest) == 1) return {low, low};
-  if (std::sscanf(text.c_str(), "random:%d..%d%c", &low, &high, &rest) == 2) return {low, high};
-  throw Error("--delay is \"" + text + "\", must be none, constant:D or random:A..B with whole ticks");
+  const char *at = text.data(), *const end = at + text.size();
+  const auto literal = [&](std::string_view expected) {
+    if (std::string_view(at, static_cast<std::size_t>(end - at)).substr(0, expected.size()) != expected) return false;
+    at += expected.size();
+    return true;
+  };
+  const auto number = [&](int& value) {
+    const auto [rest, error] = std::from_chars(at, end, value);
+    at = rest;
+    return error == std::errc{};
+  };
+  Delay delay;
+  bool read = literal("none");
+  if (!read && literal("constant:")) {
+    read = number(delay.low);
+    delay.high = delay.low;
+  } else if (!read && literal("random:")) {
+    read = number(delay.low) && literal("..") && number(delay.high);
+  }
+  if (!read || at != end)
+    throw Error("--delay is \"" + text + "\", must be none, constant:D or random:A..B with whole ticks");
+  return delay;
 }
 
 RendererSource findRenderer(const std::string& nameOrPath) {
@@ -23,34 +41,41 @@ RendererSource findRenderer(const std::string& nameOrPath) {
   return {library->description().name, library};
 }
 
-std::unique_ptr<Renderer> makeRenderer(const std::string& name, const TauModel& model, double period,
-                                       const PositionControlOptions& servo, const ImpedanceOptions& impedance) {
-  if (name == kImpedance) return std::make_unique<ImpedanceRenderer>(model, impedance);
-  return std::make_unique<PositionControlRenderer>(model, designServo(model, Pose{}, period).K, period, servo);
+ServoGain loadGain(const std::string& path, int joints, double period) {
+  const ServoFile servo = loadServo(path);
+  if (servo.gain.rows() != joints)
+    throw Error(fmt::format("{}: the servo is for {} joints, the device has {}", path, servo.gain.rows(), joints));
+  if (servo.period != period)
+    throw Error(fmt::format("{}: the servo is for ticks of {} s, these take {} s", path, servo.period, period));
+  return servo.gain;
 }
 
-TauModel plantFor(const std::string& name, TauParameters device, const ImpedanceOptions& impedance) {
-  if (name == kImpedance) device.platform.damping[2] += impedance.deviceDamping;
-  return makeModel(device);
+double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal) {
+  const auto require = [&pose](Status status) {
+    if (status != Status::ok)
+      throw Error(fmt::format("the pose at ({:.4g}, {:.4g}, {:.4g}) m is {}", pose.position.x(), pose.position.y(),
+                              pose.position.z(), toString(status)));
+  };
+  Kinematics k;
+  require(plant.reach(pose, Vec6::Zero(), true, k));
+  // What a motion and its opposite do not have in common: gravity and centrifugal forces are even in the twist.
+  constexpr double kSpeed = 0.1;  // m/s
+  Vec6 twist, forth, back;
+  twist << kSpeed * normal, Vec3::Zero();
+  require(plant.accelerate(pose, twist, k.gravity, Vec6::Zero(), forth));
+  require(plant.accelerate(pose, -twist, k.gravity, Vec6::Zero(), back));
+  const JointVector rates = torqueOf(k.inverseTransposed, twist),
+                    slowing = torqueOf(k.inverseTransposed, 0.5 * (back - forth));
+  return rates.dot(k.inertia * slowing) / (kSpeed * kSpeed);
 }
 
-nlohmann::ordered_json toJson(const PushMetrics& m) {
-  nlohmann::ordered_json json;
-  const auto optional = [](const std::optional<double>& v) { return v ? nlohmann::ordered_json(*v) : nullptr; };
-  json["D_z1 [m]"] = optional(m.firstDepth);
-  json["K_z1 [N/m]"] = optional(m.firstStiffness);
-  json["D_zs [m]"] = m.steadyDepth;
-  json["C_zs [m/N]"] = m.steadyCompliance;
-  json["rms_depth [m]"] = m.rmsDepth;
-  json["depth_95 [m]"] = m.depth95;
-  json["largest_depth [m]"] = m.largestDepth;
-  json["chatter [N m]"] = m.chatter;
-  json["saturated_share"] = m.saturatedShare;
-  json["tangential_force [N]"] = m.tangentialForce;
-  json["work [J]"] = m.work;
-  json["drift [m]"] = m.drift;
-  json["faults"] = m.faults;
-  return json;
+std::string dampingWarning(const ImpedanceOptions& wall, double period, double available) {
+  const double required = requiredDamping(wall, period);
+  if (available > required * (1.0 + 1e-9)) return "";  // equal is not enough, and `available` has been computed
+  return fmt::format(
+      "a stiffness of {:.6g} N/m and a damping of {:.6g} N s/m need more than {:.6g} N s/m of device damping at {:.6g} "
+      "s (eq. 16), there are {:.6g}: see --device-damping",
+      wall.stiffness, wall.damping, required, period, available);
 }
 
 }  // namespace enamel::app

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "enamel/control/device_plant.hpp"
@@ -16,10 +15,11 @@ namespace enamel::app {
 inline constexpr const char* kPositionControl = "position-control";
 inline constexpr const char* kImpedance = "impedance";
 
-/// "none", "constant:D" or "random:A..B", in ticks. Throws Error.
+/// "none", "constant:D" or "random:A..B", in ticks, whole numbers in decimal digits. Throws Error.
 Delay parseDelay(const std::string& text);
 
-/// A renderer that a user asked for: a linked one by its name, or a plugin by its path or by its name in pluginFolder().
+/// A renderer that a user asked for: a linked one by its name, or a plugin by its path or by its name in
+/// pluginFolder().
 struct RendererSource {
   std::string name;                             ///< of the linked one, or as the plugin describes itself
   std::shared_ptr<const PluginLibrary> plugin;  ///< nullptr: linked
@@ -28,15 +28,15 @@ struct RendererSource {
 /// Throws PluginError: as findPlugin().
 RendererSource findRenderer(const std::string& nameOrPath);
 
-/// The linked renderer; its servo is designed at home. Throws Error.
-std::unique_ptr<Renderer> makeRenderer(const std::string& name, const TauModel& model, double period,
-                                       const PositionControlOptions& servo, const ImpedanceOptions& impedance);
+/// The gain of a servo file (--gain) for ticks of `period` s on a device with `joints` joints.
+/// Throws Error: as loadServo(); it was designed for another period or number of joints.
+ServoGain loadGain(const std::string& path, int joints, double period);
 
-/// The plant under a renderer: the impedance wall runs on one with mechanical damping along z, as in the paper, the
-/// servo on one without.
-TauModel plantFor(const std::string& name, TauParameters device, const ImpedanceOptions& impedance);
+/// Mechanical damping of a plant along `normal` (unit, W) at a pose, N s/m: of the TCP and of the joints.
+/// Throws Error: the pose cannot be reached.
+double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal);
 
-/// Metrics with their units in the names; what a run does not have is null.
-nlohmann::ordered_json toJson(const PushMetrics& metrics);
+/// What to print where eq. 16 is not met; empty where it is.
+std::string dampingWarning(const ImpedanceOptions& wall, double period, double available);
 
 }  // namespace enamel::app

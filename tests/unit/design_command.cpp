@@ -2,6 +2,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "enamel/control/device_plant.hpp"
+#include "enamel/control/servo_file.hpp"
+#include "enamel/device/device_file.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/control_systems.hpp"
@@ -51,6 +54,29 @@ TEST_CASE("design writes the reference servo, with its poles, margins and requir
   CHECK(result.output.find("disk margin") != std::string::npos);
 }
 
+TEST_CASE("design writes what loadServo() reads, to the last bit", "[design]") {
+  const test::TemporaryFolder folder;
+  REQUIRE(run(design("--output '" + (folder / "servo.json") + "'")).status == 0);
+  const ServoFile servo = loadServo(folder / "servo.json");
+  const auto mechanism = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
+  CHECK(servo.model == "tau-nominal.toml");
+  CHECK(servo.period == 1e-3);
+  CHECK(servo.gain == designServo(mechanism, Pose{}, 1e-3).K);
+}
+
+TEST_CASE("design without a file to write prints its report", "[design]") {
+  const auto report = run(design(""));
+  INFO(report.output);
+  CHECK(report.status == 0);
+  for (const char* part : {"TAU nominal at (0, 0, 0) m: ", "closed loop: spectral radius 0.9582", "disk margin: ",
+                           "delay: stable up to 1 samples", "first impact, 12 N: ", "q6 ", "Table II", "NOT MET"})
+    CHECK_THAT(report.output, Catch::Matchers::Contains(part));
+  // Linear: stiffness is that of any push, its limit falls with the push, and none is held beyond the largest force.
+  CHECK_THAT(run(design("--force 50")).output, Catch::Matchers::Contains("first impact, 50 N: "));
+  CHECK_THAT(run(design("--force 100")).output, Catch::Matchers::Contains("the motors cannot hold it"));
+  CHECK(run(design("--device-damping 4")).output != report.output);
+}
+
 TEST_CASE("design takes other weights, rates and places", "[design]") {
   const test::TemporaryFolder folder;
   const auto result =
@@ -74,14 +100,14 @@ TEST_CASE("design takes other weights, rates and places", "[design]") {
 
 TEST_CASE("design writes the stability map of the impedance wall", "[design]") {
   const test::TemporaryFolder folder;
-  const auto result = run(design("--impedance-map '" + (folder / "map.csv") + "'"));
+  const auto result = run(design("--device-damping 4 --impedance-map '" + (folder / "map.csv") + "'"));
   INFO(result.output);
   REQUIRE(result.status == 0);
   std::istringstream lines(test::readFile(folder / "map.csv"));
   std::string line;
   std::getline(lines, line);
   CHECK(line == "delay_samples,stiffness_N_per_m,damping_Ns_per_m,stable,eq16_damping_Ns_per_m,eq16_met");
-  int rows = 0, passiveAndUnstable = 0;
+  int rows = 0, passive = 0, passiveAndUnstable = 0;
   while (std::getline(lines, line)) {
     ++rows;
     int delay = 0, stable = 0, met = 0;
@@ -89,22 +115,29 @@ TEST_CASE("design writes the stability map of the impedance wall", "[design]") {
     REQUIRE(std::sscanf(line.c_str(), "%d,%lf,%lf,%d,%lf,%d", &delay, &stiffness, &damping, &stable, &needed, &met) ==
             6);
     CHECK(needed == Approx(0.5e-3 * stiffness + damping).epsilon(1e-5));  // as printed
+    CHECK(met == (needed < 4.0));
+    passive += met;
     passiveAndUnstable += delay == 0 && met == 1 && stable == 0;
   }
   CHECK(rows == 4 * 25 * 14);
+  CHECK(passive > 0);
+  CHECK(passive < rows);
   CHECK(passiveAndUnstable == 0);
+  CHECK_THAT(result.output, Catch::Matchers::Contains("mechanical damping 4 N s/m"));
 }
 
 TEST_CASE("design says in one line what is wrong", "[design]") {
   const test::TemporaryFolder folder;
   const std::string output = " --output '" + (folder / "servo.json") + "'";
   for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
-           {design(""), "nothing to do"},
            {design("--at 0,0,1" + output), "device plant: the pose is"},
            {design("--r 0" + output), "weight of the torque must be positive"},
            {design("--q-integral 0" + output), "no stabilising solution"},
            {design("--q-position -1" + output), "negative"},
            {design("--rate 0" + output), "--rate"},
+           {design("--rate nan" + output), "--rate"},
+           {design("--force 0" + output), "--force"},
+           {design("--device-damping -1" + output), "--device-damping"},
            {design("--output /nonexistent/servo.json"), "/nonexistent/servo.json"},
            {"design --device /nonexistent.toml" + output, "/nonexistent.toml"}}) {
     INFO(arguments);

@@ -83,6 +83,16 @@ TEST_CASE("evaluate: a bad row gets a status, the others are still evaluated", "
   CHECK(rows[8].at("status") == "qdot must be a list of 6 numbers");
 }
 
+TEST_CASE("evaluate is for the TAU: another kind of device is named", "[evaluate]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "rows.json", "[]");
+  test::writeFile(folder / "delta.toml", "kind = \"delta\"\n");
+  const auto result = run(evaluate(folder / "delta.toml", folder / "rows.json", folder / "out.json"));
+  CHECK(result.status == 1);
+  CHECK(result.output.find("is \"delta\", must be \"tau\"") != std::string::npos);
+  CHECK(!std::filesystem::exists(folder / "out.json"));
+}
+
 TEST_CASE("enamel: errors are one line and the status is not 0", "[evaluate]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "rows.json", "[]");

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "enamel/study/metrics.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
@@ -9,12 +10,18 @@
 
 namespace enamel::test_push_command {
 
+using Catch::Matchers::Contains;
 using test::run;
 
 namespace {
 
 std::string push(const std::string& arguments) {
   return "push --device '" + test::deviceFile("tau-nominal.toml") + "' " + arguments;
+}
+
+// What a push prints on stdout alone; stderr goes into a file.
+test::CommandResult printed(const std::string& arguments, const std::string& errors = "/dev/null") {
+  return test::runCommand("{ '" ENAMEL_TOOL "' " + push(arguments) + " 2>'" + errors + "'; }");
 }
 
 // One column of a CSV file by its name.
@@ -40,7 +47,8 @@ std::vector<std::string> column(const std::string& text, const std::string& name
 TEST_CASE("push reproduces the reference runs, with a gain designed from the device file", "[push_command]") {
   const test::TemporaryFolder folder;
   for (const auto& reference : test::referenceFile("runs-nominal.json").at("rows")) {
-    const std::string renderer = reference.at("controller") == "pc" ? "position-control" : "impedance";
+    const bool servo = reference.at("controller") == "pc";
+    const std::string renderer = servo ? "position-control" : "impedance --device-damping 4";
     const auto result = run(push("--renderer " + renderer +
                                  " --release off --guide off --noise 0 --force 12 --duration 1.3 --output '" +
                                  (folder / "run.csv") + "'"));
@@ -58,22 +66,188 @@ TEST_CASE("push reproduces the reference runs, with a gain designed from the dev
   }
 }
 
-TEST_CASE("push: metrics as a table and as JSON, both renderers beside each other", "[push_command]") {
+TEST_CASE("push: metrics under one name each as a table and as JSON, both renderers beside each other",
+          "[push_command]") {
   const test::TemporaryFolder folder;
-  const auto table =
-      run(push("--renderer position-control,impedance --noise 0 --output '" + (folder / "run.csv") + "'"));
+  const std::string both = "--renderer position-control,impedance --device-damping 4 --noise 0 ";
+  const auto table = run(push(both + "--output '" + (folder / "run.csv") + "'"));
   REQUIRE(table.status == 0);
-  CHECK(table.output.find("first impact stiffness K_z1 [kN/m]") != std::string::npos);
-  CHECK(table.output.find("lowest 17.2") != std::string::npos);
+  CHECK_THAT(table.output, Contains("lowest 17.2") && Contains("highest 3.11") && Contains("(paper*)"));
   CHECK(std::filesystem::exists(folder / "run-position-control.csv"));
   CHECK(std::filesystem::exists(folder / "run-impedance.csv"));
-  const auto json = run(push("--renderer position-control,impedance --noise 0 --json"));
+  const auto json = run(push(both + "--json"));
   REQUIRE(json.status == 0);
   const auto metrics = nlohmann::json::parse(json.output);
+  REQUIRE(metrics.size() == 2);
+  for (const char* renderer : {"position-control", "impedance"}) {
+    const auto& of = metrics.at(renderer);
+    CHECK(of.size() == allMetrics().size() + 2);
+    CHECK(of.at("first impact") == "measured");
+    CHECK(of.at("faults") == 0);
+    for (const Metric& metric : allMetrics()) {
+      INFO(renderer << ": " << metric.symbol);
+      REQUIRE(of.at(keyOf(metric)).is_number());
+      // The table's row: symbol, unit and both values as they are printed.
+      std::istringstream lines(table.output);
+      std::string line, found;
+      while (std::getline(lines, line))
+        if (line.rfind(metric.symbol, 0) == 0) found = line;
+      CHECK_THAT(found, Contains(std::string("[") + metric.displayUnit + "]"));
+      char value[32];
+      std::snprintf(value, sizeof value, " %.4g", of.at(keyOf(metric)).get<double>() * metric.displayScale);
+      CHECK_THAT(found, Contains(value));
+    }
+  }
   CHECK(metrics.at("position-control").at("K_z1 [N/m]").get<double>() == Approx(27e3).epsilon(0.05));
   CHECK(metrics.at("impedance").at("K_z1 [N/m]").get<double>() == Approx(3.06e3).epsilon(0.01));
-  CHECK(
-      nlohmann::json::parse(run(push("--scenario 2 --json")).output).at("position-control").at("K_z1 [N/m]").is_null());
+}
+
+TEST_CASE("push: a missing stiffness has its reason", "[push_command]") {
+  for (const auto& [options, reason] : std::vector<std::pair<std::string, std::string>>{
+           {"--scenario 2", "no step of force"},
+           {"--renderer impedance --device-damping 4 --duration 1.004", "never returned"},
+           {"--renderer impedance --noise 0 --duration 2", "rings"}}) {
+    INFO(options);
+    const auto json = nlohmann::json::parse(printed(options + " --json").output).front();
+    CHECK(json.at("first impact") == reason);
+    CHECK(json.at("K_z1 [N/m]").is_null());
+    CHECK(json.at("D_z1 [m]").is_null());
+    const std::string table = run(push(options)).output;
+    CHECK_THAT(table.substr(table.find("\nK_z1"), 120), Contains(reason));
+  }
+}
+
+TEST_CASE("push: one plant for linked renderers and plugins, with the damping of file and option", "[push_command]") {
+  const test::TemporaryFolder folder;
+  const auto ticks = [&](const std::string& renderer, const std::string& options) {
+    const auto result =
+        run(push("--renderer " + renderer + " --duration 1.1 --output '" + (folder / "run.csv") + "' " + options));
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return test::readFile(folder / "run.csv");
+  };
+  const std::string plugins = ENAMEL_PLUGINS "/enamel_";
+  for (const auto& [linked, plugin] : {std::pair<std::string, std::string>{"impedance", plugins + "impedance.so"},
+                                       {"position-control", plugins + "position_control.so"}}) {
+    INFO(linked);
+    const std::string undamped = ticks(linked, ""), damped = ticks(linked, "--device-damping 4");
+    CHECK(undamped != damped);
+    CHECK(ticks("'" + plugin + "'", "") == undamped);
+    CHECK(ticks("'" + plugin + "'", "--device-damping 4") == damped);
+  }
+
+  std::string text = test::readFile(test::deviceFile("tau-nominal.toml"));
+  text.insert(text.find('\n', text.find("[platform]")) + 1, "damping = [0.0, 0.0, 3.5, 0.0, 0.0, 0.0]\n");
+  test::writeFile(folder / "damped.toml", text);
+  const std::string spring = "push --renderer impedance --duration 1.1 --device '" + (folder / "damped.toml") + "' ";
+  const auto file = run(spring), more = run(spring + "--device-damping 0.5"), hard = run(spring + "--stiffness 7000");
+  CHECK_THAT(file.output, Contains("mechanical damping 3.5 N s/m") && !Contains("eq. 16"));
+  CHECK_THAT(more.output, Contains("mechanical damping 4 N s/m"));
+  CHECK_THAT(hard.output, Contains("need more than 3.5 N s/m") && Contains("(eq. 16), there are 3.5"));
+}
+
+TEST_CASE("push: a servo of enamel design --output, linked and as a plugin", "[push_command]") {
+  const test::TemporaryFolder folder;
+  const auto design = [&](const std::string& name, const std::string& options) {
+    const auto result = run("design --device '" + test::deviceFile("tau-nominal.toml") + "' --output '" +
+                            (folder / name) + "' " + options);
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return folder / name;
+  };
+  const auto ticks = [&](const std::string& options) {
+    const auto result = run(push("--duration 1.1 --output '" + (folder / "run.csv") + "' " + options));
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return test::readFile(folder / "run.csv");
+  };
+  const std::string same = design("same.json", ""), soft = design("soft.json", "--q-integral 1e6");
+  const std::string plugin = "--renderer '" ENAMEL_PLUGINS "/enamel_position_control.so' ";
+  const std::string inPlace = ticks(""), softly = ticks("--gain '" + soft + "'");
+  CHECK(ticks("--gain '" + same + "'") == inPlace);
+  CHECK(softly != inPlace);
+  CHECK(ticks(plugin + "--set 'gain=" + same + "'") == inPlace);
+  CHECK(ticks(plugin + "--set 'gain=" + soft + "'") == softly);
+
+  const std::string fast = design("fast.json", "--rate 2000");
+  test::writeFile(folder / "three.json", R"({"model": "m", "period": 0.001, "K": [[1,2,3,4,5,6,7,8,9],
+                                             [1,2,3,4,5,6,7,8,9], [1,2,3,4,5,6,7,8,9]]})");
+  for (const auto& [options, message] : std::vector<std::pair<std::string, std::string>>{
+           {"--gain '" + fast + "'", "ticks of 0.0005 s, these take 0.001 s"},
+           {"--gain '" + (folder / "three.json") + "'", "for 3 joints, the device has 6"},
+           {"--gain /no/such/servo.json", "/no/such/servo.json"},
+           {"--renderer impedance --gain '" + same + "'", "--gain is for the linked position-control"}}) {
+    const auto result = run(push(options));
+    INFO(options << "\n" << result.output);
+    CHECK(result.status == 1);
+    CHECK_THAT(result.output, Contains(message));
+  }
+}
+
+TEST_CASE("push and design on other mechanisms: as many columns as joints, in their units", "[push_command]") {
+  const test::TemporaryFolder folder;
+  for (const auto& [file, columns] : std::vector<std::pair<std::string, std::string>>{
+           {"delta.toml", "q1 [rad],q2 [rad],q3 [rad],tau1 [N m],tau2 [N m],tau3 [N m],mode"},
+           {"cartesian-3.toml", "q1 [m],q2 [m],q3 [m],tau1 [N],tau2 [N],tau3 [N],mode"}}) {
+    INFO(file);
+    const std::string device = "--device '" + test::deviceFile(file) + "' --force 2 ";
+    const auto ticks = [&](const std::string& options) {
+      const auto result = run("push " + device + "--duration 1.1 --output '" + (folder / "run.csv") + "' " + options);
+      INFO(result.output);
+      REQUIRE(result.status == 0);
+      return test::readFile(folder / "run.csv");
+    };
+    const auto designed = run("design " + device + "--output '" + (folder / "servo.json") + "'");
+    INFO(designed.output);
+    REQUIRE(designed.status == 0);
+    CHECK_THAT(designed.output, Contains("q3 ") && !Contains("q4 ") && Contains("Table II"));
+    const auto K = nlohmann::json::parse(test::readFile(folder / "servo.json")).at("K");
+    CHECK(K.size() == 3);
+    const std::string inPlace = ticks("");
+    CHECK_THAT(inPlace.substr(0, inPlace.find('\n')), Contains(",wall force [N]," + columns + ","));
+    CHECK(ticks("--gain '" + (folder / "servo.json") + "'") == inPlace);
+    CHECK(ticks("--renderer impedance --stiffness 1000") != inPlace);
+    const auto wrong = run(push("--gain '" + (folder / "servo.json") + "'"));
+    CHECK(wrong.status == 1);
+    CHECK_THAT(wrong.output, Contains("for 3 joints, the device has 6"));
+  }
+}
+
+TEST_CASE("push: what one renderer reached outlives the failure of another", "[push_command]") {
+  const test::TemporaryFolder folder;
+  for (const char* renderers : {"impedance,position-control", "position-control,impedance"}) {
+    const std::string both = std::string("--renderer ") + renderers + " --stiffness -5 --duration 1.1 ";
+    const std::string output = "--output '" + (folder / "run.csv") + "' ";
+    const auto table = printed(both + output, folder / "errors");
+    CHECK(table.status == 1);
+    CHECK_THAT(table.output, Contains("K_z1") && Contains("position-control") && Contains("run-position-control.csv") &&
+                                 !Contains("impedance"));
+    const std::string errors = test::readFile(folder / "errors");
+    CHECK(errors.rfind("enamel: impedance: ", 0) == 0);
+    CHECK(std::count(errors.begin(), errors.end(), '\n') == 1);
+    const auto json = printed(both + "--json");
+    CHECK(json.status == 1);
+    const auto metrics = nlohmann::json::parse(json.output);
+    CHECK(metrics.size() == 1);
+    CHECK(metrics.contains("position-control"));
+  }
+  // A run that ends early is a failure too, and says when.
+  const auto lost = run(push("--renderer impedance,position-control --stiffness 40000"));
+  INFO(lost.output);
+  CHECK(lost.status == 1);
+  CHECK_THAT(lost.output, Contains("impedance: the device left its workspace at ") && Contains("K_z1"));
+}
+
+TEST_CASE("push and check-plugin: --set takes one KEY=VALUE and may be repeated", "[push_command]") {
+  const std::string spring = "'" ENAMEL_PLUGINS "/enamel_impedance.so'";
+  const auto stray = run(push("--renderer " + spring + " --set stiffness=5000 stray"));
+  CHECK(stray.status == 2);
+  CHECK_THAT(stray.output, Contains("not expected: stray"));
+  const auto twice = run(push("--renderer " + spring + " --duration 1.1 --set stiffness=5000 --set damping=1"));
+  INFO(twice.output);
+  CHECK(twice.status == 0);
+  CHECK(twice.output != run(push("--renderer " + spring + " --duration 1.1 --set stiffness=5000")).output);
+  CHECK(run("check-plugin --set stiffness=5000 " + spring).status == 0);
 }
 
 TEST_CASE("push: the same seed gives the same file, eq. 16 is warned about", "[push_command]") {
@@ -84,24 +258,56 @@ TEST_CASE("push: the same seed gives the same file, eq. 16 is warned about", "[p
   REQUIRE(run(push(options + (folder / "c.csv") + "' --seed 4")).status == 0);
   CHECK(test::readFile(folder / "a.csv") == test::readFile(folder / "b.csv"));
   CHECK(test::readFile(folder / "a.csv") != test::readFile(folder / "c.csv"));
-  const auto warned = run(push("--renderer impedance --stiffness 9000 --duration 1.1"));
-  CHECK(warned.status == 0);
-  CHECK(warned.output.find("eq. 16") != std::string::npos);
-  CHECK(run(push("--renderer impedance --duration 1.1")).output.find("eq. 16") == std::string::npos);
+  const auto warned = [&](const std::string& more) {
+    const auto result = run(push("--renderer impedance --duration 1.1 " + more));
+    CHECK(result.status == 0);
+    return result.output.find("enamel: warning: ") != std::string::npos;
+  };
+  CHECK(warned(""));
+  CHECK(warned("--device-damping 3"));  // equal is not enough
+  CHECK_FALSE(warned("--device-damping 4"));
+  CHECK(warned("--device-damping 4 --stiffness 9000"));
+  CHECK(warned("--device-damping 4 --damping 2"));
 }
 
 TEST_CASE("push: errors are one line and the status is not 0", "[push_command]") {
-  for (const char* arguments :
-       {"--renderer rubber", "--scenario 3", "--force -1", "--noise nan", "--duration -1", "--delay constant:99",
-        "--delay random:2..1", "--delay often", "--substeps 0", "--x 500", "--release maybe",
-        "--renderer impedance --stiffness -5", "--output /no/such/folder/run.csv", "--mode surface", "--low-pass 0"}) {
+  for (const char* arguments : {"--renderer rubber",
+                                "--scenario 3",
+                                "--force -1",
+                                "--noise nan",
+                                "--duration -1",
+                                "--delay constant:99",
+                                "--delay random:2..1",
+                                "--delay often",
+                                "--substeps 0",
+                                "--x 500",
+                                "--release maybe",
+                                "--renderer impedance --stiffness -5",
+                                "--output /no/such/folder/run.csv",
+                                "--mode surface",
+                                "--low-pass 0",
+                                "--device-damping -1",
+                                "--device-damping nan",
+                                "--force 0x10",
+                                "--force 12N",
+                                "--low-pass inf",
+                                "--seed 010",
+                                "--seed -1",
+                                "--seed 1e3",
+                                "--substeps 1.5",
+                                "--delay 'constant: 1'",
+                                "--delay constant:+1",
+                                "--delay constant:1x",
+                                "--delay constant:99999999999",
+                                "--delay random:0..",
+                                "--set stiffness=1"}) {
     const auto result = run(push(arguments));
     INFO(arguments << "\n" << result.output);
     CHECK(result.status != 0);
     CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
     CHECK(result.output.rfind("enamel: ", 0) == 0);
   }
-  CHECK(run("push --device none.toml").status != 0);
+  CHECK_THAT(run("push --device none.toml").output, Contains("enamel: none.toml"));
 }
 
 }  // namespace enamel::test_push_command

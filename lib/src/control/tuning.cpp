@@ -10,7 +10,6 @@
 namespace enamel {
 namespace {
 
-constexpr double kPush = 12.0;           // N
 constexpr double kImpactSeconds = 0.2;   // the first impact is over long before
 constexpr double kChatterSeconds = 1.5;  // of which the last second counts
 
@@ -40,12 +39,12 @@ std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const Ser
   const SampledPlant plant = linearPlant(servo.design, problem.jacobian);
   ServoExperiment experiment;
   experiment.reference = Eigen::VectorXd::Zero(servo.design.K.rows());
-  experiment.wrench = -kPush * Eigen::VectorXd::Unit(6, 2);
+  experiment.wrench = -problem.push * Eigen::VectorXd::Unit(6, 2);
   experiment.delay = delay;
   experiment.maxTorque = problem.maxTorque;
   experiment.ticks = ticksOf(kImpactSeconds, problem.period);
-  servo.stiffness = firstImpactStiffness(simulateServo(servo.design, plant, experiment), problem.jacobian.row(2), kPush,
-                                         problem.period);
+  servo.stiffness = firstImpactStiffness(simulateServo(servo.design, plant, experiment), problem.jacobian.row(2),
+                                         problem.push, problem.period);
   if (!(servo.stiffness > toBeat)) return std::nullopt;
   const StateSpace loop = runningLoop(servo.design);
   servo.toleratedDelay = toleratedDelay(loop, servo.design.K);

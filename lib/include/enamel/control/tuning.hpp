@@ -14,20 +14,21 @@ struct TuneProblem {
   double period = 0.0;          ///< s
   Eigen::VectorXd encoderStep;  ///< a joint, rad or m
   Eigen::VectorXd maxTorque;    ///< a joint, N m or N
+  double push = 12.0;           ///< along -z, that the stiffness and the chatter are for, N
 };
 
 /// What a tuned servo must keep to, all with `delay` samples of delay acting in the loop.
 struct TuneRequirements {
-  int delay = 0;              ///< samples
-  double diskMargin = 0.3;    ///< at least
-  double chatter = 0.1;       ///< at most, N m: torqueDeviation under 12 N, encoders rounded, velocities differenced
+  int delay = 0;            ///< samples
+  double diskMargin = 0.3;  ///< at least
+  double chatter = 0.1;     ///< at most, N m: torqueDeviation under the push, encoders rounded, velocities differenced
   bool stepResponse = false;  ///< also the step-reference rows of Table II (without delay)
 };
 
 /// A design and what it reaches, all with the delay acting.
 struct TunedServo {
   ServoDesign design;
-  double stiffness = 0.0;  ///< K_z1 for a step of 12 N along -z, N/m, exact measurements
+  double stiffness = 0.0;  ///< K_z1 for a step of the push, N/m, exact measurements
   double diskMargin = 0.0;
   double chatter = 0.0;     ///< N m
   int toleratedDelay = -1;  ///< samples

@@ -1,0 +1,11 @@
+// The rows of `enamel evaluate`: kinematics and dynamics of the TAU, JSON in, JSON out.
+#pragma once
+
+#include <string>
+
+namespace enamel::app {
+
+/// Throws Error: a file that cannot be read or written, or is not a list of rows; a device that is not a TAU.
+void evaluateRows(const std::string& devicePath, const std::string& inputPath, const std::string& outputPath);
+
+}  // namespace enamel::app

@@ -1,0 +1,40 @@
+// What `enamel push` says about a push: every tick as CSV, the metrics as a table or as JSON.
+#pragma once
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enamel/study/metrics.hpp"
+
+namespace enamel::app {
+
+/// What a renderer that came to the end made of the push.
+struct PushOutcome {
+  std::string renderer;
+  bool linked;  ///< the paper's figures are for the two linked renderers, not for a plugin of the same name
+  PushMetrics metrics;
+};
+
+/// A column a renderer, a row a metric.
+std::string tableOf(const std::vector<PushOutcome>& outcomes, int scenario);
+
+/// Metrics under the keys that files have (keyOf()), by renderer; what a run does not have is null.
+std::string jsonOf(const std::vector<PushOutcome>& outcomes);
+
+/// A CSV file with a line a tick. Throws Error: it cannot be written.
+class TickFile {
+ public:
+  TickFile(const std::string& path, const Mechanism& device);
+  void write(const TickRecord& tick);
+  void close();
+
+ private:
+  void append(const double* values, Eigen::Index count);
+
+  std::string path_, line_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+};
+
+}  // namespace enamel::app
