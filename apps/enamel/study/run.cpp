@@ -231,6 +231,11 @@ void writeReport(const Study& study, const Findings& findings) {
 void runStudy(StudyOptions options) {
   if (options.threads == 0) options.threads = availableThreads();
   const Study study = prepareStudy(options);
+  if (const std::size_t spring = study.column(ColumnKind::impedance); spring < study.labels.size())
+    if (const std::string warning =
+            dampingWarning(study.impedance, study.plan.setup.period, study.labels[spring].damping);
+        !warning.empty())
+      fmt::print(stderr, "enamel: warning: {}\n", warning);
   prepareFolder(study);
   Findings findings;
   findings.whole = !options.convergence;
