@@ -11,6 +11,5 @@ TEST_CASE("speed against error of the collision module", "[timing]") {
                 row.error, row.errorOf.c_str());
     const bool isPeer = row.name.find("Embree") == 0 || row.name.find("FCL") == 0;
     if (!isPeer) CHECK(row.error < 1e-13);  // m; the jaw is 0.06 m wide
-    CHECK(row.median_us > 0.0);
   }
 }

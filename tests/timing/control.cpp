@@ -9,7 +9,6 @@ TEST_CASE("speed against error of the control module", "[timing]") {
   for (const auto& row : enamel::bench::measureControl(0.2)) {
     INFO(row.name);
     std::printf("%-60s %9.2f us  error %.1e (%s)\n", row.name.c_str(), row.median_us, row.error, row.errorOf.c_str());
-    CHECK(row.median_us > 0.0);
     // DAREX 14 with rounded data cannot be better than 1e-7 (stated there); all else keeps to the project's bar.
     CHECK(row.error < (row.name == "Riccati, DAREX 14, tau = 1e8" ? 1e-7 : 1e-12));
   }
