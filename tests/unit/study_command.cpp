@@ -328,6 +328,12 @@ TEST_CASE("study: runs that the plant cannot finish are lost, not numbers", "[st
   REQUIRE(result.status == 0);
   const auto summary = nlohmann::json::parse(file(folder, "late", "summary.json"));
   for (const auto& claim : summary.at("claims")) CHECK_FALSE(claim.at("holds").get<bool>());
+  // What no run could measure is not zero.
+  for (const auto& wall : summary.at("walls"))
+    if (wall.at("runs that left the workspace") == 2) {
+      CHECK(wall.at("largest depth [m]").is_null());
+      CHECK(wall.at("largest mean chatter [N m]").is_null());
+    }
   const std::string points = file(folder, "late", "points.csv");
   CHECK(points.find("inf") == std::string::npos);
   CHECK(points.find("nan") == std::string::npos);

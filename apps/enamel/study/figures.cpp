@@ -121,12 +121,11 @@ Figure sceneFigure(const Study& study) {
   int chains = 0;
   for (const Bar& bar : bars) chains = std::max(chains, bar.chain + 1);
   std::vector<int> links(static_cast<std::size_t>(chains), 0);
+  std::vector<Vec3> tips(static_cast<std::size_t>(chains), Vec3::Zero());
   for (const Bar& bar : bars) {
-    if (bar.chain < 0) {
-      rod(bar.from, bar.to, 3.0, "#6C7785");
-      continue;
-    }
+    if (bar.chain < 0) continue;
     const int link = links[static_cast<std::size_t>(bar.chain)]++;
+    tips[static_cast<std::size_t>(bar.chain)] = bar.to;
     rod(bar.from, bar.to, link == 0 ? 4.0 : 3.4, link == 0 ? "#55606E" : "#8C97A4");
     ball(bar.to, 5.0, "#333C47");
     if (link > 0) continue;
@@ -134,8 +133,9 @@ Figure sceneFigure(const Study& study) {
     std::string text = fmt::format("chain {}:", bar.chain + 1);
     const int each = study.mechanism->joints() / chains;
     for (int j = 0; j < each; ++j) text += fmt::format("{} q{}", j > 0 ? "," : "", bar.chain * each + j + 1);
-    label(bar.from, text, bar.from.x() < 0.02 ? -110.0 : 64.0, bar.from.y() > 0.02 ? -30.0 : 36.0, kMuted);
+    label(bar.from, text, bar.from.x() < -0.02 ? -110.0 : 64.0, bar.from.x() < -0.02 ? -60.0 : 10.0, kMuted);
   }
+  for (const Vec3& tip : tips) rod(tip, Vec3(0.0, 0.0, 0.010), 3.0, "#6C7785");
   rod(Vec3(0, 0, 0.004), Vec3(0, 0, 0.062), 6.0, "#2F6F73");
   const double w = study.plan.halfWidth, pane = w + 0.004;
   scene["faces"].push_back(
@@ -664,7 +664,7 @@ std::vector<Figure> figuresOf(const Study& study, const Findings& findings) {
     figures.push_back(sceneFigure(study));
     for (const int scenario : study.plan.scenarios) figures.push_back(responseFigure(study, scenario));
     if (has(1)) figures.push_back(firstImpactMap(study, findings));
-    figures.push_back(alongYFigure(study, findings));
+    if (study.plan.grid > 1) figures.push_back(alongYFigure(study, findings));
     if (study.column(ColumnKind::positionControl) < study.plan.columns.size()) figures.push_back(torqueFigure(study));
     for (const int scenario : study.plan.scenarios) figures.push_back(steadyMap(study, findings, scenario));
     if (wallDeviceOf(study).damping > 0.0) figures.push_back(stabilityFigure(study));

@@ -140,12 +140,15 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
   for (const WallSummary& w : findings.walls) {
     const std::size_t c = w.column;
     const std::string without = withoutFirstText(w);
+    const auto number = [any = anyFinished(study, w)](double value, const char* format) {
+      return any && std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "–";
+    };
     cells.push_back(
         {fmt::format("{}: {}", w.scenario, escape(study.plan.columns[c].name)),
-         fmt::format("{:.3g}", study.labels[c].damping), fmt::format("{:.3g}", 1e3 * w.highestCompliance.value),
-         fmt::format("{:.0f}", w.lowestOverRms), fmt::format("{:.0f}", w.lowestOver95),
-         fmt::format("{:.3f}", 1e3 * w.largestDepth), fmt::format("{:.3f}", w.chatter), percent(w.saturatedShare, 2),
-         fmt::format("{:.3f}", w.tangentialForce), fmt::format("{:.2f}", 1e3 * w.drift),
+         fmt::format("{:.3g}", study.labels[c].damping), number(1e3 * w.highestCompliance.value, "{:.3g}"),
+         number(w.lowestOverRms, "{:.0f}"), number(w.lowestOver95, "{:.0f}"), number(1e3 * w.largestDepth, "{:.3f}"),
+         number(w.chatter, "{:.3f}"), number(100.0 * w.saturatedShare, "{:.2f}"), number(w.tangentialForce, "{:.3f}"),
+         number(1e3 * w.drift, "{:.2f}"),
          w.scenario == 1 && std::isfinite(uniformityOf(findings.survey[c])) ? percent(uniformityOf(findings.survey[c]))
                                                                             : "–",
          w.scenario != 1   ? "–"

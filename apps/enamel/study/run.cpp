@@ -190,10 +190,11 @@ void printSummary(const Study& study, const std::vector<WallSummary>& walls, con
   const auto value = [](const std::optional<Extreme>& e) { return e ? fmt::format("{:.5g}", e->value) : "-"; };
   for (const WallSummary& w : walls) {
     const std::string without = withoutFirstText(w);
+    const auto largest = [any = anyFinished(study, w)](double v) { return any ? fmt::format("{:.3f}", v) : "-"; };
     fmt::print(kRow, w.scenario, study.plan.columns[w.column].name,
                fmt::format("{:.3g}", study.labels[w.column].damping), value(w.lowestFirst), value(w.highestFirst),
-               value(w.lowestSteady), value(w.highestSteady), w.unresolved, fmt::format("{:.3f}", 1e3 * w.largestDepth),
-               fmt::format("{:.3f}", w.chatter), fmt::format("{:.3f}", 1e3 * w.drift),
+               value(w.lowestSteady), value(w.highestSteady), w.unresolved, largest(1e3 * w.largestDepth),
+               largest(w.chatter), largest(1e3 * w.drift),
                (without.empty() ? "" : "  runs without K_z1: " + without) +
                    (w.failed > 0 ? fmt::format("  {} runs left the workspace", w.failed) : ""));
   }

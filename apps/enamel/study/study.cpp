@@ -281,6 +281,10 @@ std::string withoutFirstText(const WallSummary& wall) {
   return text;
 }
 
+bool anyFinished(const Study& study, const WallSummary& wall) {
+  return static_cast<std::size_t>(wall.failed) < study.plan.points() * static_cast<std::size_t>(study.plan.runs);
+}
+
 std::string pointsTable(const Study& study, const std::vector<PointStatistics>& points) {
   std::string text = "scenario,renderer,x [m],y [m],runs,failed";
   for (const FirstImpactVerdict verdict : kWithoutFirst) text += fmt::format(",{}", toString(verdict));
@@ -317,6 +321,7 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
     return {{"value", e->value}, {"x [m]", at.x()}, {"y [m]", at.y()}};
   };
   for (const WallSummary& w : walls) {
+    const auto largest = [any = anyFinished(study, w)](double value) { return any ? Json(value) : Json(nullptr); };
     Json json;
     json["scenario"] = w.scenario;
     json["renderer"] = study.plan.columns[w.column].name;
@@ -332,11 +337,11 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
     json["highest |mean C_zs| [m/N]"] = extreme(w.highestCompliance);
     json["lowest mean F_c/" + perForce(&PushMetrics::rmsDepth)] = numberOrNull(w.lowestOverRms);
     json["lowest mean F_c/" + perForce(&PushMetrics::depth95)] = numberOrNull(w.lowestOver95);
-    json[keyOf(&PushMetrics::largestDepth)] = w.largestDepth;
-    json["largest " + keyOf(&PushMetrics::drift)] = w.drift;
-    json["largest mean " + keyOf(&PushMetrics::chatter)] = w.chatter;
-    json["largest mean " + keyOf(&PushMetrics::saturatedShare)] = w.saturatedShare;
-    json["largest mean " + keyOf(&PushMetrics::tangentialForce)] = w.tangentialForce;
+    json[keyOf(&PushMetrics::largestDepth)] = largest(w.largestDepth);
+    json["largest " + keyOf(&PushMetrics::drift)] = largest(w.drift);
+    json["largest mean " + keyOf(&PushMetrics::chatter)] = largest(w.chatter);
+    json["largest mean " + keyOf(&PushMetrics::saturatedShare)] = largest(w.saturatedShare);
+    json["largest mean " + keyOf(&PushMetrics::tangentialForce)] = largest(w.tangentialForce);
     json["runs that left the workspace"] = w.failed;
     Json& without = json[std::string("runs without ") + kFirst->symbol];
     for (const FirstImpactVerdict verdict : kWithoutFirst)

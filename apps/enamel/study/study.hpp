@@ -64,6 +64,9 @@ std::string pointText(const Study& study, std::size_t point);
 /// Why runs have no first impact stiffness, as "2 rings, 1 slipped"; empty where all have one.
 std::string withoutFirstText(const WallSummary& wall);
 
+/// Whether any run of a wall could be finished: without, its largest values are none, not zero.
+bool anyFinished(const Study& study, const WallSummary& wall);
+
 /// The key of a metric as every file has it.
 inline std::string keyOf(const MetricMember& member) { return enamel::keyOf(allMetrics()[indexOf(member)]); }
 
