@@ -163,7 +163,7 @@ Figure sceneFigure(const Study& study) {
   }
   label(Vec3(pane, -pane, 0.0), "wall z = 0", -190.0, 44.0, "#7A6A3E");
   const Vec3 focus = box.center();
-  const double height = 1.15 * std::max(box.sizes().head<2>().norm() / 1.6, box.sizes().y() + 0.4 * box.sizes().z());
+  const double height = 1.3 * std::max(box.sizes().head<2>().norm() / 1.6, box.sizes().y() + 0.4 * box.sizes().z());
   scene["camera"] = {{"eye", vec(focus + Vec3(0.36, 0.24, 0.61))}, {"focus", vec(focus)}, {"height", height}};
   Figure figure{"fig06-scene", "", {}};
   figure.caption = fmt::format(
