@@ -1,248 +1,10 @@
-#include <fcntl.h>
-#include <fmt/core.h>
-#include <signal.h>  // sigaction is not in <csignal>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <atomic>
-#include <cerrno>
-#include <chrono>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <memory>
 
 #include "commands.hpp"
-#include "enamel/core/error.hpp"
-#include "enamel/study/parallel.hpp"
-#include "enamel/study/run_file.hpp"
-#include "study/report.hpp"
+#include "study/options.hpp"
 
 namespace enamel::app {
-namespace {
-
-// ---- interruption ------------------------------------------------------------------------------------------------
-
-std::atomic<int> interrupted{0};  // the signal, or 0
-
-// While one stands, the first Ctrl-C asks to stop and the second ends the process at once.
-class InterruptGuard {
- public:
-  InterruptGuard() {
-    struct sigaction action = {};
-    action.sa_handler = [](int signal) { interrupted = signal; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGINT, &action, &before_[0]);
-    sigaction(SIGTERM, &action, &before_[1]);
-    // A file-size limit is to be an error of write(), as a full disk is.
-    signal(SIGXFSZ, SIG_IGN);
-  }
-  ~InterruptGuard() {
-    sigaction(SIGINT, &before_[0], nullptr);
-    sigaction(SIGTERM, &before_[1], nullptr);
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  struct sigaction before_[2];
-};
-
-// ---- progress ----------------------------------------------------------------------------------------------------
-
-std::string durationText(double seconds) {
-  return seconds < 99.5 ? fmt::format("{:.0f} s", seconds)
-                        : fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60.0), std::fmod(seconds, 60.0));
-}
-
-// On a terminal one line that renews itself; otherwise a line at every tenth.
-class Progress {
- public:
-  Progress(std::size_t first, std::size_t count)
-      : first_(first), count_(count), terminal_(isatty(STDERR_FILENO) != 0), begun_(Clock::now()), shown_(begun_) {}
-
-  void report(std::size_t finished) {
-    const auto now = Clock::now();
-    const double passed = std::chrono::duration<double>(now - begun_).count();
-    const bool tenth = 10 * finished / count_ > 10 * (finished - 1) / count_;
-    if (terminal_ ? finished < count_ && now - shown_ < std::chrono::milliseconds(200) : !tenth) return;
-    shown_ = now;
-    const double left = passed / static_cast<double>(finished - first_) * static_cast<double>(count_ - finished);
-    fmt::print(stderr, "{}{} of {} runs, {} %, {} left{}", terminal_ ? "\r\033[K" : "", finished, count_,
-               100 * finished / count_, durationText(left), terminal_ && finished < count_ ? "" : "\n");
-    std::fflush(stderr);
-  }
-
-  void interrupt() const {
-    if (terminal_) fmt::print(stderr, "\n");
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  std::size_t first_, count_;
-  bool terminal_;
-  Clock::time_point begun_, shown_;
-};
-
-// ---- the folder --------------------------------------------------------------------------------------------------
-
-std::string readFile(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-// Makes the folder and says now what would go wrong later: no permission, no room.
-void prepareFolder(const Study& study) {
-  const std::string& folder = study.options.output;
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder))
-    throw Error(folder + ": cannot make the folder: " + (error ? error.message() : "there is a file of that name"));
-  if (access(folder.c_str(), W_OK | X_OK) != 0)
-    throw Error(folder + ": cannot write into the folder: " + std::strerror(errno));
-  const std::filesystem::space_info space = std::filesystem::space(folder, error);
-  const double needed = 350.0 * static_cast<double>(study.plan.size()) + 8e6;  // a line a run; figures, report
-  if (!error && static_cast<double>(space.available) < needed)
-    throw Error(fmt::format("{}: {:.1f} MB are free, the study needs about {:.1f} MB", folder,
-                            1e-6 * static_cast<double>(space.available), 1e-6 * needed));
-}
-
-// The first setting in which another study differs from this one.
-std::string differenceOf(const Json& there, const Json& here) {
-  for (const auto& [key, value] : here.items())
-    if (!there.contains(key) || there.at(key) != value)
-      return fmt::format("its {} is {}, here it is {}", key, there.contains(key) ? there.at(key).dump() : "not given",
-                         value.dump());
-  return "it has other settings";
-}
-
-// study.json says what the runs depend on; runs.csv is continued only by the same study.
-void claimFolder(const Study& study) {
-  const std::string path = study.path("study.json"), wanted = study.manifest.dump(1) + "\n";
-  const bool begun = std::filesystem::exists(study.path("runs.csv"));
-  if (begun && study.options.resume) {
-    const Json there = Json::parse(readFile(path), nullptr, false);
-    if (there.is_discarded())
-      throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to");
-    if (there != study.manifest)
-      throw Error(
-          fmt::format("{}: holds another study: {}", study.options.output, differenceOf(there, study.manifest)));
-    return;
-  }
-  if (begun) {
-    // Unfinished work is not thrown away by forgetting an option.
-    const std::string runs = readFile(study.path("runs.csv"));
-    const Json there = Json::parse(readFile(path), nullptr, false);
-    const auto lines = static_cast<std::size_t>(std::count(runs.begin(), runs.end(), '\n'));
-    const auto product = [](const Json& m) {
-      return m.at("scenarios").size() * m.at("renderers").size() * m.at("grid").get<std::size_t>() *
-             m.at("grid").get<std::size_t>() * m.at("runs").get<std::size_t>();
-    };
-    if (there.is_object() && there.contains("runs") && lines < product(there) + 1)
-      throw Error(fmt::format("{}: holds an unfinished study ({} of {} runs): continue it with --resume, or remove {}",
-                              study.options.output, lines > 0 ? lines - 1 : 0, product(there), study.path("runs.csv")));
-    std::filesystem::remove(study.path("runs.csv"));
-  }
-  writeFile(path, wanted);
-}
-
-// ---- the command -------------------------------------------------------------------------------------------------
-
-void perform(const Study& study) {
-  RunFile file(study.plan, study.path("runs.csv"), study.options.resume);
-  const std::size_t first = file.finished(), count = study.plan.size();
-  if (first > 0) fmt::print(stderr, "{} of {} runs are there already\n", first, count);
-  Progress progress(first, count);
-  std::vector<StudyResult> results(count);
-  const InterruptGuard guard;
-  interrupted = 0;
-  const std::size_t finished = parallelInOrder(
-      first, count, study.options.threads,
-      [&](std::size_t i) { results[i] = performRun(study.plan, runAt(study.plan, i)); },
-      [&](std::size_t i) {
-        file.append(results[i]);
-        progress.report(i + 1);
-      },
-      [] { return interrupted != 0; });
-  if (finished < count) {
-    progress.interrupt();
-    throw Interrupted(
-        128 + static_cast<int>(interrupted),
-        fmt::format("interrupted after {} of {} runs, which are in {}: continue with the same command and "
-                    "--resume",
-                    finished, count, study.path("runs.csv")));
-  }
-}
-
-void printSummary(const Study& study, const std::vector<WallSummary>& walls, const std::vector<Claim>& claims) {
-  fmt::print("{}: {} query points x {} runs x {} scenarios, delay {}, encoders {}, seed {}\n", study.device.name,
-             study.plan.points(), study.plan.runs, study.plan.scenarios.size(), study.options.delay,
-             study.options.encoders ? "on" : "off", study.plan.setup.seed);
-  fmt::print("{:<9}{:<28}{:>13}{:>13}{:>13}{:>13}{:>11}{:>9}{:>9}{:>9}\n", "scenario", "renderer", "lowest K_z1",
-             "highest", "lowest K_zs", "highest", "unresolved", "depth", "chatter", "drift");
-  fmt::print("{:<9}{:<28}{:>13}{:>13}{:>13}{:>13}{:>11}{:>9}{:>9}{:>9}\n", "", "", "N/m", "N/m", "N/m", "N/m", "points",
-             "mm", "N m", "mm");
-  const auto value = [](const std::optional<Extreme>& e) { return e ? fmt::format("{:.5g}", e->value) : "-"; };
-  for (const WallSummary& w : walls)
-    fmt::print("{:<9}{:<28}{:>13}{:>13}{:>13}{:>13}{:>11}{:>9.3f}{:>9.3f}{:>9.3f}{}\n", w.scenario,
-               study.plan.columns[w.column].name, value(w.lowestFirst), value(w.highestFirst), value(w.lowestSteady),
-               value(w.highestSteady), w.unresolved, 1e3 * w.largestDepth, w.chatter, 1e3 * w.drift,
-               w.failed > 0 ? fmt::format("  {} runs left the workspace", w.failed) : "");
-  for (const Claim& claim : claims)
-    fmt::print("{}: {} ({})\n", claim.holds ? "holds" : "DOES NOT HOLD", claim.text, claim.measured);
-}
-
-void printConvergence(const Convergence& convergence) {
-  if (convergence.cheapest == convergence.methods.size()) {
-    fmt::print("integration: no method keeps every metric within {:.2g} %\n", 100.0 * convergence.allowed);
-    return;
-  }
-  const MethodError& m = convergence.methods[convergence.cheapest];
-  fmt::print(
-      "integration: the cheapest with every metric within {:.2g} % is {} with {} step{} a tick ({:.1e}, {:.2f} ms "
-      "per simulated second)\n",
-      100.0 * convergence.allowed, nameOf(m.method.integrator), m.method.substeps, m.method.substeps > 1 ? "s" : "",
-      m.worst, 1e3 * m.secondsPerSecond);
-}
-
-void writeReport(const Study& study, const Findings& findings) {
-  const std::string folder = study.path("figures"),
-                    path = study.path(findings.whole ? "report.html" : "convergence.html");
-  std::filesystem::create_directories(folder);
-  const std::vector<Figure> figures = figuresOf(study, findings);
-  const std::string missing = drawFigures(figures, folder);
-  if (!missing.empty()) fmt::print(stderr, "enamel: the report is without figures: {}\n", missing);
-  writeFile(path, reportOf(study, findings, figures, folder, missing));
-  fmt::print("report: {}\n", path);
-}
-
-void run(StudyOptions options) {
-  if (options.threads == 0) options.threads = availableThreads();
-  const Study study = prepareStudy(options);
-  prepareFolder(study);
-  Findings findings;
-  findings.whole = !options.convergence;
-  if (findings.whole) {
-    claimFolder(study);
-    perform(study);
-    // From the file, so that an interrupted study ends with the same bytes.
-    findings.points = pointStatistics(study.plan, readRuns(study.plan, study.path("runs.csv")));
-    findings.walls = summarise(study.plan, findings.points);
-    findings.claims = claimsOf(study, findings.points, findings.walls);
-    findings.survey = surveyWall(study);
-    writeFile(study.path("points.csv"), pointsTable(study, findings.points));
-    writeFile(study.path("summary.json"), summaryOf(study, findings.walls, findings.claims).dump(1) + "\n");
-    printSummary(study, findings.walls, findings.claims);
-  }
-  findings.convergence = measureConvergence(study);
-  writeFile(study.path("convergence.csv"), convergenceTable(findings.convergence));
-  printConvergence(findings.convergence);
-  writeReport(study, findings);
-}
-
-}  // namespace
 
 void addStudy(CLI::App& app) {
   auto options = std::make_shared<StudyOptions>();
@@ -262,12 +24,23 @@ void addStudy(CLI::App& app) {
           "and paths of plugins")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--set", options->set, "parameter of the plugins that have it, KEY=VALUE");
+  command->add_option("--set", options->set, "parameter of the plugins that have it, KEY=VALUE; may be given again")
+      ->allow_extra_args(false);
   command->add_option("--runs", options->runs, "a query point")->capture_default_str();
   command->add_option("--grid", options->grid, "query points a side of the 50 mm square")->capture_default_str();
   command->add_option("--device", options->device, "device file (TOML); without it, the nominal device");
   command->add_option("--design-device", options->designDevice,
                       "device file that the renderers are designed on; without it, --device");
+  command
+      ->add_option("--device-damping", options->deviceDamping,
+                   "mechanical damping of the TCP along z beyond the device file's, N s/m: B for every renderer, or\n"
+                   "NAME=B,... for some; the default is the paper's baseline")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_option("--gain", options->gain,
+                      "servo of position-control at every query point, as enamel design --output writes it; without "
+                      "it, designed at home");
   command->add_option("--delay", options->delay, "of the command, ticks: none, constant:D or random:A..B")
       ->capture_default_str();
   command->add_flag("--encoders", options->encoders, "round the joint angles to encoder counts, difference the rates");
@@ -278,7 +51,7 @@ void addStudy(CLI::App& app) {
   command->add_flag("--convergence", options->convergence, "measure speed against error of the integration only");
   command->add_flag("--resume", options->resume, "continue the study in the folder");
   command->add_option("--output", options->output, "folder for the results")->required();
-  command->callback([options] { run(*options); });
+  command->callback([options] { runStudy(*options); });
 }
 
 }  // namespace enamel::app

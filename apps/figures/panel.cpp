@@ -96,10 +96,11 @@ void addCurve(vtkChartXY* chart, const Json& curve) {
   for (const Json& value : curve.at("x")) x->InsertNextValue(value);
   for (const Json& value : curve.at("y")) y->InsertNextValue(value);
   if (x->GetNumberOfValues() != y->GetNumberOfValues()) throw Error("a curve has as many x as y");
+  const bool marks = curve.value("marks", false);
+  if (!marks && x->GetNumberOfValues() < 2) return;  // of a run that ended at once
   vtkNew<vtkTable> table;
   table->AddColumn(x);
   table->AddColumn(y);
-  const bool marks = curve.value("marks", false);
   vtkPlot* plot = chart->AddPlot(marks ? vtkChart::POINTS : vtkChart::LINE);
   plot->SetInputData(table, 0, 1);
   const glm::u8vec3 c = colourOf(curve.at("colour"));

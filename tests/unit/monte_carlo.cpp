@@ -6,11 +6,15 @@
 #include <set>
 
 #include "enamel/core/error.hpp"
+#include "enamel/device/device_file.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
-#include "support/pushes.hpp"
+#include "support/devices.hpp"
+#include "support/reference.hpp"
 
 namespace enamel::test_monte_carlo {
 
@@ -21,14 +25,15 @@ StudyPlan smallPlan(int grid, int runs) {
   plan.grid = grid;
   plan.runs = runs;
   plan.setup.duration = 1.1;
-  const TauModel model = makeModel(test::nominal());
-  plan.columns.push_back({"position-control", model, [model](std::size_t) {
-                            return std::make_unique<PositionControlRenderer>(model, test::referenceGain(), 1e-3,
-                                                                             PositionControlOptions{});
+  const DeviceParameters device = test::nominal();
+  DeviceParameters damped = device;
+  addDamping(damped, 4.0 * Vec6::Unit(2));
+  const ServoGain gain = test::matrixFrom(test::referenceFile("servo-nominal.json").at("K"));
+  plan.columns.push_back({"position-control", makeMechanism(device), [gain](std::size_t) {
+                            return std::make_unique<PositionControlRenderer>(gain, 1e-3, PositionControlOptions{});
                           }});
-  plan.columns.push_back({"impedance", makeModel(test::dampedNominal()), [model](std::size_t) {
-                            return std::make_unique<ImpedanceRenderer>(model, ImpedanceOptions{6000.0, 0.0, 4.0});
-                          }});
+  plan.columns.push_back({"impedance", makeMechanism(damped),
+                          [](std::size_t) { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{}); }});
   return plan;
 }
 
@@ -44,6 +49,11 @@ std::vector<StudyResult> runsWith(const std::vector<double>& compliances) {
   return runs;
 }
 
+void withoutFirst(StudyResult& result, FirstImpactVerdict verdict) {
+  result.metrics.verdict = verdict;
+  result.metrics.firstDepth = result.metrics.firstStiffness = std::nullopt;
+}
+
 // All results of a plan, without simulation: numbers that depend on the run alone.
 std::vector<StudyResult> invented(const StudyPlan& plan) {
   std::vector<StudyResult> results;
@@ -52,6 +62,7 @@ std::vector<StudyResult> invented(const StudyPlan& plan) {
     r.run = runAt(plan, i);
     const RandomStream random(77, static_cast<std::uint32_t>(i));
     const auto number = [&random](std::uint64_t n) { return random.uniform(RandomStream::Purpose::test, n); };
+    r.metrics.verdict = FirstImpactVerdict::measured;
     r.metrics.firstStiffness = 1e4 * (1.0 + number(0));
     r.metrics.firstDepth = 1e-3 * number(1);
     r.metrics.steadyCompliance = 1e-6 * (number(2) - 0.2);
@@ -61,7 +72,7 @@ std::vector<StudyResult> invented(const StudyPlan& plan) {
     r.metrics.largestDepth = 1e-3 * number(5);
     r.metrics.work = -number(6) / 3.0;
     r.metrics.faults = i;
-    if (r.run.scenario == 2) r.metrics.firstDepth = r.metrics.firstStiffness = std::nullopt;
+    if (r.run.scenario == 2) withoutFirst(r, FirstImpactVerdict::noStep);
     results.push_back(r);
   }
   return results;
@@ -113,15 +124,16 @@ TEST_CASE("statistics agree with independent formulas", "[monte_carlo]") {
   const StudyPlan plan = smallPlan(1, 9);
   std::vector<StudyResult> runs = invented(plan);
   runs.resize(9);  // scenario 1, first column
-  runs[2].metrics.firstStiffness = std::nullopt;
-  runs[2].metrics.firstDepth = std::nullopt;
+  withoutFirst(runs[2], FirstImpactVerdict::rings);
   runs[5].status = Status::unreachable;
   runs[5].metrics = {};
   const PointStatistics s = statisticsOf(runs);
   CHECK(s.runs == 9);
   CHECK(s.failed == 1);
-  CHECK(s.firstStiffness.count == 7);
-  CHECK(s.compliance.count == 8);
+  const Spread& first = s.of(&PushMetrics::firstStiffness);
+  CHECK(first.count == 7);
+  CHECK(s.of(&PushMetrics::firstDepth).count == 7);
+  CHECK(s.of(&PushMetrics::steadyCompliance).count == 8);
   // Welford's recursion in long double, on another path.
   long double mean = 0, squares = 0, overRms = 0;
   int n = 0;
@@ -135,10 +147,43 @@ TEST_CASE("statistics agree with independent formulas", "[monte_carlo]") {
     mean += d / ++n;
     squares += d * (*m.firstStiffness - mean);
   }
-  CHECK(s.firstStiffness.mean == Approx(static_cast<double>(mean)).epsilon(1e-14));
-  CHECK(s.firstStiffness.deviation == Approx(std::sqrt(static_cast<double>(squares) / 6)).epsilon(1e-13));
+  CHECK(first.mean == Approx(static_cast<double>(mean)).epsilon(1e-14));
+  CHECK(first.deviation == Approx(std::sqrt(static_cast<double>(squares) / 6)).epsilon(1e-13));
   CHECK(s.forceOverRms.mean == Approx(static_cast<double>(overRms)).epsilon(1e-14));
   CHECK(s.largestDepth == largest);
+  // Every metric is that of its own member: each run's work is another third of a number.
+  double work = 0.0;
+  for (const int i : {0, 1, 2, 3, 4, 6, 7, 8}) work += runs[static_cast<std::size_t>(i)].metrics.work / 8.0;
+  CHECK(s.of(&PushMetrics::work).mean == Approx(work).epsilon(1e-14));
+}
+
+TEST_CASE("runs without a first impact are counted by the reason", "[monte_carlo]") {
+  const StudyPlan plan = smallPlan(2, 3);
+  std::vector<StudyResult> results = invented(plan);
+  // Scenario 1, first column: runs 0 to 11, three a point.
+  withoutFirst(results[0], FirstImpactVerdict::rings);
+  withoutFirst(results[4], FirstImpactVerdict::rings);
+  withoutFirst(results[5], FirstImpactVerdict::slips);
+  withoutFirst(results[9], FirstImpactVerdict::noReturn);
+  withoutFirst(results[10], FirstImpactVerdict::noReturn);
+  withoutFirst(results[11], FirstImpactVerdict::noReturn);
+  results[2].status = Status::unreachable;
+  results[2].metrics = {};  // whose verdict is that of a run that never returned
+  const auto points = pointStatistics(plan, results);
+  CHECK(points[0].verdicts == VerdictCounts{1, 0, 0, 1, 0});
+  CHECK(points[1].verdicts == VerdictCounts{1, 0, 0, 1, 1});
+  CHECK(points[2].verdicts == VerdictCounts{3, 0, 0, 0, 0});
+  CHECK(points[3].verdicts == VerdictCounts{0, 0, 3, 0, 0});
+  CHECK(std::isnan(points[3].of(&PushMetrics::firstStiffness).mean));
+  const auto walls = summarise(plan, points);
+  CHECK(walls[0].verdicts == VerdictCounts{5, 0, 3, 2, 1});
+  CHECK(walls[0].withoutFirst() == 6);
+  CHECK(walls[0].failed == 1);
+  CHECK(walls[1].withoutFirst() == 0);
+  for (const std::size_t secondScenario : {2u, 3u}) {
+    CHECK(walls[secondScenario].verdicts == VerdictCounts{0, 12, 0, 0, 0});
+    CHECK(walls[secondScenario].withoutFirst() == 0);
+  }
 }
 
 TEST_CASE("K_zs is unresolved below two standard errors, and never zero or infinite", "[monte_carlo]") {
@@ -163,8 +208,8 @@ TEST_CASE("where every run failed there are no figures, and extremes do not see 
   for (const PointStatistics& p : points) {
     const bool lost = p.column == 1 && p.point != 2;
     CHECK(p.failed == (lost ? 3 : 0));
-    CHECK(std::isnan(p.compliance.mean) == lost);
-    CHECK(std::isnan(p.firstStiffness.mean) == (lost || p.scenario == 2));
+    CHECK(std::isnan(p.of(&PushMetrics::steadyCompliance).mean) == lost);
+    CHECK(std::isnan(p.of(&PushMetrics::firstStiffness).mean) == (lost || p.scenario == 2));
   }
   const auto walls = summarise(plan, points);
   REQUIRE(walls.size() == 4);
@@ -173,8 +218,9 @@ TEST_CASE("where every run failed there are no figures, and extremes do not see 
     int unresolved = 0;
     for (const PointStatistics& p : points) {
       if (p.scenario != w.scenario || p.column != w.column) continue;
-      if (p.firstStiffness.mean < low) low = p.firstStiffness.mean;
-      if (p.firstStiffness.mean > high) high = p.firstStiffness.mean;
+      const double first = p.of(&PushMetrics::firstStiffness).mean;
+      if (first < low) low = first;
+      if (first > high) high = first;
       unresolved += !p.steadyStiffness;
     }
     CHECK(w.unresolved == unresolved);

@@ -126,6 +126,30 @@ TEST_CASE("figures: every one is drawn, has its curves, and cuts nothing off", "
   }
 }
 
+TEST_CASE("figures: of a device of three joints, and of a wall of one point", "[figures]") {
+  const test::TemporaryFolder folder;
+  const auto drawnBy = [&](const std::string& name, const std::string& arguments) {
+    const auto result = test::runCommand("env -u DISPLAY -u WAYLAND_DISPLAY '" ENAMEL_TOOL "' study " + arguments +
+                                         " --output '" + (folder / name) + "'");
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    CHECK(result.output.find("without figures") == std::string::npos);
+    CHECK(result.output.find("VTK") == std::string::npos);
+    std::set<std::string> drawn;
+    for (const auto& entry : std::filesystem::directory_iterator(folder / (name + "/figures"))) {
+      INFO(entry.path().filename());
+      const Pixels picture(entry.path());
+      CHECK(edgeIsWhite(picture));
+      CHECK(distinctColours(picture) > 60);
+      drawn.insert(entry.path().stem());
+    }
+    return drawn;
+  };
+  CHECK(drawnBy("delta", "--device '" ENAMEL_SOURCE_DIR "/data/devices/delta.toml' --grid 3 --runs 2").size() ==
+        kCurves.size());
+  CHECK(drawnBy("point", "--renderers position-control --scenario 1 --grid 1 --runs 2").count("along-y") == 0);
+}
+
 TEST_CASE("figures: descriptions that cannot be drawn are refused in one line", "[figures]") {
   const test::TemporaryFolder folder;
   const std::string program = std::filesystem::path(ENAMEL_TOOL).parent_path() / "enamel-figures";

@@ -9,6 +9,7 @@
 #include "enamel/control/discretise.hpp"
 #include "enamel/control/riccati.hpp"
 #include "enamel/control/servo_design.hpp"
+#include "enamel/device/tau/mechanism.hpp"
 
 namespace enamel::bench {
 namespace {
@@ -57,7 +58,7 @@ std::vector<Measurement> measureControl(double scale) {
     rows.push_back({"", name, t.median_us, t.p99_us, error, errorOf});
   };
 
-  const DevicePlant device = devicePlant(makeModel(nominalDevice()), Pose{});
+  const DevicePlant device = devicePlant(std::make_shared<TauMechanism>(nominalDevice()), Pose{});
   const auto linear = [&device] { return linearise(device.f, device.h, device.x0, device.u0); };
   const Linearisation model = linear();
   add("linearise the device, 18 variables", 4, model.error, "relative, its own estimate", linear);

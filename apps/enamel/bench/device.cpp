@@ -8,6 +8,7 @@
 #include "bench/nominal_device.hpp"
 #include "enamel/device/tau/dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"
+#include "enamel/device/tau/mechanism.hpp"
 
 namespace enamel::bench {
 namespace {
@@ -21,7 +22,8 @@ struct Sample {
 
 Sample sampleAt(const TauModel& model, const Pose& pose) {
   Sample s;
-  if (inverseKinematics(model, pose, s.configuration) != Status::ok) throw std::logic_error("pose outside the workspace");
+  if (inverseKinematics(model, pose, s.configuration) != Status::ok)
+    throw std::logic_error("pose outside the workspace");
   s.q = jointAngles(s.configuration);
   return s;
 }
@@ -221,6 +223,52 @@ std::vector<Measurement> measureDevice(double scale) {
     });
     add("forward dynamics from q and q' (with forward kinematics)", fromAngles, error,
         "relative, against the assembled KKT system", 0.75, assembled.median_us);
+  }
+  {
+    const TauMechanism mechanism(device);
+    std::vector<JointVector> q, rates;
+    for (const Sample& s : path) {
+      q.push_back(s.q);
+      rates.push_back(jointRates(model, s.configuration, samples[q.size() - 1].twist));
+    }
+    const auto track = [&](int i, bool withInertia, Kinematics& k) {
+      const auto at = static_cast<std::size_t>(i & (kSamples - 1));
+      return mechanism.track(q[at], rates[at], withInertia, k);
+    };
+    const auto reach = [&](int i, Kinematics& k) {
+      const auto at = static_cast<std::size_t>(i & (kSamples - 1));
+      return mechanism.reach(path[at].configuration.pose, samples[at].twist, true, k);
+    };
+    // Everything that a tick gets, each against another way to it: V = J q' against the twist that the rates came from,
+    // gravity and inertia against the functions of a pose.
+    const auto errorOf = [&](int i, const Kinematics& k) {
+      const Sample& s = pick(path, i);
+      double error = poseError(k.pose, s.configuration.pose);
+      error = std::max(error, relativeError(k.twist, pick(samples, i).twist));
+      error = std::max(error, relativeError(k.jacobian * k.rates, k.twist));
+      error = std::max(error, relativeError(k.gravity, gravityTorque(model, s.configuration)));
+      if (k.inertia.size() > 0) error = std::max(error, relativeError(k.inertia, massMatrix(model, s.configuration)));
+      return error;
+    };
+    for (const bool withInertia : {false, true}) {
+      Kinematics k = mechanism.home();
+      double error = 0.0;
+      for (int i = 0; i < 2 * kSamples; ++i)
+        error = std::max(error, track(i, withInertia, k) == Status::ok ? errorOf(i, k) : 1.0);
+      const Timing t = timeCalls(batches, calls, [&](int first, int count) {
+        for (int i = first; i < first + count; ++i) keep(track(i, withInertia, k)), keep(k);
+      });
+      add(withInertia ? "track: pose, twist, Jacobian, gravity, inertia" : "track: pose, twist, Jacobian, gravity", t,
+          error, "worst of them, relative or m", std::numeric_limits<double>::quiet_NaN());
+    }
+    Kinematics k;
+    double error = 0.0;
+    for (int i = 0; i < kSamples; ++i) error = std::max(error, reach(i, k) == Status::ok ? errorOf(i, k) : 1.0);
+    const Timing t = timeCalls(batches, calls, [&](int first, int count) {
+      for (int i = first; i < first + count; ++i) keep(reach(i, k)), keep(k);
+    });
+    add("reach: the same with inertia from pose and twist", t, error, "worst of them, relative or m",
+        std::numeric_limits<double>::quiet_NaN());
   }
   return rows;
 }

@@ -9,6 +9,7 @@
 #include "bench/measurement.hpp"
 #include "bench/nominal_device.hpp"
 #include "enamel/control/device_plant.hpp"
+#include "enamel/device/tau/mechanism.hpp"
 #include "enamel/plugin/host.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
@@ -44,11 +45,11 @@ Percentiles timeEach(int calls, const Call& call) {
 
 // A tool that goes in and out of the wall at 1 kHz, as measured.
 struct Path {
-  std::vector<Vec6> q, rates;
+  std::vector<enamel::Measurement> measured;
   std::vector<Pose> poses;
 };
 
-Path pathThroughTheWall(const TauModel& model, int ticks) {
+Path pathThroughTheWall(const Mechanism& mechanism, int ticks) {
   Path path;
   for (int i = 0; i < ticks; ++i) {
     const double t = kPeriod * i;
@@ -56,10 +57,9 @@ Path pathThroughTheWall(const TauModel& model, int ticks) {
     pose.position = {0.01 * std::sin(2.0 * t), 0.01 * std::cos(3.0 * t), 2e-4 * std::sin(25.0 * t)};
     Vec6 twist = Vec6::Zero();
     twist.head<3>() << 0.02 * std::cos(2.0 * t), -0.03 * std::sin(3.0 * t), 5e-3 * std::cos(25.0 * t);
-    TauConfiguration c;
-    if (inverseKinematics(model, pose, c) != Status::ok) throw std::logic_error("path outside the workspace");
-    path.q.push_back(jointAngles(c));
-    path.rates.push_back(jointRates(model, c, twist));
+    Kinematics k;
+    if (mechanism.reach(pose, twist, false, k) != Status::ok) throw std::logic_error("path outside the workspace");
+    path.measured.push_back({t, k.q, k.rates, {}});
     path.poses.push_back(pose);
   }
   return path;
@@ -88,12 +88,11 @@ std::pair<Percentiles, Percentiles> timeLinkedAndPlugin(const std::vector<TickIn
 }  // namespace
 
 std::vector<Measurement> measureTick(double scale) {
-  const TauModel model = makeModel(nominalDevice());
-  const ServoDesign servo = designServo(model, Pose{}, kPeriod);
-  PositionControlRenderer hold(model, servo.K, kPeriod, {});
-  ImpedanceRenderer spring(model, {6000.0, 0.0, 4.0});
+  const auto mechanism = std::make_shared<TauMechanism>(nominalDevice());
+  PositionControlRenderer hold(designServo(mechanism, Pose{}, kPeriod).K, kPeriod, {});
+  ImpedanceRenderer spring(ImpedanceOptions{});
   const int ticks = std::max(2000, static_cast<int>(50000 * scale));
-  const Path path = pathThroughTheWall(model, ticks);
+  const Path path = pathThroughTheWall(*mechanism, ticks);
 
   std::vector<Measurement> rows;
   const auto add = [&rows](std::string name, const Percentiles& p, double error, const char* errorOf, double goal_us) {
@@ -111,40 +110,41 @@ std::vector<Measurement> measureTick(double scale) {
 
   add("nothing (the clock's own cost)", timeEach(ticks, [](int) {}), 0.0, "-", none);
   {
-    TauConfiguration tracked = model.home;
-    double error = 0.0;
+    Kinematics tracked = mechanism->home();
+    const auto track = [&](std::size_t i) {
+      return mechanism->track(path.measured[i].q, path.measured[i].rates, false, tracked);
+    };
     const Percentiles p = timeEach(ticks, [&](int i) {
-      keep(forwardKinematics(model, path.q[static_cast<std::size_t>(i)], tracked));
+      keep(track(static_cast<std::size_t>(i)));
       keep(tracked);
     });
-    tracked = model.home;
-    for (std::size_t i = 0; i < path.q.size(); ++i) {
-      if (forwardKinematics(model, path.q[i], tracked).status != Status::ok) error = 1.0;
+    tracked = mechanism->home();
+    double error = 0.0;
+    for (std::size_t i = 0; i < path.poses.size(); ++i) {
+      if (track(i) != Status::ok) error = 1.0;
       error = std::max(error, (tracked.pose.position - path.poses[i].position).norm());
     }
-    add("its forward kinematics", p, error, "position, m", none);
+    add("its track", p, error, "position, m", none);
   }
   const Scene wall = flatWall();
   const Tool tool;
   for (const auto& [name, renderer] :
        {std::pair<const char*, Renderer*>{"position-control", &hold}, {"impedance", &spring}}) {
-    renderer->activate(kPeriod);
-    TickMemory memory{model.home, makeToolCache(wall, tool)};
-    TickInput input;
-    TickOutput output;
     int faults = 0;
-    std::vector<TickInput> inputs(static_cast<std::size_t>(ticks));
-    const Percentiles whole = timeEach(ticks, [&](int i) {
-      const auto k = static_cast<std::size_t>(i);
-      faults += hapticTick(model, wall, tool, kPeriod * i, path.q[k], path.rates[k], memory, *renderer, input,
-                           output) != Status::ok;
-    });
-    add(std::string("whole tick, ") + name, whole, faults, "ticks that were not ok", 3.0);
-    renderer->reset();
-    memory.tracked = model.home;
-    for (std::size_t k = 0; k < inputs.size(); ++k) {
-      faults += hapticTick(model, wall, tool, kPeriod * static_cast<double>(k), path.q[k], path.rates[k], memory,
-                           *renderer, inputs[k], output) != Status::ok;
+    TickOutput output;
+    std::vector<TickInput> inputs;
+    {
+      HapticTick tick(*mechanism, wall, tool, *renderer, kPeriod);
+      Command command;
+      const Percentiles whole = timeEach(
+          ticks, [&](int i) { faults += tick(path.measured[static_cast<std::size_t>(i)], command) != Status::ok; });
+      add(std::string("whole tick, ") + name, whole, faults, "ticks that were not ok", 3.0);
+    }
+    HapticTick tick(*mechanism, wall, tool, *renderer, kPeriod);
+    Command command;
+    for (const enamel::Measurement& measured : path.measured) {
+      faults += tick(measured, command) != Status::ok;
+      inputs.push_back(tick.input());
     }
     renderer->reset();
     std::string file = std::string("enamel_") + name + ".so";
@@ -176,13 +176,13 @@ std::vector<Measurement> measureTick(double scale) {
     const auto finalPose = [&](int substeps) {
       setup.substeps = substeps;
       Pose pose;
-      (void)runPush(model, hold, setup, [&](const TickRecord& t) { pose = t.pose; });
+      (void)runPush(*mechanism, hold, setup, [&](const TickRecord& t) { pose = t.pose; });
       return pose;
     };
     const double error = (finalPose(1).position - finalPose(8).position).norm();
     setup.substeps = 1;
     const Percentiles p = timeEach(std::max(10, static_cast<int>(100 * scale)), [&](int) {
-      (void)runPush(model, hold, setup, [](const TickRecord& t) { keep(t); });
+      (void)runPush(*mechanism, hold, setup, [](const TickRecord& t) { keep(t); });
     });
     add("a push of 3 s on the virtual device", p, error, "last position, m, against 8 substeps", 10e3);
   }

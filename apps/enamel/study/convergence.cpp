@@ -18,19 +18,6 @@ constexpr IntegrationMethod kMethods[] = {
     {Integrator::midpoint, 4},          {Integrator::midpoint, 8},          {Integrator::rungeKutta4, 1},
     {Integrator::rungeKutta4, 2},       {Integrator::rungeKutta4, 4},       {Integrator::rungeKutta4, 8}};
 
-const char* const kMetricNames[] = {"D_z1",
-                                    "K_z1",
-                                    "D_zs",
-                                    "C_zs",
-                                    "rms depth",
-                                    "depth 95 %",
-                                    "largest depth",
-                                    "chatter",
-                                    "saturated share",
-                                    "tangential force",
-                                    "work",
-                                    "drift"};
-constexpr std::size_t kMetrics = std::size(kMetricNames);
 using MetricValues = std::array<double, kMetrics>;
 
 // NaN where the run has no such metric.
@@ -38,12 +25,8 @@ MetricValues valuesOf(const StudyResult& result) {
   MetricValues v;
   v.fill(std::nan(""));
   if (result.status != Status::ok) return v;
-  const PushMetrics& m = result.metrics;
-  if (m.firstDepth) v[0] = *m.firstDepth;
-  if (m.firstStiffness) v[1] = *m.firstStiffness;
-  const double rest[] = {m.steadyDepth, m.steadyCompliance, m.rmsDepth,        m.depth95, m.largestDepth,
-                         m.chatter,     m.saturatedShare,   m.tangentialForce, m.work,    m.drift};
-  std::copy(std::begin(rest), std::end(rest), v.begin() + 2);
+  for (std::size_t i = 0; i < kMetrics; ++i)
+    if (const auto value = valueOf(result.metrics, allMetrics()[i])) v[i] = *value;
   return v;
 }
 
@@ -144,7 +127,7 @@ Convergence measureConvergence(const Study& study) {
   const StudyPlan& plan = study.plan;
   const std::vector<StudyRun> runs = runsOf(plan);
   Convergence convergence;
-  convergence.metrics.assign(std::begin(kMetricNames), std::end(kMetricNames));
+  for (const Metric& metric : allMetrics()) convergence.metrics.emplace_back(metric.symbol);
   const auto record = [&](const IntegrationMethod& method) {
     std::vector<RunRecord> records(runs.size());
     parallelFor(runs.size(), study.options.threads,

@@ -5,12 +5,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include "design_results.hpp"
-#include "enamel/device/tau/kinematics.hpp"
+#include "enamel/control/impedance_map.hpp"
 
 extern char** environ;
 
@@ -25,12 +25,16 @@ constexpr const char* kOrange = "#E69F00";
 constexpr const char* kInk = "#1F262E";
 constexpr const char* kMuted = "#66707C";
 
-const char* colourOf(const std::string& column) {
-  return column == kImpedance ? kVermilion : column == kScheduled ? kGreen : kBlue;
-}
+constexpr const char* kPurple = "#CC79A7";
 
-std::string titleOf(const std::string& column) {
-  return column == kImpedance ? "impedance" : column == kScheduled ? "scheduled servo" : "position control";
+const char* colourOf(ColumnKind kind) {
+  switch (kind) {
+    case ColumnKind::positionControl: return kBlue;
+    case ColumnKind::impedance: return kVermilion;
+    case ColumnKind::scheduled: return kGreen;
+    case ColumnKind::plugin: break;
+  }
+  return kPurple;
 }
 
 // ---- axes --------------------------------------------------------------------------------------------------------
@@ -101,7 +105,7 @@ Json horizontal(double low, double high, double y, const char* colour) {
 // ---- Fig. 6: the device and the query points -----------------------------------------------------------------------
 
 Figure sceneFigure(const Study& study) {
-  const TauModel model = makeModel(study.device);
+  const std::vector<Bar> bars = study.mechanism->bars(Pose{});
   const auto vec = [](const Vec3& v) { return Json{v.x(), v.y(), v.z()}; };
   Json scene;
   const auto rod = [&](const Vec3& from, const Vec3& to, double radius, const char* colour) {
@@ -113,21 +117,25 @@ Figure sceneFigure(const Study& study) {
   const auto label = [&](const Vec3& at, const std::string& text, double dx, double dy, const char* colour = kInk) {
     scene["labels"].push_back({{"at", vec(at)}, {"text", text}, {"offset", {dx, dy}}, {"colour", colour}});
   };
-  for (std::size_t i = 0; i < 3; ++i) {
-    const ChainModel& chain = model.chain[i];
-    const ChainConfiguration& c = model.home.chain[i];
-    const double reach = chain.length1 * c.cosLift;
-    const Vec3 knee = chain.base + Vec3(reach * c.sinYaw, chain.length1 * c.sinLift, reach * c.cosYaw);
-    rod(chain.base - Vec3(0, 0.014, 0), chain.base + Vec3(0, 0.014, 0), 11.0, "#333C47");
-    rod(chain.base, knee, 4.0, "#55606E");
-    rod(knee, c.tip, 3.4, "#8C97A4");
-    rod(c.tip, Vec3(0.0, 0.0, 0.010), 3.0, "#6C7785");
-    ball(knee, 5.0, "#333C47");
-    ball(c.tip, 5.0, "#333C47");
-    const char* names[] = {"chain 1: q1, q2", "chain 2: q3, q4", "chain 3: q5, q6"};
-    const double side[] = {-110.0, -110.0, 64.0}, down[] = {-96.0, -96.0, -30.0};
-    label(chain.base, names[i], side[i], down[i], kMuted);
+  // Link after link of a chain becomes thinner and lighter; joints go to the chains in turn.
+  int chains = 0;
+  for (const Bar& bar : bars) chains = std::max(chains, bar.chain + 1);
+  std::vector<int> links(static_cast<std::size_t>(chains), 0);
+  std::vector<Vec3> tips(static_cast<std::size_t>(chains), Vec3::Zero());
+  for (const Bar& bar : bars) {
+    if (bar.chain < 0) continue;
+    const int link = links[static_cast<std::size_t>(bar.chain)]++;
+    tips[static_cast<std::size_t>(bar.chain)] = bar.to;
+    rod(bar.from, bar.to, link == 0 ? 4.0 : 3.4, link == 0 ? "#55606E" : "#8C97A4");
+    ball(bar.to, 5.0, "#333C47");
+    if (link > 0) continue;
+    ball(bar.from, 8.0, "#333C47");
+    std::string text = fmt::format("chain {}:", bar.chain + 1);
+    const int each = study.mechanism->joints() / chains;
+    for (int j = 0; j < each; ++j) text += fmt::format("{} q{}", j > 0 ? "," : "", bar.chain * each + j + 1);
+    label(bar.from, text, bar.from.x() < -0.02 ? -110.0 : 64.0, bar.from.x() < -0.02 ? -60.0 : 10.0, kMuted);
   }
+  for (const Vec3& tip : tips) rod(tip, Vec3(0.0, 0.0, 0.010), 3.0, "#6C7785");
   rod(Vec3(0, 0, 0.004), Vec3(0, 0, 0.062), 6.0, "#2F6F73");
   const double w = study.plan.halfWidth, pane = w + 0.004;
   scene["faces"].push_back(
@@ -142,7 +150,9 @@ Figure sceneFigure(const Study& study) {
                               {"width", 2.0}});
   for (std::size_t p = 0; p < study.plan.points(); ++p)
     ball(queryPoint(study.plan, p), study.plan.grid <= 15 ? 0.9 : 0.5, kVermilion);
-  const Vec3 origin(-0.108, -0.120, 0.0);
+  Eigen::AlignedBox<double, 3> box(Vec3(-pane, -pane, 0.0), Vec3(pane, pane, 0.062));
+  for (const Bar& bar : bars) box.extend(bar.from).extend(bar.to);
+  const Vec3 origin = box.min().cwiseMin(Vec3(0, 0, 0)).cwiseProduct(Vec3(1, 1, 0)) - Vec3(0.02, 0.02, 0.0);
   const char* axes[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {
     const Vec3 tip = origin + 0.035 * Vec3::Unit(i);
@@ -152,7 +162,9 @@ Figure sceneFigure(const Study& study) {
     label(tip + 0.010 * Vec3::Unit(i), axes[i], i == 2 ? -24.0 : 0.0, i == 1 ? 0.0 : 14.0);
   }
   label(Vec3(pane, -pane, 0.0), "wall z = 0", -190.0, 44.0, "#7A6A3E");
-  scene["camera"] = {{"eye", {0.36, 0.22, 0.60}}, {"focus", {0.004, -0.024, -0.015}}, {"height", 0.224}};
+  const Vec3 focus = box.center();
+  const double height = 1.3 * std::max(box.sizes().head<2>().norm() / 1.6, box.sizes().y() + 0.4 * box.sizes().z());
+  scene["camera"] = {{"eye", vec(focus + Vec3(0.36, 0.24, 0.61))}, {"focus", vec(focus)}, {"height", height}};
   Figure figure{"fig06-scene", "", {}};
   figure.caption = fmt::format(
       "The device at home and the {} query points on the wall z = 0 (after Fig. 6): x and y from {:.4g} to "
@@ -174,19 +186,20 @@ Figure responseFigure(const Study& study, int scenario) {
   Extent forceExtent, servoExtent, springExtent;
   StudyRun run;
   const auto shown = [&](std::size_t c) {  // the scheduled servo would lie on the other
-    return plan.columns[c].name != kScheduled || study.column(kPositionControl) == plan.columns.size();
+    return study.labels[c].kind != ColumnKind::scheduled ||
+           study.column(ColumnKind::positionControl) == plan.columns.size();
   };
   for (std::size_t c = 0; c < plan.columns.size(); ++c) {
     if (!shown(c)) {
       depths.emplace_back();
       continue;
     }
-    Json depth = curve(colourOf(plan.columns[c].name), false, 2.5);
+    Json depth = curve(colourOf(study.labels[c].kind), false, 2.5);
     for (std::size_t i = 0; i < plan.size(); ++i) {
       run = runAt(plan, i);
       if (run.scenario == scenario && run.column == c && run.point == middle) break;
     }
-    Extent& extent = plan.columns[c].name == kImpedance ? springExtent : servoExtent;
+    Extent& extent = study.labels[c].kind == ColumnKind::impedance ? springExtent : servoExtent;
     (void)performRun(plan, run, [&](const TickRecord& t) {
       if (t.time < from) return;
       depth["x"].push_back(t.time);
@@ -218,10 +231,10 @@ Figure responseFigure(const Study& study, int scenario) {
   const auto depthPanel = [&](bool ofSpring, const Extent& extent) {
     Json curves = Json::array({horizontal(from, to, 0.0, kMuted)}), entries = Json::array();
     for (std::size_t c = 0; c < depths.size(); ++c) {
-      if ((plan.columns[c].name == kImpedance) != ofSpring || !shown(c)) continue;
+      const ColumnLabel& label = study.labels[c];
+      if ((label.kind == ColumnKind::impedance) != ofSpring || !shown(c)) continue;
       curves.push_back(depths[c]);
-      entries.push_back(
-          entry(titleOf(plan.columns[c].name), colourOf(plan.columns[c].name), plan.columns[c].name == kScheduled));
+      entries.push_back(entry(label.title, colourOf(label.kind)));
     }
     add("z (mm)", extent, curves,
         {{"corner", scenario == 1 || !ofSpring ? "bottom right" : "bottom left"}, {"entries", entries}});
@@ -308,7 +321,7 @@ std::vector<double> valuesOf(const Study& study, const Findings& findings, int s
 
 std::vector<std::string> columnTitles(const Study& study) {
   std::vector<std::string> titles;
-  for (const StudyColumn& column : study.plan.columns) titles.push_back(titleOf(column.name));
+  for (const ColumnLabel& label : study.labels) titles.push_back(label.title);
   return titles;
 }
 
@@ -316,8 +329,8 @@ Figure firstImpactMap(const Study& study, const Findings& findings) {
   MapRow absolute, relative;
   Extent extent, share;
   for (std::size_t c = 0; c < study.plan.columns.size(); ++c) {
-    std::vector<double> k =
-        valuesOf(study, findings, 1, c, [](const PointStatistics& p) { return p.firstStiffness.mean; });
+    std::vector<double> k = valuesOf(study, findings, 1, c,
+                                     [](const PointStatistics& p) { return p.of(&PushMetrics::firstStiffness).mean; });
     double sum = 0.0, count = 0.0;
     for (const double v : k)
       if (std::isfinite(v)) sum += v, count += 1.0;
@@ -336,9 +349,11 @@ Figure firstImpactMap(const Study& study, const Findings& findings) {
   figure.description["panels"] = mapPanels(study, columnTitles(study), {absolute, relative}, size);
   figure.description["size"] = size;
   figure.caption = fmt::format(
-      "Scenario 1: mean of K<sub>z1</sub> over {} runs at each query point (after Fig. 10). Top: one logarithmic scale "
-      "for all renderers; bottom: the difference from each renderer's mean over the wall, one scale for all.",
-      study.plan.runs);
+      "Scenario 1: mean of K<sub>z1</sub> over the runs that have one of {} at each query point (after Fig. 10). {} "
+      "Top: "
+      "one logarithmic scale for all renderers; bottom: the difference from each renderer's mean over the wall, one "
+      "scale for all.",
+      study.plan.runs, kFirstImpactText);
   return figure;
 }
 
@@ -381,29 +396,45 @@ Figure alongYFigure(const Study& study, const Findings& findings) {
   std::vector<double> ys;
   for (std::size_t i = 0; i < side; ++i) ys.push_back(1e3 * queryPoint(study.plan, i * side).y());
   for (std::size_t c = 0; c < study.plan.columns.size(); ++c) {
-    const std::string& name = study.plan.columns[c].name;
-    if (name == kImpedance) continue;
-    Json line = curve(colourOf(name), name == kScheduled, 3.5);
+    const ColumnLabel& label = study.labels[c];
+    if (label.kind == ColumnKind::impedance) continue;
+    const bool dashed = label.kind == ColumnKind::scheduled;
+    Json line = curve(colourOf(label.kind), dashed, 3.5);
     line["x"] = ys;
     for (const double v : rowMeans(study, over(findings.survey[c], [](const SurveyPoint& p) { return p.stiffness; }))) {
       line["y"].push_back(1e-3 * v);
       stiffnessExtent.see(1e-3 * v);
     }
     stiffness.push_back(line);
-    stiffnessEntries.push_back(entry(titleOf(name), colourOf(name), name == kScheduled));
+    stiffnessEntries.push_back(entry(label.title, colourOf(label.kind), dashed));
   }
-  const std::size_t hold = study.column(kPositionControl);
-  const char* jointColours[] = {kBlue, kBlue, kOrange, kOrange, kGreen, kGreen};
+  const std::size_t hold = study.column(ColumnKind::positionControl);
   const std::size_t shown = hold < study.plan.columns.size() ? hold : 0;
-  for (int joint = 0; joint < 6; ++joint) {
-    if (joint == 2 || joint == 3) continue;  // the mirror image of chain 1
-    Json line = curve(jointColours[joint], joint % 2 == 1, 3.5);
+  struct JointCurve {
+    std::string names;
+    std::vector<double> peaks;
+  };
+  std::vector<JointCurve> joints;  // joints that work alike, as mirror images do, share one
+  for (int joint = 0; joint < study.mechanism->joints(); ++joint) {
+    const auto peaks =
+        rowMeans(study, over(findings.survey[shown], [&](const SurveyPoint& p) { return p.peak[joint]; }));
+    for (const double peak : peaks) torqueExtent.see(peak);
+    const auto alike = std::find_if(joints.begin(), joints.end(), [&](const JointCurve& other) {
+      return std::equal(peaks.begin(), peaks.end(), other.peaks.begin(),
+                        [](double a, double b) { return std::abs(a - b) <= 0.005 * std::abs(b); });
+    });
+    if (alike == joints.end())
+      joints.push_back({fmt::format("q{}", joint + 1), peaks});
+    else
+      alike->names += fmt::format(", q{}", joint + 1);
+  }
+  const char* const colours[] = {kBlue, kOrange, kGreen, kVermilion};
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    Json line = curve(colours[i % 4], i >= 4, 3.5);
     line["x"] = ys;
-    line["y"] = rowMeans(study, over(findings.survey[shown], [joint](const SurveyPoint& p) { return p.peak[joint]; }));
-    for (const Json& v : line["y"]) torqueExtent.see(v.get<double>());
+    line["y"] = joints[i].peaks;
     torque.push_back(line);
-    const char* names[] = {"q1, q3", "q2, q4", "", "", "q5", "q6"};
-    torqueEntries.push_back(entry(names[joint], jointColours[joint], joint % 2 == 1));
+    torqueEntries.push_back(entry(joints[i].names, colours[i % 4], i >= 4));
   }
   stiffnessExtent.widen(0.1);
   torqueExtent.see(0.0);
@@ -425,12 +456,13 @@ Figure alongYFigure(const Study& study, const Findings& findings) {
   figure.caption = fmt::format(
       "Without noise, means over x. Left: K<sub>z1</sub> for {:.0f} N along y. Right: largest torque of each joint for "
       "{:.0f} N with {}; the motors' limit is {:.3g} N m.",
-      kSurveyForce, kHardForce, titleOf(study.plan.columns[shown].name), study.plan.columns[shown].plant.maxTorque);
+      kSurveyForce, kHardForce, study.labels[shown].title, study.mechanism->limits().torque.minCoeff());
   return figure;
 }
 
 Figure torqueFigure(const Study& study) {
-  const std::size_t hold = study.column(kPositionControl);
+  const std::size_t hold = study.column(ColumnKind::positionControl);
+  const int last = study.mechanism->joints() - 1;
   const auto side = static_cast<std::size_t>(study.plan.grid);
   const std::size_t middle = side / 2, low = (side >= 5 ? 1 : 0) * side + middle,
                     high = (side - (side >= 5 ? 2 : 1)) * side + middle;
@@ -449,8 +481,8 @@ Figure torqueFigure(const Study& study) {
     (void)performRun(study.plan, run, [&](const TickRecord& t) {
       if (t.time < from || t.time > to) return;
       line["x"].push_back(t.time);
-      line["y"].push_back(t.torque[5]);
-      extent.see(t.torque[5]);
+      line["y"].push_back(t.torque[last]);
+      extent.see(t.torque[last]);
     });
     curves.push_back(line);
     entries.push_back(entry(fmt::format("query point {} mm", pointText(study, shown[i])), i == 0 ? kVermilion : kBlue));
@@ -458,24 +490,25 @@ Figure torqueFigure(const Study& study) {
   extent.widen(0.1);
   Figure figure{"fig11-torque", "", {}};
   figure.description["size"] = {1600, 690};
-  figure.description["panels"] = {{{"place", {170, 80, 1380, 490}},
-                                   {"x", axis("time (s)", from, to, 9)},
-                                   {"y", axis("torque of joint 6 (N m)", extent.low, extent.high, 5)},
-                                   {"curves", curves},
-                                   {"legend", {{"corner", "above"}, {"entries", entries}}}}};
+  figure.description["panels"] = {
+      {{"place", {170, 80, 1380, 490}},
+       {"x", axis("time (s)", from, to, 9)},
+       {"y", axis(fmt::format("torque of joint {} (N m)", last + 1), extent.low, extent.high, 5)},
+       {"curves", curves},
+       {"legend", {{"corner", "above"}, {"entries", entries}}}}};
   figure.caption = fmt::format(
-      "Torque of joint 6 under {:.0f} N at two query points with the same noise, position control (after Fig. 11). The "
-      "motors' limit is {:.3g} N m.",
-      kForce, study.plan.columns[hold].plant.maxTorque);
+      "Torque of joint {} under {:.0f} N at two query points with the same noise, position control (after Fig. 11). "
+      "The "
+      "motor's limit is {:.3g} N m.",
+      last + 1, kForce, study.mechanism->limits().torque[last]);
   return figure;
 }
 
 // ---- the impedance wall's stability (RQ 2)
 // -------------------------------------------------------------------------------
 
-Figure stabilityFigure(const Study& study, const Findings& findings) {
-  const WallDevice device = wallDeviceOf(devicePlant(makeModel(study.device), Pose{}), study.impedance.deviceDamping,
-                                         study.plan.setup.period);
+Figure stabilityFigure(const Study& study) {
+  const WallDevice device = wallDeviceOf(study);
   std::vector<double> stiffnesses, dampings;
   constexpr int kColumns = 62, kRows = 40;
   const double k0 = std::log10(500.0), k1 = 5.0, b0 = -1.0, b1 = 2.0;
@@ -528,7 +561,6 @@ Figure stabilityFigure(const Study& study, const Findings& findings) {
   Figure figure{"impedance-stability", "", {}};
   figure.description["size"] = {1480, static_cast<int>(120 + 2 * height + 70 + 116)};
   figure.description["panels"] = panels;
-  (void)findings;
   figure.caption = fmt::format(
       "Where a spring-damper wall is stable on this device (simulated: the motion after a push of 12 N dies out within "
       "3 s; effective mass {:.3g} kg, mechanical damping "
@@ -616,6 +648,13 @@ std::string programBeside(const char* name) {
 
 }  // namespace
 
+WallDevice wallDeviceOf(const Study& study) {
+  const std::size_t spring = study.column(ColumnKind::impedance);
+  const double damping = study.labels[spring < study.labels.size() ? spring : 0].damping;
+  const Kinematics& home = study.mechanism->home();
+  return {effectiveMass(home, home.pose.position, Vec3::UnitZ()), damping, study.plan.setup.period};
+}
+
 std::vector<Figure> figuresOf(const Study& study, const Findings& findings) {
   const auto has = [&study](int scenario) {
     return std::count(study.plan.scenarios.begin(), study.plan.scenarios.end(), scenario) > 0;
@@ -625,10 +664,10 @@ std::vector<Figure> figuresOf(const Study& study, const Findings& findings) {
     figures.push_back(sceneFigure(study));
     for (const int scenario : study.plan.scenarios) figures.push_back(responseFigure(study, scenario));
     if (has(1)) figures.push_back(firstImpactMap(study, findings));
-    figures.push_back(alongYFigure(study, findings));
-    if (study.column(kPositionControl) < study.plan.columns.size()) figures.push_back(torqueFigure(study));
+    if (study.plan.grid > 1) figures.push_back(alongYFigure(study, findings));
+    if (study.column(ColumnKind::positionControl) < study.plan.columns.size()) figures.push_back(torqueFigure(study));
     for (const int scenario : study.plan.scenarios) figures.push_back(steadyMap(study, findings, scenario));
-    figures.push_back(stabilityFigure(study, findings));
+    if (wallDeviceOf(study).damping > 0.0) figures.push_back(stabilityFigure(study));
   }
   figures.push_back(convergenceFigure(findings));
   for (Figure& figure : figures) figure.description["name"] = figure.name;

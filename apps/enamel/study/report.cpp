@@ -82,9 +82,9 @@ class Page {
 
 std::string percent(double share, int digits = 1) { return fmt::format("{:.{}f} %", 100.0 * share, digits); }
 
-const WallSummary* wallOf(const Study& study, const Findings& findings, int scenario, const char* column) {
+const WallSummary* wallOf(const Study& study, const Findings& findings, int scenario, ColumnKind kind) {
   for (const WallSummary& w : findings.walls)
-    if (w.scenario == scenario && study.plan.columns[w.column].name == column) return &w;
+    if (w.scenario == scenario && w.column == study.column(kind)) return &w;
   return nullptr;
 }
 
@@ -107,18 +107,20 @@ void addTableFour(Page& page, const Study& study, const Findings& findings) {
         fmt::format("Scenario {}: {} K<sub>z{}</sub>, {}", row.scenario, row.lowest ? "lowest" : "highest",
                     row.first ? "1" : "s", row.lowest ? "position control" : "impedance"),
         row.paper, row.cosimulation};
-    const auto ours = [&](const char* column) {
-      const WallSummary* w = wallOf(study, findings, row.scenario, column);
+    const auto ours = [&](ColumnKind kind) {
+      const WallSummary* w = wallOf(study, findings, row.scenario, kind);
       if (w == nullptr) return std::string("–");
       const std::optional<Extreme>& e = row.first ? (row.lowest ? w->lowestFirst : w->highestFirst)
                                                   : (row.lowest ? w->lowestSteady : w->highestSteady);
-      std::string text = e ? fmt::format("{:.0f} at {}", e->value, pointText(study, e->point)) : "unresolved";
+      std::string text = e           ? fmt::format("{:.0f} at {}", e->value, pointText(study, e->point))
+                         : row.first ? "no run has one"
+                                     : "unresolved";
       if (!row.first && w->unresolved > 0)
         text += fmt::format(" <small>({} of {} points unresolved)</small>", w->unresolved, study.plan.points());
       return text;
     };
-    line.push_back(ours(row.lowest ? kPositionControl : kImpedance));
-    line.push_back(row.lowest ? ours(kScheduled) : "–");
+    line.push_back(ours(row.lowest ? ColumnKind::positionControl : ColumnKind::impedance));
+    line.push_back(row.lowest ? ours(ColumnKind::scheduled) : "–");
     cells.push_back(line);
   }
   page.table({"N/m, at (x, y) mm", "paper", "paper, co-simulation (with delay)", "Enamel, one servo",
@@ -128,7 +130,8 @@ void addTableFour(Page& page, const Study& study, const Findings& findings) {
       "“Lowest” and “highest” are those of the query points' means. The paper's device is not ours: compare magnitudes "
       "and "
       "order. K<sub>zs</sub> divides by a signed mean that can be zero, so it is given only where the mean compliance "
-      "exceeds two standard errors; the table below has measures without that weakness.");
+      "exceeds two standard errors; the table below has measures without that weakness. " +
+      std::string(kFirstImpactText));
 }
 
 void addMeasures(Page& page, const Study& study, const Findings& findings) {
@@ -136,22 +139,39 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
   std::vector<std::vector<std::string>> cells;
   for (const WallSummary& w : findings.walls) {
     const std::size_t c = w.column;
-    cells.push_back({fmt::format("{}: {}", w.scenario, study.plan.columns[c].name),
-                     fmt::format("{:.3g}", 1e3 * w.highestCompliance.value), fmt::format("{:.0f}", w.lowestOverRms),
-                     fmt::format("{:.0f}", w.lowestOver95), fmt::format("{:.3f}", 1e3 * w.largestDepth),
-                     fmt::format("{:.3f}", w.chatter), percent(w.saturatedShare, 2),
-                     fmt::format("{:.3f}", w.tangentialForce), fmt::format("{:.2f}", 1e3 * w.drift),
-                     w.scenario == 1 && std::isfinite(uniformityOf(findings.survey[c]))
-                         ? percent(uniformityOf(findings.survey[c]))
-                         : "–",
-                     fmt::format("{}", w.failed)});
+    const std::string without = withoutFirstText(w);
+    const auto number = [any = anyFinished(study, w)](double value, const char* format) {
+      return any && std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "–";
+    };
+    cells.push_back(
+        {fmt::format("{}: {}", w.scenario, escape(study.plan.columns[c].name)),
+         fmt::format("{:.3g}", study.labels[c].damping), number(1e3 * w.highestCompliance.value, "{:.3g}"),
+         number(w.lowestOverRms, "{:.0f}"), number(w.lowestOver95, "{:.0f}"), number(1e3 * w.largestDepth, "{:.3f}"),
+         number(w.chatter, "{:.3f}"), number(100.0 * w.saturatedShare, "{:.2f}"), number(w.tangentialForce, "{:.3f}"),
+         number(1e3 * w.drift, "{:.2f}"),
+         w.scenario == 1 && std::isfinite(uniformityOf(findings.survey[c])) ? percent(uniformityOf(findings.survey[c]))
+                                                                            : "–",
+         w.scenario != 1   ? "–"
+         : without.empty() ? "0"
+                           : without,
+         fmt::format("{}", w.failed)});
   }
-  page.table({"scenario: renderer", "highest |C<sub>zs</sub>|, mm/N", "lowest F<sub>c</sub>/rms depth, N/m",
-              "lowest F<sub>c</sub>/95 % depth, N/m", "largest depth, mm", "chatter, N m", "saturated ticks",
-              "tangential force, N", "largest drift, mm", "uniformity of K<sub>z1</sub>", "runs lost"},
+  const auto head = [](const MetricMember& member) {
+    const Metric& m = allMetrics()[indexOf(member)];
+    return fmt::format("{}, {}", m.symbol, m.displayUnit);
+  };
+  const auto perForce = [](const MetricMember& member) {
+    return fmt::format("lowest mean F<sub>c</sub>/{}, N/m", allMetrics()[indexOf(member)].symbol);
+  };
+  page.table({"scenario: renderer", "its plant's damping, N s/m", "highest |mean C_zs|, mm/N",
+              perForce(&PushMetrics::rmsDepth), perForce(&PushMetrics::depth95), head(&PushMetrics::largestDepth),
+              head(&PushMetrics::chatter), head(&PushMetrics::saturatedShare), head(&PushMetrics::tangentialForce),
+              head(&PushMetrics::drift), "uniformity of K_z1", "runs without K_z1", "runs lost"},
              cells);
   page.note(fmt::format(
-      "Means at the worst query point; depth and drift are the largest of all runs. Chatter: standard deviation of the "
+      "Damping: mechanical, along z at home, of the device file and --device-damping together. Means at the worst "
+      "query "
+      "point; depth and drift are the largest of all runs. Chatter: standard deviation of the "
       "torque over the last second, the worst joint. Uniformity: (largest - smallest) / mean of K<sub>z1</sub> over "
       "the "
       "wall, without noise, F<sub>c</sub> = {:.0f} N. Runs lost: the device left its workspace.",
@@ -167,8 +187,8 @@ std::string trend(double low, double high) {
 }
 
 void addDifferences(Page& page, const Study& study, const Findings& findings) {
-  const std::size_t hold = study.column(kPositionControl), spring = study.column(kImpedance),
-                    scheduled = study.column(kScheduled), none = study.plan.columns.size();
+  const std::size_t hold = study.column(ColumnKind::positionControl), spring = study.column(ColumnKind::impedance),
+                    scheduled = study.column(ColumnKind::scheduled), none = study.plan.columns.size();
   if (study.plan.grid < 2) return;
   page.heading("Where this device differs from the paper's, and why");
   for (const auto& points : findings.survey)
@@ -191,21 +211,22 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
     double unlimitedDifference = 0.0;
     for (const SurveyPoint& p : points)
       unlimitedDifference = std::max(unlimitedDifference, std::abs(p.unlimited / p.stiffness - 1.0));
-    Vec6 peak = Vec6::Zero(), gravity = Vec6::Zero();
-    int saturated[6] = {};
+    const int joints = study.mechanism->joints();
+    JointVector peak = JointVector::Zero(joints), gravity = peak;
+    std::vector<int> saturated(static_cast<std::size_t>(joints), 0);
     for (const SurveyPoint& p : points) {
       peak = peak.cwiseMax(p.peak);
       gravity = gravity.cwiseMax(p.gravity.cwiseAbs());
-      for (int j = 0; j < 6; ++j) saturated[j] += p.cutTicks[j] > 0.0;
+      for (int j = 0; j < joints; ++j) saturated[static_cast<std::size_t>(j)] += p.cutTicks[j] > 0.0;
     }
     Eigen::Index most = 0;
     peak.maxCoeff(&most);
     std::string saturatedText;
-    for (int j = 0; j < 6; ++j)
-      if (saturated[j] > 0)
-        saturatedText += fmt::format("{}joint {} at {} of {} points", saturatedText.empty() ? "" : ", ", j + 1,
-                                     saturated[j], study.plan.points());
-    const double limit = study.plan.columns[hold].plant.maxTorque;
+    for (int j = 0; j < joints; ++j)
+      if (const int count = saturated[static_cast<std::size_t>(j)]; count > 0)
+        saturatedText += fmt::format("{}joint {} at {} of {} points", saturatedText.empty() ? "" : ", ", j + 1, count,
+                                     study.plan.points());
+    const double limit = study.mechanism->limits().torque[most];
     items.push_back(
         fmt::format("<b>K<sub>z1</sub> along y.</b> The paper's rises with y. Here K<sub>z1</sub> of position control "
                     "(no noise, {:.0f} "
@@ -215,22 +236,25 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
     Eigen::Index heaviest = 0;
     gravity.maxCoeff(&heaviest);
     items.push_back(fmt::format(
-        "<b>Saturation.</b> The paper suspects joint 6, which carries most of its device's weight. Here, under {:.0f} "
-        "N, {}; "
-        "the most loaded is joint {} with at most {:.2f} of {:.3g} N m. Gravity takes at most {:.3f} N m (joint {}; "
-        "joint 6: "
-        "{:.3f}). With motors that never saturate K<sub>z1</sub> changes by at most {:.2g} %: saturation {} the reason "
-        "for "
-        "the trend.",
-        kHardForce, saturatedText.empty() ? "no joint saturates" : "motors saturate (" + saturatedText + ")", most + 1,
-        peak[most], limit, gravity[heaviest], heaviest + 1, gravity[5], 100.0 * unlimitedDifference,
-        unlimitedDifference < 0.01 ? "is not" : "is part of"));
+        "<b>Saturation.</b> {}Under {:.0f} N {}; the most loaded is joint {} with at most {:.2f} of {:.3g} N m. "
+        "Gravity "
+        "takes at most {:.3f} N m (joint {}{}). With motors that never saturate K<sub>z1</sub> changes by at most "
+        "{:.2g} "
+        "%: saturation {} the reason for the trend.",
+        study.isTau() ? "The paper suspects joint 6, which carries most of its device's weight. " : "", kHardForce,
+        saturatedText.empty() ? "no joint saturates" : "motors saturate (" + saturatedText + ")", most + 1, peak[most],
+        limit, gravity[heaviest], heaviest + 1, study.isTau() ? fmt::format("; joint 6: {:.3f}", gravity[5]) : "",
+        100.0 * unlimitedDifference, unlimitedDifference < 0.01 ? "is not" : "is part of"));
+    // A correlation says which way, not why: the reason is given where the numbers are those that it predicts.
     std::string reason = fmt::format(
-        "<b>Reason.</b> K<sub>z1</sub> follows the device's effective mass along the normal (correlation over the wall "
-        "{:.2f}) and the inverse of the lever |dz/dq| of the joints ({:.2f}): the servo is stiff in the joints, and "
+        "<b>Reason.</b> Over the wall K<sub>z1</sub> is correlated by {:.2f} with the device's effective mass along "
         "the "
-        "same joint stiffness holds less where the joints move the tool more.",
-        withMass, withLever);
+        "normal and by {:.2f} with the inverse of the lever |dz/dq| of the joints{}.",
+        withMass, withLever,
+        withMass > 0.7 && withLever > 0.7
+            ? ": the servo is stiff in the joints, and the same joint stiffness holds less where the joints move the "
+              "tool more"
+            : "");
     if (scheduled < none) {
       const std::vector<double> s = row(scheduled, stiffness);
       const double gone = (s.back() / s.front() - 1.0) / (k.back() / k.front() - 1.0);
@@ -242,20 +266,21 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
           percent(std::abs(k.back() / k.front() - 1.0)), 100.0 * gone);
     }
     items.push_back(reason);
-    const auto& low = rowMeans(study, over(points, [](const SurveyPoint& p) { return p.peak[5]; }));
-    items.push_back(
-        fmt::format("<b>Joint 6.</b> {}: its largest torque under {:.0f} N is {:.3f} N m at the lowest y and {:.3f} N "
-                    "m at the highest.",
-                    low.front() > low.back() ? "As in the paper, it works harder at the bottom"
-                                             : "Other than in the paper, it works harder at the top",
-                    kHardForce, low.front(), low.back()));
+    const auto low = rowMeans(study, over(points, [&](const SurveyPoint& p) { return p.peak[joints - 1]; }));
+    if (study.isTau())
+      items.push_back(fmt::format(
+          "<b>Joint 6.</b> {}: its largest torque under {:.0f} N is {:.3f} N m at the lowest y and {:.3f} N "
+          "m at the highest.",
+          low.front() > low.back() ? "As in the paper, it works harder at the bottom"
+                                   : "Other than in the paper, it works harder at the top",
+          kHardForce, low.front(), low.back()));
   }
   if (spring < none) {
     const std::vector<double> k = row(spring, stiffness);
     items.push_back(
         fmt::format("<b>Impedance.</b> {}: uniformity {} without noise; the first impact "
                     "reaches {} of the "
-                    "{:.0f} N/m that are rendered, because the tool overshoots.",
+                    "{:.0f} N/m that are rendered.",
                     uniformityOf(findings.survey[spring]) < 0.05 ? "As in the paper the map is flat"
                                                                  : "Other than in the paper the map is not flat",
                     percent(uniformityOf(findings.survey[spring])),
@@ -268,7 +293,10 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
         "mean "
         "penetration to zero, what is left is {}.",
         w.scenario, w.lowestSteady->value, w.scenario == 1 ? "92 387 N/m" : "65 002 N/m",
-        w.scenario == 1 ? "the first impact averaged over 2 s" : "noise, so that many points are not resolved at all"));
+        w.scenario == 1 ? "the first impact averaged over 2 s"
+        : w.unresolved > 0
+            ? fmt::format("noise, so that {} of {} points are not resolved at all", w.unresolved, study.plan.points())
+            : std::string("noise")));
   }
   page.list(items);
 }
@@ -276,7 +304,8 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
 void addSettings(Page& page, const Study& study) {
   page.heading("Settings");
   std::vector<std::vector<std::string>> cells;
-  for (const auto& [key, value] : study.manifest.items())
+  const Json manifest = Json::parse(study.manifest);
+  for (const auto& [key, value] : manifest.items())
     cells.push_back({escape(key), value.is_string() ? escape(value.get<std::string>()) : escape(value.dump())});
   page.table({"setting", "value"}, cells);
 }
@@ -309,12 +338,16 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
   };
   if (!withoutFigures.empty()) page.note("Without figures: " + escape(withoutFigures) + ".");
   if (findings.whole) {
-    page.heading("Does the paper's ordering hold here?");
-    std::vector<std::vector<std::string>> claims;
-    for (const Claim& c : findings.claims)
-      claims.push_back({escape(c.text), escape(c.measured), c.holds ? "holds" : "does not hold"});
-    page.table({"claim", "measured", ""}, claims);
-    addTableFour(page, study, findings);
+    if (!findings.claims.empty()) {
+      page.heading("Does the paper's ordering hold here?");
+      std::vector<std::vector<std::string>> claims;
+      for (const Claim& c : findings.claims)
+        claims.push_back({escape(c.text), escape(c.measured), c.holds ? "holds" : "does not hold"});
+      page.table({"claim", "measured", ""}, claims);
+    }
+    if (study.column(ColumnKind::positionControl) < study.labels.size() ||
+        study.column(ColumnKind::impedance) < study.labels.size())
+      addTableFour(page, study, findings);
     addMeasures(page, study, findings);
 
     page.heading("Set-up");
@@ -331,29 +364,43 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
     figure("fig12");
     figure("fig13");
 
-    page.heading("Requirements on the servo (Table II)");
-    const DevicePlant plant = devicePlant(study.designModel, Pose{});
-    std::vector<std::vector<std::string>> rows;
-    for (const Requirement& r : requirementsOf(study.home, plant))
-      rows.push_back({escape(r.name), fmt::format("{:.4g} {}", r.worst(), r.unit),
-                      fmt::format("{:.4g} {}", r.limit, r.unit), r.met() ? "met" : "not met"});
-    page.table({"requirement", "worst of joints or axes", "limit", ""}, rows);
-    page.note(
-        "The servo with the paper's weights, designed at home, on its own linear model; steps of 0.01 rad, of 10 N and "
-        "of "
-        "0.1 N m. The limits do not fit each other (0.001 rad at a lever of 0.1 m is 0.1 mm, not 1 mm), and these "
-        "weights "
-        "were found for another device: `enamel design --tune` finds what ours can do.");
+    if (study.home) {
+      page.heading("Requirements on the servo (Table II)");
+      std::vector<std::vector<std::string>> rows;
+      for (const Requirement& r : requirementsOf(*study.home, devicePlant(study.design, Pose{})))
+        rows.push_back({escape(r.name), fmt::format("{:.4g} {}", r.worst(), r.unit),
+                        fmt::format("{:.4g} {}", r.limit, r.unit), r.met() ? "met" : "not met"});
+      page.table({"requirement", "worst of joints or axes", "limit", ""}, rows);
+      page.note(fmt::format(
+          "The servo {}, on its linear model at home; steps of 0.01 rad, of 10 N and of 0.1 N m. The limits do not fit "
+          "each other (0.001 rad at a lever of 0.1 m is 0.1 mm, not 1 mm){}: `enamel design --tune` finds what ours "
+          "can "
+          "do.",
+          study.options.gain.empty() ? "with the paper's weights, designed at home" : "of --gain",
+          study.options.gain.empty() ? ", and these weights were found for another device" : ""));
+    }
 
-    page.heading("How stiff can a spring be rendered?");
-    figure("impedance-stability");
-    const WallDevice wall = wallDeviceOf(plant, study.impedance.deviceDamping, study.plan.setup.period);
-    if (const WallSummary* servo = wallOf(study, findings, 1, kPositionControl); servo && servo->lowestFirst)
+    const WallDevice wall = wallDeviceOf(study);
+    const double required = requiredDamping(study.impedance, wall.period);
+    if (wall.damping > 0.0) {
+      page.heading("How stiff can a spring be rendered?");
+      figure("impedance-stability");
+      const double passive = 2.0 * wall.damping / wall.period;
+      const WallSummary* servo = wallOf(study, findings, 1, ColumnKind::positionControl);
       page.paragraph(fmt::format(
-          "With {:.3g} N s/m of damping eq. 16 allows a spring of {:.0f} N/m. Position control, without any mechanical "
-          "damping, stops the first impact with at least {:.0f} N/m, {:.1f} times as much (research question 2).",
-          wall.damping, 2.0 * wall.damping / wall.period, servo->lowestFirst->value,
-          servo->lowestFirst->value / (2.0 * wall.damping / wall.period)));
+          "With {:.3g} N s/m of damping eq. 16 allows a spring of {:.0f} N/m.{}", wall.damping, passive,
+          servo && servo->lowestFirst ? fmt::format(" Position control, on a plant with {:.3g} N s/m, stops the first "
+                                                    "impact with at least {:.0f} N/m, {:.1f} times as much (research "
+                                                    "question 2).",
+                                                    study.labels[servo->column].damping, servo->lowestFirst->value,
+                                                    servo->lowestFirst->value / passive)
+                                      : ""));
+    }
+    if (study.column(ColumnKind::impedance) < study.labels.size())
+      page.note(
+          fmt::format("The spring of this study, {:.0f} N/m, needs more than {:.3g} N s/m (eq. 16); its plant has "
+                      "{:.3g} N s/m.",
+                      study.impedance.stiffness, required, wall.damping));
   }
 
   page.heading("Speed against error");
@@ -384,11 +431,13 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
       "renderer and scenario; {} with half as many steps differs by {:.1e}. Processor time of one thread, whole loop.",
       nameOf(c.reference.integrator), c.reference.substeps, nameOf(c.reference.integrator), c.referenceError));
   addSettings(page, study);
+  std::string title;
+  for (const ColumnLabel& label : study.labels) title += (title.empty() ? "" : ", ") + label.title;
   return page.whole(
-      findings.whole ? "Position control against impedance on a stiff wall" : "Speed against error of the integration",
+      findings.whole ? "On a stiff wall: " + escape(title) : "Speed against error of the integration",
       escape(fmt::format("{}; {} query points, {} runs each, delay {}, encoders {}, seed {}. After “A Position-Control "
                          "Based Approach to Haptic Rendering of Stiff Objects”, sections V and VI.",
-                         study.device.name, study.plan.points(), study.plan.runs, study.options.delay,
+                         nameOf(study.device), study.plan.points(), study.plan.runs, study.options.delay,
                          study.options.encoders ? "on" : "off", study.plan.setup.seed)));
 }
 

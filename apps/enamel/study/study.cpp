@@ -5,9 +5,15 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "bench/nominal_device.hpp"
+#include "enamel/control/device_plant.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/study/parallel.hpp"
 #include "plugin_folder.hpp"
@@ -15,10 +21,25 @@
 namespace enamel::app {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr const char* kRateNames[] = {"exact", "difference", "lowPass"};
 constexpr const char* kIntegratorNames[] = {"rungeKutta4", "midpoint", "semiImplicitEuler"};
 
-TauParameters deviceOf(const std::string& path) { return path.empty() ? bench::nominalDevice() : loadTau(path); }
+// A device with the text of its file.
+struct DeviceSource {
+  DeviceParameters parameters;
+  std::string text;
+};
+
+DeviceSource deviceOf(const std::string& path) {
+  if (path.empty()) return {parseDevice(bench::nominalDeviceText(), "tau-nominal.toml"), bench::nominalDeviceText()};
+  DeviceSource source{loadDevice(path), {}};
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  source.text = text.str();
+  return source;
+}
 
 // Fowler, Noll, Vo (1991), FNV-1a, 64 bits: tells devices and designs apart, no more.
 std::string hashOf(const std::string& text) {
@@ -27,58 +48,94 @@ std::string hashOf(const std::string& text) {
   return fmt::format("{:016x}", hash);
 }
 
-template <typename Matrix>
-void append(std::string& text, const Matrix& m) {
-  for (Eigen::Index i = 0; i < m.size(); ++i) text += fmt::format("{} ", m.data()[i]);
+std::string hashOf(const std::vector<ServoGain>& gains) {
+  std::string text;
+  for (const ServoGain& gain : gains)
+    for (Eigen::Index i = 0; i < gain.size(); ++i) text += fmt::format("{} ", gain.data()[i]);
+  return hashOf(text);
 }
 
-std::string hashOf(const TauParameters& d) {
-  std::string text;
-  append(text, d.gravity);
-  for (const ChainParameters& c : d.chain) {
-    append(text, c.base);
-    append(text, c.platform);
-    for (const LinkParameters* link : {&c.link1, &c.link2}) {
-      text += fmt::format("{} {} ", link->length, link->mass);
-      append(text, link->com);
-      append(text, link->inertia);
+// --device-damping: B for every column, or NAME=B for some and 0 for the others.
+class DampingOption {
+ public:
+  explicit DampingOption(const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      const std::size_t equals = text.find('=');
+      const std::string name = equals == std::string::npos ? "" : text.substr(0, equals);
+      const char* number = text.c_str() + (equals == std::string::npos ? 0 : equals + 1);
+      char* end = nullptr;
+      const double value = std::strtod(number, &end);
+      if (end == number || *end != 0 || !(value >= 0.0 && value <= 1e3) || equals == 0)
+        throw Error("--device-damping is \"" + text + "\", must be B or NAME=B with B in 0 to 1000 N s/m");
+      if (!values_.emplace(name, value).second)
+        throw Error("--device-damping is given twice for " + (name.empty() ? "every renderer" : name));
     }
-    text += fmt::format("{} ", c.elbow);
+    if (values_.size() > 1 && values_.count("") > 0)
+      throw Error("--device-damping gives a value for every renderer and one for " + values_.rbegin()->first);
+    unused_ = values_;
+    unused_.erase("");
   }
-  text += fmt::format("{} ", d.platform.mass);
-  append(text, d.platform.com);
-  append(text, d.platform.inertia);
-  append(text, d.platform.damping);
-  text += fmt::format("{} {} {} {}", d.motor.maxTorque, d.motor.rotorInertia, d.motor.encoderCounts,
-                      d.motor.viscousFriction);
-  return hashOf(text);
+
+  double of(const std::string& renderer) {
+    unused_.erase(renderer);
+    const auto found = values_.find(values_.count("") > 0 ? "" : renderer);
+    return found == values_.end() ? 0.0 : found->second;
+  }
+
+  /// A name that no renderer has; empty where all were found.
+  std::string unused() const { return unused_.empty() ? "" : unused_.begin()->first; }
+
+ private:
+  std::map<std::string, double> values_, unused_;
+};
+
+std::shared_ptr<const Mechanism> withDamping(DeviceParameters device, double damping) {
+  addDamping(device, damping * Vec6::Unit(2));
+  return makeMechanism(device);
 }
 
-std::string hashOf(const std::vector<PositionControlRenderer::Gain>& gains) {
-  std::string text;
-  for (const auto& gain : gains) append(text, gain);
-  return hashOf(text);
+ColumnKind kindOf(const std::string& linked) {
+  return linked == kImpedance   ? ColumnKind::impedance
+         : linked == kScheduled ? ColumnKind::scheduled
+                                : ColumnKind::positionControl;
+}
+
+const char* titleOf(ColumnKind kind) {
+  return kind == ColumnKind::impedance   ? "impedance"
+         : kind == ColumnKind::scheduled ? "scheduled servo"
+                                         : "position control";
 }
 
 // A null where a number does not exist: neither 0 nor infinite.
 Json numberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+// What a push ends without a first impact stiffness for.
+constexpr FirstImpactVerdict kWithoutFirst[] = {FirstImpactVerdict::rings, FirstImpactVerdict::slips,
+                                                FirstImpactVerdict::noReturn};
+const Metric* const kFirst = &allMetrics()[indexOf(&PushMetrics::firstStiffness)];
+
+// "rms depth [N/m]": a force over this depth.
+std::string perForce(const MetricMember& depth) { return fmt::format("{} [N/m]", allMetrics()[indexOf(depth)].symbol); }
+
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 }  // namespace
 
-std::size_t Study::column(const std::string& name) const {
+std::size_t Study::column(ColumnKind kind) const {
   std::size_t i = 0;
-  while (i < plan.columns.size() && plan.columns[i].name != name) ++i;
+  while (i < labels.size() && labels[i].kind != kind) ++i;
   return i;
 }
 
 Study prepareStudy(const StudyOptions& options) {
   Study study;
   study.options = options;
-  study.device = deviceOf(options.device);
-  study.designDevice = options.designDevice.empty() ? study.device : deviceOf(options.designDevice);
-  study.designModel = makeModel(study.designDevice);
+  const DeviceSource device = deviceOf(options.device),
+                     designDevice = options.designDevice.empty() ? device : deviceOf(options.designDevice);
+  study.device = device.parameters;
+  study.designDevice = designDevice.parameters;
+  study.mechanism = makeMechanism(study.device);
+  study.design = makeMechanism(study.designDevice);
   StudyPlan& plan = study.plan;
   plan.scenarios = options.scenarios;
   plan.grid = options.grid;
@@ -93,12 +150,24 @@ Study prepareStudy(const StudyOptions& options) {
   if (pluginSetup.devicePath.empty()) pluginSetup.deviceText = bench::nominalDeviceText();
   const std::map<std::string, std::string> parameters = parseParameters(options.set);
   std::map<std::string, std::string> unused = parameters;
-  Json plugins = Json::object();
+  DampingOption damping(options.deviceDamping);
+  Json plugins = Json::object(), dampings = Json::object();
   for (const std::string& text : options.renderers) {
     const RendererSource source = text == kScheduled ? RendererSource{text, nullptr} : findRenderer(text);
-    if (study.column(source.name) < plan.columns.size()) throw Error("--renderers names " + source.name + " twice");
-    plan.columns.push_back({source.name, plantFor(source.name, study.device, study.impedance), {}});
-    if (!source.plugin) continue;
+    const std::string name = source.name + (source.plugin ? " (plugin)" : "");
+    for (const StudyColumn& other : plan.columns)
+      if (other.name == name) throw Error("--renderers names " + name + " twice");
+    const double more = damping.of(source.name);
+    plan.columns.push_back({name, more > 0.0 ? withDamping(study.device, more) : study.mechanism, {}});
+    // To the nanonewton: what is left of the file's zero is rounding.
+    const double whole =
+        1e-9 * std::nearbyint(1e9 * dampingAlong(*plan.columns.back().plant, plan.setup.start, Vec3::UnitZ()));
+    dampings[name] = more;
+    if (!source.plugin) {
+      study.labels.push_back({kindOf(name), titleOf(kindOf(name)), whole});
+      continue;
+    }
+    study.labels.push_back({ColumnKind::plugin, name, whole});
     const EnamelDescription& description = source.plugin->description();
     pluginSetup.parameters.clear();
     for (std::size_t i = 0; i < description.parameter_count; ++i)
@@ -106,12 +175,15 @@ Study prepareStudy(const StudyOptions& options) {
         pluginSetup.parameters.insert(*set);
         unused.erase(set->first);
       }
-    plugins[source.name] = {{"version", description.version}, {"parameters", pluginSetup.parameters}};
+    plugins[name] = {{"version", description.version}, {"parameters", pluginSetup.parameters}};
     plan.columns.back().make = [plugin = source.plugin, pluginSetup](std::size_t) {
       return makeRenderer(plugin, pluginSetup);
     };
   }
   if (!unused.empty()) throw Error("--set gives " + unused.begin()->first + ", which no plugin of --renderers has");
+  // The default may name a renderer that is not asked for.
+  if (!damping.unused().empty() && options.deviceDamping != StudyOptions().deviceDamping)
+    throw Error("--device-damping names " + damping.unused() + ", which --renderers does not");
   for (std::size_t i = 0; i < options.scenarios.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (options.scenarios[i] == options.scenarios[j])
@@ -121,32 +193,45 @@ Study prepareStudy(const StudyOptions& options) {
   checkStudy(plan);
 
   const double period = plan.setup.period;
-  study.home = designServo(study.designModel, Pose{}, period);
-  Json gainHashes;
-  for (StudyColumn& column : plan.columns) {
-    if (column.make) continue;  // a plugin
-    if (column.name == kImpedance) {
-      column.make = [model = study.designModel, impedance = study.impedance](std::size_t) {
-        return std::make_unique<ImpedanceRenderer>(model, impedance);
+  const std::size_t none = plan.columns.size();
+  std::optional<ServoGain> given;
+  if (!options.gain.empty()) {
+    if (study.column(ColumnKind::positionControl) == none)
+      throw Error(fmt::format("--gain is for {}, which --renderers does not name", kPositionControl));
+    given = loadGain(options.gain, study.mechanism->joints(), period);
+  }
+  if (study.column(ColumnKind::positionControl) < none || study.column(ColumnKind::scheduled) < none) {
+    study.home = designServo(study.design, Pose{}, period);
+    if (given) study.home->K = *given;
+  }
+  Json gainHashes = Json::object();
+  for (std::size_t c = 0; c < none; ++c) {
+    StudyColumn& column = plan.columns[c];
+    const ColumnKind kind = study.labels[c].kind;
+    if (kind == ColumnKind::plugin) continue;
+    if (kind == ColumnKind::impedance) {
+      column.make = [impedance = study.impedance](std::size_t) {
+        return std::make_unique<ImpedanceRenderer>(impedance);
       };
       continue;
     }
-    std::vector<PositionControlRenderer::Gain> gains(column.name == kScheduled ? plan.points() : 1);
+    const bool scheduled = kind == ColumnKind::scheduled;
+    std::vector<ServoGain> gains(scheduled ? plan.points() : 1);
     parallelFor(gains.size(), options.threads, [&](std::size_t point) {
       Pose pose;
-      if (column.name == kScheduled) pose.position = queryPoint(plan, point);
-      gains[point] = column.name == kScheduled ? designServo(study.designModel, pose, period).K : study.home.K;
+      if (scheduled) pose.position = queryPoint(plan, point);
+      gains[point] = scheduled ? designServo(study.design, pose, period).K : study.home->K;
     });
     gainHashes[column.name] = hashOf(gains);
     PositionControlOptions servo;
     servo.release = options.release;
-    column.make = [model = study.designModel, gains = std::move(gains), period, servo](std::size_t point) {
-      return std::make_unique<PositionControlRenderer>(model, gains[gains.size() > 1 ? point : 0], period, servo);
+    column.make = [gains = std::move(gains), period, servo](std::size_t point) {
+      return std::make_unique<PositionControlRenderer>(gains[gains.size() > 1 ? point : 0], period, servo);
     };
   }
 
   const PushSetup& setup = plan.setup;
-  Json& m = study.manifest;
+  Json m;
   m["enamel"] = ENAMEL_VERSION;
   m["scenarios"] = plan.scenarios;
   for (const StudyColumn& column : plan.columns) m["renderers"].push_back(column.name);
@@ -166,12 +251,13 @@ Study prepareStudy(const StudyOptions& options) {
   m["half width [m]"] = plan.halfWidth;
   m["integrator"] = kIntegratorNames[static_cast<int>(setup.integrator)];
   m["substeps"] = setup.substeps;
-  m["impedance"] = {{"stiffness [N/m]", study.impedance.stiffness},
-                    {"damping [N s/m]", study.impedance.damping},
-                    {"device damping [N s/m]", study.impedance.deviceDamping}};
-  m["device"] = {{"name", study.device.name}, {"hash", hashOf(study.device)}};
-  m["design device"] = {{"name", study.designDevice.name}, {"hash", hashOf(study.designDevice)}};
+  m["impedance"] = {{"stiffness [N/m]", study.impedance.stiffness}, {"damping [N s/m]", study.impedance.damping}};
+  m["device"] = {{"name", nameOf(study.device)}, {"hash", hashOf(device.text)}};
+  m["device damping [N s/m]"] = dampings;
+  m["design device"] = {{"name", nameOf(study.designDevice)}, {"hash", hashOf(designDevice.text)}};
+  m["gain"] = given ? "given" : "designed at home";
   m["servo gains"] = gainHashes;
+  study.manifest = m.dump(1) + '\n';
   return study;
 }
 
@@ -187,32 +273,47 @@ std::string pointText(const Study& study, std::size_t point) {
   return fmt::format("({:.4g}, {:.4g})", p.x(), p.y());
 }
 
+std::string withoutFirstText(const WallSummary& wall) {
+  std::string text;
+  for (const FirstImpactVerdict verdict : kWithoutFirst)
+    if (const int count = wall.verdicts[static_cast<std::size_t>(verdict)]; count > 0)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, toString(verdict));
+  return text;
+}
+
+bool anyFinished(const Study& study, const WallSummary& wall) {
+  return static_cast<std::size_t>(wall.failed) < study.plan.points() * static_cast<std::size_t>(study.plan.runs);
+}
+
 std::string pointsTable(const Study& study, const std::vector<PointStatistics>& points) {
-  std::string text =
-      "scenario,renderer,x [m],y [m],runs,failed,D_z1 mean [m],D_z1 deviation [m],K_z1 runs,K_z1 mean [N/m],"
-      "K_z1 deviation [N/m],C_zs mean [m/N],C_zs deviation [m/N],K_zs [N/m],F_c/rms depth mean [N/m],"
-      "F_c/depth 95 % mean [N/m],largest depth [m],chatter mean [N m],saturated share mean,tangential force mean [N],"
-      "largest drift [m],faults\n";
+  std::string text = "scenario,renderer,x [m],y [m],runs,failed";
+  for (const FirstImpactVerdict verdict : kWithoutFirst) text += fmt::format(",{}", toString(verdict));
+  for (const Metric& metric : allMetrics())
+    text += fmt::format(",mean {},deviation {}", enamel::keyOf(metric), enamel::keyOf(metric));
+  text += fmt::format(",runs with {},K_zs [N/m],mean F_c/{},mean F_c/{},largest {},largest {},faults\n", kFirst->symbol,
+                      perForce(&PushMetrics::rmsDepth), perForce(&PushMetrics::depth95),
+                      keyOf(&PushMetrics::largestDepth), keyOf(&PushMetrics::drift));
   for (const PointStatistics& p : points) {
     const Vec3 at = queryPoint(study.plan, p.point);
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", p.scenario,
-                        study.plan.columns[p.column].name, at.x(), at.y(), p.runs, p.failed, cell(p.firstDepth.mean),
-                        cell(p.firstDepth.deviation), p.firstStiffness.count, cell(p.firstStiffness.mean),
-                        cell(p.firstStiffness.deviation), cell(p.compliance.mean), cell(p.compliance.deviation),
-                        p.steadyStiffness         ? fmt::format("{}", *p.steadyStiffness)
-                        : p.compliance.count == 0 ? ""
-                                                  : "unresolved",
+    const bool any = p.failed < p.runs;
+    text += fmt::format("{},{},{},{},{},{}", p.scenario, study.plan.columns[p.column].name, at.x(), at.y(), p.runs,
+                        p.failed);
+    for (const FirstImpactVerdict verdict : kWithoutFirst)
+      text += fmt::format(",{}", p.verdicts[static_cast<std::size_t>(verdict)]);
+    for (const Spread& s : p.metrics) text += ',' + cell(s.mean) + ',' + cell(s.deviation);
+    text += fmt::format(",{},{},{},{},{},{},{}\n", p.of(&PushMetrics::firstStiffness).count,
+                        p.steadyStiffness ? fmt::format("{}", *p.steadyStiffness)
+                        : any             ? "unresolved"
+                                          : "",
                         cell(p.forceOverRms.mean), cell(p.forceOver95.mean),
-                        p.failed == p.runs ? "" : fmt::format("{}", p.largestDepth), cell(p.chatter),
-                        cell(p.saturatedShare), cell(p.tangentialForce),
-                        p.failed == p.runs ? "" : fmt::format("{}", p.drift), p.faults);
+                        any ? fmt::format("{}", p.largestDepth) : "", any ? fmt::format("{}", p.drift) : "", p.faults);
   }
   return text;
 }
 
-Json summaryOf(const Study& study, const std::vector<WallSummary>& walls, const std::vector<Claim>& claims) {
+std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls, const std::vector<Claim>& claims) {
   Json summary;
-  summary["study"] = study.manifest;
+  summary["study"] = Json::parse(study.manifest);
   Json& list = summary["walls"] = Json::array();
   const auto extreme = [&study](const std::optional<Extreme>& e) -> Json {
     if (!e || !std::isfinite(e->value)) return nullptr;
@@ -220,39 +321,43 @@ Json summaryOf(const Study& study, const std::vector<WallSummary>& walls, const 
     return {{"value", e->value}, {"x [m]", at.x()}, {"y [m]", at.y()}};
   };
   for (const WallSummary& w : walls) {
+    const auto largest = [any = anyFinished(study, w)](double value) { return any ? Json(value) : Json(nullptr); };
     Json json;
     json["scenario"] = w.scenario;
     json["renderer"] = study.plan.columns[w.column].name;
-    json["lowest K_z1 [N/m]"] = extreme(w.lowestFirst);
-    json["highest K_z1 [N/m]"] = extreme(w.highestFirst);
+    json["plant's damping along z [N s/m]"] = study.labels[w.column].damping;
+    json["lowest " + keyOf(&PushMetrics::firstStiffness)] = extreme(w.lowestFirst);
+    json["highest " + keyOf(&PushMetrics::firstStiffness)] = extreme(w.highestFirst);
     json["lowest K_zs [N/m]"] = extreme(w.lowestSteady);
     json["highest K_zs [N/m]"] = extreme(w.highestSteady);
     json["mean K_zs [N/m]"] = numberOrNull(w.steady.mean);
-    json["K_zs deviation over the wall [N/m]"] = numberOrNull(w.steady.deviation);
+    json["deviation K_zs over the wall [N/m]"] = numberOrNull(w.steady.deviation);
     json["points with K_zs unresolved"] = w.unresolved;
-    json["lowest |C_zs| [m/N]"] = extreme(w.lowestCompliance);
-    json["highest |C_zs| [m/N]"] = extreme(w.highestCompliance);
-    json["lowest F_c/rms depth [N/m]"] = numberOrNull(w.lowestOverRms);
-    json["lowest F_c/depth 95 % [N/m]"] = numberOrNull(w.lowestOver95);
-    json["largest depth [m]"] = w.largestDepth;
-    json["largest drift [m]"] = w.drift;
-    json["largest mean chatter [N m]"] = w.chatter;
-    json["largest mean saturated share"] = w.saturatedShare;
-    json["largest mean tangential force [N]"] = w.tangentialForce;
+    json["lowest |mean C_zs| [m/N]"] = extreme(w.lowestCompliance);
+    json["highest |mean C_zs| [m/N]"] = extreme(w.highestCompliance);
+    json["lowest mean F_c/" + perForce(&PushMetrics::rmsDepth)] = numberOrNull(w.lowestOverRms);
+    json["lowest mean F_c/" + perForce(&PushMetrics::depth95)] = numberOrNull(w.lowestOver95);
+    json[keyOf(&PushMetrics::largestDepth)] = largest(w.largestDepth);
+    json["largest " + keyOf(&PushMetrics::drift)] = largest(w.drift);
+    json["largest mean " + keyOf(&PushMetrics::chatter)] = largest(w.chatter);
+    json["largest mean " + keyOf(&PushMetrics::saturatedShare)] = largest(w.saturatedShare);
+    json["largest mean " + keyOf(&PushMetrics::tangentialForce)] = largest(w.tangentialForce);
     json["runs that left the workspace"] = w.failed;
-    json["runs without a first impact"] = w.withoutFirst;
+    Json& without = json[std::string("runs without ") + kFirst->symbol];
+    for (const FirstImpactVerdict verdict : kWithoutFirst)
+      without[toString(verdict)] = w.verdicts[static_cast<std::size_t>(verdict)];
     json["faults"] = w.faults;
     list.push_back(json);
   }
   summary["claims"] = Json::array();
   for (const Claim& c : claims)
     summary["claims"].push_back({{"claim", c.text}, {"holds", c.holds}, {"measured", c.measured}});
-  return summary;
+  return summary.dump(1) + '\n';
 }
 
 std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistics>& points,
                             const std::vector<WallSummary>& walls) {
-  const std::size_t hold = study.column(kPositionControl), spring = study.column(kImpedance),
+  const std::size_t hold = study.column(ColumnKind::positionControl), spring = study.column(ColumnKind::impedance),
                     columns = study.plan.columns.size(), count = study.plan.points();
   std::vector<Claim> claims;
   const auto pointAt = [&](std::size_t scenario, std::size_t column, std::size_t point) -> const PointStatistics& {
@@ -268,12 +373,12 @@ std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistic
              fmt::format("{:.0f} N/m at {} mm, {:.0f} N/m at {} mm", servo.lowestFirst->value,
                          pointText(study, servo.lowestFirst->point), wall.highestFirst->value,
                          pointText(study, wall.highestFirst->point)),
-             servo.lowestFirst->value > wall.highestFirst->value && servo.withoutFirst == 0 && servo.failed == 0});
+             servo.lowestFirst->value > wall.highestFirst->value && servo.withoutFirst() == 0 && servo.failed == 0});
       std::size_t below = 0, worst = 0, lost = 0;
       double worstRatio = -1.0;
       for (std::size_t p = 0; p < count; ++p) {
-        const double ratio =
-            std::abs(pointAt(s, hold, p).compliance.mean) / std::abs(pointAt(s, spring, p).compliance.mean);
+        const double ratio = std::abs(pointAt(s, hold, p).of(&PushMetrics::steadyCompliance).mean) /
+                             std::abs(pointAt(s, spring, p).of(&PushMetrics::steadyCompliance).mean);
         below += ratio < 1.0;
         lost += !std::isfinite(ratio);
         if (ratio > worstRatio) worst = p, worstRatio = ratio;

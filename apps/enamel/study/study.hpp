@@ -1,43 +1,43 @@
 // A study as the command runs it: the plan with its devices and servos, and the files that come out of it.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "enamel/control/servo_design.hpp"
+#include "enamel/device/device_file.hpp"
 #include "enamel/study/monte_carlo.hpp"
-#include "renderers.hpp"
+#include "study/options.hpp"
 
 namespace enamel::app {
 
-using Json = nlohmann::ordered_json;
+/// What a column of the study is. A plugin is none of the linked renderers, whatever it calls itself.
+enum class ColumnKind { positionControl, impedance, scheduled, plugin };
 
-/// The servo designed at every query point instead of once at home (gain scheduling).
-inline constexpr const char* kScheduled = "position-control-scheduled";
-
-struct StudyOptions {
-  std::string device, designDevice, output, delay = "none";
-  std::vector<std::string> set;  ///< parameters of plugins
-  std::vector<int> scenarios = {1, 2};
-  std::vector<std::string> renderers = {kPositionControl, kImpedance, kScheduled};
-  int runs = 20, grid = 11, threads = 0;
-  std::uint64_t seed = 1;
-  bool encoders = false, resume = false, convergence = false;
-  bool release = false;  ///< the hold ends when the wall would pull; the paper's never does
+/// What tables and pictures say about a column of the plan.
+struct ColumnLabel {
+  ColumnKind kind = ColumnKind::plugin;
+  std::string title;     ///< in words
+  double damping = 0.0;  ///< mechanical, of its plant along z at home, N s/m
 };
 
 struct Study {
   StudyOptions options;
-  TauParameters device, designDevice;
-  TauModel designModel;  ///< what the renderers know
-  ImpedanceOptions impedance{6000.0, 0.0, 4.0};
-  ServoDesign home;  ///< the servo of position-control
+  DeviceParameters device, designDevice;
+  std::shared_ptr<const Mechanism> mechanism;  ///< of `device`, as its file says
+  std::shared_ptr<const Mechanism> design;     ///< what the servos are designed on
+  ImpedanceOptions impedance;
+  std::optional<ServoDesign> home;  ///< the servo of position-control, also a given one; where a column is a servo
   StudyPlan plan;
-  Json manifest;  ///< everything that the runs depend on
+  std::vector<ColumnLabel> labels;  ///< of the plan's columns
+  std::string manifest;             ///< everything that the runs depend on, JSON
 
   std::string path(const std::string& name) const { return options.output + '/' + name; }
-  /// Index of a column; columns.size() where the study does not have it.
-  std::size_t column(const std::string& name) const;
+  /// Index of the column of a linked renderer; columns.size() where the study does not have it.
+  std::size_t column(ColumnKind kind) const;
+  bool isTau() const { return std::holds_alternative<TauParameters>(device); }
 };
 
 /// Loads, designs and checks everything. Throws Error.
@@ -56,9 +56,18 @@ std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistic
 
 /// points.csv and summary.json.
 std::string pointsTable(const Study& study, const std::vector<PointStatistics>& points);
-Json summaryOf(const Study& study, const std::vector<WallSummary>& walls, const std::vector<Claim>& claims);
+std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls, const std::vector<Claim>& claims);
 
 /// A query point in mm, as "(-25, 10)".
 std::string pointText(const Study& study, std::size_t point);
+
+/// Why runs have no first impact stiffness, as "2 rings, 1 slipped"; empty where all have one.
+std::string withoutFirstText(const WallSummary& wall);
+
+/// Whether any run of a wall could be finished: without, its largest values are none, not zero.
+bool anyFinished(const Study& study, const WallSummary& wall);
+
+/// The key of a metric as every file has it.
+inline std::string keyOf(const MetricMember& member) { return enamel::keyOf(allMetrics()[indexOf(member)]); }
 
 }  // namespace enamel::app

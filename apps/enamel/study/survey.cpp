@@ -3,19 +3,43 @@
 #include <algorithm>
 #include <cmath>
 
-#include "enamel/control/device_plant.hpp"
 #include "enamel/study/parallel.hpp"
 
 namespace enamel::app {
 namespace {
 
 constexpr double kDuration = 1.15;     // s: the step comes at 1 s, the first impact ends within 50 ms
-constexpr double kNeverReached = 1e6;  // N m
+constexpr double kNeverReached = 1e6;  // N m or N
+
+// A mechanism with motors that never saturate.
+class Strong final : public Mechanism {
+ public:
+  explicit Strong(std::shared_ptr<const Mechanism> weak)
+      : Mechanism(weak->name(), {JointVector::Constant(weak->joints(), kNeverReached), weak->limits().count}),
+        weak_(std::move(weak)) {
+    setHome();
+  }
+  Status track(const JointVector& q, const JointVector& rates, bool withInertia,
+               Kinematics& k) const noexcept override {
+    return weak_->track(q, rates, withInertia, k);
+  }
+  Status reach(const Pose& pose, const Vec6& twist, bool withInertia, Kinematics& k) const noexcept override {
+    return weak_->reach(pose, twist, withInertia, k);
+  }
+  Status accelerate(const Pose& pose, const Vec6& twist, const JointVector& torque, const Vec6& wrench,
+                    Vec6& acceleration) const noexcept override {
+    return weak_->accelerate(pose, twist, torque, wrench, acceleration);
+  }
+  std::vector<Bar> bars(const Pose& pose) const override { return weak_->bars(pose); }
+
+ private:
+  std::shared_ptr<const Mechanism> weak_;
+};
 
 double stiffnessAt(const StudyColumn& column, const PushSetup& setup, std::size_t point) {
   const auto renderer = column.make(point);
   MetricsCollector collector(setup);
-  (void)runPush(column.plant, *renderer, setup, [&](const TickRecord& tick) { collector.add(tick); });
+  (void)runPush(*column.plant, *renderer, setup, [&](const TickRecord& tick) { collector.add(tick); });
   return collector.metrics().firstStiffness.value_or(std::nan(""));
 }
 
@@ -36,20 +60,23 @@ Survey surveyWall(const Study& study) {
     setup.person.force = kSurveyForce;
     s.stiffness = stiffnessAt(column, setup, point);
     StudyColumn strong = column;
-    strong.plant.maxTorque = kNeverReached;
+    strong.plant = std::make_shared<Strong>(column.plant);
     s.unlimited = stiffnessAt(strong, setup, point);
 
     setup.person.force = kHardForce;
+    const JointVector& limit = column.plant->limits().torque;
+    s.peak = s.cutTicks = JointVector::Zero(limit.size());
     const auto renderer = column.make(point);
-    (void)runPush(column.plant, *renderer, setup, [&](const TickRecord& tick) {
+    (void)runPush(*column.plant, *renderer, setup, [&](const TickRecord& tick) {
       s.peak = s.peak.cwiseMax(tick.torque.cwiseAbs());
-      s.cutTicks += (tick.torque.array().abs() >= column.plant.maxTorque).cast<double>().matrix();
+      s.cutTicks += (tick.torque.array().abs() >= limit.array()).cast<double>().matrix();
     });
-    const DevicePlant plant = devicePlant(column.plant, setup.start);
-    s.gravity = plant.u0;
-    s.mass = plant.effectiveMass;
-    s.lever = plant.jacobian.row(2).norm();
-    s.forceLimit = plant.largestForce;
+    Kinematics there;
+    (void)column.plant->reach(setup.start, Vec6::Zero(), true, there);  // checkStudy() has seen that it can
+    s.gravity = there.gravity;
+    s.mass = effectiveMass(there, setup.start.position, Vec3::UnitZ());
+    s.lever = there.jacobian.row(2).norm();
+    s.forceLimit = largestForce(there, limit, Vec3::UnitZ());
   });
   return survey;
 }

@@ -10,14 +10,14 @@ inline constexpr double kSurveyForce = 12.0, kHardForce = 15.0;  // N
 
 /// One query point and column: steps of scenario 1 without noise.
 struct SurveyPoint {
-  double stiffness = 0.0;        ///< K_z1 at kSurveyForce, N/m; NaN where there is no first impact
-  double unlimited = 0.0;        ///< the same with motors that never saturate
-  Vec6 peak = Vec6::Zero();      ///< largest |torque| of each joint at kHardForce, N m
-  Vec6 cutTicks = Vec6::Zero();  ///< ticks that each joint spends at its limit at kHardForce
-  Vec6 gravity = Vec6::Zero();   ///< torque that balances gravity, N m
-  double mass = 0.0;             ///< effective along the normal, kg
-  double lever = 0.0;            ///< |dz/dq| of the six joints together, m/rad
-  double forceLimit = 0.0;       ///< what the motors can give along the normal after gravity, N
+  double stiffness = 0.0;   ///< K_z1 at kSurveyForce, N/m; NaN where there is no first impact
+  double unlimited = 0.0;   ///< the same with motors that never saturate
+  JointVector peak;         ///< largest |torque| of each joint at kHardForce, N m or N
+  JointVector cutTicks;     ///< ticks that each joint spends at its limit at kHardForce
+  JointVector gravity;      ///< torque that balances gravity, N m or N
+  double mass = 0.0;        ///< effective along the normal, kg
+  double lever = 0.0;       ///< |dz/dq| of the joints together, m/rad
+  double forceLimit = 0.0;  ///< what the motors can give along the normal after gravity, N
 };
 
 /// Column by column, point by point.

@@ -28,9 +28,9 @@ const char* toString(FirstImpactVerdict verdict) noexcept {
   return "unknown verdict";
 }
 
-const std::array<Metric, 12>& allMetrics() noexcept {
+const std::array<Metric, kMetrics>& allMetrics() noexcept {
   using M = PushMetrics;
-  static const std::array<Metric, 12> metrics = {{
+  static const std::array<Metric, kMetrics> metrics = {{
       {"D_z1", "first impact depth", "m", "mm", 1e3, &M::firstDepth},
       {"K_z1", "first impact stiffness", "N/m", "kN/m", 1e-3, &M::firstStiffness},
       {"D_zs", "steady depth (signed mean)", "m", "mm", 1e3, &M::steadyDepth},
@@ -45,6 +45,12 @@ const std::array<Metric, 12>& allMetrics() noexcept {
       {"drift", "across the normal", "m", "mm", 1e3, &M::drift},
   }};
   return metrics;
+}
+
+std::size_t indexOf(const MetricMember& member) noexcept {
+  std::size_t i = 0;
+  while (i + 1 < kMetrics && allMetrics()[i].member != member) ++i;
+  return i;
 }
 
 std::string keyOf(const Metric& metric) {

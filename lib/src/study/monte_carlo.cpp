@@ -107,36 +107,30 @@ PointStatistics statisticsOf(const std::vector<StudyResult>& runs) {
   s.scenario = runs.front().run.scenario;
   s.column = runs.front().run.column;
   s.point = runs.front().run.point;
-  std::vector<double> depth, stiffness, compliance, overRms, over95, chatter, saturated, tangential;
+  std::array<std::vector<double>, kMetrics> values;
+  std::vector<double> overRms, over95;
   for (const StudyResult& result : runs) {
     if (result.status != Status::ok) {
       ++s.failed;
       continue;
     }
     const PushMetrics& m = result.metrics;
-    if (m.firstDepth) depth.push_back(*m.firstDepth);
-    if (m.firstStiffness) stiffness.push_back(*m.firstStiffness);
-    compliance.push_back(m.steadyCompliance);
+    ++s.verdicts[static_cast<std::size_t>(m.verdict)];
+    for (std::size_t i = 0; i < kMetrics; ++i)
+      if (const auto value = valueOf(m, allMetrics()[i])) values[i].push_back(*value);
     if (m.rmsDepth > 0.0) overRms.push_back(result.run.force / m.rmsDepth);
     if (m.depth95 > 0.0) over95.push_back(result.run.force / m.depth95);
-    chatter.push_back(m.chatter);
-    saturated.push_back(m.saturatedShare);
-    tangential.push_back(m.tangentialForce);
     s.largestDepth = std::max(s.largestDepth, m.largestDepth);
     s.drift = std::max(s.drift, m.drift);
     s.faults += m.faults;
   }
-  s.firstDepth = spreadOf(depth);
-  s.firstStiffness = spreadOf(stiffness);
-  s.compliance = spreadOf(compliance);
+  for (std::size_t i = 0; i < kMetrics; ++i) s.metrics[i] = spreadOf(values[i]);
   s.forceOverRms = spreadOf(overRms);
   s.forceOver95 = spreadOf(over95);
-  s.chatter = spreadOf(chatter).mean;
-  s.saturatedShare = spreadOf(saturated).mean;
-  s.tangentialForce = spreadOf(tangential).mean;
+  const Spread& compliance = s.of(&PushMetrics::steadyCompliance);
   // A deviation of NaN (fewer than two runs) resolves nothing.
-  const double standardError = s.compliance.deviation / std::sqrt(static_cast<double>(s.compliance.count));
-  const double mean = std::abs(s.compliance.mean);
+  const double standardError = compliance.deviation / std::sqrt(static_cast<double>(compliance.count));
+  const double mean = std::abs(compliance.mean);
   if (mean >= 2.0 * standardError && mean > 0.0) s.steadyStiffness = 1.0 / mean;
   return s;
 }
@@ -169,8 +163,8 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
     std::vector<double> steady;
     for (std::size_t i = first; i < first + plan.points(); ++i) {
       const PointStatistics& p = points[i];
-      lower(w.lowestFirst, p.firstStiffness.mean, p.point);
-      higher(w.highestFirst, p.firstStiffness.mean, p.point);
+      lower(w.lowestFirst, p.of(&PushMetrics::firstStiffness).mean, p.point);
+      higher(w.highestFirst, p.of(&PushMetrics::firstStiffness).mean, p.point);
       if (p.steadyStiffness) {
         lower(w.lowestSteady, *p.steadyStiffness, p.point);
         higher(w.highestSteady, *p.steadyStiffness, p.point);
@@ -178,18 +172,18 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
       } else {
         ++w.unresolved;
       }
-      lower(lowestCompliance, std::abs(p.compliance.mean), p.point);
-      higher(highestCompliance, std::abs(p.compliance.mean), p.point);
+      lower(lowestCompliance, std::abs(p.of(&PushMetrics::steadyCompliance).mean), p.point);
+      higher(highestCompliance, std::abs(p.of(&PushMetrics::steadyCompliance).mean), p.point);
       lower(overRms, p.forceOverRms.mean, p.point);
       lower(over95, p.forceOver95.mean, p.point);
       w.largestDepth = larger(w.largestDepth, p.largestDepth);
       w.drift = larger(w.drift, p.drift);
-      w.chatter = larger(w.chatter, p.chatter);
-      w.saturatedShare = larger(w.saturatedShare, p.saturatedShare);
-      w.tangentialForce = larger(w.tangentialForce, p.tangentialForce);
+      w.chatter = larger(w.chatter, p.of(&PushMetrics::chatter).mean);
+      w.saturatedShare = larger(w.saturatedShare, p.of(&PushMetrics::saturatedShare).mean);
+      w.tangentialForce = larger(w.tangentialForce, p.of(&PushMetrics::tangentialForce).mean);
       w.failed += p.failed;
       w.faults += p.faults;
-      if (p.scenario == 1) w.withoutFirst += p.runs - p.failed - p.firstStiffness.count;
+      for (int v = 0; v < kVerdicts; ++v) w.verdicts[v] += p.verdicts[v];
     }
     w.lowestCompliance = lowestCompliance.value_or(Extreme{kNone, 0});
     w.highestCompliance = highestCompliance.value_or(Extreme{kNone, 0});
@@ -199,6 +193,14 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
     summaries.push_back(w);
   }
   return summaries;
+}
+
+int WallSummary::withoutFirst() const noexcept {
+  int count = 0;
+  for (const FirstImpactVerdict v :
+       {FirstImpactVerdict::noReturn, FirstImpactVerdict::rings, FirstImpactVerdict::slips})
+    count += verdicts[static_cast<std::size_t>(v)];
+  return count;
 }
 
 }  // namespace enamel

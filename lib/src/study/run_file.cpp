@@ -41,7 +41,7 @@ Status statusNamed(std::string_view name, const std::string& where) {
 }
 
 FirstImpactVerdict verdictNamed(std::string_view name, const std::string& where) {
-  for (int i = 0; i <= static_cast<int>(FirstImpactVerdict::slips); ++i)
+  for (int i = 0; i < kVerdicts; ++i)
     if (name == toString(static_cast<FirstImpactVerdict>(i))) return static_cast<FirstImpactVerdict>(i);
   throw Error(where + ": \"" + std::string(name) + "\" is not how a first impact can end");
 }
@@ -55,7 +55,7 @@ StudyResult parseLine(const StudyPlan& plan, std::size_t index, std::string_view
     throw Error(where + ": is not run " + std::to_string(index) + " of this study, which begins with " + expected);
   line.remove_prefix(expected.size());
   // status, first impact, metrics, faults
-  std::array<std::string_view, std::tuple_size_v<std::decay_t<decltype(allMetrics())>> + 3> fields;
+  std::array<std::string_view, kMetrics + 3> fields;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::size_t comma = line.find(',');
     if ((comma == std::string_view::npos) != (i + 1 == fields.size()))

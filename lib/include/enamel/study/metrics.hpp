@@ -22,6 +22,8 @@ enum class FirstImpactVerdict : std::uint8_t {
   slips,     ///< until its return the tool moved farther across the normal than along it
 };
 
+inline constexpr int kVerdicts = 5;
+
 /// Name of a verdict in plain words. Realtime: yes.
 const char* toString(FirstImpactVerdict verdict) noexcept;
 
@@ -55,9 +57,14 @@ struct Metric {
   double displayScale;  ///< from unit to displayUnit
   std::variant<double PushMetrics::*, std::optional<double> PushMetrics::*> member;
 };
+using MetricMember = decltype(Metric::member);
+inline constexpr std::size_t kMetrics = 12;
 
 /// All of them, in the order of files and tables.
-const std::array<Metric, 12>& allMetrics() noexcept;
+const std::array<Metric, kMetrics>& allMetrics() noexcept;
+
+/// Place of a metric in allMetrics(). Realtime: yes.
+std::size_t indexOf(const MetricMember& member) noexcept;
 
 /// "symbol [unit]". Realtime: no.
 std::string keyOf(const Metric& metric);

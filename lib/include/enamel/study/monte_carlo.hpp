@@ -2,7 +2,9 @@
 // runs, their statistics at every query point, and what holds over the whole wall.
 #pragma once
 
+#include <array>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -70,28 +72,29 @@ StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
 /// Mean and standard deviation (n - 1) of what was measured; NaN where there are not enough values.
 struct Spread {
   int count = 0;
-  double mean = 0.0, deviation = 0.0;
+  double mean = std::numeric_limits<double>::quiet_NaN(), deviation = mean;
 };
 Spread spreadOf(const std::vector<double>& values);
+
+/// Numbers of runs by how their first impact ended; a run that failed is in none.
+using VerdictCounts = std::array<int, kVerdicts>;
 
 /// The runs of one scenario and column at one query point.
 struct PointStatistics {
   int scenario = 1;
   std::size_t column = 0, point = 0;
   int runs = 0, failed = 0;               ///< failed: the plant left its workspace; not in the figures below
-  Spread firstDepth;                      ///< D_z1, m
-  Spread firstStiffness;                  ///< K_z1, N/m, over the runs that have one
-  Spread compliance;                      ///< C_zs, m/N
+  VerdictCounts verdicts{};               ///< of the first impact
+  std::array<Spread, kMetrics> metrics;   ///< of each of allMetrics(), over the runs that have it
   std::optional<double> steadyStiffness;  ///< K_zs = 1 / |mean C_zs|, N/m; nothing where unresolved: |mean C_zs| below
                                           ///< two standard errors, or fewer than two runs
   Spread forceOverRms;                    ///< F_c / rms depth, N/m
   Spread forceOver95;                     ///< F_c / 95th percentile of the depth, N/m
   double largestDepth = 0.0;              ///< of all runs, m
-  double chatter = 0.0;                   ///< mean, N m
-  double saturatedShare = 0.0;            ///< mean
-  double tangentialForce = 0.0;           ///< mean, N
   double drift = 0.0;                     ///< largest, m
   std::uint64_t faults = 0;
+
+  const Spread& of(const MetricMember& member) const noexcept { return metrics[indexOf(member)]; }
 };
 
 /// Statistics of the runs of one point. Realtime: no.
@@ -118,8 +121,12 @@ struct WallSummary {
   double lowestOverRms = 0.0, lowestOver95 = 0.0;                     ///< F_c / rms and F_c / 95th percentile, N/m
   double largestDepth = 0.0, drift = 0.0;                             ///< m
   double chatter = 0.0, saturatedShare = 0.0, tangentialForce = 0.0;  ///< largest of the points' means
-  int failed = 0, withoutFirst = 0;  ///< runs; withoutFirst: scenario 1 without a first impact
+  int failed = 0;                                                     ///< runs that left the workspace
+  VerdictCounts verdicts{};                                           ///< of the others' first impacts
   std::uint64_t faults = 0;
+
+  /// Runs with a step of force and without a first impact stiffness.
+  int withoutFirst() const noexcept;
 };
 
 /// Summaries, scenario by scenario, column by column. Realtime: no.

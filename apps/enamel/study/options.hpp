@@ -1,0 +1,30 @@
+// What a person asks of `enamel study`.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "renderers.hpp"
+
+namespace enamel::app {
+
+/// The servo designed at every query point instead of once at home (gain scheduling).
+inline constexpr const char* kScheduled = "position-control-scheduled";
+
+struct StudyOptions {
+  std::string device, designDevice, gain, output, delay = "none";
+  std::vector<std::string> set;                              ///< parameters of plugins
+  std::vector<std::string> deviceDamping = {"impedance=4"};  ///< B, or NAME=B ...; the paper's baseline has 4 N s/m
+  std::vector<int> scenarios = {1, 2};
+  std::vector<std::string> renderers = {kPositionControl, kImpedance, kScheduled};
+  int runs = 20, grid = 11, threads = 0;
+  std::uint64_t seed = 1;
+  bool encoders = false, resume = false, convergence = false;
+  bool release = false;  ///< the hold ends when the wall would pull; the paper's never does
+};
+
+/// Performs the study and writes its folder. Throws Error, Interrupted.
+void runStudy(StudyOptions options);
+
+}  // namespace enamel::app
