@@ -37,7 +37,7 @@ void Runner::obey(const Command& command) noexcept {
   switch (command.kind) {
     case Command::Kind::handTo: experiment_->moveHandTo(command.target); break;
     case Command::Kind::handBy: experiment_->moveHandBy(command.target); break;
-    case Command::Kind::select: experiment_->select(static_cast<Wall>(command.number)); break;
+    case Command::Kind::select: experiment_->select(static_cast<RendererSlot>(command.number)); break;
     case Command::Kind::grip: experiment_->setGrip(command.grip); break;
     case Command::Kind::testPush: experiment_->startTestPush(); break;
     case Command::Kind::pause: paused_ = true; break;

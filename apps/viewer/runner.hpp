@@ -15,7 +15,7 @@ struct Sample {
   Vec3 position = Vec3::Zero();  ///< of the TCP, m
   double gap = 0.0;              ///< m
   double normalForce = 0.0;      ///< N
-  Vec6 torque = Vec6::Zero();
+  JointVector torque;            ///< N m or N
 };
 
 /// A change between two ticks.
@@ -33,7 +33,7 @@ struct Command {
     replace
   } kind;
   Vec3 target = Vec3::Zero();        ///< of handTo and, relative, of handBy, m
-  int number = 0;                    ///< Wall of select, ticks of step, factor of slowdown
+  int number = 0;                    ///< RendererSlot of select, ticks of step, factor of slowdown
   Grip grip = kFirmGrip;             ///< of grip
   Experiment* experiment = nullptr;  ///< of replace; owned by the runner from here on
 };

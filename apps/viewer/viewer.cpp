@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "enamel/core/error.hpp"
-#include "enamel/device/tau/dynamics.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -32,10 +31,10 @@ ServoedDevice withPlugin(ServoedDevice device, const Options& options) {
   return device;
 }
 
-std::unique_ptr<Experiment> firstExperiment(const ServoedDevice& device, const SceneFile& scene, Wall wall) {
+std::unique_ptr<Experiment> firstExperiment(const ServoedDevice& device, const SceneFile& scene, RendererSlot slot) {
   Pose start;
   start.position = scene.start;
-  return std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), wall);
+  return std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot);
 }
 
 Vec3 metres(const glm::dvec3& millimetres) { return Vec3(millimetres.x, millimetres.y, millimetres.z) / kMillimetres; }
@@ -48,15 +47,18 @@ double steadySeconds() {
 
 Viewer::Viewer(const Options& options, Surface& surface)
     : surface_(surface),
-      device_(withPlugin(loadServoedDevice(options.device), options)),
-      model_(makeModel(device_.parameters)),
+      device_(withPlugin(loadServoedDevice(options.device, options.gain), options)),
+      rendererNames_(viewer::rendererNames(options.plugin.get())),
+      plant_(makeMechanism(changed(device_.parameters, Settings{}))),
+      torques_(*plant_),
       scene_(enamel::loadScene(options.scene)),
-      wall_(options.wall),
-      runner_(firstExperiment(device_, scene_, wall_)),
+      selected_(options.begin),
+      runner_(firstExperiment(device_, scene_, selected_)),
       stage_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
       view_(stage_.scene(), stage_.above()),
-      charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), model_.maxTorque) {
-  configuration_ = model_.home;
+      charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), torques_) {
+  kinematics_ = plant_->home();
+  shown_.bars = plant_->bars(kinematics_.pose);
   const std::filesystem::path folder = std::filesystem::absolute(options.scene).parent_path();
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.path().extension() == ".toml") sceneFiles_.push_back(entry.path().string());
@@ -87,7 +89,8 @@ void Viewer::selectCamera(int preset) {
 // A replaced experiment begins at rest where the tool is.
 void Viewer::rebuild(const Pose& start, const Hand& hand) {
   try {
-    runner_.replace(std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, wall_));
+    plant_ = makeMechanism(changed(device_.parameters, overlay_.settings));
+    runner_.replace(std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, selected_));
   } catch (const Error& error) {
     notify(error.what());
   }
@@ -125,8 +128,8 @@ void Viewer::act(Action action) {
   };
   switch (action) {
     case Action::swapRenderers:
-      wall_ = wall_ == Wall::impedance ? Wall::positionControl : Wall::impedance;
-      send(Command::Kind::select, static_cast<int>(wall_));
+      selected_ = selected_ == RendererSlot::b ? RendererSlot::a : RendererSlot::b;
+      send(Command::Kind::select, static_cast<int>(selected_));
       break;
     case Action::testPush:
       path_.reset();
@@ -219,8 +222,8 @@ void Viewer::follow(const ScriptStep& step, double now) {
       path_ = Path{{from.x(), from.y(), from.z()}, step.target, now, step.over};
       break;
     }
-    case ScriptStep::Kind::wall:
-      if (static_cast<int>(wall_) != step.number) act(Action::swapRenderers);
+    case ScriptStep::Kind::renderer:
+      if (static_cast<int>(selected_) != step.number) act(Action::swapRenderers);
       break;
     case ScriptStep::Kind::set:
       for (const SettingRow& row : settingRows())
@@ -279,10 +282,10 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   for (const Action action : actions) act(action);
   if (now > noticeEnd_) overlay_.notice.clear();
 
-  TauConfiguration at;
-  if (inverseKinematics(model_, frame_.record.pose, at) == Status::ok) configuration_ = at;
   const Contact& contact = frame_.record.nearest;
-  shown_.device = configuration_;
+  if (plant_->reach(frame_.record.pose, Vec6::Zero(), true, kinematics_) == Status::ok)
+    shown_.bars = plant_->bars(kinematics_.pose);
+  shown_.pose = kinematics_.pose;
   shown_.hand = frame_.hand.position;
   shown_.force = frame_.record.rendered.head<3>();
   shown_.touching.clear();
@@ -292,13 +295,14 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   }
   shown_.ghost.reset();
   if (frame_.holding) {
-    TauConfiguration reference = configuration_;
-    if (forwardKinematics(model_, frame_.reference, reference).status == Status::ok) shown_.ghost = reference.pose;
+    Kinematics reference = kinematics_;
+    const JointVector atRest = JointVector::Zero(plant_->joints());
+    if (plant_->track(frame_.reference, atRest, false, reference) == Status::ok) shown_.ghost = reference.pose;
   } else if (contact.gap < 0.0) {
     shown_.ghost = Pose{frame_.record.pose.position - contact.gap * contact.normal, frame_.record.pose.rotation};
   }
-  const double preload = frame_.tests[static_cast<std::size_t>(frame_.wall)].preload;
-  limit_ = stiffnessLimit(model_, configuration_, contact.normal, kTestForce, preload, overlay_.settings.delay.high);
+  const double preload = frame_.tests[indexOf(frame_.selected)].preload;
+  limit_ = stiffnessLimit(kinematics_, plant_->limits().torque, contact.normal, preload, overlay_.settings.delay);
 
   layout_ = layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts);
   std::array<ChartPlace, kCharts> places;
@@ -313,15 +317,16 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 
 void Viewer::draw(bool picture) {
   if (builtScale_ != layout_.scale) {
-    view_.build(model_, scene_.scene, scene_.tool, layout_.scale);
+    view_.build(shown_.bars, scene_.scene, scene_.tool, layout_.scale);
     builtScale_ = layout_.scale;
   }
   view_.update(shown_);
   view_.look(camera_);
   const OverlayInput input{frame_,
                            scene_.name,
-                           device_.parameters.name,
+                           plant_->name(),
                            device_.plugin.get(),
+                           torques_,
                            sceneNames_,
                            sceneIndex_,
                            limit_,
