@@ -14,29 +14,15 @@
 #include <string>
 #include <vector>
 
-#include "enamel/device/mechanism.hpp"
 #include "layout.hpp"
 #include "runner.hpp"
+#include "torque_style.hpp"
 
 namespace enamel::viewer {
 
 /// Where a chart stands, pixels from the bottom left of its renderer's viewport.
 struct ChartPlace {
   float x, y, width, height;
-};
-
-/// How the torques of a mechanism's joints are charted.
-struct TorqueStyle {
-  explicit TorqueStyle(const Mechanism& mechanism);
-
-  int joints;
-  int perChain;        ///< joints of a chain, which share a colour; 0: every joint for itself
-  bool shares;         ///< in % of each joint's own limit: where the limits, or maybe their units, differ; else N m
-  double limit;        ///< 100 %, or N m
-  JointVector factor;  ///< of a torque, to what is shown
-
-  unsigned colourOf(int joint) const;
-  bool dashed(int joint) const;
 };
 
 class Charts {

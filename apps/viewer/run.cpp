@@ -65,14 +65,14 @@ TimingNumbers numbersOf(const PeriodicTiming& timing, double framesPerSecond) {
   return n;
 }
 
-// From here on SIGINT and SIGTERM only ask the loop to end; a second one ends the process at once.
+// While it lives, SIGINT and SIGTERM only ask the loop to end.
 class EndingSignals {
  public:
   EndingSignals() {
     caught_ = 0;
     struct sigaction action {};
     action.sa_handler = [](int number) { caught_ = number; };
-    action.sa_flags = static_cast<int>(SA_RESTART | SA_RESETHAND);
+    action.sa_flags = SA_RESTART;
     for (std::size_t i = 0; i < std::size(kSignals); ++i) sigaction(kSignals[i], &action, &before_[i]);
   }
   ~EndingSignals() {

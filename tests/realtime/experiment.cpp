@@ -1,4 +1,4 @@
-// The viewer's haptic side allocates nothing: ticks of either wall, test pushes, grips, commands, dropped samples.
+// The viewer's haptic side allocates nothing: ticks of either renderer, test pushes, grips, commands, dropped samples.
 #include "experiment.hpp"
 
 #include "runner.hpp"
@@ -22,7 +22,7 @@ TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
     settings.delay = {0, 1};
     settings.encoders = {true, RateSource::lowPass, 100.0};
     settings.noise = 0.2;
-    Runner runner(std::make_unique<Experiment>(device, settings, scene, start, hand, Wall::impedance));
+    Runner runner(std::make_unique<Experiment>(device, settings, scene, start, hand, RendererSlot::b));
     test::Random random(82);
     int contact = 0, tested = 0;
     Sample sample;
