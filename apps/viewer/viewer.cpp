@@ -121,30 +121,30 @@ std::vector<std::string> Viewer::takePictures() {
 
 void Viewer::act(Action action) {
   constexpr int speeds[] = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000};
-  const auto send = [this](Command::Kind kind, int number) {
-    Command command{kind};
+  const auto send = [this](RunnerCommand::Kind kind, int number) {
+    RunnerCommand command{kind};
     command.number = number;
     runner_.send(command);
   };
   switch (action) {
     case Action::swapRenderers:
       selected_ = selected_ == RendererSlot::b ? RendererSlot::a : RendererSlot::b;
-      send(Command::Kind::select, static_cast<int>(selected_));
+      send(RunnerCommand::Kind::select, static_cast<int>(selected_));
       break;
     case Action::testPush:
       path_.reset();
-      send(Command::Kind::testPush, 0);
+      send(RunnerCommand::Kind::testPush, 0);
       break;
     case Action::grip: {
       overlay_.grip = overlay_.grip.stiffness == kFirmGrip.stiffness ? kPaperGrip : kFirmGrip;
-      Command command{Command::Kind::grip};
+      RunnerCommand command{RunnerCommand::Kind::grip};
       command.grip = overlay_.grip;
       runner_.send(command);
       break;
     }
     case Action::home: {
       path_.reset();
-      Command command{Command::Kind::handTo};
+      RunnerCommand command{RunnerCommand::Kind::handTo};
       command.target = scene_.start;
       runner_.send(command);
       break;
@@ -158,11 +158,11 @@ void Viewer::act(Action action) {
       break;
     case Action::pause:
       paused_ = !paused_;
-      send(paused_ ? Command::Kind::pause : Command::Kind::resume, 0);
+      send(paused_ ? RunnerCommand::Kind::pause : RunnerCommand::Kind::resume, 0);
       break;
     case Action::step:
       if (!paused_) act(Action::pause);
-      send(Command::Kind::step, 1);
+      send(RunnerCommand::Kind::step, 1);
       break;
     case Action::faster:
       for (int i = 9; i >= 0; --i)
@@ -170,7 +170,7 @@ void Viewer::act(Action action) {
           slowdown_ = speeds[i];
           break;
         }
-      send(Command::Kind::slowdown, slowdown_);
+      send(RunnerCommand::Kind::slowdown, slowdown_);
       break;
     case Action::slower:
       for (const int speed : speeds)
@@ -178,7 +178,7 @@ void Viewer::act(Action action) {
           slowdown_ = speed;
           break;
         }
-      send(Command::Kind::slowdown, slowdown_);
+      send(RunnerCommand::Kind::slowdown, slowdown_);
       break;
     case Action::camera1:
     case Action::camera2:
@@ -201,14 +201,14 @@ void Viewer::act(Action action) {
 
 void Viewer::moveHandBy(const glm::dvec3& millimetres) {
   path_.reset();
-  Command command{Command::Kind::handBy};
+  RunnerCommand command{RunnerCommand::Kind::handBy};
   command.target = metres(millimetres);
   runner_.send(command);
 }
 
 void Viewer::pressBy(double newtons) {
   path_.reset();
-  Command command{Command::Kind::handBy};
+  RunnerCommand command{RunnerCommand::Kind::handBy};
   command.target = -newtons * frame_.record.nearest.normal.cwiseQuotient(stiffnessOf(overlay_.grip));
   runner_.send(command);
 }
@@ -233,7 +233,7 @@ void Viewer::follow(const ScriptStep& step, double now) {
     case ScriptStep::Kind::scene: loadScene(step.name); break;
     case ScriptStep::Kind::slowdown: {
       slowdown_ = step.number;
-      Command command{Command::Kind::slowdown};
+      RunnerCommand command{RunnerCommand::Kind::slowdown};
       command.number = step.number;
       runner_.send(command);
       break;
@@ -250,7 +250,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   timing_ = timing;
   if (path_) {
     const double share = path_->over > 0.0 ? std::min(1.0, (now - path_->begin) / path_->over) : 1.0;
-    Command command{Command::Kind::handTo};
+    RunnerCommand command{RunnerCommand::Kind::handTo};
     command.target = metres(glm::mix(path_->from, path_->to, share));
     runner_.send(command);
     if (share >= 1.0) path_.reset();

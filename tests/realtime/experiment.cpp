@@ -12,7 +12,8 @@ using namespace enamel::viewer;
 
 TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
   const ServoedDevice device = loadServoedDevice(test::deviceFile("tau-nominal.toml"));
-  for (const char* name : {"flat-wall.toml", "oblique-wall.toml", "corner.toml", "box.toml", "molar.toml", "jaw.toml"}) {
+  for (const char* name :
+       {"flat-wall.toml", "oblique-wall.toml", "corner.toml", "box.toml", "molar.toml", "jaw.toml"}) {
     const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + std::string(name));
     Pose start;
     start.position = scene.start;
@@ -28,22 +29,22 @@ TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
     Sample sample;
     const long before = test::allocationCount();
     for (int i = 0; i < 6000; ++i) {
-      Command command{Command::Kind::handTo};
+      RunnerCommand command{RunnerCommand::Kind::handTo};
       if (i % 200 == 0) {
         command.target = {random.uniform(-0.01, 0.01), random.uniform(-0.01, 0.01), random.uniform(-0.025, 0.005)};
         runner.send(command);
       }
       if (i % 700 == 0) {
-        command.kind = Command::Kind::select;
+        command.kind = RunnerCommand::Kind::select;
         command.number = i / 700 % 2;
         runner.send(command);
       }
       if (i % 1500 == 0) {
-        command.kind = Command::Kind::grip;
+        command.kind = RunnerCommand::Kind::grip;
         command.grip = i % 3000 == 0 ? kPaperGrip : kFirmGrip;
         runner.send(command);
       }
-      if (i % 2900 == 0) runner.send({Command::Kind::testPush});
+      if (i % 2900 == 0) runner.send({RunnerCommand::Kind::testPush});
       runner.period();
       const Frame& frame = runner.frame();
       contact += frame.record.mode == RenderMode::contact;

@@ -415,21 +415,21 @@ TEST_CASE("the runner: pause, single ticks, slow motion, replacement", "[experim
     return samples;
   };
   CHECK(periods(100) == 100);
-  Command command{Command::Kind::slowdown};
+  RunnerCommand command{RunnerCommand::Kind::slowdown};
   command.number = 10;
   runner.send(command);
   CHECK(periods(100) == 10);
-  runner.send({Command::Kind::pause});
+  runner.send({RunnerCommand::Kind::pause});
   CHECK(periods(100) == 0);
   CHECK(runner.frame().paused);
-  command = {Command::Kind::step};
+  command = {RunnerCommand::Kind::step};
   command.number = 3;
   runner.send(command);
   CHECK(periods(100) == 3);
-  command = {Command::Kind::slowdown};
+  command = {RunnerCommand::Kind::slowdown};
   command.number = 1000;
   runner.send(command);
-  runner.send({Command::Kind::resume});
+  runner.send({RunnerCommand::Kind::resume});
   CHECK(periods(3000) == 3);
   CHECK(runner.frame().slowdown == 1000);
   command.number = 1;
@@ -440,11 +440,11 @@ TEST_CASE("the runner: pause, single ticks, slow motion, replacement", "[experim
   CHECK(runner.frame().selected == RendererSlot::b);
   CHECK(runner.frame().record.tick == 9);
   // A queue that nobody reads fills up and says so; a replacement that found no room is dropped, not leaked.
-  while (runner.send({Command::Kind::pause})) continue;
+  while (runner.send({RunnerCommand::Kind::pause})) continue;
   runner.replace(experiment(shipped("box.toml"), RendererSlot::b));
   // Samples that nobody reads are dropped and counted.
   runner.period();
-  runner.send({Command::Kind::resume});
+  runner.send({RunnerCommand::Kind::resume});
   for (int i = 0; i < 10000; ++i) runner.period();
   CHECK(runner.frame().droppedSamples > 0);
 }
@@ -456,7 +456,7 @@ TEST_CASE("the same commands on simulated time give the same bits", "[experiment
     settings.noise = 0.5;
     settings.delay = {0, 3};
     Runner runner(experiment(shipped("corner.toml"), RendererSlot::b, settings));
-    Command command{Command::Kind::handTo};
+    RunnerCommand command{RunnerCommand::Kind::handTo};
     command.target = {-0.02, 0.0, -0.02};
     runner.send(command);
     for (int i = 0; i < 1000; ++i) {
@@ -475,19 +475,19 @@ TEST_CASE("beside a haptic thread: random commands, no sample lost or out of ord
     const PeriodicThread haptics(kPeriod, [&runner] { runner.period(); });
     const int rounds = std::max(150, test::count(300, 30000));
     for (int i = 0; i < rounds; ++i) {
-      Command command{Command::Kind::handTo};
+      RunnerCommand command{RunnerCommand::Kind::handTo};
       switch (static_cast<int>(random.uniform(0.0, 6.0))) {
         case 0: command.target = random.vector(0.03); break;
         case 1:
-          command.kind = Command::Kind::select;
+          command.kind = RunnerCommand::Kind::select;
           command.number = i % 2;
           break;
-        case 2: command.kind = i % 2 == 0 ? Command::Kind::pause : Command::Kind::resume; break;
+        case 2: command.kind = i % 2 == 0 ? RunnerCommand::Kind::pause : RunnerCommand::Kind::resume; break;
         case 3:
-          command.kind = Command::Kind::slowdown;
+          command.kind = RunnerCommand::Kind::slowdown;
           command.number = i % 2 == 0 ? 1 : 5;
           break;
-        case 4: command.kind = Command::Kind::testPush; break;
+        case 4: command.kind = RunnerCommand::Kind::testPush; break;
         default:
           runner.replace(experiment(shipped("box.toml"), i % 2 == 0 ? RendererSlot::b : RendererSlot::a));
           continue;
