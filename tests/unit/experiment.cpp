@@ -119,7 +119,7 @@ TEST_CASE("a test push measures what the specification says", "[experiment]") {
   CHECK(a.preload == Approx(0.5).epsilon(0.01));
 }
 
-TEST_CASE("the stiffness shown is that of the continuous motion, also where a delayed law turns within ticks",
+TEST_CASE("the stiffness shown is that of the continuous motion, also where a delayed law halts on its way in",
           "[experiment]") {
   for (const RendererSlot slot : {RendererSlot::a, RendererSlot::b})
     for (const int delay : {0, 1}) {
@@ -143,26 +143,32 @@ TEST_CASE("the stiffness shown is that of the continuous motion, also where a de
       for (std::size_t i = onset - 100; i <= onset; ++i) rest += frames[i].record.nearest.gap / 101.0;
       for (std::size_t i = onset - 100; i < onset; ++i) preload -= frames[i].record.person[2] / 100.0;
 
-      // The plant again from every tick to the next, in 16 steps.
-      double deepest = 0.0, atTicks = 0.0, force = 0.0;
-      for (std::size_t i = onset; force == 0.0; ++i) {
+      // The plant again from every tick to the next, in 16 steps, until it has come back by a tenth.
+      double deepest = 0.0, depth = 0.0, force = 0.0;
+      for (std::size_t i = onset; depth >= 0.9 * deepest; ++i) {
         const TickRecord& record = frames.at(i).record;
         const HandLoad hand(frames[i].hand, record.time, -kTestForce * Vec3::UnitZ());
         DeviceState state;
         state.position = record.pose.position;
         state.orientation = Eigen::Quaternion<double>(record.pose.rotation);
         state.twist = record.twist;
-        for (int step = 0; step < 16 && force == 0.0; ++step) {
+        for (int step = 0; step < 16; ++step) {
           const double dt = kPeriod / 16.0;
           REQUIRE(stepRungeKutta4(*plant, record.time + step * dt, dt, record.torque, hand, state) == Status::ok);
-          deepest = std::max(deepest, rest - state.position.z());
-          if (state.twist[2] >= 0.0 && state.position.z() < rest) force = -record.person[2] - preload;
+          depth = rest - state.position.z();
+          if (depth > deepest) {
+            deepest = depth;
+            force = -record.person[2] - preload;
+          }
         }
-        if (force == 0.0) REQUIRE(state.position.z() == Approx(frames[i + 1].record.pose.position.z()).margin(1e-9));
-        atTicks = std::max(atTicks, rest - frames[i + 1].record.pose.position.z());
+        REQUIRE(state.position.z() == Approx(frames.at(i + 1).record.pose.position.z()).margin(1e-9));
       }
       CHECK(shown.depth == Approx(deepest).epsilon(0.01));
       CHECK(shown.stiffness == Approx(force / deepest).epsilon(0.01));
+      // Nor does the chart show anything deeper.
+      double charted = 0.0;
+      for (std::size_t i = onset; i < frames.size(); ++i) charted = std::max(charted, -frames[i].record.nearest.gap);
+      CHECK(shown.stiffness == Approx(force / (charted + rest)).epsilon(0.01));
 
       // The study's metrics on the same run, whose push begins at 1 s.
       PushSetup setup;

@@ -66,6 +66,23 @@ TEST_CASE("a law that turns within two ticks is as deep as it was between them",
   CHECK(impact.depth() == Approx(1e-4));
 }
 
+TEST_CASE("a halt on the way in is no return, and a turn after the return does not count", "[first_impact]") {
+  // Depths in mm at the turns, by way of cosines of 10 ticks each: 0 1 d 3 e.
+  const auto staircase = [](double halt, double last) {
+    return [halt, last](double time) {
+      const double turns[] = {0.0, 1.0, halt, 3.0, 0.0, last, 0.0, 0.0};
+      const double phase = std::fmin(6.9, time / 0.01);
+      const int i = static_cast<int>(phase);
+      const double s = M_PI * (phase - i), step = 1e-3 * (turns[i + 1] - turns[i]);
+      return ImpactTick{kRest - 1e-3 * turns[i] - 0.5 * step * (1.0 - std::cos(s)),
+                        -0.5 * step * std::sin(s) * M_PI / 0.01, kPreload + kForce, 0.0, false};
+    };
+  };
+  CHECK(watch(staircase(0.95, 2.0), 750).depth() == Approx(3e-3).epsilon(1e-3));
+  CHECK(watch(staircase(0.85, 2.0), 750).depth() == Approx(1e-3).epsilon(1e-3));
+  CHECK(watch(staircase(0.95, 9.0), 750).depth() == Approx(3e-3).epsilon(1e-3));
+}
+
 TEST_CASE("no stiffness: never returned, rings, slipped", "[first_impact]") {
   const auto creeping = [](double time) { return ImpactTick{kRest - 0.01 * time, -0.01, kForce, 0.0, false}; };
   CHECK(watch(creeping, 2000).verdict() == FirstImpactVerdict::noReturn);

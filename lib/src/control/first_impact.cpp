@@ -5,8 +5,8 @@
 namespace enamel {
 namespace {
 
-constexpr double kSettling = 0.5, kJudged = 0.25;  // s after the onset that do not count, and that at least must
-constexpr double kRinging = 0.25;                  // of D_z1
+constexpr double kSettling = 0.5, kJudged = 0.25;   // s after the onset that do not count, and that at least must
+constexpr double kRinging = 0.25, kReturned = 0.1;  // of D_z1
 
 std::uint64_t ticksIn(double time, double period) noexcept {
   return static_cast<std::uint64_t>(std::llround(time / period));
@@ -46,12 +46,15 @@ void ImpactWatch::rest(const ImpactTick& tick) noexcept {
 }
 
 void ImpactWatch::push(const ImpactTick& tick) noexcept {
-  if (ticks_ == 0) {
-    impact_ = FirstImpact(-(restDepth_ - tick.gap) / (restTicks_ + 1));
-  } else if (impact_.add(last_.gap, last_.rate, tick.gap, tick.rate, period_)) {
+  if (ticks_ == 0) rest_ = -(restDepth_ - tick.gap) / (restTicks_ + 1);
+  FirstImpact turn(rest_);
+  if (ticks_ > 0 && !over_ && turn.add(last_.gap, last_.rate, tick.gap, tick.rate, period_) && turn.depth() > depth_) {
+    depth_ = turn.depth();
     force_ = last_.force - preload();
-    slipped_ = tick.drift > impact_.depth();
+    slipped_ = tick.drift > depth_;
   }
+  over_ =
+      depth_ > 0.0 && (over_ || rest_ - tick.gap < (1.0 - kReturned) * depth_ || ticks_ >= ticksIn(kSettling, period_));
   last_ = tick;
   if (ticks_ >= ticksIn(kSettling, period_)) {
     lateSum_ -= tick.gap;
@@ -63,11 +66,11 @@ void ImpactWatch::push(const ImpactTick& tick) noexcept {
 }
 
 FirstImpactVerdict ImpactWatch::verdict() const noexcept {
-  if (!impact_.returned()) return FirstImpactVerdict::noReturn;
+  if (depth_ == 0.0) return FirstImpactVerdict::noReturn;
   if (lateTicks_ >= ticksIn(kJudged, period_)) {
     const double count = static_cast<double>(lateTicks_), mean = lateSum_ / count;
     const double deviation = std::sqrt(std::fmax(0.0, lateSquares_ / count - mean * mean));
-    if (deviation > kRinging * depth() || 2 * lateSaturated_ > lateTicks_) return FirstImpactVerdict::rings;
+    if (deviation > kRinging * depth_ || 2 * lateSaturated_ > lateTicks_) return FirstImpactVerdict::rings;
   }
   return slipped_ ? FirstImpactVerdict::slips : FirstImpactVerdict::measured;
 }

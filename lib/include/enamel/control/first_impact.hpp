@@ -50,7 +50,9 @@ struct ImpactTick {
 };
 
 /// Judges one step of force against a wall, tick by tick: D_z1 counts from the mean gap at rest before the step (the
-/// tick of the onset included), F_1 from the mean force then, K_z1 = F_1(t_z1) / D_z1. Plain data.
+/// tick of the onset included), F_1 from the mean force then, K_z1 = F_1(t_z1) / D_z1. A tool that halts on its way in
+/// has not returned: t_z1 is the deepest turn before it has come back by a tenth of its depth, or 0.5 s have passed.
+/// Plain data.
 class ImpactWatch {
  public:
   /// How long the rest should be watched before the step, s.
@@ -69,19 +71,19 @@ class ImpactWatch {
   FirstImpactVerdict verdict() const noexcept;
 
   /// D_z1 (m), F_1 (N) and K_z1 (N/m) where the verdict is `measured`; force before the step, N. Realtime: yes.
-  double depth() const noexcept { return impact_.depth(); }
+  double depth() const noexcept { return depth_; }
   double force() const noexcept { return force_; }
-  double stiffness() const noexcept { return force_ / impact_.depth(); }
+  double stiffness() const noexcept { return force_ / depth_; }
   double preload() const noexcept { return restTicks_ > 0 ? restForce_ / restTicks_ : 0.0; }
 
  private:
   double period_;
   double restDepth_ = 0.0, restForce_ = 0.0;  // sums
   int restTicks_ = 0;
-  FirstImpact impact_;
+  double rest_ = 0.0;  // gap, m
   ImpactTick last_;
-  double force_ = 0.0;
-  bool slipped_ = false;
+  double depth_ = 0.0, force_ = 0.0;  // at the deepest turn so far; 0: none
+  bool slipped_ = false, over_ = false;
   std::uint64_t ticks_ = 0;                   // of the push
   double lateSum_ = 0.0, lateSquares_ = 0.0;  // of the depth, from 0.5 s after the onset on
   std::uint64_t lateTicks_ = 0, lateSaturated_ = 0;
