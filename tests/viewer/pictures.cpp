@@ -228,7 +228,9 @@ TEST_CASE("test pushes are reported by their renderers' names, with the study's 
   CHECK(both[1].at("renderer") == "impedance");
   for (const auto& push : both) {
     CHECK(push.at("first impact") == "measured");
-    CHECK(push.at(depth).get<double>() * push.at(stiffness).get<double>() == Approx(12.0).epsilon(0.1));
+    // The step, less what the hand's spring of 400 N/m gives way (and its damper, for a part of a tick).
+    const double deep = push.at(depth);
+    CHECK(push.at(stiffness).get<double>() * deep == Approx(12.0 - 400.0 * deep).epsilon(0.04));
   }
   CHECK(both[0].at(stiffness) > 20e3);
   CHECK(both[1].at(stiffness) < 6e3);
