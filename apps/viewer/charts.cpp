@@ -59,8 +59,8 @@ void setTicks(vtkAxis* axis, double low, double high) {
 
 }  // namespace
 
-Charts::Charts(vtkRenderer* renderer, const std::string& font, double torqueLimit)
-    : bins_(kBins + 1), torqueLimit_(torqueLimit) {
+Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle& torques)
+    : bins_(kBins + 1), torques_(torques), signals_(static_cast<std::size_t>(2 + torques.joints)) {
   const Colour paper = colour(kPaper);
   renderer->SetBackground(paper.r, paper.g, paper.b);
   vtkNew<vtkContextActor> actor;
@@ -73,10 +73,10 @@ Charts::Charts(vtkRenderer* renderer, const std::string& font, double torqueLimi
   time_->SetNumberOfValues(rows);
   for (int i = 0; i < rows; ++i) time_->SetValue(i, static_cast<float>(-kWindow + kWindow * (0.5 * i + 0.25) / kBins));
   table_->AddColumn(time_);
-  for (int s = 0; s < kSignals; ++s) {
-    values_[static_cast<std::size_t>(s)]->SetName(("signal" + std::to_string(s)).c_str());
-    values_[static_cast<std::size_t>(s)]->SetNumberOfValues(rows);
-    table_->AddColumn(values_[static_cast<std::size_t>(s)]);
+  for (std::size_t s = 0; s < signals_; ++s) {
+    values_[s]->SetName(("signal" + std::to_string(s)).c_str());
+    values_[s]->SetNumberOfValues(rows);
+    table_->AddColumn(values_[s]);
   }
   limitTime_->SetName("time");
   limitTime_->InsertNextValue(static_cast<float>(-kWindow));
@@ -119,8 +119,8 @@ Charts::Charts(vtkRenderer* renderer, const std::string& font, double torqueLimi
   plotLimit(kTorqueChart, 3);
   plotSignal(0, 0, kBlue, false);
   plotSignal(1, 1, kVermilion, false);
-  constexpr unsigned chains[] = {kBlue, kOrange, kGreen};
-  for (int joint = 0; joint < 6; ++joint) plotSignal(kTorqueChart, 2 + joint, chains[joint / 2], joint % 2 == 1);
+  for (int joint = 0; joint < torques_.joints; ++joint)
+    plotSignal(kTorqueChart, 2 + joint, torques_.colourOf(joint), torques_.dashed(joint));
   clear();
 }
 
@@ -155,16 +155,17 @@ void Charts::clear() {
 }
 
 void Charts::add(const Sample& sample) {
-  std::array<float, kSignals> now;
+  std::array<float, kMaxSignals> now;
   now[0] = static_cast<float>(std::max(0.0, -1e3 * sample.gap));
   now[1] = static_cast<float>(sample.normalForce);
-  for (int i = 0; i < 6; ++i) now[static_cast<std::size_t>(2 + i)] = static_cast<float>(sample.torque[i]);
+  for (int i = 0; i < torques_.joints; ++i)
+    now[static_cast<std::size_t>(2 + i)] = static_cast<float>(torques_.factor[i] * sample.torque[i]);
   if (bins_[current_].count == kBinTicks) {
     current_ = (current_ + 1) % bins_.size();
     bins_[current_].count = 0;
   }
   Bin& bin = bins_[current_];
-  for (std::size_t s = 0; s < kSignals; ++s) {
+  for (std::size_t s = 0; s < signals_; ++s) {
     if (bin.count == 0) {
       bin.low[s] = bin.high[s] = now[s];
       bin.lowFirst[s] = true;
@@ -180,20 +181,20 @@ void Charts::add(const Sample& sample) {
 }
 
 void Charts::update(const std::array<ChartPlace, kCharts>& places, float scale, double forceLimit) {
-  std::array<double, kSignals> largest{};
+  std::array<double, kMaxSignals> largest{};
   for (int b = 0; b < kBins; ++b) {
     // The oldest complete bin first; the current one is still filling.
     const Bin& bin = bins_[(current_ + 1 + static_cast<std::size_t>(b)) % bins_.size()];
-    for (std::size_t s = 0; s < kSignals; ++s) {
+    for (std::size_t s = 0; s < signals_; ++s) {
       values_[s]->SetValue(2 * b, bin.lowFirst[s] ? bin.low[s] : bin.high[s]);
       values_[s]->SetValue(2 * b + 1, bin.lowFirst[s] ? bin.high[s] : bin.low[s]);
       largest[s] = std::max(largest[s], static_cast<double>(std::max(bin.high[s], -bin.low[s])));
     }
   }
-  for (auto& values : values_) values->Modified();
+  for (std::size_t s = 0; s < signals_; ++s) values_[s]->Modified();
   table_->Modified();
 
-  const std::array<double, 4> limits{1.0, forceLimit, torqueLimit_, -torqueLimit_};
+  const std::array<double, 4> limits{1.0, forceLimit, torques_.limit, -torques_.limit};
   for (std::size_t i = 0; i < limits.size(); ++i) {
     limitValues_[i]->SetValue(0, static_cast<float>(limits[i]));
     limitValues_[i]->SetValue(1, static_cast<float>(limits[i]));
@@ -203,16 +204,16 @@ void Charts::update(const std::array<ChartPlace, kCharts>& places, float scale, 
 
   // A range grows at once and shrinks after a while.
   const std::array<double, kCharts> wanted{niceAbove(1.08 * largest[0], 0.05), niceAbove(1.08 * largest[1], 5.0),
-                                           1.5 * torqueLimit_};
+                                           1.5 * torques_.limit};
   for (std::size_t i = 0; i < kCharts; ++i) {
     shrink_[i] = wanted[i] < ranges_[i] ? shrink_[i] + 1 : 0;
     if (wanted[i] > ranges_[i] || shrink_[i] > 30) ranges_[i] = wanted[i];
     vtkAxis* axis = charts_[i]->GetAxis(vtkAxis::LEFT);
     if (ranges_[i] != drawnRanges_[i]) {
       drawnRanges_[i] = ranges_[i];
-      const double low = i == kTorqueChart ? -1.1 * torqueLimit_ : -0.03 * ranges_[i];
+      const double low = i == kTorqueChart ? -1.1 * torques_.limit : -0.03 * ranges_[i];
       axis->SetRange(low, ranges_[i]);
-      setTicks(axis, low, i == kTorqueChart ? torqueLimit_ : ranges_[i]);
+      setTicks(axis, low, i == kTorqueChart ? torques_.limit : ranges_[i]);
     }
     const ChartPlace& p = places[i];
     charts_[i]->SetSize(vtkRectf(p.x, p.y, p.width, p.height));

@@ -16,6 +16,7 @@
 
 #include "layout.hpp"
 #include "runner.hpp"
+#include "torque_style.hpp"
 
 namespace enamel::viewer {
 
@@ -29,26 +30,25 @@ class Charts {
   static constexpr double kWindow = 3.0;  ///< s that are shown
 
   /// `font`: a TrueType file, or empty.
-  Charts(vtkRenderer* renderer, const std::string& font, double torqueLimit);
+  Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle& torques);
 
   void add(const Sample& sample);
   void clear();
-  void setTorqueLimit(double limit) { torqueLimit_ = limit; }
 
   /// Draws what was added. `forceLimit`: what the motors can give along the normal, N.
   void update(const std::array<ChartPlace, kCharts>& places, float scale, double forceLimit);
 
-  /// Upper ends of the axes: mm, N, N m.
+  /// Upper ends of the axes: mm, N, and as TorqueStyle has it.
   const std::array<double, kCharts>& ranges() const { return ranges_; }
 
  private:
-  static constexpr int kSignals = 8;  // penetration [mm], force [N], six torques [N m]
-  static constexpr int kBins = 250;   // of the window, each with its smallest and largest value
+  static constexpr int kMaxSignals = 2 + kMaxJoints;  // penetration [mm], force [N], torques
+  static constexpr int kBins = 250;                   // of the window, each with its smallest and largest value
   static constexpr int kBinTicks = 12;
 
   struct Bin {
-    std::array<float, kSignals> low, high;
-    std::array<bool, kSignals> lowFirst;
+    std::array<float, kMaxSignals> low, high;
+    std::array<bool, kMaxSignals> lowFirst;
     int count = 0;
   };
 
@@ -59,13 +59,14 @@ class Charts {
   std::array<vtkSmartPointer<vtkChartXY>, kCharts> charts_;
   vtkNew<vtkTable> table_, limits_;
   vtkNew<vtkFloatArray> time_, limitTime_;
-  std::array<vtkNew<vtkFloatArray>, kSignals> values_;
+  std::array<vtkNew<vtkFloatArray>, kMaxSignals> values_;
   std::array<vtkNew<vtkFloatArray>, 4> limitValues_;
   std::vector<vtkPlot*> lines_, limitLines_;
   std::vector<float> widths_;
   std::vector<Bin> bins_;  // a ring
   std::size_t current_ = 0;
-  double torqueLimit_;
+  TorqueStyle torques_;
+  std::size_t signals_;
   std::array<double, kCharts> ranges_{0.1, 5.0, 2.0};
   std::array<double, kCharts> drawnRanges_{};
   std::array<int, kCharts> shrink_{};  // frames since a smaller range would do

@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <limits>
+#include <string_view>
 
-#include "enamel/device/tau/dynamics.hpp"
+#include "enamel/control/tuning.hpp"
 
 namespace enamel::viewer {
 namespace {
 
 constexpr double kTestPreload = 0.5;               // N, of the hand on the surface before the step
 constexpr int kApproachLimit = 3000, kRest = 300;  // ticks
-constexpr int kPushTicks = 400;
+constexpr int kPushTicks = 750;                    // for as long as a first impact is judged
+constexpr int kRestWatched = static_cast<int>(ImpactWatch::kRestWindow / kPeriod + 0.5);
+constexpr std::array<const char*, 2> kLinkedNames{"position-control", "impedance"};
 constexpr double kAtRest = 2e-4;  // m/s
 
 LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose& start) {
@@ -28,56 +29,55 @@ LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose
 
 }  // namespace
 
-TauParameters changed(const TauParameters& device, const Settings& settings) {
-  TauParameters result = device;
-  result.platform.mass += settings.extraMass;
-  result.platform.damping.head<3>().array() += settings.toolDamping;
-  result.motor.viscousFriction += settings.friction;
-  return result;
+DeviceParameters changed(DeviceParameters device, const Settings& settings) {
+  addMass(device, settings.extraMass);
+  addFriction(device, settings.friction);
+  Vec6 damping = Vec6::Zero();
+  damping.head<3>().setConstant(settings.toolDamping);
+  addDamping(device, damping);
+  return device;
 }
 
-Wall wallOf(const PluginLibrary& plugin) noexcept {
-  return std::strcmp(plugin.description().name, "impedance") == 0 ? Wall::impedance : Wall::positionControl;
+RendererSlot slotOf(const PluginLibrary& plugin) noexcept {
+  return plugin.description().name == std::string_view(kLinkedNames[1]) ? RendererSlot::b : RendererSlot::a;
 }
 
-StiffnessLimit stiffnessLimit(const TauModel& model, const TauConfiguration& configuration, const Vec3& normal,
-                              double force, double preload, int delay) noexcept {
-  const Vec6 gravity = gravityTorque(model, configuration);
-  Vec6 push = Vec6::Zero();
-  push.head<3>() = normal;
-  const Vec6 perNewton = staticTorque(model, configuration, push) - gravity;
-  double largest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 6; ++i) {
-    const double room = model.maxTorque - (perNewton[i] > 0.0 ? gravity[i] : -gravity[i]);
-    if (std::abs(perNewton[i]) > 1e-12) largest = std::min(largest, std::max(0.0, room) / std::abs(perNewton[i]));
-  }
-  const double mass = effectiveMass(model, configuration, configuration.pose.position, normal);
-  const double t1 = (delay + 1) * kPeriod;
-  const double share = largest > std::max(force, preload) ? (largest - force) / (largest - preload) : 0.0;
-  return {2.0 * mass * share / (t1 * t1), mass, largest};
+std::array<std::string, 2> rendererNames(const PluginLibrary* plugin) {
+  std::array<std::string, 2> names{kLinkedNames[0], kLinkedNames[1]};
+  if (plugin != nullptr) names[indexOf(slotOf(*plugin))] = plugin->description().name;
+  return names;
+}
+
+StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTorque, const Vec3& normal, double preload,
+                              const Delay& delay) noexcept {
+  const double mass = effectiveMass(plant, plant.pose.position, normal);
+  const double largest = largestForce(plant, maxTorque, normal);
+  return {firstImpactLimit(mass, kPeriod, delay.high, preload + kTestForce, largest, preload), largest};
 }
 
 Experiment::Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
-                       const Hand& hand, Wall wall)
-    : model_(makeModel(device.parameters)),
-      plant_(makeModel(changed(device.parameters, settings))),
+                       const Hand& hand, RendererSlot slot)
+    : model_(makeMechanism(device.parameters)),
+      plant_(makeMechanism(changed(device.parameters, settings))),
       noise_(settings.noise),
       random_(1, 0),
-      hold_(model_, device.gain, kPeriod, settings.hold),
-      spring_(model_, settings.spring),
+      servo_(device.gain, kPeriod, settings.servo),
+      spring_(settings.spring),
       plugin_(device.plugin ? makeRenderer(device.plugin, device.pluginSetup) : nullptr),
-      switched_(plugin_ && wallOf(*device.plugin) == Wall::positionControl ? *plugin_ : hold_,
-                plugin_ && wallOf(*device.plugin) == Wall::impedance ? *plugin_ : spring_),
-      loop_(plant_, switched_, loopSetup(settings, scene, start)) {
+      switched_(plugin_ && slotOf(*device.plugin) == RendererSlot::a ? *plugin_ : servo_,
+                plugin_ && slotOf(*device.plugin) == RendererSlot::b ? *plugin_ : spring_),
+      loop_(*plant_, *model_, switched_, loopSetup(settings, scene, start)) {
   frame_.hand = hand;
   frame_.record.pose = start;
+  frame_.record.torque = plant_->home().gravity;
   frame_.record.nearest = nearestContact(scene.scene, scene.tool, start, nullptr);
-  select(wall);
+  select(slot);
 }
 
-void Experiment::select(Wall wall) noexcept {
-  frame_.wall = wall;
-  switched_.select(wall);
+void Experiment::select(RendererSlot slot) noexcept {
+  frame_.selected = slot;
+  switched_.select(slot);
+  if (phase_ != Phase::none) setGrip(gripBefore_);
   phase_ = Phase::none;
 }
 
@@ -97,7 +97,6 @@ void Experiment::startTestPush() noexcept {
   if (phase_ == Phase::none) gripBefore_ = frame_.hand.grip;
   phase_ = Phase::approach;
   phaseTicks_ = restTicks_ = 0;
-  test_ = TestPush{};
   setGrip(kFirmGrip);
 }
 
@@ -107,35 +106,42 @@ void Experiment::advanceTestPush() noexcept {
   ++phaseTicks_;
   const Vec3 perNewton = testNormal_.cwiseQuotient(stiffnessOf(frame_.hand.grip));
   frame_.hand.target = testPoint_ - kTestPreload * perNewton;
-  if (phase_ == Phase::approach) {
-    const bool still = frame_.record.nearest.gap < 1e-5 && frame_.record.twist.head<3>().norm() < kAtRest;
-    restTicks_ = still ? restTicks_ + 1 : 0;
-    if (restTicks_ >= kRest) {
-      phase_ = Phase::push;
-      phaseTicks_ = 0;
-      test_.preload = -testNormal_.dot(frame_.record.person.head<3>());
-      lastSpeed_ = 0.0;
-    } else if (phaseTicks_ >= kApproachLimit) {
-      phase_ = Phase::none;
-    }
-  } else if (phaseTicks_ >= kPushTicks) {
-    phase_ = Phase::none;
+  if (phase_ == Phase::push) {
+    if (phaseTicks_ >= kPushTicks) endTestPush(impact_.verdict());
+    return;
   }
-  if (phase_ == Phase::none) setGrip(gripBefore_);
+  const bool still = frame_.record.nearest.gap < 1e-5 && frame_.record.twist.head<3>().norm() < kAtRest;
+  restTicks_ = still ? restTicks_ + 1 : 0;
+  if (restTicks_ == 0) impact_ = ImpactWatch(kPeriod);
+  if (restTicks_ >= kRest) {
+    phase_ = Phase::push;
+    phaseTicks_ = 0;
+    testStart_ = frame_.record.pose.position;
+    testDrift_ = 0.0;
+  } else if (phaseTicks_ >= kApproachLimit) {
+    endTestPush(FirstImpactVerdict::noStep);
+  }
 }
 
 void Experiment::watchTestPush() noexcept {
-  if (phase_ != Phase::push || test_.valid) return;
-  const double speed = testNormal_.dot(frame_.record.twist.head<3>());
-  const double depth = -frame_.record.nearest.gap;
-  if (phaseTicks_ > 1 && depth > 0.0 && lastSpeed_ < 0.0 && speed >= 0.0) {
-    test_.valid = true;
-    test_.depth = depth;
-    test_.force = -testNormal_.dot(frame_.record.person.head<3>());
-    test_.stiffness = test_.force / depth;
-    frame_.tests[static_cast<std::size_t>(frame_.wall)] = test_;
-  }
-  lastSpeed_ = speed;
+  const TickRecord& record = frame_.record;
+  const Vec3 moved = record.pose.position - testStart_;
+  if (phase_ == Phase::push) testDrift_ = std::max(testDrift_, (moved - testNormal_.dot(moved) * testNormal_).norm());
+  const ImpactTick tick{record.nearest.gap, record.gapRate, -testNormal_.dot(record.person.head<3>()), testDrift_,
+                        record.saturated};
+  if (phase_ == Phase::push)
+    impact_.push(tick);
+  else if (phase_ == Phase::approach && restTicks_ >= kRest - kRestWatched)
+    impact_.rest(tick);
+}
+
+void Experiment::endTestPush(FirstImpactVerdict verdict) noexcept {
+  TestPush& test = frame_.tests[indexOf(frame_.selected)];
+  test = {true, verdict};
+  if (verdict == FirstImpactVerdict::measured)
+    test = {true, verdict, impact_.stiffness(), impact_.depth(), impact_.force(), impact_.preload()};
+  phase_ = Phase::none;
+  setGrip(gripBefore_);
 }
 
 void Experiment::tick() noexcept {
@@ -143,20 +149,19 @@ void Experiment::tick() noexcept {
   advanceTestPush();
   TickRecord& record = frame_.record;
   moveHand(frame_.hand, record.pose.position, kPeriod);
-  const Vec3 normal = phase_ == Phase::push ? testNormal_ : frame_.record.nearest.normal;
-  double pressed = phase_ == Phase::push ? kTestForce - kTestPreload : 0.0;
+  const Vec3 normal = phase_ == Phase::push ? testNormal_ : record.nearest.normal;
+  double pressed = phase_ == Phase::push ? kTestForce : 0.0;
   if (noise_ > 0.0) pressed += noise_ * random_.normal(RandomStream::Purpose::noise, record.tick + 1);
-  const double time = loop_.time();
-  frame_.plant = loop_.tick(HandLoad(frame_.hand, time, -pressed * normal), record);
+  frame_.plant = loop_.tick(HandLoad(frame_.hand, loop_.device().time(), -pressed * normal), record);
   frame_.contacts = loop_.input().contacts;
-  frame_.holding = frame_.wall == Wall::positionControl && hold_.holding();
-  frame_.reference = hold_.reference();
+  frame_.holding = frame_.selected == RendererSlot::a && servo_.holding();
+  frame_.reference = servo_.reference();
   watchTestPush();
   frame_.testing = phase_ != Phase::none;
 }
 
-void Experiment::Switched::select(Wall wall) noexcept {
-  selected_ = static_cast<std::uint8_t>(wall);
+void Experiment::Switched::select(RendererSlot slot) noexcept {
+  selected_ = static_cast<std::uint8_t>(slot);
   renderers_[selected_]->reset();
 }
 

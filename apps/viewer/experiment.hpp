@@ -6,6 +6,8 @@
 #include <string>
 
 #include "enamel/collision/scene_file.hpp"
+#include "enamel/control/first_impact.hpp"
+#include "enamel/device/device_file.hpp"
 #include "enamel/plugin/host.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
@@ -14,12 +16,15 @@
 
 namespace enamel::viewer {
 
-/// The renderers of an A/B comparison.
-enum class Wall : std::uint8_t { positionControl = 0, impedance = 1 };
+/// Which of the two renderers of an A/B comparison: A is the linked position control and B the linked spring, but where
+/// a plugin stands.
+enum class RendererSlot : std::uint8_t { a = 0, b = 1 };
+
+constexpr std::size_t indexOf(RendererSlot slot) noexcept { return static_cast<std::size_t>(slot); }
 
 /// Everything that a person can set and that needs a new experiment.
 struct Settings {
-  PositionControlOptions hold;
+  PositionControlOptions servo;
   ImpedanceOptions spring;
   double extraMass = 0.0;    ///< on the platform, which the servo does not know of, kg
   double friction = 0.0;     ///< viscous, of every joint, beyond the device file's, N m s/rad
@@ -29,26 +34,30 @@ struct Settings {
   double noise = 0.0;  ///< of the hand along the contact's normal, standard deviation, N
 };
 
-/// A device with the servo gain that was designed for it at kPeriod, and the plugin that stands for one of the walls.
+/// A device with the gain of its position servo for kPeriod, and the plugin that stands in one of the slots.
 struct ServoedDevice {
-  TauParameters parameters;
-  PositionControlRenderer::Gain gain;
+  DeviceParameters parameters;
+  ServoGain gain;
   std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
   PluginSetup pluginSetup;
 };
 
-/// The wall that a plugin stands for: the spring where it is named impedance, else the servo.
-Wall wallOf(const PluginLibrary& plugin) noexcept;
+/// Names of the renderers, slot by slot, as `--renderer` and scripts call them: the linked ones' or the plugin's own.
+/// A plugin takes the place of the linked renderer of its name, else of A. `plugin`: or nullptr. Realtime: no.
+std::array<std::string, 2> rendererNames(const PluginLibrary* plugin);
+RendererSlot slotOf(const PluginLibrary& plugin) noexcept;
 
 inline constexpr double kPeriod = 1e-3;     // s, of the haptic loop
-inline constexpr double kTestForce = 12.0;  // N, of a test push
+inline constexpr double kTestForce = 12.0;  // N, of a test push's step
 
-/// What a test push measured: the first impact of a step of force on the tool at rest on the surface.
+/// What a test push measured (ImpactWatch): a step of kTestForce on the tool at rest on the surface.
 struct TestPush {
-  bool valid = false;
-  double stiffness = 0.0;  ///< K_z1 = F / depth, N/m
-  double depth = 0.0;      ///< at the first return, m
-  double force = 0.0;      ///< of the person along the normal then, N
+  bool made = false;
+  FirstImpactVerdict verdict = FirstImpactVerdict::noStep;  ///< noStep: the tool did not come to rest on a wall
+  // Where it is `measured`:
+  double stiffness = 0.0;  ///< K_z1, N/m
+  double depth = 0.0;      ///< D_z1, m
+  double force = 0.0;      ///< F_1, beyond the preload, N
   double preload = 0.0;    ///< before the step, N
 };
 
@@ -57,9 +66,9 @@ struct Frame {
   TickRecord record;
   ContactSnapshot contacts;  ///< that the renderer saw, within kContactMargin
   Hand hand;
-  Wall wall = Wall::positionControl;
-  bool holding = false;           ///< the servo holds, at
-  Vec6 reference = Vec6::Zero();  ///< these joint angles, rad
+  RendererSlot selected = RendererSlot::a;
+  bool holding = false;           ///< the linked servo holds, at
+  JointVector reference;          ///< these joint coordinates, rad or m
   bool testing = false;           ///< a test push is under way
   std::array<TestPush, 2> tests;  ///< the last of each renderer
   Status plant = Status::ok;      ///< any other: the loop stands still until it is replaced
@@ -74,7 +83,7 @@ class Experiment {
  public:
   /// The tool begins at rest at `start`, held by `hand`. Throws Error: as the renderers and the loop do.
   Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
-             const Hand& hand, Wall wall);
+             const Hand& hand, RendererSlot slot);
   Experiment(const Experiment&) = delete;
   Experiment& operator=(const Experiment&) = delete;
 
@@ -82,9 +91,9 @@ class Experiment {
   void tick() noexcept;
 
   /// Changes between ticks. Realtime: yes.
-  void select(Wall wall) noexcept;
+  void select(RendererSlot slot) noexcept;
   void moveHandTo(const Vec3& target) noexcept { frame_.hand.target = target; }
-  void moveHandBy(const Vec3& way) noexcept { frame_.hand.target += way; }
+  void moveHandBy(const Vec3& displacement) noexcept { frame_.hand.target += displacement; }
   void setGrip(const Grip& grip) noexcept;
   void startTestPush() noexcept;
 
@@ -95,8 +104,9 @@ class Experiment {
   // One renderer in front of the loop and two behind it.
   class Switched final : public Renderer {
    public:
-    Switched(Renderer& servo, Renderer& spring) noexcept : renderers_{&servo, &spring} {}
-    void select(Wall wall) noexcept;
+    Switched(Renderer& a, Renderer& b) noexcept : renderers_{&a, &b} {}
+    void select(RendererSlot slot) noexcept;
+    bool needsInertia() const noexcept override { return renderers_[selected_]->needsInertia(); }
 
    private:
     void prepare(double period) override;
@@ -112,11 +122,12 @@ class Experiment {
 
   void advanceTestPush() noexcept;
   void watchTestPush() noexcept;
+  void endTestPush(FirstImpactVerdict verdict) noexcept;
 
-  TauModel model_, plant_;  // what the renderers know, and what is there
+  std::shared_ptr<const Mechanism> model_, plant_;  // what the haptic tick knows, and what is there
   double noise_;
   RandomStream random_;
-  PositionControlRenderer hold_;
+  PositionControlRenderer servo_;
   ImpedanceRenderer spring_;
   std::unique_ptr<Renderer> plugin_;  // or nullptr
   Switched switched_;
@@ -125,23 +136,23 @@ class Experiment {
   Phase phase_ = Phase::none;
   int phaseTicks_ = 0, restTicks_ = 0;
   Vec3 testNormal_ = Vec3::UnitZ(), testPoint_ = Vec3::Zero();
-  double lastSpeed_ = 0.0;
-  TestPush test_;
+  Vec3 testStart_ = Vec3::Zero();  // of the TCP at the step
+  double testDrift_ = 0.0;         // across the normal since then
+  ImpactWatch impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;
 };
 
 /// The parameters of a device with a person's changes to it.
-TauParameters changed(const TauParameters& device, const Settings& settings);
+DeviceParameters changed(DeviceParameters device, const Settings& settings);
 
-/// The physical limit of K_z1 without a force sensor, N/m: 2 m (F_max - F) / (F_max - F_0) / t1^2, t1 = (d + 1) Ts,
-/// with the effective mass m at the TCP along the normal, the largest normal force F_max that the motors give beyond
-/// gravity, a preload F_0 and a delay of d ticks.
+/// The physical limit of K_z1 for a test push (firstImpactLimit()) at a pose.
 struct StiffnessLimit {
-  double stiffness;     ///< N/m
-  double mass;          ///< kg
-  double largestForce;  ///< F_max, N
+  double stiffness = 0.0;     ///< N/m
+  double largestForce = 0.0;  ///< of the motors along the normal at the TCP, N
 };
-StiffnessLimit stiffnessLimit(const TauModel& model, const TauConfiguration& configuration, const Vec3& normal,
-                              double force, double preload, int delay) noexcept;
+
+/// `plant` at the pose, with its inertia. Realtime: yes.
+StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTorque, const Vec3& normal, double preload,
+                              const Delay& delay) noexcept;
 
 }  // namespace enamel::viewer

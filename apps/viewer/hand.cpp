@@ -5,8 +5,6 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr Grip kGuide{100.0, 3.6};                              // N/m, N s/m, along x and y
-constexpr double kTurnStiffness = 0.5, kTurnDamping = 0.014;    // N m/rad, N m s/rad
 constexpr double kHandRate = 30.0;                              // rad/s
 constexpr double kStopStiffness = 3000.0, kStopDamping = 20.0;  // N/m, N s/m
 
@@ -41,12 +39,10 @@ HandLoad::HandLoad(const Hand& hand, double since, const Vec3& held) noexcept
 
 Vec6 HandLoad::operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
   const Vec3 point = position_ + (time - since_) * velocity_;
-  const Mat3& r = pose.rotation;
-  const Vec3 turn = 0.5 * Vec3(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));
   Vec6 wrench;
   wrench.head<3>() =
       held_ + stiffness_.cwiseProduct(point - pose.position) + damping_.cwiseProduct(velocity_ - twist.head<3>());
-  wrench.tail<3>() = -kTurnStiffness * turn - kTurnDamping * twist.tail<3>();
+  wrench.tail<3>() = holdingMoment(pose.rotation, Mat3::Identity(), twist.tail<3>());
   for (int i = 0; i < 3; ++i) {
     const double excess = pose.position[i] - std::clamp(pose.position[i], -kStop, kStop);
     if (excess != 0.0) wrench[i] -= kStopStiffness * excess + kStopDamping * twist[i];

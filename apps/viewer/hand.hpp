@@ -1,18 +1,11 @@
 // The person's hand: a spring and a damper between a point that the mouse moves and the tool.
 #pragma once
 
-#include "enamel/core/types.hpp"
+#include "enamel/sim/hand.hpp"
 
 namespace enamel::viewer {
 
-/// How firmly the hand holds the tool along z.
-struct Grip {
-  double stiffness;  ///< N/m
-  double damping;    ///< N s/m
-};
-
-/// The hand of "A Position-Control Based Approach to Haptic Rendering of Stiff Objects", section V, and a firmer one.
-inline constexpr Grip kPaperGrip{40.0, 3.6};
+/// A firmer grip than the paper's.
 inline constexpr Grip kFirmGrip{400.0, 12.0};
 
 /// Largest force that the hand builds up, N: beyond it, the hand follows the tool.
@@ -22,8 +15,7 @@ inline constexpr double kLargestHandForce = 15.0;
 inline constexpr double kStop = 0.028;
 
 /// The hand in motion. Its point follows `target` like a critically damped spring of kHandRate; along x and y it is at
-/// least as firm as the guide that a person's hand is (100 N/m, 3.6 N s/m), and it holds the tool's orientation about
-/// the axes of W with 0.5 N m/rad (of the sine of the angle), 0.014 N m s/rad.
+/// least as firm as kGuide, and it holds the tool's axes at those of W (holdingMoment()).
 struct Hand {
   Grip grip = kFirmGrip;
   Vec3 target = Vec3::Zero();    ///< m

@@ -44,8 +44,8 @@ void Input::wheel(double notches, bool control) {
 void Input::hold(const std::function<bool(int key)>& isDown, double seconds) {
   constexpr double speed = 25.0, pressing = 8.0;  // mm/s, N/s
   const auto down = [&isDown](int key) { return isDown(key) ? 1.0 : 0.0; };
-  const glm::dvec3 way(down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_W) - down(GLFW_KEY_S), 0.0);
-  if (way.x != 0.0 || way.y != 0.0) driven_.moveHandBy(speed * seconds * way);
+  const glm::dvec3 across(down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_W) - down(GLFW_KEY_S), 0.0);
+  if (across != glm::dvec3(0.0)) driven_.moveHandBy(speed * seconds * across);
   const double press = down(GLFW_KEY_E) - down(GLFW_KEY_Q);
   if (press != 0.0) driven_.pressBy(pressing * seconds * press);
 }

@@ -22,9 +22,10 @@ int main(int argc, char** argv) {
   std::vector<std::string> set;
   app.add_option(
       "--renderer", renderer,
-      "the wall to begin with: position-control, impedance, or the name or path of a plugin, which takes the "
+      "the renderer to begin with: position-control, impedance, or the name or path of a plugin, which takes the "
       "place of one of them");
-  app.add_option("--set", set, "parameter of the plugin, KEY=VALUE");
+  app.add_option("--gain", options.gain, "servo of position-control (enamel design --output); else designed at home");
+  app.add_option("--set", set, "parameter of the plugin, KEY=VALUE; once a parameter")->allow_extra_args(false);
   app.add_flag("--headless", options.headless, "no display: run the script on simulated time");
   app.add_option("--script", options.script, "what to do, with times");
   app.add_option("--record", options.record, "folder for pictures (made if it is missing)");
@@ -39,24 +40,25 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    options.wall = renderer == "impedance" ? Wall::impedance : Wall::positionControl;
-    if (renderer != "impedance" && renderer != "position-control") {
+    const auto linked = rendererNames(nullptr);
+    if (renderer == linked[indexOf(RendererSlot::b)]) {
+      options.begin = RendererSlot::b;
+    } else if (renderer != linked[indexOf(RendererSlot::a)]) {
       options.plugin = enamel::findPlugin(renderer, enamel::app::pluginFolder());
       options.pluginParameters = enamel::app::parseParameters(set);
-      options.wall = wallOf(*options.plugin);
-    } else if (!set.empty()) {
-      throw enamel::Error("--set is for plugins, and --renderer names none");
+      options.begin = slotOf(*options.plugin);
+      if (options.begin == RendererSlot::a && !options.gain.empty())
+        throw enamel::Error("--gain is for the linked position-control, whose place the plugin takes");
     }
+    if (!options.plugin && !set.empty()) throw enamel::Error("--set is for plugins, and --renderer names none");
     try {
       options.size = parseSize(size);
     } catch (const std::exception& error) {
       std::fprintf(stderr, "enamel-viewer: --size %s\n", error.what());
       return 2;
     }
-    if (options.headless)
-      runHeadless(options, started);
-    else
-      runInWindow(options, started);
+    const int signal = options.headless ? runHeadless(options, started) : runInWindow(options, started);
+    return signal == 0 ? 0 : 128 + signal;  // as a shell tells it
   } catch (const std::exception& error) {
     std::string message = error.what();
     for (char& c : message)
@@ -64,5 +66,4 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "enamel-viewer: %s\n", message.c_str());
     return 1;
   }
-  return 0;
 }

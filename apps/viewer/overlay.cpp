@@ -34,8 +34,8 @@ std::string format(const char* pattern, ...) {
   return text;
 }
 
-constexpr unsigned kWallColour[2] = {kBlue, kOrange};
-constexpr const char* kWallName[2] = {"Position control", "Spring"};
+constexpr unsigned kSlotColour[2] = {kBlue, kOrange};
+constexpr const char* kLinkedTitle[2] = {"Position control", "Spring"};
 
 // ---- drawing primitives ------------------------------------------------------------------------------------------
 
@@ -110,12 +110,14 @@ bool toggle(const char* name, bool on, float width, unsigned colour = kBlue) {
   return pressed;
 }
 
-bool isPlugin(const OverlayInput& input, int wall) {
-  return input.plugin != nullptr && static_cast<int>(wallOf(*input.plugin)) == wall;
+bool isPlugin(const OverlayInput& input, std::size_t slot) {
+  return input.plugin != nullptr && indexOf(slotOf(*input.plugin)) == slot;
 }
 
-std::string wallName(const OverlayInput& input, int wall) {
-  return isPlugin(input, wall) ? format("Plugin %s", input.plugin->description().name) : std::string(kWallName[wall]);
+// Never the title of the linked renderer that a plugin stands for.
+std::string titleOf(const OverlayInput& input, std::size_t slot) {
+  return isPlugin(input, slot) ? format("Plugin %s", input.plugin->description().name)
+                               : std::string(kLinkedTitle[slot]);
 }
 
 void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state) {
@@ -129,29 +131,30 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
   const float whole = ImGui::GetContentRegionAvail().x, half = 0.5f * (whole - 6 * s), third = (whole - 12 * s) / 3.0f;
   const auto ask = [&state](Action action) { state.actions.push_back(action); };
   Settings& settings = state.settings;
-  const bool spring = frame.wall == Wall::impedance;
+  const bool second = frame.selected == RendererSlot::b;
 
-  heading("Wall");
-  const auto label = [&](int wall, const char* own) {
-    return isPlugin(input, wall) ? format("%c  %s", 'A' + wall, input.plugin->description().name) : std::string(own);
+  heading("Renderer");
+  const auto label = [&](std::size_t slot, const char* linked) {
+    return isPlugin(input, slot) ? format("%c  %s", slot == 0 ? 'A' : 'B', input.plugin->description().name)
+                                 : std::string(linked);
   };
-  if (toggle(label(0, "A  Position").c_str(), !spring, half, kBlue) && spring) ask(Action::swapRenderers);
+  if (toggle(label(0, "A  Position").c_str(), !second, half, kSlotColour[0]) && second) ask(Action::swapRenderers);
   ImGui::SameLine(0, 6 * s);
-  if (toggle(label(1, "B  Spring").c_str(), spring, half, kOrange) && !spring) ask(Action::swapRenderers);
-  if (isPlugin(input, static_cast<int>(frame.wall))) {
+  if (toggle(label(1, "B  Spring").c_str(), second, half, kSlotColour[1]) && !second) ask(Action::swapRenderers);
+  if (isPlugin(input, indexOf(frame.selected))) {
     const EnamelDescription& plugin = input.plugin->description();
     remark(format("Plugin %s %s: %s", plugin.name, plugin.version, plugin.summary));
-  } else if (spring) {
+  } else if (second) {
     state.settingsChanged |= slider("stiffness", "%.0f N/m", settings.spring.stiffness, 200, 20000);
     state.settingsChanged |= slider("wall damping", "%.1f N s/m", settings.spring.damping, 0, 20);
-    settings.spring.deviceDamping = settings.toolDamping;
-    const DampingBound bound = dampingBound(settings.spring, kPeriod);
-    remark(format("eq. 16 asks for %.1f N s/m of device damping, there is %.1f%s", bound.required, bound.available,
-                  bound.met ? "" : ": not met"),
-           bound.met ? kMuted : kVermilion);
+    const double required = requiredDamping(settings.spring, kPeriod);
+    const bool met = settings.toolDamping > required;
+    remark(format("eq. 16 asks for %.1f N s/m of device damping, the tool has %.1f%s", required, settings.toolDamping,
+                  met ? "" : ": not met"),
+           met ? kMuted : kVermilion);
   } else {
-    state.settingsChanged |= ImGui::Checkbox("let go when pulled", &settings.hold.release);
-    state.settingsChanged |= ImGui::Checkbox("anti-windup", &settings.hold.antiWindup);
+    state.settingsChanged |= ImGui::Checkbox("let go when pulled", &settings.servo.release);
+    state.settingsChanged |= ImGui::Checkbox("anti-windup", &settings.servo.antiWindup);
     remark("Holds the pose of first touch: it cannot slide.");
   }
 
@@ -231,10 +234,10 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   const Area& area = layout.scene;
   const float x = area.x + 18 * s, right = area.x + area.width - 18 * s;
   brush.text(gLarge, x, area.y + 12 * s, kInk, input.sceneName);
-  const int wall = static_cast<int>(frame.wall);
+  const std::size_t slot = indexOf(frame.selected);
   const float y = area.y + 46 * s;
-  brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(kWallColour[wall]));
-  brush.text(gText, x + 16 * s, y, kMuted, format("%s on %s", wallName(input, wall).c_str(), input.deviceName.c_str()));
+  brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(kSlotColour[slot]));
+  brush.text(gText, x + 16 * s, y, kMuted, format("%s on %s", titleOf(input, slot).c_str(), input.deviceName.c_str()));
 
   const bool contact = frame.record.nearest.gap <= 0.0 || frame.record.mode == RenderMode::contact;
   std::string chip = contact ? "contact" : "free";
@@ -453,11 +456,13 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const TickRecord& record = input.frame.record;
+  const TorqueStyle& torques = input.torques;
   const std::string values[] = {format("%.3f mm", std::max(0.0, -1e3 * record.nearest.gap)),
                                 format("%.1f N", record.normalForce),
-                                format("%.2f N m", record.torque.cwiseAbs().maxCoeff())};
+                                format(torques.shares ? "%.0f %%" : "%.2f N m",
+                                       record.torque.cwiseProduct(torques.factor).cwiseAbs().maxCoeff())};
   const std::string limits[] = {"paper's bound 1 mm", format("motors allow %.0f N", input.limit.largestForce),
-                                "limit 2 N m"};
+                                torques.shares ? "share of each joint's limit" : format("limit %g N m", torques.limit)};
   const char* names[] = {"Penetration", "Force of the wall", "Joint torques"};
   for (std::size_t i = 0; i < kCharts; ++i) {
     const Area& a = layout.chart[i];
@@ -466,17 +471,24 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
     brush.text(gSmall, x + Brush::width(gBold, names[i]) + 8 * s, a.y + 8 * s, kMuted, limits[i]);
     brush.textRight(gBold, a.x + a.width - 14 * s, a.y + 6 * s, kInk, values[i]);
   }
-  // Key of the torques: chains by colour, lift dashed.
+  // Key of the torques.
   const Area& a = layout.chart[2];
-  const unsigned colours[] = {kBlue, kOrange, kGreen};
   float x = a.x + 56 * s;
   const float y = a.y + 34 * s;
-  for (int chain = 0; chain < 3; ++chain) {
-    brush.list->AddLine({x, y + 7 * s}, {x + 14 * s, y + 7 * s}, ink(colours[chain]), 3 * s);
-    brush.text(gSmall, x + 18 * s, y, kMuted, format("chain %d", chain + 1));
+  bool dashed = false;
+  for (int joint = 0; joint < torques.joints; ++joint) {
+    dashed = dashed || torques.dashed(joint);
+    if (torques.perChain > 0 ? joint % torques.perChain > 0 : joint >= 3) continue;
+    brush.list->AddLine({x, y + 7 * s}, {x + 14 * s, y + 7 * s}, ink(torques.colourOf(joint)), 3 * s);
+    brush.text(gSmall, x + 18 * s, y, kMuted,
+               torques.perChain > 0 ? format("chain %d", joint / torques.perChain + 1) : format("joint %d", joint + 1));
     x += 66 * s;
   }
-  brush.text(gSmall, x, y, kMuted, "lift dashed");
+  if (dashed) brush.text(gSmall, x, y, kMuted, torques.perChain > 0 ? "second dashed" : "from 4 on dashed");
+}
+
+std::string verdictText(FirstImpactVerdict verdict) {
+  return verdict == FirstImpactVerdict::noStep ? "not at rest on a wall" : format("none: %s", toString(verdict));
 }
 
 void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& brush) {
@@ -485,21 +497,21 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
   const float x = a.x + 14 * s, right = a.x + a.width - 14 * s;
   brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper));
   brush.list->AddLine({x, a.y}, {right, a.y}, ink(kLine), s);
-  brush.text(gBold, x, a.y + 8 * s, kInk, "Perceived stiffness");
-  brush.text(gSmall, x + Brush::width(gBold, "Perceived stiffness") + 8 * s, a.y + 10 * s, kMuted,
+  brush.text(gBold, x, a.y + 8 * s, kInk, "Perceived stiffness K_z1");
+  brush.text(gSmall, x + Brush::width(gBold, "Perceived stiffness K_z1") + 8 * s, a.y + 10 * s, kMuted,
              "first impact of a 12 N step");
   float y = a.y + 32 * s;
   for (std::size_t i = 0; i < 2; ++i) {
     const TestPush& test = input.frame.tests[i];
-    const bool active = static_cast<std::size_t>(input.frame.wall) == i;
-    brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(kWallColour[i]));
-    brush.text(active ? gBold : gText, x + 17 * s, y, kInk, wallName(input, static_cast<int>(i)));
-    if (test.valid) {
+    const bool active = indexOf(input.frame.selected) == i;
+    brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(kSlotColour[i]));
+    brush.text(active ? gBold : gText, x + 17 * s, y, kInk, titleOf(input, i));
+    if (test.verdict == FirstImpactVerdict::measured) {
       brush.text(gBold, x + 150 * s, y, kInk, stiffnessText(test.stiffness));
       brush.textRight(gText, right, y, kMuted,
                       format("%.1f %% of the limit", 100.0 * test.stiffness / input.limit.stiffness));
     } else {
-      brush.text(gText, x + 150 * s, y, kMuted, "press P to measure");
+      brush.text(gText, x + 150 * s, y, kMuted, test.made ? verdictText(test.verdict) : "press P to measure");
     }
     y += 23 * s;
   }
@@ -523,10 +535,10 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
     brush.text(gSmall, std::clamp(tx - 0.5f * tw, x, right - tw), bar + height + 6 * s, kMuted, ticks[i]);
   }
   for (std::size_t i = 0; i < 2; ++i)
-    if (input.frame.tests[i].valid) {
+    if (input.frame.tests[i].verdict == FirstImpactVerdict::measured) {
       const ImVec2 centre{place(input.frame.tests[i].stiffness), bar + 0.5f * height};
       brush.list->AddCircleFilled(centre, 8 * s, ink(0xFFFFFF));
-      brush.list->AddCircleFilled(centre, 6.5f * s, ink(kWallColour[i]));
+      brush.list->AddCircleFilled(centre, 6.5f * s, ink(kSlotColour[i]));
     }
 }
 

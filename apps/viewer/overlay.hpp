@@ -38,7 +38,8 @@ struct OverlayInput {
   const Frame& frame;
   const std::string& sceneName;
   const std::string& deviceName;
-  const PluginLibrary* plugin;             ///< that stands for a wall, or nullptr
+  const PluginLibrary* plugin;  ///< that stands in a slot, or nullptr
+  const TorqueStyle& torques;
   const std::vector<std::string>& scenes;  ///< names to choose from
   int sceneIndex;
   StiffnessLimit limit;  ///< for a test push at this pose

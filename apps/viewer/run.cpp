@@ -6,6 +6,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -64,6 +65,47 @@ TimingNumbers numbersOf(const PeriodicTiming& timing, double framesPerSecond) {
   return n;
 }
 
+// While it lives, SIGINT and SIGTERM only ask the loop to end.
+class EndingSignals {
+ public:
+  EndingSignals() {
+    caught_ = 0;
+    struct sigaction action {};
+    action.sa_handler = [](int number) { caught_ = number; };
+    action.sa_flags = SA_RESTART;
+    for (std::size_t i = 0; i < std::size(kSignals); ++i) sigaction(kSignals[i], &action, &before_[i]);
+  }
+  ~EndingSignals() {
+    for (std::size_t i = 0; i < std::size(kSignals); ++i) sigaction(kSignals[i], &before_[i], nullptr);
+  }
+  EndingSignals(const EndingSignals&) = delete;
+  EndingSignals& operator=(const EndingSignals&) = delete;
+
+  /// The signal that came, or 0.
+  int caught() const { return caught_; }
+
+ private:
+  static constexpr int kSignals[] = {SIGINT, SIGTERM};
+  static volatile std::sig_atomic_t caught_;
+  struct sigaction before_[std::size(kSignals)]{};
+};
+volatile std::sig_atomic_t EndingSignals::caught_ = 0;
+
+// What test pushes measured, with the names of study/metrics.hpp.
+nlohmann::ordered_json testPushes(const Viewer& viewer) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < viewer.rendererNames().size(); ++i) {
+    const TestPush& test = viewer.frame().tests[i];
+    if (!test.made) continue;
+    nlohmann::ordered_json json = {{"renderer", viewer.rendererNames()[i]}, {"first impact", toString(test.verdict)}};
+    const bool measured = test.verdict == FirstImpactVerdict::measured;
+    json["D_z1 [m]"] = measured ? nlohmann::ordered_json(test.depth) : nullptr;
+    json["K_z1 [N/m]"] = measured ? nlohmann::ordered_json(test.stiffness) : nullptr;
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
 // What a run was like, for tests and for people who tune.
 class Report {
  public:
@@ -89,6 +131,7 @@ class Report {
     json["first_frame_s"] = firstFrame_;
     json["opengl_errors"] = viewer.stage().errors();
     json["dropped_samples"] = viewer.frame().droppedSamples;
+    json["test_pushes"] = testPushes(viewer);
     json["resident_kB"] = memory_;
     json["heap_in_use_kB"] = heap_;
     if (timing.available)
@@ -115,8 +158,8 @@ class Report {
 // Steps of a script that are due.
 class ScriptPlayer {
  public:
-  explicit ScriptPlayer(const std::string& path) {
-    if (!path.empty()) steps_ = loadScript(path);
+  explicit ScriptPlayer(const Options& options) {
+    if (!options.script.empty()) steps_ = loadScript(options.script, rendererNames(options.plugin.get()));
   }
 
   template <typename Function>
@@ -167,8 +210,9 @@ struct WindowInput {
 
 }  // namespace
 
-void runInWindow(const Options& options, double started) {
-  ScriptPlayer script(options.script);
+int runInWindow(const Options& options, double started) {
+  const EndingSignals signals;
+  ScriptPlayer script(options);
   makeFolder(options.record);
   const auto surface = openWindow("Enamel", options.size);
   Viewer viewer(options, *surface);
@@ -186,7 +230,7 @@ void runInWindow(const Options& options, double started) {
   double last = begin, rate = 0.0;
   {
     const PeriodicThread haptics(kPeriod, [&viewer] { viewer.runner().period(); });
-    while (glfwWindowShouldClose(window) == GLFW_FALSE && !viewer.wantsToEnd()) {
+    while (glfwWindowShouldClose(window) == GLFW_FALSE && !viewer.wantsToEnd() && signals.caught() == 0) {
       glfwPollEvents();
       const double now = steadySeconds(), passed = now - last;
       last = now;
@@ -209,20 +253,23 @@ void runInWindow(const Options& options, double started) {
       report.frame(steadySeconds());
       if (scripted) {
         report.write(options.report, steadySeconds() - begin, viewer, numbersOf(haptics.timing(), rate));
-        return;
+        return 0;
       }
       const double spare = kFrame - (steadySeconds() - now);
       if (spare > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(spare));
     }
     report.write(options.report, steadySeconds() - begin, viewer, numbersOf(haptics.timing(), rate));
   }
+  if (signals.caught() != 0) return signals.caught();
   if (viewer.frame().record.nearest.gap < 0.0 || viewer.frame().record.mode == RenderMode::contact)
     throw Error("the window was closed while the tool was in contact: the wall was gone at once");
+  return 0;
 }
 
-void runHeadless(const Options& options, double started) {
+int runHeadless(const Options& options, double started) {
   if (options.script.empty()) throw Error("--headless needs --script FILE: there is nobody to drive");
-  ScriptPlayer script(options.script);
+  const EndingSignals signals;
+  ScriptPlayer script(options);
   makeFolder(options.record);
   const auto surface = openHeadless(options.size, options.scale);
   Viewer viewer(options, *surface);
@@ -231,7 +278,7 @@ void runHeadless(const Options& options, double started) {
   const double begin = steadySeconds();
   const auto ticksAt = [](std::uint64_t frame) { return frame * 1000 / 60; };  // of kPeriod in frames of kFrame
   int recorded = 0, recordEvery = 0;
-  for (std::uint64_t frame = 0; !viewer.wantsToEnd(); ++frame) {
+  for (std::uint64_t frame = 0; !viewer.wantsToEnd() && signals.caught() == 0; ++frame) {
     const double now = static_cast<double>(frame) * kFrame;
     script.play(now, [&](const ScriptStep& step) {
       if (step.kind == ScriptStep::Kind::frames)
@@ -254,6 +301,7 @@ void runHeadless(const Options& options, double started) {
     for (std::uint64_t tick = ticksAt(frame); tick < ticksAt(frame + 1); ++tick) viewer.runner().period();
   }
   report.write(options.report, steadySeconds() - begin, viewer, TimingNumbers{});
+  return signals.caught();
 }
 
 }  // namespace enamel::viewer

@@ -12,14 +12,14 @@ Runner::Runner(std::unique_ptr<Experiment> experiment) : experiment_(experiment.
 // The haptic side has ended.
 Runner::~Runner() {
   collect();
-  Command command;
+  RunnerCommand command;
   while (commands_.pop(command)) delete command.experiment;
   delete experiment_;
 }
 
 void Runner::replace(std::unique_ptr<Experiment> experiment) {
   collect();
-  Command command{Command::Kind::replace};
+  RunnerCommand command{RunnerCommand::Kind::replace};
   command.experiment = experiment.get();
   if (commands_.push(command)) experiment.release();
 }
@@ -33,18 +33,18 @@ const Frame& Runner::frame() noexcept {
   return frames_.latest();
 }
 
-void Runner::obey(const Command& command) noexcept {
+void Runner::obey(const RunnerCommand& command) noexcept {
   switch (command.kind) {
-    case Command::Kind::handTo: experiment_->moveHandTo(command.target); break;
-    case Command::Kind::handBy: experiment_->moveHandBy(command.target); break;
-    case Command::Kind::select: experiment_->select(static_cast<Wall>(command.number)); break;
-    case Command::Kind::grip: experiment_->setGrip(command.grip); break;
-    case Command::Kind::testPush: experiment_->startTestPush(); break;
-    case Command::Kind::pause: paused_ = true; break;
-    case Command::Kind::resume: paused_ = false; break;
-    case Command::Kind::step: steps_ += command.number; break;
-    case Command::Kind::slowdown: slowdown_ = std::clamp(command.number, 1, 1000); break;
-    case Command::Kind::replace: {
+    case RunnerCommand::Kind::handTo: experiment_->moveHandTo(command.target); break;
+    case RunnerCommand::Kind::handBy: experiment_->moveHandBy(command.target); break;
+    case RunnerCommand::Kind::select: experiment_->select(static_cast<RendererSlot>(command.number)); break;
+    case RunnerCommand::Kind::grip: experiment_->setGrip(command.grip); break;
+    case RunnerCommand::Kind::testPush: experiment_->startTestPush(); break;
+    case RunnerCommand::Kind::pause: paused_ = true; break;
+    case RunnerCommand::Kind::resume: paused_ = false; break;
+    case RunnerCommand::Kind::step: steps_ += command.number; break;
+    case RunnerCommand::Kind::slowdown: slowdown_ = std::clamp(command.number, 1, 1000); break;
+    case RunnerCommand::Kind::replace: {
       // There is room: replace() empties this ring, which holds as many as that of the commands.
       (void)retired_.push(experiment_);
       experiment_ = command.experiment;
@@ -61,7 +61,7 @@ void Runner::tick() noexcept {
 }
 
 void Runner::period() noexcept {
-  for (Command command; commands_.pop(command);) obey(command);
+  for (RunnerCommand command; commands_.pop(command);) obey(command);
   if (paused_) {
     for (; steps_ > 0; --steps_) tick();
   } else {

@@ -15,11 +15,11 @@ struct Sample {
   Vec3 position = Vec3::Zero();  ///< of the TCP, m
   double gap = 0.0;              ///< m
   double normalForce = 0.0;      ///< N
-  Vec6 torque = Vec6::Zero();
+  JointVector torque;            ///< N m or N
 };
 
 /// A change between two ticks.
-struct Command {
+struct RunnerCommand {
   enum class Kind : std::uint8_t {
     handTo,
     handBy,
@@ -33,7 +33,7 @@ struct Command {
     replace
   } kind;
   Vec3 target = Vec3::Zero();        ///< of handTo and, relative, of handBy, m
-  int number = 0;                    ///< Wall of select, ticks of step, factor of slowdown
+  int number = 0;                    ///< RendererSlot of select, ticks of step, factor of slowdown
   Grip grip = kFirmGrip;             ///< of grip
   Experiment* experiment = nullptr;  ///< of replace; owned by the runner from here on
 };
@@ -51,7 +51,7 @@ class Runner {
   void period() noexcept;
 
   /// False if the queue is full (the haptic side stands still). Realtime: yes.
-  bool send(const Command& command) noexcept { return commands_.push(command); }
+  bool send(const RunnerCommand& command) noexcept { return commands_.push(command); }
 
   /// Replaces the experiment between two ticks; the old one is destroyed by collect(). Realtime: no.
   void replace(std::unique_ptr<Experiment> experiment);
@@ -62,14 +62,14 @@ class Runner {
   bool nextSample(Sample& sample) noexcept { return samples_.pop(sample); }
 
  private:
-  void obey(const Command& command) noexcept;
+  void obey(const RunnerCommand& command) noexcept;
   void tick() noexcept;
 
   Experiment* experiment_;  // of the haptic side
   bool paused_ = false;
   int steps_ = 0, slowdown_ = 1, waited_ = 0;
   std::uint64_t dropped_ = 0;
-  SpscRing<Command, 256> commands_;
+  SpscRing<RunnerCommand, 256> commands_;
   SpscRing<Experiment*, 256> retired_;
   SpscRing<Sample, 8192> samples_;
   TripleBuffer<Frame> frames_;

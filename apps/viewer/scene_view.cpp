@@ -17,12 +17,26 @@ constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010, kNormal = 0.040;  
 constexpr double kSmallestForce = 0.1, kLargestForce = 40.0;                    // N: that the arrow shows
 constexpr std::size_t kShownContacts = 3;
 
-Vec3 knee(const ChainModel& chain, const ChainConfiguration& c) {
-  const double horizontal = chain.length1 * c.cosLift;
-  return chain.base + Vec3(horizontal * c.sinYaw, chain.length1 * c.sinLift, horizontal * c.cosYaw);
+Vec3 inPlatform(const Pose& pose, const Vec3& local) { return pose.position + pose.rotation * local; }
+
+bool isLastOfChain(const std::vector<Bar>& bars, std::size_t i) {
+  return bars[i].chain >= 0 && (i + 1 == bars.size() || bars[i + 1].chain != bars[i].chain);
 }
 
-Vec3 inPlatform(const Pose& pose, const Vec3& local) { return pose.position + pose.rotation * local; }
+bool isFirstOfChain(const std::vector<Bar>& bars, std::size_t i) {
+  return bars[i].chain >= 0 && (i == 0 || bars[i - 1].chain != bars[i].chain);
+}
+
+// What the motors of three chains stand on: a beam through the two lower ones, and a mast from it to the upper one.
+void addColumn(vtkRenderer* renderer, std::vector<Vec3> bases) {
+  if (bases.size() != 3) return;
+  std::stable_sort(bases.begin(), bases.end(), [](const Vec3& a, const Vec3& b) { return a.y() < b.y(); });
+  const Vec3 top = bases[2], foot = 0.5 * (bases[0] + bases[1]), mast(foot.x(), foot.y(), top.z());
+  Rod(renderer, 6.0, {kColumn}).place(bases[0], bases[1]);
+  Rod(renderer, 6.0, {kColumn}).place(foot, mast);
+  Rod(renderer, 7.5, {kColumn}).place(mast - Vec3(0.0, 0.02, 0.0), top + Vec3(0.0, 0.03, 0.0));
+  Ball(renderer, 7.5, {kColumn}).place(mast);
+}
 
 // A face with lines of a grid and an outline.
 struct Face {
@@ -98,11 +112,14 @@ void drawBox(const Box& box, const Pose& pose, Drawing& drawing) {
 }  // namespace
 
 struct SceneView::Parts {
-  Parts(vtkRenderer* renderer, vtkRenderer* above, const TauModel& deviceModel, const Tool& shape);
+  Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const Tool& shape);
 
-  struct Chain {
-    Rod link1, link2, arm, post;
-    Ball knee, tip;
+  struct Link {
+    Rod rod;
+    Ball joint;  // at its far end
+  };
+  struct Arm {  // of the platform, from its hub to the end of a chain
+    Rod arm, post;
   };
   struct DrawnTool {
     DrawnTool(vtkRenderer* renderer, const Tool& tool, unsigned body, unsigned grip, unsigned tip, double opacity,
@@ -115,8 +132,8 @@ struct SceneView::Parts {
     Rod handle, hub;
   };
 
-  TauModel model;
-  std::vector<Chain> chains;
+  std::vector<Link> links;  // of the bars
+  std::vector<Arm> arms;
   DrawnTool tool, ghost;
   Rod arrow, arrowHead, pull;
   Ball hand;
@@ -150,33 +167,31 @@ void SceneView::Parts::DrawnTool::show(bool visible) {
   for (Rod* rod : {&handle, &hub}) rod->show(visible);
 }
 
-SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const TauModel& deviceModel, const Tool& shape)
-    : model(deviceModel),
-      tool(renderer, shape, kPlatform, kHandle, kNeedle, 1.0, 1.0),
+SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const Tool& shape)
+    : tool(renderer, shape, kPlatform, kHandle, kNeedle, 1.0, 1.0),
       ghost(renderer, shape, kBlue, kBlue, kBlue, 0.25, 1.3),
       arrow(above, 2.0, {kVermilion, 1.0, 0.1}),
       arrowHead(above, 5.0, {kVermilion, 1.0, 0.1}, true),
       pull(above, 1.0, {kOrange, 1.0, 0.0}),
       hand(above, 6.0, {kOrange, 1.0, 0.2}) {
-  for (std::size_t i = 0; i < model.chain.size(); ++i) {
-    chains.push_back({Rod(renderer, 5.0, {kLink1}), Rod(renderer, 3.6, {kLink2}), Rod(renderer, 2.6, {kPlatform}),
-                      Rod(renderer, 2.6, {kPlatform}), Ball(renderer, 6.5, {kMotor}),
-                      Ball(renderer, 5.2, {kMotor, 1.0, 0.4})});
-    const Vec3 base = model.chain[i].base, y(0.0, 0.5 * kMotorHeight, 0.0);
+  std::vector<Vec3> bases;
+  for (std::size_t i = 0; i < bars.size(); ++i) {
+    if (bars[i].chain < 0) continue;  // the platform is drawn as the arms from its hub to the chains
+    const bool first = isFirstOfChain(bars, i), last = isLastOfChain(bars, i);
+    links.push_back({Rod(renderer, first ? 5.0 : 3.6, {first ? kLink1 : kLink2}),
+                     last ? Ball(renderer, 5.2, {kMotor, 1.0, 0.4}) : Ball(renderer, 6.5, {kMotor})});
+    if (last) arms.push_back({Rod(renderer, 2.6, {kPlatform}), Rod(renderer, 2.6, {kPlatform})});
+    if (!first) continue;
+    const Vec3 base = bars[i].from, y(0.0, 0.5 * kMotorHeight, 0.0);
     Rod(renderer, 11.5, {kMotor}).place(base - y, base + y);
     Rod(renderer, 8.0, {kLink1}).place(base + y, base + y + Vec3(0.0, 0.005, 0.0));
+    bases.push_back(base);
   }
   for (std::size_t i = 0; i < kShownContacts; ++i) {
     normals.emplace_back(above, 0.5, Finish{kInk, 1.0, 0.0});
     contacts.emplace_back(above, 2.2, Finish{kVermilion, 1.0, 0.1});
   }
-  // The column: a beam through the two lower bases, and a mast from it to the upper one.
-  const Vec3 &left = model.chain[1].base, &right = model.chain[0].base, &top = model.chain[2].base;
-  const Vec3 foot = 0.5 * (left + right);
-  Rod(renderer, 6.0, {kColumn}).place(left, right);
-  Rod(renderer, 6.0, {kColumn}).place(foot, Vec3(foot.x(), foot.y(), top.z()));
-  Rod(renderer, 7.5, {kColumn}).place(Vec3(foot.x(), foot.y() - 0.02, top.z()), top + Vec3(0.0, 0.03, 0.0));
-  Ball(renderer, 7.5, {kColumn}).place(Vec3(foot.x(), foot.y(), top.z()));
+  addColumn(renderer, bases);
 }
 
 SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(renderer), above_(above) {
@@ -194,7 +209,7 @@ SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(rend
 
 SceneView::~SceneView() = default;
 
-void SceneView::build(const TauModel& model, const Scene& scene, const Tool& tool, float scale) {
+void SceneView::build(const std::vector<Bar>& bars, const Scene& scene, const Tool& tool, float scale) {
   renderer_->RemoveAllViewProps();
   above_->RemoveAllViewProps();
   Drawing drawing;
@@ -237,23 +252,22 @@ void SceneView::build(const TauModel& model, const Scene& scene, const Tool& too
       cube.push_back({from, to});
     }
   addLines(renderer_, cube, kCubeLine, scale);
-  parts_ = std::make_unique<Parts>(renderer_, above_, model, tool);
+  parts_ = std::make_unique<Parts>(renderer_, above_, bars, tool);
 }
 
 void SceneView::update(const SceneState& state) {
   Parts& p = *parts_;
-  const Pose& pose = state.device.pose;
-  for (std::size_t i = 0; i < p.chains.size(); ++i) {
-    const ChainConfiguration& c = state.device.chain[i];
-    const Vec3 elbow = knee(p.model.chain[i], c);
-    p.chains[i].link1.place(p.model.chain[i].base, elbow);
-    p.chains[i].link2.place(elbow, c.tip);
-    p.chains[i].knee.place(elbow);
-    p.chains[i].tip.place(c.tip);
-    const Vec3& r = p.model.chain[i].platform;
-    const Vec3 bend = inPlatform(pose, {r.x(), r.y(), kHub});
-    p.chains[i].arm.place(inPlatform(pose, {0.0, 0.0, kHub}), bend);
-    p.chains[i].post.place(bend, c.tip);
+  const Pose& pose = state.pose;
+  for (std::size_t i = 0, link = 0, arm = 0; i < state.bars.size(); ++i) {
+    const Bar& bar = state.bars[i];
+    if (bar.chain < 0) continue;
+    p.links[link].rod.place(bar.from, bar.to);
+    p.links[link++].joint.place(bar.to);
+    if (!isLastOfChain(state.bars, i)) continue;
+    const Vec3 end = pose.rotation.transpose() * (bar.to - pose.position);
+    const Vec3 bend = inPlatform(pose, {end.x(), end.y(), kHub});
+    p.arms[arm].arm.place(inPlatform(pose, {0.0, 0.0, kHub}), bend);
+    p.arms[arm++].post.place(bend, bar.to);
   }
   p.tool.place(pose);
   p.ghost.show(state.ghost.has_value());

@@ -1,4 +1,4 @@
-// The scene as VTK draws it: the device from its kinematics, the obstacles, and what happens at the contact.
+// The scene as VTK draws it: the device from its bars, the obstacles, and what happens at the contact.
 #pragma once
 
 #include <vtkNew.h>
@@ -10,14 +10,15 @@
 
 #include "camera.hpp"
 #include "enamel/collision/contacts.hpp"
-#include "enamel/device/tau/kinematics.hpp"
+#include "enamel/device/mechanism.hpp"
 #include "shapes.hpp"
 
 namespace enamel::viewer {
 
 /// What a frame shows. All in W, SI.
 struct SceneState {
-  TauConfiguration device;
+  Pose pose;                  ///< of the platform
+  std::vector<Bar> bars;      ///< of the mechanism there
   std::optional<Pose> ghost;  ///< reference pose
   Vec3 hand;                  ///< where the hand pulls the TCP to
   std::vector<Contact> touching;
@@ -33,7 +34,8 @@ class SceneView {
   SceneView& operator=(const SceneView&) = delete;
 
   /// Rebuilds what does not move. `scale`: pixels per unit of layout, for the width of lines.
-  void build(const TauModel& model, const Scene& scene, const Tool& tool, float scale);
+  /// `bars`: of the mechanism anywhere; those of update() are moved ones of the same parts.
+  void build(const std::vector<Bar>& bars, const Scene& scene, const Tool& tool, float scale);
   void update(const SceneState& state);
   void look(const Camera& camera);
 

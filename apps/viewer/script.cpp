@@ -79,7 +79,7 @@ std::string pictureName(Line& line) {
   return name;
 }
 
-ScriptStep parseStep(Line& line, const std::string& file) {
+ScriptStep parseStep(Line& line, const std::string& file, const std::array<std::string, 2>& renderers) {
   using Kind = ScriptStep::Kind;
   ScriptStep step;
   step.time = line.number("time", 0.0, kLongest);
@@ -92,11 +92,11 @@ ScriptStep parseStep(Line& line, const std::string& file) {
     for (int i = 0; i < 3; ++i) step.target[i] = line.number("hand", -1000.0, 1000.0);
     if (line.accept("over")) step.over = line.number("over", 0.0, kLongest);
   } else if (command == "renderer") {
-    step.kind = Kind::wall;
+    step.kind = Kind::renderer;
     const std::string name = line.word("renderer");
-    if (name != "position-control" && name != "impedance")
-      line.fail("renderer", "is \"" + name + "\", must be position-control or impedance");
-    step.number = name == "impedance" ? 1 : 0;
+    if (name != renderers[0] && name != renderers[1])
+      line.fail("renderer", "is \"" + name + "\", must be " + renderers[0] + " or " + renderers[1]);
+    step.number = name == renderers[1] ? 1 : 0;
   } else if (command == "set") {
     step.kind = Kind::set;
     step.name = line.word("set");
@@ -141,14 +141,14 @@ ScriptStep parseStep(Line& line, const std::string& file) {
 
 const std::vector<SettingRow>& settingRows() {
   static const std::vector<SettingRow> rows{
-      {"stiffness", 0.0, 1e5, false, [](Settings& s, double v) { s.spring.stiffness = v; }},         // N/m
-      {"wall-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.spring.damping = v; }},      // N s/m
-      {"release", 0.0, 1.0, true, [](Settings& s, double v) { s.hold.release = v != 0.0; }},         // 0 or 1
-      {"anti-windup", 0.0, 1.0, true, [](Settings& s, double v) { s.hold.antiWindup = v != 0.0; }},  // 0 or 1
-      {"added-mass", 0.0, 1.0, false, [](Settings& s, double v) { s.extraMass = v; }},               // kg
-      {"joint-friction", 0.0, 1.0, false, [](Settings& s, double v) { s.friction = v; }},            // N m s/rad
-      {"tool-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.toolDamping = v; }},         // N s/m
-      {"tremor", 0.0, 10.0, false, [](Settings& s, double v) { s.noise = v; }},                      // N
+      {"stiffness", 0.0, 1e5, false, [](Settings& s, double v) { s.spring.stiffness = v; }},          // N/m
+      {"wall-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.spring.damping = v; }},       // N s/m
+      {"release", 0.0, 1.0, true, [](Settings& s, double v) { s.servo.release = v != 0.0; }},         // 0 or 1
+      {"anti-windup", 0.0, 1.0, true, [](Settings& s, double v) { s.servo.antiWindup = v != 0.0; }},  // 0 or 1
+      {"added-mass", 0.0, 1.0, false, [](Settings& s, double v) { s.extraMass = v; }},                // kg
+      {"joint-friction", 0.0, 1.0, false, [](Settings& s, double v) { s.friction = v; }},             // N m s/rad
+      {"tool-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.toolDamping = v; }},          // N s/m
+      {"tremor", 0.0, 10.0, false, [](Settings& s, double v) { s.noise = v; }},                       // N
       {"delay", 0.0, kMaxDelay, true,
        [](Settings& s, double v) { s.delay.low = s.delay.high = static_cast<int>(v); }},  // ticks
       {"delay-low", 0.0, kMaxDelay, true,
@@ -173,7 +173,8 @@ glm::ivec2 parseSize(const std::string& text) {
   throw Error("is \"" + text + "\", must be WIDTHxHEIGHT, each 160 to 8192 pixels");
 }
 
-std::vector<ScriptStep> parseScript(std::string_view text, const std::string& file) {
+std::vector<ScriptStep> parseScript(std::string_view text, const std::string& file,
+                                    const std::array<std::string, 2>& renderers) {
   std::vector<ScriptStep> steps;
   std::istringstream stream{std::string(text)};
   int number = 0;
@@ -181,7 +182,7 @@ std::vector<ScriptStep> parseScript(std::string_view text, const std::string& fi
     Line line(content, file, ++number);
     if (line.empty()) continue;
     if (!steps.empty() && steps.back().kind == ScriptStep::Kind::end) line.fail("", "stands after the end");
-    ScriptStep step = parseStep(line, file);
+    ScriptStep step = parseStep(line, file, renderers);
     if (!steps.empty() && step.time < steps.back().time) line.fail("time", "is earlier than that of the step before");
     steps.push_back(std::move(step));
   }
@@ -190,10 +191,10 @@ std::vector<ScriptStep> parseScript(std::string_view text, const std::string& fi
   return steps;
 }
 
-std::vector<ScriptStep> loadScript(const std::string& path) {
+std::vector<ScriptStep> loadScript(const std::string& path, const std::array<std::string, 2>& renderers) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || std::filesystem::is_directory(path)) throw ConfigurationError(path, 0, "", "cannot open the file");
-  return parseScript(std::string(std::istreambuf_iterator<char>(stream), {}), path);
+  return parseScript(std::string(std::istreambuf_iterator<char>(stream), {}), path, renderers);
 }
 
 }  // namespace enamel::viewer

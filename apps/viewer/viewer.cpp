@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "enamel/core/error.hpp"
-#include "enamel/device/tau/dynamics.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -32,10 +31,10 @@ ServoedDevice withPlugin(ServoedDevice device, const Options& options) {
   return device;
 }
 
-std::unique_ptr<Experiment> firstExperiment(const ServoedDevice& device, const SceneFile& scene, Wall wall) {
+std::unique_ptr<Experiment> firstExperiment(const ServoedDevice& device, const SceneFile& scene, RendererSlot slot) {
   Pose start;
   start.position = scene.start;
-  return std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), wall);
+  return std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot);
 }
 
 Vec3 metres(const glm::dvec3& millimetres) { return Vec3(millimetres.x, millimetres.y, millimetres.z) / kMillimetres; }
@@ -48,15 +47,18 @@ double steadySeconds() {
 
 Viewer::Viewer(const Options& options, Surface& surface)
     : surface_(surface),
-      device_(withPlugin(loadServoedDevice(options.device), options)),
-      model_(makeModel(device_.parameters)),
+      device_(withPlugin(loadServoedDevice(options.device, options.gain), options)),
+      rendererNames_(viewer::rendererNames(options.plugin.get())),
+      plant_(makeMechanism(changed(device_.parameters, Settings{}))),
+      torques_(*plant_),
       scene_(enamel::loadScene(options.scene)),
-      wall_(options.wall),
-      runner_(firstExperiment(device_, scene_, wall_)),
+      selected_(options.begin),
+      runner_(firstExperiment(device_, scene_, selected_)),
       stage_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
       view_(stage_.scene(), stage_.above()),
-      charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), model_.maxTorque) {
-  configuration_ = model_.home;
+      charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), torques_) {
+  kinematics_ = plant_->home();
+  shown_.bars = plant_->bars(kinematics_.pose);
   const std::filesystem::path folder = std::filesystem::absolute(options.scene).parent_path();
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.path().extension() == ".toml") sceneFiles_.push_back(entry.path().string());
@@ -87,7 +89,8 @@ void Viewer::selectCamera(int preset) {
 // A replaced experiment begins at rest where the tool is.
 void Viewer::rebuild(const Pose& start, const Hand& hand) {
   try {
-    runner_.replace(std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, wall_));
+    plant_ = makeMechanism(changed(device_.parameters, overlay_.settings));
+    runner_.replace(std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, selected_));
   } catch (const Error& error) {
     notify(error.what());
   }
@@ -118,30 +121,30 @@ std::vector<std::string> Viewer::takePictures() {
 
 void Viewer::act(Action action) {
   constexpr int speeds[] = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000};
-  const auto send = [this](Command::Kind kind, int number) {
-    Command command{kind};
+  const auto send = [this](RunnerCommand::Kind kind, int number) {
+    RunnerCommand command{kind};
     command.number = number;
     runner_.send(command);
   };
   switch (action) {
     case Action::swapRenderers:
-      wall_ = wall_ == Wall::impedance ? Wall::positionControl : Wall::impedance;
-      send(Command::Kind::select, static_cast<int>(wall_));
+      selected_ = selected_ == RendererSlot::b ? RendererSlot::a : RendererSlot::b;
+      send(RunnerCommand::Kind::select, static_cast<int>(selected_));
       break;
     case Action::testPush:
       path_.reset();
-      send(Command::Kind::testPush, 0);
+      send(RunnerCommand::Kind::testPush, 0);
       break;
     case Action::grip: {
       overlay_.grip = overlay_.grip.stiffness == kFirmGrip.stiffness ? kPaperGrip : kFirmGrip;
-      Command command{Command::Kind::grip};
+      RunnerCommand command{RunnerCommand::Kind::grip};
       command.grip = overlay_.grip;
       runner_.send(command);
       break;
     }
     case Action::home: {
       path_.reset();
-      Command command{Command::Kind::handTo};
+      RunnerCommand command{RunnerCommand::Kind::handTo};
       command.target = scene_.start;
       runner_.send(command);
       break;
@@ -155,11 +158,11 @@ void Viewer::act(Action action) {
       break;
     case Action::pause:
       paused_ = !paused_;
-      send(paused_ ? Command::Kind::pause : Command::Kind::resume, 0);
+      send(paused_ ? RunnerCommand::Kind::pause : RunnerCommand::Kind::resume, 0);
       break;
     case Action::step:
       if (!paused_) act(Action::pause);
-      send(Command::Kind::step, 1);
+      send(RunnerCommand::Kind::step, 1);
       break;
     case Action::faster:
       for (int i = 9; i >= 0; --i)
@@ -167,7 +170,7 @@ void Viewer::act(Action action) {
           slowdown_ = speeds[i];
           break;
         }
-      send(Command::Kind::slowdown, slowdown_);
+      send(RunnerCommand::Kind::slowdown, slowdown_);
       break;
     case Action::slower:
       for (const int speed : speeds)
@@ -175,7 +178,7 @@ void Viewer::act(Action action) {
           slowdown_ = speed;
           break;
         }
-      send(Command::Kind::slowdown, slowdown_);
+      send(RunnerCommand::Kind::slowdown, slowdown_);
       break;
     case Action::camera1:
     case Action::camera2:
@@ -198,14 +201,14 @@ void Viewer::act(Action action) {
 
 void Viewer::moveHandBy(const glm::dvec3& millimetres) {
   path_.reset();
-  Command command{Command::Kind::handBy};
+  RunnerCommand command{RunnerCommand::Kind::handBy};
   command.target = metres(millimetres);
   runner_.send(command);
 }
 
 void Viewer::pressBy(double newtons) {
   path_.reset();
-  Command command{Command::Kind::handBy};
+  RunnerCommand command{RunnerCommand::Kind::handBy};
   command.target = -newtons * frame_.record.nearest.normal.cwiseQuotient(stiffnessOf(overlay_.grip));
   runner_.send(command);
 }
@@ -219,8 +222,8 @@ void Viewer::follow(const ScriptStep& step, double now) {
       path_ = Path{{from.x(), from.y(), from.z()}, step.target, now, step.over};
       break;
     }
-    case ScriptStep::Kind::wall:
-      if (static_cast<int>(wall_) != step.number) act(Action::swapRenderers);
+    case ScriptStep::Kind::renderer:
+      if (static_cast<int>(selected_) != step.number) act(Action::swapRenderers);
       break;
     case ScriptStep::Kind::set:
       for (const SettingRow& row : settingRows())
@@ -230,7 +233,7 @@ void Viewer::follow(const ScriptStep& step, double now) {
     case ScriptStep::Kind::scene: loadScene(step.name); break;
     case ScriptStep::Kind::slowdown: {
       slowdown_ = step.number;
-      Command command{Command::Kind::slowdown};
+      RunnerCommand command{RunnerCommand::Kind::slowdown};
       command.number = step.number;
       runner_.send(command);
       break;
@@ -247,7 +250,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   timing_ = timing;
   if (path_) {
     const double share = path_->over > 0.0 ? std::min(1.0, (now - path_->begin) / path_->over) : 1.0;
-    Command command{Command::Kind::handTo};
+    RunnerCommand command{RunnerCommand::Kind::handTo};
     command.target = metres(glm::mix(path_->from, path_->to, share));
     runner_.send(command);
     if (share >= 1.0) path_.reset();
@@ -279,10 +282,10 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   for (const Action action : actions) act(action);
   if (now > noticeEnd_) overlay_.notice.clear();
 
-  TauConfiguration at;
-  if (inverseKinematics(model_, frame_.record.pose, at) == Status::ok) configuration_ = at;
   const Contact& contact = frame_.record.nearest;
-  shown_.device = configuration_;
+  if (plant_->reach(frame_.record.pose, Vec6::Zero(), true, kinematics_) == Status::ok)
+    shown_.bars = plant_->bars(kinematics_.pose);
+  shown_.pose = kinematics_.pose;
   shown_.hand = frame_.hand.position;
   shown_.force = frame_.record.rendered.head<3>();
   shown_.touching.clear();
@@ -292,13 +295,14 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   }
   shown_.ghost.reset();
   if (frame_.holding) {
-    TauConfiguration reference = configuration_;
-    if (forwardKinematics(model_, frame_.reference, reference).status == Status::ok) shown_.ghost = reference.pose;
+    Kinematics reference = kinematics_;
+    const JointVector atRest = JointVector::Zero(plant_->joints());
+    if (plant_->track(frame_.reference, atRest, false, reference) == Status::ok) shown_.ghost = reference.pose;
   } else if (contact.gap < 0.0) {
     shown_.ghost = Pose{frame_.record.pose.position - contact.gap * contact.normal, frame_.record.pose.rotation};
   }
-  const double preload = frame_.tests[static_cast<std::size_t>(frame_.wall)].preload;
-  limit_ = stiffnessLimit(model_, configuration_, contact.normal, kTestForce, preload, overlay_.settings.delay.high);
+  const double preload = frame_.tests[indexOf(frame_.selected)].preload;
+  limit_ = stiffnessLimit(kinematics_, plant_->limits().torque, contact.normal, preload, overlay_.settings.delay);
 
   layout_ = layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts);
   std::array<ChartPlace, kCharts> places;
@@ -313,15 +317,16 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 
 void Viewer::draw(bool picture) {
   if (builtScale_ != layout_.scale) {
-    view_.build(model_, scene_.scene, scene_.tool, layout_.scale);
+    view_.build(shown_.bars, scene_.scene, scene_.tool, layout_.scale);
     builtScale_ = layout_.scale;
   }
   view_.update(shown_);
   view_.look(camera_);
   const OverlayInput input{frame_,
                            scene_.name,
-                           device_.parameters.name,
+                           plant_->name(),
                            device_.plugin.get(),
+                           torques_,
                            sceneNames_,
                            sceneIndex_,
                            limit_,

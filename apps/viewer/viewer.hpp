@@ -22,8 +22,9 @@ namespace enamel::viewer {
 /// What the command line says.
 struct Options {
   std::string scene, device;
-  Wall wall = Wall::positionControl;
-  std::shared_ptr<const PluginLibrary> plugin;  ///< stands for `wall`, or nullptr
+  std::string gain;                             ///< file of the linked servo's, or empty: designed
+  RendererSlot begin = RendererSlot::a;         ///< with which renderer
+  std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
   std::map<std::string, std::string> pluginParameters;
   bool headless = false;
   std::string script, record, report;
@@ -45,6 +46,7 @@ class Viewer final : public Driven {
   glm::dvec3 tool() const override;
   bool wantsToEnd() const { return end_; }
   bool fullScreen() const { return fullScreen_; }
+  const std::array<std::string, 2>& rendererNames() const { return rendererNames_; }
   /// Names of pictures that were asked for since the last call; an empty name stands for the next free one.
   std::vector<std::string> takePictures();
 
@@ -68,12 +70,14 @@ class Viewer final : public Driven {
 
   Surface& surface_;
   ServoedDevice device_;
-  TauModel model_;
+  std::array<std::string, 2> rendererNames_;
+  std::shared_ptr<const Mechanism> plant_;  // with the person's changes
+  TorqueStyle torques_;
   std::vector<std::string> sceneFiles_, sceneNames_;
   int sceneIndex_ = 0;
   SceneFile scene_;
   OverlayState overlay_;
-  Wall wall_;
+  RendererSlot selected_;
   Runner runner_;
   Stage stage_;
   SceneView view_;
@@ -84,7 +88,7 @@ class Viewer final : public Driven {
   Layout layout_;
 
   Frame frame_;
-  TauConfiguration configuration_;
+  Kinematics kinematics_;  // of the plant, with inertia
   SceneState shown_;
   std::vector<Vec3> trail_;
   StiffnessLimit limit_{};
@@ -101,12 +105,13 @@ class Viewer final : public Driven {
   std::optional<Path> path_;
 };
 
-/// Runs in a window until it is closed or the script ends. Throws Error; also where the window is closed while the tool
-/// is in contact. `started`: seconds on the steady clock when the program began.
-void runInWindow(const Options& options, double started);
+/// Runs in a window until it is closed, the script ends, or SIGINT or SIGTERM comes, and then writes the report.
+/// Returns that signal, or 0. Throws Error; also where the window is closed while the tool is in contact. `started`:
+/// seconds on the steady clock when the program began.
+int runInWindow(const Options& options, double started);
 
-/// Runs a script without a display on simulated time: the same script gives the same pictures. Throws Error.
-void runHeadless(const Options& options, double started);
+/// Runs a script without a display on simulated time: the same script gives the same pictures. Otherwise as above.
+int runHeadless(const Options& options, double started);
 
 /// Seconds on the steady clock.
 double steadySeconds();

@@ -1,4 +1,4 @@
-// The viewer's haptic side allocates nothing: ticks of either wall, test pushes, grips, commands, dropped samples.
+// The viewer's haptic side allocates nothing: ticks of either renderer, test pushes, grips, commands, dropped samples.
 #include "experiment.hpp"
 
 #include "runner.hpp"
@@ -22,28 +22,28 @@ TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
     settings.delay = {0, 1};
     settings.encoders = {true, RateSource::lowPass, 100.0};
     settings.noise = 0.2;
-    Runner runner(std::make_unique<Experiment>(device, settings, scene, start, hand, Wall::impedance));
+    Runner runner(std::make_unique<Experiment>(device, settings, scene, start, hand, RendererSlot::b));
     test::Random random(82);
     int contact = 0, tested = 0;
     Sample sample;
     const long before = test::allocationCount();
     for (int i = 0; i < 6000; ++i) {
-      Command command{Command::Kind::handTo};
+      RunnerCommand command{RunnerCommand::Kind::handTo};
       if (i % 200 == 0) {
         command.target = {random.uniform(-0.01, 0.01), random.uniform(-0.01, 0.01), random.uniform(-0.025, 0.005)};
         runner.send(command);
       }
       if (i % 700 == 0) {
-        command.kind = Command::Kind::select;
+        command.kind = RunnerCommand::Kind::select;
         command.number = i / 700 % 2;
         runner.send(command);
       }
       if (i % 1500 == 0) {
-        command.kind = Command::Kind::grip;
+        command.kind = RunnerCommand::Kind::grip;
         command.grip = i % 3000 == 0 ? kPaperGrip : kFirmGrip;
         runner.send(command);
       }
-      if (i % 2900 == 0) runner.send({Command::Kind::testPush});
+      if (i % 2900 == 0) runner.send({RunnerCommand::Kind::testPush});
       runner.period();
       const Frame& frame = runner.frame();
       contact += frame.record.mode == RenderMode::contact;

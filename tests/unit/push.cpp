@@ -329,7 +329,7 @@ TEST_CASE("first impact on the device agrees with a push of finer steps", "[push
     // The same torques and force, tick by tick, on a plant that is looked at 64 times a tick.
     DeviceState state;
     double deepest = 0.0;
-    bool returned = false;
+    bool returned = false;  // by a tenth: with a delay of 1 the tool halts on its way in
     const auto ticks = test::recordPush(device, renderer, setup);
     for (std::size_t i = 1000; i < ticks.size() && !returned; ++i) {
       state.position = ticks[i].pose.position;
@@ -339,7 +339,7 @@ TEST_CASE("first impact on the device agrees with a push of finer steps", "[push
       for (int step = 0; step < 64; ++step) {
         REQUIRE(stepRungeKutta4(device, 0.0, 1e-3 / 64, ticks[i].torque, person, state) == Status::ok);
         if (state.position.z() < -deepest) deepest = -state.position.z();
-        else if (state.position.z() < 0.0 && state.twist[2] > 0.0) returned = true;
+        else if (state.position.z() > -0.9 * deepest) returned = deepest > 0.0;
       }
     }
     REQUIRE(returned);

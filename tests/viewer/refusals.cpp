@@ -52,6 +52,53 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
   script("0 pause\n", "bad.txt:1: end: is missing");
   script("0 end\n1 pause\n", "bad.txt:2: stands after the end");
   script("0 pause now\n1 end\n", "bad.txt:1: now: is not expected here");
+  script("0 renderer granite\n1 end\n", "bad.txt:1: renderer: is \"granite\", must be position-control or impedance");
+}
+
+TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "good.txt", "0 end\n");
+  const std::string headless = "--headless --script '" + folder / "good.txt" + "' ";
+  requireRefused(test::viewer(headless + "--set stiffness=1"), 1, "--set is for plugins, and --renderer names none");
+  // A parameter does not take the argument behind it.
+  requireRefused(test::viewer(headless + "--renderer template --set stiffness=3000 /no/such/scene.toml"), 1,
+                 "/no/such/scene.toml: cannot open the file");
+  requireRefused(test::viewer(headless + "--renderer template --set stiffness"), 1, "must be KEY=VALUE");
+  requireRefused(test::viewer(headless + "--gain /no/such/servo.json"), 1, "/no/such/servo.json: cannot open");
+  test::writeFile(folder / "slow.json", "{\"model\": \"m\", \"period\": 0.002, \"K\": [[1, 2, 3]]}");
+  requireRefused(test::viewer(headless + "--gain '" + folder / "slow.json'"), 1,
+                 "slow.json: period: is 0.002 s, must be 0.001 s");
+  requireRefused(test::viewer(headless + "--renderer template --gain '" + folder / "slow.json'"), 1,
+                 "--gain is for the linked position-control");
+  // A plugin goes by its own name only.
+  test::writeFile(folder / "linked.txt", "0 renderer position-control\n0 end\n");
+  requireRefused(test::viewer("--headless --renderer template --script '" + folder / "linked.txt'"), 1,
+                 "renderer: is \"position-control\", must be template or impedance");
+  test::writeFile(folder / "own.txt", "0 renderer impedance\n0 renderer template\n0 end\n");
+  CHECK(test::viewer("--headless --renderer template --script '" + folder / "own.txt'").status == 0);
+}
+
+TEST_CASE("a signal ends the viewer with its report written", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "long.txt", "0 hand 0 0 -20 over 0.3\n7000 end\n");
+  const std::string arguments = "--script '" + folder / "long.txt' --report '" + folder / "report.json'";
+  const auto requireReport = [&](const test::CommandResult& result, int status) {
+    INFO(result.output);
+    CHECK(result.status == status);
+    CHECK(result.output.empty());
+    const auto report = nlohmann::json::parse(test::readFile(folder / "report.json"));
+    CHECK(report.at("seconds").get<double>() > 0.0);
+    CHECK(report.at("seconds").get<double>() < 10.0);
+    std::filesystem::remove(folder / "report.json");
+  };
+  const std::string alone = "env -u DISPLAY -u WAYLAND_DISPLAY timeout --preserve-status -s ";
+  requireReport(test::viewer("--headless " + arguments, alone + "INT 4"), 128 + 2);
+  requireReport(test::viewer("--headless " + arguments, alone + "TERM 4"), 128 + 15);
+  if (!test::haveXvfb()) {
+    WARN("xvfb-run or xauth is missing: windows are not tested");
+    return;
+  }
+  requireReport(test::viewer(arguments, test::kXvfb + " timeout --preserve-status -s TERM 6"), 128 + 15);
 }
 
 TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {

@@ -3,6 +3,16 @@
 #include <cmath>
 
 namespace enamel {
+namespace {
+
+constexpr double kSettling = 0.5, kJudged = 0.25;   // s after the onset that do not count, and that at least must
+constexpr double kRinging = 0.25, kReturned = 0.1;  // of D_z1
+
+std::uint64_t ticksIn(double time, double period) noexcept {
+  return static_cast<std::uint64_t>(std::llround(time / period));
+}
+
+}  // namespace
 
 bool FirstImpact::add(double gap, double rate, double nextGap, double nextRate, double period) noexcept {
   if (returned_ || !(rate < 0.0 && nextRate >= 0.0)) return false;
@@ -16,6 +26,53 @@ bool FirstImpact::add(double gap, double rate, double nextGap, double nextRate, 
   depth_ = rest_ - lowest;
   returned_ = true;
   return true;
+}
+
+const char* toString(FirstImpactVerdict verdict) noexcept {
+  switch (verdict) {
+    case FirstImpactVerdict::measured: return "measured";
+    case FirstImpactVerdict::noStep: return "no step of force";
+    case FirstImpactVerdict::noReturn: return "never returned";
+    case FirstImpactVerdict::rings: return "rings";
+    case FirstImpactVerdict::slips: return "slipped";
+  }
+  return "unknown verdict";
+}
+
+void ImpactWatch::rest(const ImpactTick& tick) noexcept {
+  restDepth_ -= tick.gap;
+  restForce_ += tick.force;
+  ++restTicks_;
+}
+
+void ImpactWatch::push(const ImpactTick& tick) noexcept {
+  if (ticks_ == 0) rest_ = -(restDepth_ - tick.gap) / (restTicks_ + 1);
+  FirstImpact turn(rest_);
+  if (ticks_ > 0 && !over_ && turn.add(last_.gap, last_.rate, tick.gap, tick.rate, period_) && turn.depth() > depth_) {
+    depth_ = turn.depth();
+    force_ = last_.force - preload();
+    slipped_ = tick.drift > depth_;
+  }
+  over_ =
+      depth_ > 0.0 && (over_ || rest_ - tick.gap < (1.0 - kReturned) * depth_ || ticks_ >= ticksIn(kSettling, period_));
+  last_ = tick;
+  if (ticks_ >= ticksIn(kSettling, period_)) {
+    lateSum_ -= tick.gap;
+    lateSquares_ += tick.gap * tick.gap;
+    lateSaturated_ += tick.saturated;
+    ++lateTicks_;
+  }
+  ++ticks_;
+}
+
+FirstImpactVerdict ImpactWatch::verdict() const noexcept {
+  if (depth_ == 0.0) return FirstImpactVerdict::noReturn;
+  if (lateTicks_ >= ticksIn(kJudged, period_)) {
+    const double count = static_cast<double>(lateTicks_), mean = lateSum_ / count;
+    const double deviation = std::sqrt(std::fmax(0.0, lateSquares_ / count - mean * mean));
+    if (deviation > kRinging * depth_ || 2 * lateSaturated_ > lateTicks_) return FirstImpactVerdict::rings;
+  }
+  return slipped_ ? FirstImpactVerdict::slips : FirstImpactVerdict::measured;
 }
 
 }  // namespace enamel

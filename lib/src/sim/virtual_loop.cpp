@@ -9,11 +9,11 @@ void checkLoop(const LoopSetup& setup) {
   require(!setup.scene.obstacles().empty(), "the scene has no obstacle");
 }
 
-VirtualLoop::VirtualLoop(const Mechanism& mechanism, Renderer& renderer, const LoopSetup& setup)
+VirtualLoop::VirtualLoop(const Mechanism& plant, const Mechanism& model, Renderer& renderer, const LoopSetup& setup)
     : scene_((checkLoop(setup), setup.scene)),
       tool_(setup.tool),
-      device_(mechanism, setup),
-      tick_(mechanism, scene_, tool_, renderer, setup.period, setup.start),
+      device_(plant, setup),
+      tick_(model, scene_, tool_, renderer, setup.period, setup.start),
       trueCache_(makeToolCache(scene_, tool_)) {}
 
 // Everything up to the torque that acts during this tick.

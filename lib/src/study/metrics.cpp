@@ -5,29 +5,6 @@
 
 namespace enamel {
 
-namespace {
-
-constexpr double kRestWindow = 0.1;                // s before the onset
-constexpr double kSettling = 0.5, kJudged = 0.25;  // s after the onset that do not count, and that at least must
-constexpr double kRinging = 0.25;                  // of D_z1
-
-std::uint64_t ticksIn(double time, double period) noexcept {
-  return static_cast<std::uint64_t>(std::llround(time / period));
-}
-
-}  // namespace
-
-const char* toString(FirstImpactVerdict verdict) noexcept {
-  switch (verdict) {
-    case FirstImpactVerdict::measured: return "measured";
-    case FirstImpactVerdict::noStep: return "no step of force";
-    case FirstImpactVerdict::noReturn: return "never returned";
-    case FirstImpactVerdict::rings: return "rings";
-    case FirstImpactVerdict::slips: return "slipped";
-  }
-  return "unknown verdict";
-}
-
 const std::array<Metric, kMetrics>& allMetrics() noexcept {
   using M = PushMetrics;
   static const std::array<Metric, kMetrics> metrics = {{
@@ -62,34 +39,10 @@ std::optional<double> valueOf(const PushMetrics& metrics, const Metric& metric) 
   return metrics.*std::get<1>(metric.member);
 }
 
-MetricsCollector::MetricsCollector(const PushSetup& setup) : setup_(setup), times_(timesOf(setup)) {
+MetricsCollector::MetricsCollector(const PushSetup& setup)
+    : setup_(setup), times_(timesOf(setup)), impact_(setup.period) {
   depths_.reserve(times_.end);
   torques_.reserve(times_.end - times_.lastSecond + 1);
-}
-
-// Of each interval between two ticks; the force is held over it.
-void MetricsCollector::watchImpact(const TickRecord& tick, double depth) {
-  const Vec3& normal = setup_.person.normal;
-  if (tick.tick <= times_.onset) {
-    if (tick.tick + ticksIn(kRestWindow, setup_.period) >= times_.onset) {
-      restSum_ += depth;
-      ++restTicks_;
-    }
-    if (tick.tick == times_.onset) impact_ = FirstImpact(restTicks_ > 0 ? -restSum_ / restTicks_ : 0.0);
-  } else if (impact_.add(lastGap_, lastRate_, tick.nearest.gap, tick.gapRate, setup_.period)) {
-    running_.firstDepth = impact_.depth();
-    running_.firstStiffness = lastForce_ / impact_.depth();
-    slipped_ = running_.drift > impact_.depth();
-  }
-  lastGap_ = tick.nearest.gap;
-  lastRate_ = tick.gapRate;
-  lastForce_ = -normal.dot(tick.person.head<3>());
-  if (tick.tick >= times_.onset + ticksIn(kSettling, setup_.period)) {
-    lateSum_ += depth;
-    lateSquares_ += depth * depth;
-    lateSaturated_ += tick.saturated;
-    ++lateTicks_;
-  }
 }
 
 void MetricsCollector::add(const TickRecord& tick) {
@@ -108,7 +61,14 @@ void MetricsCollector::add(const TickRecord& tick) {
   if (tick.status != Status::ok) ++running_.faults;
   if (tick.saturated) ++saturated_;
   ++ticks_;
-  if (setup_.person.scenario == 1) watchImpact(tick, depth);
+
+  const ImpactTick impact{tick.nearest.gap, tick.gapRate, -normal.dot(tick.person.head<3>()), running_.drift,
+                          tick.saturated};
+  const auto rest = static_cast<std::uint64_t>(std::llround(ImpactWatch::kRestWindow / setup_.period));
+  if (tick.tick >= times_.onset)
+    impact_.push(impact);
+  else if (tick.tick + rest >= times_.onset)
+    impact_.rest(impact);
 }
 
 PushMetrics MetricsCollector::metrics() const {
@@ -139,18 +99,11 @@ PushMetrics MetricsCollector::metrics() const {
   }
   if (ticks_ > 0) m.saturatedShare = static_cast<double>(saturated_) / static_cast<double>(ticks_);
 
-  bool rings = false;
-  if (m.firstDepth && lateTicks_ >= ticksIn(kJudged, setup_.period)) {
-    const double count = static_cast<double>(lateTicks_), mean = lateSum_ / count;
-    const double deviation = std::sqrt(std::max(0.0, lateSquares_ / count - mean * mean));
-    rings = deviation > kRinging * *m.firstDepth || 2 * lateSaturated_ > lateTicks_;
+  m.verdict = setup_.person.scenario == 1 ? impact_.verdict() : FirstImpactVerdict::noStep;
+  if (m.verdict == FirstImpactVerdict::measured) {
+    m.firstDepth = impact_.depth();
+    m.firstStiffness = impact_.stiffness();
   }
-  m.verdict = setup_.person.scenario != 1 ? FirstImpactVerdict::noStep
-              : !m.firstDepth             ? FirstImpactVerdict::noReturn
-              : rings                     ? FirstImpactVerdict::rings
-              : slipped_                  ? FirstImpactVerdict::slips
-                                          : FirstImpactVerdict::measured;
-  if (m.verdict != FirstImpactVerdict::measured) m.firstDepth = m.firstStiffness = std::nullopt;
   return m;
 }
 

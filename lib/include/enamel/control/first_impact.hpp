@@ -1,6 +1,8 @@
 // The first impact of a push on a wall: the deepest point of the continuous motion up to its first return.
 #pragma once
 
+#include <cstdint>
+
 namespace enamel {
 
 /// Watches the gap along the wall's normal from one tick to the next, from the onset of a push on. Between ticks the
@@ -23,6 +25,70 @@ class FirstImpact {
   double rest_;
   double depth_ = 0.0;
   bool returned_ = false;
+};
+
+/// Whether a push has a first impact stiffness, or why not.
+enum class FirstImpactVerdict : std::uint8_t {
+  measured,  ///< D_z1 and K_z1 are there
+  noStep,    ///< the force does not rise at once
+  noReturn,  ///< the tool never turned back
+  rings,     ///< from 0.5 s after the onset on, the depth's standard deviation is above D_z1 / 4, or more than half of
+             ///< the ticks are saturated (judged where the push goes on for 0.75 s or more)
+  slips,     ///< until its return the tool moved farther across the normal than along it
+};
+
+inline constexpr int kVerdicts = 5;
+
+/// Name of a verdict in plain words. Realtime: yes.
+const char* toString(FirstImpactVerdict verdict) noexcept;
+
+/// What a push looks like at a tick; gap and rate are those before the tick's torque acts.
+struct ImpactTick {
+  double gap = 0.0;        ///< along the wall's normal, m
+  double rate = 0.0;       ///< of the gap, m/s
+  double force = 0.0;      ///< of the person into the wall, held until the next tick, N
+  double drift = 0.0;      ///< largest displacement across the normal so far, m
+  bool saturated = false;  ///< a motor's limit cut the torque
+};
+
+/// Judges one step of force against a wall, tick by tick: D_z1 counts from the mean gap at rest before the step (the
+/// tick of the onset included), F_1 from the mean force then, K_z1 = F_1(t_z1) / D_z1. A tool that halts on its way in
+/// has not returned: t_z1 is the deepest turn before it has come back by a tenth of its depth, or 0.5 s have passed.
+/// Plain data.
+class ImpactWatch {
+ public:
+  /// How long the rest should be watched before the step, s.
+  static constexpr double kRestWindow = 0.1;
+
+  /// `period` of the ticks, s.
+  explicit ImpactWatch(double period) noexcept : period_(period) {}
+
+  /// A tick of the rest before the step. Realtime: yes.
+  void rest(const ImpactTick& tick) noexcept;
+
+  /// A tick of the push; at the first one the force rises. Realtime: yes.
+  void push(const ImpactTick& tick) noexcept;
+
+  /// On the ticks so far: never noStep. Realtime: yes.
+  FirstImpactVerdict verdict() const noexcept;
+
+  /// D_z1 (m), F_1 (N) and K_z1 (N/m) where the verdict is `measured`; force before the step, N. Realtime: yes.
+  double depth() const noexcept { return depth_; }
+  double force() const noexcept { return force_; }
+  double stiffness() const noexcept { return force_ / depth_; }
+  double preload() const noexcept { return restTicks_ > 0 ? restForce_ / restTicks_ : 0.0; }
+
+ private:
+  double period_;
+  double restDepth_ = 0.0, restForce_ = 0.0;  // sums
+  int restTicks_ = 0;
+  double rest_ = 0.0;  // gap, m
+  ImpactTick last_;
+  double depth_ = 0.0, force_ = 0.0;  // at the deepest turn so far; 0: none
+  bool slipped_ = false, over_ = false;
+  std::uint64_t ticks_ = 0;                   // of the push
+  double lateSum_ = 0.0, lateSquares_ = 0.0;  // of the depth, from 0.5 s after the onset on
+  std::uint64_t lateTicks_ = 0, lateSaturated_ = 0;
 };
 
 }  // namespace enamel

@@ -36,12 +36,15 @@ struct TickRecord {
   Status status = Status::ok;  ///< of the haptic tick
 };
 
-/// The loop: a virtual device and a haptic tick in front of it. Refers to mechanism (of the plant, also for forward
-/// kinematics) and renderer, which must outlive it.
+/// The loop: a virtual device and a haptic tick in front of it. Refers to mechanisms and renderer, which must outlive
+/// it.
 class VirtualLoop {
  public:
-  /// Throws Error: as checkLoop(), VirtualDevice and HapticTick do. Realtime: no.
-  VirtualLoop(const Mechanism& mechanism, Renderer& renderer, const LoopSetup& setup);
+  /// `model`: what the haptic tick takes the plant for. Throws Error: as checkLoop(), VirtualDevice and HapticTick do.
+  /// Realtime: no.
+  VirtualLoop(const Mechanism& plant, const Mechanism& model, Renderer& renderer, const LoopSetup& setup);
+  VirtualLoop(const Mechanism& mechanism, Renderer& renderer, const LoopSetup& setup)
+      : VirtualLoop(mechanism, mechanism, renderer, setup) {}
   VirtualLoop(const VirtualLoop&) = delete;
   VirtualLoop& operator=(const VirtualLoop&) = delete;
 

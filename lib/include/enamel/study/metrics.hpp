@@ -12,26 +12,11 @@
 
 namespace enamel {
 
-/// Whether a push has a first impact stiffness, or why not.
-enum class FirstImpactVerdict : std::uint8_t {
-  measured,  ///< D_z1 and K_z1 are there
-  noStep,    ///< scenario 2: the force does not rise at once
-  noReturn,  ///< the tool never turned back
-  rings,     ///< from 0.5 s after the onset on, the depth's standard deviation is above D_z1 / 4, or more than half of
-             ///< the ticks are saturated (judged where the run goes on for 0.75 s or more)
-  slips,     ///< until its return the tool moved farther across the normal than along it
-};
-
-inline constexpr int kVerdicts = 5;
-
-/// Name of a verdict in plain words. Realtime: yes.
-const char* toString(FirstImpactVerdict verdict) noexcept;
-
 /// Metrics of one push. Depths count positive into the wall; the steady state is 1 s to the end in scenario 1 and 2 s
 /// to the end in scenario 2.
 struct PushMetrics {
-  /// First impact: the deepest point of the continuous motion up to its first return (FirstImpact), from the mean depth
-  /// in the 0.1 s before the step.
+  /// First impact: the deepest point of the continuous motion up to its first return, from the mean depth in the 0.1 s
+  /// before the step (ImpactWatch); scenario 2 has none.
   FirstImpactVerdict verdict = FirstImpactVerdict::noReturn;
   std::optional<double> firstDepth;      ///< D_z1, m
   std::optional<double> firstStiffness;  ///< K_z1 = F_1(t_z1) / D_z1, N/m
@@ -80,24 +65,14 @@ class MetricsCollector {
   PushMetrics metrics() const;
 
  private:
-  void watchImpact(const TickRecord& tick, double depth);
-
   PushSetup setup_;
   PushTimes times_;
   std::vector<double> depths_;        // of the steady state
   std::vector<JointVector> torques_;  // of the last second
   PushMetrics running_;
+  ImpactWatch impact_;
   double tangentialSquares_ = 0.0;
   std::uint64_t ticks_ = 0, saturated_ = 0;
-
-  // First impact.
-  FirstImpact impact_;
-  double restSum_ = 0.0;
-  int restTicks_ = 0;
-  bool slipped_ = false;
-  double lastGap_ = 0.0, lastRate_ = 0.0, lastForce_ = 0.0;
-  double lateSum_ = 0.0, lateSquares_ = 0.0;  // of the depth, from 0.5 s after the onset on
-  std::uint64_t lateTicks_ = 0, lateSaturated_ = 0;
 };
 
 }  // namespace enamel
