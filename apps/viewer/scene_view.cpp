@@ -19,12 +19,16 @@ constexpr std::size_t kShownContacts = 3;
 
 Vec3 inPlatform(const Pose& pose, const Vec3& local) { return pose.position + pose.rotation * local; }
 
+bool hasChains(const std::vector<Bar>& bars) {
+  return std::any_of(bars.begin(), bars.end(), [](const Bar& bar) { return bar.chain >= 0; });
+}
+
 bool isLastOfChain(const std::vector<Bar>& bars, std::size_t i) {
-  return bars[i].chain >= 0 && (i + 1 == bars.size() || bars[i + 1].chain != bars[i].chain);
+  return i + 1 == bars.size() || bars[i + 1].chain != bars[i].chain;
 }
 
 bool isFirstOfChain(const std::vector<Bar>& bars, std::size_t i) {
-  return bars[i].chain >= 0 && (i == 0 || bars[i - 1].chain != bars[i].chain);
+  return i == 0 || bars[i - 1].chain != bars[i].chain;
 }
 
 // What the motors of three chains stand on: a beam through the two lower ones, and a mast from it to the upper one.
@@ -118,7 +122,7 @@ struct SceneView::Parts {
     Rod rod;
     Ball joint;  // at its far end
   };
-  struct Arm {  // of the platform, from its hub to the end of a chain
+  struct Arm {  // of a platform that chains carry, from its hub to a corner
     Rod arm, post;
   };
   struct DrawnTool {
@@ -134,6 +138,7 @@ struct SceneView::Parts {
 
   std::vector<Link> links;  // of the bars
   std::vector<Arm> arms;
+  std::vector<Rod> axes;  // of a platform without chains
   DrawnTool tool, ghost;
   Rod arrow, arrowHead, pull;
   Ball hand;
@@ -175,12 +180,18 @@ SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::ve
       pull(above, 1.0, {kOrange, 1.0, 0.0}),
       hand(above, 6.0, {kOrange, 1.0, 0.2}) {
   std::vector<Vec3> bases;
+  const bool chains = hasChains(bars);
   for (std::size_t i = 0; i < bars.size(); ++i) {
-    if (bars[i].chain < 0) continue;  // the platform is drawn as the arms from its hub to the chains
+    if (bars[i].chain < 0) {
+      if (chains)
+        arms.push_back({Rod(renderer, 2.6, {kPlatform}), Rod(renderer, 2.6, {kPlatform})});
+      else
+        axes.emplace_back(renderer, 1.2, Finish{kLink2});
+      continue;
+    }
     const bool first = isFirstOfChain(bars, i), last = isLastOfChain(bars, i);
     links.push_back({Rod(renderer, first ? 5.0 : 3.6, {first ? kLink1 : kLink2}),
                      last ? Ball(renderer, 5.2, {kMotor, 1.0, 0.4}) : Ball(renderer, 6.5, {kMotor})});
-    if (last) arms.push_back({Rod(renderer, 2.6, {kPlatform}), Rod(renderer, 2.6, {kPlatform})});
     if (!first) continue;
     const Vec3 base = bars[i].from, y(0.0, 0.5 * kMotorHeight, 0.0);
     Rod(renderer, 11.5, {kMotor}).place(base - y, base + y);
@@ -258,16 +269,19 @@ void SceneView::build(const std::vector<Bar>& bars, const Scene& scene, const To
 void SceneView::update(const SceneState& state) {
   Parts& p = *parts_;
   const Pose& pose = state.pose;
-  for (std::size_t i = 0, link = 0, arm = 0; i < state.bars.size(); ++i) {
-    const Bar& bar = state.bars[i];
-    if (bar.chain < 0) continue;
-    p.links[link].rod.place(bar.from, bar.to);
-    p.links[link++].joint.place(bar.to);
-    if (!isLastOfChain(state.bars, i)) continue;
-    const Vec3 end = pose.rotation.transpose() * (bar.to - pose.position);
-    const Vec3 bend = inPlatform(pose, {end.x(), end.y(), kHub});
-    p.arms[arm].arm.place(inPlatform(pose, {0.0, 0.0, kHub}), bend);
-    p.arms[arm++].post.place(bend, bar.to);
+  std::size_t link = 0, arm = 0, axis = 0;
+  for (const Bar& bar : state.bars) {
+    if (bar.chain >= 0) {
+      p.links[link].rod.place(bar.from, bar.to);
+      p.links[link++].joint.place(bar.to);
+    } else if (p.arms.empty()) {
+      p.axes[axis++].place(bar.from, bar.to);
+    } else {
+      const Vec3 corner = pose.rotation.transpose() * (bar.from - pose.position);
+      const Vec3 bend = inPlatform(pose, {corner.x(), corner.y(), kHub});
+      p.arms[arm].arm.place(inPlatform(pose, {0.0, 0.0, kHub}), bend);
+      p.arms[arm++].post.place(bend, bar.from);
+    }
   }
   p.tool.place(pose);
   p.ghost.show(state.ghost.has_value());

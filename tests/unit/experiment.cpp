@@ -334,6 +334,7 @@ class SomeJoints final : public Mechanism {
   std::vector<Bar> bars(const Pose&) const override {
     std::vector<Bar> bars;
     for (int i = 0; i < chains_; ++i) bars.push_back({Vec3::Zero(), Vec3::UnitX(), i});
+    bars.push_back({Vec3::UnitX(), Vec3::UnitY(), -1});  // the platform
     return bars;
   }
 
