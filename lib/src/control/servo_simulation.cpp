@@ -56,15 +56,15 @@ ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, c
 
 double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& normal, double force, double period) {
   const Index n = normal.size();
-  FirstImpact impact;
-  double z = 0.0, rate = 0.0;
+  ImpactWatch watch(period);
+  ImpactTick tick;
+  tick.force = force;
   for (Index j = 0; j < trace.y.cols(); ++j) {
-    const double nextZ = normal * trace.y.col(j).tail(n), nextRate = normal * trace.y.col(j).head(n);
-    if (j > 0 && impact.add(z, rate, nextZ, nextRate, period)) return force / impact.depth();
-    z = nextZ;
-    rate = nextRate;
+    tick.gap = normal * trace.y.col(j).tail(n);
+    tick.rate = normal * trace.y.col(j).head(n);
+    watch.push(tick);
   }
-  return std::numeric_limits<double>::quiet_NaN();
+  return watch.depth() > 0.0 ? watch.stiffness() : std::numeric_limits<double>::quiet_NaN();
 }
 
 double torqueDeviation(const ServoTrace& trace, int ticks) {
