@@ -145,7 +145,12 @@ TEST_CASE("a small study through plugins writes the same runs as the linked rend
              Contains("relase, which no plugin"));
   const std::string linked = test::readFile(folder / "linked/runs.csv");
   CHECK(std::count(linked.begin(), linked.end(), '\n') == 2 * 2 * 4 * 2 + 1);
-  CHECK(linked == test::readFile(folder / "plugins/runs.csv"));
+  std::string plugins = test::readFile(folder / "plugins/runs.csv");
+  const std::string mark = " (plugin)";  // of the columns' names, the only difference
+  int marks = 0;
+  for (std::size_t at = 0; (at = plugins.find(mark)) != std::string::npos; ++marks) plugins.erase(at, mark.size());
+  CHECK(marks == 2 * 2 * 4 * 2);
+  CHECK(linked == plugins);
 }
 
 TEST_CASE("the template's wrench becomes the torque of gravity and wall on any mechanism", "[plugin]") {

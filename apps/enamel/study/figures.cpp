@@ -305,7 +305,7 @@ Json mapPanels(const Study& study, const std::vector<std::string>& titles, const
                       {"y", bar},
                       {"cells", cells}});
   }
-  size = {static_cast<int>(left + static_cast<double>(titles.size()) * (side + gap) + 190.0),
+  size = {static_cast<int>(left + static_cast<double>(titles.size()) * (side + gap) + 206.0),
           static_cast<int>(top + static_cast<double>(rows.size()) * (side + between) - between + 116.0)};
   return panels;
 }
