@@ -36,11 +36,14 @@ Status PositionControlRenderer::render(const TickInput& input, TickOutput& outpu
   if (state_.phase != kHolding) return Status::ok;
 
   const JointVector error = k.q - state_.reference.head(n);
-  Eigen::Matrix<double, kMaxJoints + 1, 1> sum = gain_.col(0) * k.rates[0];
-  for (Eigen::Index i = 1; i < n; ++i) sum += gain_.col(i) * k.rates[i];
-  for (Eigen::Index i = 0; i < n; ++i) sum += gain_.col(n + i) * error[i];
-  for (Eigen::Index i = 0; i < n; ++i) sum += gain_.col(2 * n + i) * state_.integral[i];
-  const JointVector servo = -sum.head(n);
+  Eigen::Matrix<double, 1, kRow> state = Eigen::Matrix<double, 1, kRow>::Zero();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    state[i] = k.rates[i];
+    state[n + i] = error[i];
+    state[2 * n + i] = state_.integral[i];
+  }
+  JointVector servo(n);
+  for (Eigen::Index i = 0; i < n; ++i) servo[i] = -gain_.row(i).dot(state);
   const double normalForce = state_.normal.dot(wrenchOf(k, servo).head<3>());
   if (options_.release && normalForce < -options_.releaseForce) {
     state_ = State{};

@@ -16,6 +16,7 @@ constexpr double kLargestRate = 1e3;       // rad/s
 constexpr double kLargestPosition = 10.0;  // m
 constexpr double kLargestSpeed = 100.0;    // m/s
 constexpr double kLargestGap = 100.0;      // m
+constexpr double kLargestTorque = 1e6;     // N m or N
 
 // False for NaN as well.
 template <typename Vector>
@@ -66,7 +67,9 @@ bool isPlausible(const TickInput& in) noexcept {
   bool plausible = std::isfinite(in.time) && isRotation(k.pose.rotation) && within(k.q, kLargestAngle) &&
                    within(k.rates, kLargestRate) && within(k.pose.position, kLargestPosition) &&
                    within(k.twist.head<3>(), kLargestSpeed) && within(k.twist.tail<3>(), kLargestRate) &&
-                   (in.maxTorque.array() >= 0.0).all();
+                   within(k.gravity, kLargestTorque) && within(in.applied, kLargestTorque) &&
+                   within(in.maxTorque, kLargestTorque) && (in.maxTorque.array() >= 0.0).all() &&
+                   allFinite(k.jacobian) && allFinite(k.inverseTransposed) && allFinite(k.inertia);
   for (int i = 0; i < in.contacts.count; ++i) {
     const Contact& c = in.contacts.contacts[i];
     plausible = plausible && std::abs(c.gap) <= kLargestGap && within(c.point, kLargestPosition) &&
@@ -98,8 +101,7 @@ const char* toString(RenderMode mode) noexcept {
 
 Status checkInput(const TickInput& input, double lastTime) noexcept {
   if (input.contacts.count < 0 || input.contacts.count > kMaxContacts || !sizesAgree(input)) return Status::outOfRange;
-  if (!isFinite(input)) return Status::notFinite;
-  if (!isPlausible(input)) return Status::outOfRange;
+  if (!isPlausible(input)) return isFinite(input) ? Status::outOfRange : Status::notFinite;
   return input.time > lastTime ? Status::ok : Status::stale;
 }
 

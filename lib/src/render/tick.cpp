@@ -5,8 +5,8 @@ namespace enamel {
 HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer,
                        double period, const Pose& start)
     : mechanism_(mechanism), scene_(scene), tool_(tool), renderer_(renderer), cache_(makeToolCache(scene, tool)) {
-  input_.kinematics = mechanism.home();
-  input_.kinematics.pose = start;
+  if (mechanism.reach(start, Vec6::Zero(), false, input_.kinematics) != Status::ok)
+    input_.kinematics = mechanism.home();
   input_.maxTorque = mechanism.limits().torque;
   input_.applied.setZero(mechanism.joints());
   output_.torque.setZero(mechanism.joints());

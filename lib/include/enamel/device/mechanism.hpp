@@ -71,8 +71,8 @@ class Mechanism {
   /// At rest at the home pose (P = W), with inertia.
   const Kinematics& home() const noexcept { return home_; }
 
-  /// Forward kinematics: everything from joint coordinates and rates. `kinematics.pose` is where the search begins: the
-  /// previous tick's answer, or home().pose.
+  /// Forward kinematics: everything from joint coordinates and rates. The search begins at what `kinematics` holds: the
+  /// previous tick's answer, or home().
   /// Statuses: notFinite; outOfRange (not joints() numbers); unreachable, singular, notConverged; `kinematics` is then
   /// unchanged. Realtime: yes.
   [[nodiscard]] virtual Status track(const JointVector& q, const JointVector& rates, bool withInertia,

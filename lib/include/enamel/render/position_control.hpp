@@ -58,8 +58,9 @@ class PositionControlRenderer final : public Renderer {
   void updatePhase(const TickInput& input) noexcept;
   void hold(const TickInput& input) noexcept;
 
-  // Rows beyond n are zero: columns of fixed size need no loop in the tick.
-  Eigen::Matrix<double, kMaxJoints + 1, 3 * kMaxJoints> gain_;
+  // A joint's gains in a row, zeros beyond 3n: products of fixed size are the fastest.
+  static constexpr int kRow = 3 * kMaxJoints + 3;  // a multiple of 8
+  Eigen::Matrix<double, kMaxJoints, kRow, Eigen::RowMajor> gain_;
   Eigen::Index joints_;
   double period_;
   PositionControlOptions options_;

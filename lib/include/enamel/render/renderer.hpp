@@ -94,9 +94,9 @@ class Renderer {
 };
 
 /// Checks what every renderer checks first: joint vectors of one size; finite numbers, sizes that a device can have
-/// (joints to 1000 rad or m, rates to 1000 a second, positions to 10 m, speeds to 100 m/s, gaps to 100 m); a rotation
-/// matrix; unit normals (to 1e-6); a count within capacity; a time later than `lastTime`. Returns ok, notFinite,
-/// outOfRange or stale. Realtime: yes.
+/// (joints to 1000 rad or m, rates to 1000 a second, positions to 10 m, speeds to 100 m/s, gaps to 100 m, torques to
+/// 1e6 N m); a rotation matrix; unit normals (to 1e-6); a count within capacity; a time later than `lastTime`. Returns
+/// ok, notFinite, outOfRange or stale. Realtime: yes.
 [[nodiscard]] Status checkInput(const TickInput& input, double lastTime) noexcept;
 
 /// Cuts every torque at +-maxTorque; true if one was cut. Realtime: yes.

@@ -14,8 +14,8 @@ inline constexpr double kContactMargin = 1e-3;
 /// mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks, none may be added.
 class HapticTick {
  public:
-  /// Activates the renderer for ticks of `period` s. `start`: about where the platform is at the first tick. Throws
-  /// Error: as Renderer::activate(). Realtime: no.
+  /// Activates the renderer for ticks of `period` s. `start`: about where the platform is at the first tick (home where
+  /// it cannot be reached). Throws Error: as Renderer::activate(). Realtime: no.
   HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer, double period,
              const Pose& start = Pose{});
 

@@ -441,52 +441,58 @@ Vec6 wrenchFromTorques(const TauModel& model, const TauConfiguration& configurat
 namespace {
 
 // The map from rates to the twist, prepared once a configuration: tips' velocities with free elevations, then the
-// elevations' rates from the loop equations, then the rigid motion of the three tips. It takes the rates of the yaw and of
-// the lift joint of a chain at once: a Pair holds a number for each.
+// elevations' rates from the loop equations, then the rigid motion of the three tips. It takes the rates of the yaw and
+// of the lift joint of a chain at once: a Pair holds a number for each.
 class TwistMap {
  public:
   using Pair = Eigen::Array<double, 2, 1>;
 
   TwistMap(const TauModel& model, const TauConfiguration& configuration) noexcept
-      : slopes_(slopesOf(model, configuration)),
-        sides_(sidesOf(configuration)),
-        arm0_(configuration.chain[0].arm) {
+      : slopes_(slopesOf(model, configuration)), sides_(sidesOf(configuration)), arm0_(configuration.chain[0].arm) {
     const LoopMatrix matrix = loopMatrix(sides_, slopes_);
     const double determinant = matrix.determinant(), inverse = determinant != 0.0 ? -1.0 / determinant : 0.0;
-    for (int k = 0; k < 3; ++k) rates_.col(k) = inverse * matrix.solveScaled(Vec3::Unit(k));
+    rates_ = inverse * matrix.adjugate();
     d1_ = -sides_[0];
     d2_ = sides_[2];
     normal_ = d1_.cross(d2_);
     const double scale = 1.0 / normal_.squaredNorm();
-    n_ = scale * normal_;                                     // n / |n|^2
-    inPlane_ = n_.cross(d1_) * (1.0 / d1_.squaredNorm());     // (n x d1) / (|n|^2 |d1|^2)
+    n_ = scale * normal_;                                  // n / |n|^2
+    inPlane_ = n_.cross(d1_) * (1.0 / d1_.squaredNorm());  // (n x d1) / (|n|^2 |d1|^2)
     for (int i = 0; i < 3; ++i) slopeAlongN_[i] = n_.dot(slopes_[i]);
     slopeInPlane_ = Vec3(inPlane_.dot(slopes_[0]), inPlane_.dot(slopes_[1]), 0.0);
   }
 
-  /// Twists, column by column, when tip i moves with either velocity at fixed elevations.
+  /// Sets the columns of chain i: the twists when its tip moves with either velocity at fixed elevations, the other
+  /// tips only as their elevations follow.
   template <int i>
-  void twists(const Vec3& first, const Vec3& second, Mat6& jacobian) const noexcept {
-    const auto along = [&](const Vec3& v) { return Pair(v.dot(first), v.dot(second)); };
+  void setColumns(const Vec3& first, const Vec3& second, Mat6& jacobian) const noexcept {
+    const Pair x(first.x(), second.x()), y(first.y(), second.y()), z(first.z(), second.z());
+    const auto along = [&](const Vec3& v) -> Pair { return v.x() * x + v.y() * y + v.z() * z; };
     constexpr int before = (i + 2) % 3;
-    const Pair drift = along(sides_[i]), driftBefore = -along(sides_[before]);
+    const Pair drift = along(sides_[i]), driftBefore = along(sides_[before]);
     Pair rate[3];  // of the elevations
-    for (int j = 0; j < 3; ++j) rate[j] = rates_(j, i) * drift + rates_(j, before) * driftBefore;
-    // e1 and e2, the tips' velocities beyond that of tip 0, along n and in the plane.
-    const Pair own = along(n_);
+    for (int j = 0; j < 3; ++j) rate[j] = rates_(j, i) * drift - rates_(j, before) * driftBefore;
+    // With e1 and e2, the velocities of tips 1 and 2 beyond that of tip 0: w x d1 = e1 and w x d2 = e2, solved along
+    // d1, d2 and their normal N: w = (n.e2) d1 - (n.e1) d2 + ((n x d1).e1 / |d1|^2) N, n = N / |N|^2.
     Pair n1 = slopeAlongN_[1] * rate[1] - slopeAlongN_[0] * rate[0];
     Pair n2 = slopeAlongN_[2] * rate[2] - slopeAlongN_[0] * rate[0];
     Pair p1 = slopeInPlane_[1] * rate[1] - slopeInPlane_[0] * rate[0];
+    const Pair own = along(n_);
     if (i == 0) n1 -= own, n2 -= own, p1 -= along(inPlane_);
     if (i == 1) n1 += own, p1 += along(inPlane_);
     if (i == 2) n2 += own;
-    for (int column = 0; column < 2; ++column) {
-      // w x d1 = e1, w x d2 = e2, solved along d1, d2 and their normal.
-      const Vec3 omega = n2[column] * d1_ - n1[column] * d2_ + p1[column] * normal_;
-      Vec3 v0 = rate[0][column] * slopes_[0];
-      if (i == 0) v0 += column == 0 ? first : second;
-      jacobian.col(2 * i + column) << v0 - omega.cross(arm0_), omega;
-    }
+    Pair w[3], v[3];
+    for (int k = 0; k < 3; ++k) w[k] = n2 * d1_[k] - n1 * d2_[k] + p1 * normal_[k];
+    for (int k = 0; k < 3; ++k) v[k] = rate[0] * slopes_[0][k];
+    if (i == 0) v[0] += x, v[1] += y, v[2] += z;
+    v[0] += w[2] * arm0_[1] - w[1] * arm0_[2];  // - w x arm
+    v[1] += w[0] * arm0_[2] - w[2] * arm0_[0];
+    v[2] += w[1] * arm0_[0] - w[0] * arm0_[1];
+    for (int column = 0; column < 2; ++column)
+      for (int k = 0; k < 3; ++k) {
+        jacobian(k, 2 * i + column) = v[k][column];
+        jacobian(3 + k, 2 * i + column) = w[k][column];
+      }
   }
 
  private:
@@ -512,9 +518,9 @@ Mat6 jacobian(const TauModel& model, const TauConfiguration& configuration) noex
   const TwistMap map(model, configuration);
   const auto& c = configuration.chain;
   Mat6 j;
-  map.twists<0>(tipPerYaw(c[0]), tipPerLift(model.chain[0], c[0]), j);
-  map.twists<1>(tipPerYaw(c[1]), tipPerLift(model.chain[1], c[1]), j);
-  map.twists<2>(tipPerYaw(c[2]), tipPerLift(model.chain[2], c[2]), j);
+  map.setColumns<0>(tipPerYaw(c[0]), tipPerLift(model.chain[0], c[0]), j);
+  map.setColumns<1>(tipPerYaw(c[1]), tipPerLift(model.chain[1], c[1]), j);
+  map.setColumns<2>(tipPerYaw(c[2]), tipPerLift(model.chain[2], c[2]), j);
   return j;
 }
 

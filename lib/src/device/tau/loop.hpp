@@ -15,6 +15,15 @@ struct LoopMatrix {
 
   double determinant() const noexcept { return own[0] * own[1] * own[2] + next[0] * next[1] * next[2]; }
 
+  /// Inverse times the determinant.
+  Mat3 adjugate() const noexcept {
+    Mat3 m;
+    m << own[1] * own[2], -next[0] * own[2], next[0] * next[1],  //
+        next[1] * next[2], own[2] * own[0], -next[1] * own[0],   //
+        -next[2] * own[1], next[2] * next[0], own[0] * own[1];
+    return m;
+  }
+
   /// Solution of the system times the determinant (Cramer's rule).
   Vec3 solveScaled(const Vec3& r) const noexcept {
     return {(r[0] * own[1] - next[0] * r[1]) * own[2] + next[0] * next[1] * r[2],

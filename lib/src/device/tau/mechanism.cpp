@@ -33,11 +33,15 @@ TauMechanism::TauMechanism(const TauParameters& parameters)
 
 Status TauMechanism::track(const JointVector& q, const JointVector& rates, bool withInertia,
                            Kinematics& kinematics) const noexcept {
-  if (q.size() != 6 || rates.size() != 6) return Status::outOfRange;
+  if (q.size() != 6 || rates.size() != 6 || kinematics.q.size() != 6) return Status::outOfRange;
   if (!rates.allFinite()) return Status::notFinite;
   TauConfiguration configuration;
-  for (int i = 0; i < 3; ++i)  // all that the search reads of its start
-    configuration.chain[i].tip = kinematics.pose.position + kinematics.pose.rotation * model_.chain[i].platform;
+  // The search reads the tips only: where they were, moved on by the joints' way since, to first order.
+  const Vec6 moved = twistOf(kinematics.jacobian, q - kinematics.q);
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 arm = kinematics.pose.rotation * model_.chain[i].platform;
+    configuration.chain[i].tip = kinematics.pose.position + arm + moved.head<3>() + moved.tail<3>().cross(arm);
+  }
   const Status status = forwardKinematics(model_, q, configuration).status;
   if (status != Status::ok) return status;
   kinematics.q = q;
