@@ -37,10 +37,10 @@ function(enamel_reuse_headers target name)
   endif()
 endfunction()
 
-# enamel_add_module(<name> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>]): one static library a
-# module of lib/, target enamel::<name>, installed and exported.
+# enamel_add_module(<name> COMPONENT <component> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>]): one static library
+# a module of lib/, target enamel::<name>, installed and exported with its component of the package.
 function(enamel_add_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;PRIVATE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "COMPONENT" "SOURCES;PUBLIC;PRIVATE")
   set(target enamel_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(enamel::${name} ALIAS ${target})
@@ -51,5 +51,5 @@ function(enamel_add_module name)
   target_compile_features(${target} PUBLIC cxx_std_17)
   enamel_reuse_headers(${target} enamel_lib_headers)
   target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE $<BUILD_INTERFACE:enamel_compile_options> ${arg_PRIVATE})
-  install(TARGETS ${target} EXPORT EnamelTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS ${target} EXPORT Enamel-${arg_COMPONENT} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endfunction()
