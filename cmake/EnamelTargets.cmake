@@ -19,7 +19,7 @@ option(ENAMEL_PRECOMPILED_HEADERS "Parse Eigen once for each kind of target inst
 # enamel_own_headers(<name> <header>...): a target that parses the headers once; give it the includes and definitions of
 # those that reuse them. enamel_reuse_headers(<target> <name>): a target that starts from them. Only headers of bare
 # templates pay: what a header instantiates itself (nlohmann-json, CLI11) is compiled again in every file. A build
-# without precompiled headers, file by file (not as the ci preset, which joins them), checks that every file includes what
+# without precompiled headers, file by file (the dev preset; the others join them), checks that every file includes what
 # it uses.
 function(enamel_own_headers name)
   file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp CONTENT "")
