@@ -22,13 +22,9 @@ TEST_CASE("speed against error of a tick and of a push", "[timing]") {
     CHECK(row.error < 1e-9);
     CHECK_FALSE(row.p99_us < row.median_us);
   }
-  // A whole contains its parts, and the clock's own cost is none of a tick's.
-  for (const std::string renderer : {"position-control", "impedance"}) {
-    const double whole = medianOf("whole tick, " + renderer);
-    CHECK(whole > medianOf("its track"));
-    CHECK(whole > medianOf("its renderer, " + renderer));
-    CHECK(whole > medianOf("nothing (the clock's own cost)"));
-  }
+  // Every tick costs more than looking at the clock: less would be a tick that the compiler has dropped.
+  for (const std::string renderer : {"position-control", "impedance"})
+    CHECK(medianOf("whole tick, " + renderer) > medianOf("nothing (the clock's own cost)"));
 }
 
 }  // namespace enamel::test_tick
