@@ -27,12 +27,6 @@ TurnCoefficients turnCoefficients(double t) noexcept {
 
 double lengthOf(const Vec3& v) noexcept { return std::sqrt(v.dot(v)); }
 
-Mat3 rotationOf(const Vec3& turn) noexcept {
-  const TurnCoefficients k = turnCoefficients(lengthOf(turn));
-  const Mat3 cross = crossMatrix(turn);
-  return Mat3::Identity() + k.sine * cross + k.cosine * cross.lazyProduct(cross);
-}
-
 // E(v), and its inverse.
 Mat3 leftJacobian(const Vec3& turn) noexcept {
   const TurnCoefficients k = turnCoefficients(lengthOf(turn));
@@ -125,7 +119,7 @@ Status CartesianMechanism::track(const JointVector& q, const JointVector& rates,
   kinematics.q = q;
   kinematics.rates = rates;
   kinematics.pose.position = position;
-  kinematics.pose.rotation = rotationOf(turn);
+  kinematics.pose.rotation = rotationFromVector(turn);
   evaluate(turn, withInertia, kinematics);
   kinematics.twist = twistOf(kinematics.jacobian, rates);
   return Status::ok;

@@ -2,16 +2,13 @@
 
 #include <cmath>
 
+#include "device/limits.hpp"
 #include "device/translation.hpp"
 #include "enamel/device/delta/dynamics.hpp"
 #include "enamel/device/delta/kinematics.hpp"
 
 namespace enamel {
 namespace {
-
-JointLimits deltaLimits(const MotorParameters& motor) {
-  return {JointVector::Constant(3, motor.maxTorque), JointVector::Constant(3, 2.0 * M_PI / motor.encoderCounts)};
-}
 
 // Everything but q, rates and twist.
 void evaluate(const DeltaModel& model, const DeltaConfiguration& configuration, bool withInertia,
@@ -36,7 +33,7 @@ void evaluate(const DeltaModel& model, const DeltaConfiguration& configuration, 
 }  // namespace
 
 DeltaMechanism::DeltaMechanism(const DeltaParameters& parameters)
-    : Mechanism(parameters.name, deltaLimits(parameters.motor)),
+    : Mechanism(parameters.name, limitsOf(parameters.motor, 3)),
       model_(makeModel(parameters)),
       geometry_(parameters.geometry),
       spacing_(parameters.bar.spacing) {

@@ -1,14 +1,11 @@
 #include "enamel/device/tau/mechanism.hpp"
 
+#include "device/limits.hpp"
 #include "enamel/device/tau/dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"
 
 namespace enamel {
 namespace {
-
-JointLimits limitsOf(const MotorParameters& motor) {
-  return {JointVector::Constant(6, motor.maxTorque), JointVector::Constant(6, 2.0 * M_PI / motor.encoderCounts)};
-}
 
 // Everything but q and rates.
 void evaluate(const TauModel& model, const TauConfiguration& configuration, bool withInertia,
@@ -27,7 +24,7 @@ void evaluate(const TauModel& model, const TauConfiguration& configuration, bool
 }  // namespace
 
 TauMechanism::TauMechanism(const TauParameters& parameters)
-    : Mechanism(parameters.name, limitsOf(parameters.motor)), model_(makeModel(parameters)) {
+    : Mechanism(parameters.name, limitsOf(parameters.motor, 6)), model_(makeModel(parameters)) {
   setHome();
 }
 
