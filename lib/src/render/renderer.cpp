@@ -26,31 +26,20 @@ bool within(const Vector& v, double limit) noexcept {
 
 // r r^T = 1 to 1e-6, right-handed.
 bool isRotation(const Mat3& r) noexcept {
-  const Vec3 x = r.row(0), y = r.row(1), z = r.row(2);
-  const auto isUnit = [](const Vec3& v) { return std::abs(v.squaredNorm() - 1.0) <= 1e-6; };
-  const auto areAcross = [](const Vec3& a, const Vec3& b) { return std::abs(a.dot(b)) <= 1e-6; };
-  return isUnit(x) && isUnit(y) && isUnit(z) && areAcross(x, y) && areAcross(y, z) && areAcross(z, x) &&
-         x.cross(y).dot(z) > 0.0;
+  const auto isUnit = [&r](int i) { return std::abs(r.row(i).squaredNorm() - 1.0) <= 1e-6; };
+  const auto areAcross = [&r](int i, int j) { return std::abs(r.row(i).dot(r.row(j))) <= 1e-6; };
+  return isUnit(0) && isUnit(1) && isUnit(2) && areAcross(0, 1) && areAcross(1, 2) && areAcross(2, 0) &&
+         r.row(0).cross(r.row(1)).dot(r.row(2)) > 0.0;
 }
 
 bool isFinite(const Contact& c) noexcept {
   return c.point.allFinite() && c.normal.allFinite() && c.obstacleVelocity.allFinite() && std::isfinite(c.gap);
 }
 
-// Zero times each number is zero only where it is finite. Four sums at once: an addition waits for the one before.
+// A sum is finite only where each number is; that of finite numbers can overflow, and then each is looked at.
 template <typename Matrix>
 bool allFinite(const Matrix& m) noexcept {
-  const double* value = m.data();
-  Eigen::Index i = 0;
-  double a = 0.0, b = 0.0, c = 0.0, d = 0.0;
-  for (; i + 4 <= m.size(); i += 4) {
-    a += 0.0 * value[i];
-    b += 0.0 * value[i + 1];
-    c += 0.0 * value[i + 2];
-    d += 0.0 * value[i + 3];
-  }
-  for (; i < m.size(); ++i) a += 0.0 * value[i];
-  return a + b + c + d == 0.0;
+  return std::isfinite(m.sum()) || m.allFinite();
 }
 
 bool sizesAgree(const TickInput& in) noexcept {
