@@ -462,11 +462,11 @@ class TwistMap {
     slopeInPlane_ = Vec3(inPlane_.dot(slopes_[0]), inPlane_.dot(slopes_[1]), 0.0);
   }
 
-  /// Sets the columns of chain i: the twists when its tip moves with either velocity at fixed elevations, the other
-  /// tips only as their elevations follow.
+  /// Sets the columns of chain i: the twists when its tip moves with either velocity (that of the yaw has no y) at
+  /// fixed elevations, the other tips only as their elevations follow.
   template <int i>
-  void setColumns(const Vec3& first, const Vec3& second, Mat6& jacobian) const noexcept {
-    const Pair x(first.x(), second.x()), y(first.y(), second.y()), z(first.z(), second.z());
+  void setColumns(const Vec3& yaw, const Vec3& lift, Mat6& jacobian) const noexcept {
+    const Pair x(yaw.x(), lift.x()), y = Pair(0.0, 1.0) * lift.y(), z(yaw.z(), lift.z());
     const auto along = [&](const Vec3& v) -> Pair { return v.x() * x + v.y() * y + v.z() * z; };
     constexpr int before = (i + 2) % 3;
     const Pair drift = along(sides_[i]), driftBefore = along(sides_[before]);
