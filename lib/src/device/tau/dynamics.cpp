@@ -40,6 +40,9 @@ class ChainDynamics {
     return {inverseRadius_ * n[0], liftU_ * n[1] + link2U_ * n[2], liftY_ * n[1] + link2Y_ * n[2]};
   }
 
+  /// The same of a force on w alone.
+  Vec3 link2Force(double n) const noexcept { return {0.0, link2U_ * n, link2Y_ * n}; }
+
   /// Inertia seen at the tip, axes (t, u, y).
   Mat3 tipInertia() const noexcept {
     const double cb = c_.cosLift, sb = c_.sinLift, cw = c_.cosLink2, sw = c_.sinLink2;
@@ -159,9 +162,13 @@ void mirror(Mat6& m) noexcept {
     for (int j = i + 1; j < 6; ++j) m(i, j) = m(j, i);
 }
 
+// Number by number: a load of two waits for the stores of each.
 void addWrench(const Vec3& force, const Vec3& arm, Vec6& wrench) noexcept {
-  wrench.head<3>() += force;
-  wrench.tail<3>() += arm.cross(force);
+  const Vec3 moment = arm.cross(force);
+  for (int k = 0; k < 3; ++k) {
+    wrench[k] += force[k];
+    wrench[3 + k] += moment[k];
+  }
 }
 
 // Wrench at the TCP that balances gravity and the velocity terms, plus Lambda where asked for.
@@ -258,23 +265,28 @@ Mat6 massMatrix(const TauModel& model, const TauConfiguration& configuration) no
   return massMatrix(model, configuration, jacobian(model, configuration));
 }
 
-Vec6 gravityTorque(const TauModel& model, const TauConfiguration& configuration) noexcept {
-  return staticTorque(model, configuration, Vec6::Zero());
-}
-
-Vec6 gravityWrench(const TauModel& model, const TauConfiguration& configuration) noexcept {
+// The forces on a and b are torques of joints already; what acts on w goes by way of the tip.
+Vec6 gravityTorque(const TauModel& model, const TauConfiguration& configuration, const Mat6& jacobian) noexcept {
   const Vec3 moment = configuration.pose.rotation * model.platformMoment;
-  Vec6 wrench;
+  Vec6 torque, wrench;
   wrench << -model.platformMass * model.gravity, -moment.cross(model.gravity);
   for (int i = 0; i < 3; ++i) {
     const ChainDynamics chain(model, model.chain[i], configuration.chain[i]);
-    addWrench(chain.toWorld(chain.tipForce(chain.gravity())), configuration.chain[i].arm, wrench);
+    const Vec3 force = chain.gravity();
+    torque[2 * i] = force[0];
+    torque[2 * i + 1] = force[1];
+    addWrench(chain.toWorld(chain.link2Force(force[2])), configuration.chain[i].arm, wrench);
   }
-  return wrench;
+  return torque + jacobian.transpose() * wrench;
+}
+
+Vec6 gravityTorque(const TauModel& model, const TauConfiguration& configuration) noexcept {
+  return gravityTorque(model, configuration, jacobian(model, configuration));
 }
 
 Vec6 staticTorque(const TauModel& model, const TauConfiguration& configuration, const Vec6& wrench) noexcept {
-  return jacobian(model, configuration).transpose() * (gravityWrench(model, configuration) + wrench);
+  const Mat6 jacobian = enamel::jacobian(model, configuration);
+  return gravityTorque(model, configuration, jacobian) + jacobian.transpose() * wrench;
 }
 
 Vec6 biasTorque(const TauModel& model, const TauConfiguration& configuration, const Vec6& twist) noexcept {

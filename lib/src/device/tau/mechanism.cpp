@@ -14,7 +14,7 @@ void evaluate(const TauModel& model, const TauConfiguration& configuration, bool
   kinematics.pose = configuration.pose;
   kinematics.jacobian = jacobian;
   kinematics.inverseTransposed = inverseJacobian(model, configuration).transpose();
-  kinematics.gravity = jacobian.transpose() * gravityWrench(model, configuration);
+  kinematics.gravity = gravityTorque(model, configuration, jacobian);
   if (withInertia)
     kinematics.inertia = massMatrix(model, configuration, jacobian);
   else
@@ -34,7 +34,7 @@ Status TauMechanism::track(const JointVector& q, const JointVector& rates, bool 
   if (!rates.allFinite()) return Status::notFinite;
   TauConfiguration configuration;
   // The search reads the tips only: where they were, moved on by the joints' way since, to first order.
-  const Vec6 moved = twistOf(kinematics.jacobian, q - kinematics.q);
+  const Vec6 moved = kinematics.jacobian.leftCols<6>() * Vec6(q - kinematics.q);
   for (int i = 0; i < 3; ++i) {
     const Vec3 arm = kinematics.pose.rotation * model_.chain[i].platform;
     configuration.chain[i].tip = kinematics.pose.position + arm + moved.head<3>() + moved.tail<3>().cross(arm);
@@ -44,7 +44,7 @@ Status TauMechanism::track(const JointVector& q, const JointVector& rates, bool 
   kinematics.q = q;
   kinematics.rates = rates;
   evaluate(model_, configuration, withInertia, kinematics);
-  kinematics.twist = twistOf(kinematics.jacobian, rates);
+  kinematics.twist = kinematics.jacobian.leftCols<6>() * Vec6(rates);
   return Status::ok;
 }
 

@@ -21,10 +21,8 @@ Mat6 taskInertia(const TauModel& model, const TauConfiguration& configuration) n
 Mat6 massMatrix(const TauModel& model, const TauConfiguration& configuration, const Mat6& jacobian) noexcept;
 Mat6 massMatrix(const TauModel& model, const TauConfiguration& configuration) noexcept;
 
-/// Wrench on the platform at the TCP that balances gravity at rest, N, N m. Realtime: yes.
-Vec6 gravityWrench(const TauModel& model, const TauConfiguration& configuration) noexcept;
-
-/// Joint torque that balances gravity at rest, N m. Realtime: yes.
+/// Joint torque that balances gravity at rest, N m; `jacobian` is that of the configuration. Realtime: yes.
+Vec6 gravityTorque(const TauModel& model, const TauConfiguration& configuration, const Mat6& jacobian) noexcept;
 Vec6 gravityTorque(const TauModel& model, const TauConfiguration& configuration) noexcept;
 
 /// Joint torque that balances gravity and puts the wrench F on the platform at rest, N m: g(q) + J^T F. Realtime: yes.
