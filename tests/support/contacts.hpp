@@ -65,7 +65,7 @@ inline double identityError(const Scene& scene, const Tool& tool, const Pose& po
 /// To the bit.
 inline bool areEqual(const Contact& a, const Contact& b) {
   return a.gap == b.gap && a.point == b.point && a.normal == b.normal && a.obstacleVelocity == b.obstacleVelocity &&
-         a.obstacle == b.obstacle && a.material == b.material && a.part == b.part && a.triangle == b.triangle &&
+         a.obstacle == b.obstacle && a.material.stiffness == b.material.stiffness && a.material.friction == b.material.friction && a.part == b.part && a.triangle == b.triangle &&
          a.feature == b.feature && a.featureIndex == b.featureIndex;
 }
 

@@ -81,8 +81,9 @@ TEST_CASE("a box of triangles touches like a box", "[unit]") {
   Pose pose;
   pose.position = {0.1, 0.2, 0.3};
   pose.rotation = test::rotationAbout(Vec3(1, 2, 3).normalized(), 0.7);
-  analytic.add({"box", Box{half}, pose, Vec6::Zero(), 3});
-  mesh.add({"box", model(test::boxMesh(half)), pose, Vec6::Zero(), 3});
+  analytic.add({"box", Box{half}, pose, Vec6::Zero(), rubber});
+  const Material rubber{3000.0, 0.8, 0.6, 0.1};
+  mesh.add({"box", model(test::boxMesh(half)), pose, Vec6::Zero(), rubber});
   int seen = 0;
   for (int i = 0; i < 3000; ++i) {
     const Tool tool = sphereTool(0.005, random.vector(0.01));
@@ -95,7 +96,8 @@ TEST_CASE("a box of triangles touches like a box", "[unit]") {
     CHECK(std::abs(a.contacts[0].gap - b.contacts[0].gap) < 1e-14);
     CHECK((a.contacts[0].normal - b.contacts[0].normal).norm() < 1e-6);
     CHECK((centre - 0.005 * b.contacts[0].normal - b.contacts[0].point).norm() < 1e-14);
-    CHECK(b.contacts[0].material == 3);
+    CHECK(b.contacts[0].material.stiffness == rubber.stiffness);
+    CHECK(b.contacts[0].material.friction == rubber.friction);
   }
   CHECK(seen > 200);
 }

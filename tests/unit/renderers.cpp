@@ -243,7 +243,7 @@ TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the sta
     refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.q.conservativeResize(5); });
     refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.q.resize(0); });
     refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.jacobian.conservativeResize(6, 3); });
-    refuse(Status::outOfRange, [](TickInput& in) { in.applied.conservativeResize(0); });
+    refuse(Status::outOfRange, [](TickInput& in) { in.applied.conservativeResize(1); });
     renderer->deactivate();
     CHECK(renderer->step(good, output) == Status::inactive);
   }

@@ -27,7 +27,7 @@ const std::string kScene =
     "centre = [0.05, 0.0, 0.0]\n"
     "size = [0.02, 0.03, 0.04]\n"
     "euler_deg = [0.0, 90.0, 0.0]\n"
-    "material = 3\n";
+    "friction = 0.3\n";
 
 Contact nearestTo(const SceneFile& file, const Vec3& position) {
   return nearestContact(file.scene, file.tool, {position, Mat3::Identity()}, nullptr);
@@ -66,12 +66,12 @@ TEST_CASE("scene files: what is read", "[scene]") {
   const std::vector<Obstacle>& obstacles = file.scene.obstacles();
   REQUIRE(obstacles.size() == 2);
   CHECK(obstacles[0].pose.rotation.col(2) == Vec3::UnitZ());
-  CHECK(obstacles[0].material == 0);
+  CHECK(obstacles[0].material.friction == 0.0);
   CHECK(std::get<Box>(obstacles[1].shape).half == Vec3(0.01, 0.015, 0.02));
-  CHECK(obstacles[1].material == 3);
+  CHECK(obstacles[1].material.friction == 0.3);
   // Turned by 90 deg about y, the box is 20 mm high: 1 mm above it and 11 mm above the wall.
   CHECK(nearestTo(file, {0.05, 0.0, 0.011}).gap == Approx(0.001));
-  CHECK(nearestTo(file, {0.05, 0.0, 0.011}).material == 3);
+  CHECK(nearestTo(file, {0.05, 0.0, 0.011}).material.friction == 0.3);
 }
 
 TEST_CASE("scene files: spheres, capsules, meshes and tools stand where the file says", "[scene]") {
@@ -88,7 +88,8 @@ TEST_CASE("scene files: spheres, capsules, meshes and tools stand where the file
       "[[obstacle]]\nname = \"rod\"\nshape = \"capsule\"\nfrom = [-0.1, -0.02, 0.0]\nto = [-0.1, 0.02, 0.0]\n"
       "radius = 0.005\n"
       "[[obstacle]]\nname = \"tooth\"\nshape = \"mesh\"\nfile = \"corner.off\"\nunit = \"mm\"\nscale = 2\n"
-      "position = [0.0, 0.1, 0.001]\neuler_deg = [0.0, -90.0, 0.0]\nmaterial = 9\n");
+      "position = [0.0, 0.1, 0.001]\neuler_deg = [0.0, -90.0, 0.0]\nstiffness = 3000\nfriction = 0.4\nsliding_friction "
+      "= 0.3\nviscosity = 0.5\n");
   const SceneFile file = loadScene(folder / "scene.toml");
   REQUIRE(file.tool.count == 2);
   // The TCP is the lowest point of the ball: 3 mm above each surface.
@@ -98,7 +99,11 @@ TEST_CASE("scene files: spheres, capsules, meshes and tools stand where the file
   CHECK(nearestTo(file, {-0.1, 0.02, 0.008}).obstacle == 1);
   const Contact tooth = nearestTo(file, {-0.0005, 0.1005, 0.004});
   CHECK(tooth.gap == Approx(0.003));
-  CHECK(tooth.material == 9);
+  CHECK(tooth.material.stiffness == 3000.0);
+  CHECK(tooth.material.friction == 0.4);
+  CHECK(tooth.material.sliding == 0.3);
+  CHECK(tooth.material.viscosity == 0.5);
+
   CHECK((tooth.normal - Vec3::UnitZ()).norm() < 1e-7);  // single precision coordinates of the file
   CHECK((tooth.point - Vec3(-0.0005, 0.1005, 0.004)).norm() < 1e-9);
   // Beside the shaft: 1 mm of radius, from 4 mm above the TCP on.
@@ -129,8 +134,13 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
                  "scene.toml:12: obstacle[1].size[1]: is 0, must be in 1e-04 to 2 m");
   requireRefused("euler_deg = [0.0, 90.0, 0.0]", "euler_deg = [0.0, 900.0, 0.0]",
                  "scene.toml:13: obstacle[1].euler_deg[1]: is 900, must be in -360 to 360 deg");
-  requireRefused("material = 3", "material = -1", "scene.toml:14: obstacle[1].material: is -1, must be in 0 to 255");
-  requireRefused("material = 3", "material = 3\ncolour = 1", "scene.toml:15: obstacle[1].colour: is not a known key");
+  requireRefused("friction = 0.3", "friction = -1", "scene.toml:14: obstacle[1].friction: is -1, must be in 0 to 10");
+  requireRefused("friction = 0.3", "friction = 0.3\nsliding_friction = 0.4",
+                 "scene.toml:15: obstacle[1].sliding_friction: is 0.4, must be in 0 to 0.3");
+  requireRefused("friction = 0.3", "stiffness = 0",
+                 "scene.toml:14: obstacle[1].stiffness: is 0, must be in 1 to 1e+09 N/m");
+  requireRefused("friction = 0.3", "friction = 0.3\ncolour = 1",
+                 "scene.toml:15: obstacle[1].colour: is not a known key");
   CHECK_THROWS_WITH(parseScene("name = \"a\"\nstart = [0, 0, 0]\nobstacle = []\n", "s.toml"),
                     "s.toml:3: obstacle: has 0 elements, must be 1 to 64");
   CHECK_THROWS_WITH(loadScene("/no/such/scene.toml"), "/no/such/scene.toml: cannot open the file");

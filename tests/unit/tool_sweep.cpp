@@ -55,18 +55,18 @@ TEST_CASE("a swept tool tells what of it touches what", "[unit]") {
 
 TEST_CASE("a swept tool stops at the first obstacle", "[unit]") {
   Scene scene;
-  scene.add({"far wall", HalfSpace{}, at({0, 0, -0.01}), Vec6::Zero(), 7});
-  scene.add({"plate", model(test::boxMesh({0.05, 0.05, 1e-6})), Pose(), Vec6::Zero(), 8});
+  scene.add({"far wall", HalfSpace{}, at({0, 0, -0.01}), Vec6::Zero(), {7.0}});
+  scene.add({"plate", model(test::boxMesh({0.05, 0.05, 1e-6})), Pose(), Vec6::Zero(), {8.0}});
   Tool tool = sphereTool(0.001);
   const ToolSweep hit = sweepTool(scene, tool, at({0, 0, 0.02}), at({0.001, 0, -0.02}), nullptr);
   REQUIRE(hit.hit);
-  CHECK(hit.contact.material == 8);
+  CHECK(hit.contact.material.stiffness == 8.0);
   CHECK(hit.time == Approx((0.02 - 0.001 - 1e-6) / 0.04).epsilon(1e-9));
   CHECK(hit.contact.normal.z() == Approx(1.0));
   CHECK_FALSE(sweepTool(scene, tool, at({0, 0, 0.02}), at({0.01, 0, 0.0011}), nullptr).hit);
   const ToolSweep wall = sweepTool(scene, tool, at({0.2, 0, 0.02}), at({0.2, 0, -0.02}), nullptr);
   REQUIRE(wall.hit);
-  CHECK(wall.contact.material == 7);
+  CHECK(wall.contact.material.stiffness == 7.0);
   CHECK(wall.time == Approx(0.029 / 0.04).epsilon(1e-12));
   // A shaft that turns into the wall: its far end touches.
   tool.parts[0] = {{0, 0, 0}, {0.02, 0, 0}, 0.0};

@@ -26,6 +26,12 @@ int Scene::add(Obstacle obstacle) {
     sized = positive(capsule->radius) && positive(capsule->halfLength);
   if (const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape)) sized = *mesh != nullptr;
   if (!sized) throw Error(name + ": the shape has a size that is not positive and finite, or no mesh");
+  const Material& m = obstacle.material;
+  if (!(m.stiffness > 0.0) || !(m.friction >= 0.0 && m.friction <= 10.0) ||
+      !(m.sliding >= 0.0 && m.sliding <= m.friction) || !(m.viscosity >= 0.0 && std::isfinite(m.viscosity)))
+    throw Error(name +
+                ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to that, "
+                "a finite viscosity of at least 0 N s/m");
   obstacles_.push_back(std::move(obstacle));
   return static_cast<int>(obstacles_.size()) - 1;
 }
@@ -45,7 +51,7 @@ Mat3 frameAlong(const Vec3& axis) noexcept {
 }
 
 Obstacle halfSpace(const std::string& name, const Vec3& point, const Vec3& normal) {
-  return {name, HalfSpace{}, {point, frameAlong(normal)}, Vec6::Zero(), 0};
+  return {name, HalfSpace{}, {point, frameAlong(normal)}, Vec6::Zero(), {}};
 }
 
 Scene flatWall(const Vec3& point, const Vec3& normal) {

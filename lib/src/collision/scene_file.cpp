@@ -106,6 +106,22 @@ Obstacle readMesh(TomlTable& table, const std::string& sceneFile) {
   return mesh;
 }
 
+// Every key for itself: the default is a rigid surface without friction.
+void readMaterial(TomlTable& table, Material& material) {
+  const auto read = [&table](const char* key, double low, double high, const std::string& unit, double& value) {
+    if (!table.has(key)) return;
+    value = table.number(key);
+    if (!(value >= low && value <= high))
+      table.fail(
+          key, "is " + formatNumber(value) + ", must be in " + formatNumber(low) + " to " + formatNumber(high) + unit);
+  };
+  read("stiffness", 1.0, 1e9, " N/m", material.stiffness);
+  read("friction", 0.0, 10.0, "", material.friction);
+  material.sliding = material.friction;
+  read("sliding_friction", 0.0, material.friction, "", material.sliding);
+  read("viscosity", 0.0, 1e3, " N s/m", material.viscosity);
+}
+
 Obstacle readObstacle(TomlTable& table, const std::string& sceneFile) {
   const std::string name = table.text("name");
   if (name.empty()) table.fail("name", "is empty");
@@ -124,12 +140,7 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile) {
   else
     table.fail("shape", "is \"" + shape + "\", must be \"half_space\", \"box\", \"sphere\", \"capsule\" or \"mesh\"");
   obstacle.name = name;
-  if (table.has("material")) {
-    const std::int64_t material = table.integer("material");
-    if (material < 0 || material > 255)
-      table.fail("material", "is " + std::to_string(material) + ", must be in 0 to 255");
-    obstacle.material = static_cast<int>(material);
-  }
+  readMaterial(table, obstacle.material);
   table.finish();
   return obstacle;
 }

@@ -42,13 +42,18 @@ const char* toString(FirstImpactVerdict verdict) noexcept {
 void ImpactWatch::rest(const ImpactTick& tick) noexcept {
   restDepth_ -= tick.gap;
   restForce_ += tick.force;
+  lowestAtRest_ = std::fmin(lowestAtRest_, tick.gap);
   ++restTicks_;
 }
 
 void ImpactWatch::push(const ImpactTick& tick) noexcept {
-  if (ticks_ == 0) rest_ = -(restDepth_ - tick.gap) / (restTicks_ + 1);
+  if (ticks_ == 0) {
+    rest_ = -(restDepth_ - tick.gap) / (restTicks_ + 1);
+    unrest_ = std::fmax(0.0, rest_ - std::fmin(lowestAtRest_, tick.gap));
+  }
   FirstImpact turn(rest_);
-  if (ticks_ > 0 && !over_ && turn.add(last_.gap, last_.rate, tick.gap, tick.rate, period_) && turn.depth() > depth_) {
+  if (ticks_ > 0 && !over_ && turn.add(last_.gap, last_.rate, tick.gap, tick.rate, period_) &&
+      turn.depth() > std::fmax(depth_, unrest_)) {
     depth_ = turn.depth();
     force_ = last_.force - preload();
     slipped_ = tick.drift > depth_;

@@ -37,12 +37,14 @@ inline void toPlain(const TickInput& in, EnamelTickInput& out) noexcept {
   toPlain(k.gravity, out.gravity);
   toPlain(in.maxTorque, out.max_torque);
   toPlain(in.applied, out.applied);
+  out.applied_known = in.applied.size() > 0 ? 1 : 0;
   std::copy_n(k.jacobian.data(), k.jacobian.size(), out.jacobian[0]);
   std::copy_n(k.inverseTransposed.data(), k.inverseTransposed.size(), out.inverse[0]);
   for (Eigen::Index i = 0; i < k.inertia.cols(); ++i)
     std::copy_n(k.inertia.col(i).data(), k.inertia.rows(), out.inertia[i]);
   out.joint_count = static_cast<int32_t>(k.q.size());
   out.contact_count = in.contacts.count;
+  out.reserved = 0;
   for (int i = 0; i < storedContacts(in.contacts.count); ++i) {
     const Contact& from = in.contacts.contacts[i];
     EnamelContact& to = out.contacts[i];
@@ -51,11 +53,15 @@ inline void toPlain(const TickInput& in, EnamelTickInput& out) noexcept {
     to.gap = from.gap;
     Eigen::Map<Vec3>(to.obstacle_velocity) = from.obstacleVelocity;
     to.obstacle = from.obstacle;
-    to.material = from.material;
+    to.stiffness = from.material.stiffness;
+    to.friction = from.material.friction;
+    to.sliding_friction = from.material.sliding;
+    to.viscosity = from.material.viscosity;
     to.part = from.part;
     to.triangle = from.triangle;
     to.feature = static_cast<int32_t>(from.feature);
     to.feature_index = from.featureIndex;
+    to.reserved = 0;
   }
 }
 
@@ -72,7 +78,7 @@ inline void fromPlain(const EnamelTickInput& in, bool withInertia, TickInput& ou
   k.twist = Eigen::Map<const Vec6>(in.twist);
   fromPlain(in.gravity, n, k.gravity);
   fromPlain(in.max_torque, n, out.maxTorque);
-  fromPlain(in.applied, n, out.applied);
+  fromPlain(in.applied, in.applied_known != 0 ? n : 0, out.applied);
   k.jacobian.resize(6, n);
   std::copy_n(in.jacobian[0], 6 * n, k.jacobian.data());
   k.inverseTransposed.resize(6, n);
@@ -89,7 +95,7 @@ inline void fromPlain(const EnamelTickInput& in, bool withInertia, TickInput& ou
     to.gap = from.gap;
     to.obstacleVelocity = Eigen::Map<const Vec3>(from.obstacle_velocity);
     to.obstacle = from.obstacle;
-    to.material = from.material;
+    to.material = {from.stiffness, from.friction, from.sliding_friction, from.viscosity};
     to.part = from.part;
     to.triangle = from.triangle;
     to.feature = static_cast<Feature>(std::clamp(from.feature, int32_t{ENAMEL_FACE}, int32_t{ENAMEL_VERTEX}));

@@ -27,19 +27,37 @@ ImpedanceRenderer::ImpedanceRenderer(const ImpedanceOptions& options) : options_
 }
 
 Status ImpedanceRenderer::render(const TickInput& input, TickOutput& output) noexcept {
+  const Kinematics& k = input.kinematics;
+  JointVector moved = JointVector::Zero(k.q.size());
+  for (Eigen::Index i = 0; i < k.q.size(); ++i) {
+    if (state_.started != 0.0) moved[i] = k.q[i] - state_.q[i];
+    state_.q[i] = k.q[i];
+  }
+  const Vec6 way = twistOf(k.jacobian, moved);
+  const double elapsed = state_.started != 0.0 ? input.time - state_.lastTime : 0.0;
+  state_.lastTime = input.time;
+  state_.started = 1.0;
+
   Vec6 wrench = Vec6::Zero();
+  state_.friction.begin();
   output.mode = RenderMode::free;
   for (int i = 0; i < input.contacts.count; ++i) {
     const Contact& contact = input.contacts.contacts[i];
     if (!(contact.gap < 0.0)) continue;
-    const double speed = contact.normal.dot(contactVelocity(input.kinematics, contact));
-    const double force = std::max(0.0, -options_.stiffness * contact.gap - options_.damping * speed);
-    wrench.head<3>() += force * contact.normal;
-    wrench.tail<3>() += force * (contact.point - input.kinematics.pose.position).cross(contact.normal);
+    const Vec3 arm = contact.point - k.pose.position, velocity = contactVelocity(k, contact);
+    const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // 1/0 = infinite: no force
+    const double force = std::max(0.0, -contact.gap / compliance - options_.damping * contact.normal.dot(velocity));
+    const Slide slide{way.head<3>() + way.tail<3>().cross(arm) - elapsed * contact.obstacleVelocity, Vec3::Zero(),
+                      velocity};
+    const Vec3 both =
+        force * contact.normal + state_.friction.force(contact, slide, {options_.stiffness, options_.damping}, force);
+    wrench.head<3>() += both;
+    wrench.tail<3>() += arm.cross(both);
     if (output.mode == RenderMode::free) output.normalForce = force;  // of the deepest
     output.mode = RenderMode::contact;
   }
-  output.torque = staticTorque(input.kinematics, wrench);
+  state_.friction.end();
+  output.torque = staticTorque(k, wrench);
   return Status::ok;
 }
 

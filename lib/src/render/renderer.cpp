@@ -17,6 +17,7 @@ constexpr double kLargestPosition = 10.0;  // m
 constexpr double kLargestSpeed = 100.0;    // m/s
 constexpr double kLargestGap = 100.0;      // m
 constexpr double kLargestTorque = 1e6;     // N m or N
+constexpr double kLargestViscosity = 1e3;  // N s/m
 
 // False for NaN as well.
 template <typename Vector>
@@ -47,7 +48,13 @@ bool sizesAgree(const TickInput& in) noexcept {
   const auto n = k.q.size();
   return n >= 1 && k.rates.size() == n && k.jacobian.cols() == n && k.inverseTransposed.cols() == n &&
          k.gravity.size() == n && (k.inertia.rows() == n || k.inertia.rows() == 0) &&
-         k.inertia.cols() == k.inertia.rows() && in.maxTorque.size() == n && in.applied.size() == n;
+         k.inertia.cols() == k.inertia.rows() && in.maxTorque.size() == n &&
+         (in.applied.size() == n || in.applied.size() == 0);
+}
+
+bool isMaterial(const Material& m) noexcept {
+  return m.stiffness > 0.0 && m.friction >= 0.0 && m.friction <= 10.0 && m.sliding >= 0.0 && m.sliding <= m.friction &&
+         m.viscosity >= 0.0 && m.viscosity <= kLargestViscosity;
 }
 
 // Everything has a limit, so that NaN and infinity pass none.
@@ -62,7 +69,8 @@ bool isPlausible(const TickInput& in) noexcept {
   for (int i = 0; i < in.contacts.count; ++i) {
     const Contact& c = in.contacts.contacts[i];
     plausible = plausible && std::abs(c.gap) <= kLargestGap && within(c.point, kLargestPosition) &&
-                within(c.obstacleVelocity, kLargestSpeed) && std::abs(c.normal.squaredNorm() - 1.0) <= 1e-6;
+                within(c.obstacleVelocity, kLargestSpeed) && std::abs(c.normal.squaredNorm() - 1.0) <= 1e-6 &&
+                isMaterial(c.material);
   }
   return plausible;
 }

@@ -8,7 +8,6 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
   if (mechanism.reach(start, Vec6::Zero(), false, input_.kinematics) != Status::ok)
     input_.kinematics = mechanism.home();
   input_.maxTorque = mechanism.limits().torque;
-  input_.applied.setZero(mechanism.joints());
   output_.torque.setZero(mechanism.joints());
   renderer.activate(period);
 }
@@ -26,12 +25,10 @@ Status HapticTick::operator()(const Measurement& measurement, Command& command) 
 }
 
 Status HapticTick::see(const Measurement& measurement) noexcept {
-  // What a device cannot tell is taken to be what it was asked for.
-  const JointVector& applied = measurement.applied.size() > 0 ? measurement.applied : output_.torque;
   const Status status = mechanism_.track(measurement.q, measurement.rates, renderer_.needsInertia(), input_.kinematics);
   if (status != Status::ok) return status;
   input_.time = measurement.time;
-  input_.applied = applied;
+  input_.applied = measurement.applied;
   return findContacts(scene_, tool_, input_.kinematics.pose, kContactMargin, &cache_, input_.contacts);
 }
 

@@ -78,6 +78,9 @@ void checkPush(const PushSetup& setup) {
   require(std::abs(p.normal.norm() - 1.0) <= 1e-6,
           "the normal of the push has the length " + formatNumber(p.normal.norm()) + ", must be 1");
   require(p.force >= 0.0 && p.force <= 1e3, "force is " + formatNumber(p.force) + ", must be in 0 to 1000 N");
+  require(p.preload >= 0.0 && p.preload <= 1e3, "preload is " + formatNumber(p.preload) + ", must be in 0 to 1000 N");
+  require(p.instant >= 0.0 && p.instant < 1.0,
+          "instant of the step is " + formatNumber(p.instant) + ", must be in 0 to below 1 tick");
   require(p.noise >= 0.0 && p.noise <= 1e3, "noise is " + formatNumber(p.noise) + ", must be in 0 to 1000 N");
   require(setup.duration >= 0.0 && setup.duration <= kLongestRun,
           "duration is " + formatNumber(setup.duration) + ", must be in 0 to 3600 s");
@@ -93,9 +96,19 @@ PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSet
   PushResult result{Status::ok, 0};
   TickRecord tick;
   for (std::uint64_t i = 0; i < times.end; ++i) {
-    person.hold(setup.person.scenario == 1 && i >= times.onset ? setup.person.force : 0.0,
-                i >= times.steady ? setup.person.noise * random.normal(RandomStream::Purpose::noise, i) : 0.0);
-    result.status = loop.tick(person, tick);
+    const bool pressed = setup.person.preload > 0.0 && setup.person.scenario == 1;
+    const double noise =
+        pressed || i >= times.steady ? setup.person.noise * random.normal(RandomStream::Purpose::noise, i) : 0.0;
+    const double before = pressed ? setup.person.preload : 0.0, after = setup.person.force;
+    const bool steps = setup.person.scenario == 1 && setup.person.instant > 0.0 && i == times.onset;
+    person.hold(setup.person.scenario == 1 ? (i >= times.onset && !steps ? after : before) : 0.0, noise);
+    if (steps) {
+      PersonLoad stepped = person;
+      stepped.hold(after, noise);
+      result.status = loop.tick(person, setup.person.instant * setup.period, stepped, tick);
+    } else {
+      result.status = loop.tick(person, tick);
+    }
     if (result.status != Status::ok) break;
     ++result.ticks;
     record(tick);

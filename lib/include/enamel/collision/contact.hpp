@@ -4,6 +4,7 @@
 #include <array>
 
 #include "enamel/collision/feature.hpp"
+#include "enamel/collision/material.hpp"
 #include "enamel/core/types.hpp"
 
 namespace enamel {
@@ -15,7 +16,7 @@ struct Contact {
   double gap = 0.0;                      ///< signed distance, m; negative inside the obstacle
   Vec3 obstacleVelocity = Vec3::Zero();  ///< of the obstacle's material at the point, m/s
   int obstacle = 0;                      ///< number of the obstacle in its scene
-  int material = 0;                      ///< number that the scene gave the obstacle
+  Material material;                     ///< of the obstacle
   int part = -1;                         ///< number of the tool's part; -1: no contact
   int triangle = -1;                     ///< of the obstacle's mesh; -1: it has none
   Feature feature = Feature::face;       ///< of the triangle or shape, that the obstacle's nearest point lies on

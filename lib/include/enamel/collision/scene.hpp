@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "enamel/collision/material.hpp"
 #include "enamel/collision/proximity.hpp"
 #include "enamel/collision/shapes.hpp"
 
@@ -19,7 +20,7 @@ struct Obstacle {
   Shape shape;
   Pose pose;                  ///< of the obstacle's frame in W
   Vec6 twist = Vec6::Zero();  ///< [v; w] of the obstacle's frame, at its origin, axes of W, m/s and rad/s
-  int material = 0;           ///< carried through to the contacts
+  Material material;          ///< carried through to the contacts
 };
 
 /// Obstacles by number. Add them before the ticks begin; in a tick only poses and twists change.

@@ -18,7 +18,8 @@ struct SceneFile {
 };
 
 /// Reads a scene file: `name`, `start` [m], optional `tool`, and a list `obstacle` of tables with `name`, `shape` and
-/// optional `material` (default 0). Lengths in m, angles in deg, R = Rz Ry Rx of `euler_deg` (default 0).
+/// optionally the material: `stiffness` [N/m] (default: rigid), `friction` (default 0), `sliding_friction` (default:
+/// `friction`), `viscosity` [N s/m] (default 0). Lengths in m, angles in deg, R = Rz Ry Rx of `euler_deg` (default 0).
 /// - tool: list of capsules in the platform's frame, `from`, optional `to` (default: a sphere), `radius`
 /// - shape = "half_space": `point`, `normal` (outward, of any length)
 /// - shape = "box": `centre`, `size`, optional `euler_deg`

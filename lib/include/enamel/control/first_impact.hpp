@@ -53,8 +53,8 @@ struct ImpactTick {
 
 /// Judges one step of force against a wall, tick by tick: D_z1 counts from the mean gap at rest before the step (the
 /// tick of the onset included), F_1 from the mean force then, K_z1 = F_1(t_z1) / D_z1. A tool that halts on its way in
-/// has not returned: t_z1 is the deepest turn before it has come back by a tenth of its depth, or 0.5 s have passed.
-/// Plain data.
+/// has not returned, nor has one that turns less deep than it was at rest: t_z1 is the deepest turn before it has come
+/// back by a tenth of its depth, or 0.5 s have passed. Plain data.
 class ImpactWatch {
  public:
   /// How long the rest should be watched before the step, s.
@@ -82,7 +82,8 @@ class ImpactWatch {
   double period_;
   double restDepth_ = 0.0, restForce_ = 0.0;  // sums
   int restTicks_ = 0;
-  double rest_ = 0.0;  // gap, m
+  double lowestAtRest_ = 1e9;         // gap, m
+  double rest_ = 0.0, unrest_ = 0.0;  // gap at rest and how far below it the rest went, m
   ImpactTick last_;
   double depth_ = 0.0, force_ = 0.0;  // at the deepest turn so far; 0: none
   bool slipped_ = false, over_ = false;

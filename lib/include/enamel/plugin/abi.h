@@ -68,12 +68,16 @@ typedef struct EnamelContact {
   double normal[3];            /* outward unit normal of the obstacle there, W */
   double gap;                  /* signed distance, m; negative inside the obstacle */
   double obstacle_velocity[3]; /* of the obstacle's material at the point, W, m/s */
+  double stiffness;            /* of the obstacle's surface along the normal, N/m; infinite: rigid */
+  double friction;             /* its largest tangential over normal force at rest */
+  double sliding_friction;     /* the same while it slides, at most `friction` */
+  double viscosity;            /* on the sliding speed, N s/m */
   int32_t obstacle;            /* number of the obstacle in the scene */
-  int32_t material;            /* number that the scene gave the obstacle */
   int32_t part;                /* number of the tool's part */
   int32_t triangle;            /* of the obstacle's mesh; -1: it has none */
   int32_t feature;             /* EnamelFeature: what the nearest point of the obstacle lies on */
   int32_t feature_index;       /* which edge or vertex of the triangle (0 to 2) or shape; -1: a face */
+  int32_t reserved;            /* 0 */
 } EnamelContact;
 
 /* What is known at a tick. Joints: the first joint_count entries; those beyond are undefined. */
@@ -86,7 +90,7 @@ typedef struct EnamelTickInput {
   double twist[6];                      /* of the TCP, W: v m/s, then w rad/s */
   double gravity[ENAMEL_MAX_JOINTS];    /* torque that balances gravity, N m or N */
   double max_torque[ENAMEL_MAX_JOINTS]; /* limit of every motor, N m or N */
-  double applied[ENAMEL_MAX_JOINTS];    /* torque that really acted since the last tick, N m or N */
+  double applied[ENAMEL_MAX_JOINTS];    /* torque that really acted since the last tick, N m or N; see applied_known */
   /* jacobian[i] is the twist of a unit rate of joint i: twist = sum_i jacobian[i] rates[i], and a wrench F at the TCP asks
    * for the torque tau_i = sum_k jacobian[i][k] F[k]. */
   double jacobian[ENAMEL_MAX_JOINTS][6];
@@ -96,6 +100,8 @@ typedef struct EnamelTickInput {
   double inertia[ENAMEL_MAX_JOINTS][ENAMEL_MAX_JOINTS]; /* M(q); undefined without ENAMEL_NEEDS_INERTIA */
   int32_t joint_count;   /* 1 to ENAMEL_MAX_JOINTS, the same at every tick */
   int32_t contact_count; /* 0 to ENAMEL_MAX_CONTACTS */
+  int32_t applied_known; /* 0: the device cannot tell, `applied` is undefined */
+  int32_t reserved;      /* 0 */
   EnamelContact contacts[ENAMEL_MAX_CONTACTS]; /* the deepest first; beyond contact_count: undefined */
 } EnamelTickInput;
 

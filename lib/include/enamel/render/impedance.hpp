@@ -1,6 +1,7 @@
 // The conventional wall: a spring and a damper along the contact's normal.
 #pragma once
 
+#include "enamel/render/friction.hpp"
 #include "enamel/render/renderer.hpp"
 
 namespace enamel {
@@ -16,9 +17,10 @@ struct ImpedanceOptions {
 /// `period` in s. Says nothing about delay. Realtime: yes.
 double requiredDamping(const ImpedanceOptions& options, double period) noexcept;
 
-/// tau = g(q) + J^T sum_k f_k [n_k; (p_k - p) x n_k], f_k = max(0, K_r depth_k + B_r approach speed_k) for every
-/// contact with a negative gap: the wall pushes and never pulls. On any mechanism. A wall that asks for more damping
-/// than the device has is rendered all the same: compare requiredDamping() and warn.
+/// tau = g(q) + J^T sum_k [f_k n_k + t_k; (p_k - p) x (f_k n_k + t_k)], f_k = max(0, K depth_k + B_r approach speed_k)
+/// for every contact with a negative gap: the wall pushes and never pulls. K is K_r in series with the obstacle's
+/// stiffness; t_k is the friction of FrictionMemory, stuck with K_r and B_r. On any mechanism. A wall that asks for
+/// more damping than the device has is rendered all the same: compare requiredDamping() and warn.
 class ImpedanceRenderer final : public Renderer {
  public:
   /// Throws Error: a stiffness or damping that is negative or not finite.
@@ -27,10 +29,17 @@ class ImpedanceRenderer final : public Renderer {
  private:
   void prepare(double) override {}
   Status render(const TickInput& input, TickOutput& output) noexcept override;
-  void resetState() noexcept override {}
-  StateBlock stateBlock() noexcept override { return {nullptr, 0}; }
+  void resetState() noexcept override { state_ = State{}; }
+  StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
+
+  struct State {
+    std::array<double, kMaxJoints> q{};  // at the last tick
+    double lastTime = 0.0, started = 0.0;
+    FrictionMemory friction;
+  };
 
   ImpedanceOptions options_;
+  State state_;
 };
 
 }  // namespace enamel

@@ -21,7 +21,7 @@ struct TickInput {
   Kinematics kinematics;     ///< measured; the inertia where the renderer asked for it
   ContactSnapshot contacts;  ///< at the pose; the deepest first
   JointVector maxTorque;     ///< limit of every motor, N m or N
-  JointVector applied;       ///< torque that really acted since the last tick, N m or N; zero at the first
+  JointVector applied;       ///< torque that really acted since the last tick, N m or N; empty: the device cannot tell
 };
 
 /// What a renderer is doing.

@@ -14,8 +14,12 @@ namespace enamel {
 /// (scenario 1) or 2 s (scenario 2).
 struct Person {
   int scenario = 1;
-  double force = 12.0;          ///< F_c, N
-  double noise = 0.5;           ///< standard deviation, N
+  double force = 12.0;  ///< F_c, N
+  double noise = 0.5;   ///< standard deviation, N
+  /// Pressed with this from the beginning until the push, with the noise, so that a wall that never pulls has the tool
+  /// at rest on it, N. Scenario 1.
+  double preload = 0.0;
+  double instant = 0.0;         ///< of scenario 1's step, as a share of the tick in which it comes, in [0, 1)
   Vec3 normal = Vec3::UnitZ();  ///< n, outward, unit length, in W
   /// Keeps the TCP across n (100 N/m, 3.6 N s/m) and its orientation (0.5 N m/rad, 0.014 N m s/rad) about the start
   /// pose, as a hand does; without it the five free directions drift.
@@ -43,7 +47,8 @@ struct PushResult {
   std::uint64_t ticks;  ///< that were run
 };
 
-/// Checks a setup. Throws Error: as checkLoop(); a scenario other than 1 and 2; a normal not of unit length to 1e-6; a
+/// Checks a setup. Throws Error: as checkLoop(); a preload outside 0 to 1000 N; an instant outside [0, 1); a scenario
+/// other than 1 and 2; a normal not of unit length to 1e-6; a
 /// force or noise outside 0 to 1000 N; a duration outside 0 to 1 h. Realtime: no.
 void checkPush(const PushSetup& setup);
 

@@ -101,13 +101,23 @@ class VirtualDevice final : public HapticDevice {
   /// Realtime: yes, if `load` is.
   template <typename Load>
   [[nodiscard]] Status advance(const Load& load) noexcept {
-    const double step = setup_.period / setup_.substeps;
-    for (int i = 0; i < setup_.substeps; ++i) {
-      const Status status = stepMotion(setup_.integrator, mechanism_, time() + i * step, step, torque_, load, state_);
-      if (status != Status::ok) return status;
-    }
-    ++tick_;
-    return Status::ok;
+    const Status status = move(0.0, setup_.period, load);
+    if (status == Status::ok) ++tick_;
+    return status;
+  }
+
+  /// As advance(), under `before` until `instant` (s after the tick's begin, in 0 to the period) and `after` from then
+  /// on: a load that jumps inside a tick. Realtime: yes, if both are.
+  template <typename Before, typename After>
+  [[nodiscard]] Status advance(const Before& before, double instant, const After& after) noexcept {
+    const DeviceState begin = state_;
+    Status status = move(0.0, instant, before);
+    if (status == Status::ok) status = move(instant, setup_.period, after);
+    if (status == Status::ok)
+      ++tick_;
+    else
+      state_ = begin;
+    return status;
   }
 
   /// Number and time (s) of the tick that comes next or is under way. Realtime: yes.
@@ -121,6 +131,18 @@ class VirtualDevice final : public HapticDevice {
   const JointVector& torque() const noexcept { return torque_; }
 
  private:
+  // From one instant of the tick to another, s after its begin.
+  template <typename Load>
+  Status move(double from, double to, const Load& load) noexcept {
+    const double step = (to - from) / setup_.substeps;
+    for (int i = 0; i < setup_.substeps; ++i) {
+      const Status status =
+          stepMotion(setup_.integrator, mechanism_, time() + from + i * step, step, torque_, load, state_);
+      if (status != Status::ok) return status;
+    }
+    return Status::ok;
+  }
+
   const Mechanism& mechanism_;
   VirtualDeviceSetup setup_;
   RandomStream random_;

@@ -58,6 +58,14 @@ class VirtualLoop {
     return device_.advance(load);
   }
 
+  /// The same under a load that jumps inside the tick, VirtualDevice::advance(). Realtime: yes, if both are.
+  template <typename Before, typename After>
+  [[nodiscard]] Status tick(const Before& before, double instant, const After& after, TickRecord& record) noexcept {
+    if (const Status status = react(record); status != Status::ok) return status;
+    record.person = before(record.time, record.pose, record.twist);
+    return device_.advance(before, instant, after);
+  }
+
   /// What the renderer saw at the last tick. Realtime: yes.
   const TickInput& input() const noexcept { return tick_.input(); }
 

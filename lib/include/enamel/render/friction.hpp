@@ -1,0 +1,59 @@
+// Coulomb friction with stick and slip at the contacts of a tool, for every renderer.
+//
+// A contact that sticks is held by a spring and a damper along the surface, f = -k e - b v: e is the way that the
+// tool's material has gone over the obstacle's since it took hold (Hayward and Armstrong 2000: elasto-plastic). Where f
+// would exceed mu_s times the normal force the contact slides: |f| = mu_k times it, and e is kept at what the spring
+// can carry, so that no energy is stored beyond (mu F_n)^2 / (2 k). A contact that ends forgets its e.
+#pragma once
+
+#include <array>
+
+#include "enamel/collision/contact.hpp"
+#include "enamel/device/mechanism.hpp"
+
+namespace enamel {
+
+/// Most contacts with friction at once.
+inline constexpr int kMaxFrictionPoints = kMaxContacts;
+
+/// What is remembered of one contact. Doubles only: part of a renderer's state.
+struct FrictionPoint {
+  double obstacle = -1.0, part = -1.0;  ///< whose; -1: none
+  std::array<double, 3> point{};        ///< where it was at the last tick, W, m
+  std::array<double, 3> stretch{};      ///< e, W, m
+  double slides = 0.0;                  ///< 0 or 1
+};
+
+/// How firmly a contact sticks.
+struct Grasp {
+  double stiffness;  ///< k, N/m
+  double damping;    ///< b, N s/m
+};
+
+/// Motion of the tool's material over the obstacle's at a contact, in W.
+struct Slide {
+  Vec3 way;       ///< since the last tick, m
+  Vec3 ahead;     ///< from now until the force acts, m
+  Vec3 velocity;  ///< when the force acts, m/s
+};
+
+/// The contacts of one tool from tick to tick.
+class FrictionMemory {
+ public:
+  /// Begins a tick.
+  void begin() noexcept;
+
+  /// Force on the tool along the surface at a contact with the normal force `normalForce` (N), W. Called once a tick
+  /// for each contact that carries force; finds the contact again by its obstacle, its tool part and its place.
+  /// Realtime: yes.
+  Vec3 force(const Contact& contact, const Slide& slide, const Grasp& grasp, double normalForce) noexcept;
+
+  /// Ends a tick: contacts that were not asked for are forgotten.
+  void end() noexcept { last_ = now_; }
+
+ private:
+  std::array<FrictionPoint, kMaxFrictionPoints> last_{}, now_{};
+  double count_ = 0.0;  // of now_; a double, so that a state has no padding
+};
+
+}  // namespace enamel

@@ -1,0 +1,143 @@
+// The wall as a position servo in contact space: it pushes and never pulls, lets the tool slide, and stands at the edge
+// of what physics allows. How it works, told at length: lib/docs/servo.md.
+//
+// Contact k has the unit normal n_k, the gap g_k and the row N_k = n_k^T J_k of the joint rates' effect on the gap.
+// With time in ticks, the joints' acceleration under torques tau is q'' = s M^-1 (tau - gravity) + a, where a is what a
+// person's push and everything unmodelled brings and s tells how far the model's inertia is off.
+//
+//  1. Observer. The state (q, q', a) of every joint is predicted under the torque that really acted and corrected by
+//     the innovation e, encoder minus prediction, with the gains of a Kalman filter for encoder counts, a trembling
+//     hand (white acceleration) and a wandering push.
+//  2. Jumps. A push that jumps shows as an innovation along M^-1 N_k^T, what a force at the contact does. Above a
+//     threshold the filter's covariance is raised by that of a jump somewhere in the last tick: near-deadbeat gains
+//     that decay by themselves. How old the jump is shows in the innovation before.
+//  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983), within
+//     kLowestScale to kHighestScale, while a contact carries force and no jump is under way.
+//  4. Prediction through the delay, under the commands that are under way.
+//  5. Law. Every contact is asked for the gap acceleration  w_k = min(-k1 g_k - k2 g_k', v_out - g_k'),  k1 = (1-z)^2,
+//     k2 = r (1-z)(3+z)/2, where v_out = outwardSpeed + sqrt(2 |N_k a| outwardDistance) is what the push turns back at
+//     once. The forces lambda >= 0 solve  N (s M^-1 N^T lambda + a) >= w,  with equality where lambda > 0, as a
+//     quadratic program with the motors' limits among its bounds: a cut never turns the force. Contacts that the next
+//     tick will still find 20 um outside have none. Dependent contacts share by a regularisation of 0.1 %; a surface of
+//     stiffness k_m gives way by lambda / k_m.
+//  6. Friction along the surface: FrictionMemory, stuck as firmly as the servo can.
+//
+// Proven: lambda >= 0, torques within limits, forces along N^T where a limit cuts. Stability, stiffness and chatter are
+// tested on the virtual devices, with inertias wrong by 30 % and every delay up to 3 ticks.
+#pragma once
+
+#include <array>
+
+#include "enamel/render/friction.hpp"
+#include "enamel/render/renderer.hpp"
+
+namespace enamel {
+
+/// Largest delay that can be stated, ticks; most contacts that carry force at once (the deepest).
+inline constexpr int kMaxServoDelay = 8;
+inline constexpr int kMaxServoContacts = 6;
+
+/// What the servo is told of the device, and what `enamel design --surface` chooses (here: for TAU without delay).
+struct SurfaceServoOptions {
+  double period = 1e-3;  ///< of the ticks, s
+  JointVector count;     ///< step of each joint's encoder, rad or m: as many as the device has joints
+
+  /// A command acts this many ticks late: constant, or anything between the two.
+  int delayLow = 0, delayHigh = 0;
+  int horizon = 0;  ///< how far the law looks ahead, ticks: the delay where it is constant
+
+  double pole = 0.392;            ///< z of the contact's loop, in [0, 1)
+  double damping = 0.98;          ///< r
+  double jumpPole = 0.205;        ///< z for the first `jumpTicks` ticks of a jump
+  double jumpTicks = 1.7;         ///< ticks
+  double outwardSpeed = 0.0094;   ///< m/s
+  double outwardDistance = 5e-5;  ///< m
+
+  double tremor = 0.5;         ///< of the hand, white, counts/tick^2
+  double wander = 0.23;        ///< of the push from tick to tick, counts/tick^2
+  double jumpThreshold = 4.1;  ///< innovation of a jump, counts
+  double jumpAge = 0.89;       ///< least age of a jump that is seen for the first time, ticks, in [0, 1)
+  double jumpSize = 9.5;       ///< counts/tick^2
+  double jumpShare = 0.1;      ///< of the innovation that the one before may have without making the jump older
+};
+
+/// One of the numbers that a design chooses.
+struct SurfaceServoParameter {
+  const char* name;  ///< as in a file
+  double SurfaceServoOptions::*value;
+  double low, high;  ///< what is accepted
+  const char* unit;
+};
+
+/// All of them. Realtime: yes.
+const std::array<SurfaceServoParameter, 12>& surfaceServoParameters() noexcept;
+
+/// Options that were found for TAU (data/servos), for any device: counts and ticks are the units that matter. With a
+/// delay beyond 3 ticks those for 3. Throws Error: as SurfaceServoRenderer.
+SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int delayLow, int delayHigh);
+
+/// The contact-space servo, on any mechanism with as many joints as counts were given.
+class SurfaceServoRenderer final : public Renderer {
+ public:
+  /// Range of the estimated scale s of the inverse inertia.
+  static constexpr double kLowestScale = 0.6, kHighestScale = 1.6;
+
+  /// Throws Error: no or more than kMaxJoints counts, one that is not positive; delays outside 0 to kMaxServoDelay, low
+  /// above high; a horizon outside 0 to kMaxServoDelay; a number outside its range or not finite; at activate(), a
+  /// period other than `period`.
+  explicit SurfaceServoRenderer(const SurfaceServoOptions& options);
+
+  bool needsInertia() const noexcept override { return true; }
+
+  /// The estimated s: the true inverse inertia over the model's. Realtime: yes.
+  double inertiaScale() const noexcept { return state_.scale; }
+
+  /// Jumps of the push seen since reset(). Realtime: yes.
+  double jumps() const noexcept { return state_.jumps; }
+
+ private:
+  using Row = std::array<double, kMaxJoints>;  // one number a joint
+  using Gain = std::array<double, 3>;          // of position, rate and push
+  static constexpr int kSchedule = 24;         // ticks after which the gains are the slow ones again
+
+  // Time in ticks.
+  struct State {
+    Row q{}, rate{}, push{};                         // estimates: rad, rad/tick, rad/tick^2
+    Row qByScale{}, rateByScale{}, pushByScale{};    // their derivatives by s
+    std::array<Row, kMaxServoDelay + 1> commands{};  // the last first, N m
+    Row lastResponse{}, lastInnovation{}, lastAngles{};
+    double scale = 1.0, information = 0.0;
+    double sinceJump = kSchedule;  // ticks
+    double jumps = 0.0;
+    double lastTime = 0.0;
+    double pushes = 0.0;   // 1: a contact carried force at the last tick
+    double started = 0.0;  // 1: the observer runs
+    FrictionMemory friction;
+  };
+  struct Inertia;
+  struct Rows;
+
+  void prepare(double period) override;
+  Status render(const TickInput& input, TickOutput& output) noexcept override;
+  void resetState() noexcept override { state_ = State{}; }
+  StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
+
+  void start(const TickInput& input) noexcept;
+  Row acted(const TickInput& input) const noexcept;
+  Row expectedCommand(int ahead) const noexcept;
+  void observe(const TickInput& input, const Inertia& inertia) noexcept;
+  double jumpOf(const TickInput& input, const Inertia& inertia, const Row& response,
+                const Row& innovation) const noexcept;
+  void predict(const Inertia& inertia, Row& q, Row& rate) const noexcept;
+  void findRows(const TickInput& input, const Inertia& inertia, const Row& q, const Row& rate,
+                Rows& rows) const noexcept;
+  Row addFriction(const TickInput& input, const Inertia& inertia, const Row& q, const Row& rate, Rows& rows) noexcept;
+
+  SurfaceServoOptions options_;
+  int joints_;
+  std::array<Gain, kSchedule + 1> gains_{};         // by ticks since a jump; the last: slow
+  std::array<double, kSchedule + 1> deviations_{};  // of the innovation, as a share of the slow one's
+  State state_;
+};
+
+}  // namespace enamel

@@ -1,0 +1,437 @@
+#include "enamel/render/surface_servo.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/cholesky.hpp"
+#include "core/message.hpp"
+#include "enamel/collision/scene.hpp"
+#include "render/contact_forces.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kNear = 2e-5;            // a contact that stays this far outside for a tick carries no force, m
+constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inertia
+constexpr int kBlind = 3;                 // ticks after a jump in which no other is looked for
+// An innovation up to this share of what the last change of the command moved may be the model's error: less, and a
+// model that is 30 % too heavy takes its own commands for jumps.
+constexpr double kModelError = 0.3;
+
+// Estimation of the scale: weight of the first guess (s = 1), what is forgotten in a tick, ticks after a jump in which
+// nothing is learnt, largest innovation and slope, counts. Less weight or steeper slopes learn a wrong scale from the
+// first touch.
+constexpr double kFirstWeight = 30.0, kForgotten = 1e-3, kLearnAfter = 8.0, kLargestInnovation = 3.0,
+                 kLargestSlope = 1.0;
+
+void requireWithin(double value, double low, double high, const char* name, const char* unit) {
+  require(value >= low && value <= high, std::string("surface servo: ") + name + " is " + formatNumber(value) +
+                                             ", must be in " + formatNumber(low) + " to " + formatNumber(high) + unit);
+}
+
+double dot(const std::array<double, kMaxJoints>& a, const std::array<double, kMaxJoints>& b, int n) noexcept {
+  double sum = 0.0;
+  for (int i = 0; i < n; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+// Torques of a unit force on the tool at a point: J^T [f; (point - p) x f].
+std::array<double, kMaxJoints> torquesOf(const Kinematics& k, const Vec3& point, const Vec3& force) noexcept {
+  const Vec3 moment = (point - k.pose.position).cross(force);
+  std::array<double, kMaxJoints> torques{};
+  for (int i = 0; i < k.q.size(); ++i)
+    torques[i] = k.jacobian.col(i).head<3>().dot(force) + k.jacobian.col(i).tail<3>().dot(moment);
+  return torques;
+}
+
+// Translation of the tool's material at a point when the joints move by `way`.
+Vec3 translationOf(const Kinematics& k, const Vec3& point, const std::array<double, kMaxJoints>& way) noexcept {
+  const Vec3 arm = point - k.pose.position;
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < k.q.size(); ++i)
+    sum += way[i] * (k.jacobian.col(i).head<3>() + k.jacobian.col(i).tail<3>().cross(arm));
+  return sum;
+}
+
+}  // namespace
+
+// Inertia and gravity at a tick.
+struct SurfaceServoRenderer::Inertia {
+  int n;
+  double perTick;  // T^2
+  Cholesky<kMaxJoints> factors;
+  Row gravity{};
+
+  bool set(const Kinematics& k, double period) noexcept {
+    n = static_cast<int>(k.q.size());
+    perTick = period * period;
+    double M[kMaxJoints][kMaxJoints];
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) M[i][j] = k.inertia(i, j);
+      gravity[i] = k.gravity[i];
+    }
+    return factors.factor(M, n);
+  }
+
+  // T^2 M^-1 torque: what a torque beyond gravity does to the joints, rad/tick^2.
+  Row response(Row torque) const noexcept {
+    factors.solve(torque.data());
+    for (int i = 0; i < n; ++i) torque[i] *= perTick;
+    return torque;
+  }
+
+  // The same for torques with gravity.
+  Row responseOf(Row torque) const noexcept {
+    for (int i = 0; i < n; ++i) torque[i] -= gravity[i];
+    return response(torque);
+  }
+};
+
+// The contacts that may carry force, as the quadratic program sees them.
+struct SurfaceServoRenderer::Rows {
+  ContactProblem problem;
+  Row row[kMaxServoContacts];       // N_k
+  Row response[kMaxServoContacts];  // s T^2 M^-1 N_k^T
+  int contact[kMaxServoContacts];   // number in the snapshot
+  ContactSolution solution;
+};
+
+const std::array<SurfaceServoParameter, 12>& surfaceServoParameters() noexcept {
+  using O = SurfaceServoOptions;
+  static constexpr std::array<SurfaceServoParameter, 12> parameters = {{
+      {"pole", &O::pole, 0.0, 0.999, ""},
+      {"damping", &O::damping, 0.0, 10.0, ""},
+      {"jump_pole", &O::jumpPole, 0.0, 0.999, ""},
+      {"jump_ticks", &O::jumpTicks, 0.0, 24.0, " ticks"},
+      {"outward_speed", &O::outwardSpeed, 0.0, 1.0, " m/s"},
+      {"outward_distance", &O::outwardDistance, 0.0, 0.01, " m"},
+      {"tremor", &O::tremor, 0.0, 1e3, " counts/tick^2"},
+      {"wander", &O::wander, 1e-6, 1e3, " counts/tick^2"},
+      {"jump_threshold", &O::jumpThreshold, 1.0, 1e6, " counts"},
+      {"jump_age", &O::jumpAge, 0.0, 0.999, " ticks"},
+      {"jump_size", &O::jumpSize, 0.0, 1e4, " counts/tick^2"},
+      {"jump_share", &O::jumpShare, 0.0, 1.0, ""},
+  }};
+  return parameters;
+}
+
+SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int delayLow, int delayHigh) {
+  // In the order of surfaceServoParameters(), for delays of 0, 1, 2 and 3 ticks and for random ones of 0 to 3.
+  static constexpr double values[5][12] = {
+      {0.3919, 0.9794, 0.2046, 1.695, 0.009412, 5e-5, 0.5, 0.2307, 4.145, 0.8946, 9.532, 0.1},
+      {0.4741, 0.8359, 0.3595, 4.45, 0.03149, 2.274e-5, 0.6715, 0.1857, 3.891, 0.8623, 15.21, 0.1},
+      {0.4331, 0.9817, 0.4068, 8.5, 0.03852, 5e-5, 0.5, 0.08231, 4.272, 0.8655, 57.97, 0.1},
+      {0.5491, 0.9228, 0.6625, 5.592, 0.01402, 3.975e-5, 0.4614, 0.04496, 5.518, 0.5619, 12.26, 0.1},
+      {0.6733, 0.5027, 0.6749, 6.229, 0.01933, 4.144e-5, 0.6254, 0.01269, 4.424, 0.95, 3.0, 0.0008462},
+  };
+  SurfaceServoOptions options;
+  options.period = period;
+  options.count = count;
+  options.delayLow = delayLow;
+  options.delayHigh = delayHigh;
+  options.horizon = (delayLow + delayHigh + 1) / 2;
+  const double* row = values[delayLow < delayHigh ? 4 : std::clamp(delayHigh, 0, 3)];
+  for (const SurfaceServoParameter& p : surfaceServoParameters()) options.*p.value = *row++;
+  return options;
+}
+
+SurfaceServoRenderer::SurfaceServoRenderer(const SurfaceServoOptions& o)
+    : options_(o), joints_(static_cast<int>(o.count.size())) {
+  require(joints_ >= 1, "surface servo: no encoder count is given");
+  for (int i = 0; i < joints_; ++i) requireWithin(o.count[i], 1e-12, 1.0, "an encoder's count", " rad or m");
+  requireWithin(o.delayLow, 0, o.delayHigh, "the smallest delay", " ticks");
+  requireWithin(o.delayHigh, 0, kMaxServoDelay, "the largest delay", " ticks");
+  requireWithin(o.horizon, 0, kMaxServoDelay, "the horizon", " ticks");
+  requireWithin(o.period, 1e-5, 0.1, "the period", " s");
+  for (const SurfaceServoParameter& p : surfaceServoParameters())
+    requireWithin(o.*p.value, p.low, p.high, p.name, p.unit);
+}
+
+// The observer's gains, in counts and ticks: position x, rate v, push a, x'' = a, encoder counts of variance 1/12.
+void SurfaceServoRenderer::prepare(double period) {
+  require(std::abs(period - options_.period) <= 1e-9 * options_.period,
+          "surface servo: activated for a period of " + formatNumber(period) + " s, but it was designed for " +
+              formatNumber(options_.period) + " s");
+  using Mat3x = Eigen::Matrix3d;
+  constexpr double kCountVariance = 1.0 / 12.0;
+  Mat3x F;
+  F << 1.0, 1.0, 0.5, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0;
+  const Vec3 kick(0.5, 1.0, 0.0);
+  Mat3x Q = options_.tremor * options_.tremor * kick * kick.transpose();
+  Q(2, 2) += options_.wander * options_.wander;
+  Mat3x P = Mat3x::Identity();  // covariance before a measurement
+  const auto gainOf = [](const Mat3x& prior) { return Vec3(prior.col(0) / (prior(0, 0) + kCountVariance)); };
+  const auto advance = [&](const Mat3x& prior) {
+    const Vec3 gain = gainOf(prior);
+    const Mat3x left = Mat3x::Identity() - gain * Eigen::RowVector3d(1.0, 0.0, 0.0);
+    const Mat3x after = left * prior * left.transpose() + kCountVariance * gain * gain.transpose();
+    return Mat3x(F * after * F.transpose() + Q);
+  };
+  constexpr int kEnough = 5000;  // far beyond the slowest filter's memory
+  for (int i = 0; i < kEnough; ++i) P = advance(P);
+  const double slow = std::sqrt(P(0, 0) + kCountVariance);
+  const auto keep = [&](int tick) {
+    const Vec3 gain = gainOf(P);
+    gains_[tick] = {gain.x(), gain.y(), gain.z()};
+    deviations_[tick] = std::sqrt(P(0, 0) + kCountVariance) / slow;
+  };
+  keep(kSchedule);
+  // A push that began t ticks ago, t uniform in jumpAge to 1, has moved by a (t^2/2, t, 1).
+  const double age = options_.jumpAge;
+  const auto moment = [age](int k) { return (1.0 - std::pow(age, k + 1)) / ((k + 1) * (1.0 - age)); };
+  Mat3x jump;
+  jump << moment(4) / 4, moment(3) / 2, moment(2) / 2, moment(3) / 2, moment(2), moment(1), moment(2) / 2, moment(1), 1;
+  P += options_.jumpSize * options_.jumpSize * jump;
+  for (int tick = 0; tick < kSchedule; ++tick) {
+    keep(tick);
+    P = advance(P);
+  }
+}
+
+void SurfaceServoRenderer::start(const TickInput& input) noexcept {
+  const Kinematics& k = input.kinematics;
+  State fresh;
+  fresh.scale = state_.scale;
+  fresh.information = state_.information;
+  fresh.jumps = state_.jumps;
+  fresh.started = 1.0;
+  for (int i = 0; i < joints_; ++i) {
+    fresh.q[i] = fresh.lastAngles[i] = k.q[i];
+    fresh.rate[i] = k.rates[i] * options_.period;
+    for (Row& command : fresh.commands) command[i] = k.gravity[i];
+  }
+  state_ = fresh;
+}
+
+// What the motors are expected to do `ahead` ticks from now: what was commanded a delay before, the last command where
+// that is yet to come.
+SurfaceServoRenderer::Row SurfaceServoRenderer::expectedCommand(int ahead) const noexcept {
+  Row sum{};
+  const double share = 1.0 / (options_.delayHigh - options_.delayLow + 1);
+  for (int delay = options_.delayLow; delay <= options_.delayHigh; ++delay) {
+    const Row& command = state_.commands[std::clamp(delay - ahead - 1, 0, kMaxServoDelay)];
+    for (int i = 0; i < joints_; ++i) sum[i] += share * command[i];
+  }
+  return sum;
+}
+
+// The torque that has acted since the last tick.
+SurfaceServoRenderer::Row SurfaceServoRenderer::acted(const TickInput& input) const noexcept {
+  if (input.applied.size() == 0) return expectedCommand(-1);
+  Row torque{};
+  for (int i = 0; i < joints_; ++i) torque[i] = input.applied[i];
+  return torque;
+}
+
+// 0: no jump. Else 1 over its age in ticks, at most 1.
+double SurfaceServoRenderer::jumpOf(const TickInput& input, const Inertia& inertia, const Row& response,
+                                    const Row& innovation) const noexcept {
+  const State& s = state_;
+  if (s.sinceJump < kBlind) return 0.0;
+  const double deviation = deviations_[static_cast<int>(std::min<double>(s.sinceJump, kSchedule))];
+  double strongest = 0.0, before = 0.0;
+  for (int c = 0; c < input.contacts.count; ++c) {
+    const Contact& contact = input.contacts.contacts[c];
+    Row direction = inertia.response(torquesOf(input.kinematics, contact.point, contact.normal));
+    Row now{}, last{}, command{};
+    for (int i = 0; i < joints_; ++i) {
+      const double count = options_.count[i];
+      direction[i] /= count;
+      now[i] = innovation[i] / count;
+      last[i] = s.lastInnovation[i] / count;
+      command[i] = 0.5 * (response[i] - s.lastResponse[i]) / count;
+    }
+    const double size = std::sqrt(dot(direction, direction, joints_));
+    const double along = dot(direction, now, joints_);
+    const double threshold =
+        options_.jumpThreshold * deviation * size + kModelError * std::abs(dot(direction, command, joints_));
+    if (std::abs(along) > threshold && std::abs(along) > strongest * size) {
+      strongest = std::abs(along) / size;
+      before = dot(direction, last, joints_) / along;
+    }
+  }
+  if (strongest == 0.0) return 0.0;
+  // Of a push of age t, 1 to 2 ticks, the innovation before has the share (t - 1)^2 / t^2.
+  return 1.0 - std::sqrt(std::clamp(before - options_.jumpShare, 0.0, 0.25));
+}
+
+void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inertia) noexcept {
+  State& s = state_;
+  const int n = joints_;
+  const Row response = inertia.responseOf(acted(input));
+  Row innovation{};
+  for (int i = 0; i < n; ++i) {
+    const double acceleration = s.scale * response[i] + s.push[i];
+    s.q[i] += s.rate[i] + 0.5 * acceleration;
+    s.rate[i] += acceleration;
+    const double byScale = response[i] + s.pushByScale[i];
+    s.qByScale[i] += s.rateByScale[i] + 0.5 * byScale;
+    s.rateByScale[i] += byScale;
+    innovation[i] = input.kinematics.q[i] - s.q[i];
+  }
+  const double younger = jumpOf(input, inertia, response, innovation);
+  if (younger > 0.0) {
+    s.sinceJump = 0.0;
+    s.jumps += 1.0;
+  } else {
+    s.sinceJump = std::min<double>(s.sinceJump + 1.0, kSchedule);
+  }
+  Gain gain = gains_[static_cast<int>(s.sinceJump)];
+  if (younger > 0.0) {
+    gain[1] *= younger;
+    gain[2] *= younger * younger;
+  }
+  double slopeTimesError = 0.0, slopes = 0.0;
+  for (int i = 0; i < n; ++i) {
+    const double e = innovation[i], bySlope = s.qByScale[i], count = options_.count[i];
+    const double slope = std::clamp(bySlope / count, -kLargestSlope, kLargestSlope);
+    slopeTimesError += slope * std::clamp(e / count, -kLargestInnovation, kLargestInnovation);
+    slopes += slope * slope;
+    s.q[i] += gain[0] * e;
+    s.rate[i] += gain[1] * e;
+    s.push[i] += gain[2] * e;
+    s.qByScale[i] -= gain[0] * bySlope;
+    s.rateByScale[i] -= gain[1] * bySlope;
+    s.pushByScale[i] -= gain[2] * bySlope;
+  }
+  if (s.pushes != 0.0 && s.sinceJump > kLearnAfter) {
+    s.information = (1.0 - kForgotten) * s.information + slopes;
+    s.scale = std::clamp(s.scale + slopeTimesError / (kFirstWeight + s.information), kLowestScale, kHighestScale);
+  }
+  s.lastResponse = response;
+  s.lastInnovation = innovation;
+}
+
+// Joint positions and rates when the command of this tick acts.
+void SurfaceServoRenderer::predict(const Inertia& inertia, Row& q, Row& rate) const noexcept {
+  q = state_.q;
+  rate = state_.rate;
+  for (int ahead = 0; ahead < options_.horizon; ++ahead) {
+    const Row response = inertia.responseOf(expectedCommand(ahead));
+    for (int i = 0; i < joints_; ++i) {
+      const double acceleration = state_.scale * response[i] + state_.push[i];
+      q[i] += rate[i] + 0.5 * acceleration;
+      rate[i] += acceleration;
+    }
+  }
+}
+
+void SurfaceServoRenderer::findRows(const TickInput& input, const Inertia& inertia, const Row& q, const Row& rate,
+                                    Rows& rows) const noexcept {
+  const State& s = state_;
+  const int n = joints_;
+  const double T = options_.period, z = s.sinceJump < options_.jumpTicks ? options_.jumpPole : options_.pole;
+  const double k1 = (1.0 - z) * (1.0 - z), k2 = 0.5 * options_.damping * (1.0 - z) * (3.0 + z);
+  Row ahead{};
+  for (int i = 0; i < n; ++i) ahead[i] = q[i] - input.kinematics.q[i];
+
+  ContactProblem& p = rows.problem;
+  for (int c = 0; c < input.contacts.count && p.contacts < kMaxServoContacts; ++c) {
+    const Contact& contact = input.contacts.contacts[c];
+    const Row row = torquesOf(input.kinematics, contact.point, contact.normal);
+    const double obstacle = T * contact.normal.dot(contact.obstacleVelocity);
+    const double gap = contact.gap + dot(row, ahead, n) - options_.horizon * obstacle;
+    const double speed = dot(row, rate, n) - obstacle, pushed = dot(row, s.push, n);
+    if (gap + speed + 0.5 * pushed > kNear) continue;
+    const double outward =
+        T * options_.outwardSpeed + std::sqrt(2.0 * std::max(0.0, -pushed) * options_.outwardDistance);
+    const int m = p.contacts++;
+    rows.row[m] = row;
+    rows.response[m] = inertia.response(row);
+    for (int i = 0; i < n; ++i) rows.response[m][i] *= s.scale;
+    rows.contact[m] = c;
+    p.r[m] = std::min(-k1 * gap - k2 * speed, outward - speed) - pushed;
+    for (int other = 0; other <= m; ++other) p.G[m][other] = p.G[other][m] = dot(row, rows.response[other], n);
+  }
+  for (int m = 0; m < p.contacts; ++m)
+    p.G[m][m] += kRegularisation * p.G[m][m] + k1 / input.contacts.contacts[rows.contact[m]].material.stiffness;
+  p.motors = n;
+  for (int i = 0; i < n; ++i) {
+    for (int m = 0; m < p.contacts; ++m) p.motor[i][m] = rows.row[m][i];
+    p.low[i] = std::min(0.0, -input.maxTorque[i] - inertia.gravity[i]);
+    p.high[i] = std::max(0.0, input.maxTorque[i] - inertia.gravity[i]);
+  }
+}
+
+// Friction at the contacts that carry force, as torques; the normal forces are found anew beside it.
+SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& input, const Inertia& inertia,
+                                                            const Row& q, const Row& rate, Rows& rows) noexcept {
+  const Kinematics& k = input.kinematics;
+  const double T = options_.period, z = options_.pole;
+  Row moved{}, ahead{}, torque{};
+  for (int i = 0; i < joints_; ++i) {
+    moved[i] = k.q[i] - state_.lastAngles[i];
+    state_.lastAngles[i] = k.q[i];
+    ahead[i] = q[i] - k.q[i];
+  }
+  state_.friction.begin();
+  bool any = false;
+  for (int m = 0; m < rows.problem.contacts; ++m) {
+    const Contact& contact = input.contacts.contacts[rows.contact[m]];
+    const double normalForce = rows.solution.force[m];
+    if (!(contact.material.friction > 0.0 && normalForce > 0.0)) continue;
+    any = true;
+    // The largest inverse inertia along the surface.
+    const Mat3 frame = frameAlong(contact.normal);
+    const Row first = torquesOf(k, contact.point, frame.col(0)), second = torquesOf(k, contact.point, frame.col(1));
+    const Row answer = inertia.response(first);
+    const double a = dot(first, answer, joints_), b = dot(second, answer, joints_),
+                 c = dot(second, inertia.response(second), joints_);
+    const double largest = state_.scale * (0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
+    const Grasp grasp{(1.0 - z) * (1.0 - z) / largest, 0.5 * T * options_.damping * (1.0 - z) * (3.0 + z) / largest};
+    const Slide slide{translationOf(k, contact.point, moved) - T * contact.obstacleVelocity,
+                      translationOf(k, contact.point, ahead) - options_.horizon * T * contact.obstacleVelocity,
+                      translationOf(k, contact.point, rate) / T - contact.obstacleVelocity};
+    const Row torques = torquesOf(k, contact.point, state_.friction.force(contact, slide, grasp, normalForce));
+    for (int i = 0; i < joints_; ++i) torque[i] += torques[i];
+  }
+  state_.friction.end();
+  if (!any) return torque;
+  for (int m = 0; m < rows.problem.contacts; ++m) rows.problem.r[m] -= dot(rows.response[m], torque, joints_);
+  for (int i = 0; i < joints_; ++i) {
+    rows.problem.low[i] = std::min(0.0, rows.problem.low[i] - torque[i]);
+    rows.problem.high[i] = std::max(0.0, rows.problem.high[i] - torque[i]);
+  }
+  rows.solution = solveContacts(rows.problem);
+  return torque;
+}
+
+Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) noexcept {
+  const Kinematics& k = input.kinematics;
+  if (k.q.size() != joints_ || k.inertia.rows() != joints_) return Status::outOfRange;
+  Inertia inertia;
+  if (!inertia.set(k, options_.period)) return Status::singular;
+  State& s = state_;
+  if (s.started == 0.0 || std::abs(input.time - s.lastTime - options_.period) > 0.5 * options_.period)
+    start(input);  // the first tick, or one was missed
+  else
+    observe(input, inertia);
+  s.lastTime = input.time;
+
+  Row q, rate;
+  predict(inertia, q, rate);
+  Rows rows;
+  findRows(input, inertia, q, rate, rows);
+  rows.solution = solveContacts(rows.problem);
+  Row torque = addFriction(input, inertia, q, rate, rows);
+
+  output.mode = RenderMode::free;
+  output.saturated = rows.solution.limited;
+  for (int m = 0; m < rows.problem.contacts; ++m) {
+    const double force = rows.solution.force[m];
+    if (force > 0.0) output.mode = RenderMode::contact;
+    if (rows.contact[m] == 0) output.normalForce = force;
+    for (int i = 0; i < joints_; ++i) torque[i] += force * rows.row[m][i];
+  }
+  s.pushes = output.mode == RenderMode::contact ? 1.0 : 0.0;
+  output.torque.resize(joints_);
+  for (int d = kMaxServoDelay; d > 0; --d) s.commands[d] = s.commands[d - 1];
+  for (int i = 0; i < joints_; ++i) {
+    output.torque[i] = k.gravity[i] + torque[i];
+    s.commands[0][i] = std::clamp(output.torque[i], -input.maxTorque[i], input.maxTorque[i]);
+  }
+  return Status::ok;
+}
+
+}  // namespace enamel
