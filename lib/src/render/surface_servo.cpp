@@ -20,8 +20,8 @@ constexpr int kBlind = 3;                 // ticks after a jump in which no othe
 constexpr double kModelError = 0.3;
 
 // Estimation of the scale: weight of the first guess (s = 1), what is forgotten in a tick, ticks after a jump in which
-// nothing is learnt, largest innovation and slope, counts. Less weight or steeper slopes learn a wrong scale from the
-// first touch.
+// nothing is learnt, largest innovation and slope, counts (an equation with a steeper slope is made smaller: what the
+// model leaves out grows with the command). Less weight or steeper slopes learn a wrong scale from the first touch.
 constexpr double kFirstWeight = 30.0, kForgotten = 1e-3, kLearnAfter = 8.0, kLargestInnovation = 3.0,
                  kLargestSlope = 1.0;
 
@@ -285,8 +285,9 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   double slopeTimesError = 0.0, slopes = 0.0;
   for (int i = 0; i < n; ++i) {
     const double e = innovation[i], bySlope = s.qByScale[i], count = options_.count[i];
-    const double slope = std::clamp(bySlope / count, -kLargestSlope, kLargestSlope);
-    slopeTimesError += slope * std::clamp(e / count, -kLargestInnovation, kLargestInnovation);
+    const double weight = std::min(1.0, kLargestSlope * count / std::abs(bySlope));
+    const double slope = weight * bySlope / count;
+    slopeTimesError += slope * std::clamp(weight * e / count, -kLargestInnovation, kLargestInnovation);
     slopes += slope * slope;
     s.q[i] += gain[0] * e;
     s.rate[i] += gain[1] * e;
