@@ -9,9 +9,11 @@
 #include "commands.hpp"
 #include "design_file.hpp"
 #include "design_results.hpp"
+#include "design_surface.hpp"
 #include "enamel/control/tuning.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
+#include "enamel/study/parallel.hpp"
 #include "renderers.hpp"
 
 namespace enamel::app {
@@ -24,7 +26,9 @@ struct DesignOptions {
   double rate = 1000.0;
   ServoWeights weights;
   std::vector<double> at{0.0, 0.0, 0.0};
-  bool tune = false;
+  bool tune = false, surface = false;
+  std::string delay = "0";
+  SurfaceDesignOptions search;
   TuneRequirements required;
   double deviceDamping = 0.0, push = 12.0;
 };
@@ -184,7 +188,21 @@ void writeImpedanceMap(const DesignOptions& options, const Device& device) {
       wallDevice.mass, wallDevice.damping, map.size(), stable, passive, broken);
 }
 
-void run(const DesignOptions& options) {
+void run(DesignOptions options) {
+  const bool bare = options.delay.find_first_not_of("0123456789") == std::string::npos;
+  const Delay delay = parseDelay(bare ? "constant:" + options.delay : options.delay);
+  if (options.surface) {
+    SurfaceDesignOptions& search = options.search;
+    search.device = options.device;
+    search.output = options.output;
+    search.period = 1.0 / options.rate;
+    search.delay = delay;
+    designSurface(search);
+    return;
+  }
+  if (delay.low != delay.high || delay.high > kLargestDelay)
+    throw Error("--delay is \"" + options.delay + "\", must be 0 to 3 samples for this servo");
+  options.required.delay = delay.low;
   const Device device = makeDevice(options);
   if (!options.impedanceMap.empty()) {
     writeImpedanceMap(options, device);
@@ -237,9 +255,30 @@ void addDesign(CLI::App& app) {
   command->add_option("--chatter", options->required.chatter, "--tune: largest chatter, N m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--delay", options->required.delay, "--tune: delay of the servo to write, samples")
-      ->check(CLI::Range(0, kLargestDelay))
+  command
+      ->add_option("--delay", options->delay,
+                   "--tune: delay of the servo to write, samples; --surface: also constant:D or random:A..B")
       ->capture_default_str();
+  command->add_flag("--surface", options->surface,
+                    "the contact-space servo instead, found by simulation of its loop (minutes)");
+  command
+      ->add_option("--inertia-error", options->search.inertiaError,
+                   "--surface: the model's inertia may be wrong by this share")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command->add_option("--half-width", options->search.halfWidth, "--surface: of the wall, m")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command->add_option("--most-chatter", options->search.chatter, "--surface: largest chatter, N m or N")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--generations", options->search.generations, "--surface: of the search, 8 servos each")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  command->add_option("--threads", options->search.threads, "--surface: 0 means all; the result is the same")
+      ->check(CLI::Range(0, kMaxThreads))
+      ->capture_default_str();
+  command->add_option("--seed", options->search.seed, "--surface: of the random numbers")->capture_default_str();
   command->add_flag("--step-response", options->required.stepResponse,
                     "--tune: the servo to write meets the step-reference rows of Table II");
   command->add_option("--impedance-map", options->impedanceMap, "where the stability map goes (CSV)");

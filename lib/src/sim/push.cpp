@@ -32,13 +32,8 @@ class PersonLoad {
 
   Vec6 operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
     Vec6 wrench = Vec6::Zero();
-    const Vec3& n = person_.normal;
-    wrench.head<3>() = -force(time, pose, twist) * n;
-    if (person_.guide) {
-      const Vec3 pull = kGuide.stiffness * (pose.position - start_.position) + kGuide.damping * Vec3(twist.head<3>());
-      wrench.head<3>() -= pull - n.dot(pull) * n;
-      wrench.tail<3>() += holdingMoment(pose.rotation, start_.rotation, twist.tail<3>());
-    }
+    if (person_.guide) wrench = guidingWrench(pose, twist, start_, person_.normal);
+    wrench.head<3>() -= force(time, pose, twist) * person_.normal;
     return wrench;
   }
 

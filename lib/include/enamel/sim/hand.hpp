@@ -19,4 +19,8 @@ inline constexpr Grip kGuide{100.0, 3.6};     ///< across the push: 20 to 400 N/
 /// of the angular velocity `omega` (W, rad/s). Realtime: yes.
 Vec3 holdingMoment(const Mat3& rotation, const Mat3& start, const Vec3& omega) noexcept;
 
+/// Wrench of a hand that keeps the TCP across the unit vector `normal` (W) and its orientation about the start pose,
+/// and leaves it free along it: kGuide and holdingMoment(), N and N m. Realtime: yes.
+Vec6 guidingWrench(const Pose& pose, const Vec6& twist, const Pose& start, const Vec3& normal) noexcept;
+
 }  // namespace enamel

@@ -1,0 +1,24 @@
+// `enamel design --surface`: the contact-space servo, found by simulation of the loop that it runs in.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "enamel/sim/virtual_device.hpp"
+
+namespace enamel::app {
+
+/// What the command was asked for.
+struct SurfaceDesignOptions {
+  std::string device, output;
+  double period = 1e-3;  ///< s
+  Delay delay;
+  double inertiaError = 0.0, halfWidth = 0.025, chatter = 0.05;  ///< share, m, N m
+  int generations = 60, threads = 0;                             ///< 0: all
+  std::uint64_t seed = 1;
+};
+
+/// Searches, prints the trade-off and how the servo does on new random numbers, writes the file. Throws Error.
+void designSurface(const SurfaceDesignOptions& options);
+
+}  // namespace enamel::app

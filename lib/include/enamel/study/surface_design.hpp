@@ -1,0 +1,62 @@
+// Design of a surface servo by simulation of the loop that it will run in.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "enamel/render/surface_servo.hpp"
+#include "enamel/sim/virtual_device.hpp"
+
+namespace enamel {
+
+/// What a servo is designed for: pushes against the wall z = 0 at five points, encoders rounded, rates differenced.
+struct SurfaceDesignSetup {
+  std::shared_ptr<const Mechanism> plant;
+  double period = 1e-3;                           ///< s
+  Delay delay;                                    ///< ticks; random where low < high
+  double inertiaError = 0.0;                      ///< the model's inertia is exact, or wrong by this share either way
+  double halfWidth = 0.025;                       ///< the points are the centre and the corners of a square, m
+  double preload = 1.0;                           ///< before a push, N
+  double lowestForce = 8.0, highestForce = 15.0;  ///< of a push, uniform between, N
+  double noise = 0.5;                             ///< of the person, standard deviation, N
+  double ramp = 10.0;                             ///< N in 50 ms
+  double chatter = 0.05;                          ///< allowed, N m or N
+  double bounce = 1e-4;                           ///< allowed, m
+  int runs = 24;                                  ///< steps of force a point, each inside a tick; a third as many ramps
+  std::uint64_t seed = 1;
+};
+
+/// How a servo did.
+struct SurfaceScore {
+  double stiffness = 0.0;    ///< K_z1, lowest of the points' means, N/m
+  double share = 0.0;        ///< of the physical limit, lowest of the points' means
+  double lowestShare = 0.0;  ///< of all runs
+  double chatter = 0.0;      ///< largest standard deviation of a motor's torque at rest on the wall, N m or N
+  double bounce = 0.0;       ///< farthest above the rest after a step, m
+  double ramp = 0.0;         ///< deepest under a ramp, m
+  double deepest = 0.0;      ///< of all runs, m
+  int lost = 0;              ///< runs that left the workspace
+  int unmeasured = 0;        ///< steps without a first impact stiffness
+  double value = 0.0;        ///< what the design maximises
+};
+
+/// Throws Error: no plant; the points cannot be reached; what SurfaceServoRenderer refuses; runs below 1.
+/// `threads` do not change a bit of it. `trial`: which random numbers. Realtime: no.
+SurfaceScore judgeSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& options, std::uint32_t trial,
+                               int threads);
+
+/// A servo and how it did.
+struct SurfaceCandidate {
+  SurfaceServoOptions options;
+  SurfaceScore score;
+};
+
+/// The best servo that an evolution strategy finds (one parent, eight children a generation, all judged by the same new
+/// random numbers), from `start` on. `progress`, if any, sees the parent of every generation; false ends the search.
+/// Throws Error: as judgeSurfaceServo(). Realtime: no.
+SurfaceServoOptions designSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& start,
+                                       int generations, int threads,
+                                       const std::function<bool(int, const SurfaceCandidate&)>& progress);
+
+}  // namespace enamel

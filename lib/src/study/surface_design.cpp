@@ -1,0 +1,318 @@
+#include "enamel/study/surface_design.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/message.hpp"
+#include "enamel/control/first_impact.hpp"
+#include "enamel/control/tuning.hpp"
+#include "enamel/sim/hand.hpp"
+#include "enamel/sim/virtual_loop.hpp"
+#include "enamel/study/parallel.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr int kPoints = 5, kChildren = 8;
+constexpr double kSettling = 0.5, kAfter = 0.4, kRampTime = 0.05;  // s
+constexpr double kQuiet = 0.25;                                    // s at the end of either part, for the chatter
+constexpr double kLost = 0.02;                                     // m from the wall
+
+// A device whose model has the wrong mass.
+class WrongInertia final : public Mechanism {
+ public:
+  WrongInertia(std::shared_ptr<const Mechanism> mechanism, double factor)
+      : Mechanism(mechanism->name(), mechanism->limits()), mechanism_(std::move(mechanism)), factor_(factor) {
+    setHome();
+  }
+  Status track(const JointVector& q, const JointVector& rates, bool withInertia,
+               Kinematics& k) const noexcept override {
+    return wrong(mechanism_->track(q, rates, withInertia, k), k);
+  }
+  Status reach(const Pose& pose, const Vec6& twist, bool withInertia, Kinematics& k) const noexcept override {
+    return wrong(mechanism_->reach(pose, twist, withInertia, k), k);
+  }
+  Status accelerate(const Pose& pose, const Vec6& twist, const JointVector& torque, const Vec6& wrench,
+                    Vec6& acceleration) const noexcept override {
+    return mechanism_->accelerate(pose, twist, torque, wrench, acceleration);
+  }
+  std::vector<Bar> bars(const Pose& pose) const override { return mechanism_->bars(pose); }
+
+ private:
+  Status wrong(Status status, Kinematics& k) const noexcept {
+    if (status == Status::ok) k.inertia *= factor_;
+    return status;
+  }
+  std::shared_ptr<const Mechanism> mechanism_;
+  double factor_;
+};
+
+// One run against the wall.
+struct Trial {
+  int point = 0;
+  bool ramp = false;
+  double force = 0.0, instant = 0.0;  // N; share of the tick in which the step comes
+  std::size_t model = 0;
+  std::uint32_t stream = 0;
+};
+
+struct TrialResult {
+  bool lost = false;
+  double stiffness = std::numeric_limits<double>::quiet_NaN(), share = stiffness;
+  double chatter = 0.0, bounce = 0.0, deepest = 0.0;
+};
+
+// Largest standard deviation of the motors' commands.
+class Chatter {
+ public:
+  void add(const JointVector& torque) {
+    if (count_ == 0) first_ = torque, sum_ = squares_ = JointVector::Zero(torque.size());
+    sum_ += torque - first_;
+    squares_ += (torque - first_).cwiseAbs2();
+    ++count_;
+  }
+  double largest() const {
+    if (count_ == 0) return 0.0;
+    const JointVector mean = sum_ / count_;
+    return std::sqrt(std::max(0.0, (squares_ / count_ - mean.cwiseAbs2()).maxCoeff()));
+  }
+
+ private:
+  int count_ = 0;
+  JointVector first_, sum_, squares_;
+};
+
+// A person who presses along -z.
+struct Pressing {
+  Pose start;
+  double force;  // N
+  Vec6 operator()(double, const Pose& pose, const Vec6& twist) const noexcept {
+    Vec6 wrench = guidingWrench(pose, twist, start, Vec3::UnitZ());
+    wrench[2] -= force;
+    return wrench;
+  }
+};
+
+Pose pointOf(const SurfaceDesignSetup& setup, int point) {
+  static constexpr double x[kPoints] = {0, 1, -1, 1, -1}, y[kPoints] = {0, 1, 1, -1, -1};
+  Pose pose;
+  pose.position = setup.halfWidth * Vec3(x[point], y[point], 0.0);
+  return pose;
+}
+
+double limitAt(const SurfaceDesignSetup& setup, const Pose& pose, double force) {
+  Kinematics k = setup.plant->home();
+  require(setup.plant->reach(pose, Vec6::Zero(), true, k) == Status::ok,
+          "surface servo: the device cannot reach a corner of the wall; make its half width of " +
+              formatNumber(setup.halfWidth) + " m smaller");
+  return firstImpactLimit(effectiveMass(k, pose.position, Vec3::UnitZ()), setup.period, setup.delay.high, force,
+                          largestForce(k, setup.plant->limits().torque, Vec3::UnitZ()), setup.preload);
+}
+
+TrialResult perform(const SurfaceDesignSetup& setup, const Mechanism& model, const SurfaceServoOptions& options,
+                    const Trial& trial) {
+  LoopSetup loopSetup;
+  loopSetup.start = pointOf(setup, trial.point);
+  loopSetup.encoders = {true, RateSource::difference};
+  loopSetup.delay = setup.delay;
+  loopSetup.period = setup.period;
+  loopSetup.seed = setup.seed;
+  loopSetup.run = trial.stream;
+  SurfaceServoRenderer servo(options);
+  VirtualLoop loop(*setup.plant, model, servo, loopSetup);
+  const RandomStream random(setup.seed, trial.stream);
+
+  const auto ticks = [&](double time) { return static_cast<int>(std::lround(time / setup.period)); };
+  const int onset = ticks(kSettling), end = onset + ticks(kAfter), quiet = ticks(kQuiet),
+            watched = ticks(ImpactWatch::kRestWindow);
+  ImpactWatch watch(setup.period);
+  Chatter before, after;
+  double restSum = 0.0;
+  TrialResult result;
+  TickRecord tick;
+  for (int i = 0; i < end; ++i) {
+    const double noise = setup.noise * random.normal(RandomStream::Purpose::noise, static_cast<std::uint64_t>(i));
+    const double ramped = setup.ramp * std::min(1.0, (i - onset) * setup.period / kRampTime);
+    const double push = i <= onset ? setup.preload : trial.ramp ? setup.preload + ramped : trial.force;
+    const Pressing now{loopSetup.start, push + noise};
+    const bool steps = i == onset && !trial.ramp;
+    const Status status =
+        steps ? loop.tick(now, trial.instant * setup.period, Pressing{loopSetup.start, trial.force + noise}, tick)
+              : loop.tick(now, tick);
+    if (status != Status::ok || tick.status != Status::ok || std::abs(tick.nearest.gap) > kLost) {
+      result.lost = true;
+      return result;
+    }
+    const ImpactTick seen{tick.nearest.gap, tick.gapRate, now.force, 0.0, tick.saturated};
+    if (i >= onset - watched && i < onset) {
+      watch.rest(seen);
+      restSum += seen.gap;
+    }
+    if (i >= onset) {
+      watch.push(seen);
+      const double height = seen.gap - restSum / watched;
+      result.deepest = std::max(result.deepest, -height);
+      if (!trial.ramp) result.bounce = std::max(result.bounce, height);
+    }
+    if (i >= onset - quiet && i < onset) before.add(tick.command);
+    if (i >= end - quiet) after.add(tick.command);
+  }
+  result.chatter = std::max(before.largest(), after.largest());
+  if (!trial.ramp && watch.verdict() == FirstImpactVerdict::measured) {
+    result.stiffness = watch.stiffness();
+    result.share = result.stiffness / limitAt(setup, loopSetup.start, trial.force);
+  }
+  return result;
+}
+
+double beyond(double value, double limit) { return std::max(0.0, value / limit - 1.0); }
+
+// Constant delay: the share of the limit at the worst point, a little of the worst run, less what is beyond a limit;
+// a little is kept clear of each limit. Random delay: no run deeper than need be, and quiet.
+double valueOf(const SurfaceDesignSetup& setup, const SurfaceScore& s) {
+  constexpr double kClear = 0.93;
+  const Kinematics& home = setup.plant->home();
+  const double mass = effectiveMass(home, home.pose.position, Vec3::UnitZ()), T = setup.period;
+  const double late = setup.delay.high + 1.0;
+  if (setup.delay.low < setup.delay.high) {
+    const double least = setup.highestForce / limitAt(setup, pointOf(setup, 0), setup.highestForce);
+    return -(s.deepest + 0.5 * s.ramp + 0.3 * s.bounce) / least - 0.1 * beyond(s.chatter, setup.chatter) - 0.1 * s.lost;
+  }
+  // A ramp of jerk j moves a device that answers after t by j t^3 / 6 at least; an observer needs some more.
+  const double jerk = setup.ramp / kRampTime / mass, ramp = (10.0 + 18.0 * late * late) * jerk * T * T * T;
+  return std::min(s.share, 1.0) + 0.15 * std::min(s.lowestShare, 1.0) -
+         0.6 * beyond(s.chatter, kClear * setup.chatter) - 0.35 * beyond(s.bounce, kClear * setup.bounce) -
+         0.5 * beyond(s.ramp, ramp) - 0.5 * s.lost - 0.02 * s.unmeasured;
+}
+
+// How a number is varied: by `step` (of its logarithm where `logarithmic`), within what makes sense.
+struct Variation {
+  double low, high, step;
+  bool logarithmic;
+};
+constexpr std::array<Variation, 12> kVariations = {{
+    {0.1, 0.9, 0.05, false},    // pole
+    {0.5, 1.8, 0.1, false},     // damping
+    {0.05, 0.9, 0.05, false},   // jump pole
+    {0.0, 20.0, 1.5, false},    // jump ticks
+    {0.001, 0.1, 0.3, true},    // outward speed
+    {5e-6, 3e-4, 0.3, true},    // outward distance
+    {0.05, 3.0, 0.3, true},     // tremor
+    {0.01, 3.0, 0.3, true},     // wander
+    {3.0, 20.0, 0.15, true},    // jump threshold
+    {0.05, 0.95, 0.12, false},  // jump age
+    {3.0, 200.0, 0.4, true},    // jump size
+    {0.0, 1.0, 0.07, false},    // jump share
+}};
+
+SurfaceServoOptions varied(const SurfaceServoOptions& parent, double sigma, const RandomStream& random) {
+  SurfaceServoOptions child = parent;
+  for (std::size_t i = 0; i < kVariations.size(); ++i) {
+    if (random.uniform(RandomStream::Purpose::test, 2 * i) > 0.35) continue;
+    const Variation& v = kVariations[i];
+    double& value = child.*surfaceServoParameters()[i].value;
+    const double step = sigma * v.step * random.normal(RandomStream::Purpose::test, 2 * i + 1);
+    value = std::clamp(v.logarithmic ? value * std::exp(step) : value + step, v.low, v.high);
+  }
+  return child;
+}
+
+std::vector<SurfaceScore> judgeAll(const SurfaceDesignSetup& setup, const std::vector<SurfaceServoOptions>& candidates,
+                                   std::uint32_t trialNumber, int threads) {
+  require(setup.plant != nullptr, "surface servo: no device to design for");
+  require(setup.runs >= 1 && setup.runs <= 10000, "surface servo: the runs must be in 1 to 10000");
+  std::vector<std::shared_ptr<const Mechanism>> models = {setup.plant};
+  if (setup.inertiaError > 0.0)
+    for (const double sign : {-1.0, 1.0})
+      models.push_back(std::make_shared<WrongInertia>(setup.plant, 1.0 + sign * setup.inertiaError));
+
+  std::vector<Trial> trials;
+  const int ramps = std::max(1, setup.runs / 3);
+  for (int point = 0; point < kPoints; ++point)
+    for (int i = 0; i < setup.runs + ramps; ++i) {
+      Trial trial;
+      trial.point = point;
+      trial.ramp = i >= setup.runs;
+      trial.model = static_cast<std::size_t>(i) % models.size();
+      trial.stream = trialNumber * 100003u + static_cast<std::uint32_t>(trials.size());
+      const RandomStream random(setup.seed, trial.stream);
+      trial.force = setup.lowestForce +
+                    (setup.highestForce - setup.lowestForce) * random.uniform(RandomStream::Purpose::force, 0);
+      trial.instant = random.uniform(RandomStream::Purpose::force, 1);
+      trials.push_back(trial);
+    }
+  for (const Trial& trial : trials) limitAt(setup, pointOf(setup, trial.point), trial.force);  // throws here
+
+  std::vector<TrialResult> results(trials.size() * candidates.size());
+  parallelFor(results.size(), threads, [&](std::size_t i) {
+    const Trial& trial = trials[i % trials.size()];
+    results[i] = perform(setup, *models[trial.model], candidates[i / trials.size()], trial);
+  });
+
+  std::vector<SurfaceScore> scores;
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    SurfaceScore score;
+    score.stiffness = score.share = score.lowestShare = std::numeric_limits<double>::infinity();
+    double stiffness[kPoints] = {}, share[kPoints] = {};
+    int measured[kPoints] = {};
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      const Trial& trial = trials[i];
+      const TrialResult& r = results[c * trials.size() + i];
+      score.lost += r.lost;
+      score.chatter = std::max(score.chatter, r.chatter);
+      score.bounce = std::max(score.bounce, r.bounce);
+      score.deepest = std::max(score.deepest, r.deepest);
+      if (trial.ramp) {
+        score.ramp = std::max(score.ramp, r.deepest);
+      } else if (std::isnan(r.stiffness)) {
+        ++score.unmeasured;
+      } else {
+        stiffness[trial.point] += r.stiffness;
+        share[trial.point] += r.share;
+        ++measured[trial.point];
+        score.lowestShare = std::min(score.lowestShare, r.share);
+      }
+    }
+    for (int point = 0; point < kPoints; ++point) {
+      const double count = std::max(1, measured[point]);
+      score.stiffness = std::min(score.stiffness, stiffness[point] / count);
+      score.share = std::min(score.share, share[point] / count);
+    }
+    score.lowestShare = std::min(score.lowestShare, score.share);
+    score.value = valueOf(setup, score);
+    scores.push_back(score);
+  }
+  return scores;
+}
+
+}  // namespace
+
+SurfaceScore judgeSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& options, std::uint32_t trial,
+                               int threads) {
+  return judgeAll(setup, {options}, trial, threads).front();
+}
+
+SurfaceServoOptions designSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& start,
+                                       int generations, int threads,
+                                       const std::function<bool(int, const SurfaceCandidate&)>& progress) {
+  SurfaceServoOptions parent = start;
+  double sigma = 1.0;
+  for (int generation = 0; generation < generations; ++generation) {
+    const auto number = static_cast<std::uint32_t>(generation);
+    std::vector<SurfaceServoOptions> family = {parent};
+    for (std::uint32_t child = 0; child < kChildren; ++child)
+      family.push_back(varied(parent, sigma, RandomStream(setup.seed, number * kChildren + child)));
+    const std::vector<SurfaceScore> scores = judgeAll(setup, family, number, threads);
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < family.size(); ++i)
+      if (scores[i].value > scores[best].value) best = i;
+    sigma = std::clamp(best == 0 ? 0.85 * sigma : 1.1 * sigma, 0.15, 2.0);
+    parent = family[best];
+    if (progress && !progress(generation, {parent, scores[best]})) break;
+  }
+  return parent;
+}
+
+}  // namespace enamel
