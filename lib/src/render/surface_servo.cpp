@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kNear = 2e-5;            // a contact that stays this far outside for a tick carries no force, m
 constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inertia
+constexpr double kAstray = 1e4;           // an innovation that no push explains, counts
 constexpr int kBlind = 3;                 // ticks after a jump in which no other is looked for
 // An innovation up to this share of what the last change of the command moved may be the model's error: less, and a
 // model that is 30 % too heavy takes its own commands for jumps.
@@ -261,6 +262,7 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   const int n = joints_;
   const Row response = inertia.responseOf(acted(input));
   Row innovation{};
+  bool astray = false;
   for (int i = 0; i < n; ++i) {
     const double acceleration = s.scale * response[i] + s.push[i];
     s.q[i] += s.rate[i] + 0.5 * acceleration;
@@ -269,7 +271,9 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     s.qByScale[i] += s.rateByScale[i] + 0.5 * byScale;
     s.rateByScale[i] += byScale;
     innovation[i] = input.kinematics.q[i] - s.q[i];
+    astray = astray || !(std::abs(innovation[i]) < kAstray * options_.count[i]);
   }
+  if (astray) return start(input);
   const double younger = jumpOf(input, inertia, response, innovation);
   if (younger > 0.0) {
     s.sinceJump = 0.0;
@@ -342,11 +346,12 @@ void SurfaceServoRenderer::findRows(const TickInput& input, const Inertia& inert
     rows.response[m] = inertia.response(row);
     for (int i = 0; i < n; ++i) rows.response[m][i] *= s.scale;
     rows.contact[m] = c;
-    p.r[m] = std::min(-k1 * gap - k2 * speed, outward - speed) - pushed;
     for (int other = 0; other <= m; ++other) p.G[m][other] = p.G[other][m] = dot(row, rows.response[other], n);
+    // The speed's limit is on what the force does to the device, whatever gives way beside it.
+    const double rigid = (1.0 + kRegularisation) * p.G[m][m];
+    p.G[m][m] = rigid + k1 / contact.material.stiffness;
+    p.r[m] = std::min(-k1 * gap - k2 * speed - pushed, (outward - speed - pushed) * p.G[m][m] / rigid);
   }
-  for (int m = 0; m < p.contacts; ++m)
-    p.G[m][m] += kRegularisation * p.G[m][m] + k1 / input.contacts.contacts[rows.contact[m]].material.stiffness;
   p.motors = n;
   for (int i = 0; i < n; ++i) {
     for (int m = 0; m < p.contacts; ++m) p.motor[i][m] = rows.row[m][i];
@@ -359,7 +364,8 @@ void SurfaceServoRenderer::findRows(const TickInput& input, const Inertia& inert
 SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& input, const Inertia& inertia,
                                                             const Row& q, const Row& rate, Rows& rows) noexcept {
   const Kinematics& k = input.kinematics;
-  const double T = options_.period, z = options_.pole;
+  // Slower than the wall's: what sticks need not stand at the edge, and counts are felt less.
+  const double T = options_.period, z = 0.5 * (1.0 + options_.pole);
   Row moved{}, ahead{}, torque{};
   for (int i = 0; i < joints_; ++i) {
     moved[i] = k.q[i] - state_.lastAngles[i];
@@ -402,8 +408,9 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
   const Kinematics& k = input.kinematics;
   if (k.q.size() != joints_ || k.inertia.rows() != joints_) return Status::outOfRange;
   Inertia inertia;
-  if (!inertia.set(k, options_.period)) return Status::singular;
+  if (!inertia.set(k, options_.period)) return Status::outOfRange;  // no mass matrix
   State& s = state_;
+  const State before = s;
   if (s.started == 0.0 || std::abs(input.time - s.lastTime - options_.period) > 0.5 * options_.period)
     start(input);  // the first tick, or one was missed
   else
@@ -432,7 +439,11 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
     output.torque[i] = k.gravity[i] + torque[i];
     s.commands[0][i] = std::clamp(output.torque[i], -input.maxTorque[i], input.maxTorque[i]);
   }
-  return Status::ok;
+  const double sum = output.torque.sum() + dot(s.q, s.q, joints_) + dot(s.rate, s.rate, joints_) +
+                     dot(s.push, s.push, joints_) + s.scale + output.normalForce;
+  if (std::isfinite(sum)) return Status::ok;
+  s = before;  // numbers that are finite each, but not together
+  return Status::notFinite;
 }
 
 }  // namespace enamel

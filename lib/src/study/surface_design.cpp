@@ -146,12 +146,13 @@ TrialResult perform(const SurfaceDesignSetup& setup, const Mechanism& model, con
       return result;
     }
     const ImpactTick seen{tick.nearest.gap, tick.gapRate, now.force, 0.0, tick.saturated};
+    // A turn in the tick in which the step comes is none of its doing.
     if (i >= onset - watched && i < onset) {
       watch.rest(seen);
       restSum += seen.gap;
     }
+    if (i > onset) watch.push(seen);
     if (i >= onset) {
-      watch.push(seen);
       const double height = seen.gap - restSum / watched;
       result.deepest = std::max(result.deepest, -height);
       if (!trial.ramp) result.bounce = std::max(result.bounce, height);

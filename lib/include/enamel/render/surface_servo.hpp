@@ -20,7 +20,7 @@
 //     quadratic program with the motors' limits among its bounds: a cut never turns the force. Contacts that the next
 //     tick will still find 20 um outside have none. Dependent contacts share by a regularisation of 0.1 %; a surface of
 //     stiffness k_m gives way by lambda / k_m.
-//  6. Friction along the surface: FrictionMemory, stuck as firmly as the servo can.
+//  6. Friction along the surface: FrictionMemory, stuck with the poles (1 + z) / 2.
 //
 // Proven: lambda >= 0, torques within limits, forces along N^T where a limit cuts. Stability, stiffness and chatter are
 // tested on the virtual devices, with inertias wrong by 30 % and every delay up to 3 ticks.

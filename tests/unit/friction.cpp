@@ -1,0 +1,123 @@
+// Friction: sticks below its limit, slides at it, and creates no energy.
+#include "enamel/render/friction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+#include "support/run_length.hpp"
+
+namespace enamel::test_friction {
+
+namespace {
+
+constexpr double kPeriod = 1e-3;
+constexpr Grasp kGrasp{20e3, 10.0};
+
+Contact rough(double friction, double sliding) {
+  Contact contact;
+  contact.obstacle = contact.part = 0;
+  contact.material.friction = friction;
+  contact.material.sliding = sliding;
+  return contact;
+}
+
+// A grasp as the servo chooses it for a mass: poles at 0.7.
+Grasp graspOf(double mass) {
+  constexpr double z = 0.7;
+  return {(1.0 - z) * (1.0 - z) * mass / (kPeriod * kPeriod), 0.5 * (1.0 - z) * (3.0 + z) * mass / kPeriod};
+}
+
+}  // namespace
+
+TEST_CASE("friction sticks below its limit and slides at it, against the motion", "[friction]") {
+  FrictionMemory memory;
+  const Contact contact = rough(0.5, 0.4);
+  const auto pulled = [&](double way) {
+    memory.begin();
+    const Vec3 force = memory.force(contact, {{way, 0, 0}, Vec3::Zero(), Vec3::Zero()}, kGrasp, 2.0);
+    memory.end();
+    return force;
+  };
+  CHECK(pulled(0.0).norm() == 0.0);
+  CHECK(pulled(40e-6).isApprox(Vec3(-0.8, 0, 0)));  // a spring
+  CHECK(pulled(-80e-6).isApprox(Vec3(0.8, 0, 0)));  // both ways
+  CHECK(
+      pulled(100e-6).isApprox(Vec3(-0.8, 0, 0), 1e-12));  // 60 um: 1.2 N would be above mu_s 2 N = 1 N: slides at 0.8 N
+  CHECK(pulled(1e-3).isApprox(Vec3(-0.8, 0, 0)));         // and on
+  CHECK(pulled(-10e-6).isApprox(Vec3(-0.6, 0, 0)));       // a spring again, from where it slid
+  // Lifted off for a tick: forgotten.
+  memory.begin();
+  memory.end();
+  CHECK(pulled(0.0).norm() == 0.0);
+}
+
+TEST_CASE("friction lies in the surface, is forgotten with the contact, and knows its obstacle and part",
+          "[friction]") {
+  FrictionMemory memory;
+  Contact first = rough(1.0, 1.0), second = first;
+  first.normal = Vec3(0.6, 0.0, 0.8);
+  second.part = 1;
+  const Slide slide{{10e-6, 20e-6, 30e-6}, Vec3::Zero(), Vec3::Zero()};
+  for (int i = 0; i < 2; ++i) {
+    memory.begin();
+    memory.force(second, slide, kGrasp, 100.0);
+    memory.force(first, slide, kGrasp, 100.0);
+    memory.end();
+  }
+  memory.begin();
+  const Slide none{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  const Vec3 a = memory.force(first, none, kGrasp, 100.0), b = memory.force(second, none, kGrasp, 100.0);
+  CHECK(std::abs(a.dot(first.normal)) < 1e-12);
+  // Only the second tick has moved a contact that was there before.
+  const Vec3 along = slide.way - first.normal.dot(slide.way) * first.normal;
+  CHECK(a.isApprox(-kGrasp.stiffness * along));
+  CHECK(b.isApprox(-kGrasp.stiffness * Vec3(10e-6, 20e-6, 0.0)));
+  // No normal force, no friction, no grasp: nothing.
+  CHECK(memory.force(first, slide, kGrasp, 0.0).norm() == 0.0);
+  CHECK(memory.force(rough(0.0, 0.0), slide, kGrasp, 1.0).norm() == 0.0);
+  CHECK(memory.force(first, slide, {0.0, 0.0}, 1.0).norm() == 0.0);
+}
+
+// A mass on a rough surface under a hand that changes its force at random, the model's mass wrong by up to 30 %. The
+// work that friction does on it may exceed zero only by what a single held tick can bring: a hand that turns inside a
+// tick moves the mass along with a force that cannot know.
+TEST_CASE("friction creates no energy on random paths", "[friction]") {
+  test::Random random(11);
+  const int paths = test::count(10000, 100000);
+  double stuck = 0.0, slid = 0.0;
+  for (int path = 0; path < paths; ++path) {
+    const double mass = random.uniform(0.05, 0.55), friction = random.uniform(0.1, 1.0);
+    const Grasp grasp = graspOf(mass * random.uniform(0.7, 1.3));
+    const Contact contact = rough(friction, friction * random.uniform(0.5, 1.0));
+    const double normal = random.uniform(1.0, 6.0), strength = random.uniform(0.0, 8.0),
+                 beat = random.uniform(0.0, 3.0);
+    FrictionMemory memory;
+    Vec3 x = Vec3::Zero(), last = x, v = x, hand = x;
+    double work = 0.0, largestTick = 0.0;
+    bool created = false;
+    for (int i = 0; i < 60; ++i) {
+      if (i % 10 == 0) hand = strength * Vec3(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.0);
+      memory.begin();
+      const double pressed = normal * (1.0 + 0.5 * std::sin(beat * i));
+      const Vec3 force = memory.force(contact, {x - last, Vec3::Zero(), v}, grasp, pressed);
+      memory.end();
+      last = x;
+      const Vec3 acceleration = (hand + force) / mass;
+      const Vec3 way = kPeriod * v + 0.5 * kPeriod * kPeriod * acceleration;
+      x += way;
+      v += kPeriod * acceleration;
+      const double tick = force.dot(way);
+      work += tick;
+      largestTick = std::max(largestTick, tick);
+      created = created || work > largestTick + 1e-12;
+      (force.norm() < contact.material.sliding * pressed * (1.0 - 1e-9) ? stuck : slid) += 1.0;
+    }
+    REQUIRE_FALSE(created);
+  }
+  CHECK(stuck > 5.0 * paths);  // both happened
+  CHECK(slid > 5.0 * paths);
+}
+
+}  // namespace enamel::test_friction

@@ -1,0 +1,328 @@
+// The contact-space servo: what it promises in a tick, and its file.
+#include "enamel/render/surface_servo.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "enamel/device/tau/mechanism.hpp"
+#include "enamel/render/surface_file.hpp"
+#include "enamel/sim/hand.hpp"
+#include "enamel/sim/virtual_loop.hpp"
+#include "enamel/study/surface_design.hpp"
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+#include "support/mechanisms.hpp"
+#include "support/run_length.hpp"
+
+namespace enamel::test_surface_servo {
+
+namespace {
+
+constexpr double kPeriod = 1e-3;
+
+std::shared_ptr<const Mechanism> tau() { return std::make_shared<TauMechanism>(test::nominal()); }
+
+SurfaceServoOptions optionsFor(const Mechanism& device, int delay) {
+  return surfaceServoFor(device.limits().count, kPeriod, delay, delay);
+}
+
+LoopSetup loopWith(const Scene& scene, int delay) {
+  LoopSetup setup;
+  setup.scene = scene;
+  setup.delay = {delay, delay};
+  setup.encoders = {true, RateSource::difference};
+  return setup;
+}
+
+// A hand that presses with `force` (W, N) and keeps the orientation.
+struct Hand {
+  Vec3 force;
+  Vec6 operator()(double, const Pose& pose, const Vec6& twist) const noexcept {
+    Vec6 wrench;
+    wrench << force, holdingMoment(pose.rotation, Mat3::Identity(), twist.tail<3>());
+    return wrench;
+  }
+};
+
+// The same that also keeps the TCP above the origin.
+struct FirmHand {
+  double force;
+  Vec6 operator()(double, const Pose& pose, const Vec6& twist) const noexcept {
+    Vec6 wrench = guidingWrench(pose, twist, Pose{}, Vec3::UnitZ());
+    wrench[2] -= force;
+    return wrench;
+  }
+};
+
+SurfaceDesignSetup judged(int delayLow, int delayHigh) {
+  SurfaceDesignSetup setup;
+  setup.plant = tau();
+  setup.delay = {delayLow, delayHigh};
+  setup.runs = test::count(9, 60);
+  return setup;
+}
+
+SurfaceScore judge(const SurfaceDesignSetup& setup) {
+  return judgeSurfaceServo(
+      setup, surfaceServoFor(setup.plant->limits().count, kPeriod, setup.delay.low, setup.delay.high), 7, 2);
+}
+
+}  // namespace
+
+// The bars of the wall: K_z1, chatter, bounce, ramp. The paper's law has 20 kN/m here without delay and is unstable
+// from 2 ticks on.
+TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[surface_servo]") {
+  const double stiffness[] = {200e3, 70e3, 34e3, 18e3}, ramp[] = {30e-6, 75e-6, 140e-6, 250e-6};
+  for (int delay = 0; delay <= 3; ++delay)
+    for (const double error : {0.0, 0.3}) {
+      SurfaceDesignSetup setup = judged(delay, delay);
+      setup.inertiaError = error;
+      const SurfaceScore s = judge(setup);
+      INFO("delay " << delay << ", inertia wrong by " << error << ": " << s.stiffness << " N/m, chatter " << s.chatter
+                    << ", bounce " << s.bounce << ", ramp " << s.ramp);
+      CHECK(s.lost == 0);
+      CHECK(s.stiffness > (error > 0.0 ? 0.85 : 1.0) * stiffness[delay]);
+      CHECK(s.chatter < 0.1);  // the bar is 0.05; its largest of a few dozen runs varies that much
+      CHECK(s.bounce < 0.35e-3);
+      CHECK(s.ramp < ramp[delay]);
+    }
+}
+
+TEST_CASE("a random delay loses no run", "[surface_servo]") {
+  const SurfaceScore s = judge(judged(0, 3));
+  CHECK(s.lost == 0);
+  CHECK(s.deepest < 1.1e-3);  // the paper's largest
+}
+
+TEST_CASE("the servo learns how heavy the device is", "[surface_servo]") {
+  const auto model = tau();
+  for (const double factor : {0.75, 1.3}) {  // of the plant
+    TauParameters heavier = test::nominal();
+    heavier.platform.mass *= factor * factor;
+    const TauMechanism plant(heavier);
+    const double share = effectiveMass(model->home(), Vec3::Zero(), Vec3::UnitZ()) /
+                         effectiveMass(plant.home(), Vec3::Zero(), Vec3::UnitZ());
+    SurfaceServoRenderer servo(optionsFor(*model, 0));
+    VirtualLoop loop(plant, *model, servo, loopWith(flatWall(), 0));
+    const RandomStream random(1, 1);
+    TickRecord tick;
+    for (std::uint64_t i = 0; i < 1500; ++i) {
+      const FirmHand hand{1.0 + 0.5 * random.normal(RandomStream::Purpose::noise, i)};
+      REQUIRE(loop.tick(hand, tick) == Status::ok);
+    }
+    CHECK(servo.inertiaScale() == Approx(share).epsilon(0.12));
+  }
+}
+
+TEST_CASE("the servo never pulls, pushes along the normal only, and lets the tool slide", "[surface_servo]") {
+  const auto device = tau();
+  test::Random random(3);
+  for (int direction = 0; direction < 10; ++direction) {
+    const Vec3 normal = (Vec3::UnitZ() + 0.6 * random.vector(1.0)).normalized();
+    const Vec3 along = normal.cross(Vec3::UnitX()).normalized();
+    Scene scene;
+    scene.add(halfSpace("wall", Vec3::Zero(), normal));
+    SurfaceServoRenderer servo(optionsFor(*device, 0));
+    VirtualLoop loop(*device, *device, servo, loopWith(scene, 0));
+    TickRecord tick;
+    double tangential = 0.0, pressed = 0.0, squares = 0.0, speed = 0.0;
+    for (int i = 0; i < 600; ++i) {
+      // Pressed with 10 N and drawn along at up to 0.1 m/s, then drawn off.
+      const Vec3 drag = i < 100 ? Vec3::Zero() : Vec3(20.0 * (0.1 - along.dot(tick.twist.head<3>())) * along);
+      const Hand hand{i < 500 ? Vec3(-10.0 * std::min(1.0, i / 50.0) * normal + drag) : Vec3(1.0 * normal)};
+      REQUIRE(loop.tick(hand, tick) == Status::ok);
+      const double force = normal.dot(tick.rendered.head<3>());
+      CHECK(force > -1e-3);  // the gravity of rounded joint angles
+      if (i >= 200 && i < 500) {
+        tangential += (tick.rendered.head<3>() - force * normal).norm();
+        pressed += force;
+        squares += tick.nearest.gap * tick.nearest.gap;
+        speed = along.dot(tick.twist.head<3>());
+      }
+    }
+    CHECK(tangential < 1e-3 * pressed);
+    CHECK(std::sqrt(squares / 300.0) < 10e-6);
+    CHECK(speed > 0.05);
+    CHECK(tick.nearest.gap > 1e-3);  // it let go
+    CHECK(tick.mode == RenderMode::free);
+  }
+}
+
+TEST_CASE("friction holds below its limit and drags above it", "[surface_servo]") {
+  const auto device = tau();
+  for (const double pull : {2.0, 4.0}) {  // of 10 N pressed, mu_s = 0.3: sticks, slides
+    Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());
+    wall.material.friction = 0.3;
+    wall.material.sliding = 0.25;
+    Scene scene;
+    scene.add(wall);
+    SurfaceServoRenderer servo(optionsFor(*device, 0));
+    VirtualLoop loop(*device, *device, servo, loopWith(scene, 0));
+    TickRecord tick;
+    double along = 0.0, pressed = 0.0;
+    for (int i = 0; i < 250; ++i) {
+      REQUIRE(loop.tick(Hand{{i < 200 ? 0.0 : pull, 0, -10.0}}, tick) == Status::ok);
+      if (i >= 220) {
+        along -= tick.rendered[0];
+        pressed += tick.rendered[2];
+      }
+    }
+    if (pull < 3.0) {
+      CHECK(std::abs(tick.pose.position.x()) < 0.3e-3);
+      CHECK(along == Approx(0.2 * pressed).epsilon(0.1));
+    } else {
+      CHECK(tick.pose.position.x() > 2e-3);
+      CHECK(along == Approx(0.25 * pressed).epsilon(0.1));
+    }
+  }
+}
+
+TEST_CASE("a soft surface gives way by its stiffness", "[surface_servo]") {
+  const auto device = tau();
+  Obstacle gum = halfSpace("gum", Vec3::Zero(), Vec3::UnitZ());
+  gum.material.stiffness = 2000.0;
+  Scene scene;
+  scene.add(gum);
+  SurfaceServoRenderer servo(optionsFor(*device, 0));
+  VirtualLoop loop(*device, *device, servo, loopWith(scene, 0));
+  TickRecord tick;
+  for (int i = 0; i < 800; ++i) REQUIRE(loop.tick(FirmHand{4.0}, tick) == Status::ok);
+  CHECK(-tick.nearest.gap == Approx(4.0 / 2000.0).epsilon(0.03));
+}
+
+TEST_CASE("a surface that is lowered is followed, one that vanishes has no force", "[surface_servo]") {
+  const auto device = tau();
+  SurfaceServoRenderer servo(optionsFor(*device, 0));
+  servo.activate(kPeriod);
+  TickInput input;
+  input.kinematics = device->home();
+  input.maxTorque = device->limits().torque;
+  input.contacts.count = 1;
+  TickOutput output;
+  for (int i = 0; i < 50; ++i) {
+    input.time = kPeriod * i;
+    input.contacts.contacts[0].gap = -1e-5;
+    REQUIRE(servo.step(input, output) == Status::ok);
+  }
+  CHECK(output.normalForce > 0.0);
+  input.time += kPeriod;
+  input.contacts.contacts[0].gap = 1e-3;
+  REQUIRE(servo.step(input, output) == Status::ok);
+  CHECK(output.normalForce == 0.0);
+  CHECK(output.torque.isApprox(input.kinematics.gravity));
+  input.time += kPeriod;
+  input.contacts.count = 0;
+  REQUIRE(servo.step(input, output) == Status::ok);
+  CHECK(output.mode == RenderMode::free);
+}
+
+TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[surface_servo]") {
+  const auto device = tau();
+  Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());
+  wall.material.friction = wall.material.sliding = 0.2;
+  Scene scene;
+  scene.add(wall);
+  SurfaceServoRenderer servo(optionsFor(*device, 2)), copy(optionsFor(*device, 2));
+  VirtualLoop loop(*device, *device, servo, loopWith(scene, 2));
+  TickRecord tick;
+  std::vector<TickInput> inputs;
+  std::vector<JointVector> torques;
+  std::vector<char> state;
+  for (int i = 0; i < 300; ++i) {
+    REQUIRE(loop.tick(Hand{{std::sin(0.1 * i), 0, i < 150 ? -2.0 : -12.0}}, tick) == Status::ok);
+    if (i == 100) {
+      state.resize(servo.stateSize());
+      servo.saveState(state.data());
+    } else if (i > 100) {
+      inputs.push_back(loop.input());
+      torques.push_back(tick.command);
+    }
+  }
+  copy.activate(kPeriod);
+  copy.loadState(state.data());
+  TickOutput output;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    REQUIRE(copy.step(inputs[i], output) == Status::ok);
+    REQUIRE(output.torque == torques[i]);
+  }
+}
+
+TEST_CASE("the servo's options are checked", "[surface_servo]") {
+  const auto device = tau();
+  const SurfaceServoOptions good = optionsFor(*device, 0);
+  const auto refuse = [&](const std::string& message, const auto& damage) {
+    SurfaceServoOptions bad = good;
+    damage(bad);
+    CHECK_THROWS_WITH(SurfaceServoRenderer(bad), message);
+  };
+  refuse("surface servo: no encoder count is given", [](auto& o) { o.count.resize(0); });
+  refuse("surface servo: an encoder's count is 0, must be in 1e-12 to 1 rad or m", [](auto& o) { o.count[2] = 0.0; });
+  refuse("surface servo: pole is 1.2, must be in 0 to 0.999", [](auto& o) { o.pole = 1.2; });
+  refuse("surface servo: the largest delay is 9, must be in 0 to 8 ticks", [](auto& o) { o.delayHigh = 9; });
+  refuse("surface servo: the smallest delay is 3, must be in 0 to 2 ticks",
+         [](auto& o) { o.delayLow = 3, o.delayHigh = 2; });
+  refuse("surface servo: tremor is nan, must be in 0 to 1000 counts/tick^2", [](auto& o) { o.tremor = std::nan(""); });
+  SurfaceServoRenderer servo(good);
+  CHECK_THROWS_AS(servo.activate(2e-3), Error);
+  servo.activate(kPeriod);
+  TickInput input;
+  TickOutput output;
+  CHECK(servo.step(input, output) == Status::outOfRange);
+}
+
+TEST_CASE("the servo's file is read as it was written, and refused with its key", "[surface_servo]") {
+  const auto device = tau();
+  const SurfaceServoOptions options = surfaceServoFor(device->limits().count, kPeriod, 0, 3);
+  const std::string path = (std::filesystem::temp_directory_path() / "enamel-surface-servo.json").string();
+  const std::string text = surfaceServoText({"tau-nominal.toml", options});
+  const auto write = [&path](const std::string& content) { std::ofstream(path) << content; };
+  write(text);
+  CHECK(isSurfaceServo(path));
+  const SurfaceServoFile file = loadSurfaceServo(path);
+  CHECK(file.model == "tau-nominal.toml");
+  CHECK(file.options.count == options.count);
+  CHECK(file.options.delayLow == 0);
+  CHECK(file.options.delayHigh == 3);
+  CHECK(file.options.horizon == options.horizon);
+  for (const SurfaceServoParameter& p : surfaceServoParameters()) CHECK(file.options.*p.value == options.*p.value);
+
+  const auto refuse = [&](const std::string& from, const std::string& to, const std::string& message) {
+    std::string damaged = text;
+    const auto at = damaged.find(from);
+    REQUIRE(at != std::string::npos);
+    write(damaged.replace(at, from.size(), to));
+    CHECK_THROWS_WITH(loadSurfaceServo(path), path + ": " + message);
+  };
+  refuse("\"kind\": \"surface\"", "\"kind\": \"hold\"", "kind: must be \"surface\"");
+  refuse("\"wander\"", "\"wonder\"", "wander: is missing");
+  refuse("\"horizon\": 2", "\"horizon\": 2.5", "horizon: must be a whole number of ticks in 0 to 8");
+  refuse("\"period\": 0.001", "\"period\": \"fast\"", "period: must be a number");
+  refuse("\"count\": [", "\"count\": [\"x\",", "count[0]: must be a number");
+  refuse("{", "", "is not the JSON of a servo design");
+  write("{}");
+  CHECK_FALSE(isSurfaceServo(path));
+  std::filesystem::remove(path);
+  CHECK_FALSE(isSurfaceServo(path));
+}
+
+TEST_CASE("a designed servo does not depend on the number of threads", "[surface_servo]") {
+  SurfaceDesignSetup setup = judged(0, 0);
+  setup.runs = 1;
+  const SurfaceServoOptions start = optionsFor(*setup.plant, 0);
+  std::vector<double> first;
+  for (const int threads : {1, 3}) {
+    std::vector<double> seen;
+    const SurfaceServoOptions best = designSurfaceServo(setup, start, 2, threads, [&](int, const SurfaceCandidate& c) {
+      seen.push_back(c.score.value);
+      return true;
+    });
+    for (const SurfaceServoParameter& p : surfaceServoParameters()) seen.push_back(best.*p.value);
+    if (first.empty()) first = seen;
+    CHECK(seen == first);
+  }
+  setup.plant = nullptr;
+  CHECK_THROWS_AS(judgeSurfaceServo(setup, start, 0, 1), Error);
+}
+
+}  // namespace enamel::test_surface_servo
