@@ -5,7 +5,7 @@
 // is a body of its own.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <array>
 #include <cmath>
 
@@ -19,7 +19,6 @@ class AssembledDelta {
   static constexpr int kCoordinates = 21;
   /// A leg: far end of the other bar on the far crossbar (3), platform joint (3), its axis (2). 6 of 24 are redundant.
   static constexpr int kClosures = 24;
-  using Rates = Eigen::Matrix<double, kCoordinates, 1>;
 
   /// `q` and `position` must belong together; closureError() says by how much they do not. `extraInertia` is a tensor
   /// of the platform about `com`: with a platform that cannot turn neither must matter.
@@ -44,9 +43,9 @@ class AssembledDelta {
     rates_.setZero();
     rates_.segment<3>(15) = velocity;
     assemble();
-    const Eigen::Matrix<double, kClosures, 15> joints = closures_.leftCols<15>();
-    const Eigen::Matrix<double, kClosures, 1> right = -closures_.rightCols<6>() * rates_.tail<6>();
-    rates_.head<15>() = joints.completeOrthogonalDecomposition().solve(right);
+    const Eigen::VectorXd twist = rates_.tail<6>(), right = -closures_.rightCols(6) * twist;
+    const Eigen::VectorXd joints = Eigen::FullPivLU<Eigen::MatrixXd>(closures_.leftCols(15)).solve(right);
+    rates_.head<15>() = joints;
     closureError_ = std::max(closureError_, (closures_ * rates_).norm());
     assemble();
   }
@@ -58,20 +57,18 @@ class AssembledDelta {
 
   /// [q''; V'] under torques and a wrench on the platform at the TCP.
   Eigen::Matrix<double, 9, 1> accelerations(const Vec3& torque, const Vec6& wrench) const {
-    Eigen::Matrix<double, kCoordinates, 1> force = force_;
+    Eigen::VectorXd force = force_;
     for (int i = 0; i < 3; ++i) force[5 * i] += torque[i] - device_.motor.viscousFriction * rates_[5 * i];
     force.tail<6>() += wrench;
     force.segment<3>(15) -= device_.platform.damping.cwiseProduct(rates_.segment<3>(15));
-    const Eigen::MatrixXd a = closures_;
-    const Eigen::VectorXd particular = a.completeOrthogonalDecomposition().solve(-closureBias_);
-    Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeFullV);
-    const Eigen::MatrixXd free = svd.matrixV().rightCols(3);
-    freedoms_ = 0;
-    const double scale = svd.singularValues()[0];
-    for (int k = 0; k < kCoordinates; ++k)
-      if (svd.singularValues()[k] < 1e-9 * scale) ++freedoms_;
-    const Eigen::VectorXd y =
-        (free.transpose() * mass_ * free).llt().solve(free.transpose() * (force - mass_ * particular));
+    Eigen::FullPivLU<Eigen::MatrixXd> closures(kClosures, kCoordinates);
+    closures.setThreshold(1e-9);
+    closures.compute(closures_);
+    const Eigen::MatrixXd free = closures.kernel(), freeT = free.transpose(), massOfFree = mass_ * free;
+    freedoms_ = static_cast<int>(free.cols());
+    const Eigen::VectorXd particular = closures.solve(-closureBias_), rest = force - mass_ * particular;
+    const Eigen::MatrixXd reduced = freeT * massOfFree;
+    const Eigen::VectorXd y = Eigen::FullPivLU<Eigen::MatrixXd>(reduced).solve(Eigen::VectorXd(freeT * rest));
     const Eigen::VectorXd x = particular + free * y;
     Eigen::Matrix<double, 9, 1> result;
     result << x[0], x[5], x[10], x.tail<6>();
@@ -175,11 +172,9 @@ class AssembledDelta {
   const Vec3 position_, com_;
   const Mat3 inertia_;
   std::array<Leg, 3> legs_;
-  Rates rates_;
-  Eigen::Matrix<double, kCoordinates, kCoordinates> mass_;
-  Eigen::Matrix<double, kCoordinates, 1> force_;
-  Eigen::Matrix<double, kClosures, kCoordinates> closures_;
-  Eigen::Matrix<double, kClosures, 1> closureBias_;
+  // Of one type where a size gains nothing: what Eigen does with each compiles for seconds.
+  Eigen::MatrixXd mass_{kCoordinates, kCoordinates}, closures_{kClosures, kCoordinates};
+  Eigen::VectorXd rates_{kCoordinates}, force_{kCoordinates}, closureBias_{kClosures};
   double closureError_ = 0.0, potential_ = 0.0;
   mutable int freedoms_ = 0;
 };

@@ -82,7 +82,7 @@ TEST_CASE("delta: forward dynamics equal an assembled system with loop closures"
       CHECK(assembled.freedoms() == 3);
       Vec6 acceleration;
       REQUIRE(mechanism.accelerate(pose, twist, torque, wrench, acceleration) == Status::ok);
-      // A null space by SVD of 24 x 21 and the condition number of the inertia (10): 1e3 roundings and some more.
+      // A null space of 24 x 21 and the condition number of the inertia (10): 1e3 roundings and some more.
       const double error = relativeError(acceleration.head<3>(), reference.segment<3>(3));
       worst = std::max(worst, error);
       CHECK(error < 1e-11);
