@@ -22,14 +22,16 @@ ServoWeights weightsOf(const LogWeights& w) {
 int ticksOf(double seconds, double period) { return static_cast<int>(std::lround(seconds / period)); }
 
 bool keepsTo(const TuneProblem& problem, const TuneRequirements& requirements, const TunedServo& servo) {
-  if (servo.diskMargin < requirements.diskMargin || !(servo.chatter <= requirements.chatter)) return false;
+  if (!(servo.chatter <= requirements.chatter)) return false;
   if (!requirements.stepResponse) return true;
   const auto rows = measureRequirements(servo.design, linearPlant(servo.design, problem.jacobian), problem.jacobian);
   return std::all_of(rows.begin(), rows.begin() + 3, [](const Requirement& row) { return row.met(); });
 }
 
-// As judgeServo; empty also where the stiffness is not above `toBeat`, which is known long before the rest.
-std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const ServoWeights& weights, double toBeat) {
+// As judgeServo; empty also where the stiffness is not above `toBeat` or the disk margin below `leastMargin`, which are
+// known long before the rest.
+std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const ServoWeights& weights, double toBeat,
+                                double leastMargin) {
   TunedServo servo;
   try {
     servo.design = designServo(problem.plant, problem.period, weights);
@@ -50,6 +52,7 @@ std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const Ser
   servo.toleratedDelay = toleratedDelay(loop, servo.design.K);
   if (servo.toleratedDelay < delay) return std::nullopt;
   servo.diskMargin = diskMargin(loop, servo.design.K, problem.period, delay);
+  if (servo.diskMargin < leastMargin) return std::nullopt;
   experiment.ticks = ticksOf(kChatterSeconds, problem.period);
   experiment.encoderStep = problem.encoderStep;
   servo.chatter = torqueDeviation(simulateServo(servo.design, plant, experiment), ticksOf(1.0, problem.period));
@@ -59,7 +62,7 @@ std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const Ser
 }  // namespace
 
 std::optional<TunedServo> judgeServo(const TuneProblem& problem, int delay, const ServoWeights& weights) {
-  return judge(problem, delay, weights, 0.0);
+  return judge(problem, delay, weights, 0.0, 0.0);
 }
 
 std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequirements& requirements) {
@@ -67,7 +70,8 @@ std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequir
   LogWeights at{};
   const auto improve = [&](const LogWeights& candidate) {
     const double toBeat = best ? best->stiffness : 0.0;
-    std::optional<TunedServo> servo = judge(problem, requirements.delay, weightsOf(candidate), toBeat);
+    std::optional<TunedServo> servo =
+        judge(problem, requirements.delay, weightsOf(candidate), toBeat, requirements.diskMargin);
     if (!servo || !keepsTo(problem, requirements, *servo)) return false;
     best = std::move(servo);
     at = candidate;
