@@ -60,7 +60,7 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
   CHECK(file(folder, "other", "runs.csv") != runs);
 
   // Long enough that the signal arrives before the end on any machine.
-  const std::string longer = "--renderers position-control --scenario 1 --grid 3 --runs 16";
+  const std::string longer = "--renderers position-control --scenario 1 --grid 3 --runs 8";
   REQUIRE(runAlone(study(folder, "whole", longer)).status == 0);
   const std::string whole = file(folder, "whole", "runs.csv");
   for (const char* signal : {"INT", "TERM", "KILL"}) {
