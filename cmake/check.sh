@@ -1,7 +1,7 @@
 #!/bin/sh
-# Installs what is missing, builds, runs every test: with assertions, with sanitizers, the threads with theirs, and the
-# allocation tests in the release build, whose bits are those of the Debug build. `check.sh --long` runs the full counts
-# (millions of poses, soaks). The tests of one build run beside the next build.
+# Installs what is missing, builds, runs every test: optimised with assertions, with sanitizers, the threads with theirs.
+# The bits of the optimised build are those of the Debug build. `check.sh --long` runs the full counts (millions of poses,
+# soaks). The tests of one build run beside the next build.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh
@@ -59,13 +59,11 @@ else
 fi
 build tsan -- tests_unit
 start "tsan: threads and their exchange of data" --preset tsan -L threads
-build release -- tests_realtime test_bits
-start "release: allocations" --preset release -L realtime
 build dev -- test_bits
 finish
 
-say "debug and release: the same bits"
+say "debug and optimised: the same bits"
 build/dev/tests/test_bits >"$folder/debug"
-build/release/tests/test_bits >"$folder/release"
-cmp "$folder/debug" "$folder/release"
+build/ci/tests/test_bits >"$folder/optimised"
+cmp "$folder/debug" "$folder/optimised"
 say "all checks passed"
