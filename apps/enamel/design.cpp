@@ -269,8 +269,8 @@ void addDesign(CLI::App& app) {
   command->add_option("--half-width", options->search.halfWidth, "--surface: of the wall, m")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  command->add_option("--most-chatter", options->search.chatter, "--surface: largest chatter, N m or N")
-      ->check(CLI::PositiveNumber)
+  command->add_option("--most-chatter", options->search.chatter, "--surface: largest chatter, N m or N; 0: 2.5 % of the weakest motor")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--generations", options->search.generations, "--surface: of the search, 8 servos each")
       ->check(CLI::Range(0, 10000))

@@ -37,8 +37,9 @@ void designSurface(const SurfaceDesignOptions& options) {
   setup.delay = options.delay;
   setup.inertiaError = options.inertiaError;
   setup.halfWidth = options.halfWidth;
-  setup.chatter = options.chatter;
+  setup.chatter = options.chatter > 0.0 ? options.chatter : 0.025 * setup.plant->limits().torque.minCoeff();
   setup.seed = options.seed;
+  setup = withinMotors(setup);
   const SurfaceServoOptions start =
       surfaceServoFor(setup.plant->limits().count, options.period, options.delay.low, options.delay.high);
 

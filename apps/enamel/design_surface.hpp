@@ -13,7 +13,7 @@ struct SurfaceDesignOptions {
   std::string device, output;
   double period = 1e-3;  ///< s
   Delay delay;
-  double inertiaError = 0.0, halfWidth = 0.025, chatter = 0.05;  ///< share, m, N m
+  double inertiaError = 0.0, halfWidth = 0.025, chatter = 0.0;  ///< share; m; N m or N, 0: 2.5 % of the weakest motor
   int generations = 60, threads = 0;                             ///< 0: all
   std::uint64_t seed = 1;
 };

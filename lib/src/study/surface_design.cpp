@@ -15,6 +15,7 @@
 namespace enamel {
 namespace {
 
+constexpr const char* kNoPlant = "surface servo: no device to design for";
 constexpr int kPoints = 5, kChildren = 8;
 constexpr double kSettling = 0.5, kAfter = 0.4, kRampTime = 0.05;  // s
 constexpr double kQuiet = 0.25;                                    // s at the end of either part, for the chatter
@@ -102,11 +103,16 @@ Pose pointOf(const SurfaceDesignSetup& setup, int point) {
   return pose;
 }
 
-double limitAt(const SurfaceDesignSetup& setup, const Pose& pose, double force) {
+Kinematics kinematicsAt(const SurfaceDesignSetup& setup, const Pose& pose) {
   Kinematics k = setup.plant->home();
   require(setup.plant->reach(pose, Vec6::Zero(), true, k) == Status::ok,
           "surface servo: the device cannot reach a corner of the wall; make its half width of " +
               formatNumber(setup.halfWidth) + " m smaller");
+  return k;
+}
+
+double limitAt(const SurfaceDesignSetup& setup, const Pose& pose, double force) {
+  const Kinematics k = kinematicsAt(setup, pose);
   return firstImpactLimit(effectiveMass(k, pose.position, Vec3::UnitZ()), setup.period, setup.delay.high, force,
                           largestForce(k, setup.plant->limits().torque, Vec3::UnitZ()), setup.preload);
 }
@@ -222,7 +228,7 @@ SurfaceServoOptions varied(const SurfaceServoOptions& parent, double sigma, cons
 
 std::vector<SurfaceScore> judgeAll(const SurfaceDesignSetup& setup, const std::vector<SurfaceServoOptions>& candidates,
                                    std::uint32_t trialNumber, int threads) {
-  require(setup.plant != nullptr, "surface servo: no device to design for");
+  require(setup.plant != nullptr, kNoPlant);
   require(setup.runs >= 1 && setup.runs <= 10000, "surface servo: the runs must be in 1 to 10000");
   std::vector<std::shared_ptr<const Mechanism>> models = {setup.plant};
   if (setup.inertiaError > 0.0)
@@ -289,6 +295,20 @@ std::vector<SurfaceScore> judgeAll(const SurfaceDesignSetup& setup, const std::v
 }
 
 }  // namespace
+
+SurfaceDesignSetup withinMotors(SurfaceDesignSetup setup) {
+  require(setup.plant != nullptr, kNoPlant);
+  constexpr double kShare = 0.3;
+  double share = 1.0;
+  for (int point = 0; point < kPoints; ++point) {
+    const double most =
+        largestForce(kinematicsAt(setup, pointOf(setup, point)), setup.plant->limits().torque, Vec3::UnitZ());
+    share = std::min(share, kShare * most / setup.highestForce);
+  }
+  for (double* force : {&setup.preload, &setup.lowestForce, &setup.highestForce, &setup.noise, &setup.ramp})
+    *force *= share;
+  return setup;
+}
 
 SurfaceScore judgeSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& options, std::uint32_t trial,
                                int threads) {

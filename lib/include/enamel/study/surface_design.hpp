@@ -27,6 +27,10 @@ struct SurfaceDesignSetup {
   std::uint64_t seed = 1;
 };
 
+/// The same with forces that the motors can answer: all are made smaller together until the largest push is 0.3 of what
+/// the motors can give at the worst of the points. Throws Error: as judgeSurfaceServo(). Realtime: no.
+SurfaceDesignSetup withinMotors(SurfaceDesignSetup setup);
+
 /// How a servo did.
 struct SurfaceScore {
   double stiffness = 0.0;    ///< K_z1, lowest of the points' means, N/m
