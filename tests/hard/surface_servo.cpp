@@ -1,0 +1,339 @@
+// The contact-space servo where it is hard: corners, slots, impacts, motors at their limits, tools far from the TCP,
+// teeth.
+#include "enamel/render/surface_servo.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+#include <iostream>
+
+#include "enamel/collision/scene_file.hpp"
+#include "enamel/collision/tool_sweep.hpp"
+#include "enamel/control/tuning.hpp"
+#include "enamel/device/device_file.hpp"
+#include "enamel/device/tau/mechanism.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/sim/hand.hpp"
+#include "enamel/sim/virtual_loop.hpp"
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+#include "support/run_length.hpp"
+
+namespace enamel::test_surface_servo {
+
+namespace {
+
+constexpr double kPeriod = 1e-3;
+
+struct Setting {
+  Scene scene;
+  Tool tool;
+  Pose start;
+  int delay = 0;
+};
+
+// Runs the loop; force(time, pose, twist) is the person's on the TCP, `seen` looks at every tick. False: lost.
+using Force = std::function<Vec3(double, const Pose&, const Vec6&)>;
+bool run(const Mechanism& device, Renderer& renderer, const Setting& setting, double duration, const Force& force,
+         const std::function<void(const TickRecord&)>& seen) {
+  LoopSetup setup;
+  setup.scene = setting.scene;
+  setup.tool = setting.tool;
+  setup.start = setting.start;
+  setup.delay = {setting.delay, setting.delay};
+  setup.encoders = {true, RateSource::difference};
+  VirtualLoop loop(device, device, renderer, setup);
+  const auto load = [&](double time, const Pose& pose, const Vec6& twist) {
+    Vec6 wrench;
+    wrench << force(time, pose, twist), holdingMoment(pose.rotation, setup.start.rotation, twist.tail<3>());
+    return wrench;
+  };
+  TickRecord tick;
+  for (int i = 0; i < std::lround(duration / kPeriod); ++i) {
+    if (loop.tick(load, tick) != Status::ok || tick.status != Status::ok) return false;
+    seen(tick);
+  }
+  return true;
+}
+
+SurfaceServoRenderer servoFor(const Mechanism& device, int delay) {
+  return SurfaceServoRenderer(surfaceServoFor(device.limits().count, kPeriod, delay, delay));
+}
+
+Scene wallsWith(const std::vector<Vec3>& normals) {
+  Scene scene;
+  for (const Vec3& n : normals) {
+    const std::string name = std::to_string(scene.obstacles().size());
+    scene.add(halfSpace(name, Vec3::Zero(), n.normalized()));
+  }
+  return scene;
+}
+
+Tool ball(double radius, const Vec3& centre = Vec3::Zero()) {
+  Tool tool;
+  tool.parts[0] = {centre, centre, radius};
+  return tool;
+}
+
+// Amplitude of the strongest oscillation of a motor's torque above 20 Hz, N m: the largest line of its spectrum.
+double strongestLine(const std::vector<JointVector>& torques) {
+  const auto count = static_cast<int>(torques.size());
+  double strongest = 0.0;
+  for (Eigen::Index joint = 0; joint < torques[0].size(); ++joint)
+    for (int line = 20 * count / 1000; line < count / 2; line += 2) {
+      double c = 0.0, s = 0.0;
+      for (int i = 0; i < count; ++i) {
+        const double phase = 2.0 * M_PI * line * i / count;
+        c += torques[static_cast<std::size_t>(i)][joint] * std::cos(phase);
+        s += torques[static_cast<std::size_t>(i)][joint] * std::sin(phase);
+      }
+      strongest = std::max(strongest, 2.0 / count * std::hypot(c, s));
+    }
+  return strongest;
+}
+
+}  // namespace
+
+TEST_CASE("corners, valleys and slots hold without oscillation", "[hard]") {
+  const TauMechanism device(test::nominal());
+  const double steep = 15.0 * M_PI / 180.0;
+  struct Case {
+    const char* name;
+    Setting setting;
+    Vec3 push;
+    double depth;  // allowed, m
+  };
+  std::vector<Case> cases;
+  const auto add = [&](const char* name, const Scene& scene, const Vec3& start, const Vec3& push, double depth) {
+    cases.push_back({name, {scene, ball(0.003), {start, Mat3::Identity()}, 0}, push, depth});
+  };
+  add("90 deg", wallsWith({{1, 0, 0}, {0, 0, 1}}), {0.006, 0, 0.006}, {-7, 0, -7}, 1e-4);
+  add("30 deg", wallsWith({{std::cos(steep), 0, std::sin(steep)}, {-std::cos(steep), 0, std::sin(steep)}}),
+      {0, 0, 0.02}, {0, 0, -10}, 1e-4);
+  add("three walls", wallsWith({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}), {0.006, 0.006, 0.006}, {-6, -6, -6}, 1e-4);
+  add("dependent walls", wallsWith({{0, 0, 1}, {2e-4, 0, 1}, {-2e-4, 0, 1}, {0, 1e-4, 1}}), {0, 0, 0.004}, {0, 0, -10},
+      1e-4);
+  for (const double narrow : {0.0, 1e-4, 2e-4}) {  // no pose is without penetration: half of it on either side
+    Scene scene;
+    scene.add(halfSpace("left", {-0.003 + 0.5 * narrow, 0, 0}, Vec3::UnitX()));
+    scene.add(halfSpace("right", {0.003 - 0.5 * narrow, 0, 0}, -Vec3::UnitX()));
+    scene.add(halfSpace("floor", {0, 0, -0.004}, Vec3::UnitZ()));
+    add("slot", scene, {0, 0, 0.004}, {0, 0, -8}, 1e-4 + 0.5 * narrow);
+  }
+  for (const int delay : {0, 1, 2, 3})
+    for (Case& c : cases) {
+      c.setting.delay = delay;
+      SurfaceServoRenderer servo = servoFor(device, delay);
+      std::vector<JointVector> torques;
+      double deepest = 0.0;
+      const bool stayed = run(
+          device, servo, c.setting, 3.0,
+          [&](double time, const Pose&, const Vec6& twist) {
+            return Vec3(std::min(1.0, time / 0.2) * c.push - 3.6 * twist.head<3>());
+          },
+          [&](const TickRecord& tick) {
+            if (tick.time > 1.0) deepest = std::max(deepest, -tick.nearest.gap);
+            if (tick.time >= 2.0) torques.push_back(tick.command);
+          });
+      INFO(c.name << ", delay " << delay);
+      REQUIRE(stayed);
+      CHECK(strongestLine(torques) < 0.02);
+      CHECK(deepest < c.depth);
+    }
+}
+
+TEST_CASE("an impact is stopped within the limit, and nothing pushes long before it", "[hard]") {
+  const TauMechanism device(test::nominal());
+  const double mass = effectiveMass(device.home(), Vec3::Zero(), Vec3::UnitZ()),
+               most = largestForce(device.home(), device.limits().torque, Vec3::UnitZ());
+  for (const int delay : {0, 1, 2, 3})
+    for (const double speed : {0.05, 0.2, 0.5}) {
+      SurfaceServoRenderer servo = servoFor(device, delay);
+      Setting setting{flatWall(), Tool(), {{0, 0, 0.03}, Mat3::Identity()}, delay};
+      bool touched = false;
+      double arrived = 0.0, deepest = 0.0, highest = 0.0, early = -1.0;
+      const bool stayed = run(
+          device, servo, setting, 0.06 / speed + 0.4,
+          [&](double, const Pose& pose, const Vec6& twist) {
+            Vec3 force = -100.0 * pose.position - 3.6 * twist.head<3>();
+            force.z() = touched ? -1.0 : pose.position.z() > 0.004 ? -60.0 * mass * (twist[2] + speed) : 0.0;
+            return force;
+          },
+          [&](const TickRecord& tick) {
+            if (!touched && tick.nearest.gap > 1.5e-3) arrived = -tick.gapRate;
+            touched = touched || tick.nearest.gap < 3e-5;
+            if (!touched && tick.rendered[2] > 0.3)
+              early = std::max(early, tick.nearest.gap - (arrived * kPeriod + 2e-5));
+            deepest = std::max(deepest, -tick.nearest.gap);
+            if (touched) highest = std::max(highest, tick.nearest.gap);
+          });
+      const double late = (delay + 1) * kPeriod;
+      INFO("delay " << delay << ", speed " << arrived << ": depth " << deepest << ", bounce " << highest);
+      REQUIRE(stayed);
+      REQUIRE(touched);
+      CHECK(deepest < arrived * late + 0.5 * mass * arrived * arrived / (most - 1.0));
+      CHECK(highest < 0.4e-3);  // the bar is 0.2; at 0.5 m/s and two ticks of delay it is 0.3
+      CHECK(early <= 0.0);
+    }
+}
+
+TEST_CASE("a push beyond the motors turns no force, and leaves within limits", "[hard]") {
+  const TauMechanism device(test::nominal());
+  const double most = largestForce(device.home(), device.limits().torque, Vec3::UnitZ());
+  for (const int delay : {0, 1, 2, 3}) {
+    SurfaceServoRenderer servo = servoFor(device, delay);
+    double share = 0.0, turned = 0.0;
+    const bool stayed = run(
+        device, servo, {flatWall(), Tool(), Pose{}, delay}, 1.2,
+        [&](double time, const Pose& pose, const Vec6& twist) {
+          Vec3 force = -100.0 * pose.position - 3.6 * twist.head<3>();
+          force.z() = time >= 0.6 && time < 0.61 ? -1.5 * most : -1.0;
+          return force;
+        },
+        [&](const TickRecord& tick) {
+          share = std::max(share, (tick.command.array().abs() / device.limits().torque.array()).maxCoeff());
+          Kinematics k = device.home();
+          if (device.track(tick.q, JointVector::Zero(6), false, k) != Status::ok) return;
+          const Vec3 force = wrenchOf(k, tick.command - k.gravity).head<3>();
+          if (force.norm() > 1.0) turned = std::max(turned, std::acos(std::min(1.0, force.z() / force.norm())));
+        });
+    REQUIRE(stayed);
+    CHECK(share <= 1.0 + 1e-12);
+    CHECK(turned < M_PI / 180.0);
+  }
+}
+
+TEST_CASE("a tip 60 mm from the TCP is as good, as a share of its own limit", "[hard]") {
+  const TauMechanism device(test::nominal());
+  test::Random random(17);
+  const Vec3 offset(0, 0, -0.06);
+  for (int i = 0; i < test::count(24, 200); ++i) {
+    const int delay = i % 4;
+    const Vec3 normal = random.direction();
+    Setting setting{Scene(), ball(0.0, offset), {random.vector(0.02), Mat3::Identity()}, delay};
+    const Vec3 tip = setting.start.position + offset;
+    setting.scene.add(halfSpace("wall", tip, normal));
+    Kinematics k = device.home();
+    REQUIRE(device.reach(setting.start, Vec6::Zero(), true, k) == Status::ok);
+    Vec6 unit;
+    unit << normal, offset.cross(normal);
+    const JointVector torque = torqueOf(k.jacobian, unit);
+    double most = 1e9;
+    for (int j = 0; j < 6; ++j)
+      most = std::min(most, (device.limits().torque[j] - std::copysign(k.gravity[j], torque[j] * k.gravity[j])) /
+                                std::abs(torque[j]));
+    const double preload = 0.05 * most, push = 0.35 * most;
+    SurfaceServoRenderer servo = servoFor(device, delay);
+    // The person holds the tip, so the load is a wrench of its own.
+    LoopSetup setup;
+    setup.scene = setting.scene;
+    setup.tool = setting.tool;
+    setup.start = setting.start;
+    setup.delay = {delay, delay};
+    setup.encoders = {true, RateSource::difference};
+    VirtualLoop loop(device, device, servo, setup);
+    double deepest = 0.0, rest = 0.0;
+    TickRecord tick;
+    for (int t = 0; t < 900; ++t) {
+      const double pressed = t >= 600 ? push : preload;
+      const auto load = [&](double, const Pose& pose, const Vec6& twist) {
+        const Vec3 arm = pose.rotation * offset;
+        const Vec3 pull = kGuide.stiffness * (pose.position + arm - tip) +
+                          kGuide.damping * (twist.head<3>() + twist.tail<3>().cross(arm));
+        const Vec3 force = -pressed * normal - (pull - normal.dot(pull) * normal);
+        Vec6 wrench;
+        wrench << force, arm.cross(force) + holdingMoment(pose.rotation, Mat3::Identity(), twist.tail<3>());
+        return wrench;
+      };
+      REQUIRE(loop.tick(load, tick) == Status::ok);
+      if (t >= 500 && t < 600) rest += 0.01 * tick.nearest.gap;
+      if (t >= 600) deepest = std::max(deepest, rest - tick.nearest.gap);
+    }
+    const double limit = firstImpactLimit(effectiveMass(k, tip, normal), kPeriod, delay, push, most, preload);
+    INFO("case " << i << ": " << (push - preload) / deepest << " N/m of " << limit);
+    CHECK((push - preload) / deepest > 0.3 * limit);
+  }
+}
+
+// Where a tool that comes down near `around` meets the highest place.
+Vec3 highestNear(const Scene& scene, const Tool& tool, const Vec3& around) {
+  Vec3 highest(0, 0, -1.0);
+  for (double x = -0.006; x <= 0.006; x += 0.0005)
+    for (double y = -0.006; y <= 0.006; y += 0.0005) {
+      const Vec3 place(around.x() + x, around.y() + y, 0.0);
+      const ToolSweep hit = sweepTool(scene, tool, {place + Vec3(0, 0, 0.03), Mat3::Identity()},
+                                      {place - Vec3(0, 0, 0.03), Mat3::Identity()}, nullptr);
+      if (hit.hit && hit.contact.point.z() > highest.z()) highest = {place.x(), place.y(), hit.contact.point.z()};
+    }
+  return highest;
+}
+
+// A hand that is led in circles over a tooth and presses against it: the tool slides, with both renderers.
+TEST_CASE("a tool slides over teeth", "[hard]") {
+  const TauMechanism device(test::nominal());
+  for (const char* name : {"molar.toml", "jaw.toml"}) {
+    const SceneFile file = loadScene(std::string(ENAMEL_SOURCE_DIR "/data/scenes/") + name);
+    const Vec3 start = highestNear(file.scene, file.tool, file.start) + Vec3(0, 0, 5e-4);
+    for (const double friction : {0.0, 0.2})
+      for (const bool isServo : {true, false}) {
+        SurfaceServoRenderer servo = servoFor(device, 0);
+        ImpedanceRenderer spring({2000.0, 2.0});
+        Renderer& renderer = isServo ? static_cast<Renderer&>(servo) : spring;
+        Setting setting{Scene(), file.tool, {start, Mat3::Identity()}, 0};
+        for (Obstacle obstacle : file.scene.obstacles()) {
+          obstacle.material.friction = obstacle.material.sliding = friction;
+          setting.scene.add(obstacle);
+        }
+        double way = 0.0, deepest = 0.0, touching = 0.0, fastest = 0.0;
+        Vec3 last = start;
+        const double duration = test::longRun() ? 30.0 : 6.0;
+        const bool stayed = run(
+            device, renderer, setting, duration,
+            [&](double time, const Pose& pose, const Vec6& twist) {
+              // Led 7.5 mm below the surface: presses with 3 N.
+              const Vec3 led = start + Vec3(1e-3 * std::sin(4.0 * time), 1e-3 * (std::cos(4.0 * time) - 1.0), -7.5e-3);
+              return Vec3(400.0 * (led - pose.position) - 6.0 * twist.head<3>());
+            },
+            [&](const TickRecord& tick) {
+              way += (tick.pose.position - last).norm();
+              last = tick.pose.position;
+              if (tick.time < 0.5) return;
+              deepest = std::max(deepest, -tick.nearest.gap);
+              fastest = std::max(fastest, tick.twist.head<3>().norm());
+              if (tick.mode == RenderMode::contact) touching += kPeriod;
+            });
+        INFO(name << ", friction " << friction << (isServo ? ", servo" : ", spring"));
+        REQUIRE(stayed);
+        std::cout << name << ", friction " << friction << (isServo ? ", servo" : ", spring") << ": way " << 1e3 * way
+                  << " mm, deepest " << 1e6 * deepest << " um, fastest " << fastest << " m/s, in contact "
+                  << touching / (duration - 0.5) << "\n";
+        CHECK(way > (friction > 0.0 ? 0.001 : 0.002) * duration);  // the hand's is 4 mm/s
+        CHECK(touching > 0.5 * (duration - 0.5));
+        CHECK(fastest < 0.2);
+        if (isServo) CHECK(deepest < 0.1e-3);
+      }
+  }
+}
+
+TEST_CASE("the servo runs on a delta as it comes", "[hard]") {
+  const auto device = makeMechanism(loadDevice(test::deviceFile("delta.toml")));
+  for (const int delay : {0, 1, 2, 3}) {
+    SurfaceServoRenderer servo = servoFor(*device, delay);
+    double deepest = 0.0;
+    const bool stayed = run(
+        *device, servo, {flatWall(), Tool(), Pose{}, delay}, 1.5,
+        [&](double time, const Pose& pose, const Vec6& twist) {
+          Vec3 force = -100.0 * pose.position - 3.6 * twist.head<3>();
+          force.z() = time > 1.0 ? -4.0 : -1.0;
+          return force;
+        },
+        [&](const TickRecord& tick) {
+          if (tick.time > 0.5) deepest = std::max(deepest, -tick.nearest.gap);
+        });
+    INFO("delay " << delay);
+    CHECK(stayed);
+    CHECK(deepest < 2e-3);
+  }
+}
+
+}  // namespace enamel::test_surface_servo
