@@ -124,14 +124,14 @@ SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int
       {0.4741, 0.8359, 0.3595, 4.45, 0.03149, 2.274e-5, 0.6715, 0.1857, 3.891, 0.8623, 15.21, 0.1},
       {0.4331, 0.9817, 0.4068, 8.5, 0.03852, 5e-5, 0.5, 0.08231, 4.272, 0.8655, 57.97, 0.1},
       {0.5491, 0.9228, 0.6625, 5.592, 0.01402, 3.975e-5, 0.4614, 0.04496, 5.518, 0.5619, 12.26, 0.1},
-      {0.6733, 0.5027, 0.6749, 6.229, 0.01933, 4.144e-5, 0.6254, 0.01269, 4.424, 0.95, 3.0, 0.0008462},
+      {0.7179, 0.5917, 0.5873, 0.8069, 0.004527, 2.396e-5, 1.55, 0.5773, 5.835, 0.3259, 4.14, 0.03716},
   };
   SurfaceServoOptions options;
   options.period = period;
   options.count = count;
   options.delayLow = delayLow;
   options.delayHigh = delayHigh;
-  options.horizon = (delayLow + delayHigh + 1) / 2;
+  options.horizon = (delayLow + delayHigh) / 2;
   const double* row = values[delayLow < delayHigh ? 4 : std::clamp(delayHigh, 0, 3)];
   for (const SurfaceServoParameter& p : surfaceServoParameters()) options.*p.value = *row++;
   return options;
