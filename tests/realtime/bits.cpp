@@ -1,4 +1,5 @@
-// Prints two pushes, every number in full. The same program of another build must print the same: check.sh compares.
+// Prints a push with every renderer, every number in full. The same program of another build must print the same:
+// check.sh compares.
 #include <cstdio>
 
 #include "enamel/control/device_plant.hpp"
@@ -19,11 +20,13 @@ int main() {
   const auto nominal = std::make_shared<TauMechanism>(test::nominal());
   const TauMechanism damped(test::dampedNominal());
   PositionControlRenderer hold(designServo(nominal, Pose{}, 1e-3).K, 1e-3, {});
+  SurfaceServoRenderer servo = test::surfaceServo(*nominal);
   ImpedanceRenderer spring({6000.0, 0.0});
   PushSetup setup;
   setup.encoders = {true, RateSource::lowPass, 100.0};
   setup.seed = 7;
-  for (const auto& [plant, renderer] : {std::pair<const TauMechanism&, Renderer&>{*nominal, hold}, {damped, spring}})
+  for (const auto& [plant, renderer] :
+       {std::pair<const TauMechanism&, Renderer&>{*nominal, hold}, {*nominal, servo}, {damped, spring}})
     for (const TickRecord& tick : test::recordPush(plant, renderer, setup)) {
       print(tick.pose.position);
       print(tick.pose.rotation);

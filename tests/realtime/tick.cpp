@@ -8,7 +8,7 @@
 
 namespace enamel::test_tick {
 
-TEST_CASE("a tick of either renderer allocates nothing, with inertia or without", "[realtime]") {
+TEST_CASE("a tick of every renderer allocates nothing, with inertia or without", "[realtime]") {
   // Asks for the inertia, and reads it.
   class Heavy final : public Renderer {
    public:
@@ -28,8 +28,10 @@ TEST_CASE("a tick of either renderer allocates nothing, with inertia or without"
   const Scene wall = flatWall();
   PositionControlRenderer hold = test::positionControl();
   ImpedanceRenderer spring({6000.0, 0.0});
+  SurfaceServoRenderer servo = test::surfaceServo(device, 0, 3);
   Heavy heavy;
-  for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&spring), static_cast<Renderer*>(&heavy)}) {
+  for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&servo),
+                             static_cast<Renderer*>(&spring), static_cast<Renderer*>(&heavy)}) {
     HapticTick tick(device, wall, Tool(), *renderer, 1e-3);
     Encoders encoders({true, RateSource::lowPass, 100.0}, device.limits().count, 1e-3);
     const RandomStream stream(1, 0);
@@ -69,16 +71,24 @@ TEST_CASE("a tick of either renderer allocates nothing, with inertia or without"
 TEST_CASE("a loop on the virtual device allocates nothing", "[realtime]") {
   const TauMechanism device(test::nominal());
   PositionControlRenderer hold = test::positionControl();
+  SurfaceServoRenderer servo = test::surfaceServo(device, 0, 3);
   LoopSetup setup;
+  Obstacle rough = flatWall().obstacles()[0];
+  rough.material = {1e5, 0.5, 0.4, 1.0};
+  setup.scene = Scene();
+  setup.scene.add(rough);
   setup.delay = {0, 3};
   setup.encoders = {true, RateSource::lowPass, 100.0};
-  VirtualLoop loop(device, hold, setup);
-  TickRecord record;
-  const auto push = [](double, const Pose&, const Vec6&) { return Vec6((Vec6() << 0, 0, -5, 0, 0, 0).finished()); };
-  const long before = test::allocationCount();
-  int ok = 0;
-  for (int i = 0; i < 1000; ++i) ok += loop.tick(push, record) == Status::ok;
-  CHECK(test::allocationCount() == before);
-  CHECK(ok == 1000);
+  for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&servo)}) {
+    VirtualLoop loop(device, *renderer, setup);
+    TickRecord record;
+    const auto push = [](double, const Pose&, const Vec6&) { return Vec6((Vec6() << 0, 0, -5, 0, 0, 0).finished()); };
+    const long before = test::allocationCount();
+    int ok = 0;
+    for (int i = 0; i < 1000; ++i) ok += loop.tick(push, record) == Status::ok;
+    CHECK(test::allocationCount() == before);
+    CHECK(ok == 1000);
+  }
 }
+
 }  // namespace enamel::test_tick

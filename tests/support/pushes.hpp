@@ -3,9 +3,10 @@
 
 #include <vector>
 
+#include "enamel/device/tau/mechanism.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
-#include "enamel/device/tau/mechanism.hpp"
+#include "enamel/render/surface_servo.hpp"
 #include "enamel/sim/push.hpp"
 #include "support/devices.hpp"
 #include "support/reference.hpp"
@@ -20,6 +21,11 @@ inline ServoGain referenceGain() {
 
 inline PositionControlRenderer positionControl(const PositionControlOptions& options = {}) {
   return {referenceGain(), 1e-3, options};
+}
+
+/// The surface servo for a mechanism with a delay of `low` to `high` ticks.
+inline SurfaceServoRenderer surfaceServo(const Mechanism& mechanism, int low = 0, int high = 0) {
+  return SurfaceServoRenderer(surfaceServoFor(mechanism.limits().count, 1e-3, low, high));
 }
 
 inline PositionControlOptions asInThePaper() {

@@ -170,8 +170,10 @@ TEST_CASE("position control: anti-windup stops the integrators while a motor sat
 TEST_CASE("renderers: reset gives the first tick again, a saved state continues bit for bit", "[renderers]") {
   const TauMechanism device(test::nominal());
   PositionControlRenderer servo = test::positionControl();
+  SurfaceServoRenderer surface = test::surfaceServo(device);
   ImpedanceRenderer spring({6000.0, 1.0});
-  for (Renderer* renderer : {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring)}) {
+  for (Renderer* renderer :
+       {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&surface), static_cast<Renderer*>(&spring)}) {
     renderer->activate(1e-3);
     const auto fresh = stateOf(*renderer);
     const auto sequence = [&](int from, int to) {
@@ -201,8 +203,10 @@ TEST_CASE("renderers: reset gives the first tick again, a saved state continues 
 TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the state", "[renderers]") {
   const TauMechanism device(test::nominal());
   PositionControlRenderer servo = test::positionControl();
+  SurfaceServoRenderer surface = test::surfaceServo(device);
   ImpedanceRenderer spring({6000.0, 0.0});
-  for (Renderer* renderer : {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring)}) {
+  for (Renderer* renderer :
+       {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&surface), static_cast<Renderer*>(&spring)}) {
     TickOutput output;
     TickInput good = inputAt(device, poseAtDepth(1e-4), 1.0);
     CHECK(renderer->step(good, output) == Status::inactive);
@@ -247,6 +251,24 @@ TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the sta
     renderer->deactivate();
     CHECK(renderer->step(good, output) == Status::inactive);
   }
+}
+
+TEST_CASE("surface servo: numbers that overflow together leave the state as it was", "[renderers]") {
+  const TauMechanism device(test::nominal());
+  SurfaceServoRenderer servo = test::surfaceServo(device);
+  servo.activate(1e-3);
+  TickOutput output;
+  REQUIRE(servo.step(inputAt(device, poseAtDepth(1e-4), 1.0), output) == Status::ok);
+  const auto before = stateOf(servo);
+  TickInput bad = inputAt(device, poseAtDepth(1e-4), 1.001);
+  bad.kinematics.jacobian *= 1e300;
+  CHECK(servo.step(bad, output) == Status::notFinite);
+  CHECK(output.torque == JointVector::Zero(6));
+  CHECK(stateOf(servo) == before);
+  bad.kinematics = inputAt(device, poseAtDepth(1e-4), 1.001).kinematics;
+  bad.kinematics.inertia.setZero();
+  CHECK(servo.step(bad, output) == Status::singular);
+  CHECK(stateOf(servo) == before);
 }
 
 TEST_CASE("renderers: a bad configuration is refused", "[renderers]") {

@@ -434,6 +434,14 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
   }
   s.pushes = output.mode == RenderMode::contact ? 1.0 : 0.0;
   output.torque.resize(joints_);
+  bool finite = true;
+  for (int i = 0; i < joints_; ++i)
+    finite = finite && std::isfinite(torque[i] + s.q[i] + s.rate[i] + s.push[i] + s.qByScale[i] + s.rateByScale[i] +
+                                     s.pushByScale[i]);
+  if (!finite) {  // numbers that are finite one by one can overflow together
+    s = before;
+    return Status::notFinite;
+  }
   for (int d = kMaxServoDelay; d > 0; --d) s.commands[d] = s.commands[d - 1];
   for (int i = 0; i < joints_; ++i) {
     output.torque[i] = k.gravity[i] + torque[i];
