@@ -29,7 +29,7 @@ StudyPlan smallPlan(int grid, int runs) {
   DeviceParameters damped = device;
   addDamping(damped, 4.0 * Vec6::Unit(2));
   const ServoGain gain = test::matrixFrom(test::referenceFile("servo-nominal.json").at("K"));
-  plan.columns.push_back({"position-control", makeMechanism(device), [gain](std::size_t) {
+  plan.columns.push_back({"hold", makeMechanism(device), [gain](std::size_t) {
                             return std::make_unique<PositionControlRenderer>(gain, 1e-3, PositionControlOptions{});
                           }});
   plan.columns.push_back({"impedance", makeMechanism(damped),
@@ -51,7 +51,7 @@ std::vector<StudyResult> runsWith(const std::vector<double>& compliances) {
 
 void withoutFirst(StudyResult& result, FirstImpactVerdict verdict) {
   result.metrics.verdict = verdict;
-  result.metrics.firstDepth = result.metrics.firstStiffness = std::nullopt;
+  result.metrics.firstDepth = result.metrics.firstStiffness = result.metrics.limitShare = std::nullopt;
 }
 
 // All results of a plan, without simulation: numbers that depend on the run alone.
@@ -71,6 +71,8 @@ std::vector<StudyResult> invented(const StudyPlan& plan) {
     r.metrics.depth95 = 1e-3 * number(4) + 1e-9;
     r.metrics.largestDepth = 1e-3 * number(5);
     r.metrics.work = -number(6) / 3.0;
+    r.metrics.limitShare = number(7);
+    r.metrics.bounce = 1e-4 * number(8);
     r.metrics.faults = i;
     if (r.run.scenario == 2) withoutFirst(r, FirstImpactVerdict::noStep);
     results.push_back(r);
@@ -214,7 +216,7 @@ TEST_CASE("where every run failed there are no figures, and extremes do not see 
   const auto walls = summarise(plan, points);
   REQUIRE(walls.size() == 4);
   for (const WallSummary& w : walls) {
-    double low = 1e300, high = 0.0;
+    double low = 1e300, high = 0.0, lowShare = 1e300, bounce = 0.0;
     int unresolved = 0;
     for (const PointStatistics& p : points) {
       if (p.scenario != w.scenario || p.column != w.column) continue;
@@ -222,7 +224,13 @@ TEST_CASE("where every run failed there are no figures, and extremes do not see 
       if (first < low) low = first;
       if (first > high) high = first;
       unresolved += !p.steadyStiffness;
+      const double share = p.of(&PushMetrics::limitShare).mean, gap = p.of(&PushMetrics::bounce).mean;
+      if (share < lowShare) lowShare = share;
+      if (gap > bounce) bounce = gap;
     }
+    CHECK(w.bounce == bounce);
+    CHECK(w.lowestShare.has_value() == (w.scenario == 1));
+    if (w.lowestShare) CHECK(w.lowestShare->value == lowShare);
     CHECK(w.unresolved == unresolved);
     CHECK(w.lowestFirst.has_value() == (w.scenario == 1));
     if (!w.lowestFirst) continue;
@@ -278,6 +286,30 @@ TEST_CASE("runs have the same bits in any thread and order", "[monte_carlo]") {
   CHECK(std::set<std::string>(forward.begin(), forward.end()).size() == plan.size());
 }
 
+TEST_CASE("a step inside its tick: another instant each run, no other number", "[monte_carlo]") {
+  StudyPlan plan = smallPlan(1, 200), inside = plan;
+  inside.insideTick = true;
+  double sum = 0.0;
+  std::set<double> instants;
+  for (int i = 0; i < plan.runs; ++i) {
+    const StudyRun run = runAt(inside, static_cast<std::size_t>(i));
+    CHECK(run.force == runAt(plan, static_cast<std::size_t>(i)).force);
+    const double instant = randomInstant(plan.setup.seed, run.stream);
+    REQUIRE((instant >= 0.0 && instant < 1.0));
+    instants.insert(instant);
+    sum += instant / plan.runs;
+  }
+  CHECK(instants.size() == 200);
+  CHECK(sum == Approx(0.5).margin(5.0 / std::sqrt(12.0 * plan.runs)));
+  const StudyRun run = runAt(plan, 3);
+  std::vector<double> before, after;
+  (void)performRun(plan, run, [&](const TickRecord& t) { before.push_back(t.person[2]); });
+  (void)performRun(inside, run, [&](const TickRecord& t) { after.push_back(t.person[2]); });
+  REQUIRE(before.size() == after.size());
+  for (std::size_t i = 0; i < before.size(); ++i)
+    CHECK(after[i] == Approx(before[i] + (i == 1000 ? run.force : 0.0)).margin(1e-12));
+}
+
 TEST_CASE("a file of runs survives being torn, and takes nobody else's runs", "[monte_carlo]") {
   const test::TemporaryFolder folder;
   const std::string path = folder / "runs.csv";
@@ -323,7 +355,7 @@ TEST_CASE("a file of runs survives being torn, and takes nobody else's runs", "[
     test::writeFile(path, text);
     return [&] { (void)readRuns(plan, path); };
   };
-  CHECK_THROWS_WITH(damaged(whole + "1,position-control\n")(), Catch::Contains("more runs than this study has"));
+  CHECK_THROWS_WITH(damaged(whole + "1,hold\n")(), Catch::Contains("more runs than this study has"));
   CHECK_THROWS_WITH(damaged("a,b\n" + whole)(), Catch::Contains("runs.csv:1: is not the head"));
   CHECK_THROWS_WITH(damaged(whole.substr(0, second) + ",1" + whole.substr(second))(),
                     Catch::Contains("runs.csv:2: has the wrong number of columns"));

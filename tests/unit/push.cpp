@@ -193,8 +193,9 @@ TEST_CASE("a default-length run allows the default integration step", "[push]") 
 namespace {
 
 // A tool that moves along z as told: depth and rate of the gap at each tick.
-PushMetrics metricsOf(const PushSetup& setup, const std::function<void(TickRecord&, double t)>& move) {
-  MetricsCollector collector(setup);
+PushMetrics metricsOf(const PushSetup& setup, const std::function<void(TickRecord&, double t)>& move,
+                      double limit = 0.0) {
+  MetricsCollector collector(setup, limit);
   for (std::uint64_t i = 0; i < timesOf(setup).end; ++i) {
     TickRecord t;
     t.tick = i;
@@ -231,7 +232,7 @@ TEST_CASE("metrics of a hand-made record", "[push]") {
     t.saturated = t.tick % 10 == 0;
     t.status = t.tick == 7 ? Status::stale : Status::ok;
   };
-  const PushMetrics m = metricsOf(setup, move);
+  const PushMetrics m = metricsOf(setup, move, 40e3);
   // The turn lies between two ticks, of which the deeper is 2.6e-6 m higher. The acceleration jumps there by a half, which
   // the cubic does not know of: 1.6e-7 m.
   CHECK(m.verdict == FirstImpactVerdict::measured);
@@ -247,6 +248,9 @@ TEST_CASE("metrics of a hand-made record", "[push]") {
   CHECK(m.work == Approx(-10.0 * 0.5e-3).epsilon(0.01));
   CHECK(m.drift == Approx(5e-4));
   CHECK(m.faults == 1);
+  CHECK(*m.limitShare == Approx(*m.firstStiffness / 40e3));
+  CHECK(m.bounce == 0.0);
+  CHECK_FALSE(metricsOf(setup, move).limitShare.has_value());
   for (const Metric& metric : allMetrics()) CHECK(valueOf(m, metric).has_value());
   CHECK(keyOf(allMetrics()[1]) == "K_z1 [N/m]");
   CHECK(*valueOf(m, allMetrics()[1]) == *m.firstStiffness);
@@ -285,9 +289,11 @@ TEST_CASE("a push without a first impact stiffness says why", "[push]") {
           t.saturated = since > 0.0;
         }) == FirstImpactVerdict::rings);
   // A bounce above the rest is no return from the wall.
-  CHECK(verdictOf([](TickRecord& t, double since) {
-          if (since > 0.0) t.nearest.gap = 1e-3 * (1.2 - std::cos(100.0 * since)), t.gapRate = 0.1 * std::sin(100.0 * since);
-        }) == FirstImpactVerdict::noReturn);
+  const auto bounce = [](TickRecord& t, double since) {
+    if (since > 0.0) t.nearest.gap = 1e-3 * (1.2 - std::cos(100.0 * since)), t.gapRate = 0.1 * std::sin(100.0 * since);
+  };
+  CHECK(verdictOf(bounce) == FirstImpactVerdict::noReturn);
+  CHECK(metricsOf(setup, bounce).bounce == Approx(2.2e-3).epsilon(1e-3));  // the ticks pass its top within 5 mrad
   setup.person.scenario = 2;
   CHECK(verdictOf(oscillation(20.0)) == FirstImpactVerdict::noStep);
 }
@@ -349,6 +355,30 @@ TEST_CASE("first impact on the device agrees with a push of finer steps", "[push
   }
 }
 
+TEST_CASE("the limit of a push: its force, preload, largest delay and pose", "[push]") {
+  const TauMechanism device(test::nominal());
+  const Kinematics& home = device.home();
+  const double mass = effectiveMass(home, Vec3::Zero(), Vec3::UnitZ()),
+               motors = largestForce(home, device.limits().torque, Vec3::UnitZ());
+  PushSetup setup;
+  CHECK(largestStiffness(device, setup) == Approx(2.0 * mass * (motors - 12.0) / motors / 1e-6));
+  setup.delay = {0, 2};
+  CHECK(largestStiffness(device, setup) == Approx(2.0 * mass * (motors - 12.0) / motors / 9e-6));
+  setup.person.preload = 5.0;
+  CHECK(largestStiffness(device, setup) == Approx(2.0 * mass * (motors - 12.0) / (motors - 5.0) / 9e-6));
+  const double here = largestStiffness(device, setup);
+  setup.start.position = {0.02, -0.02, 0.0};
+  CHECK(largestStiffness(device, setup) != Approx(here).epsilon(1e-3));
+  setup.start.position.x() = 1.0;
+  CHECK(largestStiffness(device, setup) == 0.0);
+  setup.start = Pose{};
+  setup.person.force = 1000.0;
+  CHECK(largestStiffness(device, setup) == 0.0);
+  setup.person = Person{};
+  setup.person.scenario = 2;
+  CHECK(largestStiffness(device, setup) == 0.0);
+}
+
 TEST_CASE("bad setups are refused before anything runs", "[push]") {
   const TauMechanism device(test::nominal());
   PositionControlRenderer renderer = test::positionControl();
@@ -362,6 +392,8 @@ TEST_CASE("bad setups are refused before anything runs", "[push]") {
   refuse([](PushSetup& s) { s.person.scenario = 3; }, "scenario is 3, must be 1 or 2");
   refuse([](PushSetup& s) { s.person.force = -1; }, "force is -1, must be in 0 to 1000 N");
   refuse([](PushSetup& s) { s.person.noise = std::nan(""); }, "noise is nan, must be in 0 to 1000 N");
+  refuse([](PushSetup& s) { s.person.preload = -1; }, "preload is -1, must be in 0 to 1000 N");
+  refuse([](PushSetup& s) { s.person.instant = 1.0; }, "instant of the step is 1, must be in 0 to below 1 tick");
   refuse([](PushSetup& s) { s.duration = 1e9; }, "duration is 1e+09, must be in 0 to 3600 s");
   refuse([](PushSetup& s) { s.substeps = 0; }, "substeps is 0, must be in 1 to 1000");
   refuse([](PushSetup& s) { s.delay = {2, 1}; }, "delay is 2..1, must be in 0 to 63 ticks, low first");

@@ -51,6 +51,7 @@ void ImpactWatch::push(const ImpactTick& tick) noexcept {
     rest_ = -(restDepth_ - tick.gap) / (restTicks_ + 1);
     unrest_ = std::fmax(0.0, rest_ - std::fmin(lowestAtRest_, tick.gap));
   }
+  bounce_ = std::fmax(bounce_, tick.gap - rest_);
   FirstImpact turn(rest_);
   if (ticks_ > 0 && !over_ && turn.add(last_.gap, last_.rate, tick.gap, tick.rate, period_) &&
       turn.depth() > std::fmax(depth_, unrest_)) {

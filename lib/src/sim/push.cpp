@@ -58,6 +58,10 @@ HandMotion handMotion(double force, double time) noexcept {
   return motion;
 }
 
+double randomInstant(std::uint64_t seed, std::uint32_t run) noexcept {
+  return RandomStream(seed, run).uniform(RandomStream::Purpose::instant, 0);
+}
+
 PushTimes timesOf(const PushSetup& setup) noexcept {
   const auto tickAt = [&setup](double time) {
     return static_cast<std::uint64_t>(std::llround(std::max(0.0, time) / setup.period));

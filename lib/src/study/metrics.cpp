@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "enamel/control/tuning.hpp"
+
 namespace enamel {
 
 const std::array<Metric, kMetrics>& allMetrics() noexcept {
@@ -20,6 +22,8 @@ const std::array<Metric, kMetrics>& allMetrics() noexcept {
       {"tangential force", "rms", "N", "N", 1.0, &M::tangentialForce},
       {"work", "on the tool", "J", "J", 1.0, &M::work},
       {"drift", "across the normal", "m", "mm", 1e3, &M::drift},
+      {"share of limit", "K_z1 over what physics allows", "", "%", 100.0, &M::limitShare},
+      {"bounce", "largest gap above the rest", "m", "mm", 1e3, &M::bounce},
   }};
   return metrics;
 }
@@ -39,8 +43,16 @@ std::optional<double> valueOf(const PushMetrics& metrics, const Metric& metric) 
   return metrics.*std::get<1>(metric.member);
 }
 
-MetricsCollector::MetricsCollector(const PushSetup& setup)
-    : setup_(setup), times_(timesOf(setup)), impact_(setup.period) {
+double largestStiffness(const Mechanism& plant, const PushSetup& setup) {
+  const Person& person = setup.person;
+  Kinematics there;
+  if (person.scenario != 1 || plant.reach(setup.start, Vec6::Zero(), true, there) != Status::ok) return 0.0;
+  return firstImpactLimit(effectiveMass(there, setup.start.position, person.normal), setup.period, setup.delay.high,
+                          person.force, largestForce(there, plant.limits().torque, person.normal), person.preload);
+}
+
+MetricsCollector::MetricsCollector(const PushSetup& setup, double limit)
+    : setup_(setup), limit_(limit), times_(timesOf(setup)), impact_(setup.period) {
   depths_.reserve(times_.end);
   torques_.reserve(times_.end - times_.lastSecond + 1);
 }
@@ -99,10 +111,12 @@ PushMetrics MetricsCollector::metrics() const {
   }
   if (ticks_ > 0) m.saturatedShare = static_cast<double>(saturated_) / static_cast<double>(ticks_);
 
+  m.bounce = impact_.bounce();
   m.verdict = setup_.person.scenario == 1 ? impact_.verdict() : FirstImpactVerdict::noStep;
   if (m.verdict == FirstImpactVerdict::measured) {
     m.firstDepth = impact_.depth();
     m.firstStiffness = impact_.stiffness();
+    if (limit_ > 0.0) m.limitShare = impact_.stiffness() / limit_;
   }
   return m;
 }

@@ -75,9 +75,10 @@ StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
   setup.person.scenario = run.scenario;
   setup.person.force = run.force;
   setup.run = run.stream;
+  if (plan.insideTick) setup.person.instant = randomInstant(setup.seed, setup.run);
   const StudyColumn& column = plan.columns[run.column];
   const std::unique_ptr<Renderer> renderer = column.make(run.point);
-  MetricsCollector collector(setup);
+  MetricsCollector collector(setup, largestStiffness(*column.plant, setup));
   StudyResult result;
   result.run = run;
   result.status = runPush(*column.plant, *renderer, setup, [&](const TickRecord& tick) {
@@ -164,6 +165,7 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
     for (std::size_t i = first; i < first + plan.points(); ++i) {
       const PointStatistics& p = points[i];
       lower(w.lowestFirst, p.of(&PushMetrics::firstStiffness).mean, p.point);
+      lower(w.lowestShare, p.of(&PushMetrics::limitShare).mean, p.point);
       higher(w.highestFirst, p.of(&PushMetrics::firstStiffness).mean, p.point);
       if (p.steadyStiffness) {
         lower(w.lowestSteady, *p.steadyStiffness, p.point);
@@ -180,6 +182,7 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
       w.drift = larger(w.drift, p.drift);
       w.chatter = larger(w.chatter, p.of(&PushMetrics::chatter).mean);
       w.saturatedShare = larger(w.saturatedShare, p.of(&PushMetrics::saturatedShare).mean);
+      w.bounce = larger(w.bounce, p.of(&PushMetrics::bounce).mean);
       w.tangentialForce = larger(w.tangentialForce, p.of(&PushMetrics::tangentialForce).mean);
       w.failed += p.failed;
       w.faults += p.faults;

@@ -78,6 +78,9 @@ class ImpactWatch {
   double stiffness() const noexcept { return force_ / depth_; }
   double preload() const noexcept { return restTicks_ > 0 ? restForce_ / restTicks_ : 0.0; }
 
+  /// Largest gap above the rest at a tick of the push, m; 0 where the tool never rose above it. Realtime: yes.
+  double bounce() const noexcept { return bounce_; }
+
  private:
   double period_;
   double restDepth_ = 0.0, restForce_ = 0.0;  // sums
@@ -86,6 +89,7 @@ class ImpactWatch {
   double rest_ = 0.0, unrest_ = 0.0;  // gap at rest and how far below it the rest went, m
   ImpactTick last_;
   double depth_ = 0.0, force_ = 0.0;  // at the deepest turn so far; 0: none
+  double bounce_ = 0.0;
   bool slipped_ = false, over_ = false;
   std::uint64_t ticks_ = 0;                   // of the push
   double lateSum_ = 0.0, lateSquares_ = 0.0;  // of the depth, from 0.5 s after the onset on

@@ -32,6 +32,9 @@ struct PushSetup : LoopSetup {
   double duration = 3.0;  ///< s
 };
 
+/// A random instant inside its tick for the step of a run, uniform in [0, 1). Realtime: yes.
+double randomInstant(std::uint64_t seed, std::uint32_t run) noexcept;
+
 /// The ticks at which a push changes.
 struct PushTimes {
   std::uint64_t onset;       ///< the person begins to push (1 s)
@@ -48,8 +51,8 @@ struct PushResult {
 };
 
 /// Checks a setup. Throws Error: as checkLoop(); a preload outside 0 to 1000 N; an instant outside [0, 1); a scenario
-/// other than 1 and 2; a normal not of unit length to 1e-6; a
-/// force or noise outside 0 to 1000 N; a duration outside 0 to 1 h. Realtime: no.
+/// other than 1 and 2; a normal not of unit length to 1e-6; a force or noise outside 0 to 1000 N; a duration outside 0
+/// to 1 h. Realtime: no.
 void checkPush(const PushSetup& setup);
 
 /// Runs a push on a VirtualLoop, `record` once a tick. The renderer is deactivated at the end. Throws what checkPush()

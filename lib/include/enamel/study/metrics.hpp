@@ -20,6 +20,7 @@ struct PushMetrics {
   FirstImpactVerdict verdict = FirstImpactVerdict::noReturn;
   std::optional<double> firstDepth;      ///< D_z1, m
   std::optional<double> firstStiffness;  ///< K_z1 = F_1(t_z1) / D_z1, N/m
+  std::optional<double> limitShare;      ///< K_z1 over largestStiffness(), where that was given
   double steadyDepth = 0.0;              ///< D_zs, signed mean, m
   double steadyCompliance = 0.0;         ///< C_zs = D_zs / F_c, m/N
   double rmsDepth = 0.0;                 ///< of the steady state, m
@@ -30,6 +31,7 @@ struct PushMetrics {
   double tangentialForce = 0.0;  ///< rms of the rendered force across the normal in the steady state, N
   double work = 0.0;             ///< of the rendered wrench on the tool, J
   double drift = 0.0;            ///< largest displacement across the normal from the start, m
+  double bounce = 0.0;           ///< largest gap above the rest from the onset of the push on, m
   std::uint64_t faults = 0;      ///< ticks on which the renderer answered anything but ok
 };
 
@@ -43,7 +45,7 @@ struct Metric {
   std::variant<double PushMetrics::*, std::optional<double> PushMetrics::*> member;
 };
 using MetricMember = decltype(Metric::member);
-inline constexpr std::size_t kMetrics = 12;
+inline constexpr std::size_t kMetrics = 14;
 
 /// All of them, in the order of files and tables.
 const std::array<Metric, kMetrics>& allMetrics() noexcept;
@@ -57,15 +59,22 @@ std::string keyOf(const Metric& metric);
 /// Its value; nothing where a run does not have it. Realtime: yes.
 std::optional<double> valueOf(const PushMetrics& metrics, const Metric& metric) noexcept;
 
+/// Largest first impact stiffness that a push on a plant can have, N/m: firstImpactLimit() at its start along its
+/// normal, with its preload and its largest delay, for a step at the beginning of a tick (one inside a tick can be
+/// answered sooner). 0: a push without a step, one that the motors cannot hold, or a start out of reach. Realtime: no.
+double largestStiffness(const Mechanism& plant, const PushSetup& setup);
+
 /// Collects the ticks of one run: give add() to runPush(). Realtime: no.
 class MetricsCollector {
  public:
-  explicit MetricsCollector(const PushSetup& setup);
+  /// `limit`: largestStiffness() of the push; 0: not known.
+  explicit MetricsCollector(const PushSetup& setup, double limit = 0.0);
   void add(const TickRecord& tick);
   PushMetrics metrics() const;
 
  private:
   PushSetup setup_;
+  double limit_;  // N/m
   PushTimes times_;
   std::vector<double> depths_;        // of the steady state
   std::vector<JointVector> torques_;  // of the last second

@@ -30,7 +30,8 @@ struct StudyPlan {
   double halfWidth = 0.025;                       ///< of the grid, m
   int runs = 20;                                  ///< a query point
   double lowestForce = 8.0, highestForce = 15.0;  ///< of F_c, uniform between, N
-  PushSetup setup;                                ///< of every run; start, scenario, force and run number are its own
+  PushSetup setup;          ///< of every run; start, scenario, force, instant and run number are its own
+  bool insideTick = false;  ///< the step comes at randomInstant() of its tick; false: at setup.person.instant
 
   std::size_t points() const { return static_cast<std::size_t>(grid) * static_cast<std::size_t>(grid); }
   std::size_t size() const;  ///< number of runs
@@ -45,8 +46,8 @@ void checkStudy(const StudyPlan& plan);
 /// Query point by its number, x running fastest, both from the negative end; on the wall z = 0, m. Realtime: yes.
 Vec3 queryPoint(const StudyPlan& plan, std::size_t point) noexcept;
 
-/// One run of a study. The columns share their random numbers: F_c, noise and delays depend on the seed, the scenario,
-/// the point and the number of the run at the point alone.
+/// One run of a study. The columns share their random numbers: F_c, noise, delays and instants depend on the seed, the
+/// scenario, the point and the number of the run at the point alone.
 struct StudyRun {
   int scenario = 1;
   std::size_t column = 0, point = 0;
@@ -114,6 +115,7 @@ struct WallSummary {
   int scenario = 1;
   std::size_t column = 0;
   std::optional<Extreme> lowestFirst, highestFirst;                   ///< K_z1, N/m
+  std::optional<Extreme> lowestShare;                                 ///< K_z1 over what physics allows
   std::optional<Extreme> lowestSteady, highestSteady;                 ///< K_zs, N/m, of the points that are resolved
   Extreme lowestCompliance, highestCompliance;                        ///< |mean C_zs|, m/N
   Spread steady;                                                      ///< K_zs over the resolved points
@@ -121,6 +123,7 @@ struct WallSummary {
   double lowestOverRms = 0.0, lowestOver95 = 0.0;                     ///< F_c / rms and F_c / 95th percentile, N/m
   double largestDepth = 0.0, drift = 0.0;                             ///< m
   double chatter = 0.0, saturatedShare = 0.0, tangentialForce = 0.0;  ///< largest of the points' means
+  double bounce = 0.0;                                                ///< likewise, m
   int failed = 0;                                                     ///< runs that left the workspace
   VerdictCounts verdicts{};                                           ///< of the others' first impacts
   std::uint64_t faults = 0;
