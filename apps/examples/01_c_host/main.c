@@ -7,6 +7,7 @@
  */
 #include <dlfcn.h>
 #include <enamel/plugin/abi.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -55,13 +56,16 @@ int main(int argc, char** argv) {
     input.rotation[0] = input.rotation[4] = input.rotation[8] = 1.0;
     for (axis = 0; axis < 3; ++axis) {
       input.jacobian[axis][axis] = input.inverse[axis][axis] = 1.0;
+      input.inertia[axis][axis] = kMass;
       input.max_torque[axis] = kLargestForce;
     }
     input.applied[2] = force;
+    input.applied_known = 1;
     input.contact_count = 1;
     input.contacts[0].point[2] = z;
     input.contacts[0].normal[2] = 1.0;
     input.contacts[0].gap = z;
+    input.contacts[0].stiffness = HUGE_VAL; /* rigid, without friction */
     input.contacts[0].triangle = input.contacts[0].feature_index = -1;
     failed = plugin->step(wall, &input, &output) != ENAMEL_OK;
     force = output.answer == ENAMEL_WRENCH ? output.wrench[2] : output.torque[2];

@@ -240,6 +240,23 @@ bool checkPlugin(const std::shared_ptr<const PluginLibrary>& library, const Plug
     return std::to_string(contacts) + " of " + std::to_string(expected.size()) + " ticks in contact";
   });
   if (!allPassed) return false;
+  check("answers a soft surface with friction, on a device that cannot tell what acted", [&] {
+    Instance instance(table);
+    instance.prepare(setup, options.period);
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      EnamelTickInput input = path[i];
+      input.applied_known = 0;
+      std::fill(std::begin(input.applied), std::end(input.applied), std::nan(""));
+      input.contacts[0].stiffness = 1e4;
+      input.contacts[0].friction = 0.5;
+      input.contacts[0].sliding_friction = 0.4;
+      input.contacts[0].viscosity = 1.0;
+      const std::int32_t result = instance.step(input);
+      demand(result == ENAMEL_OK, tick(i) + ": " + nameOf(result));
+      requireDefined(instance.output, input, false, tick(i));
+    }
+    return std::string();
+  });
   check("gives the same bits in another instance", [&] {
     Instance instance(table);
     instance.prepare(setup, options.period);
@@ -314,6 +331,13 @@ bool checkPlugin(const std::shared_ptr<const PluginLibrary>& library, const Plug
       bad.contacts[0].gap = value;
       offer("gap = " + formatNumber(value), bad, std::isnan(value));
     }
+    for (double EnamelContact::*number : {&EnamelContact::stiffness, &EnamelContact::friction,
+                                          &EnamelContact::sliding_friction, &EnamelContact::viscosity})
+      for (const double value : bads) {
+        EnamelTickInput bad = good;
+        bad.contacts[0].*number = value;
+        offer("a number of the surface = " + formatNumber(value), bad, false);
+      }
     for (const int count : {-1, ENAMEL_MAX_CONTACTS + 1, 1 << 30}) {
       EnamelTickInput bad = good;
       bad.contact_count = count;
