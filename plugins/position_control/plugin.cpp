@@ -1,46 +1,96 @@
-// The position servo of enamel::PositionControlRenderer as a plugin: its gain comes from a file, or is designed on
-// activation, for the period.
+// The position servos of enamel::SurfaceServoRenderer (mode surface) and enamel::PositionControlRenderer (mode hold) as
+// a plugin.
+#include <cmath>
+
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/servo_file.hpp"
+#include "enamel/core/error.hpp"
 #include "enamel/plugin/author.hpp"
 #include "enamel/render/position_control.hpp"
+#include "enamel/render/surface_file.hpp"
 
 namespace {
 
 const EnamelParameter kParameters[] = {
-    {"gain", "designed", "file of a servo (enamel design --output), or designed: for the device at home"},
-    {"release", "on", "on: the hold ends when the wall would pull; off: never"},
-    {"release-force", "0.3", "pull at which the hold ends, N"},
-    {"anti-windup", "off", "on: the integrators stop while a motor is saturated"},
+    {"mode", "surface", "surface: a servo in contact space; hold: the paper's, sticks to the point of touch"},
+    {"gain", "designed", "file of a servo of the mode; designed: surface as for the TAU, hold for the device at home"},
+    {"delay", "0", "of the command, of surface: the smallest, ticks"},
+    {"delay-high", "same", "of surface: the largest, ticks; same: as delay"},
+    {"release", "on", "of hold: on: the hold ends when the wall would pull; off: never"},
+    {"release-force", "0.3", "of hold: pull at which it ends, N"},
+    {"anti-windup", "off", "of hold: on: the integrators stop while a motor is saturated"},
 };
+
+[[noreturn]] void refuse(const char* key, const std::string& problem) {
+  throw enamel::ConfigurationError("plugin parameters", 0, key, problem);
+}
+
+int ticksOf(const enamel::PluginConfiguration& configuration, const char* key) {
+  const double ticks = configuration.number(key, 0.0, enamel::kMaxServoDelay, "ticks");
+  if (ticks != std::floor(ticks)) refuse(key, "is " + configuration.text(key) + ", must be a whole number of ticks");
+  return static_cast<int>(ticks);
+}
 
 class PositionControl {
  public:
+  static constexpr bool kNeedsInertia = true;
+
   static const EnamelDescription& describe() noexcept {
     static const EnamelDescription description = {
-        "position-control", "0.2.0", "A wall as a position servo: discrete LQR with integral action, mode hold",
+        "position-control", "0.3.0", "A wall as a position servo: in contact space, or the paper's, which holds",
         kParameters, std::size(kParameters)};
     return description;
   }
 
   explicit PositionControl(const enamel::PluginConfiguration& configuration)
       : mechanism_(enamel::makeMechanism(configuration.device())) {
-    if (const std::string& gain = configuration.text("gain"); gain != "designed") servo_ = enamel::loadServo(gain);
-    options_.release = configuration.flag("release");
-    options_.releaseForce = configuration.number("release-force", 0.0, 100.0, "N");
-    options_.antiWindup = configuration.flag("anti-windup");
+    const std::string &mode = configuration.text("mode"), &gain = configuration.text("gain");
+    if (mode != "surface" && mode != "hold") refuse("mode", "is \"" + mode + "\", must be surface or hold");
+    surface_ = mode == "surface";
+    const bool given = gain != "designed";
+    if (given && enamel::isSurfaceServo(gain) != surface_) {
+      if (surface_) (void)enamel::loadServo(gain);  // says what is wrong with a file that is neither
+      refuse("gain", "is " + gain + ", " + (surface_ ? "an LQR design" : "a surface servo") + ", the mode is " + mode);
+    }
+    const int low = ticksOf(configuration, "delay"),
+              high = configuration.text("delay-high") == "same" ? low : ticksOf(configuration, "delay-high");
+    hold_.release = configuration.flag("release");
+    hold_.releaseForce = configuration.number("release-force", 0.0, 100.0, "N");
+    hold_.antiWindup = configuration.flag("anti-windup");
+    if (!surface_) {
+      if (given) servo_ = enamel::loadServo(gain);
+    } else if (given) {
+      options_ = enamel::loadSurfaceServo(gain).options;
+      if (options_->delayLow != low || options_->delayHigh != high)
+        refuse("gain", "is " + gain + ", for a delay of " + std::to_string(options_->delayLow) + " to " +
+                           std::to_string(options_->delayHigh) + " ticks, delay and delay-high are " +
+                           std::to_string(low) + " and " + std::to_string(high));
+      if (options_->count.size() != mechanism_->joints())
+        refuse("gain", "is " + gain + ", for " + std::to_string(options_->count.size()) + " joints, the device has " +
+                           std::to_string(mechanism_->joints()));
+    } else {
+      low_ = low;
+      high_ = high;
+      enamel::SurfaceServoRenderer{enamel::surfaceServoFor(mechanism_->limits().count, 1e-3, low, high)};
+    }
   }
 
   std::unique_ptr<enamel::Renderer> activate(double period) const {
+    if (surface_)
+      return std::make_unique<enamel::SurfaceServoRenderer>(
+          options_ ? *options_ : enamel::surfaceServoFor(mechanism_->limits().count, period, low_, high_));
     const enamel::ServoFile servo =
         servo_ ? *servo_ : enamel::ServoFile{"", period, enamel::designServo(mechanism_, enamel::Pose{}, period).K};
-    return std::make_unique<enamel::PositionControlRenderer>(servo.gain, servo.period, options_);
+    return std::make_unique<enamel::PositionControlRenderer>(servo.gain, servo.period, hold_);
   }
 
  private:
   std::shared_ptr<const enamel::Mechanism> mechanism_;
-  std::optional<enamel::ServoFile> servo_;
-  enamel::PositionControlOptions options_;
+  bool surface_ = true;
+  int low_ = 0, high_ = 0;                              // delay, ticks
+  std::optional<enamel::SurfaceServoOptions> options_;  // given, of mode surface
+  std::optional<enamel::ServoFile> servo_;              // given, of mode hold
+  enamel::PositionControlOptions hold_;
 };
 
 }  // namespace

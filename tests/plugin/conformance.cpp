@@ -17,9 +17,14 @@ std::string bad(const std::string& name) { return ENAMEL_BAD_PLUGINS "/bad_" + n
 }  // namespace
 
 TEST_CASE("our plugins keep the contract and export one symbol", "[plugin]") {
-  for (const char* name : {"position_control", "impedance", "template"}) {
-    INFO(name);
-    const auto result = test::run("check-plugin '" + good(name) + "'");
+  for (const auto& [name, options] : {std::pair<std::string, std::string>{"position_control", ""},
+                                      {"position_control", "--set delay=1 --set delay-high=3"},
+                                      {"position_control", "--set mode=hold"},
+                                      {"impedance", ""},
+                                      {"template", ""}}) {
+    INFO(name << " " << options);
+    const auto result = test::run("check-plugin '" + good(name) + "' " + options);
+    INFO(result.output);
     CHECK(result.status == 0);
     CHECK_THAT(result.output, Contains("the plugin keeps the contract") && !Contains("FAILED"));
     const auto symbols = test::runCommand("nm -D --defined-only '" + good(name) + "'");

@@ -2,6 +2,7 @@
 #include "enamel/plugin/host.hpp"
 
 #include "enamel/control/device_plant.hpp"
+#include "enamel/render/surface_file.hpp"
 #include "enamel/render/tick.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
@@ -19,9 +20,10 @@ std::shared_ptr<const PluginLibrary> library(const std::string& name) {
   return PluginLibrary::load(ENAMEL_PLUGINS "/enamel_" + name + ".so");
 }
 
-PluginSetup nominalSetup() {
+PluginSetup nominalSetup(std::map<std::string, std::string> parameters = {}) {
   PluginSetup setup;
   setup.devicePath = kDevice;
+  setup.parameters = std::move(parameters);
   return setup;
 }
 
@@ -38,10 +40,15 @@ TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good in
   const auto device = std::make_shared<TauMechanism>(test::nominal());
   PositionControlRenderer hold(designServo(device, Pose{}, 1e-3).K, 1e-3, {});
   ImpedanceRenderer spring({6000.0, 0.0});
-  for (const auto& [name, linked] :
-       {std::pair<std::string, Renderer*>{"position_control", &hold}, {"impedance", &spring}}) {
-    INFO(name);
-    const auto plugin = makeRenderer(library(name), nominalSetup());
+  SurfaceServoRenderer servo = test::surfaceServo(*device), late = test::surfaceServo(*device, 0, 3);
+  using Parameters = std::map<std::string, std::string>;
+  for (const auto& [name, parameters, linked] :
+       {std::tuple<std::string, Parameters, Renderer*>{"position_control", {}, &servo},
+        {"position_control", {{"delay", "0"}, {"delay-high", "3"}}, &late},
+        {"position_control", {{"mode", "hold"}}, &hold},
+        {"impedance", {}, &spring}}) {
+    INFO(name << " " << parameters.size());
+    const auto plugin = makeRenderer(library(name), nominalSetup(parameters));
     plugin->activate(1e-3);
     linked->activate(1e-3);
     REQUIRE(plugin->stateSize() >= linked->stateSize());
@@ -90,7 +97,7 @@ TEST_CASE("the reference runs through plugins have the bits of the linked render
     PositionControlRenderer hold(designServo(device, Pose{}, 1e-3).K, 1e-3, test::asInThePaper());
     ImpedanceRenderer spring({6000.0, 0.0});
     PluginSetup given = nominalSetup();
-    if (servo) given.parameters = {{"release", "off"}};
+    if (servo) given.parameters = {{"mode", "hold"}, {"release", "off"}};
     const auto plugin = makeRenderer(library(servo ? "position_control" : "impedance"), given);
     const PushSetup setup = test::referenceSetup(run);
     const auto linked = test::recordPush(plant, servo ? static_cast<Renderer&>(hold) : spring, setup);
@@ -115,12 +122,13 @@ TEST_CASE("the reference runs through plugins have the bits of the linked render
 
 TEST_CASE("a push through a plugin writes the same file as the linked renderer", "[plugin]") {
   const test::TemporaryFolder folder;
-  for (const auto& [name, file] :
-       {std::pair<std::string, std::string>{"position-control", "position_control"}, {"impedance", "impedance"}}) {
+  for (const auto& [name, file] : {std::pair<std::string, std::string>{"position-control", "position_control.so'"},
+                                   {"hold", "position_control.so' --set mode=hold"},
+                                   {"impedance", "impedance.so'"}}) {
     INFO(name);
     const std::string common = "push --device '" + kDevice + "' --encoders --rates low-pass --seed 5 --duration 1.3 ";
     REQUIRE(test::run(common + "--renderer " + name + " --output '" + (folder / "linked.csv") + "'").status == 0);
-    REQUIRE(test::run(common + "--renderer '" ENAMEL_PLUGINS "/enamel_" + file + ".so' --output '" +
+    REQUIRE(test::run(common + "--renderer '" ENAMEL_PLUGINS "/enamel_" + file + " --output '" +
                       (folder / "plugin.csv") + "'")
                 .status == 0);
     const std::string linked = test::readFile(folder / "linked.csv");
@@ -139,7 +147,7 @@ TEST_CASE("a small study through plugins writes the same runs as the linked rend
   REQUIRE(test::runAlone(common + (folder / "linked") + "' --renderers position-control,impedance").status == 0);
   REQUIRE(test::runAlone(common + (folder / "plugins") +
                          "' --renderers " ENAMEL_PLUGINS "/enamel_position_control.so," +
-                         ENAMEL_PLUGINS "/enamel_impedance.so --set release=off")  // the study holds as the paper does
+                         ENAMEL_PLUGINS "/enamel_impedance.so --set delay-high=1")
               .status == 0);
   CHECK_THAT(test::run(common + (folder / "typo") + "' --renderers template --set relase=off").output,
              Contains("relase, which no plugin"));
@@ -197,7 +205,7 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
     for (int j = 0; j < K.cols(); ++j) json["K"][i][j] = K(i, j);
   test::writeFile(folder / "servo.json", json.dump());
   PluginSetup setup = nominalSetup();
-  setup.parameters = {{"gain", folder / "servo.json"}};
+  setup.parameters = {{"mode", "hold"}, {"gain", folder / "servo.json"}};
   const auto plugin = makeRenderer(library("position_control"), setup);
   plugin->activate(1e-3);
   PositionControlRenderer linked(K, 1e-3, {});
@@ -212,7 +220,7 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   CHECK_THROWS_WITH(plugin->activate(2e-3), Contains("designed for 0.001 s"));
   const auto refuse = [&](const std::string& text, const std::string& reason) {
     test::writeFile(folder / "bad.json", text);
-    setup.parameters = {{"gain", folder / "bad.json"}};
+    setup.parameters = {{"mode", "hold"}, {"gain", folder / "bad.json"}};
     CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup), Contains("bad.json") && Contains(reason));
   };
   refuse("nonsense", "is not the JSON of a servo design");
@@ -221,6 +229,42 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   refuse(R"({"model": "a", "period": 0.001, "K": [[1, 2]]})", "K[0]: must be a list of 3 numbers");
   refuse(R"({"model": "a", "period": 0.001, "K": [[1, 2, "x"]]})", "K[0][2]: must be a number");
   refuse(R"({"model": "a", "period": 0.001, "K": []})", "K: has 0 rows, must have 1 to 7");
+
+  // The same for the other mode.
+  const JointVector count = device->limits().count;
+  SurfaceServoOptions soft = surfaceServoFor(count, 1e-3, 1, 2);
+  soft.pole = soft.jumpPole = 0.7;
+  test::writeFile(folder / "surface.json", surfaceServoText({"tau-nominal.toml", soft}));
+  const auto given = [&](std::map<std::string, std::string> more) {
+    more.insert({"gain", folder / "surface.json"});
+    return makeRenderer(library("position_control"), nominalSetup(std::move(more)));
+  };
+  const auto surface = given({{"delay", "1"}, {"delay-high", "2"}});
+  SurfaceServoRenderer linkedSurface(soft);
+  surface->activate(1e-3);
+  linkedSurface.activate(1e-3);
+  for (int i = 1; i < 100; ++i) {
+    const TickInput input = test::inputAt(*device, test::poseAtDepth(1e-4 * std::sin(0.1 * i)), 1e-3 * i);
+    TickOutput a, b;
+    REQUIRE(surface->step(input, a) == Status::ok);
+    REQUIRE(linkedSurface.step(input, b) == Status::ok);
+    requireSame(a, b);
+  }
+  CHECK_THROWS_WITH(surface->activate(2e-3), Contains("designed for 0.001 s"));
+  CHECK_THROWS_WITH(given({}), Contains("for a delay of 1 to 2 ticks, delay and delay-high are 0 and 0"));
+  CHECK_THROWS_WITH(given({{"mode", "hold"}}), Contains("surface.json, a surface servo, the mode is hold"));
+  setup.parameters = {{"gain", folder / "servo.json"}};
+  CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup),
+                    Contains("servo.json, an LQR design, the mode is surface"));
+  for (const auto& [key, value, reason] : {std::tuple{"mode", "rubber", "is \"rubber\", must be surface or hold"},
+                                           {"delay", "0.5", "delay: is 0.5, must be a whole number of ticks"},
+                                           {"delay", "9", "delay: is 9, must be in 0 to 8 ticks"},
+                                           {"delay-high", "many", "delay-high: is \"many\", must be a number"}}) {
+    setup.parameters = {{key, value}};
+    CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup), Contains(reason));
+  }
+  setup.parameters = {{"delay", "3"}, {"delay-high", "2"}};
+  CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup), Contains("the smallest delay is 3"));
 }
 
 TEST_CASE("a plugin's errors arrive with file and reason", "[plugin]") {
