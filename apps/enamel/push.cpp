@@ -19,8 +19,8 @@ namespace {
 struct PushOptions {
   std::string device, scene, gain, output;
   std::vector<std::string> renderers = {kPositionControl};
-  std::string mode = "hold", delay = "none";
-  bool guide = true, encoders = false, json = false;
+  std::string delay = "none";
+  bool guide = true, encoders = false, insideTick = false, json = false;
   PositionControlOptions servo;
   std::string rates;
   std::vector<std::string> set;
@@ -55,6 +55,7 @@ PushSetup setupOf(const PushOptions& options) {
     setup.person.normal = nearest.normal;
   }
   setup.person.guide = options.guide;
+  if (options.insideTick) setup.person.instant = randomInstant(setup.seed, setup.run);
   setup.delay = parseDelay(options.delay);
   setup.encoders.quantised = options.encoders;
   setup.encoders.cutoff = options.lowPass_Hz;
@@ -78,8 +79,10 @@ std::vector<RendererSource> sourcesOf(const PushOptions& options) {
   }
   if (!options.set.empty() && !has([](const RendererSource& s) { return s.plugin != nullptr; }))
     throw Error("--set is for plugins, and --renderer names none");
-  if (!options.gain.empty() && !has([](const RendererSource& s) { return !s.plugin && s.name == kPositionControl; }))
-    throw Error("--gain is for the linked position-control, and --renderer does not name it");
+  std::vector<std::string> linked;
+  for (const RendererSource& source : sources)
+    if (!source.plugin) linked.push_back(source.name);
+  checkGain(options.gain, linked, "--renderer");
   return sources;
 }
 
@@ -93,8 +96,8 @@ void run(const PushOptions& options) {
   const std::vector<RendererSource> sources = sourcesOf(options);
   const PluginSetup plugin{options.device, "", options.scene, "", parseParameters(options.set)};
   const double damping = dampingAlong(*plant, setup.start, setup.person.normal);
-  std::optional<ServoGain> gain;
-  if (!options.gain.empty()) gain = loadGain(options.gain, device->joints(), setup.period);
+  const std::string owner = options.gain.empty() ? "" : rendererOf(options.gain);
+  const double limit = largestStiffness(*plant, setup);
 
   const auto makeLinked = [&](const std::string& name) -> std::unique_ptr<Renderer> {
     if (name == kImpedance) {
@@ -103,8 +106,13 @@ void run(const PushOptions& options) {
       if (!warning.empty()) fmt::print(stderr, "enamel: warning: {}\n", warning);
       return wall;
     }
-    return std::make_unique<PositionControlRenderer>(
-        gain ? *gain : ServoGain(designServo(device, Pose{}, setup.period).K), setup.period, options.servo);
+    const std::string gain = name == owner ? options.gain : "";
+    if (name == kPositionControl)
+      return std::make_unique<SurfaceServoRenderer>(surfaceServo(gain, *device, setup.period, setup.delay));
+    return std::make_unique<PositionControlRenderer>(gain.empty()
+                                                         ? ServoGain(designServo(device, Pose{}, setup.period).K)
+                                                         : loadGain(gain, device->joints(), setup.period),
+                                                     setup.period, options.servo);
   };
   std::vector<PushOutcome> outcomes;
   std::vector<std::string> files;
@@ -114,7 +122,7 @@ void run(const PushOptions& options) {
       const std::unique_ptr<Renderer> renderer = library ? makeRenderer(library, plugin) : makeLinked(name);
       std::optional<TickFile> file;
       if (!options.output.empty()) file.emplace(outputFor(options, name), *device);
-      MetricsCollector collector(setup);
+      MetricsCollector collector(setup, limit);
       const PushResult result = runPush(*plant, *renderer, setup, [&](const TickRecord& tick) {
         collector.add(tick);
         if (file) file->write(tick);
@@ -123,7 +131,7 @@ void run(const PushOptions& options) {
       if (result.status != Status::ok)
         throw Error(fmt::format("the device left its workspace at {} s: its pose is {}",
                                 static_cast<double>(result.ticks) * setup.period, toString(result.status)));
-      outcomes.push_back({name, library == nullptr, collector.metrics()});
+      outcomes.push_back({name, library == nullptr && name != kPositionControl, collector.metrics()});
       if (file) files.push_back(outputFor(options, name));
     } catch (const std::exception& error) {  // what the others reach is printed all the same
       failures += fmt::format("{}{}: {}", failures.empty() ? "" : "; ", name, error.what());
@@ -136,11 +144,11 @@ void run(const PushOptions& options) {
     const Person& person = setup.person;
     const Vec3 start_mm = 1e3 * setup.start.position;
     fmt::print(
-        "{}: scenario {}, {} N at ({:.4g}, {:.4g}, {:.4g}) mm against ({:.3g}, {:.3g}, {:.3g}), noise {} N, guide {}, "
-        "delay {}, seed {}\nplant of every renderer: mechanical damping {:.4g} N s/m along the normal{}\n",
-        device->name(), person.scenario, person.force, start_mm.x(), start_mm.y(), start_mm.z(), person.normal.x(),
-        person.normal.y(), person.normal.z(), person.noise, options.guide ? "on" : "off", options.delay, setup.seed,
-        damping, gain ? "; gain of position-control: " + options.gain : "");
+        "{}: scenario {}, {} N after {} N at ({:.4g}, {:.4g}, {:.4g}) mm against ({:.3g}, {:.3g}, {:.3g}), noise {} N, "
+        "guide {}, delay {}, seed {}\nplant of every renderer: mechanical damping {:.4g} N s/m along the normal{}\n",
+        device->name(), person.scenario, person.force, person.preload, start_mm.x(), start_mm.y(), start_mm.z(),
+        person.normal.x(), person.normal.y(), person.normal.z(), person.noise, options.guide ? "on" : "off",
+        options.delay, setup.seed, damping, owner.empty() ? "" : "; servo of " + owner + ": " + options.gain);
     fmt::print("{}", tableOf(outcomes, person.scenario));
     for (const std::string& file : files) fmt::print("every tick: {}\n", file);
   }
@@ -168,20 +176,20 @@ void addPush(CLI::App& app) {
   };
   command->add_option("--device", options->device, "device file (TOML)")->required();
   command
-      ->add_option("--renderer", options->renderers,
-                   "position-control, impedance, the name of a plugin (see enamel plugins) or its path; several are "
-                   "separated by commas")
+      ->add_option(
+          "--renderer", options->renderers,
+          "position-control (the contact-space servo), hold (the paper's servo), impedance, the name of a plugin "
+          "(see enamel plugins) or its path; several are separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);
   command->add_option("--gain", options->gain,
-                      "of the linked position-control: a file of enamel design --output; without it, designed at home");
-  command->add_option("--mode", options->mode, "of position-control: hold (sticks to the point of touch)")
-      ->check(CLI::IsMember({"hold"}))
-      ->capture_default_str();
-  flag("--release", options->servo.release, "on: the hold ends when the wall would pull; off: never, as in the paper");
-  flag("--anti-windup", options->servo.antiWindup, "on: the integrators stop while a motor is saturated");
+                      "file of a servo: a surface servo for position-control, an LQR design (enamel design --output) "
+                      "for hold; without it, as found for the TAU and as designed at home");
+  flag("--release", options->servo.release,
+       "of hold: on: it ends when the wall would pull; off: never, as in the paper");
+  flag("--anti-windup", options->servo.antiWindup, "of hold: on: the integrators stop while a motor is saturated");
   command->add_option("--stiffness", options->impedance.stiffness, "of the impedance wall, N/m")->capture_default_str();
   command->add_option("--damping", options->impedance.damping, "of the impedance wall, N s/m")->capture_default_str();
   command
@@ -198,10 +206,18 @@ void addPush(CLI::App& app) {
         ->capture_default_str()
         ->excludes(scene);
   command->add_option("--force", options->setup.person.force, "F_c, N")->capture_default_str();
+  command
+      ->add_option("--preload", options->setup.person.preload,
+                   "pressed with this until the step of scenario 1, with the noise, N")
+      ->capture_default_str();
+  command->add_flag("--inside-tick", options->insideTick,
+                    "the step comes at a random instant inside its tick, not at its beginning");
   command->add_option("--noise", options->setup.person.noise, "standard deviation of the person's force, N")
       ->capture_default_str();
   flag("--guide", options->guide, "on: a hand holds x, y and the orientation softly");
-  command->add_option("--delay", options->delay, "of the command, ticks: none, constant:D or random:A..B")
+  command
+      ->add_option("--delay", options->delay,
+                   "of the command, ticks: none, constant:D or random:A..B; position-control is told")
       ->capture_default_str();
   command->add_flag("--encoders", options->encoders, "round the joint angles to encoder counts");
   command

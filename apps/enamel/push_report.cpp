@@ -39,7 +39,7 @@ std::string tableOf(const std::vector<PushOutcome>& outcomes, int scenario) {
   const auto line = [&](const std::string& title, const auto& value, const auto& figure) {
     text += fmt::format("{:<56}", title);
     for (const PushOutcome& o : outcomes)
-      text += fmt::format("{:>18}{:>16}", value(o), scenario == 1 && o.linked ? figure(o) : "");
+      text += fmt::format("{:>18}{:>16}", value(o), scenario == 1 && o.ofPaper ? figure(o) : "");
     text.erase(text.find_last_not_of(' ') + 1);
     text += '\n';
   };
@@ -53,7 +53,7 @@ std::string tableOf(const std::vector<PushOutcome>& outcomes, int scenario) {
   line(
       "faults [ticks]", [](const PushOutcome& o) { return std::to_string(o.metrics.faults); },
       [](const PushOutcome&) { return "-"; });
-  if (scenario == 1 && std::any_of(outcomes.begin(), outcomes.end(), [](const PushOutcome& o) { return o.linked; }))
+  if (scenario == 1 && std::any_of(outcomes.begin(), outcomes.end(), [](const PushOutcome& o) { return o.ofPaper; }))
     text += "* extremes over the paper's 121 query points on its own device: compare magnitudes\n";
   return text;
 }

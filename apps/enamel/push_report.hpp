@@ -13,7 +13,7 @@ namespace enamel::app {
 /// What a renderer that came to the end made of the push.
 struct PushOutcome {
   std::string renderer;
-  bool linked;  ///< the paper's figures are for the two linked renderers, not for a plugin of the same name
+  bool ofPaper;  ///< the linked hold or impedance, whose figures the paper has; not a plugin of the same name
   PushMetrics metrics;
 };
 

@@ -2,13 +2,29 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/render/surface_file.hpp"
 #include "plugin_folder.hpp"
 
 namespace enamel::app {
+namespace {
+
+std::string ticksText(int low, int high) {
+  return low == high ? fmt::format("{} ticks", low) : fmt::format("{} to {} ticks", low, high);
+}
+
+void requireFits(const std::string& path, Eigen::Index joints, double period, int deviceJoints, double devicePeriod) {
+  if (joints != deviceJoints)
+    throw Error(fmt::format("{}: the servo is for {} joints, the device has {}", path, joints, deviceJoints));
+  if (period != devicePeriod)
+    throw Error(fmt::format("{}: the servo is for ticks of {} s, these take {} s", path, period, devicePeriod));
+}
+
+}  // namespace
 
 Delay parseDelay(const std::string& text) {
   const char *at = text.data(), *const end = at + text.size();
@@ -36,18 +52,45 @@ Delay parseDelay(const std::string& text) {
 }
 
 RendererSource findRenderer(const std::string& nameOrPath) {
-  if (nameOrPath == kPositionControl || nameOrPath == kImpedance) return {nameOrPath, nullptr};
+  if (nameOrPath == kPositionControl || nameOrPath == kHold || nameOrPath == kImpedance) return {nameOrPath, nullptr};
   auto library = findPlugin(nameOrPath, pluginFolder());
   return {library->description().name, library};
 }
 
+std::string rendererOf(const std::string& gain) {
+  if (isSurfaceServo(gain)) return kPositionControl;
+  (void)loadServo(gain);
+  return kHold;
+}
+
+void checkGain(const std::string& gain, const std::vector<std::string>& linked, const std::string& option) {
+  if (gain.empty()) return;
+  const std::string owner = rendererOf(gain);
+  if (std::find(linked.begin(), linked.end(), owner) == linked.end())
+    throw Error(fmt::format("{}: is {}, for {}, which {} does not name", gain,
+                            owner == kHold ? "an LQR design" : "a surface servo", owner, option));
+}
+
 ServoGain loadGain(const std::string& path, int joints, double period) {
   const ServoFile servo = loadServo(path);
-  if (servo.gain.rows() != joints)
-    throw Error(fmt::format("{}: the servo is for {} joints, the device has {}", path, servo.gain.rows(), joints));
-  if (servo.period != period)
-    throw Error(fmt::format("{}: the servo is for ticks of {} s, these take {} s", path, servo.period, period));
+  requireFits(path, servo.gain.rows(), servo.period, joints, period);
   return servo.gain;
+}
+
+SurfaceServoOptions surfaceServo(const std::string& gain, const Mechanism& mechanism, double period,
+                                 const Delay& delay) {
+  SurfaceServoOptions options;
+  if (gain.empty()) {
+    options = surfaceServoFor(mechanism.limits().count, period, delay.low, delay.high);
+  } else {
+    options = loadSurfaceServo(gain).options;
+    requireFits(gain, options.count.size(), options.period, mechanism.joints(), period);
+    if (options.delayLow != delay.low || options.delayHigh != delay.high)
+      throw Error(fmt::format("{}: the servo is for a delay of {}, --delay is {}", gain,
+                              ticksText(options.delayLow, options.delayHigh), ticksText(delay.low, delay.high)));
+  }
+  SurfaceServoRenderer{options};  // refuses here what a run would refuse
+  return options;
 }
 
 double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal) {

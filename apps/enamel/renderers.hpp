@@ -8,11 +8,13 @@
 #include "enamel/plugin/host.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
+#include "enamel/render/surface_servo.hpp"
 #include "enamel/study/metrics.hpp"
 
 namespace enamel::app {
 
-inline constexpr const char* kPositionControl = "position-control";
+inline constexpr const char* kPositionControl = "position-control";  // SurfaceServoRenderer
+inline constexpr const char* kHold = "hold";                         // PositionControlRenderer, the paper's law
 inline constexpr const char* kImpedance = "impedance";
 
 /// "none", "constant:D" or "random:A..B", in ticks, whole numbers in decimal digits. Throws Error.
@@ -28,9 +30,22 @@ struct RendererSource {
 /// Throws PluginError: as findPlugin().
 RendererSource findRenderer(const std::string& nameOrPath);
 
-/// The gain of a servo file (--gain) for ticks of `period` s on a device with `joints` joints.
+/// Which of the linked renderers a servo file (--gain) is for: kPositionControl where it is a surface servo, kHold
+/// where it is an LQR design. Throws Error: as loadServo(), where it is neither.
+std::string rendererOf(const std::string& gain);
+
+/// Throws Error: a servo file (or "": none) for a renderer that is not among the `linked` ones of `option`.
+void checkGain(const std::string& gain, const std::vector<std::string>& linked, const std::string& option);
+
+/// The gain of an LQR design for ticks of `period` s on a device with `joints` joints.
 /// Throws Error: as loadServo(); it was designed for another period or number of joints.
 ServoGain loadGain(const std::string& path, int joints, double period);
+
+/// The surface servo for a device, ticks of `period` s and a delay of the command: of a file (--gain), or where that is
+/// "", as surfaceServoFor() has it. Throws Error: as loadSurfaceServo() and SurfaceServoRenderer; the file is for
+/// another period, number of joints or delay.
+SurfaceServoOptions surfaceServo(const std::string& gain, const Mechanism& mechanism, double period,
+                                 const Delay& delay);
 
 /// Mechanical damping of a plant along `normal` (unit, W) at a pose, N s/m: of the TCP and of the joints.
 /// Throws Error: the pose cannot be reached.

@@ -20,8 +20,8 @@ void addStudy(CLI::App& app) {
   command
       ->add_option(
           "--renderers", options->renderers,
-          "separated by commas; position-control-scheduled: the servo designed at every query point; also names "
-          "and paths of plugins")
+          "separated by commas; hold-scheduled: hold with a servo designed at every query point; also names and paths "
+          "of plugins")
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("--set", options->set, "parameter of the plugins that have it, KEY=VALUE; may be given again")
@@ -39,11 +39,18 @@ void addStudy(CLI::App& app) {
       ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--gain", options->gain,
-                      "servo of position-control at every query point, as enamel design --output writes it; without "
-                      "it, designed at home");
-  command->add_option("--delay", options->delay, "of the command, ticks: none, constant:D or random:A..B")
+                      "file of a servo for every query point: a surface servo for position-control, an LQR design "
+                      "(enamel design --output) for hold; without it, as found for the TAU and as designed at home");
+  command
+      ->add_option("--delay", options->delay,
+                   "of the command, ticks: none, constant:D or random:A..B; position-control is told")
       ->capture_default_str();
   command->add_flag("--encoders", options->encoders, "round the joint angles to encoder counts, difference the rates");
+  command
+      ->add_option("--preload", options->preload, "pressed with this until the step of scenario 1, with the noise, N")
+      ->capture_default_str();
+  command->add_flag("--inside-tick", options->insideTick,
+                    "every step of scenario 1 comes at a random instant inside its tick, not at its beginning");
   command->add_flag("--release", options->release,
                     "the hold ends when the wall would pull, as in enamel push; without it never, as in the paper");
   command->add_option("--seed", options->seed, "of everything random")->capture_default_str();

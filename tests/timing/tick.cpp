@@ -23,7 +23,7 @@ TEST_CASE("speed against error of a tick and of a push", "[timing]") {
     CHECK_FALSE(row.p99_us < row.median_us);
   }
   // Every tick costs more than looking at the clock: less would be a tick that the compiler has dropped.
-  for (const std::string renderer : {"position-control", "impedance"})
+  for (const std::string renderer : {"position-control", "hold", "impedance"})
     CHECK(medianOf("whole tick, " + renderer) > medianOf("nothing (the clock's own cost)"));
 }
 

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "enamel/render/surface_file.hpp"
 #include "enamel/study/metrics.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
@@ -48,7 +49,7 @@ TEST_CASE("push reproduces the reference runs, with a gain designed from the dev
   const test::TemporaryFolder folder;
   for (const auto& reference : test::referenceFile("runs-nominal.json").at("rows")) {
     const bool servo = reference.at("controller") == "pc";
-    const std::string renderer = servo ? "position-control" : "impedance --device-damping 4";
+    const std::string renderer = servo ? "hold" : "impedance --device-damping 4";
     const auto result = run(push("--renderer " + renderer +
                                  " --release off --guide off --noise 0 --force 12 --duration 1.3 --output '" +
                                  (folder / "run.csv") + "'"));
@@ -66,20 +67,21 @@ TEST_CASE("push reproduces the reference runs, with a gain designed from the dev
   }
 }
 
-TEST_CASE("push: metrics under one name each as a table and as JSON, both renderers beside each other",
+TEST_CASE("push: metrics under one name each as a table and as JSON, all renderers beside each other",
           "[push_command]") {
   const test::TemporaryFolder folder;
-  const std::string both = "--renderer position-control,impedance --device-damping 4 --noise 0 ";
-  const auto table = run(push(both + "--output '" + (folder / "run.csv") + "'"));
+  const std::string all = "--renderer position-control,hold,impedance --device-damping 4 --noise 0 ";
+  const auto table = run(push(all + "--output '" + (folder / "run.csv") + "'"));
   REQUIRE(table.status == 0);
   CHECK_THAT(table.output, Contains("lowest 17.2") && Contains("highest 3.11") && Contains("(paper*)"));
   CHECK(std::filesystem::exists(folder / "run-position-control.csv"));
+  CHECK(std::filesystem::exists(folder / "run-hold.csv"));
   CHECK(std::filesystem::exists(folder / "run-impedance.csv"));
-  const auto json = run(push(both + "--json"));
+  const auto json = run(push(all + "--json"));
   REQUIRE(json.status == 0);
   const auto metrics = nlohmann::json::parse(json.output);
-  REQUIRE(metrics.size() == 2);
-  for (const char* renderer : {"position-control", "impedance"}) {
+  REQUIRE(metrics.size() == 3);
+  for (const char* renderer : {"position-control", "hold", "impedance"}) {
     const auto& of = metrics.at(renderer);
     CHECK(of.size() == allMetrics().size() + 2);
     CHECK(of.at("first impact") == "measured");
@@ -98,7 +100,16 @@ TEST_CASE("push: metrics under one name each as a table and as JSON, both render
       CHECK_THAT(found, Contains(value));
     }
   }
-  CHECK(metrics.at("position-control").at("K_z1 [N/m]").get<double>() == Approx(27e3).epsilon(0.05));
+  // The paper's figures stand beside the paper's renderers alone.
+  const std::string row = table.output.substr(table.output.find("\nK_z1"), 170);
+  CHECK(row.find("lowest 17.2") > 56 + 34 + 18);
+  CHECK(metrics.at("hold").at("K_z1 [N/m]").get<double>() == Approx(27e3).epsilon(0.05));
+  CHECK(metrics.at("position-control").at("K_z1 [N/m]") > 100e3);
+  const auto ratio = [&](const char* renderer) {
+    return metrics.at(renderer).at("K_z1 [N/m]").get<double>() /
+           metrics.at(renderer).at("share of limit").get<double>();
+  };
+  CHECK(ratio("position-control") == Approx(ratio("hold")).epsilon(1e-9));  // one push, one limit
   CHECK(metrics.at("impedance").at("K_z1 [N/m]").get<double>() == Approx(3.06e3).epsilon(0.01));
 }
 
@@ -128,7 +139,8 @@ TEST_CASE("push: one plant for linked renderers and plugins, with the damping of
   };
   const std::string plugins = ENAMEL_PLUGINS "/enamel_";
   for (const auto& [linked, plugin] : {std::pair<std::string, std::string>{"impedance", plugins + "impedance.so"},
-                                       {"position-control", plugins + "position_control.so"}}) {
+                                       {"position-control", plugins + "position_control.so"},
+                                       {"hold", plugins + "position_control.so' --set 'mode=hold"}}) {
     INFO(linked);
     const std::string undamped = ticks(linked, ""), damped = ticks(linked, "--device-damping 4");
     CHECK(undamped != damped);
@@ -146,7 +158,7 @@ TEST_CASE("push: one plant for linked renderers and plugins, with the damping of
   CHECK_THAT(hard.output, Contains("need more than 3.5 N s/m") && Contains("(eq. 16), there are 3.5"));
 }
 
-TEST_CASE("push: a servo of enamel design --output, linked and as a plugin", "[push_command]") {
+TEST_CASE("push: hold with a servo of enamel design --output, linked and as a plugin", "[push_command]") {
   const test::TemporaryFolder folder;
   const auto design = [&](const std::string& name, const std::string& options) {
     const auto result = run("design --device '" + test::deviceFile("tau-nominal.toml") + "' --output '" +
@@ -162,9 +174,10 @@ TEST_CASE("push: a servo of enamel design --output, linked and as a plugin", "[p
     return test::readFile(folder / "run.csv");
   };
   const std::string same = design("same.json", ""), soft = design("soft.json", "--q-integral 1e6");
-  const std::string plugin = "--renderer '" ENAMEL_PLUGINS "/enamel_position_control.so' ";
-  const std::string inPlace = ticks(""), softly = ticks("--gain '" + soft + "'");
-  CHECK(ticks("--gain '" + same + "'") == inPlace);
+  const std::string plugin = "--renderer '" ENAMEL_PLUGINS "/enamel_position_control.so' --set mode=hold ";
+  const std::string hold = "--renderer hold ";
+  const std::string inPlace = ticks(hold), softly = ticks(hold + "--gain '" + soft + "'");
+  CHECK(ticks(hold + "--gain '" + same + "'") == inPlace);
   CHECK(softly != inPlace);
   CHECK(ticks(plugin + "--set 'gain=" + same + "'") == inPlace);
   CHECK(ticks(plugin + "--set 'gain=" + soft + "'") == softly);
@@ -173,15 +186,85 @@ TEST_CASE("push: a servo of enamel design --output, linked and as a plugin", "[p
   test::writeFile(folder / "three.json", R"({"model": "m", "period": 0.001, "K": [[1,2,3,4,5,6,7,8,9],
                                              [1,2,3,4,5,6,7,8,9], [1,2,3,4,5,6,7,8,9]]})");
   for (const auto& [options, message] : std::vector<std::pair<std::string, std::string>>{
-           {"--gain '" + fast + "'", "ticks of 0.0005 s, these take 0.001 s"},
-           {"--gain '" + (folder / "three.json") + "'", "for 3 joints, the device has 6"},
+           {hold + "--gain '" + fast + "'", "ticks of 0.0005 s, these take 0.001 s"},
+           {hold + "--gain '" + (folder / "three.json") + "'", "for 3 joints, the device has 6"},
            {"--gain /no/such/servo.json", "/no/such/servo.json"},
-           {"--renderer impedance --gain '" + same + "'", "--gain is for the linked position-control"}}) {
+           {"--gain '" + same + "'", "same.json: is an LQR design, for hold, which --renderer does not name"},
+           {"--renderer impedance --gain '" + same + "'", "for hold, which --renderer does not name"},
+           {plugin + "--gain '" + same + "'", "for hold, which --renderer does not name"}}) {
     const auto result = run(push(options));
     INFO(options << "\n" << result.output);
     CHECK(result.status == 1);
     CHECK_THAT(result.output, Contains(message));
   }
+}
+
+TEST_CASE("push: position control with a surface servo of a file, linked and as a plugin", "[push_command]") {
+  const test::TemporaryFolder folder;
+  const auto ticks = [&](const std::string& options) {
+    const auto result = run(push("--encoders --duration 1.1 --output '" + (folder / "run.csv") + "' " + options));
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return test::readFile(folder / "run.csv");
+  };
+  const JointVector count = JointVector::Constant(6, 2.0 * M_PI / 163840);
+  const auto write = [&](const std::string& name, const SurfaceServoOptions& servo) {
+    test::writeFile(folder / name, surfaceServoText({"tau-nominal", servo}));
+    return "'" + (folder / name) + "' ";
+  };
+  SurfaceServoOptions soft = surfaceServoFor(count, 1e-3, 1, 1);
+  soft.pole = soft.jumpPole = 0.8;
+  const std::string late = "--delay constant:1 ",
+                    plugin = "--renderer '" ENAMEL_PLUGINS "/enamel_position_control.so' --set delay=1 ";
+  const std::string same = write("same.json", surfaceServoFor(count, 1e-3, 1, 1)), softer = write("soft.json", soft);
+  const std::string inPlace = ticks(late), softly = ticks(late + "--gain " + softer);
+  CHECK(ticks(late + "--gain " + same) == inPlace);
+  CHECK(softly != inPlace);
+  CHECK(ticks(late + plugin) == inPlace);
+  CHECK(ticks(late + plugin + "--set gain=" + softer) == softly);
+  // With several renderers a file goes to the one that it is for.
+  CHECK(run(push(late + "--renderer position-control,hold --release off --duration 1.1 --gain " + softer)).status == 0);
+
+  const std::string fast = write("fast.json", surfaceServoFor(count, 5e-4, 0, 0)),
+                    three = write("three.json", surfaceServoFor(JointVector::Constant(3, 1e-5), 1e-3, 0, 0));
+  for (const auto& [options, message] : std::vector<std::pair<std::string, std::string>>{
+           {"--gain " + same, "same.json: the servo is for a delay of 1 ticks, --delay is 0 ticks"},
+           {"--delay random:0..3 --gain " + same, "for a delay of 1 ticks, --delay is 0 to 3 ticks"},
+           {"--gain " + fast, "fast.json: the servo is for ticks of 0.0005 s, these take 0.001 s"},
+           {"--gain " + three, "three.json: the servo is for 3 joints, the device has 6"},
+           {"--renderer hold --gain " + same,
+            "is a surface servo, for position-control, which --renderer does not name"},
+           {"--delay constant:9", "the largest delay is 9, must be in 0 to 8 ticks"}}) {
+    const auto result = run(push(options));
+    INFO(options << "\n" << result.output);
+    CHECK(result.status == 1);
+    CHECK_THAT(result.output, Contains(message));
+  }
+}
+
+TEST_CASE("push: a preload, and a step inside its tick", "[push_command]") {
+  const test::TemporaryFolder folder;
+  const auto forces = [&](const std::string& options) {
+    const auto result =
+        run(push("--renderer impedance --duration 1.3 --output '" + (folder / "run.csv") + "' " + options));
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    std::vector<double> list;
+    for (const std::string& force : column(test::readFile(folder / "run.csv"), "person fz [N]"))
+      list.push_back(-std::stod(force));
+    return list;
+  };
+  const auto plain = forces(""), inside = forces("--inside-tick"), pressed = forces("--preload 3 --inside-tick");
+  REQUIRE(plain.size() == 1300);
+  CHECK(plain[999] == 0.0);
+  CHECK(inside[999] == 0.0);
+  // At the beginning of its tick the step has not come yet; every other number of the person is as without.
+  CHECK(inside[1000] == Approx(plain[1000] - 12.0).margin(1e-12));
+  for (std::size_t i = 1001; i < plain.size(); ++i) REQUIRE(inside[i] == plain[i]);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 1000; ++i) sum += pressed[i] / 1000.0;
+  CHECK(sum == Approx(3.0).margin(5.0 * 0.5 / std::sqrt(1000.0)));
+  for (std::size_t i = 1001; i < plain.size(); ++i) REQUIRE(pressed[i] == plain[i]);
 }
 
 TEST_CASE("push and design on other mechanisms: as many columns as joints, in their units", "[push_command]") {
@@ -203,11 +286,12 @@ TEST_CASE("push and design on other mechanisms: as many columns as joints, in th
     CHECK_THAT(designed.output, Contains("q3 ") && !Contains("q4 ") && Contains("Table II"));
     const auto K = nlohmann::json::parse(test::readFile(folder / "servo.json")).at("K");
     CHECK(K.size() == 3);
-    const std::string inPlace = ticks("");
+    const std::string inPlace = ticks("--renderer hold");
     CHECK_THAT(inPlace.substr(0, inPlace.find('\n')), Contains(",wall force [N]," + columns + ","));
-    CHECK(ticks("--gain '" + (folder / "servo.json") + "'") == inPlace);
+    CHECK(ticks("--renderer hold --gain '" + (folder / "servo.json") + "'") == inPlace);
+    CHECK(ticks("") != inPlace);
     CHECK(ticks("--renderer impedance --stiffness 1000") != inPlace);
-    const auto wrong = run(push("--gain '" + (folder / "servo.json") + "'"));
+    const auto wrong = run(push("--renderer hold --gain '" + (folder / "servo.json") + "'"));
     CHECK(wrong.status == 1);
     CHECK_THAT(wrong.output, Contains("for 3 joints, the device has 6"));
   }
@@ -215,13 +299,13 @@ TEST_CASE("push and design on other mechanisms: as many columns as joints, in th
 
 TEST_CASE("push: what one renderer reached outlives the failure of another", "[push_command]") {
   const test::TemporaryFolder folder;
-  for (const char* renderers : {"impedance,position-control", "position-control,impedance"}) {
+  for (const char* renderers : {"impedance,hold", "hold,impedance"}) {
     const std::string both = std::string("--renderer ") + renderers + " --stiffness -5 --duration 1.1 ";
     const std::string output = "--output '" + (folder / "run.csv") + "' ";
     const auto table = printed(both + output, folder / "errors");
     CHECK(table.status == 1);
-    CHECK_THAT(table.output, Contains("K_z1") && Contains("position-control") && Contains("run-position-control.csv") &&
-                                 !Contains("impedance"));
+    CHECK_THAT(table.output,
+               Contains("K_z1") && Contains("hold") && Contains("run-hold.csv") && !Contains("impedance"));
     const std::string errors = test::readFile(folder / "errors");
     CHECK(errors.rfind("enamel: impedance: ", 0) == 0);
     CHECK(std::count(errors.begin(), errors.end(), '\n') == 1);
@@ -229,7 +313,7 @@ TEST_CASE("push: what one renderer reached outlives the failure of another", "[p
     CHECK(json.status == 1);
     const auto metrics = nlohmann::json::parse(json.output);
     CHECK(metrics.size() == 1);
-    CHECK(metrics.contains("position-control"));
+    CHECK(metrics.contains("hold"));
   }
   // A run that ends early is a failure too, and says when.
   const auto lost = run(push("--renderer impedance,position-control --stiffness 40000"));
@@ -285,6 +369,9 @@ TEST_CASE("push: errors are one line and the status is not 0", "[push_command]")
                                 "--renderer impedance --stiffness -5",
                                 "--output /no/such/folder/run.csv",
                                 "--mode surface",
+                                "--preload -1",
+                                "--preload nan",
+                                "--inside-tick=0.5",
                                 "--low-pass 0",
                                 "--device-damping -1",
                                 "--device-damping nan",

@@ -13,6 +13,7 @@
 #include "enamel/plugin/host.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
+#include "enamel/render/surface_servo.hpp"
 #include "enamel/sim/push.hpp"
 #include "plugin_folder.hpp"
 
@@ -90,6 +91,7 @@ std::pair<Percentiles, Percentiles> timeLinkedAndPlugin(const std::vector<TickIn
 std::vector<Measurement> measureTick(double scale) {
   const auto mechanism = std::make_shared<TauMechanism>(nominalDevice());
   PositionControlRenderer hold(designServo(mechanism, Pose{}, kPeriod).K, kPeriod, {});
+  SurfaceServoRenderer servo(surfaceServoFor(mechanism->limits().count, kPeriod, 0, 0));
   ImpedanceRenderer spring(ImpedanceOptions{});
   const int ticks = std::max(2000, static_cast<int>(50000 * scale));
   const Path path = pathThroughTheWall(*mechanism, ticks);
@@ -129,7 +131,7 @@ std::vector<Measurement> measureTick(double scale) {
   const Scene wall = flatWall();
   const Tool tool;
   for (const auto& [name, renderer] :
-       {std::pair<const char*, Renderer*>{"position-control", &hold}, {"impedance", &spring}}) {
+       {std::pair<const char*, Renderer*>{"position-control", &servo}, {"hold", &hold}, {"impedance", &spring}}) {
     int faults = 0;
     TickOutput output;
     std::vector<TickInput> inputs;
@@ -147,13 +149,13 @@ std::vector<Measurement> measureTick(double scale) {
       inputs.push_back(tick.input());
     }
     renderer->reset();
-    std::string file = std::string("enamel_") + name + ".so";
-    std::replace(file.begin(), file.end(), '-', '_');
-    const std::string pluginFile = app::pluginFolder() + "/" + file;
+    const std::string pluginFile =
+        app::pluginFolder() + (renderer == &spring ? "/enamel_impedance.so" : "/enamel_position_control.so");
     std::unique_ptr<Renderer> plugin;
     if (std::filesystem::exists(pluginFile)) {
       PluginSetup setup;
       setup.deviceText = nominalDeviceText();
+      if (renderer == &hold) setup.parameters = {{"mode", "hold"}};
       plugin = makeRenderer(PluginLibrary::load(pluginFile), setup);
       plugin->activate(kPeriod);
     }

@@ -30,8 +30,9 @@ constexpr const char* kPurple = "#CC79A7";
 const char* colourOf(ColumnKind kind) {
   switch (kind) {
     case ColumnKind::positionControl: return kBlue;
+    case ColumnKind::hold: return kGreen;
     case ColumnKind::impedance: return kVermilion;
-    case ColumnKind::scheduled: return kGreen;
+    case ColumnKind::scheduled: return kOrange;
     case ColumnKind::plugin: break;
   }
   return kPurple;
@@ -182,38 +183,37 @@ Figure responseFigure(const Study& study, int scenario) {
   // Away from home, where nothing is special.
   const auto side = static_cast<std::size_t>(plan.grid), middle = (7 * side / 10) * side + side / 4;
   Json force = curve(kInk, false, 2.0), panels = Json::array();
-  std::vector<Json> depths;
-  Extent forceExtent, servoExtent, springExtent;
-  StudyRun run;
-  const auto shown = [&](std::size_t c) {  // the scheduled servo would lie on the other
-    return study.labels[c].kind != ColumnKind::scheduled ||
-           study.column(ColumnKind::positionControl) == plan.columns.size();
+  struct Response {
+    std::string title;
+    const char* colour;
+    Json depth;
+    Extent extent;
   };
+  std::vector<Response> responses;
+  Extent forceExtent;
+  StudyRun run;
   for (std::size_t c = 0; c < plan.columns.size(); ++c) {
-    if (!shown(c)) {
-      depths.emplace_back();
-      continue;
-    }
+    // The scheduled hold would lie on the other.
+    if (study.labels[c].kind == ColumnKind::scheduled && study.column(ColumnKind::hold) < plan.columns.size()) continue;
+    Extent extent;
     Json depth = curve(colourOf(study.labels[c].kind), false, 2.5);
     for (std::size_t i = 0; i < plan.size(); ++i) {
       run = runAt(plan, i);
       if (run.scenario == scenario && run.column == c && run.point == middle) break;
     }
-    Extent& extent = study.labels[c].kind == ColumnKind::impedance ? springExtent : servoExtent;
     (void)performRun(plan, run, [&](const TickRecord& t) {
       if (t.time < from) return;
       depth["x"].push_back(t.time);
       depth["y"].push_back(1e3 * t.pose.position.z());
       extent.see(1e3 * t.pose.position.z());
-      if (c != 0) return;
+      if (!responses.empty()) return;
       force["x"].push_back(t.time);
       force["y"].push_back(-t.person[2]);
       forceExtent.see(-t.person[2]);
     });
-    depths.push_back(depth);
+    responses.push_back({study.labels[c].title, colourOf(study.labels[c].kind), depth, extent});
   }
-  const bool servo = servoExtent.low <= servoExtent.high, spring = springExtent.low <= springExtent.high;
-  const int rows = 1 + servo + spring;
+  const int rows = 1 + static_cast<int>(responses.size());
   const double height = 300.0, gap = 44.0, left = 190.0, width = 1350.0;
   int row = 0;
   const auto add = [&](const std::string& title, Extent extent, Json curves, Json legend) {
@@ -228,24 +228,14 @@ Figure responseFigure(const Study& study, int scenario) {
     panels.push_back(panel);
     ++row;
   };
-  const auto depthPanel = [&](bool ofSpring, const Extent& extent) {
-    Json curves = Json::array({horizontal(from, to, 0.0, kMuted)}), entries = Json::array();
-    for (std::size_t c = 0; c < depths.size(); ++c) {
-      const ColumnLabel& label = study.labels[c];
-      if ((label.kind == ColumnKind::impedance) != ofSpring || !shown(c)) continue;
-      curves.push_back(depths[c]);
-      entries.push_back(entry(label.title, colourOf(label.kind)));
-    }
-    add("z (mm)", extent, curves,
-        {{"corner", scenario == 1 || !ofSpring ? "bottom right" : "bottom left"}, {"entries", entries}});
-  };
   add("force (N)", forceExtent, Json::array({force}), nullptr);
-  if (servo) depthPanel(false, servoExtent);
-  if (spring) depthPanel(true, springExtent);
+  for (const Response& response : responses)
+    add("z (mm)", response.extent, Json::array({horizontal(from, to, 0.0, kMuted), response.depth}),
+        {{"corner", "bottom right"}, {"entries", Json::array({entry(response.title, response.colour)})}});
   Figure figure{fmt::format("fig0{}-response-{}", scenario == 1 ? 8 : 9, scenario), "", {}};
   figure.caption = fmt::format(
       "Scenario {}: a typical run at {} mm, F<sub>c</sub> = {:.1f} N (after Fig. {}). Top: the person's force into the "
-      "wall; below: position of the tool, the wall at 0 (dashed). The scales of the renderers differ.",
+      "wall; below: position of the tool with each renderer, the wall at 0 (dashed). Their scales differ.",
       scenario, pointText(study, middle), run.force, scenario == 1 ? 8 : 9);
   figure.description = {{"size", {1600, static_cast<int>(24 + rows * height + (rows - 1) * gap + 116)}},
                         {"panels", panels}};
@@ -401,14 +391,16 @@ Figure alongYFigure(const Study& study, const Findings& findings) {
     const bool dashed = label.kind == ColumnKind::scheduled;
     Json line = curve(colourOf(label.kind), dashed, 3.5);
     line["x"] = ys;
-    for (const double v : rowMeans(study, over(findings.survey[c], [](const SurveyPoint& p) { return p.stiffness; }))) {
-      line["y"].push_back(1e-3 * v);
-      stiffnessExtent.see(1e-3 * v);
+    const auto means = rowMeans(study, over(findings.survey[c], [](const SurveyPoint& p) { return p.stiffness; }));
+    for (const double v : means) {
+      const double percent = 100.0 * (v / spreadOf(means).mean - 1.0);
+      line["y"].push_back(percent);
+      stiffnessExtent.see(percent);
     }
     stiffness.push_back(line);
     stiffnessEntries.push_back(entry(label.title, colourOf(label.kind), dashed));
   }
-  const std::size_t hold = study.column(ColumnKind::positionControl);
+  const std::size_t hold = study.column(ColumnKind::hold);
   const std::size_t shown = hold < study.plan.columns.size() ? hold : 0;
   struct JointCurve {
     std::string names;
@@ -445,7 +437,7 @@ Figure alongYFigure(const Study& study, const Findings& findings) {
   figure.description["size"] = {1600, 690};
   figure.description["panels"] = {{{"place", {150, 80, 590, 490}},
                                    {"x", axis("y (mm)", -half, half, 5)},
-                                   {"y", axis("K_z1 (kN/m)", stiffnessExtent.low, stiffnessExtent.high, 5)},
+                                   {"y", axis("K_z1 from its mean (%)", stiffnessExtent.low, stiffnessExtent.high, 5)},
                                    {"curves", stiffness},
                                    {"legend", {{"corner", "above"}, {"entries", stiffnessEntries}}}},
                                   {{"place", {960, 80, 590, 490}},
@@ -454,14 +446,15 @@ Figure alongYFigure(const Study& study, const Findings& findings) {
                                    {"curves", torque},
                                    {"legend", {{"corner", "above"}, {"entries", torqueEntries}}}}};
   figure.caption = fmt::format(
-      "Without noise, means over x. Left: K<sub>z1</sub> for {:.0f} N along y. Right: largest torque of each joint for "
+      "Without noise, means over x. Left: K<sub>z1</sub> for {:.0f} N along y, from each renderer's mean. Right: "
+      "largest torque of each joint for "
       "{:.0f} N with {}; the motors' limit is {:.3g} N m.",
       kSurveyForce, kHardForce, study.labels[shown].title, study.mechanism->limits().torque.minCoeff());
   return figure;
 }
 
 Figure torqueFigure(const Study& study) {
-  const std::size_t hold = study.column(ColumnKind::positionControl);
+  const std::size_t hold = study.column(ColumnKind::hold);
   const int last = study.mechanism->joints() - 1;
   const auto side = static_cast<std::size_t>(study.plan.grid);
   const std::size_t middle = side / 2, low = (side >= 5 ? 1 : 0) * side + middle,
@@ -497,10 +490,9 @@ Figure torqueFigure(const Study& study) {
        {"curves", curves},
        {"legend", {{"corner", "above"}, {"entries", entries}}}}};
   figure.caption = fmt::format(
-      "Torque of joint {} under {:.0f} N at two query points with the same noise, position control (after Fig. 11). "
-      "The "
+      "Torque of joint {} under {:.0f} N at two query points with the same noise, {} (after Fig. 11). The "
       "motor's limit is {:.3g} N m.",
-      last + 1, kForce, study.mechanism->limits().torque[last]);
+      last + 1, kForce, study.labels[hold].title, study.mechanism->limits().torque[last]);
   return figure;
 }
 
@@ -665,7 +657,7 @@ std::vector<Figure> figuresOf(const Study& study, const Findings& findings) {
     for (const int scenario : study.plan.scenarios) figures.push_back(responseFigure(study, scenario));
     if (has(1)) figures.push_back(firstImpactMap(study, findings));
     if (study.plan.grid > 1) figures.push_back(alongYFigure(study, findings));
-    if (study.column(ColumnKind::positionControl) < study.plan.columns.size()) figures.push_back(torqueFigure(study));
+    if (study.column(ColumnKind::hold) < study.plan.columns.size()) figures.push_back(torqueFigure(study));
     for (const int scenario : study.plan.scenarios) figures.push_back(steadyMap(study, findings, scenario));
     if (wallDeviceOf(study).damping > 0.0) figures.push_back(stabilityFigure(study));
   }

@@ -9,17 +9,19 @@
 
 namespace enamel::app {
 
-/// The servo designed at every query point instead of once at home (gain scheduling).
-inline constexpr const char* kScheduled = "position-control-scheduled";
+/// Hold with a servo designed at every query point instead of once at home (gain scheduling).
+inline constexpr const char* kScheduled = "hold-scheduled";
 
 struct StudyOptions {
   std::string device, designDevice, gain, output, delay = "none";
   std::vector<std::string> set;                              ///< parameters of plugins
   std::vector<std::string> deviceDamping = {"impedance=4"};  ///< B, or NAME=B ...; the paper's baseline has 4 N s/m
   std::vector<int> scenarios = {1, 2};
-  std::vector<std::string> renderers = {kPositionControl, kImpedance, kScheduled};
+  std::vector<std::string> renderers = {kPositionControl, kHold, kImpedance};
   int runs = 20, grid = 11, threads = 0;
   std::uint64_t seed = 1;
+  double preload = 0.0;     ///< N
+  bool insideTick = false;  ///< the step comes at a random instant of its tick
   bool encoders = false, resume = false, convergence = false;
   bool release = false;  ///< the hold ends when the wall would pull; the paper's never does
 };

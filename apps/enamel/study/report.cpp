@@ -101,13 +101,21 @@ void addTableFour(Page& page, const Study& study, const Findings& findings) {
   const Row rows[] = {{1, true, true, "17 174", "16 743 (13 367)"},  {1, false, true, "3 112.6", "5 360.2"},
                       {1, true, false, "92 387", "34 306 (54 634)"}, {1, false, false, "6 180.5", "6 302.2"},
                       {2, true, false, "65 002", "22 463 (20 299)"}, {2, false, false, "6 202.1", "6 342.4"}};
+  std::vector<std::string> head{"N/m, at (x, y) mm", "paper", "paper, co-simulation (with delay)"};
+  const std::size_t none = study.labels.size();
+  const bool paper = study.column(ColumnKind::hold) < none || study.column(ColumnKind::impedance) < none,
+             scheduled = study.column(ColumnKind::scheduled) < none,
+             ours = study.column(ColumnKind::positionControl) < none;
+  if (paper) head.push_back("Enamel, as in the paper (hold, impedance)");
+  if (scheduled) head.push_back("Enamel, hold designed at each point");
+  if (ours) head.push_back("Enamel, position control in contact space");
   std::vector<std::vector<std::string>> cells;
   for (const Row& row : rows) {
     std::vector<std::string> line{
         fmt::format("Scenario {}: {} K<sub>z{}</sub>, {}", row.scenario, row.lowest ? "lowest" : "highest",
-                    row.first ? "1" : "s", row.lowest ? "position control" : "impedance"),
+                    row.first ? "1" : "s", row.lowest ? "servo" : "impedance"),
         row.paper, row.cosimulation};
-    const auto ours = [&](ColumnKind kind) {
+    const auto measured = [&](ColumnKind kind) {
       const WallSummary* w = wallOf(study, findings, row.scenario, kind);
       if (w == nullptr) return std::string("–");
       const std::optional<Extreme>& e = row.first ? (row.lowest ? w->lowestFirst : w->highestFirst)
@@ -119,17 +127,16 @@ void addTableFour(Page& page, const Study& study, const Findings& findings) {
         text += fmt::format(" <small>({} of {} points unresolved)</small>", w->unresolved, study.plan.points());
       return text;
     };
-    line.push_back(ours(row.lowest ? ColumnKind::positionControl : ColumnKind::impedance));
-    line.push_back(row.lowest ? ours(ColumnKind::scheduled) : "–");
+    if (paper) line.push_back(measured(row.lowest ? ColumnKind::hold : ColumnKind::impedance));
+    if (scheduled) line.push_back(row.lowest ? measured(ColumnKind::scheduled) : "–");
+    if (ours) line.push_back(row.lowest ? measured(ColumnKind::positionControl) : "–");
     cells.push_back(line);
   }
-  page.table({"N/m, at (x, y) mm", "paper", "paper, co-simulation (with delay)", "Enamel, one servo",
-              "Enamel, servo designed at each point"},
-             cells);
+  page.table(head, cells);
   page.note(
-      "“Lowest” and “highest” are those of the query points' means. The paper's device is not ours: compare magnitudes "
-      "and "
-      "order. K<sub>zs</sub> divides by a signed mean that can be zero, so it is given only where the mean compliance "
+      "“Lowest” and “highest” are those of the query points' means. The paper's servo is hold; position control is "
+      "none of the paper's. The paper's device is not ours: compare magnitudes and order. K<sub>zs</sub> divides by a "
+      "signed mean that can be zero, so it is given only where the mean compliance "
       "exceeds two standard errors; the table below has measures without that weakness. " +
       std::string(kFirstImpactText));
 }
@@ -147,10 +154,11 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
         {fmt::format("{}: {}", w.scenario, escape(study.plan.columns[c].name)),
          fmt::format("{:.3g}", study.labels[c].damping), number(1e3 * w.highestCompliance.value, "{:.3g}"),
          number(w.lowestOverRms, "{:.0f}"), number(w.lowestOver95, "{:.0f}"), number(1e3 * w.largestDepth, "{:.3f}"),
-         number(w.chatter, "{:.3f}"), number(100.0 * w.saturatedShare, "{:.2f}"), number(w.tangentialForce, "{:.3f}"),
-         number(1e3 * w.drift, "{:.2f}"),
+         number(1e3 * w.bounce, "{:.4f}"), number(w.chatter, "{:.3f}"), number(100.0 * w.saturatedShare, "{:.2f}"),
+         number(w.tangentialForce, "{:.3f}"), number(1e3 * w.drift, "{:.2f}"),
          w.scenario == 1 && std::isfinite(uniformityOf(findings.survey[c])) ? percent(uniformityOf(findings.survey[c]))
                                                                             : "–",
+         w.lowestShare ? percent(w.lowestShare->value) : "–",
          w.scenario != 1   ? "–"
          : without.empty() ? "0"
                            : without,
@@ -165,8 +173,9 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
   };
   page.table({"scenario: renderer", "its plant's damping, N s/m", "highest |mean C_zs|, mm/N",
               perForce(&PushMetrics::rmsDepth), perForce(&PushMetrics::depth95), head(&PushMetrics::largestDepth),
-              head(&PushMetrics::chatter), head(&PushMetrics::saturatedShare), head(&PushMetrics::tangentialForce),
-              head(&PushMetrics::drift), "uniformity of K_z1", "runs without K_z1", "runs lost"},
+              head(&PushMetrics::bounce), head(&PushMetrics::chatter), head(&PushMetrics::saturatedShare),
+              head(&PushMetrics::tangentialForce), head(&PushMetrics::drift), "uniformity of K_z1",
+              "lowest share of limit", "runs without K_z1", "runs lost"},
              cells);
   page.note(fmt::format(
       "Damping: mechanical, along z at home, of the device file and --device-damping together. Means at the worst "
@@ -174,7 +183,10 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
       "point; depth and drift are the largest of all runs. Chatter: standard deviation of the "
       "torque over the last second, the worst joint. Uniformity: (largest - smallest) / mean of K<sub>z1</sub> over "
       "the "
-      "wall, without noise, F<sub>c</sub> = {:.0f} N. Runs lost: the device left its workspace.",
+      "wall, without noise, F<sub>c</sub> = {:.0f} N. Bounce: the largest gap above the rest from the onset of the "
+      "push on. Share of limit: K<sub>z1</sub> over the largest that physics allows without a force sensor, for the "
+      "push's force, preload and largest delay, and a step at the beginning of a tick. Runs lost: the device left its "
+      "workspace.",
       kSurveyForce));
 }
 
@@ -187,7 +199,7 @@ std::string trend(double low, double high) {
 }
 
 void addDifferences(Page& page, const Study& study, const Findings& findings) {
-  const std::size_t hold = study.column(ColumnKind::positionControl), spring = study.column(ColumnKind::impedance),
+  const std::size_t hold = study.column(ColumnKind::hold), spring = study.column(ColumnKind::impedance),
                     scheduled = study.column(ColumnKind::scheduled), none = study.plan.columns.size();
   if (study.plan.grid < 2) return;
   page.heading("Where this device differs from the paper's, and why");
@@ -227,12 +239,11 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
         saturatedText += fmt::format("{}joint {} at {} of {} points", saturatedText.empty() ? "" : ", ", j + 1, count,
                                      study.plan.points());
     const double limit = study.mechanism->limits().torque[most];
-    items.push_back(
-        fmt::format("<b>K<sub>z1</sub> along y.</b> The paper's rises with y. Here K<sub>z1</sub> of position control "
-                    "(no noise, {:.0f} "
-                    "N, means over x) {} from y = {:.4g} to {:.4g} mm: {:.2f} to {:.2f} kN/m.",
-                    kSurveyForce, trend(k.front(), k.back()), -1e3 * study.plan.halfWidth, 1e3 * study.plan.halfWidth,
-                    1e-3 * k.front(), 1e-3 * k.back()));
+    items.push_back(fmt::format(
+        "<b>K<sub>z1</sub> along y.</b> The paper's rises with y. Here K<sub>z1</sub> of hold (no noise, {:.0f} "
+        "N, means over x) {} from y = {:.4g} to {:.4g} mm: {:.2f} to {:.2f} kN/m.",
+        kSurveyForce, trend(k.front(), k.back()), -1e3 * study.plan.halfWidth, 1e3 * study.plan.halfWidth,
+        1e-3 * k.front(), 1e-3 * k.back()));
     Eigen::Index heaviest = 0;
     gravity.maxCoeff(&heaviest);
     items.push_back(fmt::format(
@@ -339,14 +350,14 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
   if (!withoutFigures.empty()) page.note("Without figures: " + escape(withoutFigures) + ".");
   if (findings.whole) {
     if (!findings.claims.empty()) {
-      page.heading("Does the paper's ordering hold here?");
+      page.heading("Does the paper's ordering hold here, for its servo (hold) and for position control?");
       std::vector<std::vector<std::string>> claims;
       for (const Claim& c : findings.claims)
         claims.push_back({escape(c.text), escape(c.measured), c.holds ? "holds" : "does not hold"});
       page.table({"claim", "measured", ""}, claims);
     }
-    if (study.column(ColumnKind::positionControl) < study.labels.size() ||
-        study.column(ColumnKind::impedance) < study.labels.size())
+    if (std::any_of(study.labels.begin(), study.labels.end(),
+                    [](const ColumnLabel& label) { return label.kind != ColumnKind::plugin; }))
       addTableFour(page, study, findings);
     addMeasures(page, study, findings);
 
@@ -372,12 +383,13 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
                         fmt::format("{:.4g} {}", r.limit, r.unit), r.met() ? "met" : "not met"});
       page.table({"requirement", "worst of joints or axes", "limit", ""}, rows);
       page.note(fmt::format(
-          "The servo {}, on its linear model at home; steps of 0.01 rad, of 10 N and of 0.1 N m. The limits do not fit "
+          "The servo of hold {}, on its linear model at home; steps of 0.01 rad, of 10 N and of 0.1 N m. The limits do "
+          "not fit "
           "each other (0.001 rad at a lever of 0.1 m is 0.1 mm, not 1 mm){}: `enamel design --tune` finds what ours "
           "can "
           "do.",
-          study.options.gain.empty() ? "with the paper's weights, designed at home" : "of --gain",
-          study.options.gain.empty() ? ", and these weights were found for another device" : ""));
+          study.gainFor != kHold ? "with the paper's weights, designed at home" : "from --gain",
+          study.gainFor != kHold ? ", and these weights were found for another device" : ""));
     }
 
     const WallDevice wall = wallDeviceOf(study);
@@ -386,15 +398,16 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
       page.heading("How stiff can a spring be rendered?");
       figure("impedance-stability");
       const double passive = 2.0 * wall.damping / wall.period;
-      const WallSummary* servo = wallOf(study, findings, 1, ColumnKind::positionControl);
-      page.paragraph(fmt::format(
-          "With {:.3g} N s/m of damping eq. 16 allows a spring of {:.0f} N/m.{}", wall.damping, passive,
-          servo && servo->lowestFirst ? fmt::format(" Position control, on a plant with {:.3g} N s/m, stops the first "
-                                                    "impact with at least {:.0f} N/m, {:.1f} times as much (research "
-                                                    "question 2).",
-                                                    study.labels[servo->column].damping, servo->lowestFirst->value,
-                                                    servo->lowestFirst->value / passive)
-                                      : ""));
+      std::string text =
+          fmt::format("With {:.3g} N s/m of damping eq. 16 allows a spring of {:.0f} N/m.", wall.damping, passive);
+      for (const ColumnKind kind : {ColumnKind::hold, ColumnKind::positionControl})
+        if (const WallSummary* servo = wallOf(study, findings, 1, kind); servo && servo->lowestFirst)
+          text += fmt::format(
+              " On a plant with {:.3g} N s/m {} stops the first impact with at least {:.0f} N/m, {:.1f} times as "
+              "much{}.",
+              study.labels[servo->column].damping, study.labels[servo->column].title, servo->lowestFirst->value,
+              servo->lowestFirst->value / passive, kind == ColumnKind::hold ? " (research question 2)" : "");
+      page.paragraph(text);
     }
     if (study.column(ColumnKind::impedance) < study.labels.size())
       page.note(
@@ -435,10 +448,11 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
   for (const ColumnLabel& label : study.labels) title += (title.empty() ? "" : ", ") + label.title;
   return page.whole(
       findings.whole ? "On a stiff wall: " + escape(title) : "Speed against error of the integration",
-      escape(fmt::format("{}; {} query points, {} runs each, delay {}, encoders {}, seed {}. After “A Position-Control "
-                         "Based Approach to Haptic Rendering of Stiff Objects”, sections V and VI.",
-                         nameOf(study.device), study.plan.points(), study.plan.runs, study.options.delay,
-                         study.options.encoders ? "on" : "off", study.plan.setup.seed)));
+      escape(fmt::format(
+          "{}; {} query points, {} runs each, preload {} N, delay {}, encoders {}, seed {}. After “A Position-Control "
+          "Based Approach to Haptic Rendering of Stiff Objects”, sections V and VI.",
+          nameOf(study.device), study.plan.points(), study.plan.runs, study.options.preload, study.options.delay,
+          study.options.encoders ? "on" : "off", study.plan.setup.seed)));
 }
 
 }  // namespace enamel::app

@@ -15,6 +15,7 @@
 #include "bench/nominal_device.hpp"
 #include "enamel/control/device_plant.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/render/surface_file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "plugin_folder.hpp"
 
@@ -97,12 +98,14 @@ std::shared_ptr<const Mechanism> withDamping(DeviceParameters device, double dam
 ColumnKind kindOf(const std::string& linked) {
   return linked == kImpedance   ? ColumnKind::impedance
          : linked == kScheduled ? ColumnKind::scheduled
+         : linked == kHold      ? ColumnKind::hold
                                 : ColumnKind::positionControl;
 }
 
 const char* titleOf(ColumnKind kind) {
   return kind == ColumnKind::impedance   ? "impedance"
-         : kind == ColumnKind::scheduled ? "scheduled servo"
+         : kind == ColumnKind::scheduled ? "scheduled hold"
+         : kind == ColumnKind::hold      ? "hold"
                                          : "position control";
 }
 
@@ -141,6 +144,8 @@ Study prepareStudy(const StudyOptions& options) {
   plan.grid = options.grid;
   plan.runs = options.runs;
   plan.setup.seed = options.seed;
+  plan.insideTick = options.insideTick;
+  plan.setup.person.preload = options.preload;
   plan.setup.delay = parseDelay(options.delay);
   plan.setup.encoders.quantised = options.encoders;
   plan.setup.encoders.rates = options.encoders ? RateSource::difference : RateSource::exact;
@@ -194,15 +199,14 @@ Study prepareStudy(const StudyOptions& options) {
 
   const double period = plan.setup.period;
   const std::size_t none = plan.columns.size();
-  std::optional<ServoGain> given;
-  if (!options.gain.empty()) {
-    if (study.column(ColumnKind::positionControl) == none)
-      throw Error(fmt::format("--gain is for {}, which --renderers does not name", kPositionControl));
-    given = loadGain(options.gain, study.mechanism->joints(), period);
-  }
-  if (study.column(ColumnKind::positionControl) < none || study.column(ColumnKind::scheduled) < none) {
+  std::vector<std::string> linked;
+  for (std::size_t c = 0; c < none; ++c)
+    if (study.labels[c].kind != ColumnKind::plugin) linked.push_back(plan.columns[c].name);
+  checkGain(options.gain, linked, "--renderers");
+  study.gainFor = options.gain.empty() ? "" : rendererOf(options.gain);
+  if (study.column(ColumnKind::hold) < none || study.column(ColumnKind::scheduled) < none) {
     study.home = designServo(study.design, Pose{}, period);
-    if (given) study.home->K = *given;
+    if (study.gainFor == kHold) study.home->K = loadGain(options.gain, study.mechanism->joints(), period);
   }
   Json gainHashes = Json::object();
   for (std::size_t c = 0; c < none; ++c) {
@@ -213,6 +217,13 @@ Study prepareStudy(const StudyOptions& options) {
       column.make = [impedance = study.impedance](std::size_t) {
         return std::make_unique<ImpedanceRenderer>(impedance);
       };
+      continue;
+    }
+    if (kind == ColumnKind::positionControl) {
+      const SurfaceServoOptions servo = surfaceServo(study.gainFor == kPositionControl ? options.gain : "",
+                                                     *study.mechanism, period, plan.setup.delay);
+      gainHashes[column.name] = hashOf(surfaceServoText({"", servo}));
+      column.make = [servo](std::size_t) { return std::make_unique<SurfaceServoRenderer>(servo); };
       continue;
     }
     const bool scheduled = kind == ColumnKind::scheduled;
@@ -245,6 +256,8 @@ Study prepareStudy(const StudyOptions& options) {
   m["period [s]"] = setup.period;
   m["duration [s]"] = setup.duration;
   m["noise [N]"] = setup.person.noise;
+  m["preload [N]"] = setup.person.preload;
+  m["step inside its tick"] = plan.insideTick;
   m["release"] = options.release;
   m["guide"] = setup.person.guide;
   m["F_c [N]"] = {plan.lowestForce, plan.highestForce};
@@ -255,7 +268,7 @@ Study prepareStudy(const StudyOptions& options) {
   m["device"] = {{"name", nameOf(study.device)}, {"hash", hashOf(device.text)}};
   m["device damping [N s/m]"] = dampings;
   m["design device"] = {{"name", nameOf(study.designDevice)}, {"hash", hashOf(designDevice.text)}};
-  m["gain"] = given ? "given" : "designed at home";
+  m["gain"] = study.gainFor.empty() ? "none given" : "given for " + study.gainFor;
   m["servo gains"] = gainHashes;
   study.manifest = m.dump(1) + '\n';
   return study;
@@ -328,6 +341,7 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
     json["plant's damping along z [N s/m]"] = study.labels[w.column].damping;
     json["lowest " + keyOf(&PushMetrics::firstStiffness)] = extreme(w.lowestFirst);
     json["highest " + keyOf(&PushMetrics::firstStiffness)] = extreme(w.highestFirst);
+    json["lowest mean " + keyOf(&PushMetrics::limitShare)] = extreme(w.lowestShare);
     json["lowest K_zs [N/m]"] = extreme(w.lowestSteady);
     json["highest K_zs [N/m]"] = extreme(w.highestSteady);
     json["mean K_zs [N/m]"] = numberOrNull(w.steady.mean);
@@ -342,6 +356,7 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
     json["largest mean " + keyOf(&PushMetrics::chatter)] = largest(w.chatter);
     json["largest mean " + keyOf(&PushMetrics::saturatedShare)] = largest(w.saturatedShare);
     json["largest mean " + keyOf(&PushMetrics::tangentialForce)] = largest(w.tangentialForce);
+    json["largest mean " + keyOf(&PushMetrics::bounce)] = largest(w.bounce);
     json["runs that left the workspace"] = w.failed;
     Json& without = json[std::string("runs without ") + kFirst->symbol];
     for (const FirstImpactVerdict verdict : kWithoutFirst)
@@ -357,44 +372,46 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
 
 std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistics>& points,
                             const std::vector<WallSummary>& walls) {
-  const std::size_t hold = study.column(ColumnKind::positionControl), spring = study.column(ColumnKind::impedance),
-                    columns = study.plan.columns.size(), count = study.plan.points();
+  const std::size_t spring = study.column(ColumnKind::impedance), columns = study.plan.columns.size(),
+                    count = study.plan.points();
   std::vector<Claim> claims;
   const auto pointAt = [&](std::size_t scenario, std::size_t column, std::size_t point) -> const PointStatistics& {
     return points[(scenario * columns + column) * count + point];
   };
   for (std::size_t s = 0; s < study.plan.scenarios.size(); ++s) {
     const int scenario = study.plan.scenarios[s];
-    if (hold < columns && spring < columns) {
-      const WallSummary &servo = walls[s * columns + hold], &wall = walls[s * columns + spring];
-      if (scenario == 1 && servo.lowestFirst && wall.highestFirst)
-        claims.push_back(
-            {"scenario 1: the lowest K_z1 of position control is above the highest of impedance",
-             fmt::format("{:.0f} N/m at {} mm, {:.0f} N/m at {} mm", servo.lowestFirst->value,
-                         pointText(study, servo.lowestFirst->point), wall.highestFirst->value,
-                         pointText(study, wall.highestFirst->point)),
-             servo.lowestFirst->value > wall.highestFirst->value && servo.withoutFirst() == 0 && servo.failed == 0});
-      std::size_t below = 0, worst = 0, lost = 0;
-      double worstRatio = -1.0;
-      for (std::size_t p = 0; p < count; ++p) {
-        const double ratio = std::abs(pointAt(s, hold, p).of(&PushMetrics::steadyCompliance).mean) /
-                             std::abs(pointAt(s, spring, p).of(&PushMetrics::steadyCompliance).mean);
-        below += ratio < 1.0;
-        lost += !std::isfinite(ratio);
-        if (ratio > worstRatio) worst = p, worstRatio = ratio;
+    for (const ColumnKind kind : {ColumnKind::hold, ColumnKind::positionControl}) {
+      const std::size_t column = study.column(kind);
+      if (column == columns) continue;
+      const std::string& title = study.labels[column].title;
+      const WallSummary& servo = walls[s * columns + column];
+      if (spring < columns) {
+        const WallSummary& wall = walls[s * columns + spring];
+        if (scenario == 1 && servo.lowestFirst && wall.highestFirst)
+          claims.push_back(
+              {fmt::format("scenario 1: the lowest K_z1 of {} is above the highest of impedance", title),
+               fmt::format("{:.0f} N/m at {} mm, {:.0f} N/m at {} mm", servo.lowestFirst->value,
+                           pointText(study, servo.lowestFirst->point), wall.highestFirst->value,
+                           pointText(study, wall.highestFirst->point)),
+               servo.lowestFirst->value > wall.highestFirst->value && servo.withoutFirst() == 0 && servo.failed == 0});
+        std::size_t below = 0, worst = 0, lost = 0;
+        double worstRatio = -1.0;
+        for (std::size_t p = 0; p < count; ++p) {
+          const double ratio = std::abs(pointAt(s, column, p).of(&PushMetrics::steadyCompliance).mean) /
+                               std::abs(pointAt(s, spring, p).of(&PushMetrics::steadyCompliance).mean);
+          below += ratio < 1.0;
+          lost += !std::isfinite(ratio);
+          if (ratio > worstRatio) worst = p, worstRatio = ratio;
+        }
+        claims.push_back({fmt::format("scenario {}: |mean C_zs| of {} is below that of impedance", scenario, title),
+                          fmt::format("at {} of {} query points{}{}", below, count,
+                                      worstRatio < 0.0 ? ""
+                                                       : fmt::format("; nearest at {} mm: {:.3g} of it",
+                                                                     pointText(study, worst), worstRatio),
+                                      lost > 0 ? fmt::format("; at {} no run could be finished", lost) : ""),
+                          below == count});
       }
-      claims.push_back(
-          {fmt::format("scenario {}: |mean C_zs| of position control is below that of impedance", scenario),
-           fmt::format("at {} of {} query points{}{}", below, count,
-                       worstRatio < 0.0
-                           ? ""
-                           : fmt::format("; nearest at {} mm: {:.3g} of it", pointText(study, worst), worstRatio),
-                       lost > 0 ? fmt::format("; at {} no run could be finished", lost) : ""),
-           below == count});
-    }
-    if (hold < columns) {
-      const WallSummary& servo = walls[s * columns + hold];
-      claims.push_back({fmt::format("scenario {}: the largest penetration of position control is below 1 mm", scenario),
+      claims.push_back({fmt::format("scenario {}: the largest penetration of {} is below 1 mm", scenario, title),
                         fmt::format("{:.3f} mm{}", 1e3 * servo.largestDepth,
                                     servo.failed > 0 ? fmt::format(", and {} runs left the workspace", servo.failed)
                                                      : std::string()),

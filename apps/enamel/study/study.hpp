@@ -14,7 +14,7 @@
 namespace enamel::app {
 
 /// What a column of the study is. A plugin is none of the linked renderers, whatever it calls itself.
-enum class ColumnKind { positionControl, impedance, scheduled, plugin };
+enum class ColumnKind { positionControl, hold, impedance, scheduled, plugin };
 
 /// What tables and pictures say about a column of the plan.
 struct ColumnLabel {
@@ -27,9 +27,10 @@ struct Study {
   StudyOptions options;
   DeviceParameters device, designDevice;
   std::shared_ptr<const Mechanism> mechanism;  ///< of `device`, as its file says
-  std::shared_ptr<const Mechanism> design;     ///< what the servos are designed on
+  std::shared_ptr<const Mechanism> design;     ///< what the servos of hold are designed on
   ImpedanceOptions impedance;
-  std::optional<ServoDesign> home;  ///< the servo of position-control, also a given one; where a column is a servo
+  std::optional<ServoDesign> home;  ///< the servo of hold, also a given one; where a column is hold or scheduled
+  std::string gainFor;              ///< the renderer that --gain is for; empty: none is given
   StudyPlan plan;
   std::vector<ColumnLabel> labels;  ///< of the plan's columns
   std::string manifest;             ///< everything that the runs depend on, JSON
