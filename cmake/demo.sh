@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs what is missing, builds, pushes a tool against a stiff wall with both renderers, repeats that all over the wall,
+# Installs what is missing, builds, pushes a tool against a stiff wall with every renderer, repeats that all over the wall,
 # and opens the viewer to do the same by hand; where there is no display, the viewer records the push.
 set -eu
 cd "$(dirname "$0")/.."
@@ -11,10 +11,10 @@ cmake --preset release -DENAMEL_BUILD_TESTS=OFF >/dev/null
 cmake --build --preset release
 viewer=build/release/apps/viewer/enamel-viewer
 
-echo "== a push of 12 N against the wall: the position servo beside the spring"
+echo "== a push of 12 N against the wall: position control, the paper's servo and the spring"
 mkdir -p out
 build/release/apps/enamel/enamel push --device data/devices/tau-nominal.toml \
-  --renderer position-control,impedance --device-damping 4 --noise 0 --output out/push.csv
+  --renderer position-control,hold,impedance --device-damping 4 --noise 0 --output out/push.csv
 
 echo "== a small study: 9 query points, 3 runs each; the paper's is: enamel study --output out/study"
 build/release/apps/enamel/enamel study --grid 3 --runs 3 --output out/small-study
