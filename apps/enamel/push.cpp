@@ -185,8 +185,8 @@ void addPush(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);
   command->add_option("--gain", options->gain,
-                      "file of a servo: a surface servo for position-control, an LQR design (enamel design --output) "
-                      "for hold; without it, as found for the TAU and as designed at home");
+                      "file of a servo: of enamel design --surface for position-control, of enamel design for hold; "
+                      "without it, as found for the TAU and as designed at home");
   flag("--release", options->servo.release,
        "of hold: on: it ends when the wall would pull; off: never, as in the paper");
   flag("--anti-windup", options->servo.antiWindup, "of hold: on: the integrators stop while a motor is saturated");

@@ -39,8 +39,8 @@ void addStudy(CLI::App& app) {
       ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--gain", options->gain,
-                      "file of a servo for every query point: a surface servo for position-control, an LQR design "
-                      "(enamel design --output) for hold; without it, as found for the TAU and as designed at home");
+                      "file of a servo for every query point: of enamel design --surface for position-control, of "
+                      "enamel design for hold; without it, as found for the TAU and as designed at home");
   command
       ->add_option("--delay", options->delay,
                    "of the command, ticks: none, constant:D or random:A..B; position-control is told")

@@ -277,11 +277,10 @@ TEST_CASE("renderers: a bad configuration is refused", "[renderers]") {
   CHECK_THROWS_AS(ImpedanceRenderer({1.0, std::nan("")}), Error);
   ServoGain gain = test::referenceGain();
   CHECK_THROWS_WITH(PositionControlRenderer(gain.leftCols(12), 1e-3, {}),
-                    "position-control renderer: the gain K is 6 x 12, must be n x 3n");
+                    "hold renderer: the gain K is 6 x 12, must be n x 3n");
   PositionControlRenderer renderer(gain, 1e-3, {});
-  CHECK_THROWS_WITH(
-      renderer.activate(2e-3),
-      "position-control renderer: activated for a period of 0.002 s, but its gain was designed for 0.001 s");
+  CHECK_THROWS_WITH(renderer.activate(2e-3),
+                    "hold renderer: activated for a period of 0.002 s, but its gain was designed for 0.001 s");
   CHECK_THROWS_WITH(renderer.activate(0.0), "renderer: the period is 0, must be in (0, 0.1] s");
   gain(0, 0) = std::nan("");
   CHECK_THROWS_AS(PositionControlRenderer(gain, 1e-3, {}), Error);

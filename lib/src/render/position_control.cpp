@@ -9,21 +9,21 @@ namespace enamel {
 PositionControlRenderer::PositionControlRenderer(const ServoGain& gain, double period,
                                                  const PositionControlOptions& options)
     : joints_(gain.rows()), period_(period), options_(options) {
-  require(gain.rows() >= 1 && gain.cols() == 3 * gain.rows(), "position-control renderer: the gain K is " +
+  require(gain.rows() >= 1 && gain.cols() == 3 * gain.rows(), "hold renderer: the gain K is " +
                                                                   std::to_string(gain.rows()) + " x " +
                                                                   std::to_string(gain.cols()) + ", must be n x 3n");
-  require(gain.allFinite(), "position-control renderer: the gain K is not finite");
-  require(options_.releaseForce >= 0.0 && std::isfinite(options_.releaseForce),
-          "position-control renderer: release force is " + formatNumber(options_.releaseForce) +
-              ", must be at least 0 N and finite");
+  require(gain.allFinite(), "hold renderer: the gain K is not finite");
+  require(
+      options_.releaseForce >= 0.0 && std::isfinite(options_.releaseForce),
+      "hold renderer: release force is " + formatNumber(options_.releaseForce) + ", must be at least 0 N and finite");
   gain_.setZero();
   gain_.topLeftCorner(gain.rows(), gain.cols()) = gain;
 }
 
 void PositionControlRenderer::prepare(double period) {
   require(std::abs(period - period_) <= 1e-9 * period_,
-          "position-control renderer: activated for a period of " + formatNumber(period) +
-              " s, but its gain was designed for " + formatNumber(period_) + " s");
+          "hold renderer: activated for a period of " + formatNumber(period) + " s, but its gain was designed for " +
+              formatNumber(period_) + " s");
 }
 
 Status PositionControlRenderer::render(const TickInput& input, TickOutput& output) noexcept {

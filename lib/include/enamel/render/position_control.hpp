@@ -9,7 +9,7 @@ namespace enamel {
 /// Gain of a servo, (K_c | K_i), n x 3n for n joints: [N m s/rad, N m/rad, N m/(rad s)]. Stored in place.
 using ServoGain = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxJoints, 3 * kMaxJoints>;
 
-/// Parameters of the position-control renderer, mode `hold`.
+/// Parameters of the renderer `hold`.
 struct PositionControlOptions {
   /// Ends the hold when the wall would pull, with the integrators emptied; the next touch takes as its reference the
   /// first penetrating pose moved back to the surface (to first order in the depth). Off: as in the paper, the hold
