@@ -185,8 +185,9 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
       "the "
       "wall, without noise, F<sub>c</sub> = {:.0f} N. Bounce: the largest gap above the rest from the onset of the "
       "push on. Share of limit: K<sub>z1</sub> over the largest that physics allows without a force sensor, for the "
-      "push's force, preload and largest delay, and a step at the beginning of a tick. Runs lost: the device left its "
-      "workspace.",
+      "push's force, preload and largest delay, and a step at the beginning of a tick; a shorter delay or a step "
+      "inside a "
+      "tick can exceed it. Runs lost: the device left its workspace.",
       kSurveyForce));
 }
 
