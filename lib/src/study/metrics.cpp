@@ -77,9 +77,11 @@ void MetricsCollector::add(const TickRecord& tick) {
   const ImpactTick impact{tick.nearest.gap, tick.gapRate, -normal.dot(tick.person.head<3>()), running_.drift,
                           tick.saturated};
   const auto rest = static_cast<std::uint64_t>(std::llround(ImpactWatch::kRestWindow / setup_.period));
-  if (tick.tick >= times_.onset)
+  // A turn in the tick in which a step comes is none of the step's doing.
+  const std::uint64_t pushed = times_.onset + (setup_.person.instant > 0.0 ? 1 : 0);
+  if (tick.tick >= pushed)
     impact_.push(impact);
-  else if (tick.tick + rest >= times_.onset)
+  else if (tick.tick + rest >= times_.onset && tick.tick < times_.onset)
     impact_.rest(impact);
 }
 
