@@ -204,7 +204,7 @@ constexpr std::array<Variation, 12> kVariations = {{
     {0.5, 1.8, 0.1, false},     // damping
     {0.05, 0.9, 0.05, false},   // jump pole
     {0.0, 20.0, 1.5, false},    // jump ticks
-    {0.001, 0.1, 0.3, true},    // outward speed
+    {0.001, 0.02, 0.3, true},   // outward speed: faster ones bounce off after an impact
     {5e-6, 3e-4, 0.3, true},    // outward distance
     {0.05, 3.0, 0.3, true},     // tremor
     {0.01, 3.0, 0.3, true},     // wander
