@@ -81,7 +81,7 @@ TEST_CASE("a sphere touches at every local minimum of the distance and nowhere e
   for (const auto& [name, mesh, closed] : contactMeshes()) {
     INFO(name);
     Scene scene;
-    scene.add({"mesh", std::make_shared<const MeshModel>(mesh), Pose(), Vec6::Zero(), 0});
+    scene.add({"mesh", std::make_shared<const MeshModel>(mesh), Pose(), Vec6::Zero(), {}});
     const double size = test::sizeOf(mesh);
     test::Random random(51);
     const int count = mesh.triangles.size() > 5000 ? test::count(60, 600) : test::count(300, 4000);
@@ -133,7 +133,7 @@ TEST_CASE("a tool of parts that meet has the same contacts with and without a ca
   for (const auto& [name, mesh, closed] : contactMeshes()) {
     INFO(name);
     Scene scene;
-    scene.add({"mesh", std::make_shared<const MeshModel>(mesh), Pose(), Vec6::Zero(), 0});
+    scene.add({"mesh", std::make_shared<const MeshModel>(mesh), Pose(), Vec6::Zero(), {}});
     scene.add({"turned",
                std::make_shared<const MeshModel>(mesh),
                {Vec3(0.3, 0.2, 0.1), Eigen::AngleAxisd(1.0, Vec3::UnitY()).toRotationMatrix()},

@@ -32,8 +32,8 @@ void compare(const std::shared_ptr<const MeshModel>& changed, test::Random& rand
   }
   const auto fresh = std::make_shared<const MeshModel>(mesh);
   Scene changedScene, freshScene;
-  changedScene.add({"it", changed, Pose(), Vec6::Zero(), 0});
-  freshScene.add({"it", fresh, Pose(), Vec6::Zero(), 0});
+  changedScene.add({"it", changed, Pose(), Vec6::Zero(), {}});
+  freshScene.add({"it", fresh, Pose(), Vec6::Zero(), {}});
   Tool tool;
   tool.parts[0].radius = 0.2;
   tool.count = 1;

@@ -17,11 +17,11 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
   }();
   const MeshModel flats(closedWithFlats);
   Scene scene;
-  scene.add({"mesh", std::shared_ptr<const MeshModel>(mesh), Pose(), Vec6::Zero(), 0});
-  scene.add({"floor", HalfSpace{}, Pose(), Vec6::Zero(), 1});
-  scene.add({"box", Box{{0.5, 0.5, 0.5}}, Pose(), Vec6::Zero(), 2});
-  scene.add({"ball", Sphere{0.5}, Pose(), Vec6::Zero(), 3});
-  scene.add({"rod", Capsule{0.1, 1.0}, Pose(), Vec6::Zero(), 4});
+  scene.add({"mesh", std::shared_ptr<const MeshModel>(mesh), Pose(), Vec6::Zero(), {}});
+  scene.add({"floor", HalfSpace{}, Pose(), Vec6::Zero(), {}});
+  scene.add({"box", Box{{0.5, 0.5, 0.5}}, Pose(), Vec6::Zero(), {}});
+  scene.add({"ball", Sphere{0.5}, Pose(), Vec6::Zero(), {}});
+  scene.add({"rod", Capsule{0.1, 1.0}, Pose(), Vec6::Zero(), {}});
   Tool tool;
   tool.parts[0].radius = 0.2;
   tool.parts[1] = {{0, 0, 0}, {0.3, 0.2, 0.1}, 0.05};

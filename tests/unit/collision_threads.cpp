@@ -30,8 +30,8 @@ bool isSame(const Answers& a, const Answers& b) {
 class Work {
  public:
   Work() : mesh_(std::make_shared<const MeshModel>(test::transformed(test::ball(5, 0.1), 0.01, Vec3::Zero()))) {
-    scene_.add({"wavy", mesh_, Pose(), Vec6::Zero(), 0});
-    scene_.add({"floor", HalfSpace{}, {Vec3(0, 0, -0.012), Mat3::Identity()}, Vec6::Zero(), 1});
+    scene_.add({"wavy", mesh_, Pose(), Vec6::Zero(), {}});
+    scene_.add({"floor", HalfSpace{}, {Vec3(0, 0, -0.012), Mat3::Identity()}, Vec6::Zero(), {}});
     tool_.parts[0].radius = 0.0005;
     tool_.parts[1] = {{0, 0, 0.001}, {0, 0, 0.005}, 0.0003};
     tool_.parts[2] = {{0, 0, 0.005}, {0, 0, 0.015}, 0.0008};

@@ -32,10 +32,10 @@ TEST_CASE("a flat wall has its normal to the bit and the gap to one rounding", "
 TEST_CASE("the nearest contact is the first of the contacts, and is found beyond any margin", "[unit]") {
   test::Random random(505);
   Scene scene;
-  scene.add({"box", Box{{0.01, 0.02, 0.005}}, at({0.03, 0, 0}), Vec6::Zero(), 1});
+  scene.add({"box", Box{{0.01, 0.02, 0.005}}, at({0.03, 0, 0}), Vec6::Zero(), {}});
   scene.add(
-      {"ball", model(test::transformed(test::ball(4, 0.0), 0.012, Vec3::Zero())), at({-0.03, 0, 0}), Vec6::Zero(), 2});
-  scene.add({"rod", Capsule{0.004, 0.02}, at({0, 0.04, 0}), Vec6::Zero(), 3});
+      {"ball", model(test::transformed(test::ball(4, 0.0), 0.012, Vec3::Zero())), at({-0.03, 0, 0}), Vec6::Zero(), {}});
+  scene.add({"rod", Capsule{0.004, 0.02}, at({0, 0.04, 0}), Vec6::Zero(), {}});
   scene.add(halfSpace("floor", {0, 0, -0.03}, Vec3(0.1, 0, 1).normalized()));
   Tool tool = sphereTool(0.001);
   tool.parts[1] = {{0, 0, 0.001}, {0, 0.003, 0.012}, 0.0005};
@@ -59,7 +59,7 @@ TEST_CASE("the nearest contact is the first of the contacts, and is found beyond
   }
   CHECK(within > 500);
   Scene deep;  // the ends of the part at one depth, its middle deeper
-  deep.add({"ball", Sphere{1.0}, Pose(), Vec6::Zero(), 1});
+  deep.add({"ball", Sphere{1.0}, Pose(), Vec6::Zero(), {}});
   tool.parts[0] = {{-0.1, 0.05, 0}, {0.1, 0.05, 0}, 0.01};
   tool.count = 1;
   CHECK(std::abs(contactsOf(deep, tool, Pose(), 0.0).contacts[0].gap + 0.96) < 1e-15);
@@ -68,7 +68,7 @@ TEST_CASE("the nearest contact is the first of the contacts, and is found beyond
   for (int t = 0; t < static_cast<int>(drilled->mesh().triangles.size()); ++t)
     REQUIRE(removeTriangles(*drilled, &t, 1) == Status::ok);
   Scene gone;
-  gone.add({"ball", std::shared_ptr<const MeshModel>(drilled), Pose(), Vec6::Zero(), 1});
+  gone.add({"ball", std::shared_ptr<const MeshModel>(drilled), Pose(), Vec6::Zero(), {}});
   CHECK(nearestContact(gone, tool, Pose(), nullptr).gap == kNoLimit);
   CHECK(nearestContact(Scene(), tool, Pose(), nullptr).gap == kNoLimit);
   CHECK(nearestContact(scene, tool, at({0, std::nan(""), 0}), nullptr).gap == kNoLimit);
@@ -81,8 +81,8 @@ TEST_CASE("a box of triangles touches like a box", "[unit]") {
   Pose pose;
   pose.position = {0.1, 0.2, 0.3};
   pose.rotation = test::rotationAbout(Vec3(1, 2, 3).normalized(), 0.7);
-  analytic.add({"box", Box{half}, pose, Vec6::Zero(), rubber});
   const Material rubber{3000.0, 0.8, 0.6, 0.1};
+  analytic.add({"box", Box{half}, pose, Vec6::Zero(), rubber});
   mesh.add({"box", model(test::boxMesh(half)), pose, Vec6::Zero(), rubber});
   int seen = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -117,7 +117,7 @@ TEST_CASE("a sphere in a groove touches both sides, on a flat or a ridge once", 
       groove.triangles.push_back({b, b + 1, a + 1});
     }
   Scene scene;
-  scene.add({"groove", model(groove), Pose(), Vec6::Zero(), 0});
+  scene.add({"groove", model(groove), Pose(), Vec6::Zero(), {}});
   const double r = 0.002;
   for (double y = -0.004; y < 0.004; y += 0.00013) {
     const ContactSnapshot two = contactsOf(scene, sphereTool(r), at({0, y, r * std::sqrt(2.0)}), 1e-4);
@@ -132,13 +132,13 @@ TEST_CASE("a sphere in a groove touches both sides, on a flat or a ridge once", 
   }
   for (Vec3& v : groove.vertices) v.z() = -v.z();
   Scene ridge;
-  ridge.add({"ridge", model(groove), Pose(), Vec6::Zero(), 0});
+  ridge.add({"ridge", model(groove), Pose(), Vec6::Zero(), {}});
   CHECK(contactsOf(ridge, sphereTool(r), at({0, 0.0001, 0.99 * r}), 1e-3).count == 1);
 }
 
 TEST_CASE("a capsule on a plane touches with both ends, across a ridge in between", "[unit]") {
   Scene plane;
-  plane.add({"floor", HalfSpace{}, Pose(), Vec6::Zero(), 0});
+  plane.add({"floor", HalfSpace{}, Pose(), Vec6::Zero(), {}});
   Tool tool;
   tool.parts[0] = {{-0.01, 0, 0}, {0.01, 0, 0}, 0.001};
   tool.count = 1;
@@ -149,7 +149,7 @@ TEST_CASE("a capsule on a plane touches with both ends, across a ridge in betwee
   for (const Shape& shape :
        {Shape(Box{{0.002, 0.05, 0.01}}), Shape(model(test::boxMesh({0.002, 0.05, 0.01}))), Shape(Sphere{0.01})}) {
     Scene post;
-    post.add({"post", shape, Pose(), Vec6::Zero(), 0});
+    post.add({"post", shape, Pose(), Vec6::Zero(), {}});
     const ContactSnapshot middle = contactsOf(post, tool, at({0.0004, 0, 0.0105}), 1e-3);
     REQUIRE(middle.count >= 1);
     CHECK(middle.contacts[0].gap == Approx(-0.0005).epsilon(1e-3));
@@ -160,13 +160,13 @@ TEST_CASE("a capsule on a plane touches with both ends, across a ridge in betwee
 TEST_CASE("contacts tell the obstacle, the tool's part, the triangle and its feature", "[unit]") {
   test::Random random(506);
   Scene scene;
-  scene.add({"wavy", model(test::transformed(test::ball(3, 0.1), 0.01, Vec3::Zero())), Pose(), Vec6::Zero(), 1});
+  scene.add({"wavy", model(test::transformed(test::ball(3, 0.1), 0.01, Vec3::Zero())), Pose(), Vec6::Zero(), {}});
   scene.add({"box",
              Box{{0.006, 0.004, 0.008}},
              {Vec3(0.02, 0, 0), test::rotationAbout(Vec3(1, 2, 3).normalized(), 0.5)},
              Vec6::Zero(),
              2});
-  scene.add({"triangles", model(test::boxMesh({0.005, 0.006, 0.007})), at({0, 0.02, 0}), Vec6::Zero(), 3});
+  scene.add({"triangles", model(test::boxMesh({0.005, 0.006, 0.007})), at({0, 0.02, 0}), Vec6::Zero(), {}});
   Tool tool = sphereTool(0.001);
   tool.parts[1] = {{0, 0, 0.002}, {0, 0.001, 0.012}, 0.0005};
   tool.parts[2] = {{0.004, 0, 0}, {0.004, 0, 0}, 0.0};
@@ -218,7 +218,7 @@ TEST_CASE("contacts tell the obstacle, the tool's part, the triangle and its fea
   for (const int part : parts) CHECK(part > 50);
   // What is not a mesh has no triangle, what is round no edges; without a contact nothing is named.
   Scene round;
-  round.add({"ball", Sphere{0.01}, Pose(), Vec6::Zero(), 1});
+  round.add({"ball", Sphere{0.01}, Pose(), Vec6::Zero(), {}});
   const Contact onBall = nearestContact(round, tool, at({0, 0, 0.02}), nullptr);
   CHECK((onBall.part == 0 && onBall.triangle == -1 && onBall.feature == Feature::face && onBall.featureIndex == -1));
   const Contact none = nearestContact(Scene(), tool, Pose(), nullptr);
@@ -228,7 +228,7 @@ TEST_CASE("contacts tell the obstacle, the tool's part, the triangle and its fea
 TEST_CASE("a tool's cache can be copied and moved from", "[unit]") {
   test::Random random(507);
   Scene scene;
-  scene.add({"wavy", model(test::transformed(test::ball(4, 0.1), 0.01, Vec3::Zero())), Pose(), Vec6::Zero(), 0});
+  scene.add({"wavy", model(test::transformed(test::ball(4, 0.1), 0.01, Vec3::Zero())), Pose(), Vec6::Zero(), {}});
   const Tool tool = sphereTool(0.001);
   ToolCache cache = makeToolCache(scene, tool), other, copy = cache;
   for (int i = 0; i < 600; ++i) {
@@ -248,7 +248,7 @@ TEST_CASE("contacts are ordered, carry the obstacle's velocity and stay within t
   Vec6 twist;
   twist << 0.1, 0.0, 0.0, 0.0, 0.0, 2.0;
   for (int i = 0; i < 12; ++i)
-    scene.add({"wall " + std::to_string(i), HalfSpace{}, at({0, 0, -0.001 * ((5 * i) % 12)}), twist, i});
+    scene.add({"wall " + std::to_string(i), HalfSpace{}, at({0, 0, -0.001 * ((5 * i) % 12)}), twist, {}});
   const ContactSnapshot contacts = contactsOf(scene, sphereTool(0.02, {0.03, 0, 0}), at({0, 0, 0}), 0.01);
   REQUIRE(contacts.count == kMaxContacts);
   for (int i = 1; i < contacts.count; ++i) CHECK(contacts.contacts[i - 1].gap <= contacts.contacts[i].gap);
@@ -260,8 +260,8 @@ TEST_CASE("contacts are ordered, carry the obstacle's velocity and stay within t
 TEST_CASE("contacts are the same with a cache and move little when the tool moves little", "[unit]") {
   test::Random random(43);
   Scene scene;
-  scene.add({"wavy", model(test::transformed(test::ball(5, 0.1), 0.01, Vec3::Zero())), Pose(), Vec6::Zero(), 0});
-  scene.add({"floor", HalfSpace{}, at({0, 0, -0.012}), Vec6::Zero(), 1});
+  scene.add({"wavy", model(test::transformed(test::ball(5, 0.1), 0.01, Vec3::Zero())), Pose(), Vec6::Zero(), {}});
+  scene.add({"floor", HalfSpace{}, at({0, 0, -0.012}), Vec6::Zero(), {}});
   Tool tool = sphereTool(0.001, {0, 0.001, 0});
   tool.parts[1] = {{0, 0, 0}, {0, 0, 0.01}, 0.0005};
   tool.count = 2;

@@ -371,7 +371,6 @@ TEST_CASE("push: errors are one line and the status is not 0", "[push_command]")
                                 "--mode surface",
                                 "--preload -1",
                                 "--preload nan",
-                                "--inside-tick=0.5",
                                 "--low-pass 0",
                                 "--device-damping -1",
                                 "--device-damping nan",

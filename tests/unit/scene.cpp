@@ -12,14 +12,14 @@ using test::sphereTool;
 
 TEST_CASE("bad scenes are refused, bad poses reported", "[unit]") {
   Scene scene;
-  scene.add({"a", HalfSpace{}, Pose(), Vec6::Zero(), 0});
-  CHECK_THROWS_WITH(scene.add({"a", Sphere{}, Pose(), Vec6::Zero(), 0}), Catch::Matchers::Contains("twice"));
-  CHECK_THROWS_AS(scene.add({"", Sphere{}, Pose(), Vec6::Zero(), 0}), Error);
-  CHECK_THROWS_AS(scene.add({"b", Sphere{-1.0}, Pose(), Vec6::Zero(), 0}), Error);
-  CHECK_THROWS_AS(scene.add({"b", std::shared_ptr<const MeshModel>(), Pose(), Vec6::Zero(), 0}), Error);
+  scene.add({"a", HalfSpace{}, Pose(), Vec6::Zero(), {}});
+  CHECK_THROWS_WITH(scene.add({"a", Sphere{}, Pose(), Vec6::Zero(), {}}), Catch::Matchers::Contains("twice"));
+  CHECK_THROWS_AS(scene.add({"", Sphere{}, Pose(), Vec6::Zero(), {}}), Error);
+  CHECK_THROWS_AS(scene.add({"b", Sphere{-1.0}, Pose(), Vec6::Zero(), {}}), Error);
+  CHECK_THROWS_AS(scene.add({"b", std::shared_ptr<const MeshModel>(), Pose(), Vec6::Zero(), {}}), Error);
   Pose mirrored;
   mirrored.rotation(0, 0) = -1.0;
-  CHECK_THROWS_AS(scene.add({"b", Sphere{}, mirrored, Vec6::Zero(), 0}), Error);
+  CHECK_THROWS_AS(scene.add({"b", Sphere{}, mirrored, Vec6::Zero(), {}}), Error);
   ContactSnapshot contacts;
   contacts.count = 5;
   CHECK(findContacts(scene, sphereTool(1.0), at({0, std::nan(""), 0}), 0.1, nullptr, contacts) == Status::notFinite);

@@ -296,7 +296,7 @@ TEST_CASE("the servo's file is read as it was written, and refused with its key"
   };
   refuse("\"kind\": \"surface\"", "\"kind\": \"hold\"", "kind: must be \"surface\"");
   refuse("\"wander\"", "\"wonder\"", "wander: is missing");
-  refuse("\"horizon\": 2", "\"horizon\": 2.5", "horizon: must be a whole number of ticks in 0 to 8");
+  refuse("\"horizon\": 1", "\"horizon\": 1.5", "horizon: must be a whole number of ticks in 0 to 8");
   refuse("\"period\": 0.001", "\"period\": \"fast\"", "period: must be a number");
   refuse("\"count\": [", "\"count\": [\"x\",", "count[0]: must be a number");
   refuse("{", "", "is not the JSON of a servo design");

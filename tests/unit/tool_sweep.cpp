@@ -18,8 +18,8 @@ std::shared_ptr<const MeshModel> model(const TriangleMesh& mesh) { return std::m
 TEST_CASE("a swept tool tells what of it touches what", "[unit]") {
   test::Random random(508);
   Scene scene;
-  scene.add({"wavy", model(test::transformed(test::ball(1, 0.1), 0.01, Vec3::Zero())), Pose(), Vec6::Zero(), 1});
-  scene.add({"box", Box{{0.003, 0.002, 0.004}}, at({0.02, 0, 0}), Vec6::Zero(), 2});
+  scene.add({"wavy", model(test::transformed(test::ball(1, 0.1), 0.01, Vec3::Zero())), Pose(), Vec6::Zero(), {}});
+  scene.add({"box", Box{{0.003, 0.002, 0.004}}, at({0.02, 0, 0}), Vec6::Zero(), {}});
   Tool tool = sphereTool(0.003);
   tool.parts[1] = {{0, 0, 0.002}, {0, 0.001, 0.012}, 0.0005};
   tool.count = 2;

@@ -347,9 +347,9 @@ void measureContacts(const Workload& work, std::vector<Measurement>& rows) {
   for (const bool wall : {false, true}) {
     Scene scene;
     if (wall) {
-      scene.add({"wall", HalfSpace{}, Pose(), Vec6::Zero(), 0});
+      scene.add({"wall", HalfSpace{}, Pose(), Vec6::Zero(), {}});
     } else {
-      scene.add({"jaw", std::shared_ptr<const MeshModel>(work.model), Pose(), Vec6::Zero(), 0});
+      scene.add({"jaw", std::shared_ptr<const MeshModel>(work.model), Pose(), Vec6::Zero(), {}});
     }
     ToolCache cache = makeToolCache(scene, bur);
     std::vector<Pose> poses;  // the shaft follows the surface's normal, as fast as a hand turns
