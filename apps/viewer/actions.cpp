@@ -7,7 +7,7 @@ namespace enamel::viewer {
 
 const std::vector<ActionRow>& actionRows() {
   static const std::vector<ActionRow> rows{
-      {Action::swapRenderers, "swap", "Tab", "the other renderer, A or B", GLFW_KEY_TAB, false},
+      {Action::swapRenderers, "swap", "Tab", "the renderer before, and back", GLFW_KEY_TAB, false},
       {Action::testPush, "push", "P", "test push: a step of 12 N on the surface", GLFW_KEY_P, false},
       {Action::grip, "grip", "G", "firm grip 400 N/m, or the paper's 40 N/m", GLFW_KEY_G, false},
       {Action::home, "home", "H", "hand back to the start", GLFW_KEY_H, false},

@@ -13,8 +13,8 @@ constexpr double kTestPreload = 0.5;               // N, of the hand on the surf
 constexpr int kApproachLimit = 3000, kRest = 300;  // ticks
 constexpr int kPushTicks = 750;                    // for as long as a first impact is judged
 constexpr int kRestWatched = static_cast<int>(ImpactWatch::kRestWindow / kPeriod + 0.5);
-constexpr std::array<const char*, 2> kLinkedNames{"position-control", "impedance"};
-constexpr double kAtRest = 2e-4;  // m/s
+constexpr std::array<const char*, kLinkedRenderers> kLinkedNames{"position-control", "impedance", "hold"};
+constexpr double kAtRest = 3e-5;  // m from where the rest began: more than encoders of whole counts let it tremble
 
 LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose& start) {
   LoopSetup setup;
@@ -39,13 +39,25 @@ DeviceParameters changed(DeviceParameters device, const Settings& settings) {
 }
 
 RendererSlot slotOf(const PluginLibrary& plugin) noexcept {
-  return plugin.description().name == std::string_view(kLinkedNames[1]) ? RendererSlot::b : RendererSlot::a;
+  const auto* linked = std::find(kLinkedNames.begin(), kLinkedNames.end(), std::string_view(plugin.description().name));
+  return static_cast<RendererSlot>(linked - kLinkedNames.begin());
 }
 
-std::array<std::string, 2> rendererNames(const PluginLibrary* plugin) {
-  std::array<std::string, 2> names{kLinkedNames[0], kLinkedNames[1]};
-  if (plugin != nullptr) names[indexOf(slotOf(*plugin))] = plugin->description().name;
+std::vector<std::string> rendererNames(const PluginLibrary* plugin) {
+  std::vector<std::string> names(kLinkedNames.begin(), kLinkedNames.end());
+  if (plugin != nullptr && slotOf(*plugin) == RendererSlot::plugin) names.emplace_back(plugin->description().name);
   return names;
+}
+
+SurfaceServoOptions surfaceOptions(const ServoedDevice& device, const Mechanism& model, const Delay& delay) {
+  const SurfaceServoOptions usual = surfaceServoFor(model.limits().count, kPeriod, delay.low, delay.high);
+  if (!device.surface) return usual;
+  SurfaceServoOptions options = *device.surface;
+  if (options.delayLow == delay.low && options.delayHigh == delay.high) return options;
+  options.delayLow = delay.low;
+  options.delayHigh = delay.high;
+  options.horizon = usual.horizon;
+  return options;
 }
 
 StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTorque, const Vec3& normal, double preload,
@@ -61,11 +73,15 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
       plant_(makeMechanism(changed(device.parameters, settings))),
       noise_(settings.noise),
       random_(1, 0),
-      servo_(device.gain, kPeriod, settings.servo),
+      servo_(surfaceOptions(device, *model_, settings.delay)),
+      hold_(device.gain, kPeriod, settings.hold),
       spring_(settings.spring),
       plugin_(device.plugin ? makeRenderer(device.plugin, device.pluginSetup) : nullptr),
-      switched_(plugin_ && slotOf(*device.plugin) == RendererSlot::a ? *plugin_ : servo_,
-                plugin_ && slotOf(*device.plugin) == RendererSlot::b ? *plugin_ : spring_),
+      switched_([&] {
+        Switched::Renderers renderers{&servo_, &spring_, &hold_, nullptr};
+        if (plugin_) renderers[indexOf(slotOf(*device.plugin))] = plugin_.get();
+        return renderers;
+      }()),
       loop_(*plant_, *model_, switched_, loopSetup(settings, scene, start)) {
   frame_.hand = hand;
   frame_.record.pose = start;
@@ -110,9 +126,13 @@ void Experiment::advanceTestPush() noexcept {
     if (phaseTicks_ >= kPushTicks) endTestPush(impact_.verdict());
     return;
   }
-  const bool still = frame_.record.nearest.gap < 1e-5 && frame_.record.twist.head<3>().norm() < kAtRest;
+  const Vec3& tool = frame_.record.pose.position;
+  const bool still = frame_.record.nearest.gap < 1e-5 && (tool - restStart_).norm() < kAtRest;
   restTicks_ = still ? restTicks_ + 1 : 0;
-  if (restTicks_ == 0) impact_ = ImpactWatch(kPeriod);
+  if (restTicks_ == 0) {
+    restStart_ = tool;
+    impact_ = ImpactWatch(kPeriod);
+  }
   if (restTicks_ >= kRest) {
     phase_ = Phase::push;
     phaseTicks_ = 0;
@@ -154,8 +174,10 @@ void Experiment::tick() noexcept {
   if (noise_ > 0.0) pressed += noise_ * random_.normal(RandomStream::Purpose::noise, record.tick + 1);
   frame_.plant = loop_.tick(HandLoad(frame_.hand, loop_.device().time(), -pressed * normal), record);
   frame_.contacts = loop_.input().contacts;
-  frame_.holding = frame_.selected == RendererSlot::a && servo_.holding();
-  frame_.reference = servo_.reference();
+  frame_.inertiaScale = servo_.inertiaScale();
+  frame_.jumps = servo_.jumps();
+  frame_.holding = frame_.selected == RendererSlot::hold && hold_.holding();
+  frame_.reference = hold_.reference();
   watchTestPush();
   frame_.testing = phase_ != Phase::none;
 }
@@ -166,7 +188,8 @@ void Experiment::Switched::select(RendererSlot slot) noexcept {
 }
 
 void Experiment::Switched::prepare(double period) {
-  for (Renderer* renderer : renderers_) renderer->activate(period);
+  for (Renderer* renderer : renderers_)
+    if (renderer != nullptr) renderer->activate(period);
 }
 
 Status Experiment::Switched::render(const TickInput& input, TickOutput& output) noexcept {
@@ -174,7 +197,8 @@ Status Experiment::Switched::render(const TickInput& input, TickOutput& output) 
 }
 
 void Experiment::Switched::resetState() noexcept {
-  for (Renderer* renderer : renderers_) renderer->reset();
+  for (Renderer* renderer : renderers_)
+    if (renderer != nullptr) renderer->reset();
 }
 
 }  // namespace enamel::viewer

@@ -1,9 +1,11 @@
-// What the viewer runs: a scene, the virtual device, two renderers to compare, and a person's hand, tick by tick.
+// What the viewer runs: a scene, the virtual device, renderers to compare, and a person's hand, tick by tick.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/control/first_impact.hpp"
@@ -11,40 +13,47 @@
 #include "enamel/plugin/host.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
+#include "enamel/render/surface_servo.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 #include "hand.hpp"
 
 namespace enamel::viewer {
 
-/// Which of the two renderers of an A/B comparison: A is the linked position control and B the linked spring, but where
-/// a plugin stands.
-enum class RendererSlot : std::uint8_t { a = 0, b = 1 };
+/// The renderers to choose from: the contact-space servo, the spring, the paper's law, and a plugin, where it does not
+/// stand for one of these.
+enum class RendererSlot : std::uint8_t { positionControl, impedance, hold, plugin };
+inline constexpr std::size_t kLinkedRenderers = 3, kMaxRenderers = 4;
 
 constexpr std::size_t indexOf(RendererSlot slot) noexcept { return static_cast<std::size_t>(slot); }
 
 /// Everything that a person can set and that needs a new experiment.
 struct Settings {
-  PositionControlOptions servo;
+  PositionControlOptions hold;
   ImpedanceOptions spring;
-  double extraMass = 0.0;    ///< on the platform, which the servo does not know of, kg
+  double extraMass = 0.0;    ///< on the platform, which no renderer is told of, kg
   double friction = 0.0;     ///< viscous, of every joint, beyond the device file's, N m s/rad
   double toolDamping = 4.0;  ///< mechanical, of the TCP along x, y, z, beyond the device file's, N s/m
-  Delay delay;               ///< ticks
-  EncoderOptions encoders;
+  Delay delay;               ///< ticks, at most kMaxServoDelay
+  EncoderOptions encoders{true};
   double noise = 0.0;  ///< of the hand along the contact's normal, standard deviation, N
 };
 
-/// A device with the gain of its position servo for kPeriod, and the plugin that stands in one of the slots.
+/// A device with its servos for kPeriod, and a plugin.
 struct ServoedDevice {
   DeviceParameters parameters;
-  ServoGain gain;
+  ServoGain gain;                               ///< of hold
+  std::optional<SurfaceServoOptions> surface;   ///< of position control, from a file; else surfaceServoFor()
   std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
   PluginSetup pluginSetup;
 };
 
-/// Names of the renderers, slot by slot, as `--renderer` and scripts call them: the linked ones' or the plugin's own.
-/// A plugin takes the place of the linked renderer of its name, else of A. `plugin`: or nullptr. Realtime: no.
-std::array<std::string, 2> rendererNames(const PluginLibrary* plugin);
+/// What position control is made with under a delay, ticks: the file's options where the delay is the file's; else its
+/// numbers with this delay. Throws Error: as surfaceServoFor(). Realtime: no.
+SurfaceServoOptions surfaceOptions(const ServoedDevice& device, const Mechanism& model, const Delay& delay);
+
+/// Names of the renderers, slot by slot, as `--renderer` and scripts call them. A plugin (or nullptr) takes the place
+/// of the linked renderer of its name, else a place of its own. Realtime: no.
+std::vector<std::string> rendererNames(const PluginLibrary* plugin);
 RendererSlot slotOf(const PluginLibrary& plugin) noexcept;
 
 inline constexpr double kPeriod = 1e-3;     // s, of the haptic loop
@@ -66,12 +75,14 @@ struct Frame {
   TickRecord record;
   ContactSnapshot contacts;  ///< that the renderer saw, within kContactMargin
   Hand hand;
-  RendererSlot selected = RendererSlot::a;
-  bool holding = false;           ///< the linked servo holds, at
-  JointVector reference;          ///< these joint coordinates, rad or m
-  bool testing = false;           ///< a test push is under way
-  std::array<TestPush, 2> tests;  ///< the last of each renderer
-  Status plant = Status::ok;      ///< any other: the loop stands still until it is replaced
+  RendererSlot selected = RendererSlot::positionControl;
+  double inertiaScale = 1.0;                  ///< of position control, with
+  double jumps = 0.0;                         ///< jumps of the push that it has seen
+  bool holding = false;                       ///< the paper's law holds, at
+  JointVector reference;                      ///< these joint coordinates, rad or m
+  bool testing = false;                       ///< a test push is under way
+  std::array<TestPush, kMaxRenderers> tests;  ///< the last of each renderer
+  Status plant = Status::ok;                  ///< any other: the loop stands still until it is replaced
   // Filled by the runner:
   bool paused = false;
   int slowdown = 1;
@@ -101,10 +112,11 @@ class Experiment {
   const Frame& frame() const noexcept { return frame_; }
 
  private:
-  // One renderer in front of the loop and two behind it.
+  // One renderer in front of the loop and all behind it.
   class Switched final : public Renderer {
    public:
-    Switched(Renderer& a, Renderer& b) noexcept : renderers_{&a, &b} {}
+    using Renderers = std::array<Renderer*, kMaxRenderers>;  // of the plugin: or nullptr
+    explicit Switched(const Renderers& renderers) noexcept : renderers_(renderers) {}
     void select(RendererSlot slot) noexcept;
     bool needsInertia() const noexcept override { return renderers_[selected_]->needsInertia(); }
 
@@ -114,7 +126,7 @@ class Experiment {
     void resetState() noexcept override;
     StateBlock stateBlock() noexcept override { return {&selected_, sizeof(selected_)}; }
 
-    std::array<Renderer*, 2> renderers_;
+    Renderers renderers_;
     std::uint8_t selected_ = 0;
   };
 
@@ -127,7 +139,8 @@ class Experiment {
   std::shared_ptr<const Mechanism> model_, plant_;  // what the haptic tick knows, and what is there
   double noise_;
   RandomStream random_;
-  PositionControlRenderer servo_;
+  SurfaceServoRenderer servo_;
+  PositionControlRenderer hold_;
   ImpedanceRenderer spring_;
   std::unique_ptr<Renderer> plugin_;  // or nullptr
   Switched switched_;
@@ -136,7 +149,8 @@ class Experiment {
   Phase phase_ = Phase::none;
   int phaseTicks_ = 0, restTicks_ = 0;
   Vec3 testNormal_ = Vec3::UnitZ(), testPoint_ = Vec3::Zero();
-  Vec3 testStart_ = Vec3::Zero();  // of the TCP at the step
+  Vec3 restStart_ = Vec3::Zero();  // of the TCP where it came to rest
+  Vec3 testStart_ = Vec3::Zero();  // and at the step
   double testDrift_ = 0.0;         // across the normal since then
   ImpactWatch impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;

@@ -4,12 +4,13 @@
 
 namespace enamel::viewer {
 
-Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts) {
+Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int renderers) {
   Layout layout;
   layout.scale = scale;
   layout.size = size;
   const float w = static_cast<float>(size.x), h = static_cast<float>(size.y);
-  const float panel = 248 * scale, column = 372 * scale, gauge = 152 * scale;
+  const float panel = 248 * scale, column = 372 * scale,
+              gauge = (106 + kGaugeRow * static_cast<float>(renderers)) * scale;
   const float sceneLeast = 300 * scale;
   const bool showCharts = charts && w >= column + sceneLeast && h >= 420 * scale;
   const bool showPanel = panels && w >= panel + sceneLeast + (showCharts ? column : 0.0f);

@@ -13,14 +13,15 @@ struct Area {
   float x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Where everything stands at a size and a scale.
+/// Where everything stands at a size and a scale, with so many renderers in the gauge.
 struct Layout {
   float scale = 1.0f;
   glm::ivec2 size{0};
   Area panel, scene, charts, inset, gauge;  ///< width 0: not shown
   std::array<Area, kCharts> chart;          ///< each with room for its title
 };
-Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts);
+Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int renderers = 3);
 inline constexpr float kChartTitle = 28.0f;  // units of layout, above each chart
+inline constexpr float kGaugeRow = 21.0f;    // a renderer in the gauge
 
 }  // namespace enamel::viewer

@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
 
 #include "data_folder.hpp"
+#include "enamel/render/surface_file.hpp"
 #include "plugin_folder.hpp"
 #include "viewer.hpp"
 
@@ -16,15 +18,17 @@ int main(int argc, char** argv) {
   Options options;
   options.scene = dataFolder() + "/scenes/flat-wall.toml";
   options.device = dataFolder() + "/devices/tau-nominal.toml";
-  std::string renderer = "position-control", size = "1280x720";
+  std::string renderer, size = "1280x720";
   app.add_option("scene", options.scene, "scene file (TOML)");
   app.add_option("--device", options.device, "device file (TOML)");
   std::vector<std::string> set;
   app.add_option(
       "--renderer", renderer,
-      "the renderer to begin with: position-control, impedance, or the name or path of a plugin, which takes the "
-      "place of one of them");
-  app.add_option("--gain", options.gain, "servo of position-control (enamel design --output); else designed at home");
+      "the renderer to begin with: position-control (slides, never pulls; default), impedance, hold (the paper's "
+      "law), or the name or path of a plugin, which takes the place of one of its name");
+  app.add_option("--gain", options.gain,
+                 "servo of enamel design --output: with --surface for position-control, without for hold, which is "
+                 "then begun with");
   app.add_option("--set", set, "parameter of the plugin, KEY=VALUE; once a parameter")->allow_extra_args(false);
   app.add_flag("--headless", options.headless, "no display: run the script on simulated time");
   app.add_option("--script", options.script, "what to do, with times");
@@ -40,15 +44,21 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
+    const RendererSlot gainOf =
+        enamel::isSurfaceServo(options.gain) ? RendererSlot::positionControl : RendererSlot::hold;
     const auto linked = rendererNames(nullptr);
-    if (renderer == linked[indexOf(RendererSlot::b)]) {
-      options.begin = RendererSlot::b;
-    } else if (renderer != linked[indexOf(RendererSlot::a)]) {
+    const auto found = std::find(linked.begin(), linked.end(), renderer);
+    if (renderer.empty()) {
+      if (!options.gain.empty()) options.begin = gainOf;
+    } else if (found != linked.end()) {
+      options.begin = static_cast<RendererSlot>(found - linked.begin());
+    } else {
       options.plugin = enamel::findPlugin(renderer, enamel::app::pluginFolder());
       options.pluginParameters = enamel::app::parseParameters(set);
       options.begin = slotOf(*options.plugin);
-      if (options.begin == RendererSlot::a && !options.gain.empty())
-        throw enamel::Error("--gain is for the linked position-control, whose place the plugin takes");
+      if (!options.gain.empty() && options.begin == gainOf)
+        throw enamel::Error("--gain " + options.gain + " is for the linked " + linked[indexOf(gainOf)] +
+                            ", whose place the plugin takes");
     }
     if (!options.plugin && !set.empty()) throw enamel::Error("--set is for plugins, and --renderer names none");
     try {

@@ -34,8 +34,8 @@ std::string format(const char* pattern, ...) {
   return text;
 }
 
-constexpr unsigned kSlotColour[2] = {kBlue, kOrange};
-constexpr const char* kLinkedTitle[2] = {"Position control", "Spring"};
+constexpr unsigned kSlotColour[kMaxRenderers] = {kBlue, kOrange, kPurple, kSky};
+constexpr const char* kLinkedTitle[kLinkedRenderers] = {"Position control", "Spring", "Hold (paper)"};
 
 // ---- drawing primitives ------------------------------------------------------------------------------------------
 
@@ -104,7 +104,7 @@ bool toggle(const char* name, bool on, float width, unsigned colour = kBlue) {
   ImGui::PushStyleColor(ImGuiCol_Button, on ? tone(colour) : tone(0xFFFFFF));
   ImGui::PushStyleColor(ImGuiCol_ButtonHovered, on ? tone(colour, 0.85) : tone(kLine));
   ImGui::PushStyleColor(ImGuiCol_ButtonActive, tone(colour, 0.7));
-  ImGui::PushStyleColor(ImGuiCol_Text, on ? (colour == kOrange ? tone(kInk) : tone(0xFFFFFF)) : tone(kInk));
+  ImGui::PushStyleColor(ImGuiCol_Text, on && (colour == kBlue || colour == kGreen) ? tone(0xFFFFFF) : tone(kInk));
   const bool pressed = ImGui::Button(name, {width, 0});
   ImGui::PopStyleColor(4);
   return pressed;
@@ -112,6 +112,10 @@ bool toggle(const char* name, bool on, float width, unsigned colour = kBlue) {
 
 bool isPlugin(const OverlayInput& input, std::size_t slot) {
   return input.plugin != nullptr && indexOf(slotOf(*input.plugin)) == slot;
+}
+
+std::size_t rendererCount(const OverlayInput& input) {
+  return isPlugin(input, indexOf(RendererSlot::plugin)) ? kMaxRenderers : kLinkedRenderers;
 }
 
 // Never the title of the linked renderer that a plugin stands for.
@@ -131,20 +135,18 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
   const float whole = ImGui::GetContentRegionAvail().x, half = 0.5f * (whole - 6 * s), third = (whole - 12 * s) / 3.0f;
   const auto ask = [&state](Action action) { state.actions.push_back(action); };
   Settings& settings = state.settings;
-  const bool second = frame.selected == RendererSlot::b;
 
   heading("Renderer");
-  const auto label = [&](std::size_t slot, const char* linked) {
-    return isPlugin(input, slot) ? format("%c  %s", slot == 0 ? 'A' : 'B', input.plugin->description().name)
-                                 : std::string(linked);
-  };
-  if (toggle(label(0, "A  Position").c_str(), !second, half, kSlotColour[0]) && second) ask(Action::swapRenderers);
-  ImGui::SameLine(0, 6 * s);
-  if (toggle(label(1, "B  Spring").c_str(), second, half, kSlotColour[1]) && !second) ask(Action::swapRenderers);
+  for (std::size_t slot = 0; slot < rendererCount(input); ++slot) {
+    if (slot % 2 == 1) ImGui::SameLine(0, 6 * s);
+    const std::string label = isPlugin(input, slot) ? input.plugin->description().name : kLinkedTitle[slot];
+    if (toggle(label.c_str(), indexOf(frame.selected) == slot, half, kSlotColour[slot]))
+      state.rendererAsked = static_cast<int>(slot);
+  }
   if (isPlugin(input, indexOf(frame.selected))) {
     const EnamelDescription& plugin = input.plugin->description();
     remark(format("Plugin %s %s: %s", plugin.name, plugin.version, plugin.summary));
-  } else if (second) {
+  } else if (frame.selected == RendererSlot::impedance) {
     state.settingsChanged |= slider("stiffness", "%.0f N/m", settings.spring.stiffness, 200, 20000);
     state.settingsChanged |= slider("wall damping", "%.1f N s/m", settings.spring.damping, 0, 20);
     const double required = requiredDamping(settings.spring, kPeriod);
@@ -152,10 +154,17 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
     remark(format("eq. 16 asks for %.1f N s/m of device damping, the tool has %.1f%s", required, settings.toolDamping,
                   met ? "" : ": not met"),
            met ? kMuted : kVermilion);
-  } else {
-    state.settingsChanged |= ImGui::Checkbox("let go when pulled", &settings.servo.release);
-    state.settingsChanged |= ImGui::Checkbox("anti-windup", &settings.servo.antiWindup);
+  } else if (frame.selected == RendererSlot::hold) {
+    state.settingsChanged |= ImGui::Checkbox("let go when pulled", &settings.hold.release);
+    state.settingsChanged |= ImGui::Checkbox("anti-windup", &settings.hold.antiWindup);
     remark("Holds the pose of first touch: it cannot slide.");
+  } else {
+    remark("Pushes out of the wall, never pulls: the tool slides.");
+    remark(format("Learnt inertia: %.0f %% of the model's. Jumps of the push: %.0f.", 100.0 / frame.inertiaScale,
+                  frame.jumps));
+    const SurfaceServoOptions* file = input.surface;
+    if (file != nullptr && (file->delayLow != settings.delay.low || file->delayHigh != settings.delay.high))
+      remark(format("Its file is for a delay of %d to %d ticks.", file->delayLow, file->delayHigh), kVermilion);
   }
 
   heading("Hand");
@@ -324,6 +333,14 @@ void fillBehind(ImDrawList* list, ImVec2 low, ImVec2 high, ImVec2 point, ImVec2 
   list->PathFillConvex(fill);
 }
 
+std::string materialText(const Material& material) {
+  std::string text = "no friction";
+  if (material.friction > 0.0) text = format("friction %g", material.friction);
+  if (material.sliding < material.friction) text += format(", sliding %g", material.sliding);
+  if (std::isfinite(material.stiffness)) text += ", " + stiffnessText(material.stiffness);
+  return text;
+}
+
 // The contacts, seen along the walls, magnified: the deepest one's wall below, the tool above, whatever the normal.
 void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
   constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // mm a bar
@@ -451,6 +468,7 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   brush.list->AddLine({bx, by - 4 * s}, {bx, by + 4 * s}, ink(kInk), 1.5f * s);
   brush.list->AddLine({bx + bar, by - 4 * s}, {bx + bar, by + 4 * s}, ink(kInk), 1.5f * s);
   brush.text(gSmall, bx, by - 19 * s, kInk, format("%g mm", steps[state.insetStep]));
+  brush.textRight(gSmall, area.x + area.width - 10 * s, by - 7 * s, kInk, materialText(contact.material));
 }
 
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush) {
@@ -501,7 +519,7 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
   brush.text(gSmall, x + Brush::width(gBold, "Perceived stiffness K_z1") + 8 * s, a.y + 10 * s, kMuted,
              "first impact of a 12 N step");
   float y = a.y + 32 * s;
-  for (std::size_t i = 0; i < 2; ++i) {
+  for (std::size_t i = 0; i < rendererCount(input); ++i) {
     const TestPush& test = input.frame.tests[i];
     const bool active = indexOf(input.frame.selected) == i;
     brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(kSlotColour[i]));
@@ -513,10 +531,10 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
     } else {
       brush.text(gText, x + 150 * s, y, kMuted, test.made ? verdictText(test.verdict) : "press P to measure");
     }
-    y += 23 * s;
+    y += kGaugeRow * s;
   }
   // A logarithmic bar from 1 kN/m to 1 MN/m.
-  const float bar = a.y + 108 * s, height = 8 * s;
+  const float bar = y + 30 * s, height = 8 * s;
   const auto place = [&](double stiffness) {
     const double share = std::log10(std::clamp(stiffness, 1e3, 1e6) / 1e3) / 3.0;
     return x + static_cast<float>(share) * (right - x);
@@ -534,7 +552,7 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
     brush.list->AddLine({tx, bar + height}, {tx, bar + height + 4 * s}, ink(kMuted), s);
     brush.text(gSmall, std::clamp(tx - 0.5f * tw, x, right - tw), bar + height + 6 * s, kMuted, ticks[i]);
   }
-  for (std::size_t i = 0; i < 2; ++i)
+  for (std::size_t i = 0; i < rendererCount(input); ++i)
     if (input.frame.tests[i].verdict == FirstImpactVerdict::measured) {
       const ImVec2 centre{place(input.frame.tests[i].stiffness), bar + 0.5f * height};
       brush.list->AddCircleFilled(centre, 8 * s, ink(0xFFFFFF));

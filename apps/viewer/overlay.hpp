@@ -20,7 +20,7 @@ struct OverlayState {
   std::string notice;  ///< one line at the bottom, for a while
   bool settingsChanged = false;
   std::vector<Action> actions;  ///< asked for by buttons
-  int sceneAsked = -1;
+  int sceneAsked = -1, rendererAsked = -1;
   int insetStep = 4;  ///< of the magnification, with hysteresis
   int insetPatience = 0;
 };
@@ -38,7 +38,8 @@ struct OverlayInput {
   const Frame& frame;
   const std::string& sceneName;
   const std::string& deviceName;
-  const PluginLibrary* plugin;  ///< that stands in a slot, or nullptr
+  const PluginLibrary* plugin;         ///< or nullptr
+  const SurfaceServoOptions* surface;  ///< that a file gave, or nullptr
   const TorqueStyle& torques;
   const std::vector<std::string>& scenes;  ///< names to choose from
   int sceneIndex;

@@ -13,6 +13,7 @@ constexpr Colour colour(unsigned rgb) {
 
 inline constexpr unsigned kGround = 0xE9EDF1, kPaper = 0xF7F8FA, kLine = 0xD3D9E0, kInk = 0x1F262E, kMuted = 0x66707C;
 inline constexpr unsigned kBlue = 0x0072B2, kOrange = 0xE69F00, kGreen = 0x009E73, kVermilion = 0xD55E00;
+inline constexpr unsigned kPurple = 0xCC79A7, kSky = 0x56B4E9;
 inline constexpr unsigned kMotor = 0x333C47, kLink1 = 0x55606E, kLink2 = 0x8C97A4, kColumn = 0xB9C2CC;
 inline constexpr unsigned kPlatform = 0x6C7785, kHandle = 0x2F6F73, kNeedle = 0x3A424C;
 inline constexpr unsigned kEnamel = 0xF3EAD6, kEnamelGrid = 0xBFA873, kEnamelEdge = 0x9C8A5E, kCubeLine = 0x93A0AE;

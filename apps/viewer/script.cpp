@@ -79,7 +79,7 @@ std::string pictureName(Line& line) {
   return name;
 }
 
-ScriptStep parseStep(Line& line, const std::string& file, const std::array<std::string, 2>& renderers) {
+ScriptStep parseStep(Line& line, const std::string& file, const std::vector<std::string>& renderers) {
   using Kind = ScriptStep::Kind;
   ScriptStep step;
   step.time = line.number("time", 0.0, kLongest);
@@ -94,9 +94,14 @@ ScriptStep parseStep(Line& line, const std::string& file, const std::array<std::
   } else if (command == "renderer") {
     step.kind = Kind::renderer;
     const std::string name = line.word("renderer");
-    if (name != renderers[0] && name != renderers[1])
-      line.fail("renderer", "is \"" + name + "\", must be " + renderers[0] + " or " + renderers[1]);
-    step.number = name == renderers[1] ? 1 : 0;
+    const auto found = std::find(renderers.begin(), renderers.end(), name);
+    if (found == renderers.end()) {
+      std::string known;
+      for (const std::string& one : renderers)
+        known += (one == renderers.back() ? " or " : known.empty() ? "" : ", ") + one;
+      line.fail("renderer", "is \"" + name + "\", must be " + known);
+    }
+    step.number = static_cast<int>(found - renderers.begin());
   } else if (command == "set") {
     step.kind = Kind::set;
     step.name = line.word("set");
@@ -141,17 +146,17 @@ ScriptStep parseStep(Line& line, const std::string& file, const std::array<std::
 
 const std::vector<SettingRow>& settingRows() {
   static const std::vector<SettingRow> rows{
-      {"stiffness", 0.0, 1e5, false, [](Settings& s, double v) { s.spring.stiffness = v; }},          // N/m
-      {"wall-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.spring.damping = v; }},       // N s/m
-      {"release", 0.0, 1.0, true, [](Settings& s, double v) { s.servo.release = v != 0.0; }},         // 0 or 1
-      {"anti-windup", 0.0, 1.0, true, [](Settings& s, double v) { s.servo.antiWindup = v != 0.0; }},  // 0 or 1
-      {"added-mass", 0.0, 1.0, false, [](Settings& s, double v) { s.extraMass = v; }},                // kg
-      {"joint-friction", 0.0, 1.0, false, [](Settings& s, double v) { s.friction = v; }},             // N m s/rad
-      {"tool-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.toolDamping = v; }},          // N s/m
-      {"tremor", 0.0, 10.0, false, [](Settings& s, double v) { s.noise = v; }},                       // N
-      {"delay", 0.0, kMaxDelay, true,
+      {"stiffness", 0.0, 1e5, false, [](Settings& s, double v) { s.spring.stiffness = v; }},         // N/m
+      {"wall-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.spring.damping = v; }},      // N s/m
+      {"release", 0.0, 1.0, true, [](Settings& s, double v) { s.hold.release = v != 0.0; }},         // 0 or 1
+      {"anti-windup", 0.0, 1.0, true, [](Settings& s, double v) { s.hold.antiWindup = v != 0.0; }},  // 0 or 1
+      {"added-mass", 0.0, 1.0, false, [](Settings& s, double v) { s.extraMass = v; }},               // kg
+      {"joint-friction", 0.0, 1.0, false, [](Settings& s, double v) { s.friction = v; }},            // N m s/rad
+      {"tool-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.toolDamping = v; }},         // N s/m
+      {"tremor", 0.0, 10.0, false, [](Settings& s, double v) { s.noise = v; }},                      // N
+      {"delay", 0.0, kMaxServoDelay, true,
        [](Settings& s, double v) { s.delay.low = s.delay.high = static_cast<int>(v); }},  // ticks
-      {"delay-low", 0.0, kMaxDelay, true,
+      {"delay-low", 0.0, kMaxServoDelay, true,
        [](Settings& s, double v) { s.delay.low = std::min(s.delay.high, static_cast<int>(v)); }},  // of a random delay
       {"encoders", 0.0, 1.0, true, [](Settings& s, double v) { s.encoders.quantised = v != 0.0; }},  // 0 or 1
       {"rates", 0.0, 2.0, true,  // 0 exact, 1 difference, 2 low pass
@@ -174,7 +179,7 @@ glm::ivec2 parseSize(const std::string& text) {
 }
 
 std::vector<ScriptStep> parseScript(std::string_view text, const std::string& file,
-                                    const std::array<std::string, 2>& renderers) {
+                                    const std::vector<std::string>& renderers) {
   std::vector<ScriptStep> steps;
   std::istringstream stream{std::string(text)};
   int number = 0;
@@ -191,7 +196,7 @@ std::vector<ScriptStep> parseScript(std::string_view text, const std::string& fi
   return steps;
 }
 
-std::vector<ScriptStep> loadScript(const std::string& path, const std::array<std::string, 2>& renderers) {
+std::vector<ScriptStep> loadScript(const std::string& path, const std::vector<std::string>& renderers) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream || std::filesystem::is_directory(path)) throw ConfigurationError(path, 0, "", "cannot open the file");
   return parseScript(std::string(std::istreambuf_iterator<char>(stream), {}), path, renderers);

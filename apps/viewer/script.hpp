@@ -1,7 +1,6 @@
 // Scripts: what a person would do, with times.
 #pragma once
 
-#include <array>
 #include <glm/glm.hpp>
 #include <string>
 #include <string_view>
@@ -30,9 +29,9 @@ struct ScriptStep {
 /// (relative to the script's folder); `slow N` (1:N); `size WxH`; `frames FPS` (records every frame from here on; 0
 /// ends it); `picture NAME`; `set NAME VALUE` with a name of settingRows(); `end`, which must be the last.
 /// Throws ConfigurationError. Realtime: no.
-std::vector<ScriptStep> loadScript(const std::string& path, const std::array<std::string, 2>& renderers);
+std::vector<ScriptStep> loadScript(const std::string& path, const std::vector<std::string>& renderers);
 std::vector<ScriptStep> parseScript(std::string_view text, const std::string& file,
-                                    const std::array<std::string, 2>& renderers);
+                                    const std::vector<std::string>& renderers);
 
 /// What `set` changes, with its range.
 struct SettingRow {

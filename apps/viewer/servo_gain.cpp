@@ -6,28 +6,63 @@
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/render/surface_file.hpp"
 
 namespace enamel::viewer {
+namespace {
+
+template <typename... Parts>
+[[noreturn]] void refuse(const std::string& file, const char* key, const Parts&... parts) {
+  std::ostringstream problem;
+  (problem << ... << parts);
+  throw ConfigurationError(file, 0, key, problem.str());
+}
+
+void checkPeriod(const std::string& file, double period) {
+  if (std::abs(period - kPeriod) > 1e-9 * kPeriod)
+    refuse(file, "period", "is ", period, " s, must be ", kPeriod, " s, the viewer's");
+}
+
+void checkJoints(const std::string& file, const char* key, Eigen::Index joints, const Mechanism& mechanism) {
+  if (joints != mechanism.joints())
+    refuse(file, key, "is for ", joints, " joints, but ", mechanism.name(), " has ", mechanism.joints());
+}
+
+SurfaceServoOptions loadSurface(const std::string& file, const Mechanism& mechanism) {
+  const SurfaceServoOptions options = loadSurfaceServo(file).options;
+  checkPeriod(file, options.period);
+  checkJoints(file, "count", options.count.size(), mechanism);
+  const JointVector& count = mechanism.limits().count;
+  for (Eigen::Index i = 0; i < count.size(); ++i)
+    if (std::abs(options.count[i] - count[i]) > 1e-6 * count[i])
+      refuse(file, "count", "is ", options.count[i], " at joint ", i + 1, ", but ", mechanism.name(), " has ", count[i],
+             " rad or m");
+  return options;
+}
+
+ServoGain loadHold(const std::string& file, const Mechanism& mechanism) {
+  const ServoFile servo = [&file] {
+    try {
+      return loadServo(file);
+    } catch (const ConfigurationError& error) {
+      throw Error(std::string(error.what()) + " (--gain takes a servo of enamel design, with or without --surface)");
+    }
+  }();
+  checkPeriod(file, servo.period);
+  checkJoints(file, "K", servo.gain.rows(), mechanism);
+  return servo.gain;
+}
+
+}  // namespace
 
 ServoedDevice loadServoedDevice(const std::string& path, const std::string& gain) {
   ServoedDevice device;
   device.parameters = loadDevice(path);
   const auto mechanism = makeMechanism(device.parameters);
-  if (gain.empty()) {
-    device.gain = designServo(mechanism, Pose{}, kPeriod).K;
-    return device;
-  }
-  const ServoFile servo = loadServo(gain);
-  std::ostringstream problem;
-  if (std::abs(servo.period - kPeriod) > 1e-9 * kPeriod) {
-    problem << "is " << servo.period << " s, must be " << kPeriod << " s, the viewer's";
-    throw ConfigurationError(gain, 0, "period", problem.str());
-  }
-  if (servo.gain.rows() != mechanism->joints()) {
-    problem << "is for " << servo.gain.rows() << " joints, but " << mechanism->name() << " has " << mechanism->joints();
-    throw ConfigurationError(gain, 0, "K", problem.str());
-  }
-  device.gain = servo.gain;
+  const bool surface = isSurfaceServo(gain);
+  if (surface) device.surface = loadSurface(gain, *mechanism);
+  device.gain =
+      gain.empty() || surface ? ServoGain(designServo(mechanism, Pose{}, kPeriod).K) : loadHold(gain, *mechanism);
   return device;
 }
 

@@ -1,4 +1,4 @@
-// The servo gain of a device.
+// The servos of a device.
 #pragma once
 
 #include <string>
@@ -7,10 +7,11 @@
 
 namespace enamel::viewer {
 
-/// Loads a device, without a plugin, and the gain of its position servo: from the file `gain` (loadServo()), or, where
-/// that is empty, designed at home for kPeriod with the paper's weights.
-/// Throws Error: as loadDevice(), makeMechanism(), loadServo() and designServo(); a gain for another period or another
-/// number of joints. Realtime: no.
+/// Loads a device, without a plugin, and its servos. The file `gain`, where it is not empty, is of position control
+/// (loadSurfaceServo()) or of hold (loadServo()). What it does not give is chosen as usual: surfaceServoFor(), and for
+/// hold a design at home for kPeriod with the paper's weights.
+/// Throws Error: as loadDevice(), makeMechanism(), designServo() and the loaders; a file for another period, another
+/// number of joints or other encoders. Realtime: no.
 ServoedDevice loadServoedDevice(const std::string& path, const std::string& gain = "");
 
 }  // namespace enamel::viewer

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "enamel/core/error.hpp"
 
@@ -53,6 +54,7 @@ Viewer::Viewer(const Options& options, Surface& surface)
       torques_(*plant_),
       scene_(enamel::loadScene(options.scene)),
       selected_(options.begin),
+      before_(selected_ == RendererSlot::impedance ? RendererSlot::positionControl : RendererSlot::impedance),
       runner_(firstExperiment(device_, scene_, selected_)),
       stage_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
       view_(stage_.scene(), stage_.above()),
@@ -79,6 +81,15 @@ glm::dvec3 Viewer::tool() const {
 void Viewer::notify(const std::string& text) {
   overlay_.notice = text;
   noticeEnd_ = now_ + kNotice;
+}
+
+void Viewer::select(RendererSlot slot) {
+  if (slot == selected_) return;
+  before_ = selected_;
+  selected_ = slot;
+  RunnerCommand command{RunnerCommand::Kind::select};
+  command.number = static_cast<int>(slot);
+  runner_.send(command);
 }
 
 void Viewer::selectCamera(int preset) {
@@ -127,10 +138,7 @@ void Viewer::act(Action action) {
     runner_.send(command);
   };
   switch (action) {
-    case Action::swapRenderers:
-      selected_ = selected_ == RendererSlot::b ? RendererSlot::a : RendererSlot::b;
-      send(RunnerCommand::Kind::select, static_cast<int>(selected_));
-      break;
+    case Action::swapRenderers: select(before_); break;
     case Action::testPush:
       path_.reset();
       send(RunnerCommand::Kind::testPush, 0);
@@ -222,9 +230,7 @@ void Viewer::follow(const ScriptStep& step, double now) {
       path_ = Path{{from.x(), from.y(), from.z()}, step.target, now, step.over};
       break;
     }
-    case ScriptStep::Kind::renderer:
-      if (static_cast<int>(selected_) != step.number) act(Action::swapRenderers);
-      break;
+    case ScriptStep::Kind::renderer: select(static_cast<RendererSlot>(step.number)); break;
     case ScriptStep::Kind::set:
       for (const SettingRow& row : settingRows())
         if (step.name == row.name) row.apply(overlay_.settings, step.value);
@@ -277,6 +283,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
     overlay_.sceneAsked = -1;
     loadScene(sceneFiles_[static_cast<std::size_t>(sceneIndex_)]);
   }
+  if (overlay_.rendererAsked >= 0) select(static_cast<RendererSlot>(std::exchange(overlay_.rendererAsked, -1)));
   std::vector<Action> actions;
   actions.swap(overlay_.actions);
   for (const Action action : actions) act(action);
@@ -304,7 +311,8 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   const double preload = frame_.tests[indexOf(frame_.selected)].preload;
   limit_ = stiffnessLimit(kinematics_, plant_->limits().torque, contact.normal, preload, overlay_.settings.delay);
 
-  layout_ = layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts);
+  layout_ = layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts,
+                   static_cast<int>(rendererNames_.size()));
   std::array<ChartPlace, kCharts> places;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Area& a = layout_.chart[i];
@@ -326,6 +334,7 @@ void Viewer::draw(bool picture) {
                            scene_.name,
                            plant_->name(),
                            device_.plugin.get(),
+                           device_.surface ? &*device_.surface : nullptr,
                            torques_,
                            sceneNames_,
                            sceneIndex_,

@@ -22,8 +22,8 @@ namespace enamel::viewer {
 /// What the command line says.
 struct Options {
   std::string scene, device;
-  std::string gain;                             ///< file of the linked servo's, or empty: designed
-  RendererSlot begin = RendererSlot::a;         ///< with which renderer
+  std::string gain;  ///< file, or empty: loadServoedDevice()
+  RendererSlot begin = RendererSlot::positionControl;
   std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
   std::map<std::string, std::string> pluginParameters;
   bool headless = false;
@@ -46,7 +46,7 @@ class Viewer final : public Driven {
   glm::dvec3 tool() const override;
   bool wantsToEnd() const { return end_; }
   bool fullScreen() const { return fullScreen_; }
-  const std::array<std::string, 2>& rendererNames() const { return rendererNames_; }
+  const std::vector<std::string>& rendererNames() const { return rendererNames_; }
   /// Names of pictures that were asked for since the last call; an empty name stands for the next free one.
   std::vector<std::string> takePictures();
 
@@ -66,18 +66,19 @@ class Viewer final : public Driven {
   void rebuild(const Pose& start, const Hand& hand);
   void startAgain();
   void notify(const std::string& text);
+  void select(RendererSlot slot);
   void selectCamera(int preset);
 
   Surface& surface_;
   ServoedDevice device_;
-  std::array<std::string, 2> rendererNames_;
+  std::vector<std::string> rendererNames_;
   std::shared_ptr<const Mechanism> plant_;  // with the person's changes
   TorqueStyle torques_;
   std::vector<std::string> sceneFiles_, sceneNames_;
   int sceneIndex_ = 0;
   SceneFile scene_;
   OverlayState overlay_;
-  RendererSlot selected_;
+  RendererSlot selected_, before_;  // for Tab
   Runner runner_;
   Stage stage_;
   SceneView view_;

@@ -22,7 +22,7 @@ TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
     settings.delay = {0, 1};
     settings.encoders = {true, RateSource::lowPass, 100.0};
     settings.noise = 0.2;
-    Runner runner(std::make_unique<Experiment>(device, settings, scene, start, hand, RendererSlot::b));
+    Runner runner(std::make_unique<Experiment>(device, settings, scene, start, hand, RendererSlot::impedance));
     test::Random random(82);
     int contact = 0, tested = 0;
     Sample sample;

@@ -33,7 +33,7 @@ TEST_CASE("missed ticks without and with rendering", "[timing]") {
     Hand hand;
     hand.position = scene.start;
     hand.target = {0.0, 0.0, -0.02};
-    Runner runner(std::make_unique<Experiment>(device, Settings{}, scene, start, hand, RendererSlot::a));
+    Runner runner(std::make_unique<Experiment>(device, Settings{}, scene, start, hand, RendererSlot::positionControl));
     const PeriodicThread haptics(kPeriod, [&runner] { runner.period(); });
     for (int i = 0; i < 60 * static_cast<int>(kSeconds); ++i) {
       std::this_thread::sleep_for(std::chrono::duration<double>(1.0 / 60.0));
