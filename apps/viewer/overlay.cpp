@@ -468,7 +468,10 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   brush.list->AddLine({bx, by - 4 * s}, {bx, by + 4 * s}, ink(kInk), 1.5f * s);
   brush.list->AddLine({bx + bar, by - 4 * s}, {bx + bar, by + 4 * s}, ink(kInk), 1.5f * s);
   brush.text(gSmall, bx, by - 19 * s, kInk, format("%g mm", steps[state.insetStep]));
-  brush.textRight(gSmall, area.x + area.width - 10 * s, by - 7 * s, kInk, materialText(contact.material));
+  const std::string material = materialText(contact.material);
+  const float right = area.x + area.width - 10 * s, left = right - Brush::width(gSmall, material);
+  brush.list->AddRectFilled({left - 4 * s, by - 7 * s}, {right + 4 * s, by + 9 * s}, ink(kEnamel, 0.9));
+  brush.text(gSmall, left, by - 7 * s, kInk, material);
 }
 
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush) {

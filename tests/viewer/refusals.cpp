@@ -1,5 +1,6 @@
 // Bad input: one clear line and a status that is not zero.
 #include <algorithm>
+#include <filesystem>
 
 #include "viewer/support.hpp"
 
@@ -46,13 +47,14 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
   script("0 slow 0\n1 end\n", "bad.txt:1: slow: is 0, must be in 1 to 1000");
   script("0 set colour 1\n1 end\n", "bad.txt:1: set: \"colour\" is not a known setting");
   script("0 set delay 1.5\n1 end\n", "bad.txt:1: delay: must be a whole number");
-  script("0 set delay 64\n1 end\n", "bad.txt:1: delay: is 64, must be in 0 to 63");
+  script("0 set delay 9\n1 end\n", "bad.txt:1: delay: is 9, must be in 0 to 8");
   script("0 picture ../x\n1 end\n", "bad.txt:1: picture: is \"../x\", must consist of letters");
   script("0 size 10x10\n1 end\n", "bad.txt:1: size: is \"10x10\", must be WIDTHxHEIGHT");
   script("0 pause\n", "bad.txt:1: end: is missing");
   script("0 end\n1 pause\n", "bad.txt:2: stands after the end");
   script("0 pause now\n1 end\n", "bad.txt:1: now: is not expected here");
-  script("0 renderer granite\n1 end\n", "bad.txt:1: renderer: is \"granite\", must be position-control or impedance");
+  script("0 renderer granite\n1 end\n",
+         "bad.txt:1: renderer: is \"granite\", must be position-control, impedance or hold");
 }
 
 TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
@@ -68,14 +70,19 @@ TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
   test::writeFile(folder / "slow.json", "{\"model\": \"m\", \"period\": 0.002, \"K\": [[1, 2, 3]]}");
   requireRefused(test::viewer(headless + "--gain '" + folder / "slow.json'"), 1,
                  "slow.json: period: is 0.002 s, must be 0.001 s");
-  requireRefused(test::viewer(headless + "--renderer template --gain '" + folder / "slow.json'"), 1,
-                 "--gain is for the linked position-control");
-  // A plugin goes by its own name only.
-  test::writeFile(folder / "linked.txt", "0 renderer position-control\n0 end\n");
-  requireRefused(test::viewer("--headless --renderer template --script '" + folder / "linked.txt'"), 1,
-                 "renderer: is \"position-control\", must be template or impedance");
-  test::writeFile(folder / "own.txt", "0 renderer impedance\n0 renderer template\n0 end\n");
+  test::writeFile(folder / "neither.json", "{\"model\": \"m\", \"period\": 0.001}");
+  requireRefused(test::viewer(headless + "--gain '" + folder / "neither.json'"), 1, "neither.json: K: is missing");
+  test::writeFile(folder / "surface.json", "{\"kind\": \"surface\"}");
+  requireRefused(test::viewer(headless + "--gain '" + folder / "surface.json'"), 1, "surface.json: model: is missing");
+  // A plugin stands beside the linked renderers, or in the place of the one of its name.
+  test::writeFile(folder / "own.txt", "0 renderer position-control\n0 renderer hold\n0 renderer template\n0 end\n");
   CHECK(test::viewer("--headless --renderer template --script '" + folder / "own.txt'").status == 0);
+  requireRefused(test::viewer("--headless --script '" + folder / "own.txt'"), 1,
+                 "renderer: is \"template\", must be position-control, impedance or hold");
+  const std::string plugins = std::filesystem::path(ENAMEL_VIEWER).parent_path() / "../../plugins";
+  requireRefused(test::viewer(headless + "--renderer '" + plugins + "/enamel_position_control.so' --gain '" +
+                              folder / "surface.json'"),
+                 1, "is for the linked position-control, whose place the plugin takes");
 }
 
 TEST_CASE("a signal ends the viewer with its report written", "[viewer]") {
