@@ -80,7 +80,7 @@ SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int
 class SurfaceServoRenderer final : public Renderer {
  public:
   /// Range of the estimated scale s of the inverse inertia.
-  static constexpr double kLowestScale = 0.6, kHighestScale = 1.6;
+  static constexpr double kLowestScale = 0.65, kHighestScale = 1.4;
 
   /// Throws Error: no or more than kMaxJoints counts, one that is not positive; delays outside 0 to kMaxServoDelay, low
   /// above high; a horizon outside 0 to kMaxServoDelay; a number outside its range or not finite; at activate(), a
