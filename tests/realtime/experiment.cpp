@@ -1,4 +1,4 @@
-// The viewer's haptic side allocates nothing: ticks of either renderer, test pushes, grips, commands, dropped samples.
+// The viewer's haptic side allocates nothing: ticks of every renderer, test pushes, grips, commands, dropped samples.
 #include "experiment.hpp"
 
 #include "runner.hpp"
@@ -35,7 +35,7 @@ TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
       }
       if (i % 700 == 0) {
         command.kind = RunnerCommand::Kind::select;
-        command.number = i / 700 % 2;
+        command.number = i / 700 % static_cast<int>(kLinkedRenderers);
         runner.send(command);
       }
       if (i % 1500 == 0) {

@@ -184,19 +184,22 @@ TEST_CASE("the stiffness shown is that of the continuous motion, also where a de
       }
       CHECK(shown.depth == Approx(deepest).epsilon(0.01));
       CHECK(shown.stiffness == Approx(force / deepest).epsilon(0.01));
-      // Nor does the chart show anything deeper.
+      // Nor does the chart show anything deeper; less, where the tool turns between two ticks.
       double charted = 0.0;
       for (std::size_t i = onset; i < frames.size(); ++i) charted = std::max(charted, -frames[i].record.nearest.gap);
-      CHECK(shown.stiffness == Approx(force / (charted + rest)).epsilon(0.01));
+      CHECK(shown.stiffness < 1.01 * force / (charted + rest));
+      if (slot != RendererSlot::positionControl)
+        CHECK(shown.stiffness == Approx(force / (charted + rest)).epsilon(0.01));
 
       // The study's metrics on the same run, whose push begins at 1 s.
       PushSetup setup;
-      setup.start = frames[0].record.pose;
+      setup.start = frames[onset].record.pose;
       setup.period = kPeriod;
       setup.duration = 1e-3 * static_cast<double>(1000 + frames.size() - onset);
       MetricsCollector collector(setup);
       REQUIRE(onset <= 1000);
-      for (std::size_t i = 0; i + 1 < frames.size(); ++i) {  // the last tick is after the push
+      // Without the approach, whose drift is no slip; the last tick is after the push.
+      for (std::size_t i = onset - 200; i + 1 < frames.size(); ++i) {
         TickRecord record = frames[i].record;
         record.tick = 1000 + i - onset;
         collector.add(record);
