@@ -138,7 +138,7 @@ TEST_CASE("a tool of parts that meet has the same contacts with and without a ca
                std::make_shared<const MeshModel>(mesh),
                {Vec3(0.3, 0.2, 0.1), Eigen::AngleAxisd(1.0, Vec3::UnitY()).toRotationMatrix()},
                Vec6::Zero(),
-               0});
+               {}});
     const double size = test::sizeOf(mesh);
     test::Random random(52);
     for (int walk = 0; walk < test::count(12, 400); ++walk) {
