@@ -180,8 +180,10 @@ TEST_CASE("every device that is shipped is drawn, and touches", "[viewer]") {
     ++devices;
     INFO(entry.path());
     const std::string out = folder / entry.path().stem().string();
-    const auto result = test::viewer("--device '" + entry.path().string() + "' --headless --script '" +
-                                     folder / "script.txt" + "' --record '" + out + "'");
+    // The spring: at any tick it pushes, where the servo's force comes and goes with the counts of coarse encoders.
+    const auto result =
+        test::viewer("--device '" + entry.path().string() + "' --renderer impedance --headless --script '" +
+                     folder / "script.txt" + "' --record '" + out + "'");
     INFO(result.output);
     REQUIRE(result.status == 0);
     const Pixels before(out + "/before.png"), contact(out + "/contact.png");
@@ -225,9 +227,9 @@ TEST_CASE("test pushes are reported by their renderers' names, with the study's 
   CHECK(both[1].at("renderer") == "impedance");
   for (const auto& push : both) {
     CHECK(push.at("first impact") == "measured");
-    // The step, less what the hand's spring of 400 N/m gives way (and its damper, for a part of a tick).
+    // The step, less what the hand's spring of 400 N/m gives way and its damper brakes: 6 N s/m at 0.05 to 0.1 m/s.
     const double deep = push.at(depth);
-    CHECK(push.at(stiffness).get<double>() * deep == Approx(12.0 - 400.0 * deep).epsilon(0.04));
+    CHECK(push.at(stiffness).get<double>() * deep == Approx(12.0 - 400.0 * deep).epsilon(0.06));
   }
   CHECK(both[0].at(stiffness) > 150e3);
   CHECK(both[1].at(stiffness) < 6e3);
