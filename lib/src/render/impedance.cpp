@@ -47,8 +47,7 @@ Status ImpedanceRenderer::render(const TickInput& input, TickOutput& output) noe
     const Vec3 arm = contact.point - k.pose.position, velocity = contactVelocity(k, contact);
     const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // 1/0 = infinite: no force
     const double force = std::max(0.0, -contact.gap / compliance - options_.damping * contact.normal.dot(velocity));
-    const Slide slide{way.head<3>() + way.tail<3>().cross(arm) - elapsed * contact.obstacleVelocity, Vec3::Zero(),
-                      velocity};
+    const Slide slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, Vec3::Zero(), velocity};
     const Vec3 both =
         force * contact.normal + state_.friction.force(contact, slide, {options_.stiffness, options_.damping}, force);
     wrench.head<3>() += both;

@@ -1,6 +1,7 @@
 #include "enamel/render/renderer.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -106,6 +107,7 @@ void Renderer::activate(double period) {
   if (!(period > 0.0 && period <= 0.1))
     throw Error("renderer: the period is " + formatNumber(period) + ", must be in (0, 0.1] s");
   prepare(period);
+  kept_.resize(stateBlock().size);
   reset();
   active_ = true;
 }
@@ -116,7 +118,10 @@ Status Renderer::step(const TickInput& input, TickOutput& output) noexcept {
   output.torque.setZero(joints);
   if (!active_) return Status::inactive;
   Status status = checkInput(input, lastTime_);
-  if (status == Status::ok) status = render(input, output);
+  if (status != Status::ok) return status;
+  const StateBlock before = stateBlock();
+  std::copy_n(static_cast<const unsigned char*>(before.data), before.size, kept_.begin());
+  status = render(input, output);
   if (status == Status::ok &&
       !(output.torque.size() == joints && allFinite(output.torque) && std::isfinite(output.normalForce)))
     status = Status::notFinite;
@@ -126,6 +131,8 @@ Status Renderer::step(const TickInput& input, TickOutput& output) noexcept {
   } else {
     output = TickOutput{};
     output.torque.setZero(joints);
+    std::copy_n(kept_.begin(), before.size, static_cast<unsigned char*>(before.data));
+    stateLoaded();
   }
   return status;
 }
@@ -160,9 +167,12 @@ bool saturate(JointVector& torque, const JointVector& maxTorque) noexcept {
   return cut;
 }
 
+Vec3 translationAt(const Vec6& motion, const Vec3& arm) noexcept {
+  return motion.head<3>() + motion.tail<3>().cross(arm);
+}
+
 Vec3 contactVelocity(const Kinematics& kinematics, const Contact& contact) noexcept {
-  const Vec3 arm = contact.point - kinematics.pose.position;
-  return kinematics.twist.head<3>() + kinematics.twist.tail<3>().cross(arm) - contact.obstacleVelocity;
+  return translationAt(kinematics.twist, contact.point - kinematics.pose.position) - contact.obstacleVelocity;
 }
 
 }  // namespace enamel

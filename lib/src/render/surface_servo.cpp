@@ -37,22 +37,19 @@ double dot(const std::array<double, kMaxJoints>& a, const std::array<double, kMa
   return sum;
 }
 
-// Torques of a unit force on the tool at a point: J^T [f; (point - p) x f].
+// Torques of a force on the tool at a point: J^T [f; (point - p) x f].
 std::array<double, kMaxJoints> torquesOf(const Kinematics& k, const Vec3& point, const Vec3& force) noexcept {
-  const Vec3 moment = (point - k.pose.position).cross(force);
+  Vec6 wrench;
+  wrench << force, (point - k.pose.position).cross(force);
+  const JointVector torque = torqueOf(k.jacobian, wrench);
   std::array<double, kMaxJoints> torques{};
-  for (int i = 0; i < k.q.size(); ++i)
-    torques[i] = k.jacobian.col(i).head<3>().dot(force) + k.jacobian.col(i).tail<3>().dot(moment);
+  std::copy_n(torque.data(), torque.size(), torques.begin());
   return torques;
 }
 
-// Translation of the tool's material at a point when the joints move by `way`.
-Vec3 translationOf(const Kinematics& k, const Vec3& point, const std::array<double, kMaxJoints>& way) noexcept {
-  const Vec3 arm = point - k.pose.position;
-  Vec3 sum = Vec3::Zero();
-  for (int i = 0; i < k.q.size(); ++i)
-    sum += way[i] * (k.jacobian.col(i).head<3>() + k.jacobian.col(i).tail<3>().cross(arm));
-  return sum;
+// Motion of the platform when the joints move by `way`.
+Vec6 motionOf(const Kinematics& k, const std::array<double, kMaxJoints>& way) noexcept {
+  return twistOf(k.jacobian, Eigen::Map<const JointVector>(way.data(), k.q.size()));
 }
 
 }  // namespace
@@ -89,12 +86,24 @@ struct SurfaceServoRenderer::Inertia {
   }
 };
 
+// What a unit force along the normal does at each contact of the snapshot.
+struct SurfaceServoRenderer::Normals {
+  Row row[kMaxContacts];       // N_k: its torques
+  Row response[kMaxContacts];  // T^2 M^-1 N_k^T
+
+  Normals(const TickInput& input, const Inertia& inertia) noexcept {
+    for (int c = 0; c < input.contacts.count; ++c) {
+      const Contact& contact = input.contacts.contacts[c];
+      row[c] = torquesOf(input.kinematics, contact.point, contact.normal);
+      response[c] = inertia.response(row[c]);
+    }
+  }
+};
+
 // The contacts that may carry force, as the quadratic program sees them.
-struct SurfaceServoRenderer::Rows {
+struct SurfaceServoRenderer::Pushing {
   ContactProblem problem;
-  Row row[kMaxServoContacts];       // N_k
-  Row response[kMaxServoContacts];  // s T^2 M^-1 N_k^T
-  int contact[kMaxServoContacts];   // number in the snapshot
+  int contact[kMaxServoContacts];  // number in the snapshot
   ContactSolution solution;
 };
 
@@ -226,23 +235,22 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::acted(const TickInput& input) co
 }
 
 // 0: no jump. Else 1 over its age in ticks, at most 1.
-double SurfaceServoRenderer::jumpOf(const TickInput& input, const Inertia& inertia, const Row& response,
+double SurfaceServoRenderer::jumpOf(int contacts, const Normals& normals, const Row& response,
                                     const Row& innovation) const noexcept {
   const State& s = state_;
   if (s.sinceJump < kBlind) return 0.0;
-  const double deviation = deviations_[static_cast<int>(std::min<double>(s.sinceJump, kSchedule))];
+  const double deviation = deviations_[static_cast<int>(s.sinceJump)];
+  Row now{}, last{}, command{};  // counts
+  for (int i = 0; i < joints_; ++i) {
+    const double count = options_.count[i];
+    now[i] = innovation[i] / count;
+    last[i] = s.lastInnovation[i] / count;
+    command[i] = 0.5 * (response[i] - s.lastResponse[i]) / count;
+  }
   double strongest = 0.0, before = 0.0;
-  for (int c = 0; c < input.contacts.count; ++c) {
-    const Contact& contact = input.contacts.contacts[c];
-    Row direction = inertia.response(torquesOf(input.kinematics, contact.point, contact.normal));
-    Row now{}, last{}, command{};
-    for (int i = 0; i < joints_; ++i) {
-      const double count = options_.count[i];
-      direction[i] /= count;
-      now[i] = innovation[i] / count;
-      last[i] = s.lastInnovation[i] / count;
-      command[i] = 0.5 * (response[i] - s.lastResponse[i]) / count;
-    }
+  for (int c = 0; c < contacts; ++c) {
+    Row direction = normals.response[c];
+    for (int i = 0; i < joints_; ++i) direction[i] /= options_.count[i];
     const double size = std::sqrt(dot(direction, direction, joints_));
     const double along = dot(direction, now, joints_);
     const double threshold =
@@ -257,7 +265,7 @@ double SurfaceServoRenderer::jumpOf(const TickInput& input, const Inertia& inert
   return 1.0 - std::sqrt(std::clamp(before - options_.jumpShare, 0.0, 0.25));
 }
 
-void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inertia) noexcept {
+void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept {
   State& s = state_;
   const int n = joints_;
   const Row response = inertia.responseOf(acted(input));
@@ -274,7 +282,7 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     astray = astray || !(std::abs(innovation[i]) < kAstray * options_.count[i]);
   }
   if (astray) return start(input);
-  const double younger = jumpOf(input, inertia, response, innovation);
+  const double younger = jumpOf(input.contacts.count, normals, response, innovation);
   if (younger > 0.0) {
     s.sinceJump = 0.0;
     s.jumps += 1.0;
@@ -322,8 +330,9 @@ void SurfaceServoRenderer::predict(const Inertia& inertia, Row& q, Row& rate) co
   }
 }
 
-void SurfaceServoRenderer::findRows(const TickInput& input, const Inertia& inertia, const Row& q, const Row& rate,
-                                    Rows& rows) const noexcept {
+SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& input, const Inertia& inertia,
+                                                            const Normals& normals, const Row& q,
+                                                            const Row& rate) const noexcept {
   const State& s = state_;
   const int n = joints_;
   const double T = options_.period, z = s.sinceJump < options_.jumpTicks ? options_.jumpPole : options_.pole;
@@ -331,10 +340,11 @@ void SurfaceServoRenderer::findRows(const TickInput& input, const Inertia& inert
   Row ahead{};
   for (int i = 0; i < n; ++i) ahead[i] = q[i] - input.kinematics.q[i];
 
-  ContactProblem& p = rows.problem;
+  Pushing pushing;
+  ContactProblem& p = pushing.problem;
   for (int c = 0; c < input.contacts.count && p.contacts < kMaxServoContacts; ++c) {
     const Contact& contact = input.contacts.contacts[c];
-    const Row row = torquesOf(input.kinematics, contact.point, contact.normal);
+    const Row& row = normals.row[c];
     const double obstacle = T * contact.normal.dot(contact.obstacleVelocity);
     const double gap = contact.gap + dot(row, ahead, n) - options_.horizon * obstacle;
     const double speed = dot(row, rate, n) - obstacle, pushed = dot(row, s.push, n);
@@ -342,11 +352,9 @@ void SurfaceServoRenderer::findRows(const TickInput& input, const Inertia& inert
     const double outward =
         T * options_.outwardSpeed + std::sqrt(2.0 * std::max(0.0, -pushed) * options_.outwardDistance);
     const int m = p.contacts++;
-    rows.row[m] = row;
-    rows.response[m] = inertia.response(row);
-    for (int i = 0; i < n; ++i) rows.response[m][i] *= s.scale;
-    rows.contact[m] = c;
-    for (int other = 0; other <= m; ++other) p.G[m][other] = p.G[other][m] = dot(row, rows.response[other], n);
+    pushing.contact[m] = c;
+    for (int other = 0; other <= m; ++other)
+      p.G[m][other] = p.G[other][m] = s.scale * dot(row, normals.response[pushing.contact[other]], n);
     // The speed's limit is on what the force does to the device, whatever gives way beside it.
     const double rigid = (1.0 + kRegularisation) * p.G[m][m];
     p.G[m][m] = rigid + k1 / contact.material.stiffness;
@@ -354,15 +362,18 @@ void SurfaceServoRenderer::findRows(const TickInput& input, const Inertia& inert
   }
   p.motors = n;
   for (int i = 0; i < n; ++i) {
-    for (int m = 0; m < p.contacts; ++m) p.motor[i][m] = rows.row[m][i];
+    for (int m = 0; m < p.contacts; ++m) p.motor[i][m] = normals.row[pushing.contact[m]][i];
     p.low[i] = std::min(0.0, -input.maxTorque[i] - inertia.gravity[i]);
     p.high[i] = std::max(0.0, input.maxTorque[i] - inertia.gravity[i]);
   }
+  pushing.solution = solveContacts(p);
+  return pushing;
 }
 
 // Friction at the contacts that carry force, as torques; the normal forces are found anew beside it.
 SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& input, const Inertia& inertia,
-                                                            const Row& q, const Row& rate, Rows& rows) noexcept {
+                                                            const Normals& normals, const Row& q, const Row& rate,
+                                                            Pushing& pushing) noexcept {
   const Kinematics& k = input.kinematics;
   // Slower than the wall's: what sticks need not stand at the edge, and counts are felt less.
   const double T = options_.period, z = 0.5 * (1.0 + options_.pole);
@@ -372,11 +383,13 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& inp
     state_.lastAngles[i] = k.q[i];
     ahead[i] = q[i] - k.q[i];
   }
+  const Vec6 way = motionOf(k, moved), wayAhead = motionOf(k, ahead), velocity = motionOf(k, rate) / T;
+  ContactProblem& problem = pushing.problem;
   state_.friction.begin();
   bool any = false;
-  for (int m = 0; m < rows.problem.contacts; ++m) {
-    const Contact& contact = input.contacts.contacts[rows.contact[m]];
-    const double normalForce = rows.solution.force[m];
+  for (int m = 0; m < problem.contacts; ++m) {
+    const Contact& contact = input.contacts.contacts[pushing.contact[m]];
+    const double normalForce = pushing.solution.force[m];
     if (!(contact.material.friction > 0.0 && normalForce > 0.0)) continue;
     any = true;
     // The largest inverse inertia along the surface.
@@ -387,20 +400,22 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& inp
                  c = dot(second, inertia.response(second), joints_);
     const double largest = state_.scale * (0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
     const Grasp grasp{(1.0 - z) * (1.0 - z) / largest, 0.5 * T * options_.damping * (1.0 - z) * (3.0 + z) / largest};
-    const Slide slide{translationOf(k, contact.point, moved) - T * contact.obstacleVelocity,
-                      translationOf(k, contact.point, ahead) - options_.horizon * T * contact.obstacleVelocity,
-                      translationOf(k, contact.point, rate) / T - contact.obstacleVelocity};
+    const Vec3 arm = contact.point - k.pose.position;
+    const Slide slide{translationAt(way, arm) - T * contact.obstacleVelocity,
+                      translationAt(wayAhead, arm) - options_.horizon * T * contact.obstacleVelocity,
+                      translationAt(velocity, arm) - contact.obstacleVelocity};
     const Row torques = torquesOf(k, contact.point, state_.friction.force(contact, slide, grasp, normalForce));
     for (int i = 0; i < joints_; ++i) torque[i] += torques[i];
   }
   state_.friction.end();
   if (!any) return torque;
-  for (int m = 0; m < rows.problem.contacts; ++m) rows.problem.r[m] -= dot(rows.response[m], torque, joints_);
+  for (int m = 0; m < problem.contacts; ++m)
+    problem.r[m] -= state_.scale * dot(normals.response[pushing.contact[m]], torque, joints_);
   for (int i = 0; i < joints_; ++i) {
-    rows.problem.low[i] = std::min(0.0, rows.problem.low[i] - torque[i]);
-    rows.problem.high[i] = std::max(0.0, rows.problem.high[i] - torque[i]);
+    problem.low[i] = std::min(0.0, problem.low[i] - torque[i]);
+    problem.high[i] = std::max(0.0, problem.high[i] - torque[i]);
   }
-  rows.solution = solveContacts(rows.problem);
+  pushing.solution = solveContacts(problem);
   return torque;
 }
 
@@ -409,28 +424,26 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
   if (k.q.size() != joints_ || k.inertia.rows() != joints_) return Status::outOfRange;
   Inertia inertia;
   if (!inertia.set(k, options_.period)) return Status::outOfRange;  // no mass matrix
+  const Normals normals(input, inertia);
   State& s = state_;
-  const State before = s;
   if (s.started == 0.0 || std::abs(input.time - s.lastTime - options_.period) > 0.5 * options_.period)
     start(input);  // the first tick, or one was missed
   else
-    observe(input, inertia);
+    observe(input, inertia, normals);
   s.lastTime = input.time;
 
   Row q, rate;
   predict(inertia, q, rate);
-  Rows rows;
-  findRows(input, inertia, q, rate, rows);
-  rows.solution = solveContacts(rows.problem);
-  Row torque = addFriction(input, inertia, q, rate, rows);
+  Pushing found = pushing(input, inertia, normals, q, rate);
+  Row torque = addFriction(input, inertia, normals, q, rate, found);
 
   output.mode = RenderMode::free;
-  output.saturated = rows.solution.limited;
-  for (int m = 0; m < rows.problem.contacts; ++m) {
-    const double force = rows.solution.force[m];
+  output.saturated = found.solution.limited;
+  for (int m = 0; m < found.problem.contacts; ++m) {
+    const double force = found.solution.force[m];
     if (force > 0.0) output.mode = RenderMode::contact;
-    if (rows.contact[m] == 0) output.normalForce = force;
-    for (int i = 0; i < joints_; ++i) torque[i] += force * rows.row[m][i];
+    if (found.contact[m] == 0) output.normalForce = force;
+    for (int i = 0; i < joints_; ++i) torque[i] += force * normals.row[found.contact[m]][i];
   }
   s.pushes = output.mode == RenderMode::contact ? 1.0 : 0.0;
   output.torque.resize(joints_);
@@ -438,10 +451,7 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
   for (int i = 0; i < joints_; ++i)
     finite = finite && std::isfinite(torque[i] + s.q[i] + s.rate[i] + s.push[i] + s.qByScale[i] + s.rateByScale[i] +
                                      s.pushByScale[i]);
-  if (!finite) {  // numbers that are finite one by one can overflow together
-    s = before;
-    return Status::notFinite;
-  }
+  if (!finite) return Status::notFinite;  // numbers that are finite one by one can overflow together
   for (int d = kMaxServoDelay; d > 0; --d) s.commands[d] = s.commands[d - 1];
   for (int i = 0; i < joints_; ++i) {
     output.torque[i] = k.gravity[i] + torque[i];

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "enamel/collision/contact.hpp"
 #include "enamel/core/status.hpp"
@@ -90,7 +91,8 @@ class Renderer {
 
  private:
   bool active_ = false;
-  double lastTime_ = 0.0;  // s
+  double lastTime_ = 0.0;            // s
+  std::vector<unsigned char> kept_;  // the state before a tick: put back where its answer is refused
 };
 
 /// Checks what every renderer checks first: joint vectors of one size; finite numbers, sizes that a device can have
@@ -101,6 +103,10 @@ class Renderer {
 
 /// Cuts every torque at +-maxTorque; true if one was cut. Realtime: yes.
 bool saturate(JointVector& torque, const JointVector& maxTorque) noexcept;
+
+/// Translation of the tool's material at `arm` from the TCP (W, m) by a motion or velocity [v; w] of the platform at
+/// the TCP. Realtime: yes.
+Vec3 translationAt(const Vec6& motion, const Vec3& arm) noexcept;
 
 /// Velocity of the tool's material at the contact relative to the obstacle's, W, m/s. Realtime: yes.
 Vec3 contactVelocity(const Kinematics& kinematics, const Contact& contact) noexcept;

@@ -37,7 +37,8 @@ namespace enamel {
 inline constexpr int kMaxServoDelay = 8;
 inline constexpr int kMaxServoContacts = 6;
 
-/// What the servo is told of the device, and what `enamel design --surface` chooses (here: for TAU without delay).
+/// What the servo is told of the device, and what `enamel design --surface` chooses: surfaceServoFor() or a file has
+/// the numbers, zeros are refused.
 struct SurfaceServoOptions {
   double period = 1e-3;  ///< of the ticks, s
   JointVector count;     ///< step of each joint's encoder, rad or m: as many as the device has joints
@@ -46,19 +47,19 @@ struct SurfaceServoOptions {
   int delayLow = 0, delayHigh = 0;
   int horizon = 0;  ///< how far the law looks ahead, ticks: the delay where it is constant
 
-  double pole = 0.392;            ///< z of the contact's loop, in [0, 1)
-  double damping = 0.98;          ///< r
-  double jumpPole = 0.205;        ///< z for the first `jumpTicks` ticks of a jump
-  double jumpTicks = 1.7;         ///< ticks
-  double outwardSpeed = 0.0094;   ///< m/s
-  double outwardDistance = 5e-5;  ///< m
+  double pole = 0.0;             ///< z of the contact's loop, in [0, 1)
+  double damping = 0.0;          ///< r
+  double jumpPole = 0.0;         ///< z for the first `jumpTicks` ticks of a jump
+  double jumpTicks = 0.0;        ///< ticks
+  double outwardSpeed = 0.0;     ///< m/s
+  double outwardDistance = 0.0;  ///< m
 
-  double tremor = 0.5;         ///< of the hand, white, counts/tick^2
-  double wander = 0.23;        ///< of the push from tick to tick, counts/tick^2
-  double jumpThreshold = 4.1;  ///< innovation of a jump, counts
-  double jumpAge = 0.89;       ///< least age of a jump that is seen for the first time, ticks, in [0, 1)
-  double jumpSize = 9.5;       ///< counts/tick^2
-  double jumpShare = 0.1;      ///< of the innovation that the one before may have without making the jump older
+  double tremor = 0.0;         ///< of the hand, white, counts/tick^2
+  double wander = 0.0;         ///< of the push from tick to tick, counts/tick^2
+  double jumpThreshold = 0.0;  ///< innovation of a jump, counts
+  double jumpAge = 0.0;        ///< least age of a jump that is seen for the first time, ticks, in [0, 1)
+  double jumpSize = 0.0;       ///< counts/tick^2
+  double jumpShare = 0.0;      ///< of the innovation that the one before may have without making the jump older
 };
 
 /// One of the numbers that a design chooses.
@@ -72,8 +73,8 @@ struct SurfaceServoParameter {
 /// All of them. Realtime: yes.
 const std::array<SurfaceServoParameter, 12>& surfaceServoParameters() noexcept;
 
-/// Options that were found for TAU (data/servos), for any device: counts and ticks are the units that matter. With a
-/// delay beyond 3 ticks those for 3. Throws Error: as SurfaceServoRenderer.
+/// Options that were found for the TAU, for any device: counts and ticks are the units that matter. With a delay beyond
+/// 3 ticks those for 3. What is given is checked by SurfaceServoRenderer. Realtime: yes.
 SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int delayLow, int delayHigh);
 
 /// The contact-space servo, on any mechanism with as many joints as counts were given.
@@ -115,7 +116,8 @@ class SurfaceServoRenderer final : public Renderer {
     FrictionMemory friction;
   };
   struct Inertia;
-  struct Rows;
+  struct Normals;
+  struct Pushing;
 
   void prepare(double period) override;
   Status render(const TickInput& input, TickOutput& output) noexcept override;
@@ -125,13 +127,13 @@ class SurfaceServoRenderer final : public Renderer {
   void start(const TickInput& input) noexcept;
   Row acted(const TickInput& input) const noexcept;
   Row expectedCommand(int ahead) const noexcept;
-  void observe(const TickInput& input, const Inertia& inertia) noexcept;
-  double jumpOf(const TickInput& input, const Inertia& inertia, const Row& response,
-                const Row& innovation) const noexcept;
+  void observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept;
+  double jumpOf(int contacts, const Normals& normals, const Row& response, const Row& innovation) const noexcept;
   void predict(const Inertia& inertia, Row& q, Row& rate) const noexcept;
-  void findRows(const TickInput& input, const Inertia& inertia, const Row& q, const Row& rate,
-                Rows& rows) const noexcept;
-  Row addFriction(const TickInput& input, const Inertia& inertia, const Row& q, const Row& rate, Rows& rows) noexcept;
+  Pushing pushing(const TickInput& input, const Inertia& inertia, const Normals& normals, const Row& q,
+                  const Row& rate) const noexcept;
+  Row addFriction(const TickInput& input, const Inertia& inertia, const Normals& normals, const Row& q, const Row& rate,
+                  Pushing& pushing) noexcept;
 
   SurfaceServoOptions options_;
   int joints_;
