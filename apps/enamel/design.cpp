@@ -194,10 +194,10 @@ void run(DesignOptions options) {
   if (options.surface) {
     SurfaceDesignOptions& search = options.search;
     search.device = options.device;
-    search.output = options.output;
     search.period = 1.0 / options.rate;
     search.delay = delay;
-    designSurface(search);
+    const std::string file = designSurface(search);
+    if (!options.output.empty()) writeText(options.output, file);
     return;
   }
   if (delay.low != delay.high || delay.high > kLargestDelay)
@@ -269,7 +269,9 @@ void addDesign(CLI::App& app) {
   command->add_option("--half-width", options->search.halfWidth, "--surface: of the wall, m")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  command->add_option("--most-chatter", options->search.chatter, "--surface: largest chatter, N m or N; 0: 2.5 % of the weakest motor")
+  command
+      ->add_option("--most-chatter", options->search.chatter,
+                   "--surface: largest chatter, N m or N; 0: 2.5 % of the weakest motor")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--generations", options->search.generations, "--surface: of the search, 8 servos each")

@@ -3,9 +3,7 @@
 #include <fmt/core.h>
 
 #include <filesystem>
-#include <fstream>
 
-#include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/surface_file.hpp"
 #include "enamel/study/parallel.hpp"
@@ -29,7 +27,7 @@ void printScore(const std::string& name, const SurfaceScore& s) {
 
 }  // namespace
 
-void designSurface(const SurfaceDesignOptions& options) {
+std::string designSurface(const SurfaceDesignOptions& options) {
   const int threads = options.threads > 0 ? options.threads : availableThreads();
   SurfaceDesignSetup setup;
   setup.plant = makeMechanism(loadDevice(options.device));
@@ -52,9 +50,8 @@ void designSurface(const SurfaceDesignOptions& options) {
       setup.lowestForce, setup.highestForce, setup.preload, setup.noise);
   printHead();
   const SurfaceServoOptions best =
-      designSurfaceServo(setup, start, options.generations, threads, [](int generation, const SurfaceCandidate& c) {
-        if (generation % 10 == 0) printScore(fmt::format("search {}", generation), c.score);
-        return true;
+      designSurfaceServo(setup, start, options.generations, threads, [](int generation, const SurfaceScore& score) {
+        if (generation % 10 == 0) printScore(fmt::format("search {}", generation), score);
       });
 
   // The trade-off: stiffer or quieter by the observer's trust in the push's constancy.
@@ -72,11 +69,7 @@ void designSurface(const SurfaceDesignOptions& options) {
   fmt::print("\n");
   for (const SurfaceServoParameter& p : surfaceServoParameters())
     fmt::print("{:<17} {:.6g}{}\n", p.name, best.*p.value, p.unit);
-  if (options.output.empty()) return;
-  std::ofstream file(options.output);
-  file << surfaceServoText({std::filesystem::path(options.device).filename().string(), best});
-  file.close();
-  if (!file) throw Error(options.output + ": cannot write the file");
+  return surfaceServoText({std::filesystem::path(options.device).filename().string(), best});
 }
 
 }  // namespace enamel::app

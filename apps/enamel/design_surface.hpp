@@ -10,15 +10,15 @@ namespace enamel::app {
 
 /// What the command was asked for.
 struct SurfaceDesignOptions {
-  std::string device, output;
+  std::string device;
   double period = 1e-3;  ///< s
   Delay delay;
   double inertiaError = 0.0, halfWidth = 0.025, chatter = 0.0;  ///< share; m; N m or N, 0: 2.5 % of the weakest motor
-  int generations = 60, threads = 0;                             ///< 0: all
+  int generations = 60, threads = 0;                            ///< 0: all
   std::uint64_t seed = 1;
 };
 
-/// Searches, prints the trade-off and how the servo does on new random numbers, writes the file. Throws Error.
-void designSurface(const SurfaceDesignOptions& options);
+/// Searches, prints the trade-off and how the servo does on new random numbers; returns the servo's file. Throws Error.
+std::string designSurface(const SurfaceDesignOptions& options);
 
 }  // namespace enamel::app

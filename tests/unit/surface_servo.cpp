@@ -313,10 +313,8 @@ TEST_CASE("a designed servo does not depend on the number of threads", "[surface
   std::vector<double> first;
   for (const int threads : {1, 3}) {
     std::vector<double> seen;
-    const SurfaceServoOptions best = designSurfaceServo(setup, start, 2, threads, [&](int, const SurfaceCandidate& c) {
-      seen.push_back(c.score.value);
-      return true;
-    });
+    const SurfaceServoOptions best = designSurfaceServo(
+        setup, start, 2, threads, [&](int, const SurfaceScore& score) { seen.push_back(score.value); });
     for (const SurfaceServoParameter& p : surfaceServoParameters()) seen.push_back(best.*p.value);
     if (first.empty()) first = seen;
     CHECK(seen == first);

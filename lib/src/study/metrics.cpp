@@ -85,6 +85,15 @@ void MetricsCollector::add(const TickRecord& tick) {
     impact_.rest(impact);
 }
 
+double chatterOf(const std::vector<JointVector>& torques) {
+  if (torques.empty()) return 0.0;
+  const double count = static_cast<double>(torques.size());
+  JointVector mean = JointVector::Zero(torques.front().size()), squares = mean;
+  for (const JointVector& torque : torques) mean += torque / count;
+  for (const JointVector& torque : torques) squares += (torque - mean).cwiseAbs2() / count;
+  return std::sqrt(squares.maxCoeff());
+}
+
 PushMetrics MetricsCollector::metrics() const {
   PushMetrics m = running_;
   if (!depths_.empty()) {
@@ -104,13 +113,7 @@ PushMetrics MetricsCollector::metrics() const {
     m.depth95 = sorted[static_cast<std::size_t>(rank)];
     m.tangentialForce = std::sqrt(tangentialSquares_ / count);
   }
-  if (!torques_.empty()) {
-    const double count = static_cast<double>(torques_.size());
-    JointVector mean = JointVector::Zero(torques_.front().size()), squares = mean;
-    for (const JointVector& torque : torques_) mean += torque / count;
-    for (const JointVector& torque : torques_) squares += (torque - mean).cwiseAbs2() / count;
-    m.chatter = std::sqrt(squares.maxCoeff());
-  }
+  m.chatter = chatterOf(torques_);
   if (ticks_ > 0) m.saturatedShare = static_cast<double>(saturated_) / static_cast<double>(ticks_);
 
   m.bounce = impact_.bounce();

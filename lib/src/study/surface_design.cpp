@@ -10,6 +10,7 @@
 #include "enamel/control/tuning.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
+#include "enamel/study/metrics.hpp"
 #include "enamel/study/parallel.hpp"
 
 namespace enamel {
@@ -65,26 +66,6 @@ struct TrialResult {
   double chatter = 0.0, bounce = 0.0, deepest = 0.0;
 };
 
-// Largest standard deviation of the motors' commands.
-class Chatter {
- public:
-  void add(const JointVector& torque) {
-    if (count_ == 0) first_ = torque, sum_ = squares_ = JointVector::Zero(torque.size());
-    sum_ += torque - first_;
-    squares_ += (torque - first_).cwiseAbs2();
-    ++count_;
-  }
-  double largest() const {
-    if (count_ == 0) return 0.0;
-    const JointVector mean = sum_ / count_;
-    return std::sqrt(std::max(0.0, (squares_ / count_ - mean.cwiseAbs2()).maxCoeff()));
-  }
-
- private:
-  int count_ = 0;
-  JointVector first_, sum_, squares_;
-};
-
 // A person who presses along -z.
 struct Pressing {
   Pose start;
@@ -134,7 +115,7 @@ TrialResult perform(const SurfaceDesignSetup& setup, const Mechanism& model, con
   const int onset = ticks(kSettling), end = onset + ticks(kAfter), quiet = ticks(kQuiet),
             watched = ticks(ImpactWatch::kRestWindow);
   ImpactWatch watch(setup.period);
-  Chatter before, after;
+  std::vector<JointVector> before, after;  // commands
   double restSum = 0.0;
   TrialResult result;
   TickRecord tick;
@@ -161,12 +142,12 @@ TrialResult perform(const SurfaceDesignSetup& setup, const Mechanism& model, con
     if (i >= onset) {
       const double height = seen.gap - restSum / watched;
       result.deepest = std::max(result.deepest, -height);
-      if (!trial.ramp) result.bounce = std::max(result.bounce, height);
     }
-    if (i >= onset - quiet && i < onset) before.add(tick.command);
-    if (i >= end - quiet) after.add(tick.command);
+    if (i >= onset - quiet && i < onset) before.push_back(tick.command);
+    if (i >= end - quiet) after.push_back(tick.command);
   }
-  result.chatter = std::max(before.largest(), after.largest());
+  result.chatter = std::max(chatterOf(before), chatterOf(after));
+  if (!trial.ramp) result.bounce = watch.bounce();
   if (!trial.ramp && watch.verdict() == FirstImpactVerdict::measured) {
     result.stiffness = watch.stiffness();
     result.share = result.stiffness / limitAt(setup, loopSetup.start, trial.force);
@@ -317,7 +298,7 @@ SurfaceScore judgeSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceSer
 
 SurfaceServoOptions designSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& start,
                                        int generations, int threads,
-                                       const std::function<bool(int, const SurfaceCandidate&)>& progress) {
+                                       const std::function<void(int, const SurfaceScore&)>& progress) {
   SurfaceServoOptions parent = start;
   double sigma = 1.0;
   for (int generation = 0; generation < generations; ++generation) {
@@ -331,7 +312,7 @@ SurfaceServoOptions designSurfaceServo(const SurfaceDesignSetup& setup, const Su
       if (scores[i].value > scores[best].value) best = i;
     sigma = std::clamp(best == 0 ? 0.85 * sigma : 1.1 * sigma, 0.15, 2.0);
     parent = family[best];
-    if (progress && !progress(generation, {parent, scores[best]})) break;
+    if (progress) progress(generation, scores[best]);
   }
   return parent;
 }

@@ -64,6 +64,9 @@ std::optional<double> valueOf(const PushMetrics& metrics, const Metric& metric) 
 /// answered sooner). 0: a push without a step, one that the motors cannot hold, or a start out of reach. Realtime: no.
 double largestStiffness(const Mechanism& plant, const PushSetup& setup);
 
+/// Chatter: the largest over the joints of the torque's standard deviation, N m or N; 0 for none. Realtime: no.
+double chatterOf(const std::vector<JointVector>& torques);
+
 /// Collects the ticks of one run: give add() to runPush(). Realtime: no.
 class MetricsCollector {
  public:

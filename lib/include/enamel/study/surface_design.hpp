@@ -50,17 +50,11 @@ struct SurfaceScore {
 SurfaceScore judgeSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& options, std::uint32_t trial,
                                int threads);
 
-/// A servo and how it did.
-struct SurfaceCandidate {
-  SurfaceServoOptions options;
-  SurfaceScore score;
-};
-
 /// The best servo that an evolution strategy finds (one parent, eight children a generation, all judged by the same new
-/// random numbers), from `start` on. `progress`, if any, sees the parent of every generation; false ends the search.
+/// random numbers), from `start` on. `progress`, if any, sees how the best of every generation did.
 /// Throws Error: as judgeSurfaceServo(). Realtime: no.
 SurfaceServoOptions designSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& start,
                                        int generations, int threads,
-                                       const std::function<bool(int, const SurfaceCandidate&)>& progress);
+                                       const std::function<void(int, const SurfaceScore&)>& progress);
 
 }  // namespace enamel
