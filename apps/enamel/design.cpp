@@ -252,9 +252,12 @@ void addDesign(CLI::App& app) {
   command->add_option("--disk-margin", options->required.diskMargin, "--tune: least disk margin")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--chatter", options->required.chatter, "--tune: largest chatter, N m")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  command
+      ->add_option_function<double>(
+          "--chatter", [options](double most) { options->required.chatter = options->search.chatter = most; },
+          "--tune, --surface: largest chatter, N m or N (default: " + fmt::format("{:g}", options->required.chatter) +
+              "; with --surface 2.5 % of the weakest motor)")
+      ->check(CLI::PositiveNumber);
   command
       ->add_option("--delay", options->delay,
                    "--tune: delay of the servo to write, samples; --surface: also constant:D or random:A..B")
@@ -268,11 +271,6 @@ void addDesign(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--half-width", options->search.halfWidth, "--surface: of the wall, m")
       ->check(CLI::Range(0.0, 0.5))
-      ->capture_default_str();
-  command
-      ->add_option("--most-chatter", options->search.chatter,
-                   "--surface: largest chatter, N m or N; 0: 2.5 % of the weakest motor")
-      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--generations", options->search.generations, "--surface: of the search, 8 servos each")
       ->check(CLI::Range(0, 10000))

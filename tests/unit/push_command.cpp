@@ -25,6 +25,16 @@ test::CommandResult printed(const std::string& arguments, const std::string& err
   return test::runCommand("{ '" ENAMEL_TOOL "' " + push(arguments) + " 2>'" + errors + "'; }");
 }
 
+// Pushes with options that push refuses, each with what it must say.
+void refuses(const std::vector<std::pair<std::string, std::string>>& cases) {
+  for (const auto& [options, message] : cases) {
+    const auto result = run(push(options));
+    INFO(options << "\n" << result.output);
+    CHECK(result.status == 1);
+    CHECK_THAT(result.output, Contains(message));
+  }
+}
+
 // One column of a CSV file by its name.
 std::vector<std::string> column(const std::string& text, const std::string& name) {
   std::istringstream lines(text);
@@ -185,18 +195,12 @@ TEST_CASE("push: hold with a servo of enamel design --output, linked and as a pl
   const std::string fast = design("fast.json", "--rate 2000");
   test::writeFile(folder / "three.json", R"({"model": "m", "period": 0.001, "K": [[1,2,3,4,5,6,7,8,9],
                                              [1,2,3,4,5,6,7,8,9], [1,2,3,4,5,6,7,8,9]]})");
-  for (const auto& [options, message] : std::vector<std::pair<std::string, std::string>>{
-           {hold + "--gain '" + fast + "'", "ticks of 0.0005 s, these take 0.001 s"},
+  refuses({{hold + "--gain '" + fast + "'", "ticks of 0.0005 s, these take 0.001 s"},
            {hold + "--gain '" + (folder / "three.json") + "'", "for 3 joints, the device has 6"},
            {"--gain /no/such/servo.json", "/no/such/servo.json"},
            {"--gain '" + same + "'", "same.json: is an LQR design, for hold, which --renderer does not name"},
            {"--renderer impedance --gain '" + same + "'", "for hold, which --renderer does not name"},
-           {plugin + "--gain '" + same + "'", "for hold, which --renderer does not name"}}) {
-    const auto result = run(push(options));
-    INFO(options << "\n" << result.output);
-    CHECK(result.status == 1);
-    CHECK_THAT(result.output, Contains(message));
-  }
+           {plugin + "--gain '" + same + "'", "for hold, which --renderer does not name"}});
 }
 
 TEST_CASE("push: position control with a surface servo of a file, linked and as a plugin", "[push_command]") {
@@ -227,19 +231,13 @@ TEST_CASE("push: position control with a surface servo of a file, linked and as 
 
   const std::string fast = write("fast.json", surfaceServoFor(count, 5e-4, 0, 0)),
                     three = write("three.json", surfaceServoFor(JointVector::Constant(3, 1e-5), 1e-3, 0, 0));
-  for (const auto& [options, message] : std::vector<std::pair<std::string, std::string>>{
-           {"--gain " + same, "same.json: the servo is for a delay of 1 ticks, --delay is 0 ticks"},
-           {"--delay random:0..3 --gain " + same, "for a delay of 1 ticks, --delay is 0 to 3 ticks"},
-           {"--gain " + fast, "fast.json: the servo is for ticks of 0.0005 s, these take 0.001 s"},
-           {"--gain " + three, "three.json: the servo is for 3 joints, the device has 6"},
-           {"--renderer hold --gain " + same,
-            "is a surface servo, for position-control, which --renderer does not name"},
-           {"--delay constant:9", "the largest delay is 9, must be in 0 to 8 ticks"}}) {
-    const auto result = run(push(options));
-    INFO(options << "\n" << result.output);
-    CHECK(result.status == 1);
-    CHECK_THAT(result.output, Contains(message));
-  }
+  refuses(
+      {{"--gain " + same, "same.json: the servo is for a delay of 1 ticks, --delay is 0 ticks"},
+       {"--delay random:0..3 --gain " + same, "for a delay of 1 ticks, --delay is 0 to 3 ticks"},
+       {"--gain " + fast, "fast.json: the servo is for ticks of 0.0005 s, these take 0.001 s"},
+       {"--gain " + three, "three.json: the servo is for 3 joints, the device has 6"},
+       {"--renderer hold --gain " + same, "is a surface servo, for position-control, which --renderer does not name"},
+       {"--delay constant:9", "the largest delay is 9, must be in 0 to 8 ticks"}});
 }
 
 TEST_CASE("push: a preload, and a step inside its tick", "[push_command]") {

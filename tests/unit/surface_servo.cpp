@@ -35,6 +35,16 @@ LoopSetup loopWith(const Scene& scene, int delay) {
   return setup;
 }
 
+Scene wallOf(double stiffness, double friction, double sliding) {
+  Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());
+  wall.material.stiffness = stiffness;
+  wall.material.friction = friction;
+  wall.material.sliding = sliding;
+  Scene scene;
+  scene.add(wall);
+  return scene;
+}
+
 // A hand that presses with `force` (W, N) and keeps the orientation.
 struct Hand {
   Vec3 force;
@@ -152,13 +162,8 @@ TEST_CASE("the servo never pulls, pushes along the normal only, and lets the too
 TEST_CASE("friction holds below its limit and drags above it", "[surface_servo]") {
   const auto device = tau();
   for (const double pull : {2.0, 4.0}) {  // of 10 N pressed, mu_s = 0.3: sticks, slides
-    Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());
-    wall.material.friction = 0.3;
-    wall.material.sliding = 0.25;
-    Scene scene;
-    scene.add(wall);
     SurfaceServoRenderer servo(optionsFor(*device, 0));
-    VirtualLoop loop(*device, *device, servo, loopWith(scene, 0));
+    VirtualLoop loop(*device, *device, servo, loopWith(wallOf(HUGE_VAL, 0.3, 0.25), 0));
     TickRecord tick;
     double along = 0.0, pressed = 0.0;
     for (int i = 0; i < 250; ++i) {
@@ -180,12 +185,8 @@ TEST_CASE("friction holds below its limit and drags above it", "[surface_servo]"
 
 TEST_CASE("a soft surface gives way by its stiffness", "[surface_servo]") {
   const auto device = tau();
-  Obstacle gum = halfSpace("gum", Vec3::Zero(), Vec3::UnitZ());
-  gum.material.stiffness = 2000.0;
-  Scene scene;
-  scene.add(gum);
   SurfaceServoRenderer servo(optionsFor(*device, 0));
-  VirtualLoop loop(*device, *device, servo, loopWith(scene, 0));
+  VirtualLoop loop(*device, *device, servo, loopWith(wallOf(2000.0, 0.0, 0.0), 0));
   TickRecord tick;
   for (int i = 0; i < 800; ++i) REQUIRE(loop.tick(FirmHand{4.0}, tick) == Status::ok);
   CHECK(-tick.nearest.gap == Approx(4.0 / 2000.0).epsilon(0.03));
@@ -219,12 +220,8 @@ TEST_CASE("a surface that is lowered is followed, one that vanishes has no force
 
 TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[surface_servo]") {
   const auto device = tau();
-  Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());
-  wall.material.friction = wall.material.sliding = 0.2;
-  Scene scene;
-  scene.add(wall);
   SurfaceServoRenderer servo(optionsFor(*device, 2)), copy(optionsFor(*device, 2));
-  VirtualLoop loop(*device, *device, servo, loopWith(scene, 2));
+  VirtualLoop loop(*device, *device, servo, loopWith(wallOf(HUGE_VAL, 0.2, 0.2), 2));
   TickRecord tick;
   std::vector<TickInput> inputs;
   std::vector<JointVector> torques;
