@@ -36,14 +36,14 @@ Status PositionControlRenderer::render(const TickInput& input, TickOutput& outpu
   if (state_.phase != kHolding) return Status::ok;
 
   const JointVector error = k.q - state_.reference.head(n);
-  Eigen::Matrix<double, 1, kRow> state = Eigen::Matrix<double, 1, kRow>::Zero();
+  Eigen::Matrix<double, kRows, 1> answer = Eigen::Matrix<double, kRows, 1>::Zero();
+  const auto add = [&](Eigen::Index column, double value) { answer -= value * gain_.col(column); };
   for (Eigen::Index i = 0; i < n; ++i) {
-    state[i] = k.rates[i];
-    state[n + i] = error[i];
-    state[2 * n + i] = state_.integral[i];
+    add(i, k.rates[i]);
+    add(n + i, error[i]);
+    add(2 * n + i, state_.integral[i]);
   }
-  JointVector servo(n);
-  for (Eigen::Index i = 0; i < n; ++i) servo[i] = -gain_.row(i).dot(state);
+  const JointVector servo = answer.head(n);
   const double normalForce = state_.normal.dot(wrenchOf(k, servo).head<3>());
   if (options_.release && normalForce < -options_.releaseForce) {
     state_ = State{};

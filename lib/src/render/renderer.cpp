@@ -20,10 +20,10 @@ constexpr double kLargestGap = 100.0;      // m
 constexpr double kLargestTorque = 1e6;     // N m or N
 constexpr double kLargestViscosity = 1e3;  // N s/m
 
-// False for NaN as well.
+// The norm, one sum without branches. False for NaN as well.
 template <typename Vector>
 bool within(const Vector& v, double limit) noexcept {
-  return (v.array().abs() <= limit).all();
+  return v.squaredNorm() <= limit * limit;
 }
 
 // r r^T = 1 to 1e-6, right-handed.
@@ -65,8 +65,8 @@ bool isPlausible(const TickInput& in) noexcept {
                    within(k.rates, kLargestRate) && within(k.pose.position, kLargestPosition) &&
                    within(k.twist.head<3>(), kLargestSpeed) && within(k.twist.tail<3>(), kLargestRate) &&
                    within(k.gravity, kLargestTorque) && within(in.applied, kLargestTorque) &&
-                   within(in.maxTorque, kLargestTorque) && (in.maxTorque.array() >= 0.0).all() &&
-                   allFinite(k.jacobian) && allFinite(k.inverseTransposed) && allFinite(k.inertia);
+                   within(in.maxTorque, kLargestTorque) && in.maxTorque.minCoeff() >= 0.0 && allFinite(k.jacobian) &&
+                   allFinite(k.inverseTransposed) && allFinite(k.inertia);
   for (int i = 0; i < in.contacts.count; ++i) {
     const Contact& c = in.contacts.contacts[i];
     plausible = plausible && std::abs(c.gap) <= kLargestGap && within(c.point, kLargestPosition) &&

@@ -58,9 +58,8 @@ class PositionControlRenderer final : public Renderer {
   void updatePhase(const TickInput& input) noexcept;
   void hold(const TickInput& input) noexcept;
 
-  // A joint's gains in a row, zeros beyond 3n: products of fixed size are the fastest.
-  static constexpr int kRow = 3 * kMaxJoints + 3;  // a multiple of 8
-  Eigen::Matrix<double, kMaxJoints, kRow, Eigen::RowMajor> gain_;
+  static constexpr int kRows = kMaxJoints + 1;         // even: columns of whole SIMD registers
+  Eigen::Matrix<double, kRows, 3 * kMaxJoints> gain_;  // zero beyond n x 3n
   Eigen::Index joints_;
   double period_;
   PositionControlOptions options_;
