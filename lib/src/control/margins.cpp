@@ -57,11 +57,15 @@ class FrequencyResponse {
   int delay_;
 };
 
-// Minimum of a function over the grid, then by golden section between the neighbours of the best point.
+// Minimum of a function over the grid, then by golden section between the neighbours of the best point. The grid is
+// walked downwards, and the first value below `enough` ends it: loops have their peaks near the Nyquist frequency.
 template <typename Function>
-std::pair<double, double> minimise(const Function& f, const std::vector<double>& grid) {
-  std::vector<double> values;
-  for (const double w : grid) values.push_back(f(w));
+std::pair<double, double> minimise(const Function& f, const std::vector<double>& grid, double enough = -kInfinity) {
+  std::vector<double> values(grid.size());
+  for (std::size_t k = grid.size(); k-- > 0;) {
+    values[k] = f(grid[k]);
+    if (values[k] < enough) return {grid[k], values[k]};
+  }
   const std::size_t best = std::min_element(values.begin(), values.end()) - values.begin();
   double low = grid[best > 0 ? best - 1 : 0], high = grid[std::min(best + 1, grid.size() - 1)];
   constexpr double kGolden = 0.6180339887498949;
@@ -144,10 +148,10 @@ int toleratedDelay(const StateSpace& loop, const MatrixXd& K) {
   return delay - 1;
 }
 
-double diskMargin(const StateSpace& loop, const MatrixXd& K, double period, int delay) {
+double diskMargin(const StateSpace& loop, const MatrixXd& K, double period, int delay, double least) {
   if (!(spectralRadius(closedLoop(loop, K, delay)) < 1.0)) return 0.0;
   const FrequencyResponse response(loop, K, period, delay);
-  return minimise([&](double w) { return response.smallestSingularValue(w); }, response.frequencies()).second;
+  return minimise([&](double w) { return response.smallestSingularValue(w); }, response.frequencies(), least).second;
 }
 
 Margins measureMargins(const StateSpace& loop, const MatrixXd& K, double period) {

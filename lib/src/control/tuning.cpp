@@ -51,7 +51,7 @@ std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const Ser
   const StateSpace loop = runningLoop(servo.design);
   servo.toleratedDelay = toleratedDelay(loop, servo.design.K);
   if (servo.toleratedDelay < delay) return std::nullopt;
-  servo.diskMargin = diskMargin(loop, servo.design.K, problem.period, delay);
+  servo.diskMargin = diskMargin(loop, servo.design.K, problem.period, delay, leastMargin);
   if (servo.diskMargin < leastMargin) return std::nullopt;
   experiment.ticks = ticksOf(kChatterSeconds, problem.period);
   experiment.encoderStep = problem.encoderStep;

@@ -39,8 +39,9 @@ std::vector<std::complex<double>> continuousPoles(const Eigen::MatrixXd& closedL
 int toleratedDelay(const StateSpace& loop, const Eigen::MatrixXd& K);
 
 /// Smallest singular value of I + L over frequency, L with `delay` samples more in the loop: a grid of 20 points an
-/// octave, then golden-section search. 0 where that loop is unstable. Realtime: no.
-double diskMargin(const StateSpace& loop, const Eigen::MatrixXd& K, double period, int delay);
+/// octave, then golden-section search. 0 where that loop is unstable; where it is below `least`, only some number between
+/// it and `least`, found sooner. Realtime: no.
+double diskMargin(const StateSpace& loop, const Eigen::MatrixXd& K, double period, int delay, double least = 0.0);
 
 /// All margins. Loop at a time, from the return difference: 1 + l_i = 1 / [(I + L)^-1]_ii (crossings of the same grid,
 /// bisected). `period` in s. An unstable loop has toleratedDelay -1 and no margins. Realtime: no.
