@@ -53,7 +53,7 @@ std::vector<Vec3> posesFound(const Loops& loops, double order, int starts, test:
     bool converged = false;
     for (int i = 0; i < 60 && !converged; ++i) {
       const Loops::At at = loops(p);
-      Vec3 step = -at.bars.partialPivLu().solve(at.error);
+      Vec3 step = -at.bars.inverse() * at.error;
       if (!step.allFinite()) break;
       if (step.norm() > 0.05) step *= 0.05 / step.norm();
       p += step;
@@ -170,8 +170,8 @@ TEST_CASE("delta: any joint vector gets a status, and ok means the one pose on t
               << ", several poses " << several << ", another pose " << wrong << "\n";
     CHECK(ok > vectors / 10);
     CHECK(unreachable > vectors / 20);
-    // The two starts of the search are not all starts: of 1e5 vectors far outside the workspace one was refused that has a
-    // pose. Refused is safe; a wrong pose would not be.
+    // The two starts of the search are not all starts: of 1e5 vectors far outside the workspace one was refused that
+    // has a pose. Refused is safe; a wrong pose would not be.
     CHECK(missed <= vectors / 10000);
     CHECK(several == 0);
     CHECK(wrong == 0);

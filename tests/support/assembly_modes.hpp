@@ -162,7 +162,7 @@ inline Walk slowWalk(const TauParameters& device, const Vec6& home, const Vec3& 
         m(k, j) = -side.dot(legs.slope(j, walk.elevations[j]));
         residual[k] = 0.5 * (side.squaredNorm() - legs.side[k] * legs.side[k]);
       }
-      const Vec3 delta = m.partialPivLu().solve(residual);
+      const Vec3 delta = m.inverse() * residual;
       walk.elevations -= delta;
       size = delta.cwiseAbs().maxCoeff();
       if (!(size < 0.5)) return walk;

@@ -113,8 +113,8 @@ TEST_CASE("delta: the force that balances gravity is the slope of the potential 
     const DeltaModel model = makeModel(device);
     for (int i = 0; i < 50; ++i) {
       const Vec3 position = random.vector(0.9 * cube);
-      const auto energyAt = [&](const Vec3& p) {
-        return AssembledDelta(device, jointAngles(configurationAt(model, p)), p, Vec3::Zero(), Vec3::Zero(),
+      const auto energyAt = [&, &parameters = device](const Vec3& p) {
+        return AssembledDelta(parameters, jointAngles(configurationAt(model, p)), p, Vec3::Zero(), Vec3::Zero(),
                               Mat3::Zero())
             .potentialEnergy();
       };

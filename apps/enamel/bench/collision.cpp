@@ -7,9 +7,9 @@
 #include <random>
 
 #include "bench/measurement.hpp"
+#include "enamel/collision/contacts.hpp"
 #include "enamel/collision/mesh_update.hpp"
 #include "enamel/collision/sweep.hpp"
-#include "enamel/collision/contacts.hpp"
 #include "mesh_generator.hpp"
 
 #ifdef ENAMEL_BENCH_EMBREE
@@ -355,7 +355,8 @@ void measureContacts(const Workload& work, std::vector<Measurement>& rows) {
     std::vector<Pose> poses;  // the shaft follows the surface's normal, as fast as a hand turns
     Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
     for (const Vec3& p : work.path) {
-      const auto wanted = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), signedDistance(*work.model, p).normal);
+      const Vec3 n = signedDistance(*work.model, p).normal;  // z turned to it by the shortest way
+      const Eigen::Quaterniond wanted = Eigen::Quaterniond(1.0 + n.z(), -n.y(), n.x(), 1e-9).normalized();
       const double angle = turned.angularDistance(wanted);
       turned = angle > kTurn && !poses.empty() ? turned.slerp(kTurn / angle, wanted) : wanted;
       poses.push_back({p, turned.toRotationMatrix()});

@@ -76,7 +76,7 @@ std::vector<Measurement> measureControl(double scale) {
   Eigen::VectorXd weights(18);
   weights << Eigen::VectorXd::Constant(6, 1.0), Eigen::VectorXd::Constant(6, 1e3), Eigen::VectorXd::Constant(6, 1e7);
   const MatrixXd Q = weights.asDiagonal(), R = MatrixXd::Identity(6, 6);
-  const auto& [A, B] = design.augmented;
+  const MatrixXd &A = design.augmented.A, &B = design.augmented.B;
   const MatrixXd P = longDoubling(A, B, Q, R);
   add("Riccati of the servo, 18 states", 10, relativeError(solveRiccati(A, B, Q, R).P, P),
       "P, relative, against doubling in 80 bits", [&] { return solveRiccati(A, B, Q, R); });

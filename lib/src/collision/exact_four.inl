@@ -22,7 +22,7 @@ static inline void subtract4(const __m256d* a, const __m256d* b, __m256d* c) {
 static inline void loadCorners4(const Triangle* const* t, __m256d* v) {
   for (int i = 0; i < 8; i += 4) {
     __m256d row[4];
-    for (int lane = 0; lane < 4; ++lane) row[lane] = _mm256_loadu_pd(t[lane]->corner[0] + i);
+    for (int lane = 0; lane < 4; ++lane) row[lane] = _mm256_loadu_pd(reinterpret_cast<const double*>(t[lane]->corner) + i);
     const __m256d low01 = _mm256_unpacklo_pd(row[0], row[1]), high01 = _mm256_unpackhi_pd(row[0], row[1]);
     const __m256d low23 = _mm256_unpacklo_pd(row[2], row[3]), high23 = _mm256_unpackhi_pd(row[2], row[3]);
     v[i] = _mm256_permute2f128_pd(low01, low23, 0x20);
