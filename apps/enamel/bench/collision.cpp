@@ -285,6 +285,31 @@ void measureSweep(const Workload& work, std::vector<Measurement>& rows) {
          error, "m, gap at the touch");
 }
 
+// The same mesh with holes: the sign is the winding number's, and the reference is the distance without it.
+void measureOpen(const Workload& work, std::vector<Measurement>& rows) {
+  Numbers numbers;
+  TriangleMesh open = work.model->mesh();
+  open.triangles.erase(std::remove_if(open.triangles.begin(), open.triangles.end(),
+                                      [&](const auto&) { return numbers(0.0, 1.0) < 0.05; }),
+                       open.triangles.end());
+  const MeshModel model(open);
+  const int count = static_cast<int>(work.path.size());
+  ProximityCache plain, withSign;
+  const std::vector<Timing> times = timeInTurns(
+      count, count / 10, {[&](int i) { keep(closestPoint(model, work.path[i], &plain)); },
+                          [&](int i) { keep(signedDistance(model, work.path[i], &withSign)); },
+                          [&](int i) { keep(closestPoint(model, work.random[i])); },
+                          [&](int i) { keep(signedDistance(model, work.random[i])); }});
+  const auto error = [&](const std::vector<Vec3>& points) {
+    return largestError(open, points, [&](const Vec3& p) { return std::abs(signedDistance(model, p).distance); });
+  };
+  const std::string truth = "m, against all triangles", size = ", open mesh, " + work.size;
+  addRow(rows, "closest point, haptic path, cache" + size, times[0], error(work.path), truth);
+  addRow(rows, "signed distance, haptic path, cache" + size, times[1], error(work.path), truth, times[0].median_us);
+  addRow(rows, "closest point, random points" + size, times[2], error(work.random), truth);
+  addRow(rows, "signed distance, random points" + size, times[3], error(work.random), truth, times[2].median_us);
+}
+
 void measureUpdates(const Workload& work, std::vector<Measurement>& rows) {
   constexpr int kTriangles = 100, kRounds = 300;
   MeshModel& model = *work.model;
@@ -404,6 +429,7 @@ std::vector<Measurement> measureCollision(double scale) {
     work.random = randomPoints(inspect(work.model->mesh()), calls);
     measureNearest(work, rows);
     if (along == 400) {
+      measureOpen(work, rows);
       measureSweep(work, rows);
       measureUpdates(work, rows);
     }

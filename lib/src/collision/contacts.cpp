@@ -134,7 +134,7 @@ class PartOnMesh {
     end.point = p;
     end.limit = limit;
     if (isNear) {
-      end.nearest = signedSurfacePoint(data_, p, findMinima(data_, p, limit, end.minima));
+      end.nearest = signedSurfacePoint(data_, p, findMinima(data_, p, limit, end.minima), cache);
       end.reach = limit;
     } else {
       end.nearest = signedDistance(data_, p, cache, limit);

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "boxes.hpp"
+#include "winding.hpp"
 
 namespace enamel::kernel {
 namespace {
@@ -300,6 +301,8 @@ void buildHierarchy(MeshData& data) {
   data.view.extent = 1.0;
   data.view.tight = 1;
   data.size = (high - low).norm();
+  data.low = low;
+  data.high = high;
 
   data.nodes.clear();
   data.leaves.clear();
@@ -314,6 +317,7 @@ void buildHierarchy(MeshData& data) {
   data.view.boxes = data.boxes.data();
   data.view.triangles = data.triangles.data();
   data.view.revision = nextRevision();
+  buildWinding(data);
 }
 
 }  // namespace enamel::kernel

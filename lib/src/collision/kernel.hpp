@@ -45,6 +45,19 @@ struct alignas(64) Leaf {
   float back[kWidth];
 };
 
+/// Sums over the triangles of the same children, for the winding number.
+enum MomentRow : int {
+  kCentre = 0,  ///< three: of the areas
+  kRadius = 3,  ///< about it, of all corners
+  kArea = 4,
+  kNormal = 5,  ///< three: sum of area times unit normal
+  kSpread = 8,  ///< six, xx yy zz xy xz yz: of area times normal times offset from the centre, symmetric part
+  kMomentRows = 14
+};
+struct alignas(64) MomentRows {
+  float row[kMomentRows][kWidth];
+};
+
 /// Rows of a leaf.
 enum FrameRow : int {
   kAxis = 0,     ///< nine: u, v, h of the frame's rotation

@@ -33,6 +33,7 @@ struct MeshData {
   Array<Node> nodes;
   Array<Leaf> leaves;
   Array<AlignedBoxes> boxes;                     // by node
+  Array<MomentRows> moments;                     // by node
   Array<Triangle> triangles;                     // by slot
   Array<EdgeNormals> edgeNormals;                // by slot
   Array<std::int32_t> slotOf;                    // by triangle number, also of removed ones
@@ -50,7 +51,10 @@ struct MeshData {
   std::vector<int> taintedPlaces;
   std::vector<char> isTainted;  // by place
   bool closed = false;          // every edge has as many triangles one way as the other
+  bool sound = false;           // closed, two triangles at every edge, none through another: pseudonormals tell the side
+  bool inwards = false;         // around a negative volume: taken as if all triangles were turned round
   double size = 0.0;            // diagonal of the bounding box, m
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // corners of it; updates only enlarge it
 };
 
 /// Opens to the module what its public classes hold.
@@ -77,7 +81,7 @@ static_assert(kCorner0 % 3 == 0 && kEdge01 % 3 == 0);
 SurfacePoint surfacePoint(const MeshData& data, const Answer& found) noexcept;
 
 /// What signedDistance() answers for p where `found` is nearest.
-SurfacePoint signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found) noexcept;
+SurfacePoint signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found, Cache* cache) noexcept;
 
 /// The loops of the SIMD level in use.
 const Loops& loops() noexcept;

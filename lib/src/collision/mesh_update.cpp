@@ -9,6 +9,7 @@
 #include "cones.hpp"
 #include "hierarchy.hpp"
 #include "topology.hpp"
+#include "winding.hpp"
 
 namespace enamel {
 namespace {
@@ -85,6 +86,7 @@ void refitLeaf(MeshData& data, std::int32_t leaf) {
 void finish(MeshData& data) {
   for (const std::int32_t leaf : data.dirtyLeaves) {
     refitLeaf(data, leaf);
+    refitWinding(data, leaf);
     data.isDirty[leaf] = 0;
     std::fill_n(data.isRewritten.begin() + leaf * kWidth, kWidth, '\0');
   }
@@ -92,6 +94,11 @@ void finish(MeshData& data) {
   for (const int place : data.taintedPlaces) taintPlace(data, place);
   data.taintedPlaces.clear();
   data.view.revision = nextRevision();
+}
+
+void enlargeBox(MeshData& data, const Vec3& p) {
+  data.low = data.low.cwiseMin(p);
+  data.high = data.high.cwiseMax(p);
 }
 
 bool areTriangles(const MeshData& data, const int* triangles, int count) {
@@ -121,7 +128,10 @@ Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions
   }
   if (!(extent <= kLargestExtent)) return Status::outOfRange;
   data.view.extent = extent;
-  for (int i = 0; i < count; ++i) data.mesh.vertices[vertices[i]] = positions[i];
+  for (int i = 0; i < count; ++i) {
+    data.mesh.vertices[vertices[i]] = positions[i];
+    enlargeBox(data, positions[i]);
+  }
   for (int i = 0; i < count; ++i)
     for (std::int32_t c = data.firstCorner[data.place[vertices[i]]]; c >= 0; c = data.nextCorner[c]) {
       char& isRewritten = data.isRewritten[data.slotOf[c / 3]];
@@ -137,7 +147,7 @@ Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions
 Status removeTriangles(MeshModel& model, const int* triangles, int count) noexcept {
   MeshData& data = Inside::of(model);
   if (!areTriangles(data, triangles, count)) return Status::outOfRange;
-  data.closed = false;
+  data.closed = data.sound = false;
   data.view.tight = 0;
   for (int i = 0; i < count; ++i) {
     const int t = triangles[i];
@@ -162,7 +172,7 @@ Status replaceTriangles(MeshModel& model, const int* triangles, const std::array
     }
   if (!(extent <= kLargestExtent)) return Status::outOfRange;  // a vertex that no triangle used before
   data.view.extent = extent;
-  data.closed = false;
+  data.closed = data.sound = false;
   data.view.tight = 0;
   for (int i = 0; i < count; ++i) {
     const int t = triangles[i];
@@ -171,6 +181,7 @@ Status replaceTriangles(MeshModel& model, const int* triangles, const std::array
       taint(data, data.mesh.triangles[t]);
     }
     linkTriangle(data, t, corners[i]);
+    for (const int v : corners[i]) enlargeBox(data, data.mesh.vertices[v]);
     rewrite(data, t);
     taint(data, corners[i]);
   }

@@ -7,6 +7,7 @@
 #include "cones.hpp"
 #include "hierarchy.hpp"
 #include "normals.hpp"
+#include "sign.hpp"
 
 namespace enamel {
 namespace kernel {
@@ -112,6 +113,7 @@ MeshModel::MeshModel(TriangleMesh mesh) {
   const std::vector<Vec3> normals = kernel::unitNormals(data_->mesh);
   kernel::sumNormals(*data_, edges, normals);
   kernel::buildCones(*data_, edges, normals);
+  kernel::chooseSign(*data_, edges);
   kernel::reserveForUpdates(*data_);
 }
 
@@ -149,7 +151,8 @@ SurfacePoint kernel::surfacePoint(const MeshData& data, const Answer& found) noe
   return answer;
 }
 
-SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found) noexcept {
+SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found,
+                                        Cache* cache) noexcept {
   SurfacePoint answer = surfacePoint(data, found);
   if (found.slot < 0) return answer;
   const Candidate& nearest = found.nearest;
@@ -161,11 +164,16 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
   double side = nearest.overPlane;  // like n.n 0 for a long or flat triangle: not told
   const double beyondCone = 1.0 - static_cast<double>(data.triangles[found.slot].cone);
   const bool isApart = distance > 1e-9 * data.size;
-  if (!isApart || !(side * side > beyondCone * nearest.squared * nearest.normalSquared)) {
-    n = pseudonormal(data, p, answer.point, distance, found.slot, nearest.feature);
-    side = away.dot(n);
+  bool inside = false;
+  if (isApart && !data.sound) {
+    inside = isInside(data, p, distance, cache);
+  } else {
+    if (!isApart || !(side * side > beyondCone * nearest.squared * nearest.normalSquared)) {
+      n = pseudonormal(data, p, answer.point, distance, found.slot, nearest.feature);
+      side = away.dot(n);
+    }
+    inside = (side < 0.0) != data.inwards;
   }
-  const bool inside = side < 0.0;
   if (isApart) {
     // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the rounding of the point shows
     // in the length.
@@ -174,7 +182,7 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
     answer.normal = away * (inside ? -inverse : inverse);
   } else {
     const double length = n.norm();
-    answer.normal = length > 0.0 ? Vec3(n / length) : Vec3(Vec3::UnitZ());
+    answer.normal = length > 0.0 ? Vec3(n / (data.inwards ? -length : length)) : Vec3(Vec3::UnitZ());
   }
   if (inside) answer.distance = -answer.distance;
   return answer;
@@ -204,7 +212,7 @@ SurfacePoint kernel::closestPoint(const MeshData& data, const Vec3& p, Cache* ca
 
 SurfacePoint kernel::signedDistance(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept {
   Answer found;
-  return search(data, p, cache, limit, found) ? signedSurfacePoint(data, p, found) : refused(limit);
+  return search(data, p, cache, limit, found) ? signedSurfacePoint(data, p, found, cache) : refused(limit);
 }
 
 SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {

@@ -16,6 +16,11 @@ struct Cache {
   double query[3] = {};    // the last query point (local coordinates of the hierarchy, like all that follows)
   double surface[3] = {};  // its answer
 
+  // Where the winding number was asked last, and how far around it the answer holds, m, in the mesh's frame.
+  uint64_t signRevision = 0;
+  double signAt[3] = {}, signWithin = -1.0;
+  int32_t isInside = 0;
+
   // Every triangle that can be nearest while the tool stays in a ball. Seen from the origin each lies behind a plane,
   // so from the origin plus e it is no nearer than height + normal.e.
   struct List {

@@ -1,0 +1,210 @@
+#include "winding.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "boxes.hpp"
+
+namespace enamel::kernel {
+namespace {
+
+// Of some triangles, in local coordinates: with the area vectors a n and the centroids x, sum of a n and, about the
+// centre, of a n (x - centre)^T, made symmetric.
+struct Moment {
+  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
+  double radius = 0.0, area = 0.0;
+  Mat3 spread = Mat3::Zero();
+
+  void add(const Vec3& centreOf, const Vec3& normalOf, double areaOf) {
+    const Mat3 product = normalOf * (centreOf - centre).transpose();
+    normal += normalOf;
+    area += areaOf;
+    spread += 0.5 * (product + product.transpose());
+  }
+};
+
+Moment read(const MomentRows& rows, int lane) {
+  const auto at = [&](int row) { return static_cast<double>(rows.row[row][lane]); };
+  Moment m;
+  m.centre = {at(kCentre), at(kCentre + 1), at(kCentre + 2)};
+  m.radius = at(kRadius);
+  m.area = at(kArea);
+  m.normal = {at(kNormal), at(kNormal + 1), at(kNormal + 2)};
+  m.spread << at(kSpread), at(kSpread + 3), at(kSpread + 4), at(kSpread + 3), at(kSpread + 1), at(kSpread + 5),
+      at(kSpread + 4), at(kSpread + 5), at(kSpread + 2);
+  return m;
+}
+
+void write(MeshData& data, Parent at, const Moment& m) {
+  const auto set = [&](int row, double value) { data.moments[at.node].row[row][at.lane] = static_cast<float>(value); };
+  for (int k = 0; k < 3; ++k) {
+    set(kCentre + k, m.centre[k]);
+    set(kNormal + k, m.normal[k]);
+    set(kSpread + k, m.spread(k, k));
+  }
+  set(kRadius, m.radius * (1.0 + 1e-6));
+  set(kArea, m.area);
+  set(kSpread + 3, m.spread(0, 1));
+  set(kSpread + 4, m.spread(0, 2));
+  set(kSpread + 5, m.spread(1, 2));
+}
+
+// As it is stored: the moments are about the rounded place.
+Vec3 rounded(const Vec3& v) { return v.cast<float>().cast<double>(); }
+
+Moment ofLeaf(const MeshData& data, std::int32_t leaf) {
+  struct Part {
+    Vec3 centre, normal;
+    double area;
+  };
+  std::array<Part, kWidth> parts;
+  std::array<Vec3, 3 * kWidth> corners;
+  int count = 0;
+  Moment m;
+  double area = 0.0;
+  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot) {
+    const Triangle& t = data.triangles[slot];
+    if (t.index < 0) continue;
+    Vec3* const v = &corners[3 * count];
+    for (int i = 0; i < 3; ++i) v[i] = local(data.view, Vec3(t.corner[i][0], t.corner[i][1], t.corner[i][2]));
+    Part& part = parts[count++];
+    part.centre = (v[0] + v[1] + v[2]) / 3.0;
+    part.normal = 0.5 * (v[1] - v[0]).cross(v[2] - v[0]);
+    part.area = part.normal.norm();
+    m.centre += part.area * part.centre;
+    area += part.area;
+  }
+  if (count == 0) return m;
+  m.centre = rounded(area > 0.0 ? Vec3(m.centre / area) : parts[0].centre);
+  for (int i = 0; i < count; ++i) m.add(parts[i].centre, parts[i].normal, parts[i].area);
+  for (int i = 0; i < 3 * count; ++i) m.radius = std::max(m.radius, (corners[i] - m.centre).norm());
+  return m;
+}
+
+double farthestCorner(const AlignedBoxes& boxes, int lane, const Vec3& p) {
+  Vec3 far;
+  for (int k = 0; k < 3; ++k)
+    far[k] = std::max(p[k] - static_cast<double>(boxes.low[k][lane]), static_cast<double>(boxes.high[k][lane]) - p[k]);
+  return far.norm();
+}
+
+// Of a node whose own lanes are right; `at` is where it hangs.
+Moment ofNode(const MeshData& data, std::int32_t node, Parent at) {
+  const unsigned lanes = data.nodes[node].lanes;
+  std::array<Moment, kWidth> parts;
+  int count = 0;
+  Moment m;
+  double area = 0.0;
+  for (int lane = 0; lane < kWidth; ++lane) {
+    if ((lanes >> lane & 1u) == 0) continue;
+    const Moment& part = parts[count++] = read(data.moments[node], lane);
+    m.centre += part.area * part.centre;
+    area += part.area;
+  }
+  m.centre = rounded(area > 0.0 ? Vec3(m.centre / area) : parts[0].centre);
+  for (int i = 0; i < count; ++i) {
+    m.add(parts[i].centre, parts[i].normal, parts[i].area);
+    m.spread += parts[i].spread;
+    m.radius = std::max(m.radius, (parts[i].centre - m.centre).norm() + parts[i].radius);
+  }
+  m.radius = std::min(m.radius, farthestCorner(data.boxes[at.node], at.lane, m.centre));
+  return m;
+}
+
+// The solid angles of a leaf's triangles over 2 pi, twice w: each is the argument of a complex number (van Oosterom &
+// Strackee 1983, eq. 8), their sum that of the product, whose turns are counted.
+double ofTriangles(const MeshData& data, std::int32_t leaf, const Vec3& p, double distance, double* slope) {
+  double re = 1.0, im = 0.0;
+  int turns = 0;
+  for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot) {
+    const Triangle& t = data.triangles[slot];
+    if (t.index < 0) continue;
+    const Vec3 a = Vec3(t.corner[0][0], t.corner[0][1], t.corner[0][2]) - p;
+    const Vec3 b = Vec3(t.corner[1][0], t.corner[1][1], t.corner[1][2]) - p;
+    const Vec3 c = Vec3(t.corner[2][0], t.corner[2][1], t.corner[2][2]) - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    const Vec3 normal = (b - a).cross(c - a);
+    const double y = a.dot(normal);
+    const double x = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    const double size = std::abs(x) + std::abs(y);
+    if (!(size > 0.0)) continue;
+    const double longest = std::sqrt(
+        std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+    const double near = std::max(distance, std::max({la, lb, lc}) - longest);
+    *slope += std::min(0.5 * normal.norm() / (near * near), 2.0 * M_PI) / near;  // a plane's is 1 / distance at most
+    const double u = x / size, v = y / size, next = re * v + im * u;
+    turns += static_cast<int>(im >= 0.0 && v >= 0.0 && next < 0.0) - static_cast<int>(im < 0.0 && v < 0.0 && next >= 0.0);
+    re = re * u - im * v;
+    im = next;
+  }
+  return std::atan2(im, re) / M_PI + 2.0 * turns;
+}
+
+}  // namespace
+
+void buildWinding(MeshData& data) {
+  data.moments.assign(data.nodes.size(), MomentRows{});
+  for (auto node = static_cast<std::int32_t>(data.nodes.size()); node-- > 0;)  // children come after their parents
+    for (int lane = 0; lane < kWidth; ++lane) {
+      if ((data.nodes[node].lanes >> lane & 1u) == 0) continue;
+      const std::int32_t child = data.nodes[node].child[lane];
+      write(data, {node, lane}, child < 0 ? ofLeaf(data, ~child) : ofNode(data, child, {node, lane}));
+    }
+}
+
+void refitWinding(MeshData& data, std::int32_t leaf) {
+  Parent at = data.leafParent[leaf];
+  write(data, at, ofLeaf(data, leaf));
+  for (Parent above = data.nodeParent[at.node]; above.node >= 0; above = data.nodeParent[above.node]) {
+    write(data, above, ofNode(data, at.node, above));
+    at = above;
+  }
+}
+
+Winding windingNumber(const MeshData& data, const Vec3& p, double distance, double accept) noexcept {
+  std::array<std::int32_t, kStackSize> stack;
+  const Vec3 q = local(data.view, p);
+  const auto acceptSquared = static_cast<float>(accept * accept);
+  double far = 0.0, near = 0.0, slope = 0.0, slopeNear = 0.0;
+  int top = 0;
+  stack[top++] = data.view.root;
+  while (top > 0) {
+    const std::int32_t current = stack[--top];
+    if (current < 0) {
+      near += ofTriangles(data, ~current, p, distance, &slopeNear);
+      continue;
+    }
+    const Node& node = data.nodes[current];
+    const auto& row = data.moments[current].row;
+    float w[kWidth], steep[kWidth];
+    bool isFar[kWidth];
+    for (int i = 0; i < kWidth; ++i) {
+      const auto x = static_cast<float>(static_cast<double>(row[kCentre][i]) - q.x());
+      const auto y = static_cast<float>(static_cast<double>(row[kCentre + 1][i]) - q.y());
+      const auto z = static_cast<float>(static_cast<double>(row[kCentre + 2][i]) - q.z());
+      const float squared = x * x + y * y + z * z, length = std::sqrt(squared), radius = row[kRadius][i];
+      const float inverse = 1.0f / std::max(squared, 1e-30f), gap = length - radius;
+      const float across = x * x * row[kSpread][i] + y * y * row[kSpread + 1][i] + z * z * row[kSpread + 2][i] +
+                           2.0f * (x * y * row[kSpread + 3][i] + x * z * row[kSpread + 4][i] +
+                                   y * z * row[kSpread + 5][i]);
+      const float along = x * row[kNormal][i] + y * row[kNormal + 1][i] + z * row[kNormal + 2][i];
+      const float trace = row[kSpread][i] + row[kSpread + 1][i] + row[kSpread + 2][i];
+      w[i] = (along + trace - 3.0f * across * inverse) * inverse / std::max(length, 1e-15f);
+      steep[i] = row[kArea][i] / std::max(gap * gap * gap, 1e-30f);
+      isFar[i] = squared > acceptSquared * radius * radius;
+    }
+    for (unsigned lanes = node.lanes; lanes != 0; lanes &= lanes - 1) {
+      const int i = __builtin_ctz(lanes);
+      if (!isFar[i]) {
+        stack[top++] = node.child[i];
+        continue;
+      }
+      far += static_cast<double>(w[i]);
+      slope += static_cast<double>(steep[i]);
+    }
+  }
+  return {far / (4.0 * M_PI) + 0.5 * near, (slope * data.view.scale + slopeNear) / (2.0 * M_PI)};
+}
+
+}  // namespace enamel::kernel
