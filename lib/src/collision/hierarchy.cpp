@@ -9,7 +9,6 @@
 #include <numeric>
 
 #include "boxes.hpp"
-#include "winding.hpp"
 
 namespace enamel::kernel {
 namespace {
@@ -317,7 +316,6 @@ void buildHierarchy(MeshData& data) {
   data.view.boxes = data.boxes.data();
   data.view.triangles = data.triangles.data();
   data.view.revision = nextRevision();
-  buildWinding(data);
 }
 
 }  // namespace enamel::kernel

@@ -44,6 +44,7 @@ void taintPlace(MeshData& data, int place) {
 void rewrite(MeshData& data, std::int32_t triangle) {
   const std::int32_t slot = data.slotOf[triangle], leaf = slot / kWidth;
   writeSlot(data, slot, triangle);
+  markStale(data, leaf);
   if (data.isDirty[leaf] != 0) return;
   data.isDirty[leaf] = 1;
   data.dirtyLeaves.push_back(leaf);
@@ -86,13 +87,13 @@ void refitLeaf(MeshData& data, std::int32_t leaf) {
 void finish(MeshData& data) {
   for (const std::int32_t leaf : data.dirtyLeaves) {
     refitLeaf(data, leaf);
-    refitWinding(data, leaf);
     data.isDirty[leaf] = 0;
     std::fill_n(data.isRewritten.begin() + leaf * kWidth, kWidth, '\0');
   }
   data.dirtyLeaves.clear();
   for (const int place : data.taintedPlaces) taintPlace(data, place);
   data.taintedPlaces.clear();
+  refitWinding(data);
   data.view.revision = nextRevision();
 }
 
@@ -147,13 +148,13 @@ Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions
 Status removeTriangles(MeshModel& model, const int* triangles, int count) noexcept {
   MeshData& data = Inside::of(model);
   if (!areTriangles(data, triangles, count)) return Status::outOfRange;
-  data.closed = data.sound = false;
   data.view.tight = 0;
   for (int i = 0; i < count; ++i) {
     const int t = triangles[i];
     if (!hasTriangle(data, t)) continue;
     unlinkTriangle(data, t);
     clearSlot(data, data.slotOf[t]);
+    markStale(data, data.slotOf[t] / kWidth);
     taint(data, data.mesh.triangles[t]);
   }
   finish(data);
@@ -172,7 +173,6 @@ Status replaceTriangles(MeshModel& model, const int* triangles, const std::array
     }
   if (!(extent <= kLargestExtent)) return Status::outOfRange;  // a vertex that no triangle used before
   data.view.extent = extent;
-  data.closed = data.sound = false;
   data.view.tight = 0;
   for (int i = 0; i < count; ++i) {
     const int t = triangles[i];

@@ -8,6 +8,7 @@
 #include "hierarchy.hpp"
 #include "normals.hpp"
 #include "sign.hpp"
+#include "winding.hpp"
 
 namespace enamel {
 namespace kernel {
@@ -113,6 +114,7 @@ MeshModel::MeshModel(TriangleMesh mesh) {
   const std::vector<Vec3> normals = kernel::unitNormals(data_->mesh);
   kernel::sumNormals(*data_, edges, normals);
   kernel::buildCones(*data_, edges, normals);
+  kernel::buildWinding(*data_);
   kernel::chooseSign(*data_, edges);
   kernel::reserveForUpdates(*data_);
 }

@@ -15,7 +15,9 @@ namespace {
 constexpr double kCoarse = 2.0, kFine = 8.0;              // windingNumber's `accept`
 constexpr double kCoarseError = 0.03, kFineError = 1e-3;  // of it, with a margin
 constexpr double kThreshold = 0.5;
-constexpr double kShrink = 64.0 / 27.0;  // what the slope grows by within a quarter of the distance
+// Gradient of the winding number times the distance from the mesh: 1 / (2 pi) beside a straight border, 1/2 in the
+// middle of a round hole; as a harmonic function that stays in 0 to 1 it has 3/4 at most.
+constexpr double kSlope = 0.75;
 
 struct Crossing {
   const MeshData* data;
@@ -53,12 +55,6 @@ bool crossesItself(const MeshData& data, const std::vector<EdgeUse>& edges) {
   return false;
 }
 
-bool isManifold(const std::vector<EdgeUse>& edges) {
-  bool result = true;
-  forEachEdge(edges, [&](const EdgeUse* first, const EdgeUse* last) { result = result && last - first <= 2; });
-  return result;
-}
-
 // Whether the volume is negative however the open edges, of length l in all, are closed: of all loops the circle has the
 // largest area, l^2 / (4 pi), and no cone over it reaches farther than the mesh.
 bool isInwards(const MeshData& data, const std::vector<EdgeUse>& edges) {
@@ -75,7 +71,9 @@ bool isInwards(const MeshData& data, const std::vector<EdgeUse>& edges) {
 }  // namespace
 
 void chooseSign(MeshData& data, const std::vector<EdgeUse>& edges) {
-  data.sound = data.closed && isManifold(edges) && !crossesItself(data, edges);
+  const bool isManifold = data.closed && data.crowdedEdges == 0;
+  data.crossesItself = isManifold && crossesItself(data, edges);
+  data.sound = isManifold && !data.crossesItself;
   data.inwards = isInwards(data, edges);
 }
 
@@ -84,19 +82,21 @@ bool isInside(const MeshData& data, const Vec3& p, double distance, Cache* cache
   if (cache != nullptr && cache->signRevision == data.view.revision &&
       (p - Vec3(cache->signAt[0], cache->signAt[1], cache->signAt[2])).norm() <= cache->signWithin)
     return cache->isInside != 0;
-  Winding winding = windingNumber(data, p, distance, kCoarse);
-  double error = kCoarseError;
-  const auto over = [&] { return (data.inwards ? -winding.number : winding.number) - kThreshold; };
-  if (std::abs(over()) < error) {
-    winding = windingNumber(data, p, distance, kFine);
+  const auto over = [&](double accept) {
+    const double winding = windingNumber(data, p, accept);
+    return (data.inwards ? -winding : winding) - kThreshold;
+  };
+  double excess = over(kCoarse), error = kCoarseError;
+  if (std::abs(excess) < error) {
+    excess = over(kFine);
     error = kFineError;
   }
-  const bool inside = over() > 0.0;
+  const bool inside = excess > 0.0;
   if (cache == nullptr) return inside;
   cache->signRevision = data.view.revision;
   for (int k = 0; k < 3; ++k) cache->signAt[k] = p[k];
-  // Off the surface the winding number is a smooth function of the place.
-  cache->signWithin = std::min(0.25 * distance, (std::abs(over()) - 2.0 * error) / (kShrink * winding.slope));
+  const double change = std::max(std::abs(excess) - 2.0 * error, 0.0);
+  cache->signWithin = distance * (1.0 - std::exp(-change / kSlope));
   cache->isInside = inside ? 1 : 0;
   return inside;
 }

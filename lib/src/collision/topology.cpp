@@ -25,8 +25,14 @@ void eraseCorners(MeshData& data, std::int32_t triangle) {
   }
 }
 
-// Neighbours across the edge between two places: those of exactly two triangles.
-void relinkEdge(MeshData& data, int a, int b) {
+// How many triangles use an edge, and how many more in its direction than against it.
+struct EdgeState {
+  int uses = 0, balance = 0;
+};
+
+// Neighbours across the edge from one place to another: those of exactly two triangles.
+EdgeState relinkEdge(MeshData& data, int a, int b) {
+  EdgeState state;
   std::int32_t user[2] = {-1, -1}, edge[2] = {0, 0};
   int count = 0;
   for (std::int32_t corner = data.firstCorner[a]; corner >= 0; corner = data.nextCorner[corner]) {
@@ -35,6 +41,7 @@ void relinkEdge(MeshData& data, int a, int b) {
       const int other = placeOfCorner(data, 3 * t + (e == i ? (i + 1) % 3 : e));
       if (other != b || a == b) continue;
       data.neighbour[t][e] = -1;
+      state.balance += e == i ? 1 : -1;
       if (count < 2) {
         user[count] = t;
         edge[count] = e;
@@ -42,13 +49,39 @@ void relinkEdge(MeshData& data, int a, int b) {
       ++count;
     }
   }
-  if (count != 2) return;
+  state.uses = count;
+  if (count != 2) return state;
   data.neighbour[user[0]][edge[0]] = user[1];
   data.neighbour[user[1]][edge[1]] = user[0];
+  return state;
 }
 
-void relink(MeshData& data, const std::array<int, 3>& corners) {
-  for (int i = 0; i < 3; ++i) relinkEdge(data, data.place[corners[i]], data.place[corners[(i + 1) % 3]]);
+void countEdge(MeshData& data, const EdgeState& edge, int change) {
+  if (edge.balance != 0) data.openEdges += change;
+  if (edge.uses > 2) data.crowdedEdges += change;
+}
+
+// After a triangle was taken out (change -1) or put in (1).
+void relink(MeshData& data, const std::array<int, 3>& corners, int change) {
+  const auto placeOf = [&](int i) { return data.place[corners[i % 3]]; };
+  for (int i = 0; i < 3; ++i) {
+    const int a = placeOf(i), b = placeOf(i + 1);
+    const EdgeState after = relinkEdge(data, a, b);
+    EdgeState before = after;
+    bool isKnown = a == b;  // no edge, or one that a flat triangle runs along twice
+    for (int k = 0; k < 3; ++k) {
+      const bool isSame = placeOf(k) == a && placeOf(k + 1) == b, isBack = placeOf(k) == b && placeOf(k + 1) == a;
+      if (!isSame && !isBack) continue;
+      isKnown = isKnown || k < i;
+      before.uses -= change;
+      before.balance -= isSame ? change : -change;
+    }
+    if (isKnown) continue;
+    countEdge(data, before, -1);
+    countEdge(data, after, 1);
+  }
+  data.closed = data.openEdges == 0;
+  data.sound = data.closed && data.crowdedEdges == 0 && !data.crossesItself;
 }
 
 }  // namespace
@@ -81,26 +114,26 @@ std::vector<EdgeUse> buildTopology(MeshData& data) {
   for (auto t = static_cast<std::int32_t>(mesh.triangles.size()); t-- > 0;) insertCorners(data, t);
   data.neighbour.assign(mesh.triangles.size(), {-1, -1, -1});
   std::vector<EdgeUse> edges = sortedEdges(mesh, data.place);
-  data.closed = !edges.empty();
   forEachEdge(edges, [&](const EdgeUse* first, const EdgeUse* last) {
-    data.closed = data.closed && balanceOf(first, last) == 0;
+    countEdge(data, {static_cast<int>(last - first), balanceOf(first, last)}, 1);
     if (last - first != 2) return;
     data.neighbour[first[0].triangle][first[0].edge] = first[1].triangle;
     data.neighbour[first[1].triangle][first[1].edge] = first[0].triangle;
   });
+  data.closed = !edges.empty() && data.openEdges == 0;
   return edges;
 }
 
 void unlinkTriangle(MeshData& data, std::int32_t triangle) {
   eraseCorners(data, triangle);
   data.neighbour[triangle] = {-1, -1, -1};
-  relink(data, data.mesh.triangles[triangle]);
+  relink(data, data.mesh.triangles[triangle], -1);
 }
 
 void linkTriangle(MeshData& data, std::int32_t triangle, const std::array<int, 3>& corners) {
   data.mesh.triangles[triangle] = corners;
   insertCorners(data, triangle);
-  relink(data, corners);
+  relink(data, corners, 1);
 }
 
 }  // namespace enamel::kernel

@@ -114,7 +114,7 @@ Moment ofNode(const MeshData& data, std::int32_t node, Parent at) {
 
 // The solid angles of a leaf's triangles over 2 pi, twice w: each is the argument of a complex number (van Oosterom &
 // Strackee 1983, eq. 8), their sum that of the product, whose turns are counted.
-double ofTriangles(const MeshData& data, std::int32_t leaf, const Vec3& p, double distance, double* slope) {
+double ofTriangles(const MeshData& data, std::int32_t leaf, const Vec3& p) {
   double re = 1.0, im = 0.0;
   int turns = 0;
   for (std::int32_t slot = leaf * kWidth; slot < (leaf + 1) * kWidth; ++slot) {
@@ -124,15 +124,10 @@ double ofTriangles(const MeshData& data, std::int32_t leaf, const Vec3& p, doubl
     const Vec3 b = Vec3(t.corner[1][0], t.corner[1][1], t.corner[1][2]) - p;
     const Vec3 c = Vec3(t.corner[2][0], t.corner[2][1], t.corner[2][2]) - p;
     const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    const Vec3 normal = (b - a).cross(c - a);
-    const double y = a.dot(normal);
+    const double y = a.dot(b.cross(c));
     const double x = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
     const double size = std::abs(x) + std::abs(y);
     if (!(size > 0.0)) continue;
-    const double longest = std::sqrt(
-        std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    const double near = std::max(distance, std::max({la, lb, lc}) - longest);
-    *slope += std::min(0.5 * normal.norm() / (near * near), 2.0 * M_PI) / near;  // a plane's is 1 / distance at most
     const double u = x / size, v = y / size, next = re * v + im * u;
     turns += static_cast<int>(im >= 0.0 && v >= 0.0 && next < 0.0) - static_cast<int>(im < 0.0 && v < 0.0 && next >= 0.0);
     re = re * u - im * v;
@@ -151,60 +146,84 @@ void buildWinding(MeshData& data) {
       const std::int32_t child = data.nodes[node].child[lane];
       write(data, {node, lane}, child < 0 ? ofLeaf(data, ~child) : ofNode(data, child, {node, lane}));
     }
+  data.staleLeaves.reserve(data.leaves.size());
+  data.staleNodes.reserve(data.nodes.size());
+  data.isStaleLeaf.assign(data.leaves.size(), 0);
+  data.isStaleNode.assign(data.nodes.size(), 0);
 }
 
-void refitWinding(MeshData& data, std::int32_t leaf) {
-  Parent at = data.leafParent[leaf];
-  write(data, at, ofLeaf(data, leaf));
-  for (Parent above = data.nodeParent[at.node]; above.node >= 0; above = data.nodeParent[above.node]) {
-    write(data, above, ofNode(data, at.node, above));
-    at = above;
+void markStale(MeshData& data, std::int32_t leaf) noexcept {
+  if (data.isStaleLeaf[leaf] != 0) return;
+  data.isStaleLeaf[leaf] = 1;
+  data.staleLeaves.push_back(leaf);
+}
+
+void refitWinding(MeshData& data) noexcept {
+  std::vector<std::int32_t>& nodes = data.staleNodes;  // a heap: children before their parents
+  const auto mark = [&](std::int32_t node) {
+    if (data.isStaleNode[node] != 0) return;
+    data.isStaleNode[node] = 1;
+    nodes.push_back(node);
+    std::push_heap(nodes.begin(), nodes.end());
+  };
+  for (const std::int32_t leaf : data.staleLeaves) {
+    data.isStaleLeaf[leaf] = 0;
+    write(data, data.leafParent[leaf], ofLeaf(data, leaf));
+    mark(data.leafParent[leaf].node);
+  }
+  data.staleLeaves.clear();
+  while (!nodes.empty()) {
+    std::pop_heap(nodes.begin(), nodes.end());
+    const std::int32_t node = nodes.back();
+    nodes.pop_back();
+    data.isStaleNode[node] = 0;
+    const Parent above = data.nodeParent[node];
+    if (above.node < 0) continue;
+    write(data, above, ofNode(data, node, above));
+    mark(above.node);
   }
 }
 
-Winding windingNumber(const MeshData& data, const Vec3& p, double distance, double accept) noexcept {
+double windingNumber(const MeshData& data, const Vec3& p, double accept) noexcept {
   std::array<std::int32_t, kStackSize> stack;
   const Vec3 q = local(data.view, p);
   const auto acceptSquared = static_cast<float>(accept * accept);
-  double far = 0.0, near = 0.0, slope = 0.0, slopeNear = 0.0;
+  double far = 0.0, near = 0.0;
   int top = 0;
   stack[top++] = data.view.root;
   while (top > 0) {
     const std::int32_t current = stack[--top];
     if (current < 0) {
-      near += ofTriangles(data, ~current, p, distance, &slopeNear);
+      near += ofTriangles(data, ~current, p);
       continue;
     }
     const Node& node = data.nodes[current];
     const auto& row = data.moments[current].row;
-    float w[kWidth], steep[kWidth];
-    bool isFar[kWidth];
+    float w[kWidth];
+    std::int32_t isFar[kWidth];
     for (int i = 0; i < kWidth; ++i) {
       const auto x = static_cast<float>(static_cast<double>(row[kCentre][i]) - q.x());
       const auto y = static_cast<float>(static_cast<double>(row[kCentre + 1][i]) - q.y());
       const auto z = static_cast<float>(static_cast<double>(row[kCentre + 2][i]) - q.z());
-      const float squared = x * x + y * y + z * z, length = std::sqrt(squared), radius = row[kRadius][i];
-      const float inverse = 1.0f / std::max(squared, 1e-30f), gap = length - radius;
-      const float across = x * x * row[kSpread][i] + y * y * row[kSpread + 1][i] + z * z * row[kSpread + 2][i] +
-                           2.0f * (x * y * row[kSpread + 3][i] + x * z * row[kSpread + 4][i] +
-                                   y * z * row[kSpread + 5][i]);
+      const float squared = x * x + y * y + z * z, radius = row[kRadius][i];
+      const float inverse = 1.0f / std::sqrt(squared > 1e-30f ? squared : 1e-30f), perSquared = inverse * inverse;
+      const float xx = x * x * row[kSpread][i], yy = y * y * row[kSpread + 1][i], zz = z * z * row[kSpread + 2][i];
+      const float xy = x * y * row[kSpread + 3][i], xz = x * z * row[kSpread + 4][i], yz = y * z * row[kSpread + 5][i];
+      const float across = xx + yy + zz + 2.0f * (xy + xz + yz);
       const float along = x * row[kNormal][i] + y * row[kNormal + 1][i] + z * row[kNormal + 2][i];
       const float trace = row[kSpread][i] + row[kSpread + 1][i] + row[kSpread + 2][i];
-      w[i] = (along + trace - 3.0f * across * inverse) * inverse / std::max(length, 1e-15f);
-      steep[i] = row[kArea][i] / std::max(gap * gap * gap, 1e-30f);
-      isFar[i] = squared > acceptSquared * radius * radius;
+      w[i] = (along + trace - 3.0f * across * perSquared) * perSquared * inverse;
+      isFar[i] = squared > acceptSquared * radius * radius ? 1 : 0;
     }
     for (unsigned lanes = node.lanes; lanes != 0; lanes &= lanes - 1) {
       const int i = __builtin_ctz(lanes);
-      if (!isFar[i]) {
+      if (isFar[i] != 0)
+        far += static_cast<double>(w[i]);
+      else
         stack[top++] = node.child[i];
-        continue;
-      }
-      far += static_cast<double>(w[i]);
-      slope += static_cast<double>(steep[i]);
     }
   }
-  return {far / (4.0 * M_PI) + 0.5 * near, (slope * data.view.scale + slopeNear) / (2.0 * M_PI)};
+  return far / (4.0 * M_PI) + 0.5 * near;
 }
 
 }  // namespace enamel::kernel
