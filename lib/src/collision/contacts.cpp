@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "minima.hpp"
 #include "tool_parts.hpp"
@@ -13,6 +14,7 @@ namespace {
 using namespace kernel;
 
 constexpr double kSameDirection = 0.9659258262890683;  // cos 15 deg
+constexpr double kSameContact = 0.7071067811865476;    // cos 45 deg
 constexpr double kClearlyNearer = 1e-9;                // m
 constexpr double kClear = 1e-6;     // of the size: where the offset from the surface gives the normal
 constexpr double kSurely = 1e-12;   // of the size: a distance that is more than rounding
@@ -39,13 +41,22 @@ struct Collector {
   End* last;          // of the part before
   End* next;          // to become that
   double nextRadius;  // of the part that begins where this one ends, or 0
+  bool isOutside = false;                          // the axis is known to be outside
+  const Segment *from = nullptr, *actual = nullptr;  // the axis that is asked stands for another one
 
   double reachOf(double radius) const { return radius + std::max(margin, 0.0); }
 
   // `centre` and what is found there in the obstacle's frame.
   template <typename Found>
-  void add(const Vec3& centre, const Found& found, double radius) {
-    const double gap = found.distance - radius;
+  void add(const Vec3& asked, const Found& found, double radius) {
+    Vec3 centre = asked;
+    double gap = found.distance - radius;
+    if (actual != nullptr) {
+      const Vec3 span = from->b - from->a;
+      const double squared = span.squaredNorm(), t = squared > 0.0 ? (asked - from->a).dot(span) / squared : 0.0;
+      centre = actual->a + t * (actual->b - actual->a);
+      gap += found.normal.dot(centre - asked);
+    }
     if (!(gap <= margin)) return;
     ContactSnapshot& all = *contacts;
     int place = all.count;
@@ -64,7 +75,7 @@ struct Collector {
 
 // Contacts of one part with a mesh.
 //
-// Outside of a closed surface the side cannot change before the surface is met: an axis that starts outside and keeps
+// Outside of a closed surface, or where only the way of the tool tells the side, it cannot change before the surface is met: an axis that starts outside and keeps
 // away from every triangle lies outside, and it still does after a move shorter than its clearance. Most ticks of most
 // parts end there. So does an end that was outside, if no triangle is as near as it came from: what is out of reach
 // then need not be known.
@@ -79,6 +90,7 @@ class PartOnMesh {
         out_(out),
         reach_(out.reachOf(radius)),
         isSphere_(axis.a == axis.b),
+        staysOutside_(data_.closed || out.isOutside),
         b_(out.next) {}
 
   void addContacts() {
@@ -134,10 +146,10 @@ class PartOnMesh {
     end.point = p;
     end.limit = limit;
     if (isNear) {
-      end.nearest = signedSurfacePoint(data_, p, findMinima(data_, p, limit, end.minima), cache);
+      end.nearest = signedSurfacePoint(data_, p, findMinima(data_, p, limit, end.minima), cache, out_.isOutside);
       end.reach = limit;
     } else {
-      end.nearest = signedDistance(data_, p, cache, limit);
+      end.nearest = signedDistance(data_, p, cache, limit, out_.isOutside);
       end.reach = -1.0;
     }
   }
@@ -152,7 +164,7 @@ class PartOnMesh {
     } else {
       clear_ = -1.0;
     }
-    isOutside_ = data_.closed && clear_ > kSurely * data_.size;
+    isOutside_ = staysOutside_ && clear_ > kSurely * data_.size;
     isOutOfReach_ = isOutside_ && clear_ > justBeyond();
   }
 
@@ -161,8 +173,8 @@ class PartOnMesh {
     cache_->revision = data_.view.revision;
     cache_->axis = axis_;
     cache_->clear = isOutside_ ? clear_ * (1.0 - 1e-9) : -1.0;
-    cache_->isAheadA = data_.closed && (isOutOfReach_ || a_->isAhead());
-    cache_->isAheadB = data_.closed && !isSphere_ && (isOutOfReach_ || b_->isAhead());
+    cache_->isAheadA = staysOutside_ && (isOutOfReach_ || a_->isAhead());
+    cache_->isAheadB = staysOutside_ && !isSphere_ && (isOutOfReach_ || b_->isAhead());
     cache_->nearest = between_.triangle;
   }
 
@@ -213,7 +225,7 @@ class PartOnMesh {
       there.normal = (middle.point - between_.point) / between_.distance;
     } else {
       const double found = (middle.point - between_.point).norm() + kNearly * reach_;
-      there = signedDistance(data_, middle.point, pointOf(cache_, 2), std::min(found, justBeyond()));
+      there = signedDistance(data_, middle.point, pointOf(cache_, 2), std::min(found, justBeyond()), out_.isOutside);
     }
     if (there.distance < ends) addSphere(middle);
   }
@@ -226,6 +238,7 @@ class PartOnMesh {
   Collector& out_;
   const double reach_;
   const bool isSphere_;
+  const bool staysOutside_;                 // off the surface
   bool isNearA_ = false, isNearB_ = false;  // or hidden, and outside
   double clear_ = -1.0;                     // the axis keeps at least so far away from the mesh, outside
   int hint_ = -1;                           // triangle that is likely to be nearest to the axis
@@ -299,7 +312,15 @@ void addNearest(const ShapeType& shape, const Segment& axis, double radius, Part
   if (between.distance < ends - kClearlyNearer) out.add(middle, between, radius);
 }
 
-// Calls visit(shape, axis, radius, cache, collector) for every part and obstacle; false where an obstacle's pose is
+void addPart(const Obstacle& obstacle, const Segment& axis, double radius, PartCache* cache, Collector& out) {
+  std::visit([&](const auto& shape) { addPart(shapeOf(shape), axis, radius, cache, out); }, obstacle.shape);
+}
+
+void addNearest(const Obstacle& obstacle, const Segment& axis, double radius, PartCache* cache, Collector& out) {
+  std::visit([&](const auto& shape) { addNearest(shapeOf(shape), axis, radius, cache, out); }, obstacle.shape);
+}
+
+// Calls visit(obstacle, axis, radius, cache, collector) for every part and obstacle; false where an obstacle's pose is
 // not finite.
 template <typename Visit>
 bool forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
@@ -317,10 +338,42 @@ bool forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double 
       out.nextRadius = k + 1 < tool.count && tool.parts[k + 1].a == part.b ? tool.parts[k + 1].radius : 0.0;
       const Segment axis = axisOf(part, pose, obstacles[i]);
       PartCache* known = PartCache::of(cache, i, k, tool);
-      std::visit([&](const auto& shape) { visit(shapeOf(shape), axis, part.radius, known, out); }, obstacles[i].shape);
+      visit(obstacles[i], axis, part.radius, known, out);
     }
   }
   return true;
+}
+
+// A contact of the last tick goes on where one of the same obstacle and part has about its normal, and no other one
+// more so. `last` holds contacts in the frames of their obstacles.
+void nameContacts(const Scene& scene, ContactSnapshot& last, std::uint32_t& lastKey, ContactSnapshot& contacts) {
+  ContactSnapshot now = contacts;
+  for (int k = 0; k < now.count; ++k) {
+    Contact& contact = now.contacts[k];
+    const Pose& pose = scene.obstacles()[static_cast<std::size_t>(contact.obstacle)].pose;
+    contact.normal = pose.rotation.transpose() * contact.normal;
+    contact.point = pose.rotation.transpose() * (contact.point - pose.position);
+    Contact* best = nullptr;
+    double least = kSameContact;
+    for (int i = 0; i < last.count; ++i) {
+      Contact& known = last.contacts[i];
+      if (known.key == 0 || known.obstacle != contact.obstacle || known.part != contact.part ||
+          (known.point - contact.point).norm() > kLargestMove)
+        continue;
+      const double alike = known.normal.dot(contact.normal);
+      if (!(alike > least)) continue;
+      least = alike;
+      best = &known;
+    }
+    if (best == nullptr) {
+      if (++lastKey == 0) lastKey = 1;
+      contact.key = lastKey;
+    } else {
+      contact.key = std::exchange(best->key, 0u);
+    }
+    contacts.contacts[k].key = contact.key;
+  }
+  last = now;
 }
 
 }  // namespace
@@ -342,9 +395,8 @@ Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, doub
                     ContactSnapshot& contacts) noexcept {
   contacts.count = 0;
   if (!isFinite(pose) || !std::isfinite(margin)) return Status::notFinite;
-  const auto visit = [&](const auto& shape, const Segment& axis, double radius, PartCache* known, Collector& out) {
-    addPart(shape, axis, radius, known, out);
-  };
+  const auto visit = [](const Obstacle& obstacle, const Segment& axis, double radius, PartCache* known,
+                        Collector& out) { addPart(obstacle, axis, radius, known, out); };
   if (!forEachPart(scene, tool, pose, margin, cache, contacts, visit)) {
     contacts.count = 0;
     return Status::notFinite;
@@ -352,11 +404,51 @@ Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, doub
   return Status::ok;
 }
 
+ToolTrack::ToolTrack() = default;
+ToolTrack::ToolTrack(const ToolTrack& other) = default;
+ToolTrack::ToolTrack(ToolTrack&& other) noexcept = default;
+ToolTrack& ToolTrack::operator=(const ToolTrack& other) = default;
+ToolTrack& ToolTrack::operator=(ToolTrack&& other) noexcept = default;
+ToolTrack::~ToolTrack() = default;
+
+ToolTrack makeToolTrack(const Scene& scene, const Tool& tool) {
+  ToolTrack track;
+  track.cache_ = makeToolCache(scene, tool);
+  track.parts_.resize(scene.obstacles().size() * static_cast<std::size_t>(tool.count));
+  return track;
+}
+
+Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolTrack& track,
+                      ContactSnapshot& contacts) noexcept {
+  contacts.count = 0;
+  if (!isFinite(pose) || !std::isfinite(margin)) return Status::notFinite;
+  const auto visit = [&](const Obstacle& obstacle, const Segment& axis, double radius, PartCache* known,
+                         Collector& out) {
+    const std::size_t i = static_cast<std::size_t>(out.pair.number * tool.count + out.pair.part);
+    if (i >= track.parts_.size()) {
+      addPart(obstacle, axis, radius, known, out);
+      return;
+    }
+    PartTrack& part = track.parts_[i];
+    const PartTrack::State state = part.follow(obstacle, axis, known);
+    out.isOutside = state != PartTrack::State::unknown;
+    const bool isHeld = state == PartTrack::State::held;
+    out.from = isHeld ? &part.axis : nullptr;
+    out.actual = isHeld ? &axis : nullptr;
+    addPart(obstacle, isHeld ? part.axis : axis, radius, known, out);
+  };
+  if (!forEachPart(scene, tool, pose, margin, &track.cache_, contacts, visit)) {
+    contacts.count = 0;
+    return Status::notFinite;
+  }
+  nameContacts(scene, track.last_, track.lastKey_, contacts);
+  return Status::ok;
+}
+
 Contact nearestContact(const Scene& scene, const Tool& tool, const Pose& pose, ToolCache* cache) noexcept {
   ContactSnapshot contacts;
-  const auto visit = [&](const auto& shape, const Segment& axis, double radius, PartCache* known, Collector& out) {
-    addNearest(shape, axis, radius, known, out);
-  };
+  const auto visit = [](const Obstacle& obstacle, const Segment& axis, double radius, PartCache* known,
+                        Collector& out) { addNearest(obstacle, axis, radius, known, out); };
   if (!isFinite(pose) || !forEachPart(scene, tool, pose, kNoLimit, cache, contacts, visit) || contacts.count == 0) {
     Contact none;
     none.gap = kNoLimit;

@@ -71,7 +71,8 @@ struct Inside {
 
 /// The public functions of these names, for what the public classes hold.
 SurfacePoint closestPoint(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept;
-SurfacePoint signedDistance(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept;
+SurfacePoint signedDistance(const MeshData& data, const Vec3& p, Cache* cache, double limit,
+                            bool isOutside = false) noexcept;
 SweepHit sweepSphere(const MeshData& data, const Vec3& from, const Vec3& to, double radius, Cache* cache) noexcept;
 
 /// Writes what the loops call a feature as public answers do.
@@ -85,8 +86,9 @@ static_assert(kCorner0 % 3 == 0 && kEdge01 % 3 == 0);
 /// What closestPoint() answers where `found` is nearest.
 SurfacePoint surfacePoint(const MeshData& data, const Answer& found) noexcept;
 
-/// What signedDistance() answers for p where `found` is nearest.
-SurfacePoint signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found, Cache* cache) noexcept;
+/// What signedDistance() answers for p where `found` is nearest; `isOutside`: p is known to be there.
+SurfacePoint signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found, Cache* cache,
+                                bool isOutside = false) noexcept;
 
 /// The loops of the SIMD level in use.
 const Loops& loops() noexcept;

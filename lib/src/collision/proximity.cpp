@@ -154,7 +154,7 @@ SurfacePoint kernel::surfacePoint(const MeshData& data, const Answer& found) noe
 }
 
 SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found,
-                                        Cache* cache) noexcept {
+                                        Cache* cache, bool isOutside) noexcept {
   SurfacePoint answer = surfacePoint(data, found);
   if (found.slot < 0) return answer;
   const Candidate& nearest = found.nearest;
@@ -167,8 +167,8 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
   const double beyondCone = 1.0 - static_cast<double>(data.triangles[found.slot].cone);
   const bool isApart = distance > 1e-9 * data.size;
   bool inside = false;
-  if (isApart && !data.sound) {
-    inside = isInside(data, p, distance, cache);
+  if (isApart && (isOutside || !data.sound)) {
+    inside = !isOutside && isInside(data, p, distance, cache);
   } else {
     if (!isApart || !(side * side > beyondCone * nearest.squared * nearest.normalSquared)) {
       n = pseudonormal(data, p, answer.point, distance, found.slot, nearest.feature);
@@ -212,9 +212,10 @@ SurfacePoint kernel::closestPoint(const MeshData& data, const Vec3& p, Cache* ca
   return search(data, p, cache, limit, found) ? surfacePoint(data, found) : refused(limit);
 }
 
-SurfacePoint kernel::signedDistance(const MeshData& data, const Vec3& p, Cache* cache, double limit) noexcept {
+SurfacePoint kernel::signedDistance(const MeshData& data, const Vec3& p, Cache* cache, double limit,
+                                    bool isOutside) noexcept {
   Answer found;
-  return search(data, p, cache, limit, found) ? signedSurfacePoint(data, p, found, cache) : refused(limit);
+  return search(data, p, cache, limit, found) ? signedSurfacePoint(data, p, found, cache, isOutside) : refused(limit);
 }
 
 SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {

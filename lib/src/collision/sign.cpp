@@ -13,7 +13,7 @@ namespace {
 #include "exact.inl"
 
 constexpr double kCoarse = 2.0, kFine = 8.0;              // windingNumber's `accept`
-constexpr double kCoarseError = 0.03, kFineError = 1e-3;  // of it, with a margin
+constexpr double kCoarseError = 0.05, kFineError = 1e-3;  // of it, with a margin
 constexpr double kThreshold = 0.5;
 // Gradient of the winding number times the distance from the mesh: 1 / (2 pi) beside a straight border, 1/2 in the
 // middle of a round hole; as a harmonic function that stays in 0 to 1 it has 3/4 at most.

@@ -30,6 +30,23 @@ struct PartCache {
   }
 };
 
+/// Where the axis of one part of a tool is in the open, in one obstacle's frame.
+struct PartTrack {
+  Segment axis;                 ///< it goes where the part's axis goes, but never through the surface
+  double clear = -1.0;          ///< its distance from the surface at least
+  std::uint64_t revision = 0;   ///< of the mesh
+  bool isKnown = false;         ///< else the part began inside and has not left yet
+
+  enum class State { unknown, open, held };
+
+  /// Follows the part's axis to `goal`. held: it is on the other side of the surface.
+  State follow(const Obstacle& obstacle, const Segment& goal, PartCache* cache) noexcept;
+};
+
+/// First touch of a part with an obstacle, in the obstacle's frame.
+SweepHit sweepPart(const Obstacle& obstacle, const Segment& from, const Segment& to, double radius,
+                   PartCache* cache) noexcept;
+
 inline Cache* pointOf(PartCache* cache, std::size_t i) noexcept {
   return cache == nullptr ? nullptr : &cache->points[i];
 }

@@ -14,7 +14,7 @@ using namespace kernel;
 // Analytic shapes: the signed distance of the sphere's centre is convex in time, so Newton's steps from the left never
 // pass its first root. A capsule advances until one of its ends meets the plane that keeps it from the shape.
 template <typename Analytic>
-SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to, double radius, PartCache*) {
+SweepHit sweepShape(const Analytic& shape, const Segment& from, const Segment& to, double radius, PartCache*) {
   SweepHit result;
   const Vec3 motionA = to.a - from.a, motionB = to.b - from.b;
   const bool isSphere = from.a == from.b && to.a == to.b;
@@ -48,12 +48,18 @@ SweepHit sweepPart(const Analytic& shape, const Segment& from, const Segment& to
   return result;
 }
 
-SweepHit sweepPart(const MeshModel& mesh, const Segment& from, const Segment& to, double radius, PartCache* cache) {
+SweepHit sweepShape(const MeshModel& mesh, const Segment& from, const Segment& to, double radius, PartCache* cache) {
   if (from.a == from.b && to.a == to.b) return sweepSphere(Inside::of(mesh), from.a, to.a, radius, pointOf(cache, 0));
   return sweepCapsule(mesh, from, to, radius);
 }
 
 }  // namespace
+
+SweepHit kernel::sweepPart(const Obstacle& obstacle, const Segment& from, const Segment& to, double radius,
+                           PartCache* cache) noexcept {
+  return std::visit([&](const auto& shape) { return sweepShape(shapeOf(shape), from, to, radius, cache); },
+                    obstacle.shape);
+}
 
 ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, const Pose& to, ToolCache* cache) noexcept {
   ToolSweep result;
@@ -73,9 +79,7 @@ ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, cons
       const ToolPart& part = tool.parts[k];
       const Segment first = axisOf(part, from, obstacle), last = axisOf(part, to, obstacle);
       PartCache* known = PartCache::of(cache, i, k, tool);
-      const SweepHit hit =
-          std::visit([&](const auto& shape) { return sweepPart(shapeOf(shape), first, last, part.radius, known); },
-                     obstacle.shape);
+      const SweepHit hit = kernel::sweepPart(obstacle, first, last, part.radius, known);
       if (!hit.hit || (result.hit && !(hit.time < result.time))) continue;
       result.hit = true;
       result.time = hit.time;

@@ -4,7 +4,7 @@ namespace enamel {
 
 HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer,
                        double period, const Pose& start)
-    : mechanism_(mechanism), scene_(scene), tool_(tool), renderer_(renderer), cache_(makeToolCache(scene, tool)) {
+    : mechanism_(mechanism), scene_(scene), tool_(tool), renderer_(renderer), track_(makeToolTrack(scene, tool)) {
   if (mechanism.reach(start, Vec6::Zero(), false, input_.kinematics) != Status::ok)
     input_.kinematics = mechanism.home();
   input_.maxTorque = mechanism.limits().torque;
@@ -29,7 +29,7 @@ Status HapticTick::see(const Measurement& measurement) noexcept {
   if (status != Status::ok) return status;
   input_.time = measurement.time;
   input_.applied = measurement.applied;
-  return findContacts(scene_, tool_, input_.kinematics.pose, kContactMargin, &cache_, input_.contacts);
+  return followContacts(scene_, tool_, input_.kinematics.pose, kContactMargin, track_, input_.contacts);
 }
 
 }  // namespace enamel

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "enamel/collision/feature.hpp"
 #include "enamel/collision/material.hpp"
@@ -21,6 +22,7 @@ struct Contact {
   int triangle = -1;                     ///< of the obstacle's mesh; -1: it has none
   Feature feature = Feature::face;       ///< of the triangle or shape, that the obstacle's nearest point lies on
   int featureIndex = -1;                 ///< which one, as Feature tells
+  std::uint32_t key = 0;                 ///< the same from tick to tick, from followContacts(); 0: none
 };
 
 /// Most contacts that one query reports.

@@ -1,6 +1,7 @@
 // The contacts of a tool with a scene: what a haptic tick asks of the collision module.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "enamel/collision/contact.hpp"
@@ -12,7 +13,8 @@ namespace enamel {
 
 namespace kernel {
 struct PartCache;
-}
+struct PartTrack;
+}  // namespace kernel
 
 /// What a tool remembers of its last tick in a scene. Made by makeToolCache(), outside the ticks; not shared between
 /// threads. Copying one allocates, assigning to one for the same scene and tool does not; an empty one, or one that was
@@ -45,6 +47,46 @@ ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 /// margin is not finite; no contacts then. Realtime: yes. Threads: const scene, own cache.
 Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                     ContactSnapshot& contacts) noexcept;
+
+/// Where a tool came from: what followContacts() remembers. Made by makeToolTrack(), outside the ticks; belongs to whoever
+/// owns the tick. Copying as with a ToolCache.
+class ToolTrack {
+ public:
+  ToolTrack();
+  ToolTrack(const ToolTrack& other);
+  ToolTrack(ToolTrack&& other) noexcept;
+  ToolTrack& operator=(const ToolTrack& other);
+  ToolTrack& operator=(ToolTrack&& other) noexcept;
+  ~ToolTrack();
+
+ private:
+  friend ToolTrack makeToolTrack(const Scene& scene, const Tool& tool);
+  friend Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolTrack& track,
+                               ContactSnapshot& contacts) noexcept;
+  ToolCache cache_;
+  std::vector<kernel::PartTrack> parts_;  // one for each part and obstacle
+  ContactSnapshot last_;                  // in the frames of the obstacles
+  std::uint32_t lastKey_ = 0;
+};
+
+/// Track for `tool` in `scene` as it is now. Realtime: no.
+ToolTrack makeToolTrack(const Scene& scene, const Tool& tool);
+
+/// A tool that is farther than this from where it was at the last tick has been put there, and has not moved, m.
+inline constexpr double kLargestMove = 0.02;
+
+/// findContacts() of a tool that moves. The axis of a part never changes sides but where it can go round: it is swept
+/// from where it was, stays outside as long as it crosses no surface, and where it would, its place in the open that is
+/// nearest to it is followed along the surface instead (Zilles & Salisbury, "A constraint-based god-object method",
+/// 1995; with all parts of the axis as Ortega, Redon & Coquillart, 2007, have it, for each part on its own). Contacts
+/// are those of that place, with gaps continued along their normals to where the axis is: however thin a wall is, the
+/// tool is pushed back to the side from which it came, until its way back is free. On that side an open mesh, or one
+/// that crosses itself, has no inside at all: both its faces touch. Where a part begins inside, by the sign of
+/// signedDistance(), it has the contacts of findContacts() until it is out; likewise after a move by more than
+/// kLargestMove and where a mesh was changed. Each contact has a key that it keeps while its part slides on.
+/// `track` must come from makeToolTrack() of this scene and tool. Statuses, Realtime, threads: as findContacts().
+Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolTrack& track,
+                      ContactSnapshot& contacts) noexcept;
 
 /// The contact of smallest gap, near or far, among equals the first of the scene: the first of findContacts() where its
 /// gap is within the margin. For a scene without surfaces or a pose that is not finite the gap is kNoLimit.

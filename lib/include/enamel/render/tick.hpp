@@ -34,7 +34,7 @@ class HapticTick {
   const Scene& scene_;
   Tool tool_;
   Renderer& renderer_;
-  ToolCache cache_;
+  ToolTrack track_;
   TickInput input_;
   TickOutput output_;
 };

@@ -1,0 +1,148 @@
+// The way of a tool's axis in the open: a god-object for the whole segment.
+#include <algorithm>
+#include <cmath>
+
+#include "tool_parts.hpp"
+
+namespace enamel::kernel {
+namespace {
+
+constexpr double kSkin = 1e-5;          // of a mesh's size: how near the axis comes to the surface
+constexpr double kAnalyticSkin = 1e-6;  // m
+constexpr double kShrink = 0.9;         // of the room there is: what a sweep begins with
+constexpr int kMostSteps = 12;          // sweeps of a tick
+constexpr int kMostPlanes = 6;
+constexpr int kProjections = 16;
+constexpr double kSettled = 1e-10;  // m
+
+double lengthOf(const Segment& a, const Segment& b) noexcept {
+  return std::max((b.a - a.a).norm(), (b.b - a.b).norm());
+}
+
+Segment onWay(const Segment& from, const Segment& to, double time) noexcept {
+  return {from.a + time * (to.a - from.a), from.b + time * (to.b - from.b)};
+}
+
+Vec3 placeOn(const Segment& axis, double t) noexcept { return axis.a + t * (axis.b - axis.a); }
+
+double skinOf(const MeshModel& mesh) noexcept { return kSkin * Inside::of(mesh).size; }
+template <typename Analytic>
+double skinOf(const Analytic&) noexcept {
+  return kAnalyticSkin;
+}
+
+// Of an axis that crosses no surface.
+double distanceOf(const MeshModel& mesh, const Segment& axis, PartCache* cache) noexcept {
+  if (axis.a == axis.b) return closestPoint(Inside::of(mesh), axis.a, pointOf(cache, 0), kNoLimit).distance;
+  return closestToSegment(mesh, axis, kNoLimit, cache == nullptr ? -1 : cache->nearest).distance;
+}
+
+template <typename Analytic>
+double distanceOf(const Analytic& shape, const Segment& axis, PartCache*) noexcept {
+  const double ends = std::min(signedDistance(shape, axis.a).distance, signedDistance(shape, axis.b).distance);
+  const double t = axis.a == axis.b ? -1.0 : nearestOnAxis(shape, axis);
+  return t < 0.0 ? ends : std::min(ends, signedDistance(shape, placeOn(axis, t)).distance);
+}
+
+bool isOutside(const MeshModel& mesh, const Segment& axis, PartCache* cache) noexcept {
+  return signedDistance(Inside::of(mesh), axis.a, pointOf(cache, 0), kNoLimit).distance > 0.0 &&
+         (axis.a == axis.b || signedDistance(Inside::of(mesh), axis.b, pointOf(cache, 1), kNoLimit).distance > 0.0) &&
+         distanceOf(mesh, axis, cache) > skinOf(mesh);
+}
+
+template <typename Analytic>
+bool isOutside(const Analytic& shape, const Segment& axis, PartCache* cache) noexcept {
+  return distanceOf(shape, axis, cache) > skinOf(shape);
+}
+
+std::uint64_t revisionOf(const MeshModel& mesh) noexcept { return Inside::of(mesh).view.revision; }
+template <typename Analytic>
+std::uint64_t revisionOf(const Analytic&) noexcept {
+  return 1;
+}
+
+// The place of the axis at `t` stays in front of a plane.
+struct Plane {
+  Vec3 normal;
+  double height, t;
+};
+
+// The axis nearest to `goal`, by its ends, that stays in front of all planes (Gauss & Seidel, projected).
+Segment nearestInFront(const Segment& goal, const Plane* planes, int count) noexcept {
+  std::array<double, kMostPlanes> push{};
+  Segment axis = goal;
+  for (int pass = 0; pass < kProjections; ++pass)
+    for (int k = 0; k < count; ++k) {
+      const Plane& plane = planes[k];
+      const double wa = 1.0 - plane.t, wb = plane.t;
+      const double missing = (plane.height - plane.normal.dot(placeOn(axis, plane.t))) / (wa * wa + wb * wb);
+      const double change = std::max(push[k] + missing, 0.0) - push[k];
+      push[k] += change;
+      axis.a += change * wa * plane.normal;
+      axis.b += change * wb * plane.normal;
+    }
+  return axis;
+}
+
+template <typename ShapeType>
+PartTrack::State followOn(const ShapeType& shape, const Obstacle& obstacle, const Segment& goal, PartCache* cache,
+                          PartTrack& track) noexcept {
+  using State = PartTrack::State;
+  const double move = lengthOf(track.axis, goal);
+  if (!track.isKnown || track.revision != revisionOf(shape) || !(move <= kLargestMove)) {
+    track.isKnown = isOutside(shape, goal, cache);
+    track.revision = revisionOf(shape);
+    track.axis = goal;
+    track.clear = -1.0;
+    return track.isKnown ? State::open : State::unknown;
+  }
+  const auto arrive = [&](double clear) {
+    track.axis = goal;
+    track.clear = clear;
+    return State::open;
+  };
+  if (move < track.clear) return arrive(track.clear - move);
+  if (const double clear = distanceOf(shape, goal, cache); move < clear) return arrive(clear);
+
+  // Go until something is in the way, then along it; where the way along leads off a convex surface, down again.
+  const double skin = skinOf(shape);
+  const bool isPoint = goal.a == goal.b && track.axis.a == track.axis.b;
+  std::array<Plane, kMostPlanes> planes;
+  int count = 0;
+  Segment& axis = track.axis;
+  Segment target = goal;
+  track.clear = -1.0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const double radius = std::min(skin, kShrink * distanceOf(shape, axis, cache));
+    const SweepHit hit = sweepPart(obstacle, axis, target, radius, cache);
+    if (!hit.hit) {
+      if (count == 0) return arrive(-1.0);
+      axis = target;
+      count = 0;
+      target = goal;
+      continue;
+    }
+    axis = onWay(axis, target, hit.time);
+    const Vec3 span = axis.b - axis.a;
+    const double t = isPoint ? 0.0 : std::clamp((hit.point - axis.a).dot(span) / span.squaredNorm(), 0.0, 1.0);
+    const Vec3 away = std::min(skin - radius, 0.5 * radius) * hit.normal;  // all is at least `radius` away
+    axis.a += away;
+    axis.b += away;
+    if (count == kMostPlanes) break;
+    planes[count++] = {hit.normal, hit.normal.dot(placeOn(axis, t)), t};
+    target = nearestInFront(goal, planes.data(), count);
+    if (isPoint) target.b = target.a;
+    if (lengthOf(axis, target) < kSettled) break;
+  }
+  return State::held;
+}
+
+}  // namespace
+
+PartTrack::State PartTrack::follow(const Obstacle& obstacle, const Segment& goal, PartCache* cache) noexcept {
+  if (std::holds_alternative<HalfSpace>(obstacle.shape)) return State::unknown;  // it has no other side
+  return std::visit([&](const auto& shape) { return followOn(shapeOf(shape), obstacle, goal, cache, *this); },
+                    obstacle.shape);
+}
+
+}  // namespace enamel::kernel
