@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "enamel/collision/mesh_file.hpp"
+#include "enamel/collision/proximity.hpp"
 #include "enamel/core/error.hpp"
 #include "mesh_generator.hpp"
 
@@ -31,7 +32,7 @@ void print(const MeshReport& r) {
   count("non-manifold edges", r.nonManifoldEdges);
   count("non-manifold vertices", r.nonManifoldVertices);
   count("flipped edges", r.flippedEdges);
-  line("watertight", r.watertight ? "yes" : "no: inside and outside are not defined everywhere");
+  line("watertight", r.watertight ? "yes" : "no");
   if (r.watertight) {
     line("orientation", r.inwards ? "inwards: turn the triangles round" : "outwards");
     line("volume", fmt::format("{:.6g} m^3", r.volume));
@@ -63,7 +64,9 @@ void write(const TriangleMesh& mesh, const std::string& path) {
 void run(const MeshOptions& options) {
   if (options.generate.empty()) {
     if (options.file.empty()) throw Error("needs a mesh file, or --generate with --output");
-    print(inspect(loadMesh(options.file, options.unit)));
+    TriangleMesh mesh = loadMesh(options.file, options.unit);
+    print(inspect(mesh));
+    fmt::print("{:<24} {}\n", "sign", describe(MeshModel(std::move(mesh))));
     return;
   }
   if (options.output.empty()) throw Error("--generate needs --output");

@@ -44,6 +44,7 @@ PushSetup setupOf(const PushOptions& options) {
   if (!options.scene.empty()) {
     SceneFile file = loadScene(options.scene);
     setup.scene = std::move(file.scene);
+    for (const std::string& note : file.notes) fmt::print(stderr, "{}\n", note);
     setup.tool = file.tool;
     setup.start.position = file.start;
     // To the surface: steps of the distance, which become small as fast as the surface allows.

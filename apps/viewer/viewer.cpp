@@ -117,6 +117,7 @@ void Viewer::startAgain() {
 void Viewer::loadScene(const std::string& path) {
   try {
     scene_ = enamel::loadScene(path);
+    for (const std::string& note : scene_.notes) notify(note);
     builtScale_ = 0.0f;
     startAgain();
   } catch (const Error& error) {

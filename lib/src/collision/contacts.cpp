@@ -42,6 +42,7 @@ struct Collector {
   End* next;          // to become that
   double nextRadius;  // of the part that begins where this one ends, or 0
   bool isOutside = false;                          // the axis is known to be outside
+  double pad = 0.0;                                // of a sheet: half its thickness, added to all radii
   const Segment *from = nullptr, *actual = nullptr;  // the axis that is asked stands for another one
 
   double reachOf(double radius) const { return radius + std::max(margin, 0.0); }
@@ -67,7 +68,7 @@ struct Collector {
     Contact& contact = all.contacts[place];
     const Pose& pose = pair.obstacle->pose;
     contact.normal = pose.rotation * found.normal;
-    contact.point = pose.rotation * centre + pose.position - radius * contact.normal;
+    contact.point = pose.rotation * centre + pose.position - (radius - pad) * contact.normal;
     contact.gap = gap;
     complete(pair, found, contact);
   }
@@ -275,12 +276,12 @@ void addPart(const Analytic& shape, const Segment& axis, double radius, PartCach
   if (between.distance < std::min(atA, atB) - kClearlyNearer) out.add(middle, between, radius);
 }
 
-SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, Cache* cache) {
-  return signedDistance(Inside::of(mesh), p, cache, kNoLimit);
+SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, Cache* cache, bool isOutside) {
+  return signedDistance(Inside::of(mesh), p, cache, kNoLimit, isOutside);
 }
 
 template <typename Analytic>
-ShapePoint nearestOf(const Analytic& shape, const Vec3& p, Cache*) {
+ShapePoint nearestOf(const Analytic& shape, const Vec3& p, Cache*, bool) {
   return signedDistance(shape, p);
 }
 
@@ -297,10 +298,10 @@ double nearestOnAxis(const Analytic& shape, const Segment& axis, double) {
 // Adds the nearest place of a part, under the rules of addPart().
 template <typename ShapeType>
 void addNearest(const ShapeType& shape, const Segment& axis, double radius, PartCache* cache, Collector& out) {
-  const auto atA = nearestOf(shape, axis.a, pointOf(cache, 0));
+  const auto atA = nearestOf(shape, axis.a, pointOf(cache, 0), out.isOutside);
   out.add(axis.a, atA, radius);
   if (axis.a == axis.b) return;
-  const auto atB = nearestOf(shape, axis.b, pointOf(cache, 1));
+  const auto atB = nearestOf(shape, axis.b, pointOf(cache, 1), out.isOutside);
   out.add(axis.b, atB, radius);
   // Only what is nearer than both ends counts, and distances change by no more than the path.
   const double ends = std::min(atA.distance, atB.distance);
@@ -308,7 +309,7 @@ void addNearest(const ShapeType& shape, const Segment& axis, double radius, Part
   const double t = nearestOnAxis(shape, axis, std::max(ends, 0.0));
   if (!(t > 0.0 && t < 1.0)) return;
   const Vec3 middle = axis.a + t * (axis.b - axis.a);
-  const auto between = nearestOf(shape, middle, pointOf(cache, 2));
+  const auto between = nearestOf(shape, middle, pointOf(cache, 2), out.isOutside);
   if (between.distance < ends - kClearlyNearer) out.add(middle, between, radius);
 }
 
@@ -332,13 +333,15 @@ bool forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double 
     ends[0].limit = -1.0;
     ends[0].nearest = SurfacePoint();
     Collector out{&contacts, margin, {&obstacles[i], static_cast<int>(i), 0}, &ends[0], &ends[1], 0.0};
+    out.pad = 0.5 * obstacles[i].thickness;
+    out.isOutside = out.pad > 0.0;
     for (int k = 0; k < tool.count; ++k) {
       const ToolPart& part = tool.parts[k];
       out.pair.part = k;
-      out.nextRadius = k + 1 < tool.count && tool.parts[k + 1].a == part.b ? tool.parts[k + 1].radius : 0.0;
+      out.nextRadius = k + 1 < tool.count && tool.parts[k + 1].a == part.b ? tool.parts[k + 1].radius + out.pad : 0.0;
       const Segment axis = axisOf(part, pose, obstacles[i]);
       PartCache* known = PartCache::of(cache, i, k, tool);
-      visit(obstacles[i], axis, part.radius, known, out);
+      visit(obstacles[i], axis, part.radius + out.pad, known, out);
     }
   }
   return true;
@@ -431,7 +434,7 @@ Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, do
     }
     PartTrack& part = track.parts_[i];
     const PartTrack::State state = part.follow(obstacle, axis, known);
-    out.isOutside = state != PartTrack::State::unknown;
+    out.isOutside = out.pad > 0.0 || state != PartTrack::State::unknown;
     const bool isHeld = state == PartTrack::State::held;
     out.from = isHeld ? &part.axis : nullptr;
     out.actual = isHeld ? &axis : nullptr;

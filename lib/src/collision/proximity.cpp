@@ -1,6 +1,7 @@
 #include "enamel/collision/proximity.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -125,6 +126,26 @@ MeshModel::~MeshModel() = default;
 
 const TriangleMesh& MeshModel::mesh() const noexcept { return data_->mesh; }
 
+bool isSound(const MeshModel& model) noexcept { return kernel::Inside::of(model).sound; }
+
+std::string describe(const MeshModel& model) {
+  const kernel::MeshData& data = kernel::Inside::of(model);
+  const MeshReport report = inspect(model.mesh());
+  std::string what;
+  const auto add = [&what](int count, const char* things) {
+    if (count > 0) what += (what.empty() ? "" : ", ") + std::to_string(count) + things;
+  };
+  add(report.boundaryEdges, report.boundaryEdges == 1 ? " boundary edge" : " boundary edges");
+  add(report.nonManifoldEdges, report.nonManifoldEdges == 1 ? " non-manifold edge" : " non-manifold edges");
+  add(report.flippedEdges, report.flippedEdges == 1 ? " edge between triangles of opposite orientation"
+                                                    : " edges between triangles of opposite orientation");
+  what = (data.closed ? "watertight" : "open") + (what.empty() ? "" : " (" + what + ")");
+  if (data.crossesItself) what += ", crosses itself";
+  if (data.inwards) what += ", normals inwards (taken as turned round)";
+  if (data.sound) return what + ": the sign of distances is exact";
+  return what + ": inside is where the winding number is above 1/2; a moving tool keeps its side and needs no inside";
+}
+
 ProximityCache::ProximityCache() : content_(std::make_unique<kernel::Cache>()) {}
 
 ProximityCache::ProximityCache(const ProximityCache& other)
@@ -224,6 +245,48 @@ SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache*
 
 SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCache* cache, double limit) noexcept {
   return kernel::signedDistance(kernel::Inside::of(model), p, kernel::Inside::of(cache), limit);
+}
+
+namespace {
+
+struct Within {
+  const kernel::MeshData* data;
+  const double* p;
+  int* triangles;
+  int capacity, found;
+};
+
+// The written ones are a heap, the largest number first.
+double keepTriangle(void* context, std::int32_t slot, double reach) {
+  auto& s = *static_cast<Within*>(context);
+  const kernel::Triangle& triangle = s.data->triangles[slot];
+  kernel::Candidate c;
+  kernel::closestOnTriangle(&triangle, s.p, &c);
+  if (!(std::sqrt(c.squared) <= reach)) return reach;
+  int count = std::min(s.found++, s.capacity);
+  if (count == s.capacity) {
+    if (count == 0 || !(triangle.index < s.triangles[0])) return reach;
+    std::pop_heap(s.triangles, s.triangles + count--);
+  }
+  s.triangles[count++] = triangle.index;
+  std::push_heap(s.triangles, s.triangles + count);
+  return reach;
+}
+
+}  // namespace
+
+TriangleCount trianglesWithin(const MeshModel& model, const Vec3& p, double radius, int* triangles,
+                              int capacity) noexcept {
+  TriangleCount answer;
+  if (!p.allFinite() || !std::isfinite(radius) || radius < 0.0 || capacity < 0) {
+    answer.status = radius < 0.0 || capacity < 0 ? Status::outOfRange : Status::notFinite;
+    return answer;
+  }
+  Within s{&kernel::Inside::of(model), p.data(), triangles, capacity, 0};
+  kernel::loops().visit(s.data->view, p.data(), p.data(), radius, &keepTriangle, &s);
+  std::sort_heap(triangles, triangles + std::min(s.found, capacity));
+  answer.found = s.found;
+  return answer;
 }
 
 }  // namespace enamel

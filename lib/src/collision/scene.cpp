@@ -32,6 +32,9 @@ int Scene::add(Obstacle obstacle) {
     throw Error(name +
                 ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to that, "
                 "a finite viscosity of at least 0 N s/m");
+  const bool isMesh = std::holds_alternative<std::shared_ptr<const MeshModel>>(obstacle.shape);
+  if (!(obstacle.thickness >= 0.0 && std::isfinite(obstacle.thickness)) || (obstacle.thickness > 0.0 && !isMesh))
+    throw Error(name + ": the thickness must be at least 0 m and finite, and 0 m for all shapes but meshes");
   obstacles_.push_back(std::move(obstacle));
   return static_cast<int>(obstacles_.size()) - 1;
 }

@@ -15,6 +15,7 @@ namespace {
 constexpr double kLargestPosition = 1.0;  // m
 constexpr double kSmallestSize = 1e-4, kLargestSize = 2.0;
 constexpr double kLargestToolRadius = 0.05;
+constexpr double kLeastThickness = 1e-6, kMostThickness = 0.01;
 constexpr int kMaxObstacles = 64;
 
 void requireWithin(const TomlTable& table, const char* key, const Vec3& value, double low, double high,
@@ -101,6 +102,9 @@ Obstacle readMesh(TomlTable& table, const std::string& sceneFile) {
   }
   if (table.has("position")) mesh.pose.position = position(table, "position");
   mesh.pose.rotation = rotation(table);
+  const bool isThin = table.has("thin") && table.boolean("thin");
+  if (isThin) mesh.thickness = length(table, "thickness", kLeastThickness, kMostThickness);
+  if (!isThin && table.has("thickness")) table.fail("thickness", "is that of a sheet, which needs thin = true");
   const std::filesystem::path path = std::filesystem::path(sceneFile).parent_path() / file;
   mesh.shape = std::make_shared<const MeshModel>(loadMesh(path.string(), scale));
   return mesh;
@@ -145,6 +149,13 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile) {
   return obstacle;
 }
 
+// What a user should know of a mesh that is no sound solid.
+std::string noteOf(const Obstacle& obstacle) {
+  const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape);
+  if (mesh == nullptr || obstacle.thickness > 0.0 || isSound(**mesh)) return "";
+  return "obstacle \"" + obstacle.name + "\": " + describe(**mesh);
+}
+
 Tool readTool(TomlTable& root) {
   Tool tool;
   if (!root.has("tool")) return tool;
@@ -179,6 +190,7 @@ SceneFile parseScene(std::string_view text, const std::string& file) {
     Obstacle obstacle = readObstacle(table, file);
     for (const Obstacle& other : result.scene.obstacles())
       if (other.name == obstacle.name) table.fail("name", "is \"" + obstacle.name + "\", which another obstacle has");
+    if (const std::string note = noteOf(obstacle); !note.empty()) result.notes.push_back(note);
     result.scene.add(std::move(obstacle));
   }
   root.finish();

@@ -75,17 +75,18 @@ ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, cons
       result.status = Status::notFinite;
       return result;
     }
+    const double pad = 0.5 * obstacle.thickness;
     for (int k = 0; k < tool.count; ++k) {
       const ToolPart& part = tool.parts[k];
       const Segment first = axisOf(part, from, obstacle), last = axisOf(part, to, obstacle);
       PartCache* known = PartCache::of(cache, i, k, tool);
-      const SweepHit hit = kernel::sweepPart(obstacle, first, last, part.radius, known);
+      const SweepHit hit = kernel::sweepPart(obstacle, first, last, part.radius + pad, known);
       if (!hit.hit || (result.hit && !(hit.time < result.time))) continue;
       result.hit = true;
       result.time = hit.time;
       Contact& contact = result.contact;
       contact.normal = obstacle.pose.rotation * hit.normal;
-      contact.point = obstacle.pose.rotation * hit.point + obstacle.pose.position;
+      contact.point = obstacle.pose.rotation * hit.point + obstacle.pose.position + pad * contact.normal;
       contact.gap = 0.0;
       complete({&obstacle, static_cast<int>(i), k}, hit, contact);
     }

@@ -44,15 +44,27 @@ double distanceOf(const Analytic& shape, const Segment& axis, PartCache*) noexce
   return t < 0.0 ? ends : std::min(ends, signedDistance(shape, placeOn(axis, t)).distance);
 }
 
-bool isOutside(const MeshModel& mesh, const Segment& axis, PartCache* cache) noexcept {
-  return signedDistance(Inside::of(mesh), axis.a, pointOf(cache, 0), kNoLimit).distance > 0.0 &&
-         (axis.a == axis.b || signedDistance(Inside::of(mesh), axis.b, pointOf(cache, 1), kNoLimit).distance > 0.0) &&
-         distanceOf(mesh, axis, cache) > skinOf(mesh);
+SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, PartCache* cache, int end, bool isSheet) noexcept {
+  return signedDistance(Inside::of(mesh), p, pointOf(cache, static_cast<std::size_t>(end)), kNoLimit, isSheet);
 }
 
 template <typename Analytic>
-bool isOutside(const Analytic& shape, const Segment& axis, PartCache* cache) noexcept {
-  return distanceOf(shape, axis, cache) > skinOf(shape);
+ShapePoint nearestOf(const Analytic& shape, const Vec3& p, PartCache*, int, bool) noexcept {
+  return signedDistance(shape, p);
+}
+
+// Where the axis is in the open when it is first seen; a point on the surface stands just before it.
+template <typename ShapeType>
+bool findOpen(const ShapeType& shape, const Segment& goal, PartCache* cache, bool isSheet, Segment& axis) noexcept {
+  const double skin = skinOf(shape);
+  const auto atA = nearestOf(shape, goal.a, cache, 0, isSheet);
+  axis = goal;
+  if (goal.a == goal.b) {
+    if (atA.distance <= skin) axis.a = axis.b = goal.a + (2.0 * skin - atA.distance) * atA.normal;
+    return atA.distance > -skin;
+  }
+  return atA.distance > 0.0 && nearestOf(shape, goal.b, cache, 1, isSheet).distance > 0.0 &&
+         distanceOf(shape, goal, cache) > skin;
 }
 
 std::uint64_t revisionOf(const MeshModel& mesh) noexcept { return Inside::of(mesh).view.revision; }
@@ -90,11 +102,10 @@ PartTrack::State followOn(const ShapeType& shape, const Obstacle& obstacle, cons
   using State = PartTrack::State;
   const double move = lengthOf(track.axis, goal);
   if (!track.isKnown || track.revision != revisionOf(shape) || !(move <= kLargestMove)) {
-    track.isKnown = isOutside(shape, goal, cache);
+    track.isKnown = findOpen(shape, goal, cache, obstacle.thickness > 0.0, track.axis);
     track.revision = revisionOf(shape);
-    track.axis = goal;
     track.clear = -1.0;
-    return track.isKnown ? State::open : State::unknown;
+    return !track.isKnown ? State::unknown : track.axis.a == goal.a ? State::open : State::held;
   }
   const auto arrive = [&](double clear) {
     track.axis = goal;

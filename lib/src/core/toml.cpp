@@ -98,6 +98,12 @@ std::int64_t TomlTable::integer(std::string_view key) {
   return **node.as_integer();
 }
 
+bool TomlTable::boolean(std::string_view key) {
+  const toml::node& node = require(key);
+  if (!node.is_boolean()) fail(key, "is " + nameOfType(node) + ", must be true or false");
+  return **node.as_boolean();
+}
+
 Vec3 TomlTable::vector3(std::string_view key) {
   Vec3 value;
   asNumbers(require(key), key, value.data(), 3);

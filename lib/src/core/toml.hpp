@@ -27,6 +27,7 @@ class TomlTable {
   std::string text(std::string_view key);
   double number(std::string_view key);
   std::int64_t integer(std::string_view key);
+  bool boolean(std::string_view key);
   Vec3 vector3(std::string_view key);
   Vec6 vector6(std::string_view key);
   /// A 3 x 3 matrix given by its rows, or by its diagonal as a list of three numbers.

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "enamel/collision/feature.hpp"
 #include "enamel/collision/mesh.hpp"
@@ -32,6 +33,13 @@ class MeshModel {
   friend struct kernel::Inside;
   std::unique_ptr<kernel::MeshData> data_;
 };
+
+/// Whether the mesh is the surface of a solid: watertight, with two triangles at every edge, none through another (this
+/// as it was when the model was built). Realtime: yes.
+bool isSound(const MeshModel& model) noexcept;
+
+/// What the mesh is, and what that means for the sign of its distances, in one line. Realtime: no.
+std::string describe(const MeshModel& model);
 
 /// What a tool remembers of its last query on a mesh, so that the next one, close by, is answered faster. The answer is
 /// the same bit for bit with a cache, with a cache of another place or mesh, and without one. One for each point that
@@ -71,13 +79,31 @@ struct SurfacePoint {
 SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache* cache = nullptr,
                           double limit = kNoLimit) noexcept;
 
-/// closestPoint() with sign (negative inside) and outward unit normal. The sign is that of (p - x).n with the
-/// angle-weighted pseudonormal n of the face, edge or corner that x lies on (Baerentzen & Aanaes, "Signed distance
-/// computation using the angle weighted pseudonormal", 2005). It is right wherever the mesh encloses a volume
-/// (MeshReport::watertight, without self-intersection); elsewhere it says on which side of the nearest sheet p lies.
-/// Realtime: yes, as closestPoint().
+/// closestPoint() with sign (negative inside) and outward unit normal.
+/// - Of a sound mesh (isSound()) the sign is exact, that of (p - x).n with the angle-weighted pseudonormal n of the
+///   face, edge or corner that x lies on (Baerentzen & Aanaes, "Signed distance computation using the angle weighted
+///   pseudonormal", 2005).
+/// - Of any other mesh, inside is where the generalised winding number w (Jacobson et al. 2013) is above 1/2, and
+///   nothing outside of the bounding box. w is approximate (Barill et al. 2018): where it is nearer to 1/2 than 1e-3,
+///   either sign may be answered. Through an opening the sign changes where w passes 1/2, with the distance that the
+///   point has there from the mesh: a tool that moves asks followContacts() instead, which needs no sign.
+/// - Triangles run counterclockwise seen from outside. A mesh around a negative volume, however its openings are closed,
+///   is taken as if all were turned round; another open one is taken as it is.
+/// Realtime: yes, as closestPoint(); w takes 10 us, near 1/2 100 us, and holds for the cache while the point moves by
+/// less than about 0.4 of its distance.
 SurfacePoint signedDistance(const MeshModel& model, const Vec3& p, ProximityCache* cache = nullptr,
                             double limit = kNoLimit) noexcept;
+
+/// Triangles that were found, and how many there are.
+struct TriangleCount {
+  Status status = Status::ok;  ///< notFinite: p or the radius is not finite; outOfRange: a number is negative
+  int found = 0;               ///< all of them; above the capacity, only so many were written
+};
+
+/// All triangles within `radius` (m) of p, borders included, written to triangles[0] to triangles[capacity - 1] in
+/// rising order; where there are more, the smallest numbers are. Realtime: yes.
+TriangleCount trianglesWithin(const MeshModel& model, const Vec3& p, double radius, int* triangles,
+                              int capacity) noexcept;
 
 /// Instruction sets that the query loops are compiled for.
 enum class SimdLevel : int { baseline, avx2, avx512 };

@@ -21,13 +21,15 @@ struct Obstacle {
   Pose pose;                  ///< of the obstacle's frame in W
   Vec6 twist = Vec6::Zero();  ///< [v; w] of the obstacle's frame, at its origin, axes of W, m/s and rad/s
   Material material;          ///< carried through to the contacts
+  double thickness = 0.0;     ///< above 0: the mesh is the middle of a sheet as thick as this, without an inside, m
 };
 
 /// Obstacles by number. Add them before the ticks begin; in a tick only poses and twists change.
 class Scene {
  public:
   /// Returns the obstacle's number, counted from 0. Throws Error for a name that is empty or taken, a pose that is not
-  /// finite or not a rotation to 1e-6, a shape without size, an empty mesh pointer. Realtime: no.
+  /// finite or not a rotation to 1e-6, a shape without size, an empty mesh pointer, a thickness that is negative, not finite or of
+  /// another shape than a mesh. Realtime: no.
   int add(Obstacle obstacle);
 
   /// Moves an obstacle. Inputs are not checked: queries report notFinite. Realtime: yes.

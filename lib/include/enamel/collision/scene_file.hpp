@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "enamel/collision/scene.hpp"
 #include "enamel/collision/tool.hpp"
@@ -15,6 +16,7 @@ struct SceneFile {
   Vec3 start = Vec3::Zero();  ///< of the TCP in W, m; the tool does not touch there
   Tool tool;                  ///< a point at the TCP where the file names none
   Scene scene;
+  std::vector<std::string> notes;  ///< one line for each mesh whose inside is not certain, as describe() says it
 };
 
 /// Reads a scene file: `name`, `start` [m], optional `tool`, and a list `obstacle` of tables with `name`, `shape` and
@@ -26,7 +28,8 @@ struct SceneFile {
 /// - shape = "sphere": `centre`, `radius`
 /// - shape = "capsule": `from`, `to`, `radius`
 /// - shape = "mesh": `file` (beside the scene file, or absolute), `unit` of its coordinates ("m", "mm" or "um"),
-///   optional `scale` (default 1), `position` (of its origin) and `euler_deg`
+///   optional `scale` (default 1), `position` (of its origin) and `euler_deg`; with `thin = true` it is a sheet with two
+///   sides and no inside, `thickness` thick
 /// Throws ConfigurationError, with file, line, key, value and limit, on a file that cannot be read, malformed TOML,
 /// unknown or missing keys, wrong types, values out of their range, an empty scene, two obstacles of one name, a start
 /// inside an obstacle, and as loadMesh() and checkMesh(). Realtime: no.
