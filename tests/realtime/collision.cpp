@@ -16,18 +16,27 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
     return TriangleMesh();
   }();
   const MeshModel flats(closedWithFlats);
+  TriangleMesh holed = test::ball(4, 0.1);
+  for (std::size_t t = 0; t < holed.triangles.size(); t += 7) holed.triangles.erase(holed.triangles.begin() + static_cast<long>(t));
+  const auto open = std::make_shared<const MeshModel>(holed);
   Scene scene;
   scene.add({"mesh", std::shared_ptr<const MeshModel>(mesh), Pose(), Vec6::Zero(), {}});
   scene.add({"floor", HalfSpace{}, Pose(), Vec6::Zero(), {}});
   scene.add({"box", Box{{0.5, 0.5, 0.5}}, Pose(), Vec6::Zero(), {}});
   scene.add({"ball", Sphere{0.5}, Pose(), Vec6::Zero(), {}});
   scene.add({"rod", Capsule{0.1, 1.0}, Pose(), Vec6::Zero(), {}});
+  scene.add({"open", open, Pose(), Vec6::Zero(), {}});
+  Obstacle sheet{"sheet", open, Pose(), Vec6::Zero(), {}};
+  sheet.thickness = 0.01;
+  scene.add(sheet);
   Tool tool;
   tool.parts[0].radius = 0.2;
   tool.parts[1] = {{0, 0, 0}, {0.3, 0.2, 0.1}, 0.05};
   tool.count = 2;
   ToolCache cache = makeToolCache(scene, tool);
   ToolCache copy = cache;
+  ToolTrack track = makeToolTrack(scene, tool), copyOfTrack = track;
+  std::array<int, 64> near;
   ProximityCache one, other, copyOfOne;
   ContactSnapshot contacts;
   test::Random random(61);
@@ -39,7 +48,7 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
     p = i % 20 == 0 ? test::queryPoint(mesh->mesh(), random) : Vec3(p + 0.003 * random.direction());
     const Vec3 q = i % 50 == 49 ? Vec3(std::nan(""), 0, 0) : Vec3(p + 0.1 * random.direction());
     const Vec3 onFlats = test::queryPoint(flats.mesh(), random);
-    Pose pose, next;
+    Pose pose, next, step;
     pose.position = p;
     next.position = q;
     next.rotation = test::rotationAbout(random.direction(), 0.3);
@@ -57,6 +66,11 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
     use(findContacts(scene, tool, pose, 0.1, &cache, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0);
     use(findContacts(scene, tool, next, 0.1, nullptr, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0);
     use(nearestContact(scene, tool, pose, &cache).gap);
+    use(signedDistance(*open, p, &one).distance);
+    use(trianglesWithin(*open, p, 0.1, near.data(), 64).found);
+    step.position = pose.position + 0.005 * (i % 2) * random.direction();  // goes on, or is put elsewhere
+    use(followContacts(scene, tool, step, 0.1, track, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0);
+    copyOfTrack = track;
     copy = cache;
     copyOfOne = one;
     if (i % 10 == 0) use(sweepTool(scene, tool, pose, next, &cache).time);

@@ -191,6 +191,73 @@ TEST_CASE("fast walks into blades, wedges, teeth of a comb and soups never chang
   CHECK(100 * cornered <= held);
 }
 
+TEST_CASE("a sheet has two sides, a thickness and no inside", "[unit]") {
+  const double thick = 0.4e-3;
+  for (const bool isBall : {false, true}) {
+    Scene scene;
+    Obstacle obstacle{"sheet", meshShape(isBall ? test::transformed(test::ball(4), 0.01, Vec3::Zero()) : sheet(5)), Pose(),
+                      Vec6::Zero(), {}};
+    obstacle.thickness = thick;
+    scene.add(obstacle);
+    const MeshModel& model = *std::get<std::shared_ptr<const MeshModel>>(scene.obstacles()[0].shape);
+    test::Random random(74);
+    for (int i = 0; i < 500; ++i) {
+      const Vec3 p = random.vector(0.01);
+      const Tool tool = sphereTool(i % 2 == 0 ? 0.0 : 0.5e-3);
+      const SurfacePoint near = closestPoint(model, p);
+      const double gap = near.distance - 0.5 * thick - tool.parts[0].radius;
+      const ContactSnapshot contacts = test::contactsOf(scene, tool, at(p), 0.02);
+      REQUIRE(contacts.count >= 1);
+      REQUIRE(std::abs(contacts.contacts[0].gap - gap) < 1e-12);
+      REQUIRE((contacts.contacts[0].normal - (p - near.point) / near.distance).norm() < 1e-6);
+      REQUIRE((p - tool.parts[0].radius * contacts.contacts[0].normal - contacts.contacts[0].point).norm() < 1e-12);
+      REQUIRE(std::abs(nearestContact(scene, tool, at(p), nullptr).gap - gap) < 1e-12);
+      ToolTrack track = makeToolTrack(scene, tool);
+      REQUIRE(std::abs(follow(scene, tool, at(p), track, 0.02).contacts[0].gap - gap) < 1e-12);
+    }
+    ToolTrack track = makeToolTrack(scene, Tool());  // from within, or from below
+    const double side = isBall ? 0.01 : 0.0;
+    for (double z = side - 3e-3; z < side + 3e-3; z += kTick) {
+      const ContactSnapshot contacts = follow(scene, Tool(), at({0, 0, z}), track, 5e-3);
+      REQUIRE(contacts.count >= 1);
+      REQUIRE(contacts.contacts[0].normal.z() < -0.99);
+      REQUIRE(std::abs(contacts.contacts[0].gap - (side - z - 0.5 * thick)) < 1e-5);  // the ball has faces
+    }
+  }
+  Scene scene;
+  Obstacle box{"box", Box{}, Pose(), Vec6::Zero(), {}};
+  box.thickness = 1e-3;
+  CHECK_THROWS_WITH(scene.add(box), Catch::Matchers::Contains("thickness"));
+}
+
+TEST_CASE("all triangles about a point, as many as there is room for", "[unit]") {
+  const MeshModel model(test::ball(4, 0.1));
+  test::Random random(75);
+  int cut = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 p = random.vector(1.2);
+    const double radius = random.uniform(0.0, 0.6);
+    std::vector<int> all;
+    for (std::size_t t = 0; t < model.mesh().triangles.size(); ++t) {
+      const auto& v = model.mesh().triangles[t];
+      if (test::referenceDistance(p, model.mesh().vertices[v[0]], model.mesh().vertices[v[1]],
+                                  model.mesh().vertices[v[2]]) <= radius)
+        all.push_back(static_cast<int>(t));
+    }
+    std::array<int, 100> found;
+    const int capacity = i % 3 == 0 ? 0 : i % 3 == 1 ? 10 : 100;
+    const TriangleCount answer = trianglesWithin(model, p, radius, found.data(), capacity);
+    REQUIRE(answer.status == Status::ok);
+    REQUIRE(answer.found == static_cast<int>(all.size()));
+    const std::size_t written = std::min(all.size(), static_cast<std::size_t>(capacity));
+    REQUIRE(std::equal(all.begin(), all.begin() + static_cast<long>(written), found.begin()));
+    cut += written < all.size();
+  }
+  CHECK(cut > 50);
+  CHECK(trianglesWithin(model, Vec3(std::nan(""), 0, 0), 1.0, nullptr, 0).status == Status::notFinite);
+  CHECK(trianglesWithin(model, Vec3::Zero(), -1.0, nullptr, 0).status == Status::outOfRange);
+}
+
 TEST_CASE("a contact keeps its key while it slides", "[unit]") {
   const Scene scene = sceneOf(meshShape(test::transformed(test::ball(4, 0.05), 0.01, Vec3::Zero())));
   const Tool tool = sphereTool(0.5e-3);
