@@ -75,6 +75,10 @@ SurfacePoint signedDistance(const MeshData& data, const Vec3& p, Cache* cache, d
                             bool isOutside = false) noexcept;
 SweepHit sweepSphere(const MeshData& data, const Vec3& from, const Vec3& to, double radius, Cache* cache) noexcept;
 
+SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment& to, double radius,
+                      int advances) noexcept;
+inline constexpr int kMostAdvances = 256;  ///< of sweepCapsule() on a triangle
+
 /// Writes what the loops call a feature as public answers do.
 template <typename PublicAnswer>
 void setFeature(std::int32_t feature, PublicAnswer& answer) noexcept {

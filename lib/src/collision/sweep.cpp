@@ -14,7 +14,6 @@ using namespace kernel;
 #include "exact.inl"
 
 constexpr int kMostNewtonSteps = 64;
-constexpr int kMostAdvances = 256;
 constexpr int kPlainAdvances = 16;
 constexpr double kMostWindows = 1024.0;  // on a path as long as the mesh
 constexpr int kPickPieces = 32;
@@ -129,6 +128,7 @@ struct CapsuleSweep {
   Vec3 motionA, motionB;
   double radius, speed, tolerance;
   double start, end;  // times of the window that is searched
+  int advances;       // a triangle that takes more counts as touched
   SweepHit best;
 
   Segment at(double time) const { return {from.a + time * motionA, from.b + time * motionB}; }
@@ -174,14 +174,14 @@ double sweepTriangleByCapsule(void* context, std::int32_t slot, double reach) {
   const Triangle& triangle = s.data->triangles[slot];
   const double latest = s.best.hit ? s.best.time : s.end;
   double time = s.start;
-  for (int step = 0; step < kMostAdvances; ++step) {
+  for (int step = 0; step < s.advances; ++step) {
     const Segment now = s.at(time);
     const SegmentPoint near = nearestOn(triangle, now);
     if (near.distance - s.radius > s.tolerance) {
       const double wait = step < kPlainAdvances ? waitOfPiece(s, triangle, time, 0.0, 1.0)
                                                 : waitOfAxis(s, triangle, time, near.parameter);
       if (!(time + wait <= latest)) return reach;
-      if (wait > 1e-15 && step + 1 < kMostAdvances) {
+      if (wait > 1e-15 && step + 1 < s.advances) {
         time += wait;
         continue;
       }
@@ -278,7 +278,12 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
 }
 
 SweepHit sweepCapsule(const MeshModel& model, const Segment& from, const Segment& to, double radius) noexcept {
-  CapsuleSweep s{&Inside::of(model), from, to.a - from.a, to.b - from.b, radius, 0.0, 0.0, 0.0, 0.0, {}};
+  return kernel::sweepCapsule(model, from, to, radius, kMostAdvances);
+}
+
+SweepHit kernel::sweepCapsule(const MeshModel& model, const Segment& from, const Segment& to, double radius,
+                              int advances) noexcept {
+  CapsuleSweep s{&Inside::of(model), from, to.a - from.a, to.b - from.b, radius, 0.0, 0.0, 0.0, 0.0, advances, {}};
   if (!from.a.allFinite() || !from.b.allFinite() || !to.a.allFinite() || !to.b.allFinite() || !(radius >= 0.0) ||
       !std::isfinite(radius)) {
     s.best.status = radius < 0.0 ? Status::outOfRange : Status::notFinite;

@@ -43,8 +43,9 @@ struct PartTrack {
   State follow(const Obstacle& obstacle, const Segment& goal, PartCache* cache) noexcept;
 };
 
-/// First touch of a part with an obstacle, in the obstacle's frame.
-SweepHit sweepPart(const Obstacle& obstacle, const Segment& from, const Segment& to, double radius,
+/// First touch of a part with an obstacle, in the obstacle's frame. `advances`: as far as sweepCapsule() goes on with a
+/// triangle before it calls it touched.
+SweepHit sweepPart(const Obstacle& obstacle, const Segment& from, const Segment& to, double radius, int advances,
                    PartCache* cache) noexcept;
 
 inline Cache* pointOf(PartCache* cache, std::size_t i) noexcept {

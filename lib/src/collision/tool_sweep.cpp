@@ -14,7 +14,7 @@ using namespace kernel;
 // Analytic shapes: the signed distance of the sphere's centre is convex in time, so Newton's steps from the left never
 // pass its first root. A capsule advances until one of its ends meets the plane that keeps it from the shape.
 template <typename Analytic>
-SweepHit sweepShape(const Analytic& shape, const Segment& from, const Segment& to, double radius, PartCache*) {
+SweepHit sweepShape(const Analytic& shape, const Segment& from, const Segment& to, double radius, int, PartCache*) {
   SweepHit result;
   const Vec3 motionA = to.a - from.a, motionB = to.b - from.b;
   const bool isSphere = from.a == from.b && to.a == to.b;
@@ -48,16 +48,17 @@ SweepHit sweepShape(const Analytic& shape, const Segment& from, const Segment& t
   return result;
 }
 
-SweepHit sweepShape(const MeshModel& mesh, const Segment& from, const Segment& to, double radius, PartCache* cache) {
+SweepHit sweepShape(const MeshModel& mesh, const Segment& from, const Segment& to, double radius, int advances,
+                    PartCache* cache) {
   if (from.a == from.b && to.a == to.b) return sweepSphere(Inside::of(mesh), from.a, to.a, radius, pointOf(cache, 0));
-  return sweepCapsule(mesh, from, to, radius);
+  return sweepCapsule(mesh, from, to, radius, advances);
 }
 
 }  // namespace
 
 SweepHit kernel::sweepPart(const Obstacle& obstacle, const Segment& from, const Segment& to, double radius,
-                           PartCache* cache) noexcept {
-  return std::visit([&](const auto& shape) { return sweepShape(shapeOf(shape), from, to, radius, cache); },
+                           int advances, PartCache* cache) noexcept {
+  return std::visit([&](const auto& shape) { return sweepShape(shapeOf(shape), from, to, radius, advances, cache); },
                     obstacle.shape);
 }
 
@@ -80,7 +81,7 @@ ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, cons
       const ToolPart& part = tool.parts[k];
       const Segment first = axisOf(part, from, obstacle), last = axisOf(part, to, obstacle);
       PartCache* known = PartCache::of(cache, i, k, tool);
-      const SweepHit hit = kernel::sweepPart(obstacle, first, last, part.radius + pad, known);
+      const SweepHit hit = kernel::sweepPart(obstacle, first, last, part.radius + pad, kMostAdvances, known);
       if (!hit.hit || (result.hit && !(hit.time < result.time))) continue;
       result.hit = true;
       result.time = hit.time;

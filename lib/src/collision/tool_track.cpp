@@ -10,7 +10,8 @@ namespace {
 constexpr double kSkin = 1e-5;          // of a mesh's size: how near the axis comes to the surface
 constexpr double kAnalyticSkin = 1e-6;  // m
 constexpr double kShrink = 0.9;         // of the room there is: what a sweep begins with
-constexpr int kMostSteps = 12;          // sweeps of a tick
+constexpr int kMostSteps = 12, kMostSegmentSteps = 4;  // sweeps of a tick
+constexpr int kAdvances = 6;           // what is not decided by then is in the way: it is asked again at the next step
 constexpr int kMostPlanes = 6;
 constexpr int kProjections = 16;
 constexpr double kSettled = 1e-10;  // m
@@ -123,9 +124,9 @@ PartTrack::State followOn(const ShapeType& shape, const Obstacle& obstacle, cons
   Segment& axis = track.axis;
   Segment target = goal;
   track.clear = -1.0;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < (isPoint ? kMostSteps : kMostSegmentSteps); ++step) {
     const double radius = std::min(skin, kShrink * distanceOf(shape, axis, cache));
-    const SweepHit hit = sweepPart(obstacle, axis, target, radius, cache);
+    const SweepHit hit = sweepPart(obstacle, axis, target, radius, kAdvances, cache);
     if (!hit.hit) {
       if (count == 0) return arrive(-1.0);
       axis = target;
