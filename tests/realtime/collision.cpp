@@ -17,7 +17,8 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
   }();
   const MeshModel flats(closedWithFlats);
   TriangleMesh holed = test::ball(4, 0.1);
-  for (std::size_t t = 0; t < holed.triangles.size(); t += 7) holed.triangles.erase(holed.triangles.begin() + static_cast<long>(t));
+  for (std::size_t t = 0; t < holed.triangles.size(); t += 7)
+    holed.triangles.erase(holed.triangles.begin() + static_cast<long>(t));
   const auto open = std::make_shared<const MeshModel>(holed);
   Scene scene;
   scene.add({"mesh", std::shared_ptr<const MeshModel>(mesh), Pose(), Vec6::Zero(), {}});

@@ -154,12 +154,39 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\n"), "s.toml"), "s.toml:3: obstacle[0].unit: is missing");
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"inch\"\n"), "s.toml"),
                     "s.toml:7: obstacle[0].unit: is \"inch\", must be \"m\", \"mm\" or \"um\"");
+  for (const auto& [keys, problem] :
+       {std::pair("thin = 1\n", "thin: is an integer, must be true or false"),
+        {"thin = true\n", "thickness: is missing"},
+        {"thin = true\nthickness = 0.0\n", "thickness: is 0, must be in 1e-06 to 0.01 m"},
+        {"thickness = 0.001\n", "thickness: is that of a sheet, which needs thin = true"}})
+    CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\n" + std::string(keys)), "s.toml"),
+                      Catch::Matchers::Contains(problem));
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\nscale = 0\n"), "s.toml"),
                     "s.toml:8: obstacle[0].scale: is 0, must be in 1e-06 to 1e+06");
   const std::string tool = "name = \"a\"\nstart = [0, 0, 0]\n[[tool]]\nfrom = [0, 0, 0]\n";
   CHECK_THROWS_WITH(parseScene(tool, "s.toml"), "s.toml:3: tool[0].radius: is missing");
   CHECK_THROWS_WITH(parseScene(tool + "radius = 1\n", "s.toml"),
                     "s.toml:5: tool[0].radius: is 1, must be in 0 to 0.05 m");
+}
+
+TEST_CASE("scene files: an open mesh is noted, a sheet is none", "[scene]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "flap.off", "OFF 3 1 0\n-10 -10 0\n10 -10 0\n0 10 0\n3 0 1 2\n");
+  const auto scene = [&](const std::string& keys) {
+    return parseScene(
+        "name = \"a\"\nstart = [0, 0, 0.005]\n[[obstacle]]\nname = \"flap\"\nshape = \"mesh\"\n"
+        "file = \"flap.off\"\nunit = \"mm\"\n" +
+            keys,
+        folder / "s.toml");
+  };
+  const SceneFile open = scene(""), thin = scene("thin = true\nthickness = 0.001\n");
+  REQUIRE(open.notes.size() == 1);
+  CHECK_THAT(open.notes[0], Catch::Matchers::Contains("obstacle \"flap\": open (3 boundary edges)"));
+  CHECK(thin.notes.empty());
+  for (const double z : {0.004, -0.004}) {
+    CHECK(std::abs(nearestTo(thin, {0, 0, z}).gap - 0.0035) < 1e-12);
+    CHECK(std::abs(nearestTo(open, {0, 0, z}).gap - 0.004) < 1e-12);
+  }
 }
 
 }  // namespace enamel::test_scene_file

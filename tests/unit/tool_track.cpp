@@ -106,7 +106,7 @@ TEST_CASE("a walk round an open border is a walk outside: its gap is the distanc
       double before = 0.0;
       for (int i = 0; i <= 2000; ++i) {  // above, round the border, below, and back
         const double turn = M_PI * (1.0 - std::cos(2.0 * M_PI * i / 2000)) / 2.0;
-        const Vec3 p = border + away * Vec3(std::cos(turn - 0.5 * M_PI) , 0, -std::sin(turn - 0.5 * M_PI));
+        const Vec3 p = border + away * Vec3(std::cos(turn - 0.5 * M_PI), 0, -std::sin(turn - 0.5 * M_PI));
         const ContactSnapshot contacts = follow(scene, tool, at(p), track, 5e-3);
         const double distance = closestPoint(model, p).distance - 0.3e-3;
         REQUIRE(contacts.count >= 1);
@@ -195,8 +195,11 @@ TEST_CASE("a sheet has two sides, a thickness and no inside", "[unit]") {
   const double thick = 0.4e-3;
   for (const bool isBall : {false, true}) {
     Scene scene;
-    Obstacle obstacle{"sheet", meshShape(isBall ? test::transformed(test::ball(4), 0.01, Vec3::Zero()) : sheet(5)), Pose(),
-                      Vec6::Zero(), {}};
+    Obstacle obstacle{"sheet",
+                      meshShape(isBall ? test::transformed(test::ball(4), 0.01, Vec3::Zero()) : sheet(5)),
+                      Pose(),
+                      Vec6::Zero(),
+                      {}};
     obstacle.thickness = thick;
     scene.add(obstacle);
     const MeshModel& model = *std::get<std::shared_ptr<const MeshModel>>(scene.obstacles()[0].shape);
@@ -266,8 +269,8 @@ TEST_CASE("a contact keeps its key while it slides", "[unit]") {
   int triangles = 0, triangle = -1;
   for (int i = 0; i < 400; ++i) {
     const Vec3 direction(std::sin(0.005 * i), 0.1, std::cos(0.005 * i));
-    const SurfacePoint near = signedDistance(
-        *std::get<std::shared_ptr<const MeshModel>>(scene.obstacles()[0].shape), 0.0112 * direction.normalized());
+    const SurfacePoint near = signedDistance(*std::get<std::shared_ptr<const MeshModel>>(scene.obstacles()[0].shape),
+                                             0.0112 * direction.normalized());
     const ContactSnapshot contacts = follow(scene, tool, at(near.point + 0.4e-3 * near.normal), track, 2e-4);
     REQUIRE(contacts.count >= 1);
     REQUIRE(contacts.contacts[0].key != 0);

@@ -295,11 +295,11 @@ void measureOpen(const Workload& work, std::vector<Measurement>& rows) {
   const MeshModel model(open);
   const int count = static_cast<int>(work.path.size());
   ProximityCache plain, withSign;
-  const std::vector<Timing> times = timeInTurns(
-      count, count / 10, {[&](int i) { keep(closestPoint(model, work.path[i], &plain)); },
-                          [&](int i) { keep(signedDistance(model, work.path[i], &withSign)); },
-                          [&](int i) { keep(closestPoint(model, work.random[i])); },
-                          [&](int i) { keep(signedDistance(model, work.random[i])); }});
+  const std::vector<Timing> times = timeInTurns(count, count / 10,
+                                                {[&](int i) { keep(closestPoint(model, work.path[i], &plain)); },
+                                                 [&](int i) { keep(signedDistance(model, work.path[i], &withSign)); },
+                                                 [&](int i) { keep(closestPoint(model, work.random[i])); },
+                                                 [&](int i) { keep(signedDistance(model, work.random[i])); }});
   const auto error = [&](const std::vector<Vec3>& points) {
     return largestError(open, points, [&](const Vec3& p) { return std::abs(signedDistance(model, p).distance); });
   };
@@ -412,8 +412,8 @@ void measureContacts(const Workload& work, std::vector<Measurement>& rows) {
            {percentile(times_us, 0.5), percentile(times_us, 0.99)}, error, "m, gap of the contact point");
     rows.back().p999_us = percentile(times_us, 0.999);
     if (wall) continue;
-    addRow(rows, "the same, followed, " + work.size, {percentile(followed_us, 0.5), percentile(followed_us, 0.99)}, error,
-           "m, gap of the contact point", percentile(times_us, 0.5));
+    addRow(rows, "the same, followed, " + work.size, {percentile(followed_us, 0.5), percentile(followed_us, 0.99)},
+           error, "m, gap of the contact point", percentile(times_us, 0.5));
     rows.back().p999_us = percentile(followed_us, 0.999);
   }
 }

@@ -38,11 +38,11 @@ struct Collector {
   ContactSnapshot* contacts;
   double margin;
   Pair pair;
-  End* last;          // of the part before
-  End* next;          // to become that
-  double nextRadius;  // of the part that begins where this one ends, or 0
-  bool isOutside = false;                          // the axis is known to be outside
-  double pad = 0.0;                                // of a sheet: half its thickness, added to all radii
+  End* last;                                         // of the part before
+  End* next;                                         // to become that
+  double nextRadius;                                 // of the part that begins where this one ends, or 0
+  bool isOutside = false;                            // the axis is known to be outside
+  double pad = 0.0;                                  // of a sheet: half its thickness, added to all radii
   const Segment *from = nullptr, *actual = nullptr;  // the axis that is asked stands for another one
 
   double reachOf(double radius) const { return radius + std::max(margin, 0.0); }
@@ -76,10 +76,10 @@ struct Collector {
 
 // Contacts of one part with a mesh.
 //
-// Outside of a closed surface, or where only the way of the tool tells the side, it cannot change before the surface is met: an axis that starts outside and keeps
-// away from every triangle lies outside, and it still does after a move shorter than its clearance. Most ticks of most
-// parts end there. So does an end that was outside, if no triangle is as near as it came from: what is out of reach
-// then need not be known.
+// Outside of a closed surface, or where only the way of the tool tells the side, it cannot change before the surface is
+// met: an axis that starts outside and keeps away from every triangle lies outside, and it still does after a move
+// shorter than its clearance. Most ticks of most parts end there. So does an end that was outside, if no triangle is as
+// near as it came from: what is out of reach then need not be known.
 class PartOnMesh {
  public:
   PartOnMesh(const MeshModel& mesh, const Segment& axis, double radius, PartCache* cache, Collector& out)

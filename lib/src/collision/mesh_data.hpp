@@ -52,13 +52,13 @@ struct MeshData {
   std::vector<char> isTainted;  // by place
   std::vector<std::int32_t> staleLeaves, staleNodes;
   std::vector<char> isStaleLeaf, isStaleNode;
-  int openEdges = 0;            // with more triangles one way than the other
-  int crowdedEdges = 0;         // with more than two triangles
-  bool crossesItself = false;   // when it was built
-  bool closed = false;          // no edge is open
-  bool sound = false;           // closed, no edge crowded, no triangle through another: pseudonormals tell the side
-  bool inwards = false;         // around a negative volume: taken as if all triangles were turned round
-  double size = 0.0;            // diagonal of the bounding box, m
+  int openEdges = 0;           // with more triangles one way than the other
+  int crowdedEdges = 0;        // with more than two triangles
+  bool crossesItself = false;  // when it was built
+  bool closed = false;         // no edge is open
+  bool sound = false;          // closed, no edge crowded, no triangle through another: pseudonormals tell the side
+  bool inwards = false;        // around a negative volume: taken as if all triangles were turned round
+  double size = 0.0;           // diagonal of the bounding box, m
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // corners of it; updates only enlarge it
 };
 

@@ -174,8 +174,8 @@ SurfacePoint kernel::surfacePoint(const MeshData& data, const Answer& found) noe
   return answer;
 }
 
-SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found,
-                                        Cache* cache, bool isOutside) noexcept {
+SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, const Answer& found, Cache* cache,
+                                        bool isOutside) noexcept {
   SurfacePoint answer = surfacePoint(data, found);
   if (found.slot < 0) return answer;
   const Candidate& nearest = found.nearest;

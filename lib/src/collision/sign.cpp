@@ -42,9 +42,8 @@ double tryCrossing(void* context, std::int32_t slot, double reach) {
 bool crossesItself(const MeshData& data, const std::vector<EdgeUse>& edges) {
   std::vector<const EdgeUse*> byLeaf;  // those close to each other in turn
   forEachEdge(edges, [&](const EdgeUse* first, const EdgeUse*) { byLeaf.push_back(first); });
-  std::sort(byLeaf.begin(), byLeaf.end(), [&](const EdgeUse* a, const EdgeUse* b) {
-    return data.slotOf[a->triangle] < data.slotOf[b->triangle];
-  });
+  std::sort(byLeaf.begin(), byLeaf.end(),
+            [&](const EdgeUse* a, const EdgeUse* b) { return data.slotOf[a->triangle] < data.slotOf[b->triangle]; });
   for (const EdgeUse* edge : byLeaf) {
     const auto& t = data.mesh.triangles[edge->triangle];
     const Vec3 &a = data.mesh.vertices[t[edge->edge]], &b = data.mesh.vertices[t[(edge->edge + 1) % 3]];
@@ -55,8 +54,8 @@ bool crossesItself(const MeshData& data, const std::vector<EdgeUse>& edges) {
   return false;
 }
 
-// Whether the volume is negative however the open edges, of length l in all, are closed: of all loops the circle has the
-// largest area, l^2 / (4 pi), and no cone over it reaches farther than the mesh.
+// Whether the volume is negative however the open edges, of length l in all, are closed: of all loops the circle has
+// the largest area, l^2 / (4 pi), and no cone over it reaches farther than the mesh.
 bool isInwards(const MeshData& data, const std::vector<EdgeUse>& edges) {
   const auto vertex = [&](int v) { return local(data.view, data.mesh.vertices[v]); };
   double volume = 0.0, open = 0.0;

@@ -32,10 +32,10 @@ struct PartCache {
 
 /// Where the axis of one part of a tool is in the open, in one obstacle's frame.
 struct PartTrack {
-  Segment axis;                 ///< it goes where the part's axis goes, but never through the surface
-  double clear = -1.0;          ///< its distance from the surface at least
-  std::uint64_t revision = 0;   ///< of the mesh
-  bool isKnown = false;         ///< else the part began inside and has not left yet
+  Segment axis;                ///< it goes where the part's axis goes, but never through the surface
+  double clear = -1.0;         ///< its distance from the surface at least
+  std::uint64_t revision = 0;  ///< of the mesh
+  bool isKnown = false;        ///< else the part began inside and has not left yet
 
   enum class State { unknown, open, held };
 

@@ -7,11 +7,11 @@
 namespace enamel::kernel {
 namespace {
 
-constexpr double kSkin = 1e-5;          // of a mesh's size: how near the axis comes to the surface
-constexpr double kAnalyticSkin = 1e-6;  // m
-constexpr double kShrink = 0.9;         // of the room there is: what a sweep begins with
+constexpr double kSkin = 1e-5;                         // of a mesh's size: how near the axis comes to the surface
+constexpr double kAnalyticSkin = 1e-6;                 // m
+constexpr double kShrink = 0.9;                        // of the room there is: what a sweep begins with
 constexpr int kMostSteps = 12, kMostSegmentSteps = 4;  // sweeps of a tick
-constexpr int kAdvances = 6;           // what is not decided by then is in the way: it is asked again at the next step
+constexpr int kAdvances = 6;  // what is not decided by then is in the way: it is asked again at the next step
 constexpr int kMostPlanes = 6;
 constexpr int kProjections = 16;
 constexpr double kSettled = 1e-10;  // m

@@ -129,7 +129,8 @@ double ofTriangles(const MeshData& data, std::int32_t leaf, const Vec3& p) {
     const double size = std::abs(x) + std::abs(y);
     if (!(size > 0.0)) continue;
     const double u = x / size, v = y / size, next = re * v + im * u;
-    turns += static_cast<int>(im >= 0.0 && v >= 0.0 && next < 0.0) - static_cast<int>(im < 0.0 && v < 0.0 && next >= 0.0);
+    turns +=
+        static_cast<int>(im >= 0.0 && v >= 0.0 && next < 0.0) - static_cast<int>(im < 0.0 && v < 0.0 && next >= 0.0);
     re = re * u - im * v;
     im = next;
   }

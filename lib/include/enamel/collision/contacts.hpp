@@ -48,8 +48,8 @@ ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                     ContactSnapshot& contacts) noexcept;
 
-/// Where a tool came from: what followContacts() remembers. Made by makeToolTrack(), outside the ticks; belongs to whoever
-/// owns the tick. Copying as with a ToolCache.
+/// Where a tool came from: what followContacts() remembers. Made by makeToolTrack(), outside the ticks; belongs to
+/// whoever owns the tick. Copying as with a ToolCache.
 class ToolTrack {
  public:
   ToolTrack();

@@ -88,7 +88,8 @@ SurfacePoint closestPoint(const MeshModel& model, const Vec3& p, ProximityCache*
 ///   nothing outside of the bounding box. w is approximate (Barill et al. 2018): where it is nearer to 1/2 than 1e-3,
 ///   either sign may be answered. Through an opening the sign changes where w passes 1/2, with the distance that the
 ///   point has there from the mesh: a tool that moves asks followContacts() instead, which needs no sign.
-/// - Triangles run counterclockwise seen from outside. A mesh around a negative volume, however its openings are closed,
+/// - Triangles run counterclockwise seen from outside. A mesh around a negative volume, however its openings are
+/// closed,
 ///   is taken as if all were turned round; another open one is taken as it is.
 /// Realtime: yes, as closestPoint(); w takes 10 us, near 1/2 100 us, and holds for the cache while the point moves by
 /// less than about 0.4 of its distance.

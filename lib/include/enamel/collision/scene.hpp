@@ -28,8 +28,8 @@ struct Obstacle {
 class Scene {
  public:
   /// Returns the obstacle's number, counted from 0. Throws Error for a name that is empty or taken, a pose that is not
-  /// finite or not a rotation to 1e-6, a shape without size, an empty mesh pointer, a thickness that is negative, not finite or of
-  /// another shape than a mesh. Realtime: no.
+  /// finite or not a rotation to 1e-6, a shape without size, an empty mesh pointer, a thickness that is negative, not
+  /// finite or of another shape than a mesh. Realtime: no.
   int add(Obstacle obstacle);
 
   /// Moves an obstacle. Inputs are not checked: queries report notFinite. Realtime: yes.

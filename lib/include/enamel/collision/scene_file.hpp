@@ -28,8 +28,8 @@ struct SceneFile {
 /// - shape = "sphere": `centre`, `radius`
 /// - shape = "capsule": `from`, `to`, `radius`
 /// - shape = "mesh": `file` (beside the scene file, or absolute), `unit` of its coordinates ("m", "mm" or "um"),
-///   optional `scale` (default 1), `position` (of its origin) and `euler_deg`; with `thin = true` it is a sheet with two
-///   sides and no inside, `thickness` thick
+///   optional `scale` (default 1), `position` (of its origin) and `euler_deg`; with `thin = true` it is a sheet with
+///   two sides and no inside, `thickness` thick
 /// Throws ConfigurationError, with file, line, key, value and limit, on a file that cannot be read, malformed TOML,
 /// unknown or missing keys, wrong types, values out of their range, an empty scene, two obstacles of one name, a start
 /// inside an obstacle, and as loadMesh() and checkMesh(). Realtime: no.
