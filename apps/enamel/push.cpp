@@ -46,6 +46,7 @@ PushSetup setupOf(const PushOptions& options) {
     setup.scene = std::move(file.scene);
     for (const std::string& note : file.notes) fmt::print(stderr, "{}\n", note);
     setup.tool = file.tool;
+    setup.force = std::min(setup.force, file.maxForce);
     setup.start.position = file.start;
     // To the surface: steps of the distance, which become small as fast as the surface allows.
     Contact nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
@@ -123,17 +124,22 @@ void run(const PushOptions& options) {
       const std::unique_ptr<Renderer> renderer = library ? makeRenderer(library, plugin) : makeLinked(name);
       std::optional<TickFile> file;
       if (!options.output.empty()) file.emplace(outputFor(options, name), *device);
-      MetricsCollector collector(setup, limit);
+      MetricsCollector collector(setup, limit, plant->limits().torque);
       const PushResult result = runPush(*plant, *renderer, setup, [&](const TickRecord& tick) {
         collector.add(tick);
         if (file) file->write(tick);
       });
       if (file) file->close();
-      if (result.status != Status::ok)
-        throw Error(fmt::format("the device left its workspace at {} s: its pose is {}",
-                                static_cast<double>(result.ticks) * setup.period, toString(result.status)));
-      outcomes.push_back({name, library == nullptr && name != kPositionControl, collector.metrics()});
+      const double end = static_cast<double>(result.ticks) * setup.period;
+      const PushMetrics metrics = collector.metrics();
+      if (result.status != Status::ok && result.status != Status::stopped)
+        throw Error(fmt::format("the device left its workspace at {} s: its pose is {}", end, toString(result.status)));
+      outcomes.push_back({name, library == nullptr && name != kPositionControl, metrics});
       if (file) files.push_back(outputFor(options, name));
+      if (result.status == Status::stopped)
+        throw Error(fmt::format("stopped by the guard at {} s: {}", end, toString(result.guard)));
+      if (metrics.verdict == FirstImpactVerdict::unstable)
+        throw Error("the loop is unstable: it saturates, or oscillates and does not stop");
     } catch (const std::exception& error) {  // what the others reach is printed all the same
       failures += fmt::format("{}{}: {}", failures.empty() ? "" : "; ", name, error.what());
     }
@@ -215,6 +221,9 @@ void addPush(CLI::App& app) {
                     "the step comes at a random instant inside its tick, not at its beginning");
   command->add_option("--noise", options->setup.person.noise, "standard deviation of the person's force, N")
       ->capture_default_str();
+  flag("--guard", options->setup.guarded, "off: every torque passes, and loops are judged to their end");
+  command->add_option("--max-force", options->setup.force, "that the guard lets a renderer put on the tool, N")
+      ->default_str("no limit");
   flag("--guide", options->guide, "on: a hand holds x, y and the orientation softly");
   command
       ->add_option("--delay", options->delay,

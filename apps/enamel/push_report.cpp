@@ -85,7 +85,7 @@ TickFile::TickFile(const std::string& path, const Mechanism& device)
   for (const auto& [name, ofTurn, ofSlide] : {std::tuple{"q", "rad", "m"}, {"tau", "N m", "N"}})
     for (int i = 0; i < device.joints(); ++i)
       fmt::print(file_.get(), ",{}{} [{}]", name, i + 1, axes && i < 3 ? ofSlide : ofTurn);
-  fmt::print(file_.get(), ",mode,saturated,status\n");
+  fmt::print(file_.get(), ",mode,saturated,status,guard\n");
 }
 
 void TickFile::write(const TickRecord& t) {
@@ -100,7 +100,8 @@ void TickFile::write(const TickRecord& t) {
   append(&t.normalForce, 1);
   append(t.q.data(), t.q.size());
   append(t.torque.data(), t.torque.size());
-  fmt::print(file_.get(), "{},{},{},{}\n", line_, toString(t.mode), t.saturated ? 1 : 0, toString(t.status));
+  fmt::print(file_.get(), "{},{},{},{},{}\n", line_, toString(t.mode), t.saturated ? 1 : 0, toString(t.status),
+             toString(t.guard));
 }
 
 void TickFile::close() {

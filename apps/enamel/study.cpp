@@ -51,6 +51,9 @@ void addStudy(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--inside-tick", options->insideTick,
                     "every step of scenario 1 comes at a random instant inside its tick, not at its beginning");
+  command->add_option("--guard", options->guard, "off: every torque passes, and loops are judged to their end")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"on", true}, {"off", false}}))
+      ->default_str("on");
   command->add_flag("--release", options->release,
                     "the hold ends when the wall would pull, as in enamel push; without it never, as in the paper");
   command->add_option("--seed", options->seed, "of everything random")->capture_default_str();

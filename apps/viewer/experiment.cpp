@@ -24,6 +24,7 @@ LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose
   setup.encoders = settings.encoders;
   setup.delay = settings.delay;
   setup.period = kPeriod;
+  setup.force = scene.maxForce;
   return setup;
 }
 
@@ -93,6 +94,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
 void Experiment::select(RendererSlot slot) noexcept {
   frame_.selected = slot;
   switched_.select(slot);
+  if (loop_.guard().fault() != GuardReason::none) loop_.reset();
   if (phase_ != Phase::none) setGrip(gripBefore_);
   phase_ = Phase::none;
 }
@@ -147,8 +149,8 @@ void Experiment::watchTestPush() noexcept {
   const TickRecord& record = frame_.record;
   const Vec3 moved = record.pose.position - testStart_;
   if (phase_ == Phase::push) testDrift_ = std::max(testDrift_, (moved - testNormal_.dot(moved) * testNormal_).norm());
-  const ImpactTick tick{record.nearest.gap, record.gapRate, -testNormal_.dot(record.person.head<3>()), testDrift_,
-                        record.saturated};
+  const ImpactTick tick{record.nearest.gap, record.gapRate,   -testNormal_.dot(record.person.head<3>()),
+                        testDrift_,         record.saturated, record.torque.cwiseQuotient(plant_->limits().torque)};
   if (phase_ == Phase::push)
     impact_.push(tick);
   else if (phase_ == Phase::approach && restTicks_ >= kRest - kRestWatched)
@@ -179,6 +181,7 @@ void Experiment::tick() noexcept {
   frame_.holding = frame_.selected == RendererSlot::hold && hold_.holding();
   frame_.reference = hold_.reference();
   watchTestPush();
+  if (phase_ != Phase::none && isFault(record.guard)) endTestPush(FirstImpactVerdict::unstable);
   frame_.testing = phase_ != Phase::none;
 }
 

@@ -101,7 +101,7 @@ class Experiment {
   /// One tick; nothing happens once the plant has failed. Realtime: yes.
   void tick() noexcept;
 
-  /// Changes between ticks. Realtime: yes.
+  /// Changes between ticks; select() also goes on after the guard has stopped. Realtime: yes.
   void select(RendererSlot slot) noexcept;
   void moveHandTo(const Vec3& target) noexcept { frame_.hand.target = target; }
   void moveHandBy(const Vec3& displacement) noexcept { frame_.hand.target += displacement; }

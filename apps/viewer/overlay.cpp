@@ -253,6 +253,10 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   unsigned fill = contact ? kVermilion : kMuted;
   if (frame.testing) chip = "test push", fill = kGreen;
   if (frame.record.status != Status::ok) chip = std::string("fault: ") + toString(frame.record.status), fill = kInk;
+  if (frame.record.guard != GuardReason::none)
+    chip =
+        std::string("guard: ") + toString(frame.record.guard) + (isFault(frame.record.guard) ? ": select again" : ""),
+    fill = kInk;
   if (frame.plant != Status::ok) chip = std::string("stopped: ") + toString(frame.plant), fill = kInk;
   const float chipWidth = Brush::width(gBold, chip) + 20 * s;
   brush.list->AddRectFilled({right - chipWidth, area.y + 16 * s}, {right, area.y + 40 * s}, ink(fill), 12 * s);

@@ -322,7 +322,20 @@ TEST_CASE("renderers: a renderer's answer is checked as its input is", "[rendere
   parrot.torque[3] = HUGE_VAL;
   answer(Status::notFinite);
   parrot.torque.setConstant(1e308);
-  CHECK(answer(Status::ok).torque == device.limits().torque);  // cut
+  answer(Status::outOfRange);
+  parrot.torque = JointVector::Zero(6);
+  parrot.normalForce = -1e7;
+  answer(Status::outOfRange);
+  parrot.normalForce = 0.0;
+  // Beyond a motor's limit the wrench becomes smaller and keeps its direction.
+  const Kinematics& home = device.home();
+  parrot.torque = staticTorque(home, 100.0 * Vec6::Unit(1));
+  const TickOutput cut = answer(Status::ok);
+  CHECK(cut.saturated);
+  CHECK((cut.torque.cwiseAbs() - device.limits().torque).maxCoeff() == Approx(0.0).margin(1e-15));
+  const Vec6 wrench = wrenchOf(home, cut.torque - home.gravity);
+  CHECK(wrench[1] > 10.0);
+  CHECK((wrench - wrench[1] * Vec6::Unit(1)).norm() < 1e-9);
   parrot.torque = JointVector::Zero(5);
   answer(Status::notFinite);
   parrot.torque = JointVector::Zero(6);

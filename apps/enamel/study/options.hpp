@@ -23,6 +23,7 @@ struct StudyOptions {
   double preload = 0.0;     ///< N
   bool insideTick = false;  ///< the step comes at a random instant of its tick
   bool encoders = false, resume = false, convergence = false;
+  bool guard = true;     ///< in the loop
   bool release = false;  ///< the hold ends when the wall would pull; the paper's never does
 };
 

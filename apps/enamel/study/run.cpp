@@ -196,8 +196,7 @@ void printSummary(const Study& study, const std::vector<WallSummary>& walls, con
                w.lowestShare ? fmt::format("{:.1f}", 100.0 * w.lowestShare->value) : "-", value(w.lowestSteady),
                value(w.highestSteady), w.unresolved, largest(1e3 * w.largestDepth), largest(1e3 * w.bounce),
                largest(w.chatter), largest(1e3 * w.drift),
-               (without.empty() ? "" : "  runs without K_z1: " + without) +
-                   (w.failed > 0 ? fmt::format("  {} runs left the workspace", w.failed) : ""));
+               (without.empty() ? "" : "  runs without K_z1: " + without) + (w.failed > 0 ? "  " + lostText(w) : ""));
   }
   fmt::print(
       "* mechanical, of the plant along z at home  ** lowest mean of K_z1 over what physics allows for a step at the\n"

@@ -114,7 +114,7 @@ Json numberOrNull(double value) { return std::isfinite(value) ? Json(value) : Js
 
 // What a push ends without a first impact stiffness for.
 constexpr FirstImpactVerdict kWithoutFirst[] = {FirstImpactVerdict::rings, FirstImpactVerdict::slips,
-                                                FirstImpactVerdict::noReturn};
+                                                FirstImpactVerdict::noReturn, FirstImpactVerdict::unstable};
 const Metric* const kFirst = &allMetrics()[indexOf(&PushMetrics::firstStiffness)];
 
 // "rms depth [N/m]": a force over this depth.
@@ -147,6 +147,7 @@ Study prepareStudy(const StudyOptions& options) {
   plan.insideTick = options.insideTick;
   plan.setup.person.preload = options.preload;
   plan.setup.delay = parseDelay(options.delay);
+  plan.setup.guarded = options.guard;
   plan.setup.encoders.quantised = options.encoders;
   plan.setup.encoders.rates = options.encoders ? RateSource::difference : RateSource::exact;
 
@@ -259,6 +260,7 @@ Study prepareStudy(const StudyOptions& options) {
   m["preload [N]"] = setup.person.preload;
   m["step inside its tick"] = plan.insideTick;
   m["release"] = options.release;
+  m["guard"] = options.guard;
   m["guide"] = setup.person.guide;
   m["F_c [N]"] = {plan.lowestForce, plan.highestForce};
   m["half width [m]"] = plan.halfWidth;
@@ -291,6 +293,14 @@ std::string withoutFirstText(const WallSummary& wall) {
   for (const FirstImpactVerdict verdict : kWithoutFirst)
     if (const int count = wall.verdicts[static_cast<std::size_t>(verdict)]; count > 0)
       text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, toString(verdict));
+  return text;
+}
+
+std::string lostText(const WallSummary& wall) {
+  std::string text;
+  if (wall.failed > wall.stopped) text = fmt::format("{} runs left the workspace", wall.failed - wall.stopped);
+  if (wall.stopped > 0)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", wall.stopped, toString(Status::stopped));
   return text;
 }
 
@@ -357,7 +367,8 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
     json["largest mean " + keyOf(&PushMetrics::saturatedShare)] = largest(w.saturatedShare);
     json["largest mean " + keyOf(&PushMetrics::tangentialForce)] = largest(w.tangentialForce);
     json["largest mean " + keyOf(&PushMetrics::bounce)] = largest(w.bounce);
-    json["runs that left the workspace"] = w.failed;
+    json["runs that left the workspace"] = w.failed - w.stopped;
+    json["runs stopped by the guard"] = w.stopped;
     Json& without = json[std::string("runs without ") + kFirst->symbol];
     for (const FirstImpactVerdict verdict : kWithoutFirst)
       without[toString(verdict)] = w.verdicts[static_cast<std::size_t>(verdict)];
@@ -393,7 +404,7 @@ std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistic
                fmt::format("{:.0f} N/m at {} mm, {:.0f} N/m at {} mm", servo.lowestFirst->value,
                            pointText(study, servo.lowestFirst->point), wall.highestFirst->value,
                            pointText(study, wall.highestFirst->point)),
-               servo.lowestFirst->value > wall.highestFirst->value && servo.withoutFirst() == 0 && servo.failed == 0});
+               servo.lowestFirst->value > wall.highestFirst->value && servo.withoutFirst() == 0 && servo.stable()});
         std::size_t below = 0, worst = 0, lost = 0;
         double worstRatio = -1.0;
         for (std::size_t p = 0; p < count; ++p) {
@@ -409,13 +420,12 @@ std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistic
                                                        : fmt::format("; nearest at {} mm: {:.3g} of it",
                                                                      pointText(study, worst), worstRatio),
                                       lost > 0 ? fmt::format("; at {} no run could be finished", lost) : ""),
-                          below == count});
+                          below == count && servo.stable()});
       }
       claims.push_back({fmt::format("scenario {}: the largest penetration of {} is below 1 mm", scenario, title),
                         fmt::format("{:.3f} mm{}", 1e3 * servo.largestDepth,
-                                    servo.failed > 0 ? fmt::format(", and {} runs left the workspace", servo.failed)
-                                                     : std::string()),
-                        servo.largestDepth < 1e-3 && servo.failed == 0});
+                                    servo.failed > 0 ? ", and " + lostText(servo) : std::string()),
+                        servo.largestDepth < 1e-3 && servo.stable()});
     }
   }
   return claims;

@@ -65,6 +65,9 @@ std::string pointText(const Study& study, std::size_t point);
 /// Why runs have no first impact stiffness, as "2 rings, 1 slipped"; empty where all have one.
 std::string withoutFirstText(const WallSummary& wall);
 
+/// "2 runs left the workspace, 3 stopped by the guard"; "" where none was lost.
+std::string lostText(const WallSummary& wall);
+
 /// Whether any run of a wall could be finished: without, its largest values are none, not zero.
 bool anyFinished(const Study& study, const WallSummary& wall);
 

@@ -182,6 +182,11 @@ SceneFile parseScene(std::string_view text, const std::string& file) {
   if (result.name.empty()) root.fail("name", "is empty");
   result.start = position(root, "start");
   result.tool = readTool(root);
+  if (root.has("max_force")) {
+    result.maxForce = root.number("max_force");
+    if (!(result.maxForce >= 0.0 && result.maxForce <= 1e3))
+      root.fail("max_force", "is " + formatNumber(result.maxForce) + ", must be in 0 to 1000 N");
+  }
   std::vector<TomlTable> tables = root.tables("obstacle");
   if (tables.empty() || tables.size() > kMaxObstacles)
     root.fail("obstacle",

@@ -1,5 +1,6 @@
 #include "enamel/control/first_impact.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace enamel {
@@ -7,6 +8,8 @@ namespace {
 
 constexpr double kSettling = 0.5, kJudged = 0.25;   // s after the onset that do not count, and that at least must
 constexpr double kRinging = 0.25, kReturned = 0.1;  // of D_z1
+constexpr double kBlock = 0.125;                    // s
+constexpr double kGrows = 3.0, kChatters = 0.25;    // of the first block's deviation, of a motor's limit
 
 std::uint64_t ticksIn(double time, double period) noexcept {
   return static_cast<std::uint64_t>(std::llround(time / period));
@@ -35,6 +38,7 @@ const char* toString(FirstImpactVerdict verdict) noexcept {
     case FirstImpactVerdict::noReturn: return "never returned";
     case FirstImpactVerdict::rings: return "rings";
     case FirstImpactVerdict::slips: return "slipped";
+    case FirstImpactVerdict::unstable: return "unstable";
   }
   return "unknown verdict";
 }
@@ -67,17 +71,57 @@ void ImpactWatch::push(const ImpactTick& tick) noexcept {
     lateSquares_ += tick.gap * tick.gap;
     lateSaturated_ += tick.saturated;
     ++lateTicks_;
+    block_.add(tick);
+    if (block_.ticks >= ticksIn(kBlock, period_)) {
+      if (firstBlock_.ticks == 0) firstBlock_ = block_;
+      lastBlock_ = block_;
+      block_ = Block{};
+    }
   }
   ++ticks_;
 }
 
-FirstImpactVerdict ImpactWatch::verdict() const noexcept {
-  if (depth_ == 0.0) return FirstImpactVerdict::noReturn;
-  if (lateTicks_ >= ticksIn(kJudged, period_)) {
-    const double count = static_cast<double>(lateTicks_), mean = lateSum_ / count;
-    const double deviation = std::sqrt(std::fmax(0.0, lateSquares_ / count - mean * mean));
-    if (deviation > kRinging * depth_ || 2 * lateSaturated_ > lateTicks_) return FirstImpactVerdict::rings;
+void ImpactWatch::Block::add(const ImpactTick& tick) noexcept {
+  ++ticks;
+  sum -= tick.gap;
+  squares += tick.gap * tick.gap;
+  for (int i = 0; i < tick.torque.size(); ++i) {
+    torque[i] += tick.torque[i];
+    torqueSquares[i] += tick.torque[i] * tick.torque[i];
   }
+}
+
+double ImpactWatch::Block::deviation() const noexcept {
+  const double count = static_cast<double>(std::max<std::uint64_t>(ticks, 1)), mean = sum / count;
+  return std::sqrt(std::fmax(0.0, squares / count - mean * mean));
+}
+
+double ImpactWatch::Block::chatter() const noexcept {
+  const double count = static_cast<double>(std::max<std::uint64_t>(ticks, 1));
+  double largest = 0.0;
+  for (int i = 0; i < kMaxJoints; ++i) {
+    const double mean = torque[i] / count;
+    largest = std::fmax(largest, torqueSquares[i] / count - mean * mean);
+  }
+  return std::sqrt(largest);
+}
+
+bool ImpactWatch::ringing() const noexcept {
+  if (lateTicks_ < ticksIn(kJudged, period_)) return false;
+  const double count = static_cast<double>(lateTicks_), mean = lateSum_ / count;
+  return std::sqrt(std::fmax(0.0, lateSquares_ / count - mean * mean)) > kRinging * depth_;
+}
+
+bool ImpactWatch::unstable() const noexcept {
+  if (lateTicks_ < ticksIn(kJudged, period_)) return false;
+  return 2 * lateSaturated_ > lateTicks_ || lastBlock_.chatter() > kChatters;
+}
+
+FirstImpactVerdict ImpactWatch::verdict() const noexcept {
+  const bool grows = ringing() && depth_ > 0.0 && lastBlock_.deviation() > kGrows * firstBlock_.deviation();
+  if (unstable() || grows) return FirstImpactVerdict::unstable;
+  if (depth_ == 0.0) return FirstImpactVerdict::noReturn;
+  if (ringing()) return FirstImpactVerdict::rings;
   return slipped_ ? FirstImpactVerdict::slips : FirstImpactVerdict::measured;
 }
 

@@ -12,6 +12,7 @@ const char* toString(Status status) noexcept {
     case Status::outOfRange: return "out of range";
     case Status::stale: return "stale";
     case Status::inactive: return "inactive";
+    case Status::stopped: return "stopped by the guard";
   }
   return "unknown status";
 }

@@ -26,6 +26,10 @@ ImpedanceRenderer::ImpedanceRenderer(const ImpedanceOptions& options) : options_
   requireNotNegative(options.damping, "damping", "N s/m");
 }
 
+void ImpedanceRenderer::stateLoaded() noexcept {
+  if (!isFinite(stateBlock())) resetState();
+}
+
 Status ImpedanceRenderer::render(const TickInput& input, TickOutput& output) noexcept {
   const Kinematics& k = input.kinematics;
   JointVector moved = JointVector::Zero(k.q.size());

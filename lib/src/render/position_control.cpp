@@ -1,5 +1,6 @@
 #include "enamel/render/position_control.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/message.hpp"
@@ -26,6 +27,10 @@ void PositionControlRenderer::prepare(double period) {
               formatNumber(period_) + " s");
 }
 
+void PositionControlRenderer::stateLoaded() noexcept {
+  if (!isFinite(stateBlock())) resetState();
+}
+
 Status PositionControlRenderer::render(const TickInput& input, TickOutput& output) noexcept {
   const Kinematics& k = input.kinematics;
   const auto n = joints_;
@@ -35,6 +40,7 @@ Status PositionControlRenderer::render(const TickInput& input, TickOutput& outpu
   output.torque = k.gravity;
   if (state_.phase != kHolding) return Status::ok;
 
+  moveReference(input);
   const JointVector error = k.q - state_.reference.head(n);
   Eigen::Matrix<double, kRows, 1> answer = Eigen::Matrix<double, kRows, 1>::Zero();
   const auto add = [&](Eigen::Index column, double value) { answer -= value * gain_.col(column); };
@@ -55,6 +61,9 @@ Status PositionControlRenderer::render(const TickInput& input, TickOutput& outpu
   output.torque = state_.feedForward.head(n) + servo;
   const bool cut = (output.torque.array().abs() > input.maxTorque.array()).any();
   if (!(options_.antiWindup && cut)) state_.integral.head(n) -= period_ * error;
+  output.saturated = cut;
+  if (cut && output.torque.allFinite())
+    output.torque = output.torque.cwiseMin(input.maxTorque).cwiseMax(-input.maxTorque);
   return Status::ok;
 }
 
@@ -68,6 +77,21 @@ void PositionControlRenderer::updatePhase(const TickInput& input) noexcept {
     hold(input);
 }
 
+// With the obstacle, and on to the surface.
+void PositionControlRenderer::moveReference(const TickInput& input) noexcept {
+  const double step = std::min(state_.left, kWalk * period_);
+  state_.left -= step;
+  Vec6 way = Vec6::Zero();
+  way.head<3>() = step * state_.normal;
+  for (int i = 0; i < input.contacts.count; ++i) {
+    const Contact& contact = input.contacts.contacts[i];
+    if (contact.obstacle != state_.obstacle) continue;
+    way.head<3>() += period_ * contact.obstacleVelocity;
+    break;
+  }
+  if (!way.isZero(0.0)) state_.reference.head(joints_) += torqueOf(input.kinematics.inverseTransposed, way);
+}
+
 // Takes the reference: the joint pose at first touch or, with release, that pose moved back to the surface.
 void PositionControlRenderer::hold(const TickInput& input) noexcept {
   const Kinematics& k = input.kinematics;
@@ -76,11 +100,14 @@ void PositionControlRenderer::hold(const TickInput& input) noexcept {
   state_ = State{};
   state_.phase = kHolding;
   state_.normal = contact.normal;
+  state_.obstacle = contact.obstacle;
   state_.reference.head(n) = k.q;
   state_.feedForward.head(n) = k.gravity;
   if (options_.release && contact.gap < 0.0) {
     Vec6 back = Vec6::Zero();
-    back.head<3>() = -contact.gap * contact.normal;
+    const double step = std::min(-contact.gap, kLargestStep);
+    state_.left = -contact.gap - step;
+    back.head<3>() = step * contact.normal;
     state_.reference.head(n) += torqueOf(k.inverseTransposed, back);  // J^-1 times the way back
   }
 }

@@ -125,8 +125,12 @@ Status Renderer::step(const TickInput& input, TickOutput& output) noexcept {
   if (status == Status::ok &&
       !(output.torque.size() == joints && allFinite(output.torque) && std::isfinite(output.normalForce)))
     status = Status::notFinite;
+  if (status == Status::ok &&
+      !(within(output.torque, kLargestTorque) && std::abs(output.normalForce) <= kLargestTorque))
+    status = Status::outOfRange;
   if (status == Status::ok) {
-    output.saturated = saturate(output.torque, input.maxTorque) || output.saturated;  // a plugin may have cut it
+    // A renderer may have cut it.
+    output.saturated = saturate(output.torque, input.kinematics.gravity, input.maxTorque) || output.saturated;
     lastTime_ = input.time;
   } else {
     output = TickOutput{};
@@ -158,13 +162,32 @@ void Renderer::loadState(const void* state) noexcept {
   std::memcpy(&lastTime_, state, sizeof(lastTime_));
   if (block.size > 0) std::memcpy(block.data, static_cast<const char*>(state) + sizeof(lastTime_), block.size);
   stateLoaded();
+  if (!(lastTime_ < std::numeric_limits<double>::infinity())) reset();
 }
 
-bool saturate(JointVector& torque, const JointVector& maxTorque) noexcept {
-  const JointVector limited = torque.cwiseMin(maxTorque).cwiseMax(-maxTorque);
-  const bool cut = limited != torque;
-  torque = limited;
-  return cut;
+bool Renderer::isFinite(const StateBlock& block) noexcept {
+  double value;
+  for (std::size_t at = 0; at + sizeof(value) <= block.size; at += sizeof(value)) {
+    std::memcpy(&value, static_cast<const char*>(block.data) + at, sizeof(value));
+    if (!std::isfinite(value)) return false;
+  }
+  return true;
+}
+
+bool saturate(JointVector& torque, const JointVector& gravity, const JointVector& maxTorque) noexcept {
+  double scale = 1.0;
+  bool cut = false;
+  for (Eigen::Index i = 0; i < torque.size(); ++i) {
+    if (std::abs(torque[i]) <= maxTorque[i]) continue;
+    cut = true;
+    const double rendered = torque[i] - gravity[i];
+    const double most = std::copysign(maxTorque[i], rendered) - gravity[i];  // of the sign of `rendered`, or gravity's
+    scale = std::min(scale, std::max(0.0, most / rendered));                 // own torque is too large
+  }
+  if (!cut) return false;
+  for (Eigen::Index i = 0; i < torque.size(); ++i)
+    torque[i] = std::clamp(gravity[i] + scale * (torque[i] - gravity[i]), -maxTorque[i], maxTorque[i]);
+  return true;
 }
 
 Vec3 translationAt(const Vec6& motion, const Vec3& arm) noexcept {

@@ -199,6 +199,12 @@ void SurfaceServoRenderer::prepare(double period) {
   }
 }
 
+void SurfaceServoRenderer::stateLoaded() noexcept {
+  if (!isFinite(stateBlock()) || !(state_.sinceJump >= 0.0 && state_.sinceJump <= kSchedule) ||
+      !(state_.scale >= kLowestScale && state_.scale <= kHighestScale))
+    resetState();
+}
+
 void SurfaceServoRenderer::start(const TickInput& input) noexcept {
   const Kinematics& k = input.kinematics;
   State fresh;
@@ -453,10 +459,9 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
                                      s.pushByScale[i]);
   if (!finite) return Status::notFinite;  // numbers that are finite one by one can overflow together
   for (int d = kMaxServoDelay; d > 0; --d) s.commands[d] = s.commands[d - 1];
-  for (int i = 0; i < joints_; ++i) {
-    output.torque[i] = k.gravity[i] + torque[i];
-    s.commands[0][i] = std::clamp(output.torque[i], -input.maxTorque[i], input.maxTorque[i]);
-  }
+  for (int i = 0; i < joints_; ++i) output.torque[i] = k.gravity[i] + torque[i];
+  output.saturated = saturate(output.torque, k.gravity, input.maxTorque) || output.saturated;
+  for (int i = 0; i < joints_; ++i) s.commands[0][i] = output.torque[i];
   return Status::ok;
 }
 

@@ -92,7 +92,7 @@ PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSet
   PersonLoad person(setup.person, setup.start);
   const RandomStream random(setup.seed, setup.run);
   const PushTimes times = timesOf(setup);
-  PushResult result{Status::ok, 0};
+  PushResult result{Status::ok, 0, GuardReason::none};
   TickRecord tick;
   for (std::uint64_t i = 0; i < times.end; ++i) {
     const bool pressed = setup.person.preload > 0.0 && setup.person.scenario == 1;
@@ -111,6 +111,11 @@ PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSet
     if (result.status != Status::ok) break;
     ++result.ticks;
     record(tick);
+    if (isFault(tick.guard)) {
+      result.status = Status::stopped;
+      result.guard = tick.guard;
+      break;
+    }
   }
   renderer.deactivate();
   return result;

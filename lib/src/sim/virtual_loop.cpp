@@ -7,13 +7,25 @@ namespace enamel {
 void checkLoop(const LoopSetup& setup) {
   checkVirtualDevice(setup);
   require(!setup.scene.obstacles().empty(), "the scene has no obstacle");
+  require(setup.force >= 0.0, "the force limit is " + formatNumber(setup.force) + ", must be at least 0 N");
 }
+
+namespace {
+
+GuardOptions guardOf(const Mechanism& plant, const LoopSetup& setup) {
+  GuardOptions guard = guardFor(plant, setup.period);
+  guard.on = setup.guarded;
+  guard.force = setup.force;
+  return guard;
+}
+
+}  // namespace
 
 VirtualLoop::VirtualLoop(const Mechanism& plant, const Mechanism& model, Renderer& renderer, const LoopSetup& setup)
     : scene_((checkLoop(setup), setup.scene)),
       tool_(setup.tool),
       device_(plant, setup),
-      tick_(model, scene_, tool_, renderer, setup.period, setup.start),
+      tick_(model, scene_, tool_, renderer, guardOf(plant, setup), setup.start),
       trueCache_(makeToolCache(scene_, tool_)) {}
 
 // Everything up to the torque that acts during this tick.
@@ -28,7 +40,9 @@ Status VirtualLoop::react(TickRecord& record) noexcept {
   record.pose = truth.pose;
   record.twist = truth.twist;
   record.q = measurement_.q;
+  record.requested = tick_.output().torque;
   record.command = command_.torque;
+  record.guard = tick_.reason();
   record.torque = device_.torque();
   record.rendered = wrenchOf(truth, record.torque - truth.gravity);
   record.nearest = nearestContact(scene_, tool_, truth.pose, &trueCache_);

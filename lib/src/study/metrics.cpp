@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "enamel/control/tuning.hpp"
 
@@ -51,8 +52,8 @@ double largestStiffness(const Mechanism& plant, const PushSetup& setup) {
                           person.force, largestForce(there, plant.limits().torque, person.normal), person.preload);
 }
 
-MetricsCollector::MetricsCollector(const PushSetup& setup, double limit)
-    : setup_(setup), limit_(limit), times_(timesOf(setup)), impact_(setup.period) {
+MetricsCollector::MetricsCollector(const PushSetup& setup, double limit, JointVector maxTorque)
+    : setup_(setup), limit_(limit), maxTorque_(std::move(maxTorque)), times_(timesOf(setup)), impact_(setup.period) {
   depths_.reserve(times_.end);
   torques_.reserve(times_.end - times_.lastSecond + 1);
 }
@@ -72,10 +73,15 @@ void MetricsCollector::add(const TickRecord& tick) {
   running_.work += setup_.period * tick.rendered.dot(tick.twist);
   if (tick.status != Status::ok) ++running_.faults;
   if (tick.saturated) ++saturated_;
+  stopped_ = stopped_ || isFault(tick.guard);
   ++ticks_;
 
-  const ImpactTick impact{tick.nearest.gap, tick.gapRate, -normal.dot(tick.person.head<3>()), running_.drift,
-                          tick.saturated};
+  const ImpactTick impact{tick.nearest.gap,
+                          tick.gapRate,
+                          -normal.dot(tick.person.head<3>()),
+                          running_.drift,
+                          tick.saturated,
+                          maxTorque_.size() > 0 ? JointVector(tick.torque.cwiseQuotient(maxTorque_)) : JointVector()};
   const auto rest = static_cast<std::uint64_t>(std::llround(ImpactWatch::kRestWindow / setup_.period));
   // A turn in the tick in which a step comes is none of the step's doing.
   const std::uint64_t pushed = times_.onset + (setup_.person.instant > 0.0 ? 1 : 0);
@@ -118,6 +124,7 @@ PushMetrics MetricsCollector::metrics() const {
 
   m.bounce = impact_.bounce();
   m.verdict = setup_.person.scenario == 1 ? impact_.verdict() : FirstImpactVerdict::noStep;
+  if (stopped_ || impact_.unstable()) m.verdict = FirstImpactVerdict::unstable;
   if (m.verdict == FirstImpactVerdict::measured) {
     m.firstDepth = impact_.depth();
     m.firstStiffness = impact_.stiffness();

@@ -78,7 +78,7 @@ StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
   if (plan.insideTick) setup.person.instant = randomInstant(setup.seed, setup.run);
   const StudyColumn& column = plan.columns[run.column];
   const std::unique_ptr<Renderer> renderer = column.make(run.point);
-  MetricsCollector collector(setup, largestStiffness(*column.plant, setup));
+  MetricsCollector collector(setup, largestStiffness(*column.plant, setup), column.plant->limits().torque);
   StudyResult result;
   result.run = run;
   result.status = runPush(*column.plant, *renderer, setup, [&](const TickRecord& tick) {
@@ -113,6 +113,7 @@ PointStatistics statisticsOf(const std::vector<StudyResult>& runs) {
   for (const StudyResult& result : runs) {
     if (result.status != Status::ok) {
       ++s.failed;
+      s.stopped += result.status == Status::stopped;
       continue;
     }
     const PushMetrics& m = result.metrics;
@@ -132,7 +133,8 @@ PointStatistics statisticsOf(const std::vector<StudyResult>& runs) {
   // A deviation of NaN (fewer than two runs) resolves nothing.
   const double standardError = compliance.deviation / std::sqrt(static_cast<double>(compliance.count));
   const double mean = std::abs(compliance.mean);
-  if (mean >= 2.0 * standardError && mean > 0.0) s.steadyStiffness = 1.0 / mean;
+  const bool stable = s.verdicts[static_cast<std::size_t>(FirstImpactVerdict::unstable)] == 0;
+  if (stable && mean >= 2.0 * standardError && mean > 0.0) s.steadyStiffness = 1.0 / mean;
   return s;
 }
 
@@ -185,6 +187,7 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
       w.bounce = larger(w.bounce, p.of(&PushMetrics::bounce).mean);
       w.tangentialForce = larger(w.tangentialForce, p.of(&PushMetrics::tangentialForce).mean);
       w.failed += p.failed;
+      w.stopped += p.stopped;
       w.faults += p.faults;
       for (int v = 0; v < kVerdicts; ++v) w.verdicts[v] += p.verdicts[v];
     }
@@ -200,8 +203,8 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
 
 int WallSummary::withoutFirst() const noexcept {
   int count = 0;
-  for (const FirstImpactVerdict v :
-       {FirstImpactVerdict::noReturn, FirstImpactVerdict::rings, FirstImpactVerdict::slips})
+  for (const FirstImpactVerdict v : {FirstImpactVerdict::noReturn, FirstImpactVerdict::rings, FirstImpactVerdict::slips,
+                                     FirstImpactVerdict::unstable})
     count += verdicts[static_cast<std::size_t>(v)];
   return count;
 }

@@ -35,7 +35,7 @@ double parse(std::string_view text, const std::string& where) {
 }
 
 Status statusNamed(std::string_view name, const std::string& where) {
-  for (int i = 0; i <= static_cast<int>(Status::inactive); ++i)
+  for (int i = 0; i < kStatuses; ++i)
     if (name == toString(static_cast<Status>(i))) return static_cast<Status>(i);
   throw Error(where + ": \"" + std::string(name) + "\" is not a status");
 }

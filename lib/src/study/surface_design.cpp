@@ -107,6 +107,7 @@ TrialResult perform(const SurfaceDesignSetup& setup, const Mechanism& model, con
   loopSetup.period = setup.period;
   loopSetup.seed = setup.seed;
   loopSetup.run = trial.stream;
+  loopSetup.guarded = false;  // laws are judged to the end
   SurfaceServoRenderer servo(options);
   VirtualLoop loop(*setup.plant, model, servo, loopSetup);
   const RandomStream random(setup.seed, trial.stream);
@@ -132,7 +133,7 @@ TrialResult perform(const SurfaceDesignSetup& setup, const Mechanism& model, con
       result.lost = true;
       return result;
     }
-    const ImpactTick seen{tick.nearest.gap, tick.gapRate, now.force, 0.0, tick.saturated};
+    const ImpactTick seen{tick.nearest.gap, tick.gapRate, now.force, 0.0, tick.saturated, {}};
     // A turn in the tick in which the step comes is none of its doing.
     if (i >= onset - watched && i < onset) {
       watch.rest(seen);

@@ -1,6 +1,7 @@
 // Scene files: what the tool is, where it begins and what it can touch.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,11 +18,13 @@ struct SceneFile {
   Tool tool;                  ///< a point at the TCP where the file names none
   Scene scene;
   std::vector<std::string> notes;  ///< one line for each mesh whose inside is not certain, as describe() says it
+  double maxForce = std::numeric_limits<double>::infinity();  ///< that a guard should let a renderer put on the tool, N
 };
 
-/// Reads a scene file: `name`, `start` [m], optional `tool`, and a list `obstacle` of tables with `name`, `shape` and
-/// optionally the material: `stiffness` [N/m] (default: rigid), `friction` (default 0), `sliding_friction` (default:
-/// `friction`), `viscosity` [N s/m] (default 0). Lengths in m, angles in deg, R = Rz Ry Rx of `euler_deg` (default 0).
+/// Reads a scene file: `name`, `start` [m], optional `tool` and `max_force` [N], and a list `obstacle` of tables with
+/// `name`, `shape` and optionally the material: `stiffness` [N/m] (default: rigid), `friction` (default 0),
+/// `sliding_friction` (default: `friction`), `viscosity` [N s/m] (default 0). Lengths in m, angles in deg, R = Rz Ry Rx
+/// of `euler_deg` (default 0).
 /// - tool: list of capsules in the platform's frame, `from`, optional `to` (default: a sphere), `radius`
 /// - shape = "half_space": `point`, `normal` (outward, of any length)
 /// - shape = "box": `centre`, `size`, optional `euler_deg`

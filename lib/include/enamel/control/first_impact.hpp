@@ -1,7 +1,10 @@
 // The first impact of a push on a wall: the deepest point of the continuous motion up to its first return.
 #pragma once
 
+#include <array>
 #include <cstdint>
+
+#include "enamel/core/types.hpp"
 
 namespace enamel {
 
@@ -32,12 +35,14 @@ enum class FirstImpactVerdict : std::uint8_t {
   measured,  ///< D_z1 and K_z1 are there
   noStep,    ///< the force does not rise at once
   noReturn,  ///< the tool never turned back
-  rings,     ///< from 0.5 s after the onset on, the depth's standard deviation is above D_z1 / 4, or more than half of
-             ///< the ticks are saturated (judged where the push goes on for 0.75 s or more)
+  rings,     ///< from 0.5 s after the onset on, the depth's standard deviation is above D_z1 / 4 (judged where the push
+             ///< goes on for 0.75 s or more)
   slips,     ///< until its return the tool moved farther across the normal than along it
+  unstable,  ///< it rings and grows threefold, or more than half of those ticks are saturated, or a torque's standard
+             ///< deviation in an eighth of a second is above a quarter of its motor's limit, or the guard stopped it
 };
 
-inline constexpr int kVerdicts = 5;
+inline constexpr int kVerdicts = 6;
 
 /// Name of a verdict in plain words. Realtime: yes.
 const char* toString(FirstImpactVerdict verdict) noexcept;
@@ -49,6 +54,7 @@ struct ImpactTick {
   double force = 0.0;      ///< of the person into the wall, held until the next tick, N
   double drift = 0.0;      ///< largest displacement across the normal so far, m
   bool saturated = false;  ///< a motor's limit cut the torque
+  JointVector torque;      ///< that acts until the next tick, shares of the motors' limits; empty: not known
 };
 
 /// Judges one step of force against a wall, tick by tick: D_z1 counts from the mean gap at rest before the step (the
@@ -72,6 +78,9 @@ class ImpactWatch {
   /// On the ticks so far: never noStep. Realtime: yes.
   FirstImpactVerdict verdict() const noexcept;
 
+  /// Whether the torques alone say `unstable`; also for a push without a step. Realtime: yes.
+  bool unstable() const noexcept;
+
   /// D_z1 (m), F_1 (N) and K_z1 (N/m) where the verdict is `measured`; force before the step, N. Realtime: yes.
   double depth() const noexcept { return depth_; }
   double force() const noexcept { return force_; }
@@ -82,6 +91,19 @@ class ImpactWatch {
   double bounce() const noexcept { return bounce_; }
 
  private:
+  // An eighth of a second: depth and torques.
+  struct Block {
+    std::uint64_t ticks = 0;
+    double sum = 0.0, squares = 0.0;
+    std::array<double, kMaxJoints> torque{}, torqueSquares{};
+
+    void add(const ImpactTick& tick) noexcept;
+    double deviation() const noexcept;  // of the depth, m
+    double chatter() const noexcept;    // largest of a torque's deviations
+  };
+
+  bool ringing() const noexcept;
+
   double period_;
   double restDepth_ = 0.0, restForce_ = 0.0;  // sums
   int restTicks_ = 0;
@@ -93,6 +115,7 @@ class ImpactWatch {
   bool slipped_ = false, over_ = false;
   std::uint64_t ticks_ = 0;                   // of the push
   double lateSum_ = 0.0, lateSquares_ = 0.0;  // of the depth, from 0.5 s after the onset on
+  Block firstBlock_, lastBlock_, block_;      // of the same time; the one under way
   std::uint64_t lateTicks_ = 0, lateSaturated_ = 0;
 };
 

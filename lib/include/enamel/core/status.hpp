@@ -15,7 +15,10 @@ enum class Status : std::uint8_t {
   outOfRange,    ///< an input is finite but beyond what a device can do
   stale,         ///< the input's time has not advanced
   inactive,      ///< step() without activate()
+  stopped,       ///< the guard has stopped the renderer: see its reason
 };
+
+inline constexpr int kStatuses = 9;
 
 /// Name of a status in plain words, for messages. Realtime: yes.
 const char* toString(Status status) noexcept;

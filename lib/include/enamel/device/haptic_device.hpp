@@ -13,6 +13,7 @@ struct Measurement {
   JointVector q;        ///< joint coordinates, rad or m
   JointVector rates;    ///< q', rad/s or m/s
   JointVector applied;  ///< torque that acted since the last measurement, N m or N; empty where the device cannot tell
+  bool enabled = true;  ///< the user's enable, such as a dead man's switch; true where the device has none
 };
 
 /// What a device is told.

@@ -31,6 +31,7 @@ class ImpedanceRenderer final : public Renderer {
   Status render(const TickInput& input, TickOutput& output) noexcept override;
   void resetState() noexcept override { state_ = State{}; }
   StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
+  void stateLoaded() noexcept override;
 
   struct State {
     std::array<double, kMaxJoints> q{};  // at the last tick

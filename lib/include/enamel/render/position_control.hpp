@@ -13,7 +13,8 @@ using ServoGain = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxJ
 struct PositionControlOptions {
   /// Ends the hold when the wall would pull, with the integrators emptied; the next touch takes as its reference the
   /// first penetrating pose moved back to the surface (to first order in the depth). Off: as in the paper, the hold
-  /// never ends and the reference is the joint pose at first touch.
+  /// never ends and the reference is the joint pose at first touch. A deeper touch than kLargestStep is moved back by
+  /// that at once and then at kWalk.
   bool release = true;
   double releaseForce = 0.3;  ///< pull along the contact's normal beyond which the hold ends, N
   bool antiWindup = false;    ///< stops the integrators while a motor is saturated; off in the paper
@@ -21,12 +22,16 @@ struct PositionControlOptions {
 
 /// u = g - (K_c | K_i) [q'; q - q_ref; xi], then xi += Ts (q_ref - q), u cut at +-maxTorque (eq. 11 with the reference
 /// held); g is the gravity torque at first touch. Without contact u = g(q). A tool touches when a gap is at most
-/// kTouchGap and, where the hold was released inside the wall, when it also moves inwards. On any mechanism with the
-/// gain's number of joints.
+/// kTouchGap and, where the hold was released inside the wall, when it also moves inwards. The reference moves with the
+/// obstacle that was touched. Every motor's torque is cut for itself, as in the paper. On any mechanism with the gain's
+/// number of joints.
 class PositionControlRenderer final : public Renderer {
  public:
   /// A gap at which the tool touches, m: above rounding, below anything that can be felt.
   static constexpr double kTouchGap = 1e-9;
+
+  /// How far a reference moves back to the surface at once, m, and how fast it goes the rest of the way, m/s.
+  static constexpr double kLargestStep = 1e-3, kWalk = 0.02;
 
   /// `gain` was designed for ticks of `period` s. Throws Error: a gain that is not n x 3n or not finite; a release
   /// force that is negative or not finite; at activate(), a period other than `period`.
@@ -44,8 +49,10 @@ class PositionControlRenderer final : public Renderer {
     Stored integral = Stored::Zero();     // xi
     Vec3 normal = Vec3::Zero();           // of the contact that is held, W
     double phase = 0.0;                   // one of the three below; a double, so that the block has no padding
+    double left = 0.0;                    // that the reference has still to go back along the normal, m
+    double obstacle = -1.0;               // that is held
   };
-  static_assert(sizeof(State) == (3 * kMaxJoints + 4) * sizeof(double), "the state is compared byte by byte");
+  static_assert(sizeof(State) == (3 * kMaxJoints + 6) * sizeof(double), "the state is compared byte by byte");
   static constexpr double kFree = 0.0;      // no contact
   static constexpr double kHolding = 1.0;   // the servo holds
   static constexpr double kReleased = 2.0;  // released inside the wall, and not yet out of it
@@ -54,9 +61,11 @@ class PositionControlRenderer final : public Renderer {
   Status render(const TickInput& input, TickOutput& output) noexcept override;
   void resetState() noexcept override { state_ = State{}; }
   StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
+  void stateLoaded() noexcept override;
 
   void updatePhase(const TickInput& input) noexcept;
   void hold(const TickInput& input) noexcept;
+  void moveReference(const TickInput& input) noexcept;
 
   static constexpr int kRows = kMaxJoints + 1;         // even: columns of whole SIMD registers
   Eigen::Matrix<double, kRows, 3 * kMaxJoints> gain_;  // zero beyond n x 3n

@@ -58,8 +58,8 @@ class Renderer {
 
   /// One tick: checkInput(), then the renderer's law. Statuses: ok; notFinite, outOfRange, stale (bad input; outOfRange
   /// also for a number of joints that this renderer was not made for); notFinite for an answer that is not finite or
-  /// has not one torque a joint; inactive. On any but ok the torque is zero, the mode is fault and the state is
-  /// unchanged. Realtime: yes.
+  /// has not one torque a joint; outOfRange for one beyond 1e6 N m or N; inactive. A torque beyond a motor's limit is
+  /// cut by saturate(). On any but ok the torque is zero, the mode is fault and the state is unchanged. Realtime: yes.
   [[nodiscard]] Status step(const TickInput& input, TickOutput& output) noexcept;
 
   /// Back to the state after activate(). Realtime: yes.
@@ -71,7 +71,8 @@ class Renderer {
   /// Ends the ticks; step() answers inactive until the next activate(). Realtime: no.
   void deactivate() noexcept { active_ = false; }
 
-  /// Size of the state, bytes; copies it out to and back from stateSize() bytes. Realtime: yes.
+  /// Size of the state, bytes; copies it out to and back from stateSize() bytes. Bytes that no state can have give that
+  /// after reset(). Realtime: yes.
   std::size_t stateSize() const noexcept;
   void saveState(void* state) const noexcept;
   void loadState(const void* state) noexcept;
@@ -89,6 +90,9 @@ class Renderer {
   virtual StateBlock stateBlock() noexcept = 0;
   virtual void stateLoaded() noexcept {}  // after the block was written
 
+  /// Whether a block of doubles holds finite numbers only: for stateLoaded().
+  static bool isFinite(const StateBlock& block) noexcept;
+
  private:
   bool active_ = false;
   double lastTime_ = 0.0;            // s
@@ -101,8 +105,9 @@ class Renderer {
 /// ok, notFinite, outOfRange or stale. Realtime: yes.
 [[nodiscard]] Status checkInput(const TickInput& input, double lastTime) noexcept;
 
-/// Cuts every torque at +-maxTorque; true if one was cut. Realtime: yes.
-bool saturate(JointVector& torque, const JointVector& maxTorque) noexcept;
+/// Where a torque is beyond +-maxTorque, makes the part beyond `gravity` smaller, all joints by the same factor: the
+/// wrench on the tool keeps its direction. True if one was. Realtime: yes.
+bool saturate(JointVector& torque, const JointVector& gravity, const JointVector& maxTorque) noexcept;
 
 /// Translation of the tool's material at `arm` from the TCP (W, m) by a motion or velocity [v; w] of the platform at
 /// the TCP. Realtime: yes.

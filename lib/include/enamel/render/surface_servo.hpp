@@ -123,6 +123,7 @@ class SurfaceServoRenderer final : public Renderer {
   Status render(const TickInput& input, TickOutput& output) noexcept override;
   void resetState() noexcept override { state_ = State{}; }
   StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
+  void stateLoaded() noexcept override;
 
   void start(const TickInput& input) noexcept;
   Row acted(const TickInput& input) const noexcept;

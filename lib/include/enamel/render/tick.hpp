@@ -3,6 +3,7 @@
 
 #include "enamel/collision/contacts.hpp"
 #include "enamel/device/haptic_device.hpp"
+#include "enamel/render/guard.hpp"
 #include "enamel/render/renderer.hpp"
 
 namespace enamel {
@@ -10,22 +11,33 @@ namespace enamel {
 /// Obstacles farther from the tool than this are no contacts of a tick, m.
 inline constexpr double kContactMargin = 1e-3;
 
-/// Mechanism::track() -> contacts of the tool with the scene -> renderer. Owns what lasts from tick to tick; refers to
-/// mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks, none may be added.
+/// Mechanism::track() -> contacts of the tool with the scene -> renderer -> guard. Owns what lasts from tick to tick;
+/// refers to mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks, none may be added.
+/// While the guard lets nothing through, the renderer is reset at every tick: it begins anew where it is let in.
 class HapticTick {
  public:
-  /// Activates the renderer for ticks of `period` s. `start`: about where the platform is at the first tick (home where
-  /// it cannot be reached). Throws Error: as Renderer::activate(). Realtime: no.
-  HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer, double period,
-             const Pose& start = Pose{});
+  /// Activates the renderer for ticks of `guard.period` s. `start`: about where the platform is at the first tick (home
+  /// where it cannot be reached). Throws Error: as Renderer::activate() and Guard. Realtime: no.
+  HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer,
+             const GuardOptions& guard, const Pose& start = Pose{});
 
-  /// One tick. Statuses: those of Mechanism::track(), findContacts() and Renderer::step(); on any but ok the command is
-  /// zero torque. Realtime: yes.
+  /// The same with guardFor(mechanism, period).
+  HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer, double period,
+             const Pose& start = Pose{})
+      : HapticTick(mechanism, scene, tool, renderer, guardFor(mechanism, period), start) {}
+
+  /// One tick. Statuses: those of Mechanism::track(), findContacts() and Renderer::step(); stopped where the guard has
+  /// latched a fault. Whatever the status, the command is what guard() let through. Realtime: yes.
   [[nodiscard]] Status operator()(const Measurement& measurement, Command& command) noexcept;
 
-  /// What the renderer saw and answered at the last tick. Realtime: yes.
+  /// Goes on after a fault: guard and renderer begin anew. Realtime: yes.
+  void reset() noexcept;
+
+  /// What the renderer saw and answered at the last tick; why the command is another. Realtime: yes.
   const TickInput& input() const noexcept { return input_; }
   const TickOutput& output() const noexcept { return output_; }
+  GuardReason reason() const noexcept { return reason_; }
+  const Guard& guard() const noexcept { return guard_; }
 
  private:
   Status see(const Measurement& measurement) noexcept;
@@ -34,9 +46,12 @@ class HapticTick {
   const Scene& scene_;
   Tool tool_;
   Renderer& renderer_;
+  Guard guard_;
   ToolTrack track_;
   TickInput input_;
   TickOutput output_;
+  JointVector last_;  // command
+  GuardReason reason_ = GuardReason::none;
 };
 
 }  // namespace enamel

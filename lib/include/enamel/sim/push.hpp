@@ -46,8 +46,9 @@ PushTimes timesOf(const PushSetup& setup) noexcept;
 
 /// Why a run ended.
 struct PushResult {
-  Status status;        ///< ok, or the status of the configuration that the plant could not leave
-  std::uint64_t ticks;  ///< that were run
+  Status status;                          ///< ok; stopped by the guard; or the status of what the plant could not leave
+  std::uint64_t ticks;                    ///< that were run
+  GuardReason guard = GuardReason::none;  ///< the fault that stopped it
 };
 
 /// Checks a setup. Throws Error: as checkLoop(); a preload outside 0 to 1000 N; an instant outside [0, 1); a scenario
@@ -55,8 +56,9 @@ struct PushResult {
 /// to 1 h. Realtime: no.
 void checkPush(const PushSetup& setup);
 
-/// Runs a push on a VirtualLoop, `record` once a tick. The renderer is deactivated at the end. Throws what checkPush()
-/// and VirtualLoop throw. The same setup gives the same bits. Realtime: no (each tick is).
+/// Runs a push on a VirtualLoop, `record` once a tick, until its end or until the guard latches a fault. The renderer
+/// is deactivated at the end. Throws what checkPush() and VirtualLoop throw. The same setup gives the same bits.
+/// Realtime: no (each tick is).
 PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record);
 

@@ -68,6 +68,9 @@ class Motors {
   std::array<JointVector, kMaxDelay + 1> commands_;
 };
 
+/// Faster than this the model means nothing (rigid links, motors without speed limit, steps of a tick), m/s and rad/s.
+inline constexpr double kFastest = 20.0, kFastestTurn = 1000.0;
+
 /// What determines a virtual device.
 struct VirtualDeviceSetup {
   Pose start;  ///< at rest
@@ -97,12 +100,17 @@ class VirtualDevice final : public HapticDevice {
   [[nodiscard]] Status actuate(const Command& command) noexcept override;
 
   /// Moves on by one period under load(time, pose, twist), the wrench of the surroundings on the platform at the TCP
-  /// (N, N m). Returns ok, or the status of the configuration that it could not leave: it then stays where it is.
+  /// (N, N m). Returns ok, or the status of the configuration that it could not leave, outOfRange where it would become
+  /// faster than kFastest or kFastestTurn: it then stays where it is.
   /// Realtime: yes, if `load` is.
   template <typename Load>
   [[nodiscard]] Status advance(const Load& load) noexcept {
+    const DeviceState begin = state_;
     const Status status = move(0.0, setup_.period, load);
-    if (status == Status::ok) ++tick_;
+    if (status == Status::ok)
+      ++tick_;
+    else
+      state_ = begin;
     return status;
   }
 
@@ -139,6 +147,8 @@ class VirtualDevice final : public HapticDevice {
       const Status status =
           stepMotion(setup_.integrator, mechanism_, time() + from + i * step, step, torque_, load, state_);
       if (status != Status::ok) return status;
+      if (!(state_.twist.head<3>().norm() <= kFastest && state_.twist.tail<3>().norm() <= kFastestTurn))
+        return Status::outOfRange;
     }
     return Status::ok;
   }

@@ -12,9 +12,11 @@ namespace enamel {
 struct LoopSetup : VirtualDeviceSetup {
   Scene scene = flatWall();
   Tool tool;
+  bool guarded = true;        ///< false: the guard lets everything through
+  double force = kUnlimited;  ///< the guard's limit of the rendered force at the TCP, N
 };
 
-/// Checks a setup. Throws Error: as checkVirtualDevice(); a scene without obstacles. Realtime: no.
+/// Checks a setup. Throws Error: as checkVirtualDevice(); a scene without obstacles; a force below 0. Realtime: no.
 void checkLoop(const LoopSetup& setup);
 
 /// What happened at one tick. State and measurement are those before the tick's torque acts.
@@ -24,7 +26,8 @@ struct TickRecord {
   Pose pose;                     ///< of the plant
   Vec6 twist = Vec6::Zero();     ///< of the plant
   JointVector q;                 ///< measured, rad or m
-  JointVector command;           ///< of the renderer, N m or N
+  JointVector requested;         ///< by the renderer, N m or N
+  JointVector command;           ///< what the guard made of it, N m or N
   JointVector torque;            ///< that acts during this tick, N m or N
   Vec6 person = Vec6::Zero();    ///< wrench of the person at the TCP at the beginning of this tick, N, N m
   Vec6 rendered = Vec6::Zero();  ///< wrench of the motors on the tool beyond gravity during this tick, N, N m
@@ -34,14 +37,15 @@ struct TickRecord {
   RenderMode mode = RenderMode::free;
   bool saturated = false;
   Status status = Status::ok;  ///< of the haptic tick
+  GuardReason guard = GuardReason::none;
 };
 
 /// The loop: a virtual device and a haptic tick in front of it. Refers to mechanisms and renderer, which must outlive
 /// it.
 class VirtualLoop {
  public:
-  /// `model`: what the haptic tick takes the plant for. Throws Error: as checkLoop(), VirtualDevice and HapticTick do.
-  /// Realtime: no.
+  /// `model`: what the haptic tick takes the plant for; the guard's limits are the plant's. Throws Error: as
+  /// checkLoop(), VirtualDevice and HapticTick do. Realtime: no.
   VirtualLoop(const Mechanism& plant, const Mechanism& model, Renderer& renderer, const LoopSetup& setup);
   VirtualLoop(const Mechanism& mechanism, Renderer& renderer, const LoopSetup& setup)
       : VirtualLoop(mechanism, mechanism, renderer, setup) {}
@@ -66,8 +70,12 @@ class VirtualLoop {
     return device_.advance(before, instant, after);
   }
 
-  /// What the renderer saw at the last tick. Realtime: yes.
+  /// What the renderer saw at the last tick; the guard. Realtime: yes.
   const TickInput& input() const noexcept { return tick_.input(); }
+  const Guard& guard() const noexcept { return tick_.guard(); }
+
+  /// Goes on after the guard has stopped: HapticTick::reset(). Realtime: yes.
+  void reset() noexcept { tick_.reset(); }
 
   /// The plant. Realtime: yes.
   const VirtualDevice& device() const noexcept { return device_; }

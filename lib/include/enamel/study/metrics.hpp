@@ -16,7 +16,7 @@ namespace enamel {
 /// to the end in scenario 2.
 struct PushMetrics {
   /// First impact: the deepest point of the continuous motion up to its first return, from the mean depth in the 0.1 s
-  /// before the step (ImpactWatch); scenario 2 has none.
+  /// before the step (ImpactWatch); scenario 2 has none, and may be `unstable`.
   FirstImpactVerdict verdict = FirstImpactVerdict::noReturn;
   std::optional<double> firstDepth;      ///< D_z1, m
   std::optional<double> firstStiffness;  ///< K_z1 = F_1(t_z1) / D_z1, N/m
@@ -70,14 +70,17 @@ double chatterOf(const std::vector<JointVector>& torques);
 /// Collects the ticks of one run: give add() to runPush(). Realtime: no.
 class MetricsCollector {
  public:
-  /// `limit`: largestStiffness() of the push; 0: not known.
-  explicit MetricsCollector(const PushSetup& setup, double limit = 0.0);
+  /// `limit`: largestStiffness() of the push; 0: not known. `maxTorque`: the motors' limits, N m or N; empty: how far
+  /// the torque oscillates is then not judged.
+  explicit MetricsCollector(const PushSetup& setup, double limit = 0.0, JointVector maxTorque = {});
   void add(const TickRecord& tick);
   PushMetrics metrics() const;
 
  private:
   PushSetup setup_;
   double limit_;  // N/m
+  JointVector maxTorque_;
+  bool stopped_ = false;
   PushTimes times_;
   std::vector<double> depths_;        // of the steady state
   std::vector<JointVector> torques_;  // of the last second

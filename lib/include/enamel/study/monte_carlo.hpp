@@ -59,7 +59,8 @@ struct StudyRun {
 /// Run by its number. Realtime: yes.
 StudyRun runAt(const StudyPlan& plan, std::size_t index) noexcept;
 
-/// What came out of a run. `status` is ok, or why the plant could not go on: then there are no metrics.
+/// What came out of a run. `status` is ok, or why it could not go on (stopped: by the guard): then there are no
+/// metrics.
 struct StudyResult {
   StudyRun run;
   Status status = Status::ok;
@@ -84,11 +85,12 @@ using VerdictCounts = std::array<int, kVerdicts>;
 struct PointStatistics {
   int scenario = 1;
   std::size_t column = 0, point = 0;
-  int runs = 0, failed = 0;               ///< failed: the plant left its workspace; not in the figures below
+  int runs = 0, failed = 0;               ///< failed: not in the figures below; the plant left its workspace, or
+  int stopped = 0;                        ///< of these: the guard stopped the renderer
   VerdictCounts verdicts{};               ///< of the first impact
   std::array<Spread, kMetrics> metrics;   ///< of each of allMetrics(), over the runs that have it
   std::optional<double> steadyStiffness;  ///< K_zs = 1 / |mean C_zs|, N/m; nothing where unresolved: |mean C_zs| below
-                                          ///< two standard errors, or fewer than two runs
+                                          ///< two standard errors, fewer than two runs, or one that is unstable
   Spread forceOverRms;                    ///< F_c / rms depth, N/m
   Spread forceOver95;                     ///< F_c / 95th percentile of the depth, N/m
   double largestDepth = 0.0;              ///< of all runs, m
@@ -124,12 +126,15 @@ struct WallSummary {
   double largestDepth = 0.0, drift = 0.0;                             ///< m
   double chatter = 0.0, saturatedShare = 0.0, tangentialForce = 0.0;  ///< largest of the points' means
   double bounce = 0.0;                                                ///< likewise, m
-  int failed = 0;                                                     ///< runs that left the workspace
+  int failed = 0, stopped = 0;                                        ///< runs that were lost; those by the guard
   VerdictCounts verdicts{};                                           ///< of the others' first impacts
   std::uint64_t faults = 0;
 
-  /// Runs with a step of force and without a first impact stiffness.
+  /// Runs with a step of force and without a first impact stiffness; whether none was lost or unstable.
   int withoutFirst() const noexcept;
+  bool stable() const noexcept {
+    return failed == 0 && verdicts[static_cast<std::size_t>(FirstImpactVerdict::unstable)] == 0;
+  }
 };
 
 /// Summaries, scenario by scenario, column by column. Realtime: no.

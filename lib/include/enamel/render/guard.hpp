@@ -1,0 +1,180 @@
+// The guard: decides what a renderer's torque becomes before it reaches the motors. In every HapticTick, on by default.
+//
+// A request that no rule objects to passes bit for bit. The rules, in this order: finite numbers; a measurement that
+// can be (jumps, frozen encoders, the clock); force, torque and slew; workspace and speed; the energy that the tool was
+// given; oscillation; missed deadlines; the user's enable. Cuts scale the part beyond gravity, so a force becomes
+// smaller and is never turned. A fault ramps the torque to what balances gravity where the configuration is known, to
+// zero where it is not, and stays until reset(). Told at length, with what it cannot see: lib/docs/guard.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "enamel/device/haptic_device.hpp"
+#include "enamel/device/mechanism.hpp"
+
+namespace enamel {
+
+/// Why the applied torque is not the requested one.
+enum class GuardReason : std::uint8_t {
+  none = 0,  ///< it is
+  // For as long as it lasts:
+  waiting,   ///< nothing is rendered yet: the demanded force is not small
+  engaging,  ///< the rendered part ramps in
+  disabled,  ///< the user's enable is off: it ramps out, or is out
+  force,     ///< the force or moment at the TCP
+  torque,    ///< a motor's limit
+  slew,      ///< a motor's torque may not change that fast
+  brake,     ///< the damper beyond `speed`, `turn` or `workspace` acts
+  // Faults, latched until reset():
+  measurement,  ///< not finite, or not one number a joint
+  jump,         ///< a joint moved faster than it can
+  frozen,       ///< a joint's reading stands still, though it moves
+  clock,        ///< time did not advance
+  late,         ///< a gap of more than `longestGap`
+  unreachable,  ///< no configuration of the device has these joint coordinates
+  renderer,     ///< contacts or renderer answered with a status, or with a torque that is none
+  workspace,    ///< beyond the workspace and its margin
+  speed,        ///< faster than `stopSpeed` or `stopTurn`
+  energy,       ///< the tool was given more energy than it gave, beyond the budget
+  oscillation,  ///< the rendered torque oscillates
+  deadlines,    ///< too many ticks were missed
+};
+
+inline constexpr bool isFault(GuardReason reason) noexcept { return reason >= GuardReason::measurement; }
+
+/// Name of a reason in plain words. Realtime: yes.
+const char* toString(GuardReason reason) noexcept;
+
+inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
+/// Limits and budgets of a guard: guardFor() derives them from a device; tighten what should be tighter.
+struct GuardOptions {
+  bool on = true;        ///< false: everything passes; ticks are kept all the same
+  double period = 1e-3;  ///< of the ticks, s
+
+  JointVector torque;                           ///< largest of every motor, N m or N
+  JointVector slew;                             ///< largest change, N m/s or N/s
+  double force = kUnlimited;                    ///< largest rendered at the TCP, N
+  double moment = kUnlimited;                   ///< the same, N m
+  Vec3 workspace = Vec3::Constant(kUnlimited);  ///< half widths of a box about home, m
+  double margin = 5e-3;                         ///< beyond it: the stop, m
+
+  double speed = 1.0, stopSpeed = 3.0;  ///< of the TCP: where the brake begins, and the stop, m/s
+  double turn = 20.0, stopTurn = 60.0;  ///< rad/s
+  double brake = 0.0, brakeTurn = 0.0;  ///< damping on what is beyond, N s/m and N m s/rad
+
+  JointVector rate;     ///< faster is no motion of a joint, rad/s or m/s
+  JointVector count;    ///< of the encoders, rad or m
+  int longestGap = 4;   ///< between two ticks, periods
+  int mostMissed = 10;  ///< ticks that were missed, of which 1 % are forgotten a tick
+
+  Mat6 damping = Mat6::Zero();  ///< mechanical, of the TCP's twist: what the device itself takes out, SI
+  double energy = 0.0;          ///< budget, J
+  double power = 0.0;           ///< that does not count against the budget, W
+  double softest = 500.0;       ///< wall that may give back all that it took: F^2 / (2 K) at most, N/m
+
+  double oscillation = 0.7;  ///< rms change of a rendered torque in a tick, over 0.1 s; a share of the motor's limit
+  double engage = 0.1;       ///< demanded torque beyond gravity at which it engages, a share of every motor's limit
+  double rampIn = 0.1;       ///< s
+  double rampOut = 0.02;     ///< s
+};
+
+/// Options for a device and ticks of `period` s: the motors' limits, their whole range within half a millisecond, a
+/// brake that damps the lightest direction at home by 5 % a tick, the mechanical damping of the model at home, an
+/// energy budget of the largest force at home in its weakest direction over 0.5 mm, and a thousandth of it a second.
+/// Throws Error: a period outside (0, 0.1] s. Realtime: no.
+GuardOptions guardFor(const Mechanism& device, double period);
+
+/// What the motors get.
+struct GuardedCommand {
+  JointVector torque;  ///< N m or N; finite and within the limits, whatever came in
+  GuardReason reason = GuardReason::none;
+};
+
+/// One tick as the guard keeps it.
+struct GuardTick {
+  double time = 0.0;                       ///< s
+  JointVector q;                           ///< measured, rad or m
+  JointVector requested, applied;          ///< N m or N
+  double energy = 0.0;                     ///< that the tool was given beyond what it gave, J; negative: it gave
+  GuardReason reason = GuardReason::none;  ///< why the two differ
+};
+
+/// How many ticks are kept; none is added once a fault has ramped out.
+inline constexpr std::size_t kGuardTicks = 1000;
+
+/// A guard with its memory. A value: a copy continues as the original does.
+class Guard {
+ public:
+  /// Throws Error: a torque limit beyond the device's, or one joint's number missing; limits that are negative or not
+  /// numbers; a period outside (0, 0.1] s. Realtime: no.
+  Guard(const Mechanism& device, const GuardOptions& options);
+
+  /// One tick. `kinematics` is that of the measurement where its q is; `requested` is the renderer's torque, gravity
+  /// included; `status` that of everything before; `surface` the velocity of the obstacle that is touched, W, m/s: what
+  /// a moving wall does to the tool is not held against the renderer. Realtime: yes (no allocation).
+  GuardedCommand step(const Measurement& measurement, const Kinematics& kinematics, const JointVector& requested,
+                      Status status, const Vec3& surface = Vec3::Zero()) noexcept;
+
+  /// Forgets a fault. What is rendered next ramps in once the demanded force is small. Realtime: yes.
+  void reset() noexcept;
+
+  /// The fault that is latched, or none; whether anything of the renderer's torque is let through. Realtime: yes.
+  GuardReason fault() const noexcept { return state_.fault; }
+  bool engaged() const noexcept { return state_.open || state_.weight > 0.0; }
+
+  const GuardOptions& options() const noexcept { return options_; }
+
+  /// The ticks that are kept: how many, and one by its age, 0 the newest. Realtime: yes.
+  std::size_t kept() const noexcept { return count_ < kGuardTicks ? count_ : kGuardTicks; }
+  const GuardTick& tick(std::size_t age) const noexcept { return ring_[(count_ - 1 - age) % kGuardTicks]; }
+
+ private:
+  using Row = std::array<double, kMaxJoints>;
+  struct State {
+    GuardReason fault = GuardReason::none;
+    bool started = false;   // there was a tick since reset()
+    bool acted = false;     // `torque` was applied
+    bool open = false;      // the renderer is let through
+    bool withheld = false;  // it was not, at some tick: ramp in
+    bool known = true;      // of a fault: the configuration
+    bool shedding = false;  // of a fault: the rendered part is gone
+    double time = 0.0;
+    Row q{};
+    Row torque{};                 // applied last
+    Row gravity{};                // at the last tick
+    Row rendered{};               // requested beyond gravity, at the last tick
+    Vec3 surface = Vec3::Zero();  // at the last tick
+    double weight = 0.0;          // of the rendered part
+    Row from{}, fromGravity{};    // where a fault's ramp begins
+    int rampTicks = 0;            // of it
+    double energy = 0.0;          // J
+    double peak = 0.0;            // largest rendered force of late, N
+    Row beyond{};                 // that acted beyond gravity before the last tick
+    Row jerk{};                   // mean square change of the rendered torque, shares
+    double missed = 0.0;          // ticks
+    Row pace{}, claimed{};  // of a joint that stands still: counts a tick before, counts that its rate tells of since
+    std::array<int, kMaxJoints> still{};  // for how many ticks
+  };
+
+  GuardReason measured(const Measurement& m, double elapsed) noexcept;
+  GuardReason moved(const Measurement& m, const Kinematics& k, double elapsed, Vec6& twist) noexcept;
+  GuardReason asked(const JointVector& requested, const Kinematics& k) noexcept;
+  GuardReason shape(const Measurement& m, const Kinematics& k, const JointVector& requested, const Vec6& twist,
+                    double elapsed, JointVector& torque) noexcept;
+  void ramp(const Measurement& m, bool known, JointVector& torque) noexcept;
+  bool limitSlew(double elapsed, JointVector& torque) const noexcept;
+  Row bounded(const JointVector& gravity) const noexcept;
+
+  GuardOptions options_;
+  int n_;
+  bool damped_;
+  State state_;
+  std::vector<GuardTick> ring_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace enamel

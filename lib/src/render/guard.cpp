@@ -1,0 +1,423 @@
+#include "enamel/render/guard.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/message.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kLargestTorque = 1e6;  // N m or N: what is beyond is no answer
+constexpr double kForgets = 0.2;        // s, of the largest force of late
+constexpr double kLeastForce = 1e-3;    // N, below which nothing is rendered
+constexpr double kLargestEnergy = 1e6;  // J
+constexpr double kLever = 0.05;         // m at which a moment counts as a force
+constexpr double kOscillationTime = 0.1;
+constexpr double kForgottenMisses = 0.01;
+constexpr double kRounding = 1.0 + 1e-9;
+// A reading is frozen that has not changed by a bit for so many ticks, though the joint went by as many counts a tick
+// before, or its rate tells of as many counts since.
+constexpr int kStillTicks = 20;
+constexpr double kPace = 5.0, kClaimed = 5.0;
+
+bool isSize(const JointVector& v, int n) noexcept { return v.size() == n; }
+
+// False for NaN as well.
+bool within(const JointVector& v, double limit) noexcept { return (v.array().abs() <= limit).all(); }
+
+void requireLimit(double value, const char* name, const char* unit) {
+  require(value >= 0.0, std::string("guard: ") + name + " is " + formatNumber(value) + ", must be at least 0 " + unit);
+}
+
+// Largest eigenvalue of a block of the inverse inertia at the TCP: 1 over the least mass or moment of inertia.
+double largestEigenvalue(const Mat3& matrix) {
+  return Eigen::SelfAdjointEigenSolver<Mat3>(matrix, Eigen::EigenvaluesOnly).eigenvalues()[2];
+}
+
+// The part of the forces that a motion and its opposite do not have in common: gravity and centrifugal forces are even
+// in the twist.
+Mat6 dampingOf(const Mechanism& device) {
+  const Kinematics& home = device.home();
+  const Jacobian back = home.inverseTransposed;
+  const Mat6 inertia = back * home.inertia * back.transpose();
+  Mat6 damping = Mat6::Zero();
+  constexpr double kSpeed = 0.1;  // m/s or rad/s
+  for (int i = 0; i < std::min(device.joints(), 6); ++i) {
+    const Vec6 twist = kSpeed * Vec6::Unit(i);
+    Vec6 forth, other;
+    if (device.accelerate(home.pose, twist, home.gravity, Vec6::Zero(), forth) != Status::ok ||
+        device.accelerate(home.pose, -twist, home.gravity, Vec6::Zero(), other) != Status::ok)
+      continue;
+    damping.col(i) = inertia * (other - forth) / (2.0 * kSpeed);
+  }
+  return 0.5 * (damping + damping.transpose());
+}
+
+}  // namespace
+
+const char* toString(GuardReason reason) noexcept {
+  switch (reason) {
+    case GuardReason::none: return "none";
+    case GuardReason::waiting: return "waiting for a small force";
+    case GuardReason::engaging: return "ramps in";
+    case GuardReason::disabled: return "disabled by the user";
+    case GuardReason::force: return "force limit";
+    case GuardReason::torque: return "torque limit";
+    case GuardReason::slew: return "slew limit";
+    case GuardReason::brake: return "brake";
+    case GuardReason::measurement: return "measurement is none";
+    case GuardReason::jump: return "a joint jumped";
+    case GuardReason::frozen: return "an encoder is frozen";
+    case GuardReason::clock: return "time did not advance";
+    case GuardReason::late: return "a tick came late";
+    case GuardReason::unreachable: return "no configuration";
+    case GuardReason::renderer: return "the renderer failed";
+    case GuardReason::workspace: return "left the workspace";
+    case GuardReason::speed: return "too fast";
+    case GuardReason::energy: return "gave energy";
+    case GuardReason::oscillation: return "oscillates";
+    case GuardReason::deadlines: return "missed too many deadlines";
+  }
+  return "unknown reason";
+}
+
+GuardOptions guardFor(const Mechanism& device, double period) {
+  require(period > 0.0 && period <= 0.1, "guard: the period is " + formatNumber(period) + ", must be in (0, 0.1] s");
+  const Kinematics& home = device.home();
+  GuardOptions o;
+  o.period = period;
+  o.torque = device.limits().torque;
+  o.slew = o.torque * (2.0 / 0.5e-3);
+  o.count = device.limits().count;
+  const Mat6 inverseInertia = home.jacobian * home.inertia.llt().solve(Eigen::MatrixXd(home.jacobian.transpose()));
+  o.brake = 0.05 / (period * largestEigenvalue(inverseInertia.topLeftCorner<3, 3>()));
+  const double turning = largestEigenvalue(inverseInertia.bottomRightCorner<3, 3>());
+  o.brakeTurn = turning > 0.0 ? 0.05 / (period * turning) : 0.0;
+  o.rate.resize(device.joints());
+  for (int i = 0; i < device.joints(); ++i)
+    o.rate[i] = 2.0 * (o.stopSpeed * home.inverseTransposed.col(i).head<3>().norm() +
+                       o.stopTurn * home.inverseTransposed.col(i).tail<3>().norm());
+  o.damping = dampingOf(device);
+  double force = kUnlimited;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0})
+      force = std::min(force, largestForce(home, o.torque, sign * Vec3::Unit(axis)));
+  o.energy = 5e-4 * force;
+  o.power = 1e-3 * force;
+  return o;
+}
+
+Guard::Guard(const Mechanism& device, const GuardOptions& options)
+    : options_(options), n_(device.joints()), damped_(!options.damping.isZero(0.0)), ring_(kGuardTicks) {
+  const GuardOptions& o = options;
+  require(o.period > 0.0 && o.period <= 0.1,
+          "guard: the period is " + formatNumber(o.period) + ", must be in (0, 0.1] s");
+  for (const JointVector* v : {&o.torque, &o.slew, &o.rate, &o.count})
+    require(isSize(*v, n_), "guard: torque, slew, rate and count need " + std::to_string(n_) + " numbers, one has " +
+                                std::to_string(v->size()));
+  for (int i = 0; i < n_; ++i) {
+    const double limit = device.limits().torque[i];
+    require(o.torque[i] >= 0.0 && o.torque[i] <= limit,
+            "guard: the torque limit of joint " + std::to_string(i + 1) + " is " + formatNumber(o.torque[i]) +
+                ", must be in 0 to the device's " + formatNumber(limit) + " N m or N");
+    require(o.slew[i] > 0.0 && o.rate[i] > 0.0 && o.count[i] > 0.0,
+            "guard: slew, rate and count of joint " + std::to_string(i + 1) + " must be greater than 0");
+  }
+  requireLimit(o.force, "the largest force", "N");
+  requireLimit(o.moment, "the largest moment", "N m");
+  requireLimit(o.workspace.minCoeff(), "a half width of the workspace", "m");
+  requireLimit(o.margin, "the workspace's margin", "m");
+  require(o.speed >= 0.0 && o.stopSpeed >= o.speed && o.turn >= 0.0 && o.stopTurn >= o.turn,
+          "guard: speed and turn must be at least 0, and the stops not below them");
+  requireLimit(o.brake, "the brake", "N s/m");
+  requireLimit(o.brakeTurn, "the brake of turns", "N m s/rad");
+  require(o.damping.allFinite(), "guard: the damping is not finite");
+  requireLimit(o.energy, "the energy budget", "J");
+  requireLimit(o.power, "the power", "W");
+  require(o.softest > 0.0, "guard: the softest wall is " + formatNumber(o.softest) + ", must be greater than 0 N/m");
+  requireLimit(o.oscillation, "the oscillation", "of a motor's limit");
+  requireLimit(o.engage, "the torque to engage at", "of a motor's limit");
+  requireLimit(o.rampIn, "the ramp in", "s");
+  requireLimit(o.rampOut, "the ramp out", "s");
+  require(o.longestGap >= 1 && o.mostMissed >= 0, "guard: the longest gap must be at least 1 period, the misses 0");
+  for (GuardTick& tick : ring_) tick.q = tick.requested = tick.applied = JointVector::Zero(n_);
+}
+
+void Guard::reset() noexcept {
+  State fresh;
+  fresh.torque = state_.torque;
+  fresh.acted = state_.acted;
+  fresh.withheld = true;
+  state_ = fresh;
+}
+
+// Finite numbers, jumps, frozen encoders, the clock.
+GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
+  State& s = state_;
+  if (!isSize(m.q, n_) || !isSize(m.rates, n_) || !m.q.allFinite() || !m.rates.allFinite() || !std::isfinite(m.time) ||
+      !(m.applied.size() == 0 || (isSize(m.applied, n_) && within(m.applied, kLargestTorque))))
+    return GuardReason::measurement;
+  if (!s.started) return GuardReason::none;
+  const double time = std::max(elapsed, options_.period);
+  GuardReason reason = GuardReason::none;
+  for (int i = 0; i < n_; ++i) {
+    const double way = std::abs(m.q[i] - s.q[i]), count = options_.count[i];
+    if (!(way <= options_.rate[i] * time + 2.0 * count)) reason = GuardReason::jump;
+    if (way == 0.0) {
+      ++s.still[i];
+      s.claimed[i] += std::abs(m.rates[i]) * time / count;
+      const bool moves = s.pace[i] >= kPace || s.claimed[i] >= kClaimed;
+      if (s.still[i] >= kStillTicks && moves && reason == GuardReason::none) reason = GuardReason::frozen;
+    } else {
+      s.still[i] = 0;
+      s.claimed[i] = 0.0;
+      s.pace[i] = way / count;
+    }
+  }
+  if (reason != GuardReason::none) return reason;
+  if (!(elapsed > 0.0)) return GuardReason::clock;
+  return elapsed > options_.longestGap * options_.period * kRounding ? GuardReason::late : GuardReason::none;
+}
+
+// Workspace, speed and energy of the motion since the last tick; its twist.
+GuardReason Guard::moved(const Measurement& m, const Kinematics& k, double elapsed, Vec6& twist) noexcept {
+  State& s = state_;
+  const GuardOptions& o = options_;
+  const bool acts = isSize(m.applied, n_);
+  double work = 0.0;
+  Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
+  for (int i = 0; i < n_; ++i) {
+    const double step = m.q[i] - s.q[i], beyond = (acts ? m.applied[i] : s.torque[i]) - s.gravity[i];
+    way += k.jacobian.col(i) * step;
+    wrench += k.inverseTransposed.col(i) * beyond;
+    // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
+    // bound.
+    work += beyond * step - 0.5 * o.count[i] * std::abs(beyond - s.beyond[i]);
+    s.beyond[i] = beyond;
+  }
+  twist = way / std::max(elapsed, 0.5 * o.period);
+
+  const double force = std::hypot(wrench.head<3>().norm(), wrench.tail<3>().norm() / kLever);
+  s.peak = std::max(force, s.peak * std::max(0.0, 1.0 - elapsed / kForgets));
+  if (s.peak > kLeastForce) {
+    if (damped_) work -= way.dot(o.damping * way) / elapsed;
+    work -= wrench.head<3>().dot(s.surface) * elapsed;
+    s.energy += work;
+  }
+  if (s.energy > 0.0) s.energy = std::max(0.0, s.energy - o.power * elapsed);
+  s.energy = std::max(s.energy, -0.5 * s.peak * s.peak / o.softest);
+  if (!(std::abs(s.energy) <= kLargestEnergy && s.peak <= kLargestEnergy)) {  // out of numbers that mean nothing
+    s.energy = kLargestEnergy;
+    s.peak = 0.0;
+  }
+
+  for (int i = 0; i < 3; ++i)
+    if (!(std::abs(k.pose.position[i]) <= o.workspace[i] + o.margin)) return GuardReason::workspace;
+  if (!(twist.head<3>().squaredNorm() <= o.stopSpeed * o.stopSpeed &&
+        twist.tail<3>().squaredNorm() <= o.stopTurn * o.stopTurn))
+    return GuardReason::speed;
+  return s.energy <= o.energy ? GuardReason::none : GuardReason::energy;
+}
+
+// Whether what is asked for oscillates.
+GuardReason Guard::asked(const JointVector& requested, const Kinematics& k) noexcept {
+  State& s = state_;
+  const double share = std::min(1.0, options_.period / kOscillationTime);
+  bool oscillates = false;
+  for (int i = 0; i < n_; ++i) {
+    const double rendered = requested[i] - k.gravity[i];
+    const double change = std::clamp((rendered - s.rendered[i]) / options_.torque[i], -2.0, 2.0);
+    s.rendered[i] = rendered;
+    if (!s.started || s.weight == 0.0) continue;
+    s.jerk[i] += share * (change * change - s.jerk[i]);
+    oscillates = oscillates || !(s.jerk[i] <= options_.oscillation * options_.oscillation);
+  }
+  return oscillates ? GuardReason::oscillation : GuardReason::none;
+}
+
+// Gravity's torque; less of all of it where a motor cannot give it.
+Guard::Row Guard::bounded(const JointVector& gravity) const noexcept {
+  double scale = 1.0;
+  for (int i = 0; i < n_; ++i)
+    if (std::abs(gravity[i]) > options_.torque[i]) scale = std::min(scale, options_.torque[i] / std::abs(gravity[i]));
+  Row row{};
+  for (int i = 0; i < n_; ++i) row[i] = std::clamp(scale * gravity[i], -options_.torque[i], options_.torque[i]);
+  return row;
+}
+
+// On the straight way from the last torque, as far as the slew lets it.
+bool Guard::limitSlew(double elapsed, JointVector& torque) const noexcept {
+  const double time = std::clamp(elapsed, 0.0, options_.period);
+  double scale = 1.0;
+  for (int i = 0; i < n_; ++i) {
+    const double change = std::abs(torque[i] - state_.torque[i]), most = options_.slew[i] * time;
+    if (change > most * kRounding) scale = std::min(scale, most / change);
+  }
+  if (scale == 1.0) return false;
+  for (int i = 0; i < n_; ++i) torque[i] = state_.torque[i] + scale * (torque[i] - state_.torque[i]);
+  return true;
+}
+
+// What a request without a fault becomes.
+GuardReason Guard::shape(const Measurement& m, const Kinematics& k, const JointVector& requested, const Vec6& twist,
+                         double elapsed, JointVector& torque) noexcept {
+  State& s = state_;
+  const GuardOptions& o = options_;
+  GuardReason reason = GuardReason::none;
+  bool small = true;
+  for (int i = 0; i < n_; ++i) small = small && std::abs(s.rendered[i]) <= o.engage * o.torque[i];
+  if (!m.enabled) {
+    s.open = false;
+    s.withheld = true;
+    s.weight = std::max(0.0, s.weight - o.period / std::max(o.rampOut, o.period));
+    reason = GuardReason::disabled;
+  } else if (!s.open && (s.weight > 0.0 || !small)) {
+    s.withheld = true;
+    s.weight = std::max(0.0, s.weight - o.period / std::max(o.rampOut, o.period));
+    reason = GuardReason::waiting;
+  } else {
+    s.open = true;
+    s.weight = s.withheld ? std::min(1.0, s.weight + o.period / std::max(o.rampIn, o.period)) : 1.0;
+    if (s.weight < 1.0) reason = GuardReason::engaging;
+  }
+
+  const double speed = twist.head<3>().norm(), turn = twist.tail<3>().norm();
+  Vec6 brake = Vec6::Zero();
+  if (speed > o.speed) brake.head<3>() = -o.brake * (1.0 - o.speed / speed) * twist.head<3>();
+  if (turn > o.turn) brake.tail<3>() = -o.brakeTurn * (1.0 - o.turn / turn) * twist.tail<3>();
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(k.pose.position[i]) > o.workspace[i] && twist[i] * k.pose.position[i] > 0.0)
+      brake[i] = -o.brake * twist[i];
+  const bool brakes = !brake.isZero(0.0);
+  if (brakes && reason == GuardReason::none) reason = GuardReason::brake;
+
+  Row rendered = s.rendered;
+  for (int i = 0; i < n_; ++i) {
+    if (s.weight < 1.0) rendered[i] *= s.weight;
+    if (brakes) rendered[i] += k.jacobian.col(i).dot(brake);
+  }
+  double scale = 1.0;
+  if (o.force < kUnlimited || o.moment < kUnlimited) {
+    Vec6 wrench = Vec6::Zero();
+    for (int i = 0; i < n_; ++i) wrench += k.inverseTransposed.col(i) * rendered[i];
+    const double force = wrench.head<3>().norm(), moment = wrench.tail<3>().norm();
+    if (force > o.force) scale = o.force / force;
+    if (moment > o.moment) scale = std::min(scale, o.moment / moment);
+    if (scale < 1.0 && reason == GuardReason::none) reason = GuardReason::force;
+  }
+  const Row gravity = bounded(k.gravity);
+  double fits = scale;
+  for (int i = 0; i < n_; ++i) {
+    const double most = rendered[i] > 0.0 ? o.torque[i] - gravity[i] : o.torque[i] + gravity[i];
+    if (scale * std::abs(rendered[i]) > most * kRounding) fits = std::min(fits, most / std::abs(rendered[i]));
+  }
+  if (fits < scale && reason == GuardReason::none) reason = GuardReason::torque;
+
+  if (s.weight == 1.0 && !brakes && fits == 1.0 && (requested.array().abs() <= o.torque.array()).all()) {
+    torque = requested;
+  } else {
+    for (int i = 0; i < n_; ++i) torque[i] = std::clamp(gravity[i] + fits * rendered[i], -o.torque[i], o.torque[i]);
+    if (reason == GuardReason::none) reason = GuardReason::torque;  // gravity alone is beyond the limit
+  }
+  if (s.acted && limitSlew(s.started ? elapsed : o.period, torque) && reason == GuardReason::none)
+    reason = GuardReason::slew;
+  return reason;
+}
+
+// A fault's way to gravity's torque, or to zero. The rendered part goes at once where it would push the tool on.
+void Guard::ramp(const Measurement& m, bool known, JointVector& torque) noexcept {
+  State& s = state_;
+  const GuardOptions& o = options_;
+  if (s.known && !known && s.rampTicks > 0) {  // from here to zero
+    s.from = s.torque;
+    s.rampTicks = 0;
+  }
+  s.known = s.known && known;
+  ++s.rampTicks;
+  double left = std::max(0.0, 1.0 - s.rampTicks * o.period / std::max(o.rampOut, o.period));
+  if (left < 1e-9) left = 0.0;
+  double pushed = 0.0;
+  if (s.known)
+    for (int i = 0; i < n_; ++i) pushed += (s.from[i] - s.fromGravity[i]) * (m.q[i] - s.q[i]);
+  s.shedding = s.shedding || (s.known && pushed > 0.0);
+  for (int i = 0; i < n_; ++i) {
+    double wanted = left * s.from[i];
+    if (s.known) wanted = s.gravity[i] + (s.shedding ? 0.0 : left * (s.from[i] - s.fromGravity[i]));
+    torque[i] = std::clamp(wanted, -o.torque[i], o.torque[i]);
+  }
+}
+
+GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const JointVector& requested, Status status,
+                           const Vec3& surface) noexcept {
+  State& s = state_;
+  GuardedCommand command;
+  command.torque.setZero(n_);
+  const double elapsed = m.time - s.time;
+  const GuardReason read = measured(m, elapsed);
+  const bool believed = read == GuardReason::none || read == GuardReason::clock || read == GuardReason::late;
+  const bool known = believed && isSize(k.q, n_) && k.q == m.q && isSize(k.gravity, n_) && k.jacobian.cols() == n_ &&
+                     k.inverseTransposed.cols() == n_ && k.gravity.allFinite() && std::isfinite(k.jacobian.sum()) &&
+                     std::isfinite(k.inverseTransposed.sum());
+  if (!options_.on) {
+    if (isSize(requested, n_)) command.torque = requested;
+  } else {
+    GuardReason found = read;
+    Vec6 twist = Vec6::Zero();
+    if (found == GuardReason::none && !known) found = GuardReason::unreachable;
+    if (found == GuardReason::none &&
+        (status != Status::ok || !isSize(requested, n_) || !within(requested, kLargestTorque)))
+      found = GuardReason::renderer;
+    if (found == GuardReason::none && s.started) {
+      found = moved(m, k, elapsed, twist);
+      if (found == GuardReason::none) {
+        s.missed =
+            std::max(0.0, s.missed - kForgottenMisses) + std::max(0.0, std::round(elapsed / options_.period) - 1.0);
+        if (s.missed > options_.mostMissed) found = GuardReason::deadlines;
+      }
+    }
+    if (found == GuardReason::none) found = asked(requested, k);
+    if (s.fault == GuardReason::none && found != GuardReason::none) {
+      s.fault = found;
+      s.open = false;
+      s.from = s.torque;
+      s.fromGravity = s.gravity;
+      s.rampTicks = 0;
+    }
+    if (s.fault == GuardReason::none) {
+      command.reason = shape(m, k, requested, twist, elapsed, command.torque);
+      s.gravity = bounded(k.gravity);
+    } else {
+      command.reason = s.fault;
+      if (known) s.gravity = bounded(k.gravity);
+      ramp(m, known, command.torque);
+      if (s.acted) (void)limitSlew(options_.period, command.torque);
+    }
+  }
+
+  if (believed || read == GuardReason::jump || read == GuardReason::frozen) {
+    for (int i = 0; i < n_; ++i) s.q[i] = m.q[i];
+    s.time = m.time;
+    s.started = true;
+  }
+  for (int i = 0; i < n_; ++i) {
+    if (!std::isfinite(command.torque[i])) command.torque[i] = 0.0;  // a Jacobian of 1e308
+    s.torque[i] = command.torque[i];
+  }
+  s.acted = true;
+  s.surface = surface;
+  if (s.fault == GuardReason::none || s.rampTicks * options_.period <= options_.rampOut * kRounding) {
+    GuardTick& tick = ring_[count_++ % kGuardTicks];
+    tick.time = m.time;
+    tick.q = m.q;
+    tick.requested = requested;
+    tick.applied = command.torque;
+    tick.energy = s.energy;
+    tick.reason = command.reason;
+  }
+  return command;
+}
+
+}  // namespace enamel
