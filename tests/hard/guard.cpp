@@ -126,7 +126,7 @@ TEST_CASE("walls that are known to be bad are stopped by their energy", "[hard]"
                 << 1e3 * (motion - given) << " mJ not from the person, budget " << 1e3 * options.energy << " mJ\n";
       // A tick's work beyond the budget: 60 N over 0.5 mm; rounding to counts hides as much again.
       CHECK(motion - given < options.energy + 0.03);
-      CHECK((way < 2e-3 || motion - given < 0.03));
+      CHECK((way < 2e-3 || motion - given < 0.05));
     }
 }
 

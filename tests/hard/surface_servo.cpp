@@ -191,10 +191,10 @@ TEST_CASE("a push beyond the motors turns no force, and leaves within limits", "
           return force;
         },
         [&](const TickRecord& tick) {
-          share = std::max(share, (tick.command.array().abs() / device.limits().torque.array()).maxCoeff());
+          share = std::max(share, (tick.requested.array().abs() / device.limits().torque.array()).maxCoeff());
           Kinematics k = device.home();
           if (device.track(tick.q, JointVector::Zero(6), false, k) != Status::ok) return;
-          const Vec3 force = wrenchOf(k, tick.command - k.gravity).head<3>();
+          const Vec3 force = wrenchOf(k, tick.requested - k.gravity).head<3>();  // the brake turns it
           if (force.norm() > 1.0) turned = std::max(turned, std::acos(std::min(1.0, force.z() / force.norm())));
         });
     REQUIRE(stayed);

@@ -126,7 +126,7 @@ TEST_CASE("a push through a plugin writes the same file as the linked renderer",
                                    {"hold", "position_control.so' --set mode=hold"},
                                    {"impedance", "impedance.so'"}}) {
     INFO(name);
-    const std::string common = "push --device '" + kDevice + "' --encoders --rates low-pass --seed 5 --duration 1.3 ";
+    const std::string common = "push --device '" + kDevice + "' --device-damping 4 --encoders --rates low-pass --seed 5 --duration 1.3 ";
     REQUIRE(test::run(common + "--renderer " + name + " --output '" + (folder / "linked.csv") + "'").status == 0);
     REQUIRE(test::run(common + "--renderer '" ENAMEL_PLUGINS "/enamel_" + file + " --output '" +
                       (folder / "plugin.csv") + "'")

@@ -283,9 +283,9 @@ TEST_CASE("guard: an encoder that freezes while its joint moves is seen, one of 
     Bench bench;
     const auto moved = [&](int i, bool frozen) {
       Pose pose;
-      pose.position.y() = 5e-5 * i;  // 50 mm/s
+      pose.position.y() = 1e-4 * i;  // 100 mm/s
       Vec6 twist = Vec6::Zero();
-      twist[1] = 0.05;
+      twist[1] = 0.1;
       REQUIRE(bench.device.reach(pose, twist, false, bench.k) == Status::ok);
       const double stuck = bench.m.q[1];
       bench.m.q = bench.k.q;
@@ -295,8 +295,8 @@ TEST_CASE("guard: an encoder that freezes while its joint moves is seen, one of 
     };
     for (int i = 0; i < 100; ++i) REQUIRE(moved(i, false) == GuardReason::none);
     int ticks = 0;
-    while (ticks < 50 && moved(100 + ticks, true) == GuardReason::none) ++ticks;
-    CHECK(ticks == 19);
+    while (ticks < 100 && moved(100 + ticks, true) == GuardReason::none) ++ticks;
+    CHECK(ticks == 49);
     CHECK(bench.guard.fault() == GuardReason::frozen);
   }
   Bench rest;

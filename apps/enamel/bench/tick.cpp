@@ -142,11 +142,37 @@ std::vector<Measurement> measureTick(double scale) {
           ticks, [&](int i) { faults += tick(path.measured[static_cast<std::size_t>(i)], command) != Status::ok; });
       add(std::string("whole tick, ") + name, whole, faults, "ticks that were not ok", 3.0);
     }
+    {
+      GuardOptions off = guardFor(*mechanism, kPeriod);
+      off.on = false;
+      HapticTick tick(*mechanism, wall, tool, *renderer, off);
+      Command command;
+      const Percentiles bare = timeEach(
+          ticks, [&](int i) { faults += tick(path.measured[static_cast<std::size_t>(i)], command) != Status::ok; });
+      add(std::string("the same, guard off, ") + name, bare, faults, "ticks that were not ok", none);
+    }
     HapticTick tick(*mechanism, wall, tool, *renderer, kPeriod);
     Command command;
     for (const enamel::Measurement& measured : path.measured) {
       faults += tick(measured, command) != Status::ok;
       inputs.push_back(tick.input());
+    }
+    {  // the guard alone, on what it saw; `error`: requests that it changed
+      Guard guard(*mechanism, guardFor(*mechanism, kPeriod));
+      std::vector<JointVector> requests;
+      renderer->reset();
+      for (const TickInput& in : inputs) {
+        faults += renderer->step(in, output) != Status::ok;
+        requests.push_back(output.torque);
+      }
+      int changed = 0;
+      const Percentiles alone = timeEach(ticks, [&](int i) {
+        const auto at = static_cast<std::size_t>(i);
+        changed +=
+            guard.step(path.measured[at], inputs[at].kinematics, requests[at], Status::ok).reason != GuardReason::none;
+      });
+      add(std::string("its guard, ") + name, alone, changed, "ticks that it touched", 0.5);
+      renderer->reset();
     }
     renderer->reset();
     const std::string pluginFile =

@@ -18,10 +18,10 @@ constexpr double kLever = 0.05;         // m at which a moment counts as a force
 constexpr double kOscillationTime = 0.1;
 constexpr double kForgottenMisses = 0.01;
 constexpr double kRounding = 1.0 + 1e-9;
-// A reading is frozen that has not changed by a bit for so many ticks, though the joint went by as many counts a tick
-// before, or its rate tells of as many counts since.
-constexpr int kStillTicks = 20;
-constexpr double kPace = 5.0, kClaimed = 5.0;
+// A reading is frozen that has not changed by a bit for so many ticks, though the joint went on evenly by as many
+// counts a tick before, or its rate tells of as many counts since (of the second half: a filter's rate comes late).
+constexpr int kStillTicks = 50;
+constexpr double kPace = 10.0, kEven = 0.3, kClaimed = 5.0;
 
 bool isSize(const JointVector& v, int n) noexcept { return v.size() == n; }
 
@@ -105,7 +105,7 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0})
       force = std::min(force, largestForce(home, o.torque, sign * Vec3::Unit(axis)));
-  o.energy = 5e-4 * force;
+  o.energy = 7e-4 * force;
   o.power = 1e-3 * force;
   return o;
 }
@@ -167,13 +167,13 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
     const double way = std::abs(m.q[i] - s.q[i]), count = options_.count[i];
     if (!(way <= options_.rate[i] * time + 2.0 * count)) reason = GuardReason::jump;
     if (way == 0.0) {
-      ++s.still[i];
-      s.claimed[i] += std::abs(m.rates[i]) * time / count;
-      const bool moves = s.pace[i] >= kPace || s.claimed[i] >= kClaimed;
+      if (++s.still[i] > kStillTicks / 2) s.claimed[i] += m.rates[i] * time / count;
+      const bool moves = (s.even[i] && s.pace[i] >= kPace) || std::abs(s.claimed[i]) >= kClaimed;
       if (s.still[i] >= kStillTicks && moves && reason == GuardReason::none) reason = GuardReason::frozen;
     } else {
       s.still[i] = 0;
       s.claimed[i] = 0.0;
+      s.even[i] = std::abs(way / count - s.pace[i]) <= kEven * s.pace[i];
       s.pace[i] = way / count;
     }
   }

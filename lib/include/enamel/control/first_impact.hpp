@@ -49,12 +49,12 @@ const char* toString(FirstImpactVerdict verdict) noexcept;
 
 /// What a push looks like at a tick; gap and rate are those before the tick's torque acts.
 struct ImpactTick {
-  double gap = 0.0;        ///< along the wall's normal, m
-  double rate = 0.0;       ///< of the gap, m/s
-  double force = 0.0;      ///< of the person into the wall, held until the next tick, N
-  double drift = 0.0;      ///< largest displacement across the normal so far, m
-  bool saturated = false;  ///< a motor's limit cut the torque
-  JointVector torque;      ///< that acts until the next tick, shares of the motors' limits; empty: not known
+  double gap = 0.0;         ///< along the wall's normal, m
+  double rate = 0.0;        ///< of the gap, m/s
+  double force = 0.0;       ///< of the person into the wall, held until the next tick, N
+  double drift = 0.0;       ///< largest displacement across the normal so far, m
+  bool saturated = false;   ///< a motor's limit cut the torque
+  JointVector torque = {};  ///< that acts until the next tick, shares of the motors' limits; empty: not known
 };
 
 /// Judges one step of force against a wall, tick by tick: D_z1 counts from the mean gap at rest before the step (the

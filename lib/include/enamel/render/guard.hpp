@@ -84,7 +84,7 @@ struct GuardOptions {
 
 /// Options for a device and ticks of `period` s: the motors' limits, their whole range within half a millisecond, a
 /// brake that damps the lightest direction at home by 5 % a tick, the mechanical damping of the model at home, an
-/// energy budget of the largest force at home in its weakest direction over 0.5 mm, and a thousandth of it a second.
+/// energy budget of the largest force at home in its weakest direction over 0.7 mm, and beside it that force at 1 mm/s.
 /// Throws Error: a period outside (0, 0.1] s. Realtime: no.
 GuardOptions guardFor(const Mechanism& device, double period);
 
@@ -157,6 +157,7 @@ class Guard {
     Row jerk{};                   // mean square change of the rendered torque, shares
     double missed = 0.0;          // ticks
     Row pace{}, claimed{};  // of a joint that stands still: counts a tick before, counts that its rate tells of since
+    std::array<bool, kMaxJoints> even{};  // whether the pace was that of the tick before
     std::array<int, kMaxJoints> still{};  // for how many ticks
   };
 
