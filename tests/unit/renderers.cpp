@@ -369,4 +369,40 @@ TEST_CASE("position control: the reference at a deep touch is the surface's, to 
   }
 }
 
+TEST_CASE("renderers: state bytes from elsewhere never become a torque that cannot be", "[renderers]") {
+  const TauMechanism device(test::nominal());
+  PositionControlRenderer servo = test::positionControl();
+  SurfaceServoRenderer surface = test::surfaceServo(device, 0, 3);
+  ImpedanceRenderer spring({6000.0, 1.0});
+  test::Random random(33);
+  for (Renderer* renderer :
+       {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&surface), static_cast<Renderer*>(&spring)}) {
+    renderer->activate(1e-3);
+    const auto fresh = stateOf(*renderer);
+    int ok = 0;
+    for (int i = 0; i < 2000; ++i) {
+      auto bytes = fresh;
+      if (i % 2 == 0) {  // any bytes, or doubles of any size
+        for (auto& byte : bytes) byte = static_cast<unsigned char>(random.uniform(0.0, 256.0));
+      } else {
+        for (std::size_t at = 0; at + 8 <= bytes.size(); at += 8) {
+          const double value = random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-10.0, 308.0));
+          std::memcpy(&bytes[at], &value, 8);
+        }
+      }
+      if (i % 4 < 2) std::memcpy(bytes.data(), fresh.data(), 8);  // the time of the last tick
+      renderer->loadState(bytes.data());
+      for (int tick = 0; tick < 3; ++tick) {
+        TickOutput output;
+        const Status status = renderer->step(inputAt(device, poseAtDepth(1e-4), 1.0 + 1e-3 * tick), output);
+        ok += status == Status::ok;
+        REQUIRE(output.torque.allFinite());
+        REQUIRE((output.torque.cwiseAbs() - device.limits().torque).maxCoeff() <= 0.0);
+        REQUIRE(std::abs(output.normalForce) <= 1e6);
+      }
+    }
+    CHECK(ok > 1000);
+  }
+}
+
 }  // namespace enamel::test_renderers
