@@ -9,7 +9,7 @@ namespace {
 constexpr double kSettling = 0.5, kJudged = 0.25;   // s after the onset that do not count, and that at least must
 constexpr double kRinging = 0.25, kReturned = 0.1;  // of D_z1
 constexpr double kBlock = 0.125;                    // s
-constexpr double kGrows = 3.0, kChatters = 0.25;    // of the first block's deviation, of a motor's limit
+constexpr double kGrows = 10.0, kChatters = 0.25;    // of the first block's deviation, of a motor's limit
 
 std::uint64_t ticksIn(double time, double period) noexcept {
   return static_cast<std::uint64_t>(std::llround(time / period));

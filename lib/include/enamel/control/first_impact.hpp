@@ -38,7 +38,7 @@ enum class FirstImpactVerdict : std::uint8_t {
   rings,     ///< from 0.5 s after the onset on, the depth's standard deviation is above D_z1 / 4 (judged where the push
              ///< goes on for 0.75 s or more)
   slips,     ///< until its return the tool moved farther across the normal than along it
-  unstable,  ///< it rings and grows threefold, or more than half of those ticks are saturated, or a torque's standard
+  unstable,  ///< it rings and grows tenfold, or more than half of those ticks are saturated, or a torque's standard
              ///< deviation in an eighth of a second is above a quarter of its motor's limit, or the guard stopped it
 };
 
