@@ -10,7 +10,7 @@
 namespace enamel {
 namespace {
 
-constexpr double kLargestTorque = 1e6;  // N m or N: what is beyond is no answer
+constexpr double kLargestAnswer = 1e6;  // N m or N: what is beyond is no answer
 constexpr double kForgets = 0.2;        // s, of the largest force of late
 constexpr double kLeastForce = 1e-3;    // N, below which nothing is rendered
 constexpr double kLargestEnergy = 1e6;  // J
@@ -158,7 +158,7 @@ void Guard::reset() noexcept {
 GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   State& s = state_;
   if (!isSize(m.q, n_) || !isSize(m.rates, n_) || !m.q.allFinite() || !m.rates.allFinite() || !std::isfinite(m.time) ||
-      !(m.applied.size() == 0 || (isSize(m.applied, n_) && within(m.applied, kLargestTorque))))
+      !(m.applied.size() == 0 || (isSize(m.applied, n_) && within(m.applied, kLargestAnswer))))
     return GuardReason::measurement;
   if (!s.started) return GuardReason::none;
   const double time = std::max(elapsed, options_.period);
@@ -368,7 +368,7 @@ GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const Join
     Vec6 twist = Vec6::Zero();
     if (found == GuardReason::none && !known) found = GuardReason::unreachable;
     if (found == GuardReason::none &&
-        (status != Status::ok || !isSize(requested, n_) || !within(requested, kLargestTorque)))
+        (status != Status::ok || !isSize(requested, n_) || !within(requested, kLargestAnswer)))
       found = GuardReason::renderer;
     if (found == GuardReason::none && s.started) {
       found = moved(m, k, elapsed, twist);

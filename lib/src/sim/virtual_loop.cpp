@@ -47,7 +47,9 @@ Status VirtualLoop::react(TickRecord& record) noexcept {
   record.rendered = wrenchOf(truth, record.torque - truth.gravity);
   record.nearest = nearestContact(scene_, tool_, truth.pose, &trueCache_);
   record.gapRate = record.nearest.normal.dot(contactVelocity(truth, record.nearest));
-  record.normalForce = tick_.output().normalForce;
+  record.normalForce = record.guard == GuardReason::none
+                           ? tick_.output().normalForce
+                           : record.nearest.normal.dot(wrenchOf(truth, record.command - truth.gravity).head<3>());
   record.mode = tick_.output().mode;
   record.saturated = tick_.output().saturated;
   return Status::ok;

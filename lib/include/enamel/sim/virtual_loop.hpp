@@ -33,7 +33,7 @@ struct TickRecord {
   Vec6 rendered = Vec6::Zero();  ///< wrench of the motors on the tool beyond gravity during this tick, N, N m
   Contact nearest;               ///< of the plant's tool with the scene, near or far
   double gapRate = 0.0;          ///< of the nearest contact's gap, m/s
-  double normalForce = 0.0;      ///< of the wall on the tool, as the renderer reports it, N
+  double normalForce = 0.0;      ///< of the wall on the tool, as the renderer reports it or the guard leaves it, N
   RenderMode mode = RenderMode::free;
   bool saturated = false;
   Status status = Status::ok;  ///< of the haptic tick
