@@ -165,7 +165,7 @@ TEST_CASE("contacts tell the obstacle, the tool's part, the triangle and its fea
              Box{{0.006, 0.004, 0.008}},
              {Vec3(0.02, 0, 0), test::rotationAbout(Vec3(1, 2, 3).normalized(), 0.5)},
              Vec6::Zero(),
-             2});
+             {2}});
   scene.add({"triangles", model(test::boxMesh({0.005, 0.006, 0.007})), at({0, 0.02, 0}), Vec6::Zero(), {}});
   Tool tool = sphereTool(0.001);
   tool.parts[1] = {{0, 0, 0.002}, {0, 0.001, 0.012}, 0.0005};
