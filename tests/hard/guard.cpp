@@ -1,34 +1,17 @@
 // The guard where it counts: garbage, walls that are known to be bad, and ordinary runs, which it must leave alone.
 #include "enamel/render/guard.hpp"
 
-#include <cstring>
 #include <iostream>
 
 #include "enamel/control/device_plant.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/study/monte_carlo.hpp"
 #include "support/catch.hpp"
+#include "support/garbage.hpp"
 #include "support/pushes.hpp"
 #include "support/run_length.hpp"
 
 namespace enamel::test_guard {
-
-namespace {
-
-double garbage(test::Random& random) {
-  const double kind = random.uniform(0.0, 1.0);
-  if (kind < 0.3) return random.uniform(-3.0, 3.0);
-  if (kind < 0.5) return random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-320.0, 308.0));
-  if (kind < 0.6) return std::nan("");
-  if (kind < 0.7) return random.uniform(0.0, 1.0) < 0.5 ? HUGE_VAL : -HUGE_VAL;
-  const std::uint64_t bits = (static_cast<std::uint64_t>(random.uniform(0.0, 0x1p32)) << 32) |
-                             static_cast<std::uint64_t>(random.uniform(0.0, 0x1p32));
-  double value;
-  std::memcpy(&value, &bits, sizeof(value));
-  return value;
-}
-
-}  // namespace
 
 TEST_CASE("garbage into the guard: finite, within the limits and the slew, always", "[hard]") {
   constexpr std::uint64_t seed = 20;
@@ -67,7 +50,7 @@ TEST_CASE("garbage into the guard: finite, within the limits and the slew, alway
       for (int blows = static_cast<int>(random.uniform(1.0, 4.0)); blows > 0; --blows) {
         const int field = static_cast<int>(random.uniform(0.0, 12.0));
         if (sizes[field] == 0) continue;
-        numbers[field][static_cast<int>(random.uniform(0.0, sizes[field]))] = garbage(random);
+        numbers[field][static_cast<int>(random.uniform(0.0, sizes[field]))] = test::garbage(random);
         if (field == 1 && random.uniform(0.0, 1.0) < 0.5) k.q = m.q;  // and believed
       }
       if (random.uniform(0.0, 1.0) < 0.2) requested.conservativeResize(static_cast<int>(random.uniform(0.0, 8.0)));
@@ -193,14 +176,7 @@ TEST_CASE("a loop that is unstable and stays inside is called unstable", "[hard]
 
 TEST_CASE("hold goes with a wall that moves, and back to the surface in small steps", "[hard]") {
   const TauMechanism device(test::nominal());
-  const auto hand = [](double z) {
-    return [z](double, const Pose& pose, const Vec6& twist) {
-      Vec6 wrench;
-      wrench.head<3>() = -200.0 * (pose.position - Vec3(0.0, 0.0, z)) - 8.0 * twist.head<3>();
-      wrench.tail<3>() = holdingMoment(pose.rotation, Mat3::Identity(), twist.tail<3>());
-      return wrench;
-    };
-  };
+  const auto hand = [](double z) { return test::handAt(z, 200.0, 8.0); };
   // A touch 20 mm deep: no kick.
   PositionControlRenderer hold = test::positionControl();
   LoopSetup setup;

@@ -1,31 +1,13 @@
 // A million random ticks of garbage into each renderer: the output is always finite, within limits, and the status
 // right.
-#include <cstring>
 #include <iostream>
 
 #include "support/catch.hpp"
+#include "support/garbage.hpp"
 #include "support/pushes.hpp"
 #include "support/run_length.hpp"
 
 namespace enamel::test_renderers {
-
-namespace {
-
-// Any bit pattern, or an ordinary number, or an extreme one.
-double garbage(test::Random& random) {
-  const double kind = random.uniform(0.0, 1.0);
-  if (kind < 0.5) return random.uniform(-1.0, 1.0);
-  if (kind < 0.6) return std::nan("");
-  if (kind < 0.7) return random.uniform(0.0, 1.0) < 0.5 ? HUGE_VAL : -HUGE_VAL;
-  if (kind < 0.8) return random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-320.0, 308.0));
-  const std::uint64_t bits = (static_cast<std::uint64_t>(random.uniform(0.0, 0x1p32)) << 32) |
-                             static_cast<std::uint64_t>(random.uniform(0.0, 0x1p32));
-  double value;
-  std::memcpy(&value, &bits, sizeof(value));
-  return value;
-}
-
-}  // namespace
 
 TEST_CASE("garbage into the renderers", "[hard]") {
   constexpr std::uint64_t seed = 71;
@@ -66,7 +48,7 @@ TEST_CASE("garbage into the renderers", "[hard]") {
       const int sizes[] = {1, 6, 6, 3, 9, 6, 36, 36, 6, 36, 6, 1, 3, 6, 3, 1, 1, 1};
       for (int blow = 0; blow < damage; ++blow) {
         const int field = static_cast<int>(random.uniform(0.0, 18.0));
-        numbers[field][static_cast<int>(random.uniform(0.0, sizes[field]))] = garbage(random);
+        numbers[field][static_cast<int>(random.uniform(0.0, sizes[field]))] = test::garbage(random);
       }
       if (random.uniform(0.0, 1.0) < 0.05) input.contacts.count = static_cast<int>(random.uniform(-20.0, 20.0));
       TickOutput output;

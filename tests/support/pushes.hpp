@@ -7,6 +7,7 @@
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/render/surface_servo.hpp"
+#include "enamel/sim/hand.hpp"
 #include "enamel/sim/push.hpp"
 #include "support/devices.hpp"
 #include "support/reference.hpp"
@@ -49,6 +50,16 @@ inline PushSetup referenceSetup(const nlohmann::json& run) {
   setup.person.guide = false;
   setup.duration = run.at("duration");
   return setup;
+}
+
+/// A hand that draws the TCP to (0, 0, z), m, and keeps the orientation: N/m, N s/m.
+inline auto handAt(double z, double stiffness, double damping) {
+  return [=](double, const Pose& pose, const Vec6& twist) {
+    Vec6 wrench;
+    wrench.head<3>() = -stiffness * (pose.position - Vec3(0.0, 0.0, z)) - damping * twist.head<3>();
+    wrench.tail<3>() = holdingMoment(pose.rotation, Mat3::Identity(), twist.tail<3>());
+    return wrench;
+  };
 }
 
 inline std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& renderer, const PushSetup& setup) {

@@ -151,25 +151,14 @@ TEST_CASE("guard: a tool that is inside a wall when it is switched on is not kic
     setup.start.position.z() = -3e-3;
     VirtualLoop loop(device, *renderer, setup);
     TickRecord record;
-    const auto still = [](double, const Pose& pose, const Vec6& twist) {
-      Vec6 wrench = Vec6::Zero();
-      wrench.tail<3>() = holdingMoment(pose.rotation, Mat3::Identity(), twist.tail<3>());
-      return wrench;
-    };
+    const auto still = test::handAt(0.0, 0.0, 0.0);
     for (int i = 0; i < 500; ++i) {
       REQUIRE(loop.tick(still, record) == Status::ok);
       REQUIRE(record.guard == GuardReason::waiting);
     }
     CHECK((record.pose.position - setup.start.position).norm() < 1e-6);
     // A hand that draws it out, 3 mm in about 0.3 s, finds no force on the way; then there is a wall again.
-    const auto handAt = [](double z) {
-      return [z](double, const Pose& pose, const Vec6& twist) {
-        Vec6 wrench;
-        wrench.head<3>() = -100.0 * (pose.position - Vec3(0.0, 0.0, z)) - 5.0 * twist.head<3>();
-        wrench.tail<3>() = holdingMoment(pose.rotation, Mat3::Identity(), twist.tail<3>());
-        return wrench;
-      };
-    };
+    const auto handAt = [](double z) { return test::handAt(z, 100.0, 5.0); };
     double fastest = 0.0;
     for (int i = 0; i < 1000; ++i) {
       REQUIRE(loop.tick(handAt(1e-3), record) == Status::ok);
