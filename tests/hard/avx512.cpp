@@ -43,7 +43,7 @@ TEST_CASE("the loops for AVX-512 answer as those for AVX2", "[hard]") {
     kernel::Cache wideCache, knownCache;
     Vec3 p = mesh.vertices[mesh.triangles[0][0]];
     for (int i = 0; i < test::count(3000, 30000); ++i) {
-      p = i % 60 == 0 ? test::queryPoint(mesh, random) : Vec3(p + 0.002 * size * random.direction());
+      p = i % 60 == 0 ? test::queryPoint(mesh, size, random) : Vec3(p + 0.002 * size * random.direction());
       const double reach = size * std::pow(10.0, random.uniform(-4.0, 0.0));
       const double squared = i % 3 == 0 ? reach * reach : kNoLimit;
       kernel::Answer one, other;

@@ -40,7 +40,7 @@ void compare(const std::shared_ptr<const MeshModel>& changed, test::Random& rand
   const double size = test::sizeOf(mesh);
   Vec3 p = Vec3::Zero();
   for (int i = 0; i < queries; ++i) {
-    p = i % 4 == 0 ? test::queryPoint(mesh, random) : Vec3(p + 0.003 * random.direction());
+    p = i % 4 == 0 ? test::queryPoint(mesh, size, random) : Vec3(p + 0.003 * random.direction());
     const SurfacePoint a = signedDistance(*changed, p, &cache), b = signedDistance(*fresh, p);
     REQUIRE(a.triangle == numbers[static_cast<std::size_t>(b.triangle)]);
     REQUIRE(std::abs(a.distance) == std::abs(b.distance));
@@ -115,7 +115,7 @@ TEST_CASE("the sign of a moved closed mesh agrees with the winding number", "[ha
     }
   REQUIRE(moveVertices(model, moved.data(), positions.data(), static_cast<int>(moved.size())) == Status::ok);
   for (int i = 0; i < test::count(1000, 20000); ++i) {
-    const Vec3 p = test::queryPoint(model.mesh(), random);
+    const Vec3 p = test::queryPoint(model.mesh(), test::sizeOf(model.mesh()), random);
     const SurfacePoint found = signedDistance(model, p);
     if (std::abs(found.distance) < 1e-8) continue;
     REQUIRE((found.distance < 0.0) == (test::windingNumber(model.mesh(), p) > 0.5));

@@ -38,7 +38,7 @@ TEST_CASE("distances are exact on every mesh", "[hard]") {
     const int count = mesh.triangles.size() > 50000 ? test::count(300, 100000) : test::count(1000, 100000);
     double worst = 0.0;
     for (int i = 0; i < count; ++i) {
-      const Vec3 p = test::queryPoint(mesh, random);
+      const Vec3 p = test::queryPoint(mesh, size, random);
       const SurfacePoint found = closestPoint(model, p);
       const double truth = reference(p);
       // Rounding of the inputs alone moves a distance by 1e-16 of the mesh size and of the distance.
@@ -66,7 +66,7 @@ TEST_CASE("the sign agrees with the winding number wherever a volume is enclosed
     const int count = mesh.triangles.size() > 50000 ? test::count(100, 5000) : test::count(500, 20000);
     int inside = 0;
     for (int i = 0; i < count; ++i) {
-      const Vec3 p = test::queryPoint(mesh, random);
+      const Vec3 p = test::queryPoint(mesh, size, random);
       const SurfacePoint found = signedDistance(model, p);
       CHECK(std::abs(found.normal.norm() - 1.0) < 1e-9);  // unit
       // On the surface the winding number jumps; its own rounding is about 1e-16 size / distance.
@@ -95,7 +95,7 @@ TEST_CASE("the same bits with and without a cache, and on every SIMD level", "[h
     const int count = test::count(2000, 100000);
     for (int i = 0; i < count; ++i) {
       if (i % 300 == 0) speed = std::pow(10.0, random.uniform(-6.0, -0.5));
-      if (i % 97 == 0) p = test::queryPoint(mesh, random);
+      if (i % 97 == 0) p = test::queryPoint(mesh, size, random);
       if (i % 401 == 0) closestPoint(other, p, &cache);  // a cache from elsewhere
       velocity = 0.9 * velocity + 0.3 * speed * size * random.direction();
       p += velocity;
@@ -146,7 +146,7 @@ TEST_CASE("a limit hides what is farther and nothing else", "[hard]") {
   const MeshModel model(test::ball(4, 0.1));
   test::Random random(14);
   for (int i = 0; i < test::count(2000, 100000); ++i) {
-    const Vec3 p = test::queryPoint(model.mesh(), random);
+    const Vec3 p = test::queryPoint(model.mesh(), test::sizeOf(model.mesh()), random);
     const SurfacePoint all = closestPoint(model, p);
     const double limit = all.distance * random.uniform(0.5, 1.5);
     const SurfacePoint found = closestPoint(model, p, nullptr, limit);

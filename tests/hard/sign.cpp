@@ -76,10 +76,11 @@ int compare(const std::string& name, const TriangleMesh& mesh, int count, int se
   const kernel::MeshData& data = kernel::Inside::of(model);
   CHECK_FALSE(data.sound);
   test::Random random(seed);
+  const double size = test::sizeOf(mesh);
   int inside = 0;
   for (int i = 0; i < count; ++i) {
     const Vec3 p = i % 2 == 0
-                       ? test::queryPoint(mesh, random)
+                       ? test::queryPoint(mesh, size, random)
                        : Vec3(data.low + (data.high - data.low)
                                              .cwiseProduct(Vec3(random.uniform(0.0, 1.0), random.uniform(0.0, 1.0),
                                                                 random.uniform(0.0, 1.0))));

@@ -67,7 +67,7 @@ TEST_CASE("random sphere sweeps touch when the distance says so", "[hard]") {
     test::Random random(31);
     ProximityCache cache;
     for (int i = 0; i < each; ++i) {
-      Vec3 from = test::queryPoint(mesh, random);
+      Vec3 from = test::queryPoint(mesh, size, random);
       if ((from - mesh.vertices[mesh.triangles[0][0]]).norm() > 5.0 * size) continue;
       const Vec3 to = from + random.direction() * size * std::pow(10.0, random.uniform(-3.0, 0.5));
       double radius = random.uniform(0.0, 1.0) < 0.2 ? 0.0 : size * std::pow(10.0, random.uniform(-4.0, -0.5));
@@ -144,7 +144,7 @@ TEST_CASE("segments are as near as brute force finds them, with any hint and on 
     test::Random random(33);
     for (int i = 0; i < test::count(60, 2000); ++i) {
       const auto& t = mesh.triangles[static_cast<std::size_t>(random.uniform(0.0, count))];
-      const Vec3 a = test::queryPoint(mesh, random);
+      const Vec3 a = test::queryPoint(mesh, size, random);
       if ((a - mesh.vertices[t[0]]).norm() > 5.0 * size) continue;
       Segment segment{a, a + random.direction() * size * std::pow(10.0, random.uniform(-3.0, 0.5))};
       const Vec3 edge = mesh.vertices[t[1]] - mesh.vertices[t[0]];

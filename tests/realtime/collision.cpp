@@ -46,9 +46,10 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
   long allocated = 0;
   Vec3 p = Vec3::UnitX();
   for (int i = 0; i < 2000; ++i) {
-    p = i % 20 == 0 ? test::queryPoint(mesh->mesh(), random) : Vec3(p + 0.003 * random.direction());
+    p = i % 20 == 0 ? test::queryPoint(mesh->mesh(), test::sizeOf(mesh->mesh()), random)
+                    : Vec3(p + 0.003 * random.direction());
     const Vec3 q = i % 50 == 49 ? Vec3(std::nan(""), 0, 0) : Vec3(p + 0.1 * random.direction());
-    const Vec3 onFlats = test::queryPoint(flats.mesh(), random);
+    const Vec3 onFlats = test::queryPoint(flats.mesh(), test::sizeOf(flats.mesh()), random);
     Pose pose, next, step;
     pose.position = p;
     next.position = q;

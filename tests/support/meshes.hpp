@@ -290,13 +290,12 @@ inline double sizeOf(const TriangleMesh& mesh) {
 }
 
 /// Points of every kind: anywhere about the mesh, on its corners, edges and faces, exactly opposite to them, far away.
-inline Vec3 queryPoint(const TriangleMesh& mesh, Random& random) {
+inline Vec3 queryPoint(const TriangleMesh& mesh, double size, Random& random) {
   const auto pick = [&random](std::size_t n) {
     return std::min(static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(n))), n - 1);
   };
   const auto& t = mesh.triangles[pick(mesh.triangles.size())];
   const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-  const double size = sizeOf(mesh);
   const Vec3 normal =
       (b - a).cross(c - a).normalized().allFinite() ? Vec3((b - a).cross(c - a).normalized()) : random.direction();
   const double away = size * std::pow(10.0, random.uniform(-9.0, 0.0)) * (random.uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0);

@@ -13,7 +13,7 @@ inline bool longRun() {
   return value != nullptr && std::string_view(value) == "1";
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef ENAMEL_SANITIZED
 inline constexpr int kSlowdown = 10;
 #else
 inline constexpr int kSlowdown = 1;
