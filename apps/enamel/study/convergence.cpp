@@ -35,15 +35,24 @@ constexpr double kSmallest = 1e-9;
 
 struct RunRecord {
   StudyResult result;
+  double seconds = 0.0;  // of the processor, a simulated second
   std::vector<Vec3> positions;
 };
+
+double processorSeconds() {
+  timespec now = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 RunRecord recordRun(const StudyPlan& study, const StudyRun& run, const IntegrationMethod& method) {
   StudyPlan plan = study;
   plan.setup.integrator = method.integrator;
   plan.setup.substeps = method.substeps;
   RunRecord record;
+  const double begun = processorSeconds();
   record.result = performRun(plan, run, [&](const TickRecord& t) { record.positions.push_back(t.pose.position); });
+  record.seconds = (processorSeconds() - begun) / plan.setup.duration;
   return record;
 }
 
@@ -59,38 +68,12 @@ std::vector<StudyRun> runsOf(const StudyPlan& plan) {
   return runs;
 }
 
-double processorSeconds() {
-  timespec now = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-// Smallest of a few: the machine may be busy.
-double timeOf(const StudyPlan& study, const std::vector<StudyRun>& runs, const IntegrationMethod& method) {
-  StudyPlan plan = study;
-  plan.setup.integrator = method.integrator;
-  plan.setup.substeps = method.substeps;
-  std::size_t columns = 0;
-  double total = 0.0;
-  for (const StudyRun& run : runs) {
-    if (run.column != columns || run.scenario != plan.scenarios.front()) continue;
-    ++columns;  // the first run of each column
-    double best = HUGE_VAL;
-    for (int i = 0; i < 2; ++i) {
-      const double begun = processorSeconds();
-      (void)performRun(plan, run);
-      best = std::min(best, processorSeconds() - begun);
-    }
-    total += best / plan.setup.duration;
-  }
-  return total / static_cast<double>(std::max<std::size_t>(1, columns));
-}
-
 MethodError compare(const std::vector<StudyRun>& runs, const std::vector<RunRecord>& records,
                     const std::vector<RunRecord>& reference) {
   MethodError error;
   error.metrics.assign(kMetrics, 0.0);
   for (std::size_t i = 0; i < runs.size(); ++i) {
+    error.secondsPerSecond += records[i].seconds / static_cast<double>(runs.size());
     const std::size_t ticks = std::min(records[i].positions.size(), reference[i].positions.size());
     for (std::size_t t = 0; t < ticks; ++t)
       error.trajectory = std::max(error.trajectory, (records[i].positions[t] - reference[i].positions[t]).norm());
@@ -138,7 +121,6 @@ Convergence measureConvergence(const Study& study) {
   for (const IntegrationMethod& method : kMethods) {
     MethodError error = compare(runs, record(method), reference);
     error.method = method;
-    error.secondsPerSecond = timeOf(plan, runs, method);
     convergence.methods.push_back(error);
   }
   convergence.referenceError = convergence.methods.back().worst;

@@ -1,11 +1,11 @@
 #include "enamel/control/discretise.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
+#include "control/dense.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -20,8 +20,8 @@ double norm1(const MatrixXd& A) { return A.cwiseAbs().colwise().sum().maxCoeff()
 int halvingsFor(const MatrixXd& A, const MatrixXd& A4, const MatrixXd& A6) {
   constexpr double kTheta13 = 4.25;
   const double d6 = std::pow(norm1(A6), 1.0 / 6.0);
-  const double d8 = std::pow(norm1(A4 * A4), 1.0 / 8.0);
-  const double d10 = std::pow(norm1(A4 * A6), 1.0 / 10.0);
+  const double d8 = std::pow(norm1(product(A4, A4)), 1.0 / 8.0);
+  const double d10 = std::pow(norm1(product(A4, A6)), 1.0 / 10.0);
   const double alpha = std::min(std::max(d6, d8), std::max(d8, d10));
   int halvings = alpha > kTheta13 ? static_cast<int>(std::ceil(std::log2(alpha / kTheta13))) : 0;
   // Cancellation among powers may hide rounding errors: bound them by the powers of |A|, eq. 3.11.
@@ -55,7 +55,7 @@ MatrixXd matrixExponential(const MatrixXd& input) {
   // Far beyond any use, but its powers must not overflow.
   const int before = std::max(0, std::ilogb(std::max(norm1(input), 1.0)) - 60);
   MatrixXd A = std::ldexp(1.0, -before) * input;
-  MatrixXd A2 = A * A, A4 = A2 * A2, A6 = A4 * A2;
+  MatrixXd A2 = product(A, A), A4 = product(A2, A2), A6 = product(A4, A2);
   const int halvings = halvingsFor(A, A4, A6);
   A *= std::ldexp(1.0, -halvings);
   A2 *= std::ldexp(1.0, -2 * halvings);
@@ -78,13 +78,14 @@ MatrixXd matrixExponential(const MatrixXd& input) {
                           182.,
                           1.};
   const MatrixXd I = MatrixXd::Identity(n, n);
-  const MatrixXd U = A * (A6 * (b[13] * A6 + b[11] * A4 + b[9] * A2) + b[7] * A6 + b[5] * A4 + b[3] * A2 + b[1] * I);
-  const MatrixXd V = A6 * (b[12] * A6 + b[10] * A4 + b[8] * A2) + b[6] * A6 + b[4] * A4 + b[2] * A2 + b[0] * I;
+  const MatrixXd U =
+      product(A, product(A6, b[13] * A6 + b[11] * A4 + b[9] * A2) + b[7] * A6 + b[5] * A4 + b[3] * A2 + b[1] * I);
+  const MatrixXd V = product(A6, b[12] * A6 + b[10] * A4 + b[8] * A2) + b[6] * A6 + b[4] * A4 + b[2] * A2 + b[0] * I;
   const MatrixXd denominator = V - U;
-  const Eigen::PartialPivLU<MatrixXd> lu(denominator);
-  MatrixXd E = lu.solve(2.0 * U);
-  E += lu.solve(2.0 * U - denominator * E);  // makes the backward error small entry by entry (Skeel 1980)
-  for (int i = 0; i < before + halvings; ++i) E = 2.0 * E + E * E;
+  MatrixXd E = solve(denominator, 2.0 * U);
+  E += solve(denominator,
+             2.0 * U - product(denominator, E));  // makes the backward error small entry by entry (Skeel 1980)
+  for (int i = 0; i < before + halvings; ++i) E = 2.0 * E + product(E, E);
   E += I;
   if (!E.allFinite()) throw DesignError("matrix exponential: the result overflows");
   return E;

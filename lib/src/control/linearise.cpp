@@ -1,12 +1,12 @@
 #include "enamel/control/linearise.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "control/dense.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -117,10 +117,11 @@ StateSpace outputsAsStates(const Linearisation& linearisation) {
     if (!(largest > 0.0)) throw DesignError("eq. 5: C is singular: no output shows state " + std::to_string(i));
     columnScale[i] = std::ldexp(1.0, -std::ilogb(largest));
   }
-  const Eigen::PartialPivLU<MatrixXd> lu(rowsScaled * columnScale.asDiagonal());
-  if (!(lu.rcond() > 1e-12)) throw DesignError("eq. 5: C is singular: the outputs do not determine the state");
-  const MatrixXd inverse = columnScale.asDiagonal() * lu.solve(MatrixXd(rowScale.asDiagonal()));
-  return {C * linearisation.model.A * inverse, C * linearisation.model.B};
+  double reciprocalCondition = 0.0;
+  const MatrixXd inverse = columnScale.asDiagonal() * solve(rowsScaled * columnScale.asDiagonal(),
+                                                            MatrixXd(rowScale.asDiagonal()), &reciprocalCondition);
+  if (!(reciprocalCondition > 1e-12)) throw DesignError("eq. 5: C is singular: the outputs do not determine the state");
+  return {product(product(C, linearisation.model.A), inverse), product(C, linearisation.model.B)};
 }
 
 }  // namespace enamel

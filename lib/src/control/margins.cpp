@@ -1,13 +1,12 @@
 #include "enamel/control/margins.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tuple>
 #include <utility>
 
-#include "control/spectrum.hpp"
+#include "control/dense.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -33,7 +32,7 @@ class FrequencyResponse {
     const Complex z = std::polar(1.0, w * period_);
     MatrixXcd pencil = -A_;
     pencil.diagonal().array() += z;
-    MatrixXcd M = std::polar(1.0, -w * period_ * delay_) * K_ * pencil.partialPivLu().solve(B_);
+    MatrixXcd M = product(std::polar(1.0, -w * period_ * delay_) * K_, solve(pencil, B_));
     M.diagonal().array() += 1.0;
     return M;
   }
@@ -42,7 +41,10 @@ class FrequencyResponse {
     return values[values.size() - 1];
   }
   // Every input's loop with the others closed.
-  VectorXcd loops(double w) const { return returnDifference(w).inverse().diagonal().cwiseInverse().array() - 1.0; }
+  VectorXcd loops(double w) const {
+    const MatrixXcd M = returnDifference(w);
+    return solve(M, MatrixXcd::Identity(M.rows(), M.cols())).diagonal().cwiseInverse().array() - 1.0;
+  }
 
   // From 2^-20 of the Nyquist frequency up to it, 20 points an octave.
   std::vector<double> frequencies() const {
@@ -120,7 +122,7 @@ ChannelMargins channelMargins(const FrequencyResponse& response, Index i, const 
 }  // namespace
 
 MatrixXd closedLoop(const StateSpace& loop, const MatrixXd& K, int delay) {
-  if (delay == 0) return loop.A - loop.B * K;
+  if (delay == 0) return loop.A - product(loop.B, K);
   const Index n = loop.A.rows(), m = loop.B.cols();
   MatrixXd closed = MatrixXd::Zero(n + m * delay, n + m * delay);
   closed.topLeftCorner(n, n) = loop.A;

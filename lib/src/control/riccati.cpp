@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "control/spectrum.hpp"
+#include "control/dense.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -26,6 +26,9 @@ constexpr int kMaxCorrections = 60;
 
 double largest(const MatrixXd& M) { return M.cwiseAbs().maxCoeff(); }
 MatrixXd symmetric(const MatrixXd& M) { return 0.5 * (M + M.transpose()); }
+MatrixXd solvePositive(const MatrixXd& R, const MatrixXd& B) { return R.llt().solve(B); }  // R^-1 B, R > 0
+// S^T M S, which need not be symmetric.
+MatrixXd transformed(const MatrixXd& M, const MatrixXd& S) { return product(product(S.transpose(), M), S); }
 
 struct Problem {
   MatrixXd A, B, Q, R;
@@ -151,7 +154,7 @@ Extended multiply(const MatrixXd& a, const MatrixXd& b) {
 
 Extended multiply(const MatrixXd& a, const Extended& b) {
   Extended c = multiply(a, b.hi);
-  c.lo += a * b.lo;
+  c.lo += product(a, b.lo);
   return c;
 }
 
@@ -170,8 +173,8 @@ void accumulate(Extended& a, const Extended& b) {
 // --- the equation -------------------------------------------------------------------------------------------------
 
 MatrixXd gainOf(const Problem& p, const MatrixXd& X) {
-  const MatrixXd XB = X * p.B;
-  return (p.R + p.B.transpose() * XB).llt().solve(XB.transpose() * p.A);
+  const MatrixXd XBt = product(X, p.B).transpose();
+  return solvePositive(p.R + product(XBt, p.B), product(XBt, p.A));
 }
 
 // What a step makes of X and K, formed in twice the working precision.
@@ -207,18 +210,18 @@ Residuals residualsOf(const Problem& p, const MatrixXd& X, const MatrixXd& K) {
 // error that squares at every step. Empty where it overflows or does not settle.
 std::optional<MatrixXd> doubling(const Problem& p, int& steps) {
   const Eigen::Index n = p.A.rows();
-  MatrixXd A = p.A, H = p.Q, G = p.B * p.R.llt().solve(p.B.transpose());
+  MatrixXd A = p.A, H = p.Q, G = product(p.B, solvePositive(p.R, p.B.transpose()));
   MatrixXd both(n, 2 * n);
   for (steps = 1; steps <= kMaxDoublings; ++steps) {
     both << A, G;
-    const MatrixXd solved = (MatrixXd::Identity(n, n) + G * H).partialPivLu().solve(both);  // (I + G H)^-1 [A, G]
-    const auto WA = solved.leftCols(n), WG = solved.rightCols(n);
-    const MatrixXd increment = symmetric(A.transpose() * (H * WA));
+    const MatrixXd solved = solve(MatrixXd::Identity(n, n) + product(G, H), both);  // (I + G H)^-1 [A, G]
+    const MatrixXd WA = solved.leftCols(n), WG = solved.rightCols(n), At = A.transpose();
+    const MatrixXd increment = symmetric(product(At, product(H, WA)));
     H += increment;
     if (!H.allFinite()) return std::nullopt;
     if (largest(increment) <= 1e-7 * largest(H)) return H;  // what is left is about its square: for Newton
-    G += symmetric(A * WG * A.transpose());
-    A = A * WA;
+    G += symmetric(transformed(WG, At));
+    A = product(A, WA);
     if (!G.allFinite() || !A.allFinite()) return std::nullopt;
   }
   return std::nullopt;
@@ -231,14 +234,14 @@ std::vector<MatrixXd> squarings(const MatrixXd& S) {
   std::vector<MatrixXd> powers{S};
   while (!(powers.back().cwiseAbs().rowwise().sum().maxCoeff() < 1e-8)) {
     if (powers.size() > kMaxSquarings || !powers.back().allFinite()) return {};
-    powers.push_back(powers.back() * powers.back());
+    powers.push_back(product(powers.back(), powers.back()));
   }
   return powers;
 }
 
 // D = S^T D S + W by Smith's doubling (1968).
 MatrixXd solveStein(const std::vector<MatrixXd>& powers, MatrixXd W) {
-  for (const MatrixXd& S : powers) W += symmetric(S.transpose() * W * S);
+  for (const MatrixXd& S : powers) W += symmetric(transformed(W, S));
   return W;
 }
 
@@ -247,7 +250,7 @@ bool refine(const Problem& p, MatrixXd& X, int& corrections) {
   for (corrections = 1; corrections <= kMaxCorrections; ++corrections) {
     const MatrixXd K = gainOf(p, X);
     if (!K.allFinite()) return false;
-    const std::vector<MatrixXd> powers = squarings(p.A - p.B * K);
+    const std::vector<MatrixXd> powers = squarings(p.A - product(p.B, K));
     if (powers.empty()) return false;
     const MatrixXd D = solveStein(powers, residualsOf(p, X, K).cost);
     X = symmetric(X + D);
@@ -276,7 +279,7 @@ RiccatiSolution solveRiccati(const MatrixXd& A, const MatrixXd& B, const MatrixX
   check(p);
   p.Q = symmetric(Q);
   p.R = symmetric(R);
-  const VectorXd t = balance(A, B * p.R.llt().solve(B.transpose()), p.Q), inverse = t.cwiseInverse();
+  const VectorXd t = balance(A, product(B, solvePositive(p.R, B.transpose())), p.Q), inverse = t.cwiseInverse();
   p.A = inverse.asDiagonal() * A * t.asDiagonal();
   p.B = inverse.asDiagonal() * B;
   p.Q = t.asDiagonal() * p.Q * t.asDiagonal();
@@ -290,17 +293,17 @@ RiccatiSolution solveRiccati(const MatrixXd& A, const MatrixXd& B, const MatrixX
         "are too weak for its unstable modes to tell");
   }
   MatrixXd K = gainOf(p, *X);
-  const MatrixXd S = p.A - p.B * K;
+  const MatrixXd S = p.A - product(p.B, K);
   const std::vector<MatrixXd> powers = squarings(S);
   if (powers.empty()) throw DesignError("Riccati: no stabilising solution: the closed loop is not stable");
   const Residuals residuals = residualsOf(p, *X, K);
   // Rounding X by E leaves S^T E S - E, a few units in the last place of these terms, no more.
-  const double magnitude = std::max(largest(S.cwiseAbs().transpose() * X->cwiseAbs() * S.cwiseAbs()), largest(*X));
+  const double magnitude = std::max(largest(transformed(X->cwiseAbs(), S.cwiseAbs())), largest(*X));
   if (magnitude > 0.0) solution.residual = largest(residuals.cost) / magnitude;
   if (!(solution.residual < 1e-13)) throw DesignError("Riccati: the residual is too large");
   // The gain of the solution itself: the digits of X that rounding cut off, D, may matter to it.
   const MatrixXd D = solveStein(powers, residuals.cost);
-  K += (p.R + p.B.transpose() * *X * p.B).llt().solve(residuals.gain + p.B.transpose() * D * S);
+  K += solvePositive(p.R + transformed(*X, p.B), residuals.gain + product(product(p.B.transpose(), D), S));
   if (!isPositiveSemidefinite(*X, 1e-10)) throw DesignError("Riccati: the solution is not positive semidefinite");
   solution.P = inverse.asDiagonal() * *X * inverse.asDiagonal();
   solution.K = K * inverse.asDiagonal();
