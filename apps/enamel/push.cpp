@@ -108,6 +108,8 @@ void run(const PushOptions& options) {
       if (!warning.empty()) fmt::print(stderr, "enamel: warning: {}\n", warning);
       return wall;
     }
+    if (name == kPassivity)
+      return std::make_unique<PassivityRenderer>(std::make_unique<ImpedanceRenderer>(options.impedance));
     const std::string gain = name == owner ? options.gain : "";
     if (name == kPositionControl)
       return std::make_unique<SurfaceServoRenderer>(surfaceServo(gain, *device, setup.period, setup.delay));

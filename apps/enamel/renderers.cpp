@@ -52,7 +52,8 @@ Delay parseDelay(const std::string& text) {
 }
 
 RendererSource findRenderer(const std::string& nameOrPath) {
-  if (nameOrPath == kPositionControl || nameOrPath == kHold || nameOrPath == kImpedance) return {nameOrPath, nullptr};
+  for (const char* name : {kPositionControl, kHold, kImpedance, kPassivity})
+    if (nameOrPath == name) return {nameOrPath, nullptr};
   auto library = findPlugin(nameOrPath, pluginFolder());
   return {library->description().name, library};
 }

@@ -7,6 +7,7 @@
 #include "enamel/control/device_plant.hpp"
 #include "enamel/plugin/host.hpp"
 #include "enamel/render/impedance.hpp"
+#include "enamel/render/passivity.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/render/surface_servo.hpp"
 #include "enamel/study/metrics.hpp"
@@ -16,6 +17,7 @@ namespace enamel::app {
 inline constexpr const char* kPositionControl = "position-control";  // SurfaceServoRenderer
 inline constexpr const char* kHold = "hold";                         // PositionControlRenderer, the paper's law
 inline constexpr const char* kImpedance = "impedance";
+inline constexpr const char* kPassivity = "passivity";  // PassivityRenderer around the impedance wall
 
 /// "none", "constant:D" or "random:A..B", in ticks, whole numbers in decimal digits. Throws Error.
 Delay parseDelay(const std::string& text);

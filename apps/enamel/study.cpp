@@ -20,8 +20,8 @@ void addStudy(CLI::App& app) {
   command
       ->add_option(
           "--renderers", options->renderers,
-          "separated by commas; hold-scheduled: hold with a servo designed at every query point; also names and paths "
-          "of plugins")
+          "separated by commas; passivity: impedance under a time-domain passivity controller; hold-scheduled: hold "
+          "with a servo designed at every query point; also names and paths of plugins")
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("--set", options->set, "parameter of the plugins that have it, KEY=VALUE; may be given again")

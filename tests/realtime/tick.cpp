@@ -1,6 +1,7 @@
 // A whole tick, forward kinematics -> contact -> renderer, allocates nothing: good input, bad input, faults and resets.
 #include "enamel/render/tick.hpp"
 
+#include "enamel/render/passivity.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/catch.hpp"
@@ -28,10 +29,12 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
   const Scene wall = flatWall();
   PositionControlRenderer hold = test::positionControl();
   ImpedanceRenderer spring({6000.0, 0.0});
+  PassivityRenderer passive(std::make_unique<ImpedanceRenderer>(ImpedanceOptions{6000.0, 0.0}));
   SurfaceServoRenderer servo = test::surfaceServo(device, 0, 3);
   Heavy heavy;
-  for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&servo),
-                             static_cast<Renderer*>(&spring), static_cast<Renderer*>(&heavy)}) {
+  for (Renderer* renderer :
+       {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring),
+        static_cast<Renderer*>(&passive), static_cast<Renderer*>(&heavy)}) {
     HapticTick tick(device, wall, Tool(), *renderer, 1e-3);
     Encoders encoders({true, RateSource::lowPass, 100.0}, device.limits().count, 1e-3);
     const RandomStream stream(1, 0);

@@ -32,6 +32,7 @@ const char* colourOf(ColumnKind kind) {
     case ColumnKind::positionControl: return kBlue;
     case ColumnKind::hold: return kGreen;
     case ColumnKind::impedance: return kVermilion;
+    case ColumnKind::passivity: return kMuted;
     case ColumnKind::scheduled: return kOrange;
     case ColumnKind::plugin: break;
   }

@@ -97,6 +97,7 @@ std::shared_ptr<const Mechanism> withDamping(DeviceParameters device, double dam
 
 ColumnKind kindOf(const std::string& linked) {
   return linked == kImpedance   ? ColumnKind::impedance
+         : linked == kPassivity ? ColumnKind::passivity
          : linked == kScheduled ? ColumnKind::scheduled
          : linked == kHold      ? ColumnKind::hold
                                 : ColumnKind::positionControl;
@@ -104,6 +105,7 @@ ColumnKind kindOf(const std::string& linked) {
 
 const char* titleOf(ColumnKind kind) {
   return kind == ColumnKind::impedance   ? "impedance"
+         : kind == ColumnKind::passivity ? "impedance with passivity control"
          : kind == ColumnKind::scheduled ? "scheduled hold"
          : kind == ColumnKind::hold      ? "hold"
                                          : "position control";
@@ -217,6 +219,12 @@ Study prepareStudy(const StudyOptions& options) {
     if (kind == ColumnKind::impedance) {
       column.make = [impedance = study.impedance](std::size_t) {
         return std::make_unique<ImpedanceRenderer>(impedance);
+      };
+      continue;
+    }
+    if (kind == ColumnKind::passivity) {
+      column.make = [impedance = study.impedance](std::size_t) {
+        return std::make_unique<PassivityRenderer>(std::make_unique<ImpedanceRenderer>(impedance));
       };
       continue;
     }

@@ -14,7 +14,7 @@
 namespace enamel::app {
 
 /// What a column of the study is. A plugin is none of the linked renderers, whatever it calls itself.
-enum class ColumnKind { positionControl, hold, impedance, scheduled, plugin };
+enum class ColumnKind { positionControl, hold, impedance, passivity, scheduled, plugin };
 
 /// What tables and pictures say about a column of the plan.
 struct ColumnLabel {

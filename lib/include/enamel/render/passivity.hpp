@@ -1,0 +1,43 @@
+// A wall that never gives more energy than it took, whatever its law: passivity in the time domain.
+#pragma once
+
+#include <memory>
+
+#include "enamel/render/renderer.hpp"
+
+namespace enamel {
+
+/// Passivity observer and controller (Hannaford and Ryu 2002, eq. 6 and 12) around another renderer, at the port
+/// between its torques and the joints:
+///   E_k = E_(k-1) - r_(k-1)^T (q_k - q_(k-1)),   r = torque that really acted - gravity,
+/// is what the wall has taken from the tool, less the work of a moving obstacle. Before a torque r acts, the energy
+/// that it will give at the present rates, r^T q' T, is compared with E (a tick ahead: Ryu, Preusche, Hannaford and
+/// Hirzinger 2005), and r becomes smaller by one factor where that is more: to nothing while E < 0. That is the damper
+/// of the controller along the force, no firmer than the force, so that the wall neither turns nor pulls. Off the wall
+/// what it took is forgotten, what it gave too much is not: the next contact owes it.
+///
+/// Without delay no contact gives energy. With one, a wall sees what a late torque gave when it is done: it then gives
+/// nothing until the debt is paid, which bounds the energy and no more.
+class PassivityRenderer final : public Renderer {
+ public:
+  /// Throws Error: no wall.
+  explicit PassivityRenderer(std::unique_ptr<Renderer> wall);
+
+  bool needsInertia() const noexcept override { return wall_->needsInertia(); }
+
+  /// E, J. Realtime: yes.
+  double energy() const noexcept;
+
+ private:
+  void prepare(double period) override;
+  Status render(const TickInput& input, TickOutput& output) noexcept override;
+  void resetState() noexcept override;
+  StateBlock stateBlock() noexcept override { return {state_.data(), state_.size()}; }
+  void stateLoaded() noexcept override;
+
+  std::unique_ptr<Renderer> wall_;
+  double period_ = 0.0;
+  std::vector<unsigned char> state_;  // the port's, then the wall's
+};
+
+}  // namespace enamel
