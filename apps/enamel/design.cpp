@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include "commands.hpp"
@@ -12,6 +11,7 @@
 #include "design_surface.hpp"
 #include "enamel/control/tuning.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "renderers.hpp"
@@ -72,13 +72,6 @@ DesignedServo measure(const DesignOptions& options, const Device& device, const 
           spectralRadius(closed),
           measureMargins(runningLoop(design), design.K, design.period),
           requirementsOf(design, device.plant)};
-}
-
-void writeText(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw Error(path + ": cannot write the file");
 }
 
 // --- the terminal -------------------------------------------------------------------------------------------------
@@ -181,7 +174,7 @@ void writeImpedanceMap(const DesignOptions& options, const Device& device) {
     passive += met;
     broken += met && !entry.stable;
   }
-  writeText(options.impedanceMap, text);
+  writeFile(options.impedanceMap, text);
   fmt::print(
       "impedance wall: effective mass {:.3g} kg, mechanical damping {:.3g} N s/m: of {} walls {} are stable; {} "
       "meet eq. 16, of which {} (with delay) are unstable\n",
@@ -197,7 +190,7 @@ void run(DesignOptions options) {
     search.period = 1.0 / options.rate;
     search.delay = delay;
     const std::string file = designSurface(search);
-    if (!options.output.empty()) writeText(options.output, file);
+    if (!options.output.empty()) writeFile(options.output, file);
     return;
   }
   if (delay.low != delay.high || delay.high > kLargestDelay)
@@ -219,7 +212,7 @@ void run(DesignOptions options) {
     design = designServo(device.problem.plant, device.problem.period, options.weights);
   }
   const DesignedServo servo = measure(options, device, design);
-  if (!options.output.empty()) writeText(options.output, jsonOf(servo));
+  if (!options.output.empty()) writeFile(options.output, jsonOf(servo));
   printSummary(device, servo);
 }
 

@@ -46,7 +46,7 @@ std::string jsonOf(const DesignedServo& servo) {
                                    {"values", r.values},
                                    {"worst", r.worst()},
                                    {"met", r.met()}});
-  return out.dump(1) + "\n";
+  return textOf(out);
 }
 
 }  // namespace enamel::app

@@ -1,10 +1,10 @@
 #include "evaluate_rows.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/device/tau/dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"
 #include "json_matrices.hpp"
@@ -76,15 +76,8 @@ void evaluateRows(const std::string& devicePath, const std::string& inputPath, c
   const TauParameters device = loadTau(devicePath);
   const TauModel model = makeModel(device);
 
-  std::ifstream stream(inputPath);
-  if (!stream) throw Error(inputPath + ": cannot open the file");
-  Json input;
-  try {
-    input = Json::parse(stream);
-  } catch (const Json::exception& error) {
-    throw Error(inputPath + ": not valid JSON: " + error.what());
-  }
-  const Json* rows = input.is_object() && input.contains("rows") ? &input["rows"] : &input;
+  const Json input = parseJson(inputPath);
+  const Json* rows = input.is_object() && input.contains("rows") ? &input.at("rows") : &input;
   if (!rows->is_array()) throw Error(inputPath + ": must be a list of rows, or an object with the list \"rows\"");
 
   Json output;
@@ -97,10 +90,7 @@ void evaluateRows(const std::string& devicePath, const std::string& inputPath, c
       output["rows"].push_back({{"status", error.what()}});
     }
   }
-  std::ofstream file(outputPath);
-  file << output.dump(1) << '\n';
-  file.close();
-  if (!file) throw Error(outputPath + ": cannot write the file");
+  writeFile(outputPath, textOf(output));
 }
 
 }  // namespace enamel::app

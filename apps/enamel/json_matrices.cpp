@@ -1,8 +1,28 @@
 #include "json_matrices.hpp"
 
+#include <algorithm>
 #include <vector>
 
+#include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
+
 namespace enamel::app {
+
+nlohmann::ordered_json parseJson(const std::string& path) {
+  const std::string text = readJson(path);
+  try {
+    return nlohmann::ordered_json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+    throw ConfigurationError(path, 1 + static_cast<int>(std::count(text.begin(), end, '\n')), "", "is not valid JSON");
+  } catch (const nlohmann::json::exception&) {
+    throw ConfigurationError(path, 0, "", "has a number beyond double precision");
+  }
+}
+
+std::string textOf(const nlohmann::ordered_json& json) {
+  return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
 
 nlohmann::ordered_json listOf(const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); }
 

@@ -3,13 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <memory>
 
 #include "commands.hpp"
 #include "enamel/collision/mesh_file.hpp"
 #include "enamel/collision/proximity.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "mesh_generator.hpp"
 
 namespace enamel::app {
@@ -55,10 +55,7 @@ void write(const TriangleMesh& mesh, const std::string& path) {
     put(std::uint8_t{3});
     for (const int v : t) put(static_cast<std::int32_t>(v));
   }
-  std::ofstream file(path, std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) throw Error(path + ": cannot write the file");
+  writeFile(path, bytes);
 }
 
 void run(const MeshOptions& options) {

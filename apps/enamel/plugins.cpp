@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "enamel/plugin/conformance.hpp"
 #include "plugin_folder.hpp"
+#include "program.hpp"
 #ifndef ENAMEL_SANITIZED
 #include "allocation_counter.hpp"
 #endif
@@ -68,7 +69,7 @@ struct CheckOptions {
     if (passed) fmt::print("the plugin keeps the contract\n");
     status = passed ? 0 : kBroken;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "enamel: {}\n", error.what());
+    tell("enamel", error.what());
   }
   std::fflush(nullptr);
   _exit(status);

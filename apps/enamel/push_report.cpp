@@ -72,20 +72,18 @@ std::string jsonOf(const std::vector<PushOutcome>& outcomes) {
   return json.dump(2) + "\n";
 }
 
-TickFile::TickFile(const std::string& path, const Mechanism& device)
-    : path_(path), file_(std::fopen(path.c_str(), "w"), &std::fclose) {
-  if (!file_) throw Error(path + ": cannot write the file");
-  fmt::print(file_.get(),
-             "t [s],x [m],y [m],z [m],alpha [rad],beta [rad],gamma [rad],vx [m/s],vy [m/s],vz [m/s],wx [rad/s],"
-             "wy [rad/s],wz [rad/s],gap [m],person fx [N],person fy [N],person fz [N],rendered fx [N],rendered fy "
-             "[N],rendered fz [N],wall force [N]");
+TickFile::TickFile(const std::string& path, const Mechanism& device) : file_(path) {
+  line_ =
+      "t [s],x [m],y [m],z [m],alpha [rad],beta [rad],gamma [rad],vx [m/s],vy [m/s],vz [m/s],wx [rad/s],"
+      "wy [rad/s],wz [rad/s],gap [m],person fx [N],person fy [N],person fz [N],rendered fx [N],rendered fy "
+      "[N],rendered fz [N],wall force [N]";
   // Where J is the identity the joints are the axes of the TCP; all others turn.
   const Jacobian& J = device.home().jacobian;
   const bool axes = J.isApprox(Jacobian::Identity(6, J.cols()));
   for (const auto& [name, ofTurn, ofSlide] : {std::tuple{"q", "rad", "m"}, {"tau", "N m", "N"}})
     for (int i = 0; i < device.joints(); ++i)
-      fmt::print(file_.get(), ",{}{} [{}]", name, i + 1, axes && i < 3 ? ofSlide : ofTurn);
-  fmt::print(file_.get(), ",mode,saturated,status,guard\n");
+      line_ += fmt::format(",{}{} [{}]", name, i + 1, axes && i < 3 ? ofSlide : ofTurn);
+  file_.write(line_ + ",mode,saturated,status,guard\n");
 }
 
 void TickFile::write(const TickRecord& t) {
@@ -100,13 +98,8 @@ void TickFile::write(const TickRecord& t) {
   append(&t.normalForce, 1);
   append(t.q.data(), t.q.size());
   append(t.torque.data(), t.torque.size());
-  fmt::print(file_.get(), "{},{},{},{},{}\n", line_, toString(t.mode), t.saturated ? 1 : 0, toString(t.status),
-             toString(t.guard));
-}
-
-void TickFile::close() {
-  const bool failed = std::ferror(file_.get()) != 0;
-  if (std::fclose(file_.release()) != 0 || failed) throw Error(path_ + ": cannot write the file (is the disk full?)");
+  line_ += fmt::format(",{},{},{},{}\n", toString(t.mode), t.saturated ? 1 : 0, toString(t.status), toString(t.guard));
+  file_.write(line_);
 }
 
 void TickFile::append(const double* values, Eigen::Index count) {

@@ -1,11 +1,10 @@
 // What `enamel push` says about a push: every tick as CSV, the metrics as a table or as JSON.
 #pragma once
 
-#include <cstdio>
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "enamel/core/file.hpp"
 #include "enamel/study/metrics.hpp"
 
 namespace enamel::app {
@@ -23,18 +22,18 @@ std::string tableOf(const std::vector<PushOutcome>& outcomes, int scenario);
 /// Metrics under the keys that files have (keyOf()), by renderer; what a run does not have is null.
 std::string jsonOf(const std::vector<PushOutcome>& outcomes);
 
-/// A CSV file with a line a tick. Throws Error: it cannot be written.
+/// A CSV file with a line a tick: FileWriter. Throws Error.
 class TickFile {
  public:
   TickFile(const std::string& path, const Mechanism& device);
   void write(const TickRecord& tick);
-  void close();
+  void close() { file_.close(); }
 
  private:
   void append(const double* values, Eigen::Index count);
 
-  std::string path_, line_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  std::string line_;
+  FileWriter file_;
 };
 
 }  // namespace enamel::app

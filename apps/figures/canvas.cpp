@@ -3,14 +3,13 @@
 #include <GL/glew.h>  // before anything that includes OpenGL
 #include <vtkContextActor.h>
 #include <vtkGenericOpenGLRenderWindow.h>
-#include <vtkImageData.h>
-#include <vtkPNGWriter.h>
 #include <vtkTextProperty.h>
 
 #include <cstdio>
 #include <vector>
 
 #include "enamel/core/error.hpp"
+#include "offscreen/png.hpp"
 #include "offscreen/render_window.hpp"
 
 namespace enamel::figures {
@@ -46,10 +45,7 @@ void Canvas::write(const std::string& path) {
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, kOversampling * size_.x, kOversampling * size_.y, GL_RGB, GL_UNSIGNED_BYTE, drawn.data());
 
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(size_.x, size_.y, 1);
-  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  auto* pixels = static_cast<unsigned char*>(image->GetScalarPointer());
+  std::vector<unsigned char> pixels(3 * width * height);
   for (std::size_t y = 0; y < height; ++y)
     for (std::size_t x = 0; x < width; ++x)
       for (std::size_t c = 0; c < 3; ++c) {
@@ -58,15 +54,7 @@ void Canvas::write(const std::string& path) {
           for (std::size_t i = 0; i < n; ++i) sum += drawn[3 * ((n * y + j) * n * width + n * x + i) + c];
         pixels[3 * (y * width + x) + c] = static_cast<unsigned char>(sum / (n * n));
       }
-  // VTK would print its own message besides.
-  std::FILE* probe = std::fopen(path.c_str(), "wb");
-  if (probe == nullptr) throw Error(path + ": cannot write the figure");
-  std::fclose(probe);
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetFileName(path.c_str());
-  writer->SetInputData(image);
-  writer->Write();
-  if (writer->GetErrorCode() != 0) throw Error(path + ": cannot write the figure");
+  offscreen::writePng(size_.x, size_.y, pixels.data(), path);
 }
 
 void setText(vtkTextProperty* text, double size, const std::string& colour) {

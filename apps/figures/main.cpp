@@ -1,12 +1,11 @@
 // enamel-figures FIGURES.json FOLDER: draws every figure that the file describes as FOLDER/NAME.png, without a display.
 #include <malloc.h>
 
-#include <cstdio>
-#include <fstream>
-
 #include "annotations.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "panel.hpp"
+#include "program.hpp"
 #include "solids.hpp"
 
 namespace {
@@ -25,24 +24,19 @@ void draw(const Json& figure, const std::string& folder) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: enamel-figures FIGURES.json FOLDER\n");
-    return 2;
-  }
-  try {
-    std::ifstream file(argv[1]);
-    if (!file) throw enamel::Error(std::string(argv[1]) + ": cannot open the file");
-    const Json all = Json::parse(file);
+  return enamel::app::runProgram("enamel-figures", [&] {
+    if (argc != 3) throw enamel::app::Exit(2, "usage: enamel-figures FIGURES.json FOLDER");
+    const Json all = Json::parse(enamel::readJson(argv[1]), nullptr, false);
+    if (!all.is_object() || !all.contains("figures"))
+      throw enamel::ConfigurationError(argv[1], 0, "", "describes no figures");
     for (const Json& figure : all.at("figures")) {
-      draw(figure, argv[2]);
+      try {
+        draw(figure, argv[2]);
+      } catch (const Json::exception&) {
+        throw enamel::ConfigurationError(argv[1], 0, "figures",
+                                         "has a description that cannot be drawn: see panel.hpp");
+      }
       malloc_trim(0);  // what a figure took is large and of no use to the next
     }
-  } catch (const std::exception& error) {
-    std::string message = error.what();
-    for (char& c : message)
-      if (c == '\n') c = ' ';
-    std::fprintf(stderr, "enamel-figures: %s\n", message.c_str());
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -1,16 +1,20 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
-#include <exception>
 #include <string>
 
 #include "data_folder.hpp"
 #include "enamel/render/surface_file.hpp"
 #include "plugin_folder.hpp"
+#include "program.hpp"
 #include "viewer.hpp"
 
-int main(int argc, char** argv) {
-  using namespace enamel::viewer;
+namespace {
+
+using namespace enamel::viewer;
+
+constexpr const char* kProgram = "enamel-viewer";
+
+void runViewer(int argc, char** argv) {
   const double started = steadySeconds();
   CLI::App app{
       "Push the tool of a virtual TAU against a wall and see what stiff means. F1 in the window lists every key.\n"
@@ -36,44 +40,34 @@ int main(int argc, char** argv) {
   app.add_option("--report", options.report, "how the run went: frame rate, timing, memory (JSON)");
   app.add_option("--size", size, "WIDTHxHEIGHT of the picture");
   app.add_option("--scale", options.scale, "pixels per unit of layout, headless")->check(CLI::Range(1.0, 4.0));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    std::fprintf(stderr, "enamel-viewer: %s (see enamel-viewer --help)\n", error.what());
-    return 2;
+  if (!enamel::app::parse(app, kProgram, argc, argv)) return;
+  const RendererSlot gainOf = enamel::isSurfaceServo(options.gain) ? RendererSlot::positionControl : RendererSlot::hold;
+  const auto linked = rendererNames(nullptr);
+  const auto found = std::find(linked.begin(), linked.end(), renderer);
+  if (renderer.empty()) {
+    if (!options.gain.empty()) options.begin = gainOf;
+  } else if (found != linked.end()) {
+    options.begin = static_cast<RendererSlot>(found - linked.begin());
+  } else {
+    options.plugin = enamel::findPlugin(renderer, enamel::app::pluginFolder());
+    options.pluginParameters = enamel::app::parseParameters(set);
+    options.begin = slotOf(*options.plugin);
+    if (!options.gain.empty() && options.begin == gainOf)
+      throw enamel::Error("--gain " + options.gain + " is for the linked " + linked[indexOf(gainOf)] +
+                          ", whose place the plugin takes");
   }
+  if (!options.plugin && !set.empty()) throw enamel::Error("--set is for plugins, and --renderer names none");
   try {
-    const RendererSlot gainOf =
-        enamel::isSurfaceServo(options.gain) ? RendererSlot::positionControl : RendererSlot::hold;
-    const auto linked = rendererNames(nullptr);
-    const auto found = std::find(linked.begin(), linked.end(), renderer);
-    if (renderer.empty()) {
-      if (!options.gain.empty()) options.begin = gainOf;
-    } else if (found != linked.end()) {
-      options.begin = static_cast<RendererSlot>(found - linked.begin());
-    } else {
-      options.plugin = enamel::findPlugin(renderer, enamel::app::pluginFolder());
-      options.pluginParameters = enamel::app::parseParameters(set);
-      options.begin = slotOf(*options.plugin);
-      if (!options.gain.empty() && options.begin == gainOf)
-        throw enamel::Error("--gain " + options.gain + " is for the linked " + linked[indexOf(gainOf)] +
-                            ", whose place the plugin takes");
-    }
-    if (!options.plugin && !set.empty()) throw enamel::Error("--set is for plugins, and --renderer names none");
-    try {
-      options.size = parseSize(size);
-    } catch (const std::exception& error) {
-      std::fprintf(stderr, "enamel-viewer: --size %s\n", error.what());
-      return 2;
-    }
-    const int signal = options.headless ? runHeadless(options, started) : runInWindow(options, started);
-    return signal == 0 ? 0 : 128 + signal;  // as a shell tells it
-  } catch (const std::exception& error) {
-    std::string message = error.what();
-    for (char& c : message)
-      if (c == '\n') c = ' ';
-    std::fprintf(stderr, "enamel-viewer: %s\n", message.c_str());
-    return 1;
+    options.size = parseSize(size);
+  } catch (const enamel::Error& error) {
+    throw enamel::app::Exit(2, std::string("--size ") + error.what());
   }
+  if (const int signal = options.headless ? runHeadless(options, started) : runInWindow(options, started); signal != 0)
+    throw enamel::app::Exit(128 + signal, "");  // as a shell tells it
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return enamel::app::runProgram(kProgram, [&] { runViewer(argc, argv); });
 }

@@ -13,8 +13,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "input.hpp"
+#include "offscreen/png.hpp"
 #include "viewer.hpp"
 
 namespace enamel::viewer {
@@ -37,7 +38,8 @@ std::string picturePath(const Options& options, const std::string& name) {
 void takePictures(const Options& options, Viewer& viewer, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const std::string path = picturePath(options, name);
-    writePng(viewer.stage().read(), path);
+    const Picture picture = viewer.stage().read();
+    offscreen::writePng(picture.size.x, picture.size.y, picture.rgb.data(), path);
     std::printf("%s\n", path.c_str());
     std::fflush(stdout);
   }
@@ -143,10 +145,7 @@ class Report {
                           {{"p50", 1e6 * timing.computeMedian},
                            {"p99.9", 1e6 * timing.computeHigh},
                            {"max", 1e6 * timing.computeLargest}}}};
-    std::ofstream file(path);
-    file << json.dump(1) << '\n';
-    file.close();
-    if (!file) throw Error(path + ": cannot write the report");
+    writeFile(path, json.dump(1) + '\n');
   }
 
  private:

@@ -4,11 +4,10 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -197,9 +196,8 @@ std::vector<ScriptStep> parseScript(std::string_view text, const std::string& fi
 }
 
 std::vector<ScriptStep> loadScript(const std::string& path, const std::vector<std::string>& renderers) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path)) throw ConfigurationError(path, 0, "", "cannot open the file");
-  return parseScript(std::string(std::istreambuf_iterator<char>(stream), {}), path, renderers);
+  constexpr std::size_t kLargestScript = std::size_t{1} << 20;  // bytes
+  return parseScript(readFile(path, kLargestScript), path, renderers);
 }
 
 }  // namespace enamel::viewer

@@ -4,8 +4,6 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 #include <vtkGenericOpenGLRenderWindow.h>
-#include <vtkImageData.h>
-#include <vtkPNGWriter.h>
 
 #include <cstdio>
 #include <cstring>
@@ -14,22 +12,6 @@
 #include "offscreen/render_window.hpp"
 
 namespace enamel::viewer {
-void writePng(const Picture& picture, const std::string& path) {
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(picture.size.x, picture.size.y, 1);
-  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  std::memcpy(image->GetScalarPointer(), picture.rgb.data(), picture.rgb.size());
-  // VTK would print its own message besides.
-  std::FILE* probe = std::fopen(path.c_str(), "wb");
-  if (probe == nullptr) throw Error(path + ": cannot write the picture");
-  std::fclose(probe);
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetFileName(path.c_str());
-  writer->SetInputData(image);
-  writer->Write();
-  if (writer->GetErrorCode() != 0) throw Error(path + ": cannot write the picture");
-}
-
 Stage::Stage(Surface& surface, const std::string& font, const std::string& boldFont)
     : surface_(surface), font_(font), boldFont_(boldFont) {
   window_ = offscreen::makeRenderWindow(surface_, "enamel-viewer");

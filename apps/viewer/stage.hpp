@@ -23,9 +23,6 @@ struct Picture {
   std::vector<unsigned char> rgb;
 };
 
-/// Writes a PNG. Throws Error: the file cannot be written.
-void writePng(const Picture& picture, const std::string& path);
-
 class Stage {
  public:
   /// Throws Error: VTK cannot draw in the surface's context.

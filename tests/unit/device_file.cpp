@@ -138,7 +138,7 @@ TEST_CASE("malformed TOML and unreadable files are refused", "[device_file]") {
     CHECK(error.line() >= 2);
     CHECK(std::string(error.what()).find("not valid TOML") != std::string::npos);
   }
-  CHECK_THROWS_WITH(loadTau("no/such/file.toml"), "no/such/file.toml: cannot open the file");
+  CHECK_THROWS_WITH(loadTau("no/such/file.toml"), "no/such/file.toml: cannot open the file: No such file or directory");
   CHECK_THROWS_AS(loadTau("."), ConfigurationError);
 }
 

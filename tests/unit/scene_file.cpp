@@ -143,7 +143,8 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
                  "scene.toml:15: obstacle[1].colour: is not a known key");
   CHECK_THROWS_WITH(parseScene("name = \"a\"\nstart = [0, 0, 0]\nobstacle = []\n", "s.toml"),
                     "s.toml:3: obstacle: has 0 elements, must be 1 to 64");
-  CHECK_THROWS_WITH(loadScene("/no/such/scene.toml"), "/no/such/scene.toml: cannot open the file");
+  CHECK_THROWS_WITH(loadScene("/no/such/scene.toml"),
+                    "/no/such/scene.toml: cannot open the file: No such file or directory");
   CHECK_THROWS_AS(parseScene("name = ", "s.toml"), ConfigurationError);
 
   const auto meshed = [](const std::string& keys) {

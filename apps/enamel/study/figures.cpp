@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "enamel/control/impedance_map.hpp"
+#include "enamel/core/file.hpp"
 
 extern char** environ;
 

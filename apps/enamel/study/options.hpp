@@ -27,7 +27,7 @@ struct StudyOptions {
   bool release = false;  ///< the hold ends when the wall would pull; the paper's never does
 };
 
-/// Performs the study and writes its folder. Throws Error, Interrupted.
+/// Performs the study and writes its folder. Throws Error, Exit where a signal ended it.
 void runStudy(StudyOptions options);
 
 }  // namespace enamel::app

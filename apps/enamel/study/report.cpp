@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "design_results.hpp"
+#include "enamel/core/file.hpp"
 
 namespace enamel::app {
 namespace {
@@ -343,9 +342,7 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
   const auto figure = [&](const std::string& prefix) {
     for (const Figure& f : figures) {
       if (f.name.rfind(prefix, 0) != 0 || !withoutFigures.empty()) continue;
-      std::ostringstream png;
-      png << std::ifstream(folder + '/' + f.name + ".png", std::ios::binary).rdbuf();
-      page.figure(png.str(), f.name, f.caption);
+      page.figure(readFile(folder + '/' + f.name + ".png"), f.name, f.caption);
     }
   };
   if (!withoutFigures.empty()) page.note("Without figures: " + escape(withoutFigures) + ".");

@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <signal.h>  // sigaction is not in <csignal>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,14 +11,13 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
-#include "commands.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
+#include "program.hpp"
 #include "study/report.hpp"
 
 namespace enamel::app {
@@ -38,8 +38,6 @@ class InterruptGuard {
     action.sa_flags = static_cast<int>(SA_RESETHAND);
     sigaction(SIGINT, &action, &before_[0]);
     sigaction(SIGTERM, &action, &before_[1]);
-    // A file-size limit is to be an error of write(), as a full disk is.
-    signal(SIGXFSZ, SIG_IGN);
   }
   ~InterruptGuard() {
     sigaction(SIGINT, &before_[0], nullptr);
@@ -90,11 +88,21 @@ class Progress {
 
 // ---- the folder --------------------------------------------------------------------------------------------------
 
-std::string readFile(const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
+// Keeps other studies out of a folder while it lives.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::string& folder) : number_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    if (number_ < 0) throw Error(folder + ": cannot open the folder: " + std::strerror(errno));
+    if (flock(number_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+      throw Error(folder + ": another study writes into the folder");
+  }
+  ~FolderLock() { close(number_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int number_;
+};
 
 // Makes the folder and says now what would go wrong later: no permission, no room.
 void prepareFolder(const Study& study) {
@@ -121,33 +129,46 @@ std::string differenceOf(const Json& there, const Json& here) {
   return "it has other settings";
 }
 
-// study.json says what the runs depend on; runs.csv is continued only by the same study.
+// Number of runs of the study that a manifest describes; 0 where it describes none.
+std::size_t runsOf(const Json& m) {
+  std::size_t runs = 1;
+  for (const char* key : {"scenarios", "renderers"}) {
+    if (!m.is_object() || !m.contains(key) || !m.at(key).is_array()) return 0;
+    runs *= m.at(key).size();
+  }
+  for (const char* key : {"grid", "grid", "runs"}) {
+    if (!m.contains(key) || !m.at(key).is_number_unsigned() || m.at(key) > kMaxRuns) return 0;
+    runs *= m.at(key).get<std::size_t>();
+  }
+  return runs;
+}
+
+// study.json says what the runs depend on; runs.csv is continued only by the same study, and only a finished one is
+// begun anew.
 void claimFolder(const Study& study) {
-  const std::string path = study.path("study.json");
-  const bool begun = std::filesystem::exists(study.path("runs.csv"));
-  if (begun && study.options.resume) {
-    const Json there = Json::parse(readFile(path), nullptr, false);
-    if (there.is_discarded())
-      throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to");
+  const std::string path = study.path("study.json"), runs = study.path("runs.csv");
+  if (!std::filesystem::exists(std::filesystem::symlink_status(runs))) return writeFile(path, study.manifest);
+  Json there;
+  if (std::filesystem::exists(path)) there = Json::parse(readJson(path), nullptr, false);
+  const std::size_t count = runsOf(there);
+  if (count == 0)
+    throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to; remove " + runs +
+                " to begin anew");
+  if (study.options.resume) {
     const Json here = Json::parse(study.manifest);
     if (there != here)
       throw Error(fmt::format("{}: holds another study: {}", study.options.output, differenceOf(there, here)));
     return;
   }
-  if (begun) {
-    // Unfinished work is not thrown away by forgetting an option.
-    const std::string runs = readFile(study.path("runs.csv"));
-    const Json there = Json::parse(readFile(path), nullptr, false);
-    const auto lines = static_cast<std::size_t>(std::count(runs.begin(), runs.end(), '\n'));
-    const auto product = [](const Json& m) {
-      return m.at("scenarios").size() * m.at("renderers").size() * m.at("grid").get<std::size_t>() *
-             m.at("grid").get<std::size_t>() * m.at("runs").get<std::size_t>();
-    };
-    if (there.is_object() && there.contains("runs") && lines < product(there) + 1)
-      throw Error(fmt::format("{}: holds an unfinished study ({} of {} runs): continue it with --resume, or remove {}",
-                              study.options.output, lines > 0 ? lines - 1 : 0, product(there), study.path("runs.csv")));
-    std::filesystem::remove(study.path("runs.csv"));
-  }
+  // Unfinished work is not thrown away by forgetting an option, nor what is no study's.
+  const std::string text = readFile(runs, kLargestRunFile);
+  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  if ((!text.empty() && text.rfind("scenario,renderer,", 0) != 0) || lines > count + 1)
+    throw Error(runs + ": is not what study.json beside it describes: remove it to begin anew");
+  if (lines > 0 && lines < count + 1)
+    throw Error(fmt::format("{}: holds an unfinished study ({} of {} runs): continue it with --resume, or remove {}",
+                            study.options.output, lines - 1, count, runs));
+  std::filesystem::remove(runs);
   writeFile(path, study.manifest);
 }
 
@@ -171,11 +192,10 @@ void perform(const Study& study) {
       [] { return interrupted != 0; });
   if (finished < count) {
     progress.interrupt();
-    throw Interrupted(
-        128 + static_cast<int>(interrupted),
-        fmt::format("interrupted after {} of {} runs, which are in {}: continue with the same command and "
-                    "--resume",
-                    finished, count, study.path("runs.csv")));
+    throw Exit(128 + static_cast<int>(interrupted),
+               fmt::format("interrupted after {} of {} runs, which are in {}: continue with the same command and "
+                           "--resume",
+                           finished, count, study.path("runs.csv")));
   }
 }
 
@@ -240,6 +260,7 @@ void runStudy(StudyOptions options) {
         !warning.empty())
       fmt::print(stderr, "enamel: warning: {}\n", warning);
   prepareFolder(study);
+  const FolderLock lock(options.output);
   Findings findings;
   findings.whole = !options.convergence;
   if (findings.whole) {

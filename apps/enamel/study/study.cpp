@@ -3,20 +3,18 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "bench/nominal_device.hpp"
 #include "enamel/control/device_plant.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/render/surface_file.hpp"
 #include "enamel/study/parallel.hpp"
+#include "json_matrices.hpp"
 #include "plugin_folder.hpp"
 
 namespace enamel::app {
@@ -35,11 +33,8 @@ struct DeviceSource {
 
 DeviceSource deviceOf(const std::string& path) {
   if (path.empty()) return {parseDevice(bench::nominalDeviceText(), "tau-nominal.toml"), bench::nominalDeviceText()};
-  DeviceSource source{loadDevice(path), {}};
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  source.text = text.str();
-  return source;
+  const std::string text = readFile(path);
+  return {parseDevice(text, path), text};
 }
 
 // Fowler, Noll, Vo (1991), FNV-1a, 64 bits: tells devices and designs apart, no more.
@@ -280,15 +275,8 @@ Study prepareStudy(const StudyOptions& options) {
   m["design device"] = {{"name", nameOf(study.designDevice)}, {"hash", hashOf(designDevice.text)}};
   m["gain"] = study.gainFor.empty() ? "none given" : "given for " + study.gainFor;
   m["servo gains"] = gainHashes;
-  study.manifest = m.dump(1) + '\n';
+  study.manifest = textOf(m);
   return study;
-}
-
-void writeFile(const std::string& path, const std::string& text) {
-  errno = 0;
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "wb"), &std::fclose);
-  if (!file || std::fwrite(text.data(), 1, text.size(), file.get()) != text.size() || std::fflush(file.get()) != 0)
-    throw Error(path + ": cannot write the file: " + std::strerror(errno));
 }
 
 std::string pointText(const Study& study, std::size_t point) {
@@ -386,7 +374,7 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
   summary["claims"] = Json::array();
   for (const Claim& c : claims)
     summary["claims"].push_back({{"claim", c.text}, {"holds", c.holds}, {"measured", c.measured}});
-  return summary.dump(1) + '\n';
+  return textOf(summary);
 }
 
 std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistics>& points,

@@ -44,9 +44,6 @@ struct Study {
 /// Loads, designs and checks everything. Throws Error.
 Study prepareStudy(const StudyOptions& options);
 
-/// Writes a whole file, or throws Error that says why not.
-void writeFile(const std::string& path, const std::string& text);
-
 /// What section VI claims, on our device: each with its number at the worst query point.
 struct Claim {
   std::string text, measured;

@@ -4,10 +4,10 @@
 #include <filesystem>
 
 #include "core/message.hpp"
-#include "core/text_file.hpp"
 #include "core/toml.hpp"
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/mesh_file.hpp"
+#include "enamel/core/file.hpp"
 
 namespace enamel {
 namespace {
@@ -207,6 +207,6 @@ SceneFile parseScene(std::string_view text, const std::string& file) {
   return result;
 }
 
-SceneFile loadScene(const std::string& path) { return parseScene(readTextFile(path), path); }
+SceneFile loadScene(const std::string& path) { return parseScene(readFile(path), path); }
 
 }  // namespace enamel

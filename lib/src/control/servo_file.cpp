@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/message.hpp"
-#include "core/text_file.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/core/types.hpp"
 
 namespace enamel {
@@ -13,7 +13,7 @@ ServoFile loadServo(const std::string& path) {
   const auto refuse = [&path](const std::string& key, const std::string& problem) {
     throw ConfigurationError(path, 0, key, problem);
   };
-  const Json json = Json::parse(readTextFile(path), nullptr, false);
+  const Json json = Json::parse(readJson(path), nullptr, false);
   if (!json.is_object()) refuse("", "is not the JSON of a servo design");
   const auto require = [&](const char* key, bool (Json::*isType)() const noexcept, const char* type) -> const Json& {
     const auto found = json.find(key);

@@ -15,4 +15,7 @@ inline void require(bool condition, const std::string& message) {
   if (!condition) throw Error(message);
 }
 
+/// Throws Error unless `period` is one that ticks can have, 1e-5 to 0.1 s; `who` begins the message.
+void requirePeriod(double period, const std::string& who);
+
 }  // namespace enamel

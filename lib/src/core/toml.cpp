@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/message.hpp"
+#include "enamel/core/file.hpp"
 
 namespace enamel {
 namespace {
@@ -20,11 +21,18 @@ std::string nameOfType(const toml::node& node) {
   }
 }
 
+constexpr std::size_t kLargestToml = std::size_t{1} << 18;  // bytes: each may cost 100 of memory
+
 int lineOf(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
 }  // namespace
 
 TomlTable parseToml(std::string_view text, const std::string& file) {
+  if (text.size() > kLargestToml)
+    throw ConfigurationError(
+        file, 0, "",
+        "is " + std::to_string(text.size()) + " bytes, at most " + std::to_string(kLargestToml) + " are read");
+  checkNesting(text, file);
   try {
     auto root = std::make_shared<const toml::table>(toml::parse(text, file));
     const toml::table* table = root.get();
@@ -32,8 +40,12 @@ TomlTable parseToml(std::string_view text, const std::string& file) {
   } catch (const toml::parse_error& error) {
     throw ConfigurationError(file, static_cast<int>(error.source().begin.line), "",
                              "not valid TOML: " + std::string(error.description()));
+  } catch (const Error& error) {  // of refuseToml()
+    throw ConfigurationError(file, 0, "", error.what());
   }
 }
+
+void refuseToml() { throw Error("not valid TOML"); }
 
 TomlTable::TomlTable(std::shared_ptr<const toml::table> root, const toml::table* table, std::string file,
                      std::string path)
@@ -66,7 +78,10 @@ const toml::node& TomlTable::require(std::string_view key) {
 std::string TomlTable::text(std::string_view key) {
   const toml::node& node = require(key);
   if (!node.is_string()) fail(key, "is " + nameOfType(node) + ", must be a string");
-  return **node.as_string();
+  const std::string& text = **node.as_string();
+  if (printable(text) != text)
+    fail(key, "is \"" + text + "\", must be one line of at most 2000 bytes without control characters");
+  return text;
 }
 
 double TomlTable::asNumber(const toml::node& node, std::string_view key) const {

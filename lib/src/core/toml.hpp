@@ -2,7 +2,15 @@
 // Private to the library, so that toml++ is no dependency of its users.
 #pragma once
 
+// toml++ 3.3 asserts what malformed files break ("[,a]"), and optimises by it where assertions are off: here it throws.
+namespace enamel {
+[[noreturn]] void refuseToml();
+}
+#pragma push_macro("NDEBUG")
+#undef NDEBUG
+#define TOML_ASSERT(condition) ((condition) ? void() : ::enamel::refuseToml())
 #include <toml++/toml.h>
+#pragma pop_macro("NDEBUG")
 
 #include <initializer_list>
 #include <memory>

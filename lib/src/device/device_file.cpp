@@ -1,8 +1,8 @@
 #include "enamel/device/device_file.hpp"
 
-#include "core/text_file.hpp"
 #include "core/toml.hpp"
 #include "device/read.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/device/cartesian/mechanism.hpp"
 #include "enamel/device/delta/mechanism.hpp"
 #include "enamel/device/tau/mechanism.hpp"
@@ -50,7 +50,7 @@ DeviceParameters parseDevice(std::string_view text, const std::string& file) {
   root.fail("kind", "is \"" + kind + "\", must be \"tau\", \"delta\" or \"cartesian\"");
 }
 
-DeviceParameters loadDevice(const std::string& path) { return parseDevice(readTextFile(path), path); }
+DeviceParameters loadDevice(const std::string& path) { return parseDevice(readFile(path), path); }
 
 std::shared_ptr<const Mechanism> makeMechanism(const DeviceParameters& parameters) {
   return std::visit(Make{}, parameters);

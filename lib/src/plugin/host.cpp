@@ -39,14 +39,26 @@ void checkFile(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) throw PluginError(path + ": no such file");
   Elf64_Ehdr head{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(&head), sizeof head);
-  if (file.gcount() < EI_NIDENT + 4 || std::memcmp(head.e_ident, ELFMAG, SELFMAG) != 0)
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const auto size = static_cast<std::uint64_t>(std::max<std::streamoff>(file.tellg(), 0));
+  const auto readAt = [&](std::uint64_t at, auto& into) {
+    file.seekg(static_cast<std::streamoff>(at));
+    return static_cast<bool>(file.read(reinterpret_cast<char*>(&into), sizeof into));
+  };
+  if (!readAt(0, head) || std::memcmp(head.e_ident, ELFMAG, SELFMAG) != 0)
     throw PluginError(path + ": is no shared library (no ELF header)");
   if (kMachine != EM_NONE && head.e_machine != kMachine)
     throw PluginError(path + ": is built for " + machineName(head.e_machine) + ", this host for " +
                       machineName(kMachine));
-  if (head.e_type != ET_DYN) throw PluginError(path + ": is no shared library");
+  if (head.e_type != ET_DYN || head.e_ident[EI_CLASS] != ELFCLASS64 || head.e_phentsize != sizeof(Elf64_Phdr))
+    throw PluginError(path + ": is no shared library");
+  // The loader maps what the head promises; beyond the end of the file that is a bus error.
+  for (std::uint64_t i = 0; i < head.e_phnum; ++i) {
+    Elf64_Phdr part{};
+    const std::uint64_t at = head.e_phoff + i * sizeof part;
+    if (at >= size || !readAt(at, part) || part.p_offset > size || part.p_filesz > size - part.p_offset)
+      throw PluginError(path + ": is truncated: it has " + std::to_string(size) + " bytes and promises more");
+  }
 }
 
 void checkSize(const std::string& path, const char* what, std::uint32_t found, std::size_t expected) {
@@ -69,17 +81,18 @@ void checkTable(const std::string& path, const EnamelPlugin& table) {
 }
 
 void checkDescription(const std::string& path, const EnamelDescription* d) {
-  const auto filled = [](const char* text) { return text != nullptr && *text != 0; };
+  const auto isLine = [](const char* text) { return text != nullptr && printable(text) == text; };
+  const auto filled = [isLine](const char* text) { return isLine(text) && *text != 0; };
   if (d == nullptr || !filled(d->name) || !filled(d->version) || !filled(d->summary))
-    throw PluginError(path + ": its description lacks a name, version or summary");
+    throw PluginError(path + ": its description lacks a name, version or summary of one line");
   const std::string name = d->name;
   if (!std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '-'; }))
     throw PluginError(path + ": its name \"" + name + "\" has characters other than letters, digits and '-'");
   if (d->parameter_count > 0 && d->parameters == nullptr)
     throw PluginError(path + ": its description promises parameters that it does not list");
   for (std::size_t i = 0; i < d->parameter_count; ++i)
-    if (!filled(d->parameters[i].key) || d->parameters[i].value == nullptr || !filled(d->parameters[i].meaning))
-      throw PluginError(path + ": parameter " + std::to_string(i) + " lacks a key, default or meaning");
+    if (!filled(d->parameters[i].key) || !isLine(d->parameters[i].value) || !filled(d->parameters[i].meaning))
+      throw PluginError(path + ": parameter " + std::to_string(i) + " lacks a key, default or meaning of one line");
 }
 
 // Runs the instance of a plugin behind the C++ contract.

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/message.hpp"
-#include "core/text_file.hpp"
+#include "enamel/core/file.hpp"
 
 namespace enamel {
 namespace {
@@ -15,7 +15,7 @@ constexpr const char* kKind = "surface";
 // One file's values, each with its key in the error.
 class Reader {
  public:
-  explicit Reader(const std::string& path) : path_(path), json_(Json::parse(readTextFile(path), nullptr, false)) {
+  explicit Reader(const std::string& path) : path_(path), json_(Json::parse(readJson(path), nullptr, false)) {
     if (!json_.is_object()) refuse("", "is not the JSON of a servo design");
     if (const Json& kind = value("kind"); kind != kKind) refuse("kind", "must be \"surface\"");
   }
@@ -96,7 +96,7 @@ std::string surfaceServoText(const SurfaceServoFile& file) {
 
 bool isSurfaceServo(const std::string& path) {
   try {
-    const Json json = Json::parse(readTextFile(path), nullptr, false);
+    const Json json = Json::parse(readJson(path), nullptr, false);
     return json.is_object() && json.value("kind", Json()) == kKind;
   } catch (const Error&) {
     return false;

@@ -1,21 +1,24 @@
 #include "enamel/study/run_file.hpp"
 
+#include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 #include <string_view>
 
 #include "core/message.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 
 namespace enamel {
 namespace {
+
+constexpr double kMostFaults = 1e9;  // ticks: beyond any run
 
 // The part of a line that the plan alone determines.
 std::string identity(const StudyPlan& plan, const StudyRun& run) {
@@ -29,8 +32,8 @@ std::string numberOr(const std::optional<double>& value) { return value ? format
 double parse(std::string_view text, const std::string& where) {
   double value = 0.0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc() || result.ptr != text.data() + text.size())
-    throw Error(where + ": \"" + std::string(text) + "\" is not a number");
+  if (result.ec != std::errc() || result.ptr != text.data() + text.size() || !std::isfinite(value))
+    throw Error(where + ": \"" + std::string(text) + "\" is not a number or not finite");
   return value;
 }
 
@@ -75,7 +78,11 @@ StudyResult parseLine(const StudyPlan& plan, std::size_t index, std::string_view
     else if (!field.empty())
       m.*std::get<1>(member) = parse(field, where);
   }
-  m.faults = static_cast<std::uint64_t>(parse(fields.back(), where));
+  const double faults = parse(fields.back(), where);
+  if (!(faults >= 0.0 && faults <= kMostFaults))
+    throw Error(where + ": " + formatNumber(faults) + " faults, must be in 0 to " + formatNumber(kMostFaults) +
+                " ticks");
+  m.faults = static_cast<std::uint64_t>(faults);
   return result;
 }
 
@@ -86,13 +93,7 @@ struct Content {
 };
 
 Content readContent(const StudyPlan& plan, const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf()).good()) {
-    if (stream && stream.peek() == std::ifstream::traits_type::eof()) return {};
-    throw Error(path + ": cannot read the file");
-  }
-  const std::string all = text.str();
+  const std::string all = readFile(path, kLargestRunFile);
   Content content;
   for (std::size_t begin = 0, end = 0; (end = all.find('\n', begin)) != std::string::npos; begin = end + 1) {
     const std::string_view line(all.data() + begin, end - begin);
@@ -102,6 +103,7 @@ Content readContent(const StudyPlan& plan, const std::string& path) {
       content.header = true;
     } else {
       content.results.push_back(parseLine(plan, content.results.size(), line, where));
+      if (runLine(plan, content.results.back()) != line) throw Error(where + ": is not as a study writes it");
     }
     content.bytes = end + 1;
   }
@@ -128,7 +130,10 @@ std::string runLine(const StudyPlan& plan, const StudyResult& result) {
 }
 
 RunFile::RunFile(const StudyPlan& plan, std::string path, bool resume)
-    : plan_(plan), path_(std::move(path)), file_(std::fopen(path_.c_str(), "ab"), &std::fclose) {
+    : plan_(plan), path_(std::move(path)), file_(nullptr, &std::fclose) {
+  // A pipe would wait for someone to read.
+  if (const int number = open(path_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666); number >= 0)
+    file_.reset(fdopen(number, "ab"));
   if (!file_) throw Error(path_ + ": cannot write the file: " + std::strerror(errno));
   if (flock(fileno(file_.get()), LOCK_EX | LOCK_NB) != 0)
     throw Error(path_ + ": cannot lock the file (does another study write it?): " + std::strerror(errno));

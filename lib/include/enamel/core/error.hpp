@@ -3,13 +3,18 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace enamel {
 
-/// Base of every exception that the library throws.
+/// A text as it may stand in a message: one line, control characters as \xNN, the middle of more than 2000 bytes left
+/// out.
+std::string printable(std::string_view text);
+
+/// Base of every exception that the library throws. Its message is printable(), whatever a file held.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Error(const std::string& message) : std::runtime_error(printable(message)) {}
 };
 
 /// A file or a value of a configuration is unusable. The message has the form

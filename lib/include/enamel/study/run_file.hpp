@@ -22,7 +22,7 @@ class RunFile {
   /// Opens the file to write. With `resume` it keeps the runs that are there, which must be those of the plan, and cuts
   /// a torn last line off; without, it starts an empty file.
   /// Throws Error: the file cannot be opened, written or locked (another process writes it); a line that is not the
-  /// plan's. The plan must outlive this object. Realtime: no.
+  /// plan's or not as runLine() writes it. The plan must outlive this object. Realtime: no.
   RunFile(const StudyPlan& plan, std::string path, bool resume);
 
   /// Number of runs in the file. They are runs 0 to finished() - 1.
@@ -40,8 +40,11 @@ class RunFile {
   std::size_t finished_ = 0;
 };
 
+/// Most bytes of a file of runs.
+inline constexpr std::size_t kLargestRunFile = std::size_t{2} << 30;
+
 /// Reads the whole lines of a file of runs, a torn last line left out. Throws Error: the file cannot be read; a line
-/// that is not the plan's. Realtime: no.
+/// that is not the plan's, or not as runLine() writes it. Realtime: no.
 std::vector<StudyResult> readRuns(const StudyPlan& plan, const std::string& path);
 
 }  // namespace enamel

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/message.hpp"
-#include "core/text_file.hpp"
 #include "core/toml.hpp"
 #include "device/read.hpp"
+#include "enamel/core/file.hpp"
 
 namespace enamel {
 namespace {
@@ -75,7 +75,7 @@ CartesianParameters parseCartesian(std::string_view text, const std::string& fil
   return readCartesian(root);
 }
 
-CartesianParameters loadCartesian(const std::string& path) { return parseCartesian(readTextFile(path), path); }
+CartesianParameters loadCartesian(const std::string& path) { return parseCartesian(readFile(path), path); }
 
 void checkCartesian(const CartesianParameters& parameters) {
   check(parameters, [&parameters](const std::string& key, const std::string& problem) {

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "core/message.hpp"
-#include "core/text_file.hpp"
 #include "core/toml.hpp"
 #include "device/read.hpp"
+#include "enamel/core/file.hpp"
 
 namespace enamel {
 namespace {
@@ -107,7 +107,7 @@ DeltaParameters parseDelta(std::string_view text, const std::string& file) {
   return readDelta(root);
 }
 
-DeltaParameters loadDelta(const std::string& path) { return parseDelta(readTextFile(path), path); }
+DeltaParameters loadDelta(const std::string& path) { return parseDelta(readFile(path), path); }
 
 void checkDelta(const DeltaParameters& parameters) {
   check(parameters, [&parameters](const std::string& key, const std::string& problem) {

@@ -7,9 +7,9 @@
 #include <functional>
 
 #include "core/message.hpp"
-#include "core/text_file.hpp"
 #include "core/toml.hpp"
 #include "device/read.hpp"
+#include "enamel/core/file.hpp"
 
 namespace enamel {
 namespace {
@@ -129,7 +129,7 @@ TauParameters parseTau(std::string_view text, const std::string& file) {
   return readTau(root);
 }
 
-TauParameters loadTau(const std::string& path) { return parseTau(readTextFile(path), path); }
+TauParameters loadTau(const std::string& path) { return parseTau(readFile(path), path); }
 
 void checkTau(const TauParameters& parameters) {
   check(parameters, [&parameters](const std::string& key, const std::string& problem) {
