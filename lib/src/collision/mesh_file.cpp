@@ -13,23 +13,24 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
+#include <istream>
 #include <mutex>
-#include <sstream>
+#include <streambuf>
 
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 
 namespace enamel {
 namespace {
 
-constexpr std::streamoff kLargestFile = std::streamoff{2} << 30;  // bytes
-constexpr std::int64_t kMostCorners = 255;                        // of a face
+constexpr std::size_t kLargestFile = std::size_t{2} << 30;  // bytes
+constexpr std::int64_t kMostCorners = 255;                  // of a face
+constexpr std::int64_t kLeastBytes = 6;  // of a file a triangle: the vertices alone of a closed mesh take as many
 
 // Writes the canonical form: binary PLY with float positions and int indices.
 class Canonical {
  public:
-  explicit Canonical(const std::string& path) : path_(path) {}
+  Canonical(const std::string& path, std::size_t bytes) : path_(path), mostTriangles_(bytes / kLeastBytes) {}
 
   [[noreturn]] void fail(const std::string& problem, int line = 0) const {
     throw ConfigurationError(path_, line, "", problem);
@@ -51,6 +52,10 @@ class Canonical {
       fail("face " + std::to_string(faces_) + " has " + std::to_string(corners) + " corners, must have 3 to 255");
     append(indices_, static_cast<std::uint8_t>(corners));
     ++faces_;
+    triangles_ += corners - 2;
+    if (triangles_ > mostTriangles_)
+      fail("promises more than " + std::to_string(mostTriangles_) + " triangles, one for every " +
+           std::to_string(kLeastBytes) + " bytes: its faces are no surface");
   }
 
   void corner(std::int64_t vertex) {  // of the face begun last
@@ -62,11 +67,25 @@ class Canonical {
 
   std::int64_t vertices() const { return vertices_; }
   std::int64_t faces() const { return faces_; }
+  std::int64_t triangles() const { return triangles_; }
 
-  std::string ply() const {
+  /// What counts promise, which have been checked.
+  void reserve(std::int64_t vertices, std::int64_t faces) {
+    positions_.reserve(12 * static_cast<std::size_t>(vertices));
+    indices_.reserve(13 * static_cast<std::size_t>(faces));
+  }
+
+  /// Takes the content.
+  std::string ply() {
     if (faces_ == 0) fail("has no faces");
     if (largest_ >= vertices_) outOfRange(faceOfLargest_, largest_);
-    return header(vertices_, faces_) + positions_ + indices_;
+    std::string bytes = header(vertices_, faces_);
+    bytes.reserve(bytes.size() + positions_.size() + indices_.size());
+    for (std::string* part : {&positions_, &indices_}) {
+      bytes += *part;
+      std::string().swap(*part);
+    }
+    return bytes;
   }
 
   static std::string header(std::int64_t vertices, std::int64_t faces) {
@@ -89,7 +108,8 @@ class Canonical {
   }
 
   std::string path_, positions_, indices_;
-  std::int64_t vertices_ = 0, faces_ = 0, largest_ = -1, faceOfLargest_ = 0;
+  std::int64_t vertices_ = 0, faces_ = 0, triangles_ = 0, largest_ = -1, faceOfLargest_ = 0;
+  std::int64_t mostTriangles_;
 };
 
 // Words and lines of a text.
@@ -183,6 +203,7 @@ void scanOff(std::string_view bytes, Canonical& out) {
   words.integer("number of edges");
   checkedCount(vertexCount, 6, words.rest().size(), "vertices", out);
   checkedCount(faceCount, 2, words.rest().size(), "faces", out);
+  out.reserve(vertexCount, 0);
   for (std::int64_t i = 0; i < vertexCount; ++i) {
     std::array<double, 3> p{};
     for (double& x : p) x = words.number("coordinate of a vertex");
@@ -224,6 +245,7 @@ void scanStlBinary(std::string_view bytes, Canonical& out) {
   if (bytes.size() < 84) out.fail("is truncated: a binary STL file has at least 84 bytes");
   std::memcpy(&count, bytes.data() + 80, 4);
   checkedCount(count, 50, bytes.size() - 84, "triangles", out);
+  out.reserve(3 * std::int64_t{count}, count);
   for (std::uint32_t t = 0; t < count; ++t) {
     out.beginFace(3);
     for (int i = 0; i < 3; ++i) {
@@ -445,7 +467,10 @@ void scanPly(std::string_view bytes, Canonical& out) {
 // Collects raw polygons as fans of triangles; everything else that a file may hold is ignored.
 class RawImporter final : public OpenMesh::IO::BaseImporter {
  public:
-  explicit RawImporter(double scale) : scale_(scale) {}
+  RawImporter(double scale, const Canonical& file) : scale_(scale) {
+    mesh.vertices.reserve(static_cast<std::size_t>(file.vertices()));
+    mesh.triangles.reserve(static_cast<std::size_t>(file.triangles()));
+  }
 
   TriangleMesh mesh;
   std::int64_t faces = 0;
@@ -468,10 +493,7 @@ class RawImporter final : public OpenMesh::IO::BaseImporter {
     for (std::size_t i = 2; i < v.size(); ++i) mesh.triangles.push_back({v[0].idx(), v[i - 1].idx(), v[i].idx()});
     return OpenMesh::FaceHandle(static_cast<int>(faces++));
   }
-  void reserve(unsigned int vertices, unsigned int, unsigned int faceCount) override {
-    mesh.vertices.reserve(vertices);
-    mesh.triangles.reserve(faceCount);
-  }
+  void reserve(unsigned int, unsigned int, unsigned int) override {}
   size_t n_vertices() const override { return mesh.vertices.size(); }
   size_t n_faces() const override { return static_cast<std::size_t>(faces); }
   size_t n_edges() const override { return 0; }
@@ -515,14 +537,38 @@ class RawImporter final : public OpenMesh::IO::BaseImporter {
   double scale_;
 };
 
+// Bytes as a stream, without a copy.
+class View final : public std::streambuf {
+ public:
+  explicit View(const std::string& bytes) {
+    char* begin = const_cast<char*>(bytes.data());  // nothing writes into it
+    setg(begin, begin, begin + bytes.size());
+  }
+
+ private:
+  pos_type seekoff(off_type way, std::ios_base::seekdir from, std::ios_base::openmode) override {
+    const off_type start = from == std::ios_base::beg   ? 0
+                           : from == std::ios_base::cur ? gptr() - eback()
+                                                        : egptr() - eback();
+    return seekpos(start + way, std::ios_base::in);
+  }
+  pos_type seekpos(pos_type place, std::ios_base::openmode) override {
+    if (place < pos_type(0) || place > pos_type(egptr() - eback())) return pos_type(off_type(-1));
+    setg(eback(), eback() + off_type(place), egptr());
+    return place;
+  }
+};
+
 void readThroughOpenMesh(const std::string& ply, RawImporter& importer) {
   static std::mutex oneAtATime;  // the reader is one object for the process, with state
   const std::lock_guard<std::mutex> lock(oneAtATime);
   OpenMesh::IO::_PLYReader_& reader = OpenMesh::IO::PLYReader();
   omerr().disable();
   // The reader takes text or binary as the file before was; an empty binary one sets it right.
-  for (const std::string& content : {Canonical::header(0, 0), ply}) {
-    std::istringstream stream(content);
+  const std::string empty = Canonical::header(0, 0);
+  for (const std::string* content : {&empty, &ply}) {
+    View view(*content);
+    std::istream stream(&view);
     OpenMesh::IO::Options options(OpenMesh::IO::Options::Binary);
     reader.read(stream, importer, options);
   }
@@ -540,7 +586,7 @@ std::string extensionOf(const std::string& path) {
 TriangleMesh parseMesh(std::string_view bytes, const std::string& path, double scale) {
   if (!(scale > 0.0) || !std::isfinite(scale))
     throw ConfigurationError(path, 0, "scale", "must be a positive number of metres per unit");
-  Canonical canonical(path);
+  Canonical canonical(path, bytes.size());
   if (bytes.empty()) canonical.fail("is empty");
   const std::string extension = extensionOf(path);
   if (extension == "ply") {
@@ -554,8 +600,9 @@ TriangleMesh parseMesh(std::string_view bytes, const std::string& path, double s
   } else {
     canonical.fail("has the extension \"" + extension + "\", must be ply, obj, stl or off");
   }
-  RawImporter importer(scale);
-  readThroughOpenMesh(canonical.ply(), importer);
+  const std::string ply = canonical.ply();
+  RawImporter importer(scale, canonical);
+  readThroughOpenMesh(ply, importer);
   if (importer.faces != canonical.faces() ||
       static_cast<std::int64_t>(importer.mesh.vertices.size()) != canonical.vertices())
     canonical.fail("was not read completely");
@@ -568,18 +615,7 @@ TriangleMesh parseMesh(std::string_view bytes, const std::string& path, double s
 }
 
 TriangleMesh loadMesh(const std::string& path, double scale) {
-  std::error_code ignored;  // what cannot be looked at cannot be opened either
-  if (std::filesystem::is_directory(path, ignored)) throw ConfigurationError(path, 0, "", "is a folder, not a file");
-  std::ifstream stream(path, std::ios::binary | std::ios::ate);
-  if (!stream) throw ConfigurationError(path, 0, "", "cannot open the file");
-  const std::streamoff size = stream.tellg();
-  if (size < 0) throw ConfigurationError(path, 0, "", "cannot read the file");
-  if (size > kLargestFile)
-    throw ConfigurationError(path, 0, "", "is " + std::to_string(size) + " bytes, at most 2 GiB are read");
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  stream.seekg(0);
-  if (!stream.read(bytes.data(), size)) throw ConfigurationError(path, 0, "", "cannot read the file");
-  return parseMesh(bytes, path, scale);
+  return parseMesh(readFile(path, kLargestFile), path, scale);
 }
 
 }  // namespace enamel

@@ -13,9 +13,10 @@ namespace enamel {
 /// triangles. Every face of the file is kept, also those without area or with a repeated corner; only positions and
 /// faces are read.
 /// Throws ConfigurationError with the file and the number of the vertex, face or line: file that cannot be opened or is
-/// larger than 2 GiB, unknown format, header that promises more than the file has room for (found before memory is
-/// spent on it), truncated file, coordinate that is not a finite single-precision number, index out of range, face with
-/// fewer than 3 or more than 255 corners, no faces at all. Realtime: no. Threads: safe, one file at a time.
+/// larger than 2 GiB or no plain file, unknown format, header that promises more than the file has room for (found
+/// before memory is spent on it), truncated file, coordinate that is not a finite single-precision number, index out of
+/// range, face with fewer than 3 or more than 255 corners, more than one triangle for every 6 bytes, no faces at all.
+/// Realtime: no. Threads: safe, one file at a time.
 TriangleMesh loadMesh(const std::string& path, double scale = 1.0);
 
 /// loadMesh() on bytes in memory; `path` gives the format and stands in messages.
