@@ -126,7 +126,8 @@ TEST_CASE("a push through a plugin writes the same file as the linked renderer",
                                    {"hold", "position_control.so' --set mode=hold"},
                                    {"impedance", "impedance.so'"}}) {
     INFO(name);
-    const std::string common = "push --device '" + kDevice + "' --device-damping 4 --encoders --rates low-pass --seed 5 --duration 1.3 ";
+    const std::string common =
+        "push --device '" + kDevice + "' --device-damping 4 --encoders --rates low-pass --seed 5 --duration 1.3 ";
     REQUIRE(test::run(common + "--renderer " + name + " --output '" + (folder / "linked.csv") + "'").status == 0);
     REQUIRE(test::run(common + "--renderer '" ENAMEL_PLUGINS "/enamel_" + file + " --output '" +
                       (folder / "plugin.csv") + "'")
@@ -135,7 +136,8 @@ TEST_CASE("a push through a plugin writes the same file as the linked renderer",
     CHECK(linked.size() > 100000);
     CHECK(linked == test::readFile(folder / "plugin.csv"));
   }
-  CHECK(test::run("push --device '" + kDevice + "' --renderer template --set stiffness=1000 --duration 1.1").status == 0);
+  CHECK(test::run("push --device '" + kDevice + "' --renderer template --set stiffness=1000 --duration 1.1").status ==
+        0);
   const auto unknown = test::run("push --device '" + kDevice + "' --renderer template --set brains=5");
   CHECK(unknown.status == 1);
   CHECK_THAT(unknown.output, Contains("unknown parameter: brains"));
@@ -172,8 +174,7 @@ TEST_CASE("the template's wrench becomes the torque of gravity and wall on any m
   test::Random random(17);
   int contact = 0;
   for (int i = 0; i < 500; ++i) {
-    TickInput input =
-        test::inputAt(device, random.workspacePose(0.2), 1e-3 * (i + 1), random.vector6(0.1, 1.0));
+    TickInput input = test::inputAt(device, random.workspacePose(0.2), 1e-3 * (i + 1), random.vector6(0.1, 1.0));
     // Several contacts with their obstacles in motion, the deepest first.
     input.contacts.count = i % 4;
     double gap = -2e-3;
@@ -193,6 +194,31 @@ TEST_CASE("the template's wrench becomes the torque of gravity and wall on any m
     contact += a.mode == RenderMode::contact;
   }
   CHECK(contact > 200);
+}
+
+TEST_CASE("a plugin that is not active has no state", "[plugin]") {
+  for (const char* name : {"position_control", "impedance", "template"}) {
+    INFO(name);
+    const auto plugin = makeRenderer(library(name), nominalSetup());
+    std::vector<unsigned char> state(1 << 16, 0x5a);
+    const auto before = state;
+    const auto hasNone = [&] {
+      CHECK(plugin->stateSize() == 0);
+      plugin->saveState(state.data());
+      plugin->loadState(state.data());
+      plugin->reset();
+      CHECK(state == before);
+      TickOutput output;
+      CHECK(plugin->step(TickInput{}, output) == Status::inactive);
+    };
+    hasNone();
+    plugin->activate(1e-3);
+    CHECK(plugin->stateSize() > 0);
+    CHECK_THROWS_AS(plugin->activate(-1.0), Error);
+    hasNone();
+    plugin->activate(1e-3);
+    CHECK(plugin->stateSize() > 0);
+  }
 }
 
 TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
@@ -225,7 +251,7 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   };
   refuse("nonsense", "is not the JSON of a servo design");
   refuse(R"({"model": "a", "period": 0.001})", "K: is missing");
-  refuse(R"({"model": "a", "period": 0, "K": [[1, 2, 3]]})", "period: is 0, must be in (0, 0.1] s");
+  refuse(R"({"model": "a", "period": 0, "K": [[1, 2, 3]]})", "period: is 0, must be in 1e-05 to 0.1 s");
   refuse(R"({"model": "a", "period": 0.001, "K": [[1, 2]]})", "K[0]: must be a list of 3 numbers");
   refuse(R"({"model": "a", "period": 0.001, "K": [[1, 2, "x"]]})", "K[0][2]: must be a number");
   refuse(R"({"model": "a", "period": 0.001, "K": []})", "K: has 0 rows, must have 1 to 7");

@@ -234,8 +234,8 @@ TEST_CASE("metrics of a hand-made record", "[push]") {
     t.status = t.tick == 7 ? Status::stale : Status::ok;
   };
   const PushMetrics m = metricsOf(setup, move, 40e3);
-  // The turn lies between two ticks, of which the deeper is 2.6e-6 m higher. The acceleration jumps there by a half, which
-  // the cubic does not know of: 1.6e-7 m.
+  // The turn lies between two ticks, of which the deeper is 2.6e-6 m higher. The acceleration jumps there by a half,
+  // which the cubic does not know of: 1.6e-7 m.
   CHECK(m.verdict == FirstImpactVerdict::measured);
   CHECK(*m.firstDepth == Approx(1e-3).margin(3e-7));
   CHECK(*m.firstStiffness == Approx(10.0 / *m.firstDepth));
@@ -347,8 +347,10 @@ TEST_CASE("first impact on the device agrees with a push of finer steps", "[push
       const auto person = [&](double, const Pose&, const Vec6&) { return ticks[i].person; };
       for (int step = 0; step < 64; ++step) {
         REQUIRE(stepRungeKutta4(device, 0.0, 1e-3 / 64, ticks[i].torque, person, state) == Status::ok);
-        if (state.position.z() < -deepest) deepest = -state.position.z();
-        else if (state.position.z() > -0.9 * deepest) returned = deepest > 0.0;
+        if (state.position.z() < -deepest)
+          deepest = -state.position.z();
+        else if (state.position.z() > -0.9 * deepest)
+          returned = deepest > 0.0;
       }
     }
     REQUIRE(returned);
@@ -399,7 +401,7 @@ TEST_CASE("bad setups are refused before anything runs", "[push]") {
   refuse([](PushSetup& s) { s.duration = 1e9; }, "duration is 1e+09, must be in 0 to 3600 s");
   refuse([](PushSetup& s) { s.substeps = 0; }, "substeps is 0, must be in 1 to 1000");
   refuse([](PushSetup& s) { s.delay = {2, 1}; }, "delay is 2..1, must be in 0 to 63 ticks, low first");
-  refuse([](PushSetup& s) { s.period = 0.0; }, "period is 0, must be in (0, 0.1] s");
+  refuse([](PushSetup& s) { s.period = 0.0; }, "the period is 0, must be in 1e-05 to 0.1 s");
   refuse([](PushSetup& s) { s.encoders.cutoff = 0.0; }, "cutoff of the rate filter is 0, must be greater than 0 Hz");
   refuse([](PushSetup& s) { s.start.position.x() = 1.0; }, "the start pose is unreachable");
 }

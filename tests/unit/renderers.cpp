@@ -279,7 +279,7 @@ TEST_CASE("renderers: a bad configuration is refused", "[renderers]") {
   PositionControlRenderer renderer(gain, 1e-3, {});
   CHECK_THROWS_WITH(renderer.activate(2e-3),
                     "hold renderer: activated for a period of 0.002 s, but its gain was designed for 0.001 s");
-  CHECK_THROWS_WITH(renderer.activate(0.0), "renderer: the period is 0, must be in (0, 0.1] s");
+  CHECK_THROWS_WITH(renderer.activate(0.0), "renderer: the period is 0, must be in 1e-05 to 0.1 s");
   gain(0, 0) = std::nan("");
   CHECK_THROWS_AS(PositionControlRenderer(gain, 1e-3, {}), Error);
   PositionControlOptions options;

@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
+#include "enamel/core/error.hpp"
 #include "minima.hpp"
 #include "tool_parts.hpp"
 
@@ -321,15 +323,20 @@ void addNearest(const Obstacle& obstacle, const Segment& axis, double radius, Pa
   std::visit([&](const auto& shape) { addNearest(shapeOf(shape), axis, radius, cache, out); }, obstacle.shape);
 }
 
-// Calls visit(obstacle, axis, radius, cache, collector) for every part and obstacle; false where an obstacle's pose is
-// not finite.
+// Calls visit(obstacle, axis, radius, cache, collector) for every part and obstacle; without contacts where it cannot.
 template <typename Visit>
-bool forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
-                 ContactSnapshot& contacts, const Visit& visit) {
+Status forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
+                   ContactSnapshot& contacts, const Visit& visit) {
+  contacts.count = 0;
+  if (!isFinite(pose) || !std::isfinite(margin)) return Status::notFinite;
+  if (const Status status = checkTool(tool); status != Status::ok) return status;
   const std::vector<Obstacle>& obstacles = scene.obstacles();
   End ends[2];
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
-    if (!isFinite(obstacles[i].pose)) return false;
+    if (!isFinite(obstacles[i].pose)) {
+      contacts.count = 0;
+      return Status::notFinite;
+    }
     ends[0].limit = -1.0;
     ends[0].nearest = SurfacePoint();
     Collector out{&contacts, margin, {&obstacles[i], static_cast<int>(i), 0}, &ends[0], &ends[1], 0.0};
@@ -344,7 +351,7 @@ bool forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double 
       visit(obstacles[i], axis, part.radius + out.pad, known, out);
     }
   }
-  return true;
+  return Status::ok;
 }
 
 // A contact of the last tick goes on where one of the same obstacle and part has about its normal, and no other one
@@ -381,6 +388,18 @@ void nameContacts(const Scene& scene, ContactSnapshot& last, std::uint32_t& last
 
 }  // namespace
 
+Status checkTool(const Tool& tool) noexcept {
+  if (tool.count < 0 || tool.count > kMaxToolParts) return Status::outOfRange;
+  for (int k = 0; k < tool.count; ++k) {
+    const ToolPart& part = tool.parts[k];
+    if (!part.a.allFinite() || !part.b.allFinite() || !std::isfinite(part.radius)) return Status::notFinite;
+    if (!(std::max(part.a.cwiseAbs().maxCoeff(), part.b.cwiseAbs().maxCoeff()) <= kLargestTool && part.radius >= 0.0 &&
+          part.radius <= kLargestTool))
+      return Status::outOfRange;
+  }
+  return Status::ok;
+}
+
 ToolCache::ToolCache() = default;
 ToolCache::ToolCache(const ToolCache& other) = default;
 ToolCache::ToolCache(ToolCache&& other) noexcept = default;
@@ -389,6 +408,10 @@ ToolCache& ToolCache::operator=(ToolCache&& other) noexcept = default;
 ToolCache::~ToolCache() = default;
 
 ToolCache makeToolCache(const Scene& scene, const Tool& tool) {
+  if (const Status status = checkTool(tool); status != Status::ok)
+    throw Error("the tool is " + std::string(status == Status::notFinite ? "not finite" : "out of range") +
+                ": it must have 0 to " + std::to_string(kMaxToolParts) +
+                " parts, their ends within 1 m of the TCP along every axis, their radius in 0 to 1 m");
   ToolCache cache;
   cache.parts_.resize(scene.obstacles().size() * static_cast<std::size_t>(tool.count));
   return cache;
@@ -396,15 +419,9 @@ ToolCache makeToolCache(const Scene& scene, const Tool& tool) {
 
 Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                     ContactSnapshot& contacts) noexcept {
-  contacts.count = 0;
-  if (!isFinite(pose) || !std::isfinite(margin)) return Status::notFinite;
   const auto visit = [](const Obstacle& obstacle, const Segment& axis, double radius, PartCache* known,
                         Collector& out) { addPart(obstacle, axis, radius, known, out); };
-  if (!forEachPart(scene, tool, pose, margin, cache, contacts, visit)) {
-    contacts.count = 0;
-    return Status::notFinite;
-  }
-  return Status::ok;
+  return forEachPart(scene, tool, pose, margin, cache, contacts, visit);
 }
 
 ToolTrack::ToolTrack() = default;
@@ -423,8 +440,6 @@ ToolTrack makeToolTrack(const Scene& scene, const Tool& tool) {
 
 Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolTrack& track,
                       ContactSnapshot& contacts) noexcept {
-  contacts.count = 0;
-  if (!isFinite(pose) || !std::isfinite(margin)) return Status::notFinite;
   const auto visit = [&](const Obstacle& obstacle, const Segment& axis, double radius, PartCache* known,
                          Collector& out) {
     const std::size_t i = static_cast<std::size_t>(out.pair.number * tool.count + out.pair.part);
@@ -440,19 +455,16 @@ Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, do
     out.actual = isHeld ? &axis : nullptr;
     addPart(obstacle, isHeld ? part.axis : axis, radius, known, out);
   };
-  if (!forEachPart(scene, tool, pose, margin, &track.cache_, contacts, visit)) {
-    contacts.count = 0;
-    return Status::notFinite;
-  }
-  nameContacts(scene, track.last_, track.lastKey_, contacts);
-  return Status::ok;
+  const Status status = forEachPart(scene, tool, pose, margin, &track.cache_, contacts, visit);
+  if (status == Status::ok) nameContacts(scene, track.last_, track.lastKey_, contacts);
+  return status;
 }
 
 Contact nearestContact(const Scene& scene, const Tool& tool, const Pose& pose, ToolCache* cache) noexcept {
   ContactSnapshot contacts;
   const auto visit = [](const Obstacle& obstacle, const Segment& axis, double radius, PartCache* known,
                         Collector& out) { addNearest(obstacle, axis, radius, known, out); };
-  if (!isFinite(pose) || !forEachPart(scene, tool, pose, kNoLimit, cache, contacts, visit) || contacts.count == 0) {
+  if (forEachPart(scene, tool, pose, kNoLimit, cache, contacts, visit) != Status::ok || contacts.count == 0) {
     Contact none;
     none.gap = kNoLimit;
     return none;

@@ -15,8 +15,7 @@ int Scene::add(Obstacle obstacle) {
   const Mat3& R = obstacle.pose.rotation;
   if (!obstacle.pose.position.allFinite() || !R.allFinite() || !obstacle.twist.allFinite())
     throw Error(name + ": pose or twist is not finite");
-  if ((R * R.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff() > 1e-6 || R.determinant() < 0.0)
-    throw Error(name + ": the rotation is not a right-handed orthonormal matrix to 1e-6");
+  if (!isRotation(R)) throw Error(name + ": the rotation is not a right-handed orthonormal matrix to 1e-6");
   const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
   bool sized = true;
   if (const auto* box = std::get_if<Box>(&obstacle.shape))
@@ -39,9 +38,13 @@ int Scene::add(Obstacle obstacle) {
   return static_cast<int>(obstacles_.size()) - 1;
 }
 
-void Scene::move(int obstacle, const Pose& pose, const Vec6& twist) noexcept {
+Status Scene::move(int obstacle, const Pose& pose, const Vec6& twist) noexcept {
+  if (obstacle < 0 || static_cast<std::size_t>(obstacle) >= obstacles_.size()) return Status::outOfRange;
+  if (!pose.position.allFinite() || !pose.rotation.allFinite() || !twist.allFinite()) return Status::notFinite;
+  if (!isRotation(pose.rotation)) return Status::outOfRange;
   obstacles_[static_cast<std::size_t>(obstacle)].pose = pose;
   obstacles_[static_cast<std::size_t>(obstacle)].twist = twist;
+  return Status::ok;
 }
 
 Mat3 frameAlong(const Vec3& axis) noexcept {

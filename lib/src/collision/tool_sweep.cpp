@@ -64,10 +64,8 @@ SweepHit kernel::sweepPart(const Obstacle& obstacle, const Segment& from, const 
 
 ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, const Pose& to, ToolCache* cache) noexcept {
   ToolSweep result;
-  if (!isFinite(from) || !isFinite(to)) {
-    result.status = Status::notFinite;
-    return result;
-  }
+  result.status = isFinite(from) && isFinite(to) ? checkTool(tool) : Status::notFinite;
+  if (result.status != Status::ok) return result;
   const std::vector<Obstacle>& obstacles = scene.obstacles();
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     const Obstacle& obstacle = obstacles[i];

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <string>
 
 #include "enamel/core/error.hpp"
 
@@ -24,6 +25,9 @@ MatrixXd solve(const MatrixXd& A, const MatrixXd& B, double* reciprocalCondition
 MatrixXcd solve(const MatrixXcd& A, const MatrixXcd& B) { return Eigen::PartialPivLU<MatrixXcd>(A).solve(B); }
 
 Eigen::VectorXcd eigenvalues(const MatrixXd& A) {
+  if (A.rows() != A.cols() || A.rows() == 0 || !A.allFinite())
+    throw DesignError("eigenvalues: the matrix is " + std::to_string(A.rows()) + " x " + std::to_string(A.cols()) +
+                      ", must be square, finite and not empty");
   const Eigen::EigenSolver<MatrixXd> solver(A, false);
   if (solver.info() != Eigen::Success) throw DesignError("the eigenvalues of a matrix do not converge");
   return solver.eigenvalues();

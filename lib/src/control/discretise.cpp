@@ -52,8 +52,10 @@ MatrixXd matrixExponential(const MatrixXd& input) {
   if (!input.allFinite()) throw DesignError("matrix exponential: the matrix is not finite");
   const Eigen::Index n = input.rows();
   if (n == 0) return input;
+  const double size = norm1(input);
+  if (!std::isfinite(size)) throw DesignError("matrix exponential: the sum of a column overflows");
   // Far beyond any use, but its powers must not overflow.
-  const int before = std::max(0, std::ilogb(std::max(norm1(input), 1.0)) - 60);
+  const int before = std::max(0, std::ilogb(std::max(size, 1.0)) - 60);
   MatrixXd A = std::ldexp(1.0, -before) * input;
   MatrixXd A2 = product(A, A), A4 = product(A2, A2), A6 = product(A4, A2);
   const int halvings = halvingsFor(A, A4, A6);

@@ -30,6 +30,8 @@ bool isWallStable(const WallDevice& device, const SpringWall& wall, double secon
   if (!(device.mass > 0.0 && std::isfinite(device.mass) && device.period > 0.0 && std::isfinite(device.period)) ||
       wall.delay < 0)
     throw DesignError("wall: mass and period must be positive and the delay not negative");
+  if (seconds / device.period > 1e8 || wall.delay > 1000)
+    throw DesignError("wall: the time is more than 1e8 periods, or the delay more than 1000");
   StateSpace motion{Eigen::Matrix2d::Zero(), Eigen::Vector2d(1.0 / device.mass, 0.0)};  // states [z'; z], input force
   motion.A(0, 0) = -device.damping / device.mass;
   motion.A(1, 0) = 1.0;

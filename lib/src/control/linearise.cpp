@@ -101,7 +101,8 @@ Linearisation linearise(const PlantFunction& f, const OutputFunction& h, const V
 
 StateSpace outputsAsStates(const Linearisation& linearisation) {
   const MatrixXd& C = linearisation.C;
-  if (C.rows() != C.cols() || C.rows() != linearisation.model.A.rows())
+  if (C.rows() == 0 || C.rows() != C.cols() || C.rows() != linearisation.model.A.rows() ||
+      C.rows() != linearisation.model.A.cols() || C.rows() != linearisation.model.B.rows())
     throw DesignError("eq. 5: C is " + std::to_string(C.rows()) + " x " + std::to_string(C.cols()) + " for " +
                       std::to_string(linearisation.model.A.rows()) + " states; it must be square");
   // Units must not decide what is singular: every row and column is first brought to a largest entry of about 1.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -21,11 +22,17 @@ using Eigen::VectorXcd;
 constexpr int kMaxDelay = 64;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+void requirePositive(double period) {
+  if (!(period > 0.0 && std::isfinite(period))) throw DesignError("loop: the period must be positive and finite, s");
+}
+
 // The loop at the plant's input as a function of frequency.
 class FrequencyResponse {
  public:
   FrequencyResponse(const StateSpace& loop, const MatrixXd& K, double period, int delay)
-      : A_(loop.A.cast<Complex>()), B_(loop.B.cast<Complex>()), K_(K.cast<Complex>()), period_(period), delay_(delay) {}
+      : A_(loop.A.cast<Complex>()), B_(loop.B.cast<Complex>()), K_(K.cast<Complex>()), period_(period), delay_(delay) {
+    requirePositive(period);
+  }
 
   // I + L at the angular frequency w, rad/s.
   MatrixXcd returnDifference(double w) const {
@@ -122,6 +129,13 @@ ChannelMargins channelMargins(const FrequencyResponse& response, Index i, const 
 }  // namespace
 
 MatrixXd closedLoop(const StateSpace& loop, const MatrixXd& K, int delay) {
+  const auto size = [](const MatrixXd& M) { return std::to_string(M.rows()) + " x " + std::to_string(M.cols()); };
+  if (loop.A.rows() == 0 || loop.A.cols() != loop.A.rows() || loop.B.rows() != loop.A.rows() || loop.B.cols() == 0 ||
+      K.rows() != loop.B.cols() || K.cols() != loop.A.rows())
+    throw DesignError("loop: sizes do not fit: A " + size(loop.A) + ", B " + size(loop.B) + ", K " + size(K));
+  if (delay < 0 || delay > kMaxDelay + 1)
+    throw DesignError("loop: the delay is " + std::to_string(delay) + ", must be in 0 to " +
+                      std::to_string(kMaxDelay + 1) + " ticks");
   if (delay == 0) return loop.A - product(loop.B, K);
   const Index n = loop.A.rows(), m = loop.B.cols();
   MatrixXd closed = MatrixXd::Zero(n + m * delay, n + m * delay);
@@ -135,6 +149,7 @@ MatrixXd closedLoop(const StateSpace& loop, const MatrixXd& K, int delay) {
 double spectralRadius(const MatrixXd& A) { return eigenvalues(A).cwiseAbs().maxCoeff(); }
 
 std::vector<Complex> continuousPoles(const MatrixXd& closed, double period) {
+  requirePositive(period);
   std::vector<Complex> poles;
   for (const Complex& z : eigenvalues(closed)) poles.push_back(std::log(z) / period);
   std::sort(poles.begin(), poles.end(), [](const Complex& a, const Complex& b) {

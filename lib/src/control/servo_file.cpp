@@ -25,8 +25,8 @@ ServoFile loadServo(const std::string& path) {
   ServoFile servo;
   servo.model = require("model", &Json::is_string, "a string").get<std::string>();
   servo.period = require("period", &Json::is_number, "a number").get<double>();
-  if (!(servo.period > 0.0 && servo.period <= 0.1))
-    refuse("period", "is " + formatNumber(servo.period) + ", must be in (0, 0.1] s");
+  if (!(servo.period >= 1e-5 && servo.period <= 0.1))
+    refuse("period", "is " + formatNumber(servo.period) + ", must be in 1e-05 to 0.1 s");
   const Json& rows = require("K", &Json::is_array, "a list of rows");
   const std::size_t n = rows.size();
   if (n < 1 || n > kMaxJoints)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "enamel/control/first_impact.hpp"
 #include "enamel/core/error.hpp"
@@ -13,8 +14,33 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+namespace {
+
+constexpr int kMostTicks = 10000000;
+
+int ticksIn(double seconds, double period) {
+  const double ticks = seconds / period;
+  if (!(ticks >= 0.0 && ticks <= kMostTicks))
+    throw DesignError("servo simulation: the period is so small that a run has more than 1e7 ticks, or is none");
+  return static_cast<int>(std::lround(ticks));
+}
+
+// n x 3n of a plant with n inputs and 2n states.
+void requireGain(const ServoDesign& design) {
+  const Index n = design.K.rows();
+  if (n == 0 || design.K.cols() != 3 * n)
+    throw DesignError("servo simulation: the gain K is " + std::to_string(n) + " x " + std::to_string(design.K.cols()) +
+                      ", must be n x 3n");
+}
+
+}  // namespace
+
 SampledPlant linearPlant(const ServoDesign& design, const MatrixXd& jacobian) {
-  const Index states = design.plant.A.rows();
+  requireGain(design);
+  const Index n = design.K.rows(), states = 2 * n;
+  if (design.augmented.A.rows() < states || design.augmented.A.cols() < states || design.augmented.B.rows() < states ||
+      design.augmented.B.cols() != n || jacobian.rows() != 6 || jacobian.cols() != n)
+    throw DesignError("servo simulation: the held model must have 2n states and n inputs, the Jacobian be 6 x n");
   return
       [A = MatrixXd(design.augmented.A.topLeftCorner(states, states)), B = MatrixXd(design.augmented.B.topRows(states)),
        transposed = MatrixXd(jacobian.transpose())](const VectorXd& y, const VectorXd& torque, const VectorXd& wrench) {
@@ -23,14 +49,14 @@ SampledPlant linearPlant(const ServoDesign& design, const MatrixXd& jacobian) {
 }
 
 ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, const ServoExperiment& experiment) {
+  requireGain(design);
   const Index n = design.K.rows();
   const auto isVector = [n](const VectorXd& v) { return v.size() == 0 || v.size() == n; };
   if (experiment.reference.size() != n || !isVector(experiment.encoderStep) || !isVector(experiment.maxTorque) ||
-      experiment.delay < 0 || experiment.ticks < 0)
+      experiment.wrench.size() != 6 || experiment.delay < 0 || experiment.ticks < 0 || experiment.ticks > kMostTicks)
     throw DesignError(
-        "servo simulation: reference, encoder steps and torque limits need one entry a joint; delay and ticks must not "
-        "be "
-        "negative");
+        "servo simulation: reference, encoder steps and torque limits need one entry a joint, the wrench six; delay "
+        "and ticks must not be negative, nor the ticks more than 1e7");
   ServoTrace trace{MatrixXd::Zero(2 * n, experiment.ticks + 1), MatrixXd::Zero(n, experiment.ticks)};
   VectorXd y = VectorXd::Zero(2 * n), state = VectorXd::Zero(3 * n), previous = VectorXd::Zero(n);
   for (int j = 0; j < experiment.ticks; ++j) {
@@ -49,6 +75,7 @@ ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, c
     state.tail(n) += design.period * (experiment.reference - q);
     const int acting = j - experiment.delay;
     y = plant(y, acting < 0 ? VectorXd(VectorXd::Zero(n)) : VectorXd(trace.torque.col(acting)), experiment.wrench);
+    if (y.size() != 2 * n) throw DesignError("servo simulation: the plant does not answer with 2n numbers");
     trace.y.col(j + 1) = y;
   }
   return trace;
@@ -56,6 +83,9 @@ ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, c
 
 double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& normal, double force, double period) {
   const Index n = normal.size();
+  if (n == 0 || trace.y.rows() != 2 * n || !(period > 0.0))
+    throw DesignError("first impact: the normal needs one entry a joint, the period must be positive, s");
+  (void)ticksIn(1.0, period);
   ImpactWatch watch(period);
   ImpactTick tick;
   tick.force = force;
@@ -68,6 +98,8 @@ double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& n
 }
 
 double torqueDeviation(const ServoTrace& trace, int ticks) {
+  if (ticks < 1 || trace.torque.size() == 0)
+    throw DesignError("torque deviation: needs at least one tick and one joint");
   const MatrixXd last = trace.torque.rightCols(std::min<Index>(ticks, trace.torque.cols()));
   const VectorXd mean = last.rowwise().mean();
   return std::sqrt((last.colwise() - mean).rowwise().squaredNorm().maxCoeff() / static_cast<double>(last.cols()));
@@ -109,7 +141,9 @@ double settles(const Eigen::RowVectorXd& response, double band, double period) {
 
 std::vector<Requirement> measureRequirements(const ServoDesign& design, const SampledPlant& plant,
                                              const MatrixXd& jacobian) {
+  requireGain(design);
   const Index n = design.K.rows();
+  if (jacobian.rows() != 6 || jacobian.cols() != n) throw DesignError("Table II: the Jacobian must be 6 x n");
   Requirement overshoot{"step reference: overshoot", "%", 2.0, {}};
   Requirement rise{"step reference: rise time", "s", 0.05, {}};
   Requirement settling{"step reference: settling time", "s", 0.1, {}};
@@ -117,7 +151,7 @@ std::vector<Requirement> measureRequirements(const ServoDesign& design, const Sa
   Requirement position{"force/torque step: TCP position deviation", "m", 0.001, {}};
   Requirement orientation{"force/torque step: TCP orientation deviation", "rad", 0.001, {}};
   ServoExperiment experiment;
-  experiment.ticks = static_cast<int>(std::lround(kDuration / design.period));
+  experiment.ticks = ticksIn(kDuration, design.period);
   for (Index joint = 0; joint < n; ++joint) {
     experiment.reference = kStep * VectorXd::Unit(n, joint);
     experiment.wrench = VectorXd::Zero(6);

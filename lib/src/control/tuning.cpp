@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/message.hpp"
 #include "enamel/control/margins.hpp"
 #include "enamel/core/error.hpp"
 
@@ -32,6 +33,7 @@ bool keepsTo(const TuneProblem& problem, const TuneRequirements& requirements, c
 // known long before the rest.
 std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const ServoWeights& weights, double toBeat,
                                 double leastMargin) {
+  requirePeriod(problem.period, "servo: ");
   TunedServo servo;
   try {
     servo.design = designServo(problem.plant, problem.period, weights);
@@ -96,7 +98,7 @@ std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequir
 
 double firstImpactLimit(double mass, double period, int delay, double force, double largestForce,
                         double preload) noexcept {
-  if (!(largestForce > std::max(force, preload))) return 0.0;
+  if (!(largestForce > std::max(force, preload)) || delay < 0 || !(period > 0.0)) return 0.0;
   const double reaction = (delay + 1) * period;
   return 2.0 * mass * (largestForce - force) / (largestForce - preload) / (reaction * reaction);
 }

@@ -24,6 +24,13 @@ Vec3 eulerFromRotation(const Mat3& rotation) noexcept {
   return {std::atan2(rotation(2, 1), rotation(2, 2)), beta, std::atan2(rotation(1, 0), rotation(0, 0))};
 }
 
+bool isRotation(const Mat3& r) noexcept {
+  const auto isUnit = [&r](int i) { return std::abs(r.row(i).squaredNorm() - 1.0) <= 1e-6; };
+  const auto areAcross = [&r](int i, int j) { return std::abs(r.row(i).dot(r.row(j))) <= 1e-6; };
+  return isUnit(0) && isUnit(1) && isUnit(2) && areAcross(0, 1) && areAcross(1, 2) && areAcross(2, 0) &&
+         r.row(0).cross(r.row(1)).dot(r.row(2)) > 0.0;
+}
+
 double angleBetween(const Mat3& a, const Mat3& b) noexcept {
   const Mat3 r = a.transpose() * b;
   const double sine = 0.5 * Vec3(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1)).norm();

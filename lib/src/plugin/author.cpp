@@ -1,5 +1,6 @@
 #include "enamel/plugin/author.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
@@ -30,8 +31,12 @@ int32_t explainOrder(const char* what, const EnamelMessage& message) noexcept {
 PluginConfiguration::PluginConfiguration(const EnamelDescription& description, const EnamelConfiguration& given) {
   for (std::size_t i = 0; i < description.parameter_count; ++i)
     parameters_[description.parameters[i].key] = description.parameters[i].value;
+  if (given.parameter_count > 0 && given.parameters == nullptr)
+    refuse("", "are NULL, there must be " + std::to_string(given.parameter_count));
   std::map<std::string, bool> seen;
   for (std::size_t i = 0; i < given.parameter_count; ++i) {
+    if (given.parameters[i].key == nullptr || given.parameters[i].value == nullptr)
+      refuse("number " + std::to_string(i), "has no key or no value (NULL)");
     const std::string key = given.parameters[i].key;
     const auto known = parameters_.find(key);
     if (known == parameters_.end()) refuse(key, std::string("is not a parameter of ") + description.name);
@@ -66,7 +71,8 @@ double PluginConfiguration::number(const std::string& key, double low, double hi
   const std::string& value = text(key);
   char* end = nullptr;
   const double number = std::strtod(value.c_str(), &end);
-  if (end == value.c_str() || *end != 0) refuse(key, "is \"" + value + "\", must be a number");
+  if (end == value.c_str() || *end != 0 || !std::isfinite(number))
+    refuse(key, "is \"" + value + "\", must be a number");
   if (!(number >= low && number <= high))
     refuse(key, "is " + value + ", must be in " + formatNumber(low) + " to " + formatNumber(high) + " " + unit);
   return number;

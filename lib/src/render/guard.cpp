@@ -85,7 +85,7 @@ const char* toString(GuardReason reason) noexcept {
 }
 
 GuardOptions guardFor(const Mechanism& device, double period) {
-  require(period > 0.0 && period <= 0.1, "guard: the period is " + formatNumber(period) + ", must be in (0, 0.1] s");
+  requirePeriod(period, "guard: ");
   const Kinematics& home = device.home();
   GuardOptions o;
   o.period = period;
@@ -113,8 +113,7 @@ GuardOptions guardFor(const Mechanism& device, double period) {
 Guard::Guard(const Mechanism& device, const GuardOptions& options)
     : options_(options), n_(device.joints()), damped_(!options.damping.isZero(0.0)), ring_(kGuardTicks) {
   const GuardOptions& o = options;
-  require(o.period > 0.0 && o.period <= 0.1,
-          "guard: the period is " + formatNumber(o.period) + ", must be in (0, 0.1] s");
+  requirePeriod(o.period, "guard: ");
   for (const JointVector* v : {&o.torque, &o.slew, &o.rate, &o.count})
     require(isSize(*v, n_), "guard: torque, slew, rate and count need " + std::to_string(n_) + " numbers, one has " +
                                 std::to_string(v->size()));

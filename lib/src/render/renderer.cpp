@@ -26,14 +26,6 @@ bool within(const Vector& v, double limit) noexcept {
   return v.squaredNorm() <= limit * limit;
 }
 
-// r r^T = 1 to 1e-6, right-handed.
-bool isRotation(const Mat3& r) noexcept {
-  const auto isUnit = [&r](int i) { return std::abs(r.row(i).squaredNorm() - 1.0) <= 1e-6; };
-  const auto areAcross = [&r](int i, int j) { return std::abs(r.row(i).dot(r.row(j))) <= 1e-6; };
-  return isUnit(0) && isUnit(1) && isUnit(2) && areAcross(0, 1) && areAcross(1, 2) && areAcross(2, 0) &&
-         r.row(0).cross(r.row(1)).dot(r.row(2)) > 0.0;
-}
-
 bool isFinite(const Contact& c) noexcept {
   return c.point.allFinite() && c.normal.allFinite() && c.obstacleVelocity.allFinite() && std::isfinite(c.gap);
 }
@@ -104,9 +96,10 @@ Status checkInput(const TickInput& input, double lastTime) noexcept {
 }
 
 void Renderer::activate(double period) {
-  if (!(period > 0.0 && period <= 0.1))
-    throw Error("renderer: the period is " + formatNumber(period) + ", must be in (0, 0.1] s");
+  active_ = isReady_ = false;
+  requirePeriod(period, "renderer: ");
   prepare(period);
+  isReady_ = true;
   kept_.resize(stateBlock().size);
   reset();
   active_ = true;
@@ -142,22 +135,25 @@ Status Renderer::step(const TickInput& input, TickOutput& output) noexcept {
 }
 
 void Renderer::reset() noexcept {
+  if (!isReady_) return;
   lastTime_ = -std::numeric_limits<double>::infinity();
   resetState();
 }
 
 // stateBlock() is not const because loadState() writes through it; these two only read.
 std::size_t Renderer::stateSize() const noexcept {
-  return sizeof(lastTime_) + const_cast<Renderer*>(this)->stateBlock().size;
+  return isReady_ ? sizeof(lastTime_) + const_cast<Renderer*>(this)->stateBlock().size : 0;
 }
 
 void Renderer::saveState(void* state) const noexcept {
+  if (!isReady_) return;
   const StateBlock block = const_cast<Renderer*>(this)->stateBlock();
   std::memcpy(state, &lastTime_, sizeof(lastTime_));
   if (block.size > 0) std::memcpy(static_cast<char*>(state) + sizeof(lastTime_), block.data, block.size);
 }
 
 void Renderer::loadState(const void* state) noexcept {
+  if (!isReady_) return;
   const StateBlock block = stateBlock();
   std::memcpy(&lastTime_, state, sizeof(lastTime_));
   if (block.size > 0) std::memcpy(block.data, static_cast<const char*>(state) + sizeof(lastTime_), block.size);

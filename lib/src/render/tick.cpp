@@ -10,7 +10,7 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
       renderer_(renderer),
       guard_(mechanism, guard),
       track_(makeToolTrack(scene, tool)) {
-  if (mechanism.reach(start, Vec6::Zero(), false, input_.kinematics) != Status::ok)
+  if (!isRotation(start.rotation) || mechanism.reach(start, Vec6::Zero(), false, input_.kinematics) != Status::ok)
     input_.kinematics = mechanism.home();
   input_.maxTorque = guard.on ? guard.torque : mechanism.limits().torque;
   output_.torque.setZero(mechanism.joints());

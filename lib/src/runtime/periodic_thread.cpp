@@ -24,6 +24,8 @@ std::int64_t now() noexcept {
   return t.tv_sec * kSecond + t.tv_nsec;
 }
 
+constexpr std::int64_t kLongestSleep = kSecond / 20;  // ns: the thread ends within
+
 void sleepUntil(std::int64_t deadline) noexcept {
   const timespec t{deadline / kSecond, deadline % kSecond};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) continue;
@@ -58,6 +60,10 @@ void PeriodicThread::run(std::int64_t period, int priority) noexcept {
 
   std::int64_t deadline = now() + period;
   while (!stop_.load(std::memory_order_relaxed)) {
+    if (const std::int64_t soon = now() + kLongestSleep; soon < deadline) {
+      sleepUntil(soon);
+      continue;
+    }
     sleepUntil(deadline);
     const std::int64_t begin = now();
     timing_.wakeUp.add(seconds(begin - deadline));

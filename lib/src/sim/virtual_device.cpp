@@ -59,8 +59,9 @@ JointVector Motors::actuate(std::uint64_t tick, const JointVector& command, cons
 }
 
 void checkVirtualDevice(const VirtualDeviceSetup& setup) {
-  require(setup.period > 0.0 && setup.period <= 0.1,
-          "period is " + formatNumber(setup.period) + ", must be in (0, 0.1] s");
+  requirePeriod(setup.period, "");
+  require(setup.start.position.allFinite() && isRotation(setup.start.rotation),
+          "the start pose is not finite, or its rotation is no right-handed orthonormal matrix to 1e-6");
   require(setup.substeps >= 1 && setup.substeps <= 1000,
           "substeps is " + std::to_string(setup.substeps) + ", must be in 1 to 1000");
   require(0 <= setup.delay.low && setup.delay.low <= setup.delay.high && setup.delay.high <= kMaxDelay,

@@ -52,7 +52,9 @@ Vec3 queryPoint(const StudyPlan& plan, std::size_t point) noexcept {
   return {along(point % side), along(point / side), 0.0};
 }
 
-StudyRun runAt(const StudyPlan& plan, std::size_t index) noexcept {
+StudyRun runAt(const StudyPlan& plan, std::size_t index) {
+  require(plan.runs >= 1 && index < plan.size(), "run " + std::to_string(index) + " is asked for, the study has " +
+                                                     std::to_string(plan.runs >= 1 ? plan.size() : 0));
   const auto runs = static_cast<std::size_t>(plan.runs);
   StudyRun run;
   run.run = static_cast<int>(index % runs);
@@ -70,6 +72,10 @@ StudyRun runAt(const StudyPlan& plan, std::size_t index) noexcept {
 
 StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
                        const std::function<void(const TickRecord&)>& record) {
+  require(run.column < plan.columns.size() && run.point < plan.points(),
+          "column " + std::to_string(run.column) + " and point " + std::to_string(run.point) +
+              " are asked for, the study has " + std::to_string(plan.columns.size()) + " and " +
+              std::to_string(plan.points()));
   PushSetup setup = plan.setup;
   setup.start.position = queryPoint(plan, run.point);
   setup.person.scenario = run.scenario;
@@ -139,6 +145,7 @@ PointStatistics statisticsOf(const std::vector<StudyResult>& runs) {
 }
 
 std::vector<PointStatistics> pointStatistics(const StudyPlan& plan, const std::vector<StudyResult>& results) {
+  require(plan.runs >= 1, "runs is " + std::to_string(plan.runs) + ", must be at least 1 a query point");
   const auto runs = static_cast<std::size_t>(plan.runs);
   std::vector<PointStatistics> points;
   for (std::size_t first = 0; first + runs <= results.size(); first += runs) {
@@ -157,6 +164,7 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
   };
   // A mean that does not exist (every run failed) must not pass for the smallest.
   const auto larger = [](double a, double b) { return std::isnan(b) ? a : std::max(a, b); };
+  require(plan.grid >= 1, "grid is " + std::to_string(plan.grid) + ", must be at least 1 query point a side");
   std::vector<WallSummary> summaries;
   for (std::size_t first = 0; first + plan.points() <= points.size(); first += plan.points()) {
     WallSummary w;

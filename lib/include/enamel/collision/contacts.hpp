@@ -34,7 +34,8 @@ class ToolCache {
   std::vector<kernel::PartCache> parts_;  // one for each part and obstacle
 };
 
-/// Cache for `tool` in `scene` as it is now: 19 KB for each part and obstacle. Realtime: no.
+/// Cache for `tool` in `scene` as it is now: 19 KB for each part and obstacle. Throws Error: checkTool() refuses the
+/// tool. Realtime: no.
 ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 
 /// All contacts whose gap is at most `margin`, the deepest first (then by obstacle), at most kMaxContacts.
@@ -43,8 +44,8 @@ ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 /// and, where its signed distance is below theirs by more than 1e-9 m, with one point of its axis between them: the
 /// deepest one in an analytic shape; the one nearest to a mesh, and only while both ends are outside of it. The
 /// obstacle's velocity is v + w x r. `cache` may be null and must else come from makeToolCache() of this scene and
-/// tool; the contacts are the same (with meshes whose sign is defined: signedDistance()). notFinite: a pose or the
-/// margin is not finite; no contacts then. Realtime: yes. Threads: const scene, own cache.
+/// tool; the contacts are the same (with meshes whose sign is defined: signedDistance()). Statuses: notFinite
+/// for a pose or margin; those of checkTool(); no contacts then. Realtime: yes. Threads: const scene, own cache.
 Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                     ContactSnapshot& contacts) noexcept;
 
@@ -69,7 +70,7 @@ class ToolTrack {
   std::uint32_t lastKey_ = 0;
 };
 
-/// Track for `tool` in `scene` as it is now. Realtime: no.
+/// Track for `tool` in `scene` as it is now. Throws Error: as makeToolCache(). Realtime: no.
 ToolTrack makeToolTrack(const Scene& scene, const Tool& tool);
 
 /// A tool that is farther than this from where it was at the last tick has been put there, and has not moved, m.
@@ -89,7 +90,8 @@ Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, do
                       ContactSnapshot& contacts) noexcept;
 
 /// The contact of smallest gap, near or far, among equals the first of the scene: the first of findContacts() where its
-/// gap is within the margin. For a scene without surfaces or a pose that is not finite the gap is kNoLimit.
+/// gap is within the margin. For a scene without surfaces, a pose that is not finite or a tool that
+/// checkTool() refuses the gap is kNoLimit.
 /// Realtime: yes. Threads: as findContacts().
 Contact nearestContact(const Scene& scene, const Tool& tool, const Pose& pose, ToolCache* cache) noexcept;
 

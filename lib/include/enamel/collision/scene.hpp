@@ -32,8 +32,9 @@ class Scene {
   /// finite or of another shape than a mesh. Realtime: no.
   int add(Obstacle obstacle);
 
-  /// Moves an obstacle. Inputs are not checked: queries report notFinite. Realtime: yes.
-  void move(int obstacle, const Pose& pose, const Vec6& twist) noexcept;
+  /// Moves an obstacle. Statuses: ok; notFinite; outOfRange for a number that no obstacle has or a matrix that is no
+  /// rotation; the obstacle is then where it was. Realtime: yes.
+  Status move(int obstacle, const Pose& pose, const Vec6& twist) noexcept;
 
   const std::vector<Obstacle>& obstacles() const noexcept { return obstacles_; }
 

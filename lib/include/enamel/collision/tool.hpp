@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "enamel/core/status.hpp"
 #include "enamel/core/types.hpp"
 
 namespace enamel {
@@ -20,5 +21,13 @@ struct Tool {
   std::array<ToolPart, kMaxToolParts> parts{};
   int count = 1;
 };
+
+/// Farthest that an end may be from the TCP along an axis, and largest radius, m. What is larger was measured in
+/// millimetres, and would sweep through whole scenes in a tick.
+inline constexpr double kLargestTool = 1.0;
+
+/// Whether queries can work with a tool: ok; notFinite; outOfRange for a count outside 0 to kMaxToolParts, an end
+/// farther away than kLargestTool, a radius outside 0 to kLargestTool. Realtime: yes.
+[[nodiscard]] Status checkTool(const Tool& tool) noexcept;
 
 }  // namespace enamel

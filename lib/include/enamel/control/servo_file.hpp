@@ -15,7 +15,7 @@ struct ServoFile {
 
 /// Reads a design (JSON: the keys "model", "period" in s and "K", a list a row; others are ignored).
 /// Throws ConfigurationError: the file cannot be read or is not JSON; a key is missing or of the wrong type; a period
-/// outside (0, 0.1] s; a gain that is not n x 3n with n in 1 to kMaxJoints. Realtime: no.
+/// outside 1e-5 to 0.1 s; a gain that is not n x 3n with n in 1 to kMaxJoints. Realtime: no.
 ServoFile loadServo(const std::string& path);
 
 }  // namespace enamel

@@ -38,6 +38,9 @@ Mat3 rotationFromEuler(const Vec3& eulerXyz) noexcept;
 /// alpha -+ gamma is determined: alpha is then reported as 0. Realtime: yes.
 Vec3 eulerFromRotation(const Mat3& rotation) noexcept;
 
+/// Whether a matrix is a rotation: finite, orthonormal to 1e-6, right-handed. Realtime: yes.
+bool isRotation(const Mat3& matrix) noexcept;
+
 /// Angle between two orientations, rad, in [0, pi]; accurate for small angles. Realtime: yes.
 double angleBetween(const Mat3& a, const Mat3& b) noexcept;
 

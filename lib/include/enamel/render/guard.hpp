@@ -85,7 +85,7 @@ struct GuardOptions {
 /// Options for a device and ticks of `period` s: the motors' limits, their whole range within half a millisecond, a
 /// brake that damps the lightest direction at home by 5 % a tick, the mechanical damping of the model at home, an
 /// energy budget of the largest force at home in its weakest direction over 0.7 mm, and beside it that force at 1 mm/s.
-/// Throws Error: a period outside (0, 0.1] s. Realtime: no.
+/// Throws Error: a period outside 1e-5 to 0.1 s. Realtime: no.
 GuardOptions guardFor(const Mechanism& device, double period);
 
 /// What the motors get.
@@ -110,7 +110,7 @@ inline constexpr std::size_t kGuardTicks = 1000;
 class Guard {
  public:
   /// Throws Error: a torque limit beyond the device's, or one joint's number missing; limits that are negative or not
-  /// numbers; a period outside (0, 0.1] s. Realtime: no.
+  /// numbers; a period outside 1e-5 to 0.1 s. Realtime: no.
   Guard(const Mechanism& device, const GuardOptions& options);
 
   /// One tick. `kinematics` is that of the measurement where its q is; `requested` is the renderer's torque, gravity

@@ -52,8 +52,8 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
   virtual ~Renderer() = default;
 
-  /// Prepares for ticks of `period` s and resets. Throws Error: a period outside (0, 0.1] s, or one that this renderer
-  /// was not designed for. Realtime: no.
+  /// Prepares for ticks of `period` s and resets. Throws Error: a period outside 1e-5 to 0.1 s, or one that this
+  /// renderer was not designed for; the renderer is then not active. Realtime: no.
   void activate(double period);
 
   /// One tick: checkInput(), then the renderer's law. Statuses: ok; notFinite, outOfRange, stale (bad input; outOfRange
@@ -72,7 +72,7 @@ class Renderer {
   void deactivate() noexcept { active_ = false; }
 
   /// Size of the state, bytes; copies it out to and back from stateSize() bytes. Bytes that no state can have give that
-  /// after reset(). Realtime: yes.
+  /// after reset(). Before a first activate(), and after one that has failed, the state is empty. Realtime: yes.
   std::size_t stateSize() const noexcept;
   void saveState(void* state) const noexcept;
   void loadState(const void* state) noexcept;
@@ -94,9 +94,9 @@ class Renderer {
   static bool isFinite(const StateBlock& block) noexcept;
 
  private:
-  bool active_ = false;
-  double lastTime_ = 0.0;            // s
-  std::vector<unsigned char> kept_;  // the state before a tick: put back where its answer is refused
+  bool active_ = false, isReady_ = false;  // isReady_: prepared, also while not active
+  double lastTime_ = 0.0;                  // s
+  std::vector<unsigned char> kept_;        // the state before a tick: put back where its answer is refused
 };
 
 /// Checks what every renderer checks first: joint vectors of one size; finite numbers, sizes that a device can have

@@ -17,7 +17,8 @@ inline constexpr double kContactMargin = 1e-3;
 class HapticTick {
  public:
   /// Activates the renderer for ticks of `guard.period` s. `start`: about where the platform is at the first tick (home
-  /// where it cannot be reached). Throws Error: as Renderer::activate() and Guard. Realtime: no.
+  /// where that is no pose or cannot be reached). Throws Error: as Renderer::activate(), Guard and
+  /// makeToolTrack(). Realtime: no.
   HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer,
              const GuardOptions& guard, const Pose& start = Pose{});
 

@@ -19,7 +19,7 @@ struct PeriodicTiming {
   std::atomic<bool> realtime{false};      ///< the operating system granted the real-time class (SCHED_FIFO)
 };
 
-/// Calls `work` once a period from a thread of its own, from construction to destruction.
+/// Calls `work` once a period from a thread of its own, from construction to destruction, which takes up to 50 ms.
 ///
 /// Sleeps on CLOCK_MONOTONIC to absolute deadlines, so that errors do not add up. Deadlines that have passed are
 /// skipped and counted, never made up for in a burst. Asks for SCHED_FIFO at `priority` and, where that is refused,

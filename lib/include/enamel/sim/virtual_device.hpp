@@ -83,8 +83,8 @@ struct VirtualDeviceSetup {
   std::uint32_t run = 0;  ///< number of the random stream
 };
 
-/// Checks a setup. Throws Error: substeps outside 1 to 1000; a period outside (0, 0.1] s; delays outside 0 to kMaxDelay
-/// ticks or low > high; a cutoff that is not positive. Realtime: no.
+/// Checks a setup. Throws Error: substeps outside 1 to 1000; a period outside 1e-5 to 0.1 s; delays outside 0 to
+/// kMaxDelay ticks or low > high; a cutoff that is not positive. Realtime: no.
 void checkVirtualDevice(const VirtualDeviceSetup& setup);
 
 /// A device that lives in steps of one period: measure(), actuate(), advance(), and again. It tells the torque that

@@ -56,8 +56,8 @@ struct StudyRun {
   std::uint32_t stream = 0;  ///< of the random numbers
 };
 
-/// Run by its number. Realtime: yes.
-StudyRun runAt(const StudyPlan& plan, std::size_t index) noexcept;
+/// Run by its number. Throws Error: the plan has no run of that number. Realtime: no.
+StudyRun runAt(const StudyPlan& plan, std::size_t index);
 
 /// What came out of a run. `status` is ok, or why it could not go on (stopped: by the guard): then there are no
 /// metrics.
@@ -67,7 +67,8 @@ struct StudyResult {
   PushMetrics metrics;
 };
 
-/// Performs a run; `record`, if any, sees every tick. Throws as runPush(). Realtime: no; any thread.
+/// Performs a run; `record`, if any, sees every tick. Throws Error: as runPush(); a column or
+/// point that the plan does not have. Realtime: no; any thread.
 StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
                        const std::function<void(const TickRecord&)>& record = {});
 
