@@ -1,4 +1,6 @@
 // Bad input: one clear line and a status that is not zero.
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -34,6 +36,16 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
   requireRefused(test::viewer("--headless --script /no/such/script"), 1, "/no/such/script: cannot open the file");
   requireRefused(test::viewer("--headless"), 1, "--headless needs --script FILE");
   requireRefused(test::viewer(headless + "--renderer granite"), 1, "granite");
+  for (const char* scale : {"nan", "inf", "''", "0x2", "-1", "1e999"})
+    requireRefused(test::viewer(headless + "--scale " + scale), 2, "--scale: ");
+  REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  requireRefused(test::viewer("--headless --script '" + folder / "pipe'", "timeout 20"), 1, "is no plain file");
+  requireRefused(test::viewer("--headless --script /dev/zero", "timeout 20"), 1, "is no plain file");
+  test::writeFile(folder / "long.txt", std::string(2000000, 'x'));
+  requireRefused(test::viewer("--headless --script '" + folder / "long.txt'"), 1, "at most 1048576 are read");
+  test::writeFile(folder / "escape.txt", "0 \x1b[2J\n0 end\n");
+  requireRefused(test::viewer("--headless --script '" + folder / "escape.txt'"), 1, "\\x1b[2J: is not a known command");
+  requireRefused(test::viewer(headless + "--report /dev/full"), 1, "/dev/full: cannot write the file: No space left");
   requireRefused(test::viewer(headless + "--size huge"), 2, "--size is \"huge\", must be WIDTHxHEIGHT");
   requireRefused(test::viewer(headless + "--record /proc/nowhere"), 1, "/proc/nowhere: cannot make the folder");
   const auto script = [&](const std::string& text, const std::string& message) {
