@@ -120,6 +120,35 @@ TEST_CASE("the same bits with and without a cache, and on every SIMD level", "[h
   }
 }
 
+TEST_CASE("a tool that comes from far away misses nothing", "[hard]") {
+  // Small, and not at the origin: lists of near triangles that were begun far out are coarse here.
+  const Vec3 at(1, 2, 3);
+  const std::vector<test::NamedMesh> meshes = {
+      {"one triangle", {{at, at + Vec3(1e-3, 0, 0), at + Vec3(3e-4, 1e-3, 2e-4)}, {{0, 1, 2}}}},
+      {"one point", {{at}, {{0, 0, 0}}}},
+      {"ball", test::transformed(test::ball(2), 1e-3, at)}};
+  for (const auto& [name, mesh, closed] : meshes) {
+    const MeshModel model(mesh);
+    test::Random random(15);
+    ProximityCache cache;
+    Vec3 p = at, velocity = Vec3::Zero();
+    double speed = 0.0;
+    for (int i = 0; i < test::count(60000, 1000000); ++i) {
+      if (i % 300 == 0) speed = std::pow(10.0, random.uniform(-8.0, -2.0));
+      if (i % 101 == 0) p = at + std::pow(10.0, random.uniform(-9.0, i % 3 == 0 ? 150.0 : 3.0)) * random.direction();
+      if (i % 101 == 2) p = at + std::pow(10.0, random.uniform(-9.0, -2.0)) * random.direction();
+      velocity = 0.9 * velocity + 0.3 * speed * random.direction();
+      p += velocity;
+      const SurfacePoint plain = signedDistance(model, p), cached = signedDistance(model, p, &cache);
+      INFO(name << " query " << i << " at " << p.transpose());
+      REQUIRE(cached.triangle >= 0);
+      REQUIRE(plain.triangle == cached.triangle);
+      REQUIRE(plain.distance == cached.distance);
+      REQUIRE(plain.point == cached.point);
+    }
+  }
+}
+
 TEST_CASE("a tool that jumped soon has its list of near triangles again", "[hard]") {
   const MeshModel model(test::ball(5));
   ProximityCache cache;

@@ -540,6 +540,7 @@ static inline void beginList(const Mesh* mesh, const double* start, const double
   if (last->radius >= 0.0) improveWitness(mesh, last, list->origin, cache->witness);
   list->radius = -1.0;
   list->count = 0;
+  list->slack = static_cast<float>(slackOf(mesh, list->origin)) * 1.000001f;
   cache->ball = r;
   cache->work = 0;
   cache->firstNode = cache->firstLeaf = cache->leaves = 0;
@@ -632,9 +633,12 @@ static inline void searchWithCache(Search* s, Cache* cache) {
     }
     cache->active = 1 - cache->active;
   }
-  float most = surface + 3.0f * s->slackUp;
-  if (s->limit < most * most) most = __builtin_sqrtf(s->limit) * 1.000001f + s->slackUp;
-  searchList(s, &cache->list[cache->active], most);
+  // The planes of the list are as exact as numbers of the size of its origin, which may be farther out than the point.
+  const List* list = &cache->list[cache->active];
+  const float slack = s->slackUp > list->slack ? s->slackUp : list->slack;
+  float most = surface + 3.0f * slack;
+  if (s->limit < most * most) most = __builtin_sqrtf(s->limit) * 1.000001f + 2.0f * slack;
+  searchList(s, list, most);
 }
 
 // A list is made before it is needed, over some queries, so that none of them takes long.
@@ -646,6 +650,7 @@ static inline void workAhead(const Mesh* mesh, const double* local, const double
     }
     double start[3];
     for (int k = 0; k < 3; ++k) start[k] = local[k] + kAhead * motion[k];
+    if (isFar(start)) return;  // a jump, not the tool's motion
     if (holds(&cache->list[cache->active], start) || holds(&cache->list[1 - cache->active], start)) return;
     beginList(mesh, start, motion, cache);
   }

@@ -27,6 +27,7 @@ struct Cache {
     int32_t count = 0;
     double origin[3] = {};
     double radius = -1.0;
+    float slack = 0.0f;  // error of the float distances from the origin
     int32_t slot[kTriangles + kSpare] = {};
     float normal[3][kTriangles + kSpare] = {};
     float height[kTriangles + kSpare] = {};
