@@ -26,7 +26,7 @@ void put(std::string& bytes, T value, bool swap = false) {
 
 std::string off(const TriangleMesh& mesh) {
   std::ostringstream text;
-  text.precision(9);
+  text.precision(17);
   text << "OFF\n# a comment\n" << mesh.vertices.size() << ' ' << mesh.triangles.size() << " 0\n";
   for (const Vec3& v : mesh.vertices) text << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
   for (const auto& t : mesh.triangles) text << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
@@ -35,7 +35,7 @@ std::string off(const TriangleMesh& mesh) {
 
 std::string obj(const TriangleMesh& mesh, bool negative = false) {
   std::ostringstream text;
-  text.precision(9);
+  text.precision(17);
   text << "# a comment\nmtllib nowhere.mtl\no thing\n";
   for (const Vec3& v : mesh.vertices) text << "v " << v.x() << ' ' << v.y() << ' ' << v.z() << "\nvn 0 0 1\n";
   const int n = static_cast<int>(mesh.vertices.size());
@@ -49,7 +49,7 @@ std::string obj(const TriangleMesh& mesh, bool negative = false) {
 
 std::string stlText(const TriangleMesh& mesh) {
   std::ostringstream text;
-  text.precision(9);
+  text.precision(17);
   text << "solid thing\n";
   for (const auto& t : mesh.triangles) {
     text << "facet normal 0 0 1\n outer loop\n";
@@ -84,7 +84,7 @@ std::string ply(const TriangleMesh& mesh, const std::string& format) {
   const bool swap = format == "binary_big_endian";
   if (format == "ascii") {
     std::ostringstream text;
-    text.precision(9);
+    text.precision(17);
     for (const Vec3& v : mesh.vertices) text << "255 " << v.x() << ' ' << v.y() << ' ' << v.z() << '\n';
     text << "2 -1 5\n0\n";
     for (const auto& t : mesh.triangles) text << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << " 0.5\n";
@@ -119,7 +119,7 @@ std::vector<std::pair<std::string, std::string>> allFormats(const TriangleMesh& 
           {"h.ply", ply(mesh, "binary_big_endian")}};
 }
 
-// Multiples of 2^-20: single precision holds them, and nine digits.
+// Multiples of 2^-20: single precision holds them.
 TriangleMesh inSinglePrecision(TriangleMesh mesh) {
   for (Vec3& v : mesh.vertices)
     for (double& x : v) x = std::round(x * 0x1p20) * 0x1p-20;
@@ -150,6 +150,17 @@ TEST_CASE("every format gives the same triangles, in the order of the file", "[u
   }
 }
 
+TEST_CASE("coordinates in double stay so", "[unit]") {
+  const double third = 1.0 / 3.0;
+  std::ostringstream text;
+  text.precision(17);
+  text << "v " << third << " 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  CHECK(parseMesh(text.str(), "a.obj").vertices[0].x() == third);
+  TriangleMesh mesh = test::boxMesh({1, 1, 1});
+  for (Vec3& v : mesh.vertices) v.x() *= third;
+  CHECK(parseMesh(ply(mesh, "binary_big_endian"), "a.ply").vertices[7].x() == third);
+}
+
 TEST_CASE("polygons become fans", "[unit]") {
   const TriangleMesh mesh = parseMesh("OFF 4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 0.5 0.5 0.5\n", "quad.off");
   CHECK(mesh.triangles == std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 3}});
@@ -161,6 +172,7 @@ TEST_CASE("unusable files are refused with the file, the place and the reason", 
   checkRefused("x", "a.vtk", "extension");
   checkRefused("OFF 3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n", "a.off", "vertex 1");
   checkRefused("OFF 3 1 0\n0 0 0\n1 0 1e40\n0 1 0\n3 0 1 2\n", "a.off", "vertex 1");
+  checkRefused("OFF 3 1 0\n0 0 0\n1 0 1e400\n0 1 0\n3 0 1 2\n", "a.off", "vertex 1");
   checkRefused("OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a.off", "face 0 names vertex 3");
   checkRefused("OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -2\n", "a.off", "face 0 names vertex -2");
   checkRefused("OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "a.off", "2 corners");

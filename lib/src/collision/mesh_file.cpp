@@ -1,21 +1,13 @@
-// Files are scanned strictly before OpenMesh sees them, because its readers hide what must be refused or counted: they
-// split vertices that are not manifold, drop faces with repeated corners, stop silently at "nan" and at the end of a
-// truncated file, believe any count in a header, and keep settings from one file to the next. The scan hands positions
-// and faces on in one canonical form, which OpenMesh's PLY reader passes to an importer that keeps raw polygons.
+// Files are scanned strictly: what a report must count is kept (faces with repeated corners, vertices that are not
+// manifold), what cannot be meant is refused (a "nan", a truncated file, a header that promises too much).
 #include "enamel/collision/mesh_file.hpp"
 
-#include <OpenMesh/Core/IO/importer/BaseImporter.hh>
-#include <OpenMesh/Core/IO/reader/PLYReader.hh>
-#include <OpenMesh/Core/System/omstream.hh>
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <istream>
-#include <mutex>
-#include <streambuf>
 
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
@@ -25,97 +17,82 @@ namespace {
 
 constexpr std::size_t kLargestFile = std::size_t{2} << 30;  // bytes
 constexpr std::int64_t kMostCorners = 255;                  // of a face
-constexpr std::int64_t kLeastBytes = 6;  // of a file a triangle: the vertices alone of a closed mesh take as many
+constexpr std::size_t kLeastBytes = 6;  // of a file a triangle: the vertices alone of a closed mesh take as many
 
-// Writes the canonical form: binary PLY with float positions and int indices.
-class Canonical {
+// Takes what a scan finds, in the order of the file.
+class MeshBuilder {
  public:
-  Canonical(const std::string& path, std::size_t bytes) : path_(path), mostTriangles_(bytes / kLeastBytes) {}
+  MeshBuilder(const std::string& path, std::size_t bytes, double scale)
+      : path_(path), scale_(scale), mostTriangles_(bytes / kLeastBytes) {}
 
   [[noreturn]] void fail(const std::string& problem, int line = 0) const {
     throw ConfigurationError(path_, line, "", problem);
   }
 
   void vertex(const std::array<double, 3>& position) {
-    for (const double x : position) {
-      const auto value = static_cast<float>(x);
-      if (!std::isfinite(value))
-        fail("vertex " + std::to_string(vertices_) +
-             " has a coordinate that is not a finite number of single precision");
-      append(positions_, value);
-    }
-    ++vertices_;
+    const Vec3 v = scale_ * Vec3(position[0], position[1], position[2]);
+    if (!v.allFinite()) fail("vertex " + std::to_string(vertices()) + " has a coordinate that is not a finite number");
+    mesh_.vertices.push_back(v);
   }
 
+  /// Followed by so many calls of corner().
   void beginFace(std::int64_t corners) {
     if (corners < 3 || corners > kMostCorners)
       fail("face " + std::to_string(faces_) + " has " + std::to_string(corners) + " corners, must have 3 to 255");
-    append(indices_, static_cast<std::uint8_t>(corners));
     ++faces_;
-    triangles_ += corners - 2;
-    if (triangles_ > mostTriangles_)
-      fail("promises more than " + std::to_string(mostTriangles_) + " triangles, one for every " +
-           std::to_string(kLeastBytes) + " bytes: its faces are no surface");
+    corners_ = 0;
   }
 
-  void corner(std::int64_t vertex) {  // of the face begun last
+  void corner(std::int64_t vertex) {
     if (vertex < 0 || vertex > INT32_MAX) outOfRange(faces_ - 1, vertex);
-    largest_ = std::max(largest_, vertex);
-    if (largest_ == vertex) faceOfLargest_ = faces_ - 1;
-    append(indices_, static_cast<std::int32_t>(vertex));
-  }
-
-  std::int64_t vertices() const { return vertices_; }
-  std::int64_t faces() const { return faces_; }
-  std::int64_t triangles() const { return triangles_; }
-
-  /// What counts promise, which have been checked.
-  void reserve(std::int64_t vertices, std::int64_t faces) {
-    positions_.reserve(12 * static_cast<std::size_t>(vertices));
-    indices_.reserve(13 * static_cast<std::size_t>(faces));
-  }
-
-  /// Takes the content.
-  std::string ply() {
-    if (faces_ == 0) fail("has no faces");
-    if (largest_ >= vertices_) outOfRange(faceOfLargest_, largest_);
-    std::string bytes = header(vertices_, faces_);
-    bytes.reserve(bytes.size() + positions_.size() + indices_.size());
-    for (std::string* part : {&positions_, &indices_}) {
-      bytes += *part;
-      std::string().swap(*part);
+    if (vertex > largest_) {
+      largest_ = vertex;
+      faceOfLargest_ = faces_ - 1;
     }
-    return bytes;
+    const int number = static_cast<int>(vertex);
+    if (corners_ == 0) first_ = number;
+    if (corners_ > 1) {
+      if (mesh_.triangles.size() >= mostTriangles_)
+        fail("promises more than " + std::to_string(mostTriangles_) + " triangles, one for every " +
+             std::to_string(kLeastBytes) + " bytes: its faces are no surface");
+      mesh_.triangles.push_back({first_, last_, number});
+    }
+    last_ = number;
+    ++corners_;
   }
 
-  static std::string header(std::int64_t vertices, std::int64_t faces) {
-    return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) +
-           "\nproperty float x\nproperty float y\nproperty float z\nelement face " + std::to_string(faces) +
-           "\nproperty list uchar int vertex_indices\nend_header\n";
+  std::int64_t vertices() const { return static_cast<std::int64_t>(mesh_.vertices.size()); }
+
+  /// To be called once, at the end.
+  TriangleMesh mesh() {
+    if (faces_ == 0) fail("has no faces");
+    if (largest_ >= vertices()) outOfRange(faceOfLargest_, largest_);
+    try {
+      checkMesh(mesh_);
+    } catch (const Error& error) {
+      fail(error.what());
+    }
+    return std::move(mesh_);
   }
 
  private:
   [[noreturn]] void outOfRange(std::int64_t face, std::int64_t vertex) const {
     fail("face " + std::to_string(face) + " names vertex " + std::to_string(vertex) + ", there are " +
-         std::to_string(vertices_));
+         std::to_string(vertices()));
   }
 
-  template <typename T>
-  static void append(std::string& bytes, T value) {
-    char raw[sizeof value];
-    std::memcpy(raw, &value, sizeof value);
-    bytes.append(raw, sizeof value);
-  }
-
-  std::string path_, positions_, indices_;
-  std::int64_t vertices_ = 0, faces_ = 0, triangles_ = 0, largest_ = -1, faceOfLargest_ = 0;
-  std::int64_t mostTriangles_;
+  std::string path_;
+  double scale_;
+  std::size_t mostTriangles_;
+  TriangleMesh mesh_;
+  std::int64_t faces_ = 0, largest_ = -1, faceOfLargest_ = 0;
+  int corners_ = 0, first_ = 0, last_ = 0;  // of the face begun last
 };
 
 // Words and lines of a text.
 class Words {
  public:
-  Words(std::string_view text, const Canonical& out) : text_(text), out_(out) {}
+  Words(std::string_view text, const MeshBuilder& out) : text_(text), out_(out) {}
 
   [[noreturn]] void fail(const std::string& problem) const { out_.fail(problem, line_); }
 
@@ -157,8 +134,11 @@ class Words {
     double value = 0.0;
     const char* start = word.data() + (!word.empty() && word.front() == '+' ? 1 : 0);
     const auto result = std::from_chars(start, word.data() + word.size(), value);
-    if (result.ec == std::errc::result_out_of_range && result.ptr == word.data() + word.size())
-      return std::abs(value) < 1.0 ? 0.0 : HUGE_VAL;
+    if (result.ec == std::errc::result_out_of_range && result.ptr == word.data() + word.size()) {
+      long double wide = HUGE_VAL;  // tells which end of the range it is
+      std::from_chars(start, word.data() + word.size(), wide);
+      return std::abs(wide) < 1.0L ? 0.0 : HUGE_VAL;
+    }
     if (result.ec != std::errc() || result.ptr != word.data() + word.size())
       fail(what + " is \"" + std::string(word.substr(0, 40)) + "\", must be a number");
     return value;
@@ -179,14 +159,14 @@ class Words {
   static bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
 
   std::string_view text_;
-  const Canonical& out_;
+  const MeshBuilder& out_;
   std::size_t at_ = 0;
   int line_ = 1;
 };
 
 // A count of a header, checked against the least number of bytes that each item takes.
 std::int64_t checkedCount(std::int64_t count, std::size_t leastBytes, std::size_t remaining, const char* items,
-                          const Canonical& out) {
+                          const MeshBuilder& out) {
   if (count < 0) out.fail(std::string("promises ") + std::to_string(count) + " " + items);
   if (static_cast<std::uint64_t>(count) > remaining / std::max<std::size_t>(leastBytes, 1))
     out.fail("promises " + std::to_string(count) + " " + items + ", there is room for at most " +
@@ -194,7 +174,7 @@ std::int64_t checkedCount(std::int64_t count, std::size_t leastBytes, std::size_
   return count;
 }
 
-void scanOff(std::string_view bytes, Canonical& out) {
+void scanOff(std::string_view bytes, MeshBuilder& out) {
   Words words(bytes, out);
   const std::string_view magic = words.word("the word OFF");
   if (magic != "OFF")
@@ -203,7 +183,6 @@ void scanOff(std::string_view bytes, Canonical& out) {
   words.integer("number of edges");
   checkedCount(vertexCount, 6, words.rest().size(), "vertices", out);
   checkedCount(faceCount, 2, words.rest().size(), "faces", out);
-  out.reserve(vertexCount, 0);
   for (std::int64_t i = 0; i < vertexCount; ++i) {
     std::array<double, 3> p{};
     for (double& x : p) x = words.number("coordinate of a vertex");
@@ -218,7 +197,7 @@ void scanOff(std::string_view bytes, Canonical& out) {
   }
 }
 
-void scanObj(std::string_view bytes, Canonical& out) {
+void scanObj(std::string_view bytes, MeshBuilder& out) {
   Words words(bytes, out);
   do {
     const std::string_view key = words.wordOfLine();
@@ -240,12 +219,11 @@ void scanObj(std::string_view bytes, Canonical& out) {
   } while (words.nextLine());
 }
 
-void scanStlBinary(std::string_view bytes, Canonical& out) {
+void scanStlBinary(std::string_view bytes, MeshBuilder& out) {
   std::uint32_t count = 0;
   if (bytes.size() < 84) out.fail("is truncated: a binary STL file has at least 84 bytes");
   std::memcpy(&count, bytes.data() + 80, 4);
   checkedCount(count, 50, bytes.size() - 84, "triangles", out);
-  out.reserve(3 * std::int64_t{count}, count);
   for (std::uint32_t t = 0; t < count; ++t) {
     out.beginFace(3);
     for (int i = 0; i < 3; ++i) {
@@ -257,7 +235,7 @@ void scanStlBinary(std::string_view bytes, Canonical& out) {
   }
 }
 
-void scanStlText(std::string_view bytes, Canonical& out) {
+void scanStlText(std::string_view bytes, MeshBuilder& out) {
   Words words(bytes, out);
   words.nextLine();
   for (;;) {
@@ -281,7 +259,7 @@ void scanStlText(std::string_view bytes, Canonical& out) {
   }
 }
 
-void scanStl(std::string_view bytes, Canonical& out) {
+void scanStl(std::string_view bytes, MeshBuilder& out) {
   std::uint32_t count = 0;
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
   const bool fits = bytes.size() >= 84 && bytes.size() == 84 + 50 * std::size_t{count};
@@ -328,7 +306,7 @@ std::size_t sizeOf(Scalar type) {
 
 class PlyBody {
  public:
-  PlyBody(std::string_view bytes, bool text, bool bigEndian, Words words, const Canonical& out)
+  PlyBody(std::string_view bytes, bool text, bool bigEndian, Words words, const MeshBuilder& out)
       : bytes_(bytes), text_(text), bigEndian_(bigEndian), words_(words), out_(out) {}
 
   std::size_t remaining() const { return text_ ? words_.rest().size() : bytes_.size() - at_; }
@@ -389,11 +367,11 @@ class PlyBody {
   std::string_view bytes_;
   bool text_, bigEndian_;
   Words words_;
-  const Canonical& out_;
+  const MeshBuilder& out_;
   std::size_t at_ = 0;
 };
 
-void scanPly(std::string_view bytes, Canonical& out) {
+void scanPly(std::string_view bytes, MeshBuilder& out) {
   Words words(bytes, out);
   if (words.wordOfLine(false) != "ply") words.fail("does not start with the word ply");
   std::string format;
@@ -464,116 +442,6 @@ void scanPly(std::string_view bytes, Canonical& out) {
   }
 }
 
-// Collects raw polygons as fans of triangles; everything else that a file may hold is ignored.
-class RawImporter final : public OpenMesh::IO::BaseImporter {
- public:
-  RawImporter(double scale, const Canonical& file) : scale_(scale) {
-    mesh.vertices.reserve(static_cast<std::size_t>(file.vertices()));
-    mesh.triangles.reserve(static_cast<std::size_t>(file.triangles()));
-  }
-
-  TriangleMesh mesh;
-  std::int64_t faces = 0;
-
-  using Handle = OpenMesh::VertexHandle;
-  Handle add_vertex(const OpenMesh::Vec3f& p) override {
-    const Handle handle = add_vertex();
-    set_point(handle, p);
-    return handle;
-  }
-  Handle add_vertex() override {
-    mesh.vertices.push_back(Vec3::Zero());
-    return Handle(static_cast<int>(mesh.vertices.size()) - 1);
-  }
-  void set_point(Handle v, const OpenMesh::Vec3f& p) override {
-    mesh.vertices[static_cast<std::size_t>(v.idx())] =
-        scale_ * Vec3(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
-  }
-  OpenMesh::FaceHandle add_face(const VHandles& v) override {
-    for (std::size_t i = 2; i < v.size(); ++i) mesh.triangles.push_back({v[0].idx(), v[i - 1].idx(), v[i].idx()});
-    return OpenMesh::FaceHandle(static_cast<int>(faces++));
-  }
-  void reserve(unsigned int, unsigned int, unsigned int) override {}
-  size_t n_vertices() const override { return mesh.vertices.size(); }
-  size_t n_faces() const override { return static_cast<std::size_t>(faces); }
-  size_t n_edges() const override { return 0; }
-
-  OpenMesh::HalfedgeHandle add_edge(Handle, Handle) override { return OpenMesh::HalfedgeHandle(); }
-  OpenMesh::FaceHandle add_face(OpenMesh::HalfedgeHandle) override { return OpenMesh::FaceHandle(); }
-  void add_face_texcoords(OpenMesh::FaceHandle, Handle, const std::vector<OpenMesh::Vec2f>&) override {}
-  void add_face_texcoords(OpenMesh::FaceHandle, Handle, const std::vector<OpenMesh::Vec3f>&) override {}
-  void set_face_texindex(OpenMesh::FaceHandle, int) override {}
-  void set_halfedge(Handle, OpenMesh::HalfedgeHandle) override {}
-  void set_normal(Handle, const OpenMesh::Vec3f&) override {}
-  void set_normal(Handle, const OpenMesh::Vec3d&) override {}
-  void set_color(Handle, const OpenMesh::Vec3uc&) override {}
-  void set_color(Handle, const OpenMesh::Vec4uc&) override {}
-  void set_color(Handle, const OpenMesh::Vec3f&) override {}
-  void set_color(Handle, const OpenMesh::Vec4f&) override {}
-  void set_texcoord(Handle, const OpenMesh::Vec2f&) override {}
-  void set_status(Handle, const OpenMesh::Attributes::StatusInfo&) override {}
-  void set_next(OpenMesh::HalfedgeHandle, OpenMesh::HalfedgeHandle) override {}
-  void set_face(OpenMesh::HalfedgeHandle, OpenMesh::FaceHandle) override {}
-  void request_face_texcoords2D() override {}
-  void set_texcoord(OpenMesh::HalfedgeHandle, const OpenMesh::Vec2f&) override {}
-  void set_texcoord(Handle, const OpenMesh::Vec3f&) override {}
-  void set_texcoord(OpenMesh::HalfedgeHandle, const OpenMesh::Vec3f&) override {}
-  void set_status(OpenMesh::HalfedgeHandle, const OpenMesh::Attributes::StatusInfo&) override {}
-  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec3uc&) override {}
-  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec4uc&) override {}
-  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec3f&) override {}
-  void set_color(OpenMesh::EdgeHandle, const OpenMesh::Vec4f&) override {}
-  void set_status(OpenMesh::EdgeHandle, const OpenMesh::Attributes::StatusInfo&) override {}
-  void set_normal(OpenMesh::FaceHandle, const OpenMesh::Vec3f&) override {}
-  void set_normal(OpenMesh::FaceHandle, const OpenMesh::Vec3d&) override {}
-  void set_color(OpenMesh::FaceHandle, const OpenMesh::Vec3uc&) override {}
-  void set_color(OpenMesh::FaceHandle, const OpenMesh::Vec4uc&) override {}
-  void set_color(OpenMesh::FaceHandle, const OpenMesh::Vec3f&) override {}
-  void set_color(OpenMesh::FaceHandle, const OpenMesh::Vec4f&) override {}
-  void set_status(OpenMesh::FaceHandle, const OpenMesh::Attributes::StatusInfo&) override {}
-  void add_texture_information(int, std::string) override {}
-
- private:
-  double scale_;
-};
-
-// Bytes as a stream, without a copy.
-class View final : public std::streambuf {
- public:
-  explicit View(const std::string& bytes) {
-    char* begin = const_cast<char*>(bytes.data());  // nothing writes into it
-    setg(begin, begin, begin + bytes.size());
-  }
-
- private:
-  pos_type seekoff(off_type way, std::ios_base::seekdir from, std::ios_base::openmode) override {
-    const off_type start = from == std::ios_base::beg   ? 0
-                           : from == std::ios_base::cur ? gptr() - eback()
-                                                        : egptr() - eback();
-    return seekpos(start + way, std::ios_base::in);
-  }
-  pos_type seekpos(pos_type place, std::ios_base::openmode) override {
-    if (place < pos_type(0) || place > pos_type(egptr() - eback())) return pos_type(off_type(-1));
-    setg(eback(), eback() + off_type(place), egptr());
-    return place;
-  }
-};
-
-void readThroughOpenMesh(const std::string& ply, RawImporter& importer) {
-  static std::mutex oneAtATime;  // the reader is one object for the process, with state
-  const std::lock_guard<std::mutex> lock(oneAtATime);
-  OpenMesh::IO::_PLYReader_& reader = OpenMesh::IO::PLYReader();
-  omerr().disable();
-  // The reader takes text or binary as the file before was; an empty binary one sets it right.
-  const std::string empty = Canonical::header(0, 0);
-  for (const std::string* content : {&empty, &ply}) {
-    View view(*content);
-    std::istream stream(&view);
-    OpenMesh::IO::Options options(OpenMesh::IO::Options::Binary);
-    reader.read(stream, importer, options);
-  }
-}
-
 std::string extensionOf(const std::string& path) {
   const std::size_t dot = path.find_last_of('.');
   std::string extension = dot == std::string::npos ? "" : path.substr(dot + 1);
@@ -586,32 +454,21 @@ std::string extensionOf(const std::string& path) {
 TriangleMesh parseMesh(std::string_view bytes, const std::string& path, double scale) {
   if (!(scale > 0.0) || !std::isfinite(scale))
     throw ConfigurationError(path, 0, "scale", "must be a positive number of metres per unit");
-  Canonical canonical(path, bytes.size());
-  if (bytes.empty()) canonical.fail("is empty");
+  MeshBuilder out(path, bytes.size(), scale);
+  if (bytes.empty()) out.fail("is empty");
   const std::string extension = extensionOf(path);
   if (extension == "ply") {
-    scanPly(bytes, canonical);
+    scanPly(bytes, out);
   } else if (extension == "obj") {
-    scanObj(bytes, canonical);
+    scanObj(bytes, out);
   } else if (extension == "stl") {
-    scanStl(bytes, canonical);
+    scanStl(bytes, out);
   } else if (extension == "off") {
-    scanOff(bytes, canonical);
+    scanOff(bytes, out);
   } else {
-    canonical.fail("has the extension \"" + extension + "\", must be ply, obj, stl or off");
+    out.fail("has the extension \"" + extension + "\", must be ply, obj, stl or off");
   }
-  const std::string ply = canonical.ply();
-  RawImporter importer(scale, canonical);
-  readThroughOpenMesh(ply, importer);
-  if (importer.faces != canonical.faces() ||
-      static_cast<std::int64_t>(importer.mesh.vertices.size()) != canonical.vertices())
-    canonical.fail("was not read completely");
-  try {
-    checkMesh(importer.mesh);
-  } catch (const Error& error) {
-    canonical.fail(error.what());
-  }
-  return std::move(importer.mesh);
+  return out.mesh();
 }
 
 TriangleMesh loadMesh(const std::string& path, double scale) {
