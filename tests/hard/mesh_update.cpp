@@ -3,6 +3,7 @@
 
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/sweep.hpp"
+#include "enamel/core/error.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
@@ -63,16 +64,18 @@ void compare(const std::shared_ptr<const MeshModel>& changed, test::Random& rand
 
 }  // namespace
 
-TEST_CASE("moved, removed and replaced triangles answer as a fresh build", "[hard]") {
+TEST_CASE("moved, removed, replaced and added triangles answer as a fresh build", "[hard]") {
   test::Random random(51);
   const auto pick = [&random](std::size_t n) {
     return static_cast<int>(std::min(static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(n))), n - 1));
   };
   for (const int levels : {1, 4}) {
-    const auto model = std::make_shared<MeshModel>(test::ball(levels, 0.1));
+    const int rounds = test::count(24, 300), perRound = levels == 1 ? 2 : 60;
+    const auto model =
+        std::make_shared<MeshModel>(test::ball(levels, 0.1), SpareCapacity{rounds * perRound, rounds * perRound});
     const std::size_t vertices = model->mesh().vertices.size(), triangles = model->mesh().triangles.size();
     ProximityCache cache;
-    for (int round = 0; round < test::count(30, 300); ++round) {
+    for (int round = 0; round < rounds; ++round) {
       // A dent: all vertices near a place, as a tool would push them.
       std::vector<int> moved;
       std::vector<Vec3> positions;
@@ -99,6 +102,19 @@ TEST_CASE("moved, removed and replaced triangles answer as a fresh build", "[har
       REQUIRE(replaceTriangles(*model, chosen.data(), corners.data(), static_cast<int>(chosen.size())) == Status::ok);
       CHECK(isPresent(*model, chosen[0]));
       compare(model, random, cache, 20);
+      const int firstVertex = static_cast<int>(model->mesh().vertices.size());
+      const int firstTriangle = static_cast<int>(model->mesh().triangles.size());
+      std::vector<Vec3> spikes;  // on triangles anywhere
+      std::vector<std::array<int, 3>> sides;
+      for (int i = 0; i < perRound; ++i) {
+        const auto& t = model->mesh().triangles[static_cast<std::size_t>(pick(triangles))];
+        spikes.push_back(model->mesh().vertices[static_cast<std::size_t>(t[0])] * random.uniform(1.0, 1.2));
+        sides.push_back({t[0], t[1], firstVertex + i});
+      }
+      REQUIRE(addVertices(*model, spikes.data(), perRound) == Status::ok);
+      REQUIRE(addTriangles(*model, sides.data(), perRound) == Status::ok);
+      CHECK(isPresent(*model, firstTriangle + perRound - 1));
+      compare(model, random, cache, 20);
     }
   }
 }
@@ -122,8 +138,37 @@ TEST_CASE("the sign of a moved closed mesh agrees with the winding number", "[ha
   }
 }
 
+TEST_CASE("a model says what it is after updates", "[hard]") {
+  MeshModel model(test::boxMesh({1, 1, 1}), {1, 2});
+  CHECK_THAT(describe(model), Catch::Contains("watertight: the sign"));
+  const int lid[2] = {2, 3};
+  REQUIRE(removeTriangles(model, lid, 2) == Status::ok);
+  CHECK_THAT(describe(model), Catch::Contains("open (4 boundary edges)"));
+  CHECK(presentMesh(model).triangles.size() == 10);
+  CHECK(inspect(presentMesh(model)).boundaryEdges == 4);
+  // Another lid, in triangles of their own: a pyramid.
+  const Vec3 tip(0, 0, 2);
+  const std::array<int, 3> sides[4] = {{4, 5, 8}, {5, 7, 8}, {7, 6, 8}, {6, 4, 8}};
+  REQUIRE(addVertices(model, &tip, 1) == Status::ok);
+  REQUIRE(addTriangles(model, sides, 2) == Status::ok);
+  CHECK(addTriangles(model, sides + 2, 1) == Status::outOfRange);  // no room
+  CHECK(addVertices(model, &tip, 1) == Status::outOfRange);
+  CHECK(spareCapacity(model).triangles == 0);
+  REQUIRE(replaceTriangles(model, lid, sides + 2, 2) == Status::ok);
+  CHECK_THAT(describe(model), Catch::Contains("watertight: the sign"));
+  CHECK(isSound(model));
+  CHECK(signedDistance(model, {0, 0, 3}).distance == 1.0);
+  CHECK(signedDistance(model, {0, 0, 1.5}).distance < 0.0);
+  int all[14];
+  for (int i = 0; i < 14; ++i) all[i] = i;
+  REQUIRE(removeTriangles(model, all, 14) == Status::ok);
+  CHECK(describe(model) == "has no triangles left");
+  CHECK_THROWS_AS(MeshModel(test::boxMesh({1, 1, 1}), {-1, 0}), Error);
+  CHECK_THROWS_AS(MeshModel(test::boxMesh({1, 1, 1}), {0, 1 << 27}), Error);
+}
+
 TEST_CASE("everything may be removed, and bad updates change nothing", "[hard]") {
-  MeshModel model(test::boxMesh({1, 1, 1}));
+  MeshModel model(test::boxMesh({1, 1, 1}), {4, 4});
   const int bad[2] = {0, 12};
   CHECK(removeTriangles(model, bad, 2) == Status::outOfRange);
   CHECK(isPresent(model, 0));
@@ -131,8 +176,16 @@ TEST_CASE("everything may be removed, and bad updates change nothing", "[hard]")
   CHECK(moveVertices(model, bad, far, 1) == Status::outOfRange);
   CHECK(moveVertices(model, bad, nan, 1) == Status::notFinite);
   CHECK(moveVertices(model, bad + 1, far, 1) == Status::outOfRange);
+  CHECK(moveVertices(model, bad, far, -1) == Status::outOfRange);
+  CHECK(removeTriangles(model, bad, -1) == Status::outOfRange);
+  CHECK(addVertices(model, far, 1) == Status::outOfRange);
+  CHECK(addVertices(model, nan, 1) == Status::notFinite);
+  CHECK(addVertices(model, far, -1) == Status::outOfRange);
   const std::array<int, 3> corners[1] = {{0, 1, 8}};
   CHECK(replaceTriangles(model, bad, corners, 1) == Status::outOfRange);
+  CHECK(addTriangles(model, corners, 1) == Status::outOfRange);
+  CHECK(addTriangles(model, corners, -1) == Status::outOfRange);
+  CHECK(model.mesh().triangles.size() == 12);
   CHECK(closestPoint(model, {0, 0, 3}).distance == 2.0);
   int all[12];
   for (int i = 0; i < 12; ++i) all[i] = i;

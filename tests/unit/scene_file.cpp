@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "enamel/collision/contacts.hpp"
+#include "enamel/collision/mesh_update.hpp"
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
@@ -188,6 +189,23 @@ TEST_CASE("scene files: an open mesh is noted, a sheet is none", "[scene]") {
     CHECK(std::abs(nearestTo(thin, {0, 0, z}).gap - 0.0035) < 1e-12);
     CHECK(std::abs(nearestTo(open, {0, 0, z}).gap - 0.004) < 1e-12);
   }
+}
+
+TEST_CASE("scene files: a mesh of a scene may be edited", "[scene]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "flap.off", "OFF 3 1 0\n-10 -10 0\n10 -10 0\n0 10 0\n3 0 1 2\n");
+  const SceneFile file = parseScene(
+      "name = \"a\"\nstart = [0, 0, 0.005]\n[[obstacle]]\nname = \"floor\"\nshape = \"half_space\"\n"
+      "point = [0, 0, -0.1]\nnormal = [0, 0, 1]\n[[obstacle]]\nname = \"flap\"\nshape = \"mesh\"\n"
+      "file = \"flap.off\"\nunit = \"mm\"\n",
+      folder / "s.toml", {1, 1});
+  REQUIRE(file.meshes.size() == 2);
+  CHECK(file.meshes[0] == nullptr);
+  const Vec3 tip(0, 0, 0.003);
+  const std::array<int, 3> side{0, 1, 3};
+  REQUIRE(addVertices(*file.meshes[1], &tip, 1) == Status::ok);
+  REQUIRE(addTriangles(*file.meshes[1], &side, 1) == Status::ok);
+  CHECK(std::abs(nearestTo(file, {0, 0, 0.004}).gap - 0.001) < 1e-12);
 }
 
 }  // namespace enamel::test_scene_file

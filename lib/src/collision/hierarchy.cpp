@@ -284,7 +284,13 @@ void clearSlot(MeshData& data, std::int32_t slot) {
   for (int row = 0; row < kFrameRows; ++row) leaf.row[row][lane] = unusedRow(row);
 }
 
-void buildHierarchy(MeshData& data) {
+void countFree(MeshData& data, std::int32_t leaf, int change) noexcept {
+  data.freeInLeaf[leaf] += change;
+  for (std::int32_t node = data.leafParent[leaf].node; node >= 0; node = data.nodeParent[node].node)
+    data.freeInNode[node] += change;
+}
+
+void buildHierarchy(MeshData& data, int spare) {
   Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
   for (const auto& t : data.mesh.triangles)
     for (const int v : t) {
@@ -309,8 +315,21 @@ void buildHierarchy(MeshData& data) {
   data.triangles.clear();
   data.nodeParent.clear();
   data.leafParent.clear();
-  data.slotOf.assign(data.mesh.triangles.size(), -1);
+  // Copies of triangles hold the places of those to come.
+  std::vector<std::array<int, 3>>& all = data.mesh.triangles;
+  const std::size_t count = all.size(), most = count + static_cast<std::size_t>(spare);
+  all.reserve(most);
+  for (std::size_t i = 0; count + i < most; ++i) all.push_back(all[i * count / (most - count)]);
+  data.slotOf.assign(most, -1);
   Builder(data).run();
+  for (std::size_t t = count; t < most; ++t) clearSlot(data, data.slotOf[t]);
+  all.resize(count);
+  data.freeInLeaf.assign(data.leaves.size(), 0);
+  data.freeInNode.assign(data.nodes.size(), 0);
+  for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(data.triangles.size()); ++slot)
+    if (data.triangles[slot].index < 0) countFree(data, slot / kWidth, 1);
+  if (std::any_of(data.freeInLeaf.begin(), data.freeInLeaf.end(), [](std::int32_t free) { return free == kWidth; }))
+    data.view.tight = 0;
   data.view.nodes = data.nodes.data();
   data.view.leaves = data.leaves.data();
   data.view.boxes = data.boxes.data();

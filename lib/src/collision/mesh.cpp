@@ -13,7 +13,6 @@ namespace enamel {
 namespace {
 
 constexpr double kLargestCoordinate = 1e9;
-constexpr std::size_t kMostTriangles = std::size_t{1} << 27;
 
 struct Place {
   std::uint64_t bits[3];

@@ -36,13 +36,15 @@ struct MeshData {
   Array<MomentRows> moments;                     // by node
   Array<Triangle> triangles;                     // by slot
   Array<EdgeNormals> edgeNormals;                // by slot
-  Array<std::int32_t> slotOf;                    // by triangle number, also of removed ones
+  Array<std::int32_t> slotOf;                    // by triangle number, as many as there may be; of others than
+                                                 // present ones: a slot close by, which another may have taken
   Array<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one
   std::vector<Parent> nodeParent, leafParent;
   Mesh view{};
   // Triangles at a place, for the updates: corner = 3 * triangle + i; -1 ends a list.
   std::vector<std::int32_t> firstCorner;  // by place
   std::vector<std::int32_t> nextCorner;   // by corner
+  int mostVertices = 0;                   // that there may be
   // Working space of the updates, as large as it can ever become.
   std::vector<Vec3> scratch;
   std::vector<std::int32_t> dirtyLeaves;
@@ -51,6 +53,7 @@ struct MeshData {
   std::vector<int> taintedPlaces;
   std::vector<char> isTainted;  // by place
   std::vector<std::int32_t> staleLeaves, staleNodes;
+  std::vector<std::int32_t> freeInNode, freeInLeaf;  // slots below it that hold no triangle
   std::vector<char> isStaleLeaf, isStaleNode;
   int openEdges = 0;           // with more triangles one way than the other
   int crowdedEdges = 0;        // with more than two triangles
@@ -97,8 +100,8 @@ SurfacePoint signedSurfacePoint(const MeshData& data, const Vec3& p, const Answe
 /// The loops of the SIMD level in use.
 const Loops& loops() noexcept;
 
-/// Makes the updates' working space as large as it can ever become.
-void reserveForUpdates(MeshData& data);
+/// Makes the updates' working space as large as it can ever become, with this room for vertices.
+void reserveForUpdates(MeshData& data, int spareVertices);
 
 /// Whether a triangle is there (not removed).
 inline bool hasTriangle(const MeshData& data, std::int32_t triangle) noexcept {

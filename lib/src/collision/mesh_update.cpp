@@ -63,6 +63,7 @@ void refitLeaf(MeshData& data, std::int32_t leaf) {
   std::array<std::int32_t, kWidth> triangles{};
   data.scratch.clear();
   gatherCorners(data, triangles.data(), trianglesOf(data, leaf, triangles), data.scratch);
+  if (data.scratch.empty()) return;
   // The axes stay, and with them the cone; the oriented boxes above only grow.
   const Oriented oriented = boxAlong(readOriented(data, at).axes, data.scratch);
   writeOriented(data, at, oriented);
@@ -97,41 +98,112 @@ void finish(MeshData& data) {
   data.view.revision = nextRevision();
 }
 
-void enlargeBox(MeshData& data, const Vec3& p) {
+bool areTriangles(const MeshData& data, const int* triangles, int count) {
+  const int most = static_cast<int>(data.mesh.triangles.size());
+  return count >= 0 && std::all_of(triangles, triangles + count, [most](int t) { return t >= 0 && t < most; });
+}
+
+double extentOf(const MeshData& data, const Vec3& p) { return local(data.view, p).cwiseAbs().maxCoeff(); }
+
+// The mesh will reach to p.
+void enlarge(MeshData& data, const Vec3& p) {
+  data.view.extent = std::max(data.view.extent, extentOf(data, p));
   data.low = data.low.cwiseMin(p);
   data.high = data.high.cwiseMax(p);
 }
 
-bool areTriangles(const MeshData& data, const int* triangles, int count) {
-  const int most = static_cast<int>(data.mesh.triangles.size());
-  return std::all_of(triangles, triangles + count, [most](int t) { return t >= 0 && t < most; });
+Status checkPositions(const MeshData& data, const Vec3* positions, int count) {
+  for (int i = 0; i < count; ++i) {
+    if (!positions[i].allFinite()) return Status::notFinite;
+    if (!(extentOf(data, positions[i]) <= kLargestExtent)) return Status::outOfRange;
+  }
+  return Status::ok;
+}
+
+// Vertices may be unused, and far away, as long as no triangle comes to them.
+Status checkCorners(const MeshData& data, const std::array<int, 3>* corners, int count) {
+  const int most = static_cast<int>(data.mesh.vertices.size());
+  for (int i = 0; i < count; ++i)
+    for (const int v : corners[i])
+      if (v < 0 || v >= most || !(extentOf(data, data.mesh.vertices[v]) <= kLargestExtent)) return Status::outOfRange;
+  return Status::ok;
+}
+
+std::int32_t freeSlotOf(const MeshData& data, std::int32_t leaf) {
+  std::int32_t slot = leaf * kWidth;
+  while (data.triangles[slot].index >= 0) ++slot;
+  return slot;
+}
+
+// A free slot close to where triangle t will be: in a leaf of its neighbours, else as far down the hierarchy as there
+// is one. There are as many slots as triangles can be.
+std::int32_t chooseSlot(const MeshData& data, std::int32_t t) {
+  std::int32_t leaf = data.slotOf[t] / kWidth;
+  for (const int v : data.mesh.triangles[t])
+    for (std::int32_t c = data.firstCorner[data.place[v]]; c >= 0; c = data.nextCorner[c]) {
+      if (c / 3 == t) continue;
+      leaf = data.slotOf[c / 3] / kWidth;
+      if (data.freeInLeaf[leaf] > 0) return freeSlotOf(data, leaf);
+    }
+  if (data.freeInLeaf[leaf] > 0) return freeSlotOf(data, leaf);
+  std::int32_t node = data.leafParent[leaf].node;
+  while (data.freeInNode[node] == 0) node = data.nodeParent[node].node;
+  for (;;) {
+    unsigned lanes = data.nodes[node].lanes;
+    std::int32_t child = 0;
+    for (;; lanes &= lanes - 1) {
+      child = data.nodes[node].child[__builtin_ctz(lanes)];
+      if ((child < 0 ? data.freeInLeaf[~child] : data.freeInNode[child]) > 0) break;
+    }
+    if (child < 0) return freeSlotOf(data, ~child);
+    node = child;
+  }
+}
+
+void takeOut(MeshData& data, std::int32_t t) {
+  unlinkTriangle(data, t);
+  clearSlot(data, data.slotOf[t]);
+  countFree(data, data.slotOf[t] / kWidth, 1);
+  markStale(data, data.slotOf[t] / kWidth);
+  taint(data, data.mesh.triangles[t]);
+}
+
+void putIn(MeshData& data, std::int32_t t, const std::array<int, 3>& corners) {
+  linkTriangle(data, t, corners);
+  data.slotOf[t] = chooseSlot(data, t);
+  countFree(data, data.slotOf[t] / kWidth, -1);
+  for (const int v : corners) enlarge(data, data.mesh.vertices[v]);
+  rewrite(data, t);
+  taint(data, corners);
 }
 
 }  // namespace
 
-void kernel::reserveForUpdates(MeshData& data) {
+void kernel::reserveForUpdates(MeshData& data, int spareVertices) {
+  const auto more = static_cast<std::size_t>(spareVertices);
+  data.mostVertices = static_cast<int>(data.mesh.vertices.size()) + spareVertices;
+  data.mesh.vertices.reserve(data.mesh.vertices.size() + more);
+  data.place.reserve(data.mesh.vertices.size() + more);
+  data.cornerNormal.reserve(data.firstCorner.size() + more);
+  data.firstCorner.reserve(data.firstCorner.size() + more);
+  data.isTainted.reserve(data.firstCorner.size() + more);
   data.scratch.reserve(3 * kWidth);
   data.dirtyLeaves.reserve(data.leaves.size());
   data.isDirty.assign(data.leaves.size(), 0);
   data.isRewritten.assign(data.triangles.size(), 0);
   data.isTainted.assign(data.firstCorner.size(), 0);
-  data.taintedPlaces.reserve(data.firstCorner.size());
+  data.taintedPlaces.reserve(data.firstCorner.size() + more);
 }
 
 Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions, int count) noexcept {
   MeshData& data = Inside::of(model);
   const int most = static_cast<int>(data.mesh.vertices.size());
-  double extent = data.view.extent;
-  for (int i = 0; i < count; ++i) {
-    if (vertices[i] < 0 || vertices[i] >= most) return Status::outOfRange;
-    if (!positions[i].allFinite()) return Status::notFinite;
-    extent = std::max(extent, local(data.view, positions[i]).cwiseAbs().maxCoeff());
-  }
-  if (!(extent <= kLargestExtent)) return Status::outOfRange;
-  data.view.extent = extent;
+  if (count < 0 || std::any_of(vertices, vertices + count, [most](int v) { return v < 0 || v >= most; }))
+    return Status::outOfRange;
+  if (const Status status = checkPositions(data, positions, count); status != Status::ok) return status;
   for (int i = 0; i < count; ++i) {
     data.mesh.vertices[vertices[i]] = positions[i];
-    enlargeBox(data, positions[i]);
+    enlarge(data, positions[i]);
   }
   for (int i = 0; i < count; ++i)
     for (std::int32_t c = data.firstCorner[data.place[vertices[i]]]; c >= 0; c = data.nextCorner[c]) {
@@ -145,48 +217,59 @@ Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions
   return Status::ok;
 }
 
+Status addVertices(MeshModel& model, const Vec3* positions, int count) noexcept {
+  MeshData& data = Inside::of(model);
+  if (count < 0 || count > spareCapacity(model).vertices) return Status::outOfRange;
+  if (const Status status = checkPositions(data, positions, count); status != Status::ok) return status;
+  for (int i = 0; i < count; ++i) {
+    data.place.push_back(static_cast<int>(data.firstCorner.size()));
+    data.firstCorner.push_back(-1);
+    data.cornerNormal.push_back(Vec3::Zero());
+    data.isTainted.push_back(0);
+    data.mesh.vertices.push_back(positions[i]);
+  }
+  return Status::ok;
+}
+
+Status addTriangles(MeshModel& model, const std::array<int, 3>* corners, int count) noexcept {
+  MeshData& data = Inside::of(model);
+  if (count < 0 || count > spareCapacity(model).triangles) return Status::outOfRange;
+  if (const Status status = checkCorners(data, corners, count); status != Status::ok) return status;
+  for (int i = 0; i < count; ++i) {
+    data.mesh.triangles.push_back(corners[i]);
+    putIn(data, static_cast<std::int32_t>(data.mesh.triangles.size()) - 1, corners[i]);
+  }
+  finish(data);
+  return Status::ok;
+}
+
 Status removeTriangles(MeshModel& model, const int* triangles, int count) noexcept {
   MeshData& data = Inside::of(model);
   if (!areTriangles(data, triangles, count)) return Status::outOfRange;
   data.view.tight = 0;
-  for (int i = 0; i < count; ++i) {
-    const int t = triangles[i];
-    if (!hasTriangle(data, t)) continue;
-    unlinkTriangle(data, t);
-    clearSlot(data, data.slotOf[t]);
-    markStale(data, data.slotOf[t] / kWidth);
-    taint(data, data.mesh.triangles[t]);
-  }
+  for (int i = 0; i < count; ++i)
+    if (hasTriangle(data, triangles[i])) takeOut(data, triangles[i]);
   finish(data);
   return Status::ok;
 }
 
 Status replaceTriangles(MeshModel& model, const int* triangles, const std::array<int, 3>* corners, int count) noexcept {
   MeshData& data = Inside::of(model);
-  const int most = static_cast<int>(data.mesh.vertices.size());
   if (!areTriangles(data, triangles, count)) return Status::outOfRange;
-  double extent = data.view.extent;
-  for (int i = 0; i < count; ++i)
-    for (const int v : corners[i]) {
-      if (v < 0 || v >= most) return Status::outOfRange;
-      extent = std::max(extent, local(data.view, data.mesh.vertices[v]).cwiseAbs().maxCoeff());
-    }
-  if (!(extent <= kLargestExtent)) return Status::outOfRange;  // a vertex that no triangle used before
-  data.view.extent = extent;
+  if (const Status status = checkCorners(data, corners, count); status != Status::ok) return status;
   data.view.tight = 0;
   for (int i = 0; i < count; ++i) {
-    const int t = triangles[i];
-    if (hasTriangle(data, t)) {
-      unlinkTriangle(data, t);
-      taint(data, data.mesh.triangles[t]);
-    }
-    linkTriangle(data, t, corners[i]);
-    for (const int v : corners[i]) enlargeBox(data, data.mesh.vertices[v]);
-    rewrite(data, t);
-    taint(data, corners[i]);
+    if (hasTriangle(data, triangles[i])) takeOut(data, triangles[i]);
+    putIn(data, triangles[i], corners[i]);
   }
   finish(data);
   return Status::ok;
+}
+
+SpareCapacity spareCapacity(const MeshModel& model) noexcept {
+  const MeshData& data = Inside::of(model);
+  return {data.mostVertices - static_cast<int>(data.mesh.vertices.size()),
+          static_cast<int>(data.slotOf.size() - data.mesh.triangles.size())};
 }
 
 bool isPresent(const MeshModel& model, int triangle) noexcept {

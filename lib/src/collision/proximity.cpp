@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cones.hpp"
+#include "enamel/core/error.hpp"
 #include "hierarchy.hpp"
 #include "normals.hpp"
 #include "sign.hpp"
@@ -106,18 +107,25 @@ SimdLevel useSimdLevel(SimdLevel level) noexcept {
   return level;
 }
 
-MeshModel::MeshModel(TriangleMesh mesh) {
+MeshModel::MeshModel(TriangleMesh mesh, SpareCapacity spare) {
   checkMesh(mesh);
+  const auto checkSpare = [](std::size_t present, int more, const char* things) {
+    if (more < 0 || static_cast<std::size_t>(more) > kMostTriangles - std::min(present, kMostTriangles))
+      throw Error("a spare capacity of " + std::to_string(more) + " " + things + " beside " + std::to_string(present) +
+                  " must be at least 0 and with them at most " + std::to_string(kMostTriangles));
+  };
+  checkSpare(mesh.vertices.size(), spare.vertices, "vertices");
+  checkSpare(mesh.triangles.size(), spare.triangles, "triangles");
   data_ = std::make_unique<kernel::MeshData>();
   data_->mesh = std::move(mesh);
-  kernel::buildHierarchy(*data_);
+  kernel::buildHierarchy(*data_, spare.triangles);
   const std::vector<kernel::EdgeUse> edges = kernel::buildTopology(*data_);
   const std::vector<Vec3> normals = kernel::unitNormals(data_->mesh);
   kernel::sumNormals(*data_, edges, normals);
   kernel::buildCones(*data_, edges, normals);
   kernel::buildWinding(*data_);
   kernel::chooseSign(*data_, edges);
-  kernel::reserveForUpdates(*data_);
+  kernel::reserveForUpdates(*data_, spare.vertices);
 }
 
 MeshModel::MeshModel(MeshModel&&) noexcept = default;
@@ -128,9 +136,20 @@ const TriangleMesh& MeshModel::mesh() const noexcept { return data_->mesh; }
 
 bool isSound(const MeshModel& model) noexcept { return kernel::Inside::of(model).sound; }
 
+TriangleMesh presentMesh(const MeshModel& model) {
+  const kernel::MeshData& data = kernel::Inside::of(model);
+  TriangleMesh mesh;
+  mesh.vertices = data.mesh.vertices;
+  for (std::size_t t = 0; t < data.mesh.triangles.size(); ++t)
+    if (kernel::hasTriangle(data, static_cast<std::int32_t>(t))) mesh.triangles.push_back(data.mesh.triangles[t]);
+  return mesh;
+}
+
 std::string describe(const MeshModel& model) {
   const kernel::MeshData& data = kernel::Inside::of(model);
-  const MeshReport report = inspect(model.mesh());
+  const TriangleMesh mesh = presentMesh(model);
+  if (mesh.triangles.empty()) return "has no triangles left";
+  const MeshReport report = inspect(mesh);
   std::string what;
   const auto add = [&what](int count, const char* things) {
     if (count > 0) what += (what.empty() ? "" : ", ") + std::to_string(count) + things;

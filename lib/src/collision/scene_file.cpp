@@ -87,7 +87,8 @@ Obstacle readCapsule(TomlTable& table) {
   return capsule;
 }
 
-Obstacle readMesh(TomlTable& table, const std::string& sceneFile) {
+Obstacle readMesh(TomlTable& table, const std::string& sceneFile, SpareCapacity spare,
+                  std::shared_ptr<MeshModel>& model) {
   Obstacle mesh;
   const std::string file = table.text("file");
   if (file.empty()) table.fail("file", "is empty");
@@ -106,7 +107,8 @@ Obstacle readMesh(TomlTable& table, const std::string& sceneFile) {
   if (isThin) mesh.thickness = length(table, "thickness", kLeastThickness, kMostThickness);
   if (!isThin && table.has("thickness")) table.fail("thickness", "is that of a sheet, which needs thin = true");
   const std::filesystem::path path = std::filesystem::path(sceneFile).parent_path() / file;
-  mesh.shape = std::make_shared<const MeshModel>(loadMesh(path.string(), scale));
+  model = std::make_shared<MeshModel>(loadMesh(path.string(), scale), spare);
+  mesh.shape = std::shared_ptr<const MeshModel>(model);
   return mesh;
 }
 
@@ -126,7 +128,8 @@ void readMaterial(TomlTable& table, Material& material) {
   read("viscosity", 0.0, 1e3, " N s/m", material.viscosity);
 }
 
-Obstacle readObstacle(TomlTable& table, const std::string& sceneFile) {
+Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapacity spare,
+                      std::shared_ptr<MeshModel>& model) {
   const std::string name = table.text("name");
   if (name.empty()) table.fail("name", "is empty");
   const std::string shape = table.text("shape");
@@ -140,7 +143,7 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile) {
   else if (shape == "capsule")
     obstacle = readCapsule(table);
   else if (shape == "mesh")
-    obstacle = readMesh(table, sceneFile);
+    obstacle = readMesh(table, sceneFile, spare, model);
   else
     table.fail("shape", "is \"" + shape + "\", must be \"half_space\", \"box\", \"sphere\", \"capsule\" or \"mesh\"");
   obstacle.name = name;
@@ -175,7 +178,7 @@ Tool readTool(TomlTable& root) {
 
 }  // namespace
 
-SceneFile parseScene(std::string_view text, const std::string& file) {
+SceneFile parseScene(std::string_view text, const std::string& file, SpareCapacity spare) {
   TomlTable root = parseToml(text, file);
   SceneFile result;
   result.name = root.text("name");
@@ -192,7 +195,8 @@ SceneFile parseScene(std::string_view text, const std::string& file) {
     root.fail("obstacle",
               "has " + std::to_string(tables.size()) + " elements, must be 1 to " + std::to_string(kMaxObstacles));
   for (TomlTable& table : tables) {
-    Obstacle obstacle = readObstacle(table, file);
+    std::shared_ptr<MeshModel>& model = result.meshes.emplace_back();
+    Obstacle obstacle = readObstacle(table, file, spare, model);
     for (const Obstacle& other : result.scene.obstacles())
       if (other.name == obstacle.name) table.fail("name", "is \"" + obstacle.name + "\", which another obstacle has");
     if (const std::string note = noteOf(obstacle); !note.empty()) result.notes.push_back(note);
@@ -207,6 +211,6 @@ SceneFile parseScene(std::string_view text, const std::string& file) {
   return result;
 }
 
-SceneFile loadScene(const std::string& path) { return parseScene(readFile(path), path); }
+SceneFile loadScene(const std::string& path, SpareCapacity spare) { return parseScene(readFile(path), path, spare); }
 
 }  // namespace enamel

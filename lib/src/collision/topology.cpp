@@ -110,9 +110,9 @@ std::vector<EdgeUse> buildTopology(MeshData& data) {
   data.place = weld(mesh);
   const std::size_t places = *std::max_element(data.place.begin(), data.place.end()) + 1u;
   data.firstCorner.assign(places, -1);
-  data.nextCorner.assign(3 * mesh.triangles.size(), -1);
+  data.nextCorner.assign(3 * data.slotOf.size(), -1);
   for (auto t = static_cast<std::int32_t>(mesh.triangles.size()); t-- > 0;) insertCorners(data, t);
-  data.neighbour.assign(mesh.triangles.size(), {-1, -1, -1});
+  data.neighbour.assign(data.slotOf.size(), {-1, -1, -1});
   std::vector<EdgeUse> edges = sortedEdges(mesh, data.place);
   forEachEdge(edges, [&](const EdgeUse* first, const EdgeUse* last) {
     countEdge(data, {static_cast<int>(last - first), balanceOf(first, last)}, 1);

@@ -15,6 +15,8 @@ struct TriangleMesh {
   std::vector<std::array<int, 3>> triangles;  ///< indices of vertices, counterclockwise seen from outside
 };
 
+inline constexpr std::size_t kMostTriangles = std::size_t{1} << 27;  ///< of a mesh
+
 /// What inspect() counts. Vertices at exactly the same place count as one, whatever their numbers.
 struct MeshReport {
   int triangles = 0;

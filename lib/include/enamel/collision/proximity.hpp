@@ -18,16 +18,24 @@ struct Inside;
 struct MeshData;
 }  // namespace kernel
 
+/// Room for vertices and triangles that are added later (mesh_update.hpp): 24 bytes a vertex, about 400 a triangle.
+struct SpareCapacity {
+  int vertices = 0;
+  int triangles = 0;
+};
+
 /// A mesh ready for queries. Immutable but for the updates of mesh_update.hpp; const use is thread-safe.
 class MeshModel {
  public:
   /// Builds the hierarchy: 2 us a triangle, 4 us of a manifold mesh (do triangles cross?). Throws Error as checkMesh()
-  /// does. Realtime: no.
-  explicit MeshModel(TriangleMesh mesh);
+  /// does, and for a capacity that is negative or beyond 2^27 with the mesh. Realtime: no.
+  explicit MeshModel(TriangleMesh mesh, SpareCapacity spare = {});
   MeshModel(MeshModel&&) noexcept;
   MeshModel& operator=(MeshModel&&) noexcept;
   ~MeshModel();
 
+  /// As it is after all updates. Removed triangles keep their numbers and last corners: isPresent() tells them apart,
+  /// presentMesh() leaves them out.
   const TriangleMesh& mesh() const noexcept;
 
  private:
@@ -39,7 +47,11 @@ class MeshModel {
 /// as it was when the model was built). Realtime: yes.
 bool isSound(const MeshModel& model) noexcept;
 
-/// What the mesh is, and what that means for the sign of its distances, in one line. Realtime: no.
+/// The mesh without its removed triangles; the others in the order of their numbers. Realtime: no.
+TriangleMesh presentMesh(const MeshModel& model);
+
+/// What the mesh is now, after all updates, and what that means for the sign of its distances, in one line. Realtime:
+/// no.
 std::string describe(const MeshModel& model);
 
 /// What a tool remembers of its last query on a mesh, so that the next one, close by, is answered faster. The answer is

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,8 @@ struct SceneFile {
   Vec3 start = Vec3::Zero();  ///< of the TCP in W, m; the tool does not touch there
   Tool tool;                  ///< a point at the TCP where the file names none
   Scene scene;
+  std::vector<std::shared_ptr<MeshModel>>
+      meshes;                      ///< by obstacle, null for other shapes: what the scene holds, to edit
   std::vector<std::string> notes;  ///< one line for each mesh whose inside is not certain, as describe() says it
   double maxForce = std::numeric_limits<double>::infinity();  ///< that a guard should let a renderer put on the tool, N
 };
@@ -36,9 +39,10 @@ struct SceneFile {
 /// Throws ConfigurationError, with file, line, key, value and limit, on a file that cannot be read, malformed TOML,
 /// unknown or missing keys, wrong types, values out of their range, an empty scene, two obstacles of one name, a start
 /// inside an obstacle, and as loadMesh() and checkMesh(). Realtime: no.
-SceneFile loadScene(const std::string& path);
+/// `spare`: room in every mesh for updates.
+SceneFile loadScene(const std::string& path, SpareCapacity spare = {});
 
 /// The same for text in memory; `file` stands in messages, meshes are looked for beside it.
-SceneFile parseScene(std::string_view text, const std::string& file);
+SceneFile parseScene(std::string_view text, const std::string& file, SpareCapacity spare = {});
 
 }  // namespace enamel
