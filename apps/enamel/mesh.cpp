@@ -11,17 +11,22 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "mesh_generator.hpp"
+#include "mesh_prepare.hpp"
 
 namespace enamel::app {
 namespace {
 
 struct MeshOptions {
-  std::string file, generate, output;
-  double unit = 1e-3;  // m
+  std::string file, generate, output, prepare;
+  double unit = 1e-3;       // m
+  double deviation = 20.0;  // um
+  double base = 0.0;        // mm
 };
 
+void printLine(const char* name, const std::string& value) { fmt::print("{:<24} {}\n", name, value); }
+
 void print(const MeshReport& r) {
-  const auto line = [](const char* name, const std::string& value) { fmt::print("{:<24} {}\n", name, value); };
+  const auto line = printLine;
   const auto count = [&line](const char* name, int value) { line(name, std::to_string(value)); };
   count("triangles", r.triangles);
   line("vertices", fmt::format("{} at {} places", r.vertices, r.places));
@@ -58,12 +63,40 @@ void write(const TriangleMesh& mesh, const std::string& path) {
   writeFile(path, bytes);
 }
 
+void print(const PrepareReport& r, const TriangleMesh& result, const std::string& path) {
+  const auto count = [](const char* name, int value, const char* why) {
+    if (value > 0) printLine(name, fmt::format("{} {}", value, why));
+  };
+  const auto within = [](const Deviation& d) {
+    return fmt::format("{:.3g} um at most, rms {:.3g} um, at {} points", 1e6 * d.most, 1e6 * d.rms, d.points);
+  };
+  fmt::print("\nprepared: {}\n", path);
+  count("joined vertices", r.joinedVertices, "at the place of another");
+  count("dropped triangles", r.uselessTriangles, "with a repeated corner or twice there");
+  count("left out triangles", r.misfitTriangles, "where more than two meet at an edge or sheets in a corner");
+  count("turned triangles", r.turnedTriangles, "inside out");
+  count("closed holes", r.closedHoles, "");
+  count("open holes", r.openHoles, "could not be closed");
+  printLine("triangles", fmt::format("{} of {}", result.triangles.size(), r.beforeDecimation));
+  if (r.fromClosed.points > 0) {
+    printLine("closed to decimated", within(r.fromClosed));
+    printLine("decimated to closed", within(r.toClosed));
+  }
+  printLine("file to prepared", within(r.fromFile));
+}
+
 void run(const MeshOptions& options) {
   if (options.generate.empty()) {
     if (options.file.empty()) throw Error("needs a mesh file, or --generate with --output");
-    TriangleMesh mesh = loadMesh(options.file, options.unit);
+    const TriangleMesh mesh = loadMesh(options.file, options.unit);
     print(inspect(mesh));
-    fmt::print("{:<24} {}\n", "sign", describe(MeshModel(std::move(mesh))));
+    printLine("sign", describe(MeshModel(mesh)));
+    if (options.prepare.empty()) return;
+    PrepareReport report;
+    const TriangleMesh prepared = prepareMesh(mesh, {1e-6 * options.deviation, 1e-3 * options.base}, report);
+    write(prepared, options.prepare);
+    print(report, prepared, options.prepare);
+    printLine("sign", describe(MeshModel(prepared)));
     return;
   }
   if (options.output.empty()) throw Error("--generate needs --output");
@@ -82,6 +115,17 @@ void addMesh(CLI::App& app) {
   command->add_option("--generate", options->generate, "makes a mesh instead (PLY in mm)")
       ->check(CLI::IsMember({"molar", "jaw"}));
   command->add_option("--output", options->output, "where the made mesh goes");
+  auto* prepare = command->add_option("--prepare", options->prepare,
+                                      "makes the file's mesh manifold, closes its holes, leaves out triangles, and "
+                                      "writes it here (PLY in mm)");
+  command->add_option("--deviation", options->deviation, "that leaving out triangles may cause, um; 0: all stay")
+      ->check(CLI::Range(0.0, 1e6))
+      ->needs(prepare)
+      ->capture_default_str();
+  command->add_option("--base", options->base, "closes the longest opening so far below it, mm; 0: like every hole")
+      ->check(CLI::Range(0.0, 1e3))
+      ->needs(prepare)
+      ->capture_default_str();
   command->callback([options] { run(*options); });
 }
 

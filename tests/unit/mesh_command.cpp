@@ -1,5 +1,9 @@
 // `enamel mesh` as a user runs it: the shipped meshes are sound and are what the generator makes.
+#include <algorithm>
+#include <sstream>
+
 #include "enamel/collision/mesh_file.hpp"
+#include "enamel/collision/proximity.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 
@@ -25,6 +29,76 @@ TEST_CASE("a file that cannot be used is refused in one line", "[unit]") {
     CHECK(result.status == 1);
     CHECK(result.output.find('\n') == result.output.size() - 1);
   }
+}
+
+namespace {
+
+// As a scanner gives it: the upper part of the molar with an opening below, holes, a triangle twice, one against the
+// others, and every triangle with vertices of its own.
+std::string scanOf(const TriangleMesh& molar) {
+  std::ostringstream text;
+  text.precision(9);
+  int number = 0;
+  for (const auto& t : molar.triangles) {
+    const auto isLow = [&](int v) { return molar.vertices[v].z() < 1e-3; };
+    if (std::any_of(t.begin(), t.end(), isLow) || ++number % 100 == 0) continue;
+    for (int copies = number == 7 ? 2 : 1; copies > 0; --copies) {
+      for (const int v : t) text << "v " << 1e3 * molar.vertices[v].transpose() << '\n';
+      text << (number == 450 ? "f -1 -2 -3\n" : "f -3 -2 -1\n");
+    }
+  }
+  return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("a scan is made a solid, within the deviation that is allowed", "[unit]") {
+  const test::TemporaryFolder folder;
+  const TriangleMesh molar = loadMesh(ENAMEL_SOURCE_DIR "/data/meshes/molar.ply", 1e-3);
+  test::writeFile(folder / "scan.obj", scanOf(molar));
+  const std::string command = "mesh " + (folder / "scan.obj") + " --prepare " + (folder / "made.ply");
+  const MeshModel whole(molar);
+  const TriangleMesh scan = loadMesh(folder / "scan.obj", 1e-3);
+  REQUIRE_FALSE(inspect(scan).watertight);
+  std::size_t fewest = scan.triangles.size();
+  for (const double most : {0.0, 20.0}) {  // um
+    INFO("deviation " << most);
+    const test::CommandResult result = test::run(command + " --base 2 --deviation " + std::to_string(most));
+    CHECK_THAT(result.output, Contains("dropped triangles        1 ") && Contains("file to prepared"));
+    REQUIRE(result.status == 0);
+    const TriangleMesh made = loadMesh(folder / "made.ply", 1e-3);
+    const MeshModel model(made);
+    CHECK(isSound(model));
+    CHECK(inspect(made).components == 1);
+    CHECK(inspect(made).low.z() < inspect(scan).low.z() - 1e-3);  // the base, across the opening
+    // Where the scan was, measured here by the scan's corners and the made mesh's upper ones.
+    double back = 0.0;
+    std::size_t lost = 0;  // with triangles that hang by a corner
+    for (const Vec3& v : scan.vertices) lost += closestPoint(model, v).distance > 1e-6 * most + 1e-8;
+    for (const Vec3& v : made.vertices)
+      if (v.z() > 1.3e-3) back = std::max(back, closestPoint(whole, v).distance);
+    const double holes = 20e-6;  // of a triangle's size, that are closed flat
+    CHECK(lost < scan.vertices.size() / 500);
+    CHECK(back < 1e-6 * most + holes);
+    CHECK((most > 0.0 ? made.triangles.size() < fewest : made.triangles.size() > fewest));
+    fewest = made.triangles.size();
+  }
+  CHECK(fewest < scan.triangles.size() * 2 / 3);
+  const test::CommandResult lid = test::run(command + " --deviation 0");  // closed like a hole
+  CHECK(lid.status == 0);
+  CHECK(inspect(loadMesh(folder / "made.ply", 1e-3)).watertight);
+  CHECK(test::run("mesh " + (folder / "scan.obj") + " --base 2").status != 0);
+  CHECK(test::run(command + " --deviation -1").status != 0);
+}
+
+TEST_CASE("a mesh inside out is turned round", "[unit]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "in.off", "OFF 4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n");
+  const test::CommandResult result = test::run("mesh " + (folder / "in.off") + " --prepare " + (folder / "out.ply"));
+  CHECK_THAT(result.output, Contains("turned triangles         4 "));
+  const MeshReport report = inspect(loadMesh(folder / "out.ply", 1e-3));
+  CHECK(report.watertight);
+  CHECK_FALSE(report.inwards);
 }
 
 TEST_CASE("the shipped meshes are closed, in mm, and made by the generator", "[unit]") {
