@@ -98,7 +98,8 @@ TEST_CASE("a sphere touches at every local minimum of the distance and nowhere e
       double nearest = 1e300;
       for (const Nearest& one : all) nearest = std::min(nearest, one.distance);
       if (!(nearest > 1e-6 * size)) continue;
-      const double reach = nearest * std::pow(10.0, random.uniform(0.0, 1.0)), radius = random.uniform(0.0, reach);
+      const double reach = nearest * std::pow(10.0, random.uniform(0.0, 1.0)),
+                   radius = random.uniform(0.0, std::min(reach, kLargestTool));
       const Tool tool = test::sphereTool(radius);
       const ContactSnapshot contacts = test::contactsOf(scene, tool, test::at(p), reach - radius);
       for (const SimdLevel level : {SimdLevel::baseline, SimdLevel::avx2, SimdLevel::avx512})
@@ -148,7 +149,8 @@ TEST_CASE("a tool of parts that meet has the same contacts with and without a ca
     const double size = test::sizeOf(mesh);
     test::Random random(52);
     for (int walk = 0; walk < test::count(12, 400); ++walk) {
-      const double scale = size * std::pow(10.0, random.uniform(-2.0, -0.7)), margin = random.uniform(0.0, 0.3) * scale;
+      const double scale = std::min(size * std::pow(10.0, random.uniform(-2.0, -0.7)), kLargestTool / 3.0);
+      const double margin = random.uniform(0.0, 0.3) * scale;
       Tool tool;  // a ball, a neck and a shaft, thick after thin or thin after thick
       tool.parts[0] = {Vec3::Zero(), Vec3::Zero(), 0.3 * scale};
       tool.parts[1] = {{0, 0, 0.2 * scale}, {0, 0, scale}, random.uniform(0.05, 0.5) * scale};

@@ -132,8 +132,8 @@ const std::array<SurfaceServoParameter, 12>& surfaceServoParameters() noexcept {
 SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int delayLow, int delayHigh) {
   // In the order of surfaceServoParameters(), for delays of 0, 1, 2 and 3 ticks and for random ones of 0 to 3.
   static constexpr double values[5][12] = {
-      {0.3919, 0.9794, 0.25, 1.695, 0.009412, 5e-5, 0.5, 0.2307, 4.6, 0.95, 9.532, 0.01},
-      {0.414, 0.85, 0.3595, 2.878, 0.02, 1.189e-5, 0.6, 0.2446, 4.838, 0.95, 22.48, 0.05},
+      {0.3919, 0.9794, 0.25, 1.695, 0.009412, 5e-5, 0.5, 0.2307, 4.6, 0.95, 9.532, 0.02},
+      {0.414, 0.85, 0.3595, 2.878, 0.02, 1.189e-5, 0.6, 0.2446, 4.838, 0.95, 22.48, 0.08},
       {0.4331, 0.9817, 0.5, 8.5, 0.03852, 5e-5, 0.5, 0.08231, 4.8, 0.8655, 57.97, 0.05},
       {0.5491, 0.9228, 0.6625, 5.592, 0.01402, 3.975e-5, 0.4614, 0.04496, 5.518, 0.5619, 12.26, 0.1},
       {0.7179, 0.5917, 0.5873, 0.8069, 0.004527, 2.396e-5, 1.55, 0.5773, 5.835, 0.3259, 4.14, 0.03716},
