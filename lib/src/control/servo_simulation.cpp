@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kMostTicks = 10000000;
 
-int ticksIn(double seconds, double period) {
+int runTicks(double seconds, double period) {
   const double ticks = seconds / period;
   if (!(ticks >= 0.0 && ticks <= kMostTicks))
     throw DesignError("servo simulation: the period is so small that a run has more than 1e7 ticks, or is none");
@@ -85,7 +85,7 @@ double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& n
   const Index n = normal.size();
   if (n == 0 || trace.y.rows() != 2 * n || !(period > 0.0))
     throw DesignError("first impact: the normal needs one entry a joint, the period must be positive, s");
-  (void)ticksIn(1.0, period);
+  (void)runTicks(1.0, period);
   ImpactWatch watch(period);
   ImpactTick tick;
   tick.force = force;
@@ -151,7 +151,7 @@ std::vector<Requirement> measureRequirements(const ServoDesign& design, const Sa
   Requirement position{"force/torque step: TCP position deviation", "m", 0.001, {}};
   Requirement orientation{"force/torque step: TCP orientation deviation", "rad", 0.001, {}};
   ServoExperiment experiment;
-  experiment.ticks = ticksIn(kDuration, design.period);
+  experiment.ticks = runTicks(kDuration, design.period);
   for (Index joint = 0; joint < n; ++joint) {
     experiment.reference = kStep * VectorXd::Unit(n, joint);
     experiment.wrench = VectorXd::Zero(6);
