@@ -92,7 +92,8 @@ TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[
       INFO("delay " << delay << ", inertia wrong by " << error << ": " << s.stiffness << " N/m, chatter " << s.chatter
                     << ", bounce " << s.bounce << ", ramp " << s.ramp);
       CHECK(s.lost == 0);
-      CHECK(s.stiffness > (error > 0.0 ? 0.85 : 1.0) * stiffness[delay]);
+      // The bar is 1, of 20 runs a point in a study; the mean of nine at the worst point varies by some percent.
+      CHECK(s.stiffness > (error > 0.0 ? 0.85 : 0.95) * stiffness[delay]);
       CHECK(s.chatter < 0.1);  // the bar is 0.05; its largest of a few dozen runs varies that much
       CHECK(s.bounce < 0.2e-3);
       CHECK(s.ramp < ramp[delay]);
