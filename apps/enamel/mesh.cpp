@@ -112,12 +112,14 @@ void addMesh(CLI::App& app) {
   command->add_option("--unit", options->unit, "of the file's coordinates: m, mm or um")
       ->transform(CLI::CheckedTransformer(std::map<std::string, double>{{"m", 1.0}, {"mm", 1e-3}, {"um", 1e-6}}))
       ->default_str("mm");
-  command->add_option("--generate", options->generate, "makes a mesh instead (PLY in mm)")
-      ->check(CLI::IsMember({"molar", "jaw"}));
+  auto* generate = command->add_option("--generate", options->generate, "makes a mesh instead (PLY in mm)")
+                       ->check(CLI::IsMember({"molar", "jaw"}));
   command->add_option("--output", options->output, "where the made mesh goes");
-  auto* prepare = command->add_option("--prepare", options->prepare,
-                                      "makes the file's mesh manifold, closes its holes, leaves out triangles, and "
-                                      "writes it here (PLY in mm)");
+  auto* prepare = command
+                      ->add_option("--prepare", options->prepare,
+                                   "makes the file's mesh manifold, closes its holes, leaves out triangles, and "
+                                   "writes it here (PLY in mm)")
+                      ->excludes(generate);
   command->add_option("--deviation", options->deviation, "that leaving out triangles may cause, um; 0: all stay")
       ->check(CLI::Range(0.0, 1e6))
       ->needs(prepare)

@@ -276,8 +276,8 @@ Deviation deviation(const TriangleMesh& of, const MeshModel& from) {
       isDone = 1;
     }
     look((v[0] + v[1] + v[2]) / 3.0);
-    for (std::size_t i = 0; i < 3; ++i)
-      if (t[i] < t[(i + 1) % 3]) look(0.5 * (v[i] + v[(i + 1) % 3]));
+    // From both sides: a file may have each triangle on corners of its own.
+    for (std::size_t i = 0; i < 3; ++i) look(0.5 * (v[i] + v[(i + 1) % 3]));
   }
   result.rms = std::sqrt(sum / result.points);
   return result;
@@ -293,7 +293,7 @@ struct Candidate {
   Deviation there, back;
 };
 
-// The fewest triangles whose deviation, measured both ways, is allowed: a quarter of them as long as that goes, then
+// About the fewest triangles whose deviation, measured both ways, is allowed: a quarter of them as long as that goes, then
 // the number halved in between.
 Candidate decimateWithin(const Mesh& mesh, const TriangleMesh& closed, double most) {
   const MeshModel model(closed);

@@ -23,7 +23,6 @@ struct PrepareReport {
   int turnedTriangles = 0;         ///< all of them, where the surface was inside out
   int closedHoles = 0;             ///< the one with the base among them
   int openHoles = 0;               ///< that could not be closed
-  int addedTriangles = 0;          ///< in holes and the base
   int beforeDecimation = 0;        ///< triangles
   Deviation fromFile;              ///< of what was in the file from the result
   Deviation fromClosed, toClosed;  ///< of the closed mesh from the decimated one, and the other way

@@ -136,7 +136,7 @@ void run(const PushOptions& options) {
       const PushMetrics metrics = collector.metrics();
       if (result.status != Status::ok && result.status != Status::stopped)
         throw Error(fmt::format("the device left its workspace at {} s: its pose is {}", end, toString(result.status)));
-      outcomes.push_back({name, library == nullptr && name != kPositionControl, metrics});
+      outcomes.push_back({name, library == nullptr && (name == kHold || name == kImpedance), metrics});
       if (file) files.push_back(outputFor(options, name));
       if (result.status == Status::stopped)
         throw Error(fmt::format("stopped by the guard at {} s: {}", end, toString(result.guard)));
@@ -185,10 +185,10 @@ void addPush(CLI::App& app) {
   };
   command->add_option("--device", options->device, "device file (TOML)")->required();
   command
-      ->add_option(
-          "--renderer", options->renderers,
-          "position-control (the contact-space servo), hold (the paper's servo), impedance, the name of a plugin "
-          "(see enamel plugins) or its path; several are separated by commas")
+      ->add_option("--renderer", options->renderers,
+                   "position-control (the contact-space servo), hold (the paper's servo), impedance, passivity "
+                   "(impedance with time-domain passivity "
+                   "control), the name of a plugin (see enamel plugins) or its path; several are separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->capture_default_str();

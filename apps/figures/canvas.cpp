@@ -5,7 +5,6 @@
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkTextProperty.h>
 
-#include <cstdio>
 #include <vector>
 
 #include "enamel/core/error.hpp"

@@ -89,8 +89,8 @@ static int32_t activate(void* self, double period, EnamelMessage message) {
   Wall* wall = self;
   if (wall->active) return refuse(message, ENAMEL_WRONG_ORDER, "activate() while active", "");
   if (!wall->configured) return refuse(message, ENAMEL_WRONG_ORDER, "activate() before configure()", "");
-  if (!(period > 0.0 && period <= 0.1))
-    return refuse(message, ENAMEL_BAD_CONFIGURATION, "the period must be in (0, 0.1] s", "");
+  if (!(period >= 1e-5 && period <= 0.1))
+    return refuse(message, ENAMEL_BAD_CONFIGURATION, "the period must be in 1e-5 to 0.1 s", "");
   wall->active = 1;
   reset(wall);
   return ENAMEL_OK;

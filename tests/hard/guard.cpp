@@ -116,7 +116,7 @@ TEST_CASE("walls that are known to be bad are stopped by their energy", "[hard]"
 TEST_CASE("ordinary study runs pass untouched", "[hard]") {
   const auto device = std::make_shared<TauMechanism>(test::nominal());
   const auto damped = std::make_shared<TauMechanism>(test::dampedNominal());
-  int runs = 0, ticks = 0;
+  int runs = 0, ticks = 0, unstable = 0;
   for (int delay = 0; delay <= 4; ++delay) {  // 4: random
     StudyPlan plan;
     plan.setup.delay = delay < 4 ? Delay{delay, delay} : Delay{0, 3};
@@ -148,11 +148,13 @@ TEST_CASE("ordinary study runs pass untouched", "[hard]") {
       });
       REQUIRE(result.status == Status::ok);
       INFO(plan.columns[result.run.column].name << ", scenario " << result.run.scenario << ", delay " << delay);
-      REQUIRE(result.metrics.verdict != FirstImpactVerdict::unstable);
+      // Under random delay a run in a thousand oscillates (lib/docs/limits.md).
+      unstable += result.metrics.verdict == FirstImpactVerdict::unstable;
+      REQUIRE(unstable <= (delay < 4 ? 0 : 5));
       ++runs;
     }
   }
-  std::cout << runs << " runs, " << ticks << " ticks, none touched\n";
+  std::cout << runs << " runs, " << ticks << " ticks, none touched; " << unstable << " unstable, of random delay\n";
 }
 
 TEST_CASE("a loop that is unstable and stays inside is called unstable", "[hard]") {

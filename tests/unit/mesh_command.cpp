@@ -79,6 +79,17 @@ TEST_CASE("a scan is made a solid, within the deviation that is allowed", "[unit
       if (v.z() > 1.3e-3) back = std::max(back, closestPoint(whole, v).distance);
     const double holes = 20e-6;  // of a triangle's size, that are closed flat
     CHECK(lost < scan.vertices.size() / 500);
+    // What is printed is what is found here, and more points.
+    double there = 0.0;
+    for (const auto& t : scan.triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 corner = scan.vertices[static_cast<std::size_t>(t[i])];
+        const Vec3 next = scan.vertices[static_cast<std::size_t>(t[(i + 1) % 3])];
+        there = std::max(
+            {there, closestPoint(model, corner).distance, closestPoint(model, 0.5 * (corner + next)).distance});
+      }
+    const std::string printed = result.output.substr(result.output.find("file to prepared") + 16);
+    CHECK(std::stod(printed) >= 1e6 * there * (1.0 - 6e-3));
     CHECK(back < 1e-6 * most + holes);
     CHECK((most > 0.0 ? made.triangles.size() < fewest : made.triangles.size() > fewest));
     fewest = made.triangles.size();

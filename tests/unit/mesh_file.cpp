@@ -136,7 +136,7 @@ void checkRefused(const std::string& bytes, const std::string& path, const std::
 
 TEST_CASE("every format gives the same triangles, in the order of the file", "[unit]") {
   TriangleMesh mesh = inSinglePrecision(test::ball(2, 0.1));
-  mesh.triangles.push_back({3, 3, 5});  // what OpenMesh's readers would drop, split or turn
+  mesh.triangles.push_back({3, 3, 5});  // what readers may drop, split or turn
   mesh.triangles.push_back({0, 1, 2});
   mesh.triangles.push_back({0, 1, 2});
   for (const auto& [path, bytes] : allFormats(mesh)) {

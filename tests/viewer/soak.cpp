@@ -86,7 +86,7 @@ std::string randomScript(std::uint64_t seed, double seconds) {
 
 TEST_CASE("soak", "[viewer]") {
   if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
-  const double seconds = test::count(40, 1800);
+  const double seconds = test::count(25, 1800);
   const std::uint64_t seed = 701;
   INFO("seed " << seed);
   const test::TemporaryFolder folder;

@@ -668,10 +668,15 @@ std::vector<Figure> figuresOf(const Study& study, const Findings& findings) {
   return figures;
 }
 
+std::string missingProgram() {
+  const std::string program = programBeside("enamel-figures");
+  return !program.empty() && access(program.c_str(), X_OK) == 0
+             ? ""
+             : "enamel-figures is not there (it is built where VTK is)";
+}
+
 std::string drawFigures(const std::vector<Figure>& figures, const std::string& folder) {
   std::string program = programBeside("enamel-figures");
-  if (program.empty() || access(program.c_str(), X_OK) != 0)
-    return "enamel-figures is not there (it is built where VTK is)";
   Json all;
   for (const Figure& figure : figures) all["figures"].push_back(figure.description);
   std::string input = folder + "/figures.json", output = folder;

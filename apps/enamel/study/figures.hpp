@@ -38,6 +38,9 @@ WallDevice wallDeviceOf(const Study& study);
 
 std::vector<Figure> figuresOf(const Study& study, const Findings& findings);
 
+/// Why enamel-figures, beside this program, cannot draw; or nothing.
+std::string missingProgram();
+
 /// Draws the figures as NAME.png in a folder with the program enamel-figures beside this one. Returns why there are no
 /// figures, or nothing.
 std::string drawFigures(const std::vector<Figure>& figures, const std::string& folder);

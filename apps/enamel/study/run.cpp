@@ -242,8 +242,12 @@ void writeReport(const Study& study, const Findings& findings) {
   const std::string folder = study.path("figures"),
                     path = study.path(findings.whole ? "report.html" : "convergence.html");
   std::filesystem::create_directories(folder);
-  const std::vector<Figure> figures = figuresOf(study, findings);
-  const std::string missing = drawFigures(figures, folder);
+  std::vector<Figure> figures;
+  std::string missing = missingProgram();
+  if (missing.empty()) {
+    figures = figuresOf(study, findings);
+    missing = drawFigures(figures, folder);
+  }
   if (!missing.empty()) fmt::print(stderr, "enamel: the report is without figures: {}\n", missing);
   writeFile(path, reportOf(study, findings, figures, folder, missing));
   fmt::print("report: {}\n", path);

@@ -102,6 +102,11 @@ FileWriter::FileWriter(const std::string& path) : path_(path), target_(path), fi
     std::error_code ignored;
     if (exists && access(path.c_str(), W_OK) != 0) fail();
     if (exists) target_ = std::filesystem::canonical(path, ignored).string();
+    constexpr int kMostLinks = 40;  // to a file that is not there yet
+    for (int links = 0; !exists && links < kMostLinks && std::filesystem::is_symlink(target_, ignored); ++links) {
+      const std::filesystem::path link(target_);
+      target_ = (link.parent_path() / std::filesystem::read_symlink(link, ignored)).string();
+    }
     beside_ = target_ + "." + std::to_string(getpid()) + "-" + std::to_string(count++) + ".part";
     const int number = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (number < 0) {
@@ -111,7 +116,9 @@ FileWriter::FileWriter(const std::string& path) : path_(path), target_(path), fi
     if (exists) (void)fchmod(number, there.st_mode & 07777u);
     file_.reset(fdopen(number, "wb"));
   }
-  if (!file_) fail();
+  if (file_) return;
+  if (!beside_.empty()) unlink(beside_.c_str());
+  fail();
 }
 
 FileWriter::~FileWriter() {

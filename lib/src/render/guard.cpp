@@ -10,7 +10,6 @@
 namespace enamel {
 namespace {
 
-constexpr double kLargestAnswer = 1e6;  // N m or N: what is beyond is no answer
 constexpr double kForgets = 0.2;        // s, of the largest force of late
 constexpr double kLeastForce = 1e-3;    // N, below which nothing is rendered
 constexpr double kLargestEnergy = 1e6;  // J
@@ -26,7 +25,7 @@ constexpr double kPace = 10.0, kEven = 0.3, kClaimed = 5.0;
 bool isSize(const JointVector& v, int n) noexcept { return v.size() == n; }
 
 // False for NaN as well.
-bool within(const JointVector& v, double limit) noexcept { return (v.array().abs() <= limit).all(); }
+bool eachWithin(const JointVector& v, double limit) noexcept { return (v.array().abs() <= limit).all(); }
 
 void requireLimit(double value, const char* name, const char* unit) {
   require(value >= 0.0, std::string("guard: ") + name + " is " + formatNumber(value) + ", must be at least 0 " + unit);
@@ -157,7 +156,7 @@ void Guard::reset() noexcept {
 GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   State& s = state_;
   if (!isSize(m.q, n_) || !isSize(m.rates, n_) || !m.q.allFinite() || !m.rates.allFinite() || !std::isfinite(m.time) ||
-      !(m.applied.size() == 0 || (isSize(m.applied, n_) && within(m.applied, kLargestAnswer))))
+      !(m.applied.size() == 0 || (isSize(m.applied, n_) && eachWithin(m.applied, kLargestTorque))))
     return GuardReason::measurement;
   if (!s.started) return GuardReason::none;
   const double time = std::max(elapsed, options_.period);
@@ -367,7 +366,7 @@ GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const Join
     Vec6 twist = Vec6::Zero();
     if (found == GuardReason::none && !known) found = GuardReason::unreachable;
     if (found == GuardReason::none &&
-        (status != Status::ok || !isSize(requested, n_) || !within(requested, kLargestAnswer)))
+        (status != Status::ok || !isSize(requested, n_) || !eachWithin(requested, kLargestTorque)))
       found = GuardReason::renderer;
     if (found == GuardReason::none && s.started) {
       found = moved(m, k, elapsed, twist);

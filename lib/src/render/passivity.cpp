@@ -35,7 +35,8 @@ double PassivityRenderer::energy() const noexcept { return portOf(state_).energy
 void PassivityRenderer::prepare(double period) {
   wall_->activate(period);
   period_ = period;
-  state_.resize(sizeof(Port) + wall_->stateSize());
+  loaded_.resize(wall_->stateSize());
+  state_.resize(sizeof(Port) + loaded_.size());
 }
 
 void PassivityRenderer::resetState() noexcept {
@@ -46,10 +47,10 @@ void PassivityRenderer::resetState() noexcept {
 }
 
 void PassivityRenderer::stateLoaded() noexcept {
-  if (isFinite({state_.data(), sizeof(Port)}))
-    wall_->loadState(state_.data() + sizeof(Port));
-  else
-    resetState();
+  unsigned char* const wall = state_.data() + sizeof(Port);
+  wall_->loadState(wall);
+  wall_->saveState(loaded_.data());  // that after reset(), where no wall has such bytes
+  if (!isFinite({state_.data(), sizeof(Port)}) || std::memcmp(loaded_.data(), wall, loaded_.size()) != 0) resetState();
 }
 
 Status PassivityRenderer::render(const TickInput& input, TickOutput& output) noexcept {

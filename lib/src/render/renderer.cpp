@@ -17,7 +17,6 @@ constexpr double kLargestRate = 1e3;       // rad/s
 constexpr double kLargestPosition = 10.0;  // m
 constexpr double kLargestSpeed = 100.0;    // m/s
 constexpr double kLargestGap = 100.0;      // m
-constexpr double kLargestTorque = 1e6;     // N m or N
 constexpr double kLargestViscosity = 1e3;  // N s/m
 
 // The norm, one sum without branches. False for NaN as well.

@@ -131,6 +131,10 @@ std::string runLine(const StudyPlan& plan, const StudyResult& result) {
 
 RunFile::RunFile(const StudyPlan& plan, std::string path, bool resume)
     : plan_(plan), path_(std::move(path)), file_(nullptr, &std::fclose) {
+  constexpr std::size_t kLongestLine = 400;  // with room: numbers of 17 digits for every metric
+  if (plan.size() > kLargestRunFile / kLongestLine)
+    throw Error(path_ + ": would hold " + std::to_string(plan.size()) + " runs, at most " +
+                std::to_string(kLargestRunFile / kLongestLine) + " are read again");
   // A pipe would wait for someone to read.
   if (const int number = open(path_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666); number >= 0)
     file_.reset(fdopen(number, "ab"));

@@ -21,7 +21,7 @@ struct DevicePlant {
 };
 
 /// Wraps the forward dynamics at `pose`. The functions share the mechanism.
-/// Throws DesignError: the pose is out of reach or singular; a number of joints other than 3 and 6. Realtime: no.
+/// Throws DesignError: no mechanism; the pose is no rotation, out of reach or singular; a number of joints other than 3 and 6. Realtime: no.
 DevicePlant devicePlant(const std::shared_ptr<const Mechanism>& mechanism, const Pose& pose);
 
 /// The paper's whole chain for a device at rest at `pose`: linearise, transform, augment, hold, Riccati. `period` in s.

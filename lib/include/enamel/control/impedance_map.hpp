@@ -22,7 +22,8 @@ struct SpringWall {
 /// Simulates a push of 12 N on the wall from rest on its surface and answers whether the motion dies out: over the last
 /// third of `seconds` it is less than half of what it was over the second third, or less than 1e-12 m. A tool that
 /// bounces on without growing is not stable. Exact zero-order hold.
-/// Throws DesignError: a parameter negative, not finite, or mass or period zero. Realtime: no.
+/// Throws DesignError: a parameter negative, not finite, or mass or period zero; more than 1e8
+/// periods; a delay outside 0 to 1000. Realtime: no.
 bool isWallStable(const WallDevice& device, const SpringWall& wall, double seconds = 3.0);
 
 struct WallStability {

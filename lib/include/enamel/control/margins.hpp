@@ -25,7 +25,8 @@ struct Margins {
 };
 
 /// Matrix of the closed loop when u = -K x acts `delay` samples late: states [x[j]; u[j-1]; ...; u[j-delay]].
-/// Realtime: no.
+/// These and the functions below throw DesignError: sizes that do not fit; a delay outside 0 to 65; a period that is not
+/// positive and finite. Realtime: no.
 Eigen::MatrixXd closedLoop(const StateSpace& loop, const Eigen::MatrixXd& K, int delay);
 
 /// Largest modulus of the eigenvalues. Throws DesignError if they do not converge. Realtime: no.

@@ -17,6 +17,9 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 /// Most joints that a mechanism can have.
 inline constexpr int kMaxJoints = 7;
 
+/// What is beyond is no torque and no force, N m or N.
+inline constexpr double kLargestTorque = 1e6;
+
 /// One number a joint: rad, rad/s, N m (rotation) or m, m/s, N (translation). Up to kMaxJoints, stored in place.
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxJoints, 1>;
 /// n x n, stored in place.

@@ -167,7 +167,7 @@ typedef struct EnamelPlugin {
   /* Setup, any number of times while not active. On an error the instance is as before. */
   int32_t (*configure)(void* self, const EnamelConfiguration* configuration, EnamelMessage message);
 
-  /* Setup, once configured: gets ready for ticks of `period` s, in (0, 0.1], and resets. Allocate here. */
+  /* Setup, once configured: gets ready for ticks of `period` s, in 1e-5 to 0.1, and resets. Allocate here. */
   int32_t (*activate)(void* self, double period, EnamelMessage message);
 
   /* Tick. The output is defined whatever the result; on any but ENAMEL_OK torque and wrench are 0, the mode ENAMEL_FAULT and

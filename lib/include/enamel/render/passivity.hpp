@@ -37,7 +37,8 @@ class PassivityRenderer final : public Renderer {
 
   std::unique_ptr<Renderer> wall_;
   double period_ = 0.0;
-  std::vector<unsigned char> state_;  // the port's, then the wall's
+  std::vector<unsigned char> state_;   // the port's, then the wall's
+  std::vector<unsigned char> loaded_;  // the wall's, as it took it
 };
 
 }  // namespace enamel

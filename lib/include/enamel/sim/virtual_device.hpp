@@ -84,7 +84,8 @@ struct VirtualDeviceSetup {
 };
 
 /// Checks a setup. Throws Error: substeps outside 1 to 1000; a period outside 1e-5 to 0.1 s; delays outside 0 to
-/// kMaxDelay ticks or low > high; a cutoff that is not positive. Realtime: no.
+/// kMaxDelay ticks or low > high; a cutoff that is not positive; a start pose that is not finite or no rotation.
+/// Realtime: no.
 void checkVirtualDevice(const VirtualDeviceSetup& setup);
 
 /// A device that lives in steps of one period: measure(), actuate(), advance(), and again. It tells the torque that

@@ -21,7 +21,7 @@ class RunFile {
  public:
   /// Opens the file to write. With `resume` it keeps the runs that are there, which must be those of the plan, and cuts
   /// a torn last line off; without, it starts an empty file.
-  /// Throws Error: the file cannot be opened, written or locked (another process writes it); a line that is not the
+  /// Throws Error: more runs than a file of kLargestRunFile holds; the file cannot be opened, written or locked (another process writes it); a line that is not the
   /// plan's or not as runLine() writes it. The plan must outlive this object. Realtime: no.
   RunFile(const StudyPlan& plan, std::string path, bool resume);
 
