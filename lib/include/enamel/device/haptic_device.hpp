@@ -21,12 +21,21 @@ struct Command {
   JointVector torque;  ///< N m or N
 };
 
-/// A device that can be measured and actuated, in this order, once a tick. The virtual device and every driver.
+/// A device that can be measured and actuated, in this order, once a tick, between open() and close(). The virtual
+/// device and every driver.
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
 
-  /// Any status but ok: the measurement is not to be used. Realtime: yes.
+  /// Makes the device ready to be measured; its motors give nothing, or what balances gravity, until actuate(). Throws
+  /// Error with the cause. Realtime: no.
+  virtual void open() {}
+
+  /// Ends what open() began, with the motors off; does nothing on a device that is not open. Realtime: no.
+  virtual void close() noexcept {}
+
+  /// Any status but ok: the measurement is not to be used; stale where there is none since the last call. Realtime:
+  /// yes.
   [[nodiscard]] virtual Status measure(Measurement& measurement) noexcept = 0;
 
   /// Realtime: yes.

@@ -1,0 +1,149 @@
+#include "enamel/runtime/haptic_loop.hpp"
+
+#include <sys/mman.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "core/message.hpp"
+
+namespace enamel {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kShortest = 1e-4, kLongest = 2e-3;  // periods, s
+
+double since(Clock::time_point begin) noexcept { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+std::atomic<int> locks{0};
+
+}  // namespace
+
+LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOptions& options)
+    : device_(device),
+      haptics_(haptics),
+      sink_(options.sink),
+      period_(options.period),
+      ticks_(haptics.guard().options().period) {
+  const GuardOptions& guard = haptics.guard().options();
+  require(guard.on, "haptic loop: the guard is off; only simulations may run without it");
+  if (period_ == 0.0) period_ = ticks_;
+  require(period_ >= kShortest && period_ <= kLongest && period_ <= ticks_,
+          "haptic loop: the period is " + formatNumber(period_) + " s, must be in " + formatNumber(kShortest) + " to " +
+              formatNumber(kLongest) + " s and not longer than that of the ticks, " + formatNumber(ticks_) + " s");
+  device_.open();
+  const auto begin = Clock::now();
+  Status status = device_.measure(measurement_);
+  while (status != Status::ok && since(begin) < options.firstMeasurement) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    status = device_.measure(measurement_);
+  }
+  if (status != Status::ok) {
+    device_.close();
+    throw Error("haptic loop: the device gave no measurement within " + formatNumber(options.firstMeasurement) +
+                " s: " + toString(status));
+  }
+  tick_.pose = haptics.input().kinematics.pose;
+  tick_.requested = command_.torque = JointVector::Zero(guard.torque.size());
+}
+
+LoopBody::~LoopBody() { device_.close(); }
+
+bool LoopBody::step() noexcept {
+  const auto begin = Clock::now();
+  const GuardOptions& guard = haptics_.guard().options();
+  // The constructor's measurement is the first tick's where there is no newer one.
+  Measurement fresh = measurement_;
+  Status device = device_.measure(fresh);
+  if (device == Status::ok || first_) {
+    if (device == Status::ok) measurement_ = fresh;
+    held_ = 0;
+  } else {
+    ++held_;
+    heldAll_.fetch_add(1, std::memory_order_relaxed);
+    const double enough = faulty_ ? ticks_ - period_ : guard.longestGap * ticks_;
+    if (held_ * period_ <= enough * (1.0 + 1e-9)) {
+      if (device_.actuate(command_) != Status::ok) unsent_.fetch_add(1, std::memory_order_relaxed);
+      return true;
+    }
+    measurement_.time += held_ * period_;  // the guard sees time go on without the device
+    held_ = 0;
+  }
+  first_ = false;
+  const auto measured = Clock::now();
+  tick_.measurement = measurement_;
+  tick_.reset = reset_ && !stopping_;
+  reset_ = false;
+  if (tick_.reset) {
+    haptics_.reset();
+    faulty_ = false;
+  }
+  if (stopping_) tick_.measurement.enabled = false;
+  tick_.status = haptics_(tick_.measurement, command_);
+  tick_.command = command_;
+  tick_.compute = since(measured);
+  const Status sent = device_.actuate(command_);
+  tick_.age = since(begin);
+  if (sent != Status::ok) unsent_.fetch_add(1, std::memory_order_relaxed);
+  tick_.device = device != Status::ok ? device : sent;
+  age_.add(tick_.age);
+
+  const TickInput& input = haptics_.input();
+  tick_.pose = input.kinematics.pose;
+  tick_.twist = input.kinematics.twist;
+  tick_.requested = haptics_.output().torque;
+  tick_.normalForce = haptics_.output().normalForce;
+  tick_.mode = haptics_.output().mode;
+  tick_.reason = haptics_.reason();
+  if (sink_ != nullptr) sink_->tick(tick_, haptics_);
+  ++tick_.number;
+
+  // The ramp out begins with stop(), and anew with a fault on the way.
+  const bool fault = haptics_.guard().fault() != GuardReason::none;
+  if (!stopping_ || (fault && !faulty_)) left_ = static_cast<int>(std::ceil(guard.rampOut / ticks_)) + 2;
+  faulty_ = fault;
+  return !stopping_ || --left_ > 0;
+}
+
+HapticLoop::MemoryLock::MemoryLock(bool wanted) noexcept {
+  if (!wanted) return;
+  // What is mapped later counts too only where no limit can make later allocations fail.
+  rlimit limit{};
+  const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
+  held = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
+  if (held) ++locks;
+}
+
+HapticLoop::MemoryLock::~MemoryLock() {
+  if (held && --locks == 0) munlockall();
+}
+
+HapticLoop::HapticLoop(HapticDevice& device, HapticTick& haptics, const HapticLoopOptions& options)
+    : lock_(options.lockMemory),
+      body_(device, haptics, options),
+      thread_(
+          body_.period(), [this] { period(); }, options.priority) {}
+
+HapticLoop::~HapticLoop() {
+  while (!stopped()) {  // within a bounded number of periods, whatever the device does
+    stop();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+void HapticLoop::period() noexcept {
+  LoopCommand command;
+  while (commands_.pop(command)) command == LoopCommand::stop ? body_.stop() : body_.reset();
+  const std::uint64_t before = body_.tick().number;
+  const bool more = body_.step();
+  if (body_.tick().number != before) {
+    state_.next() = body_.tick();
+    state_.publish();
+  }
+  if (!more) stopped_.store(true, std::memory_order_release);
+}
+
+}  // namespace enamel
