@@ -11,6 +11,7 @@ void addEvaluate(CLI::App& app);
 void addDesign(CLI::App& app);
 void addPush(CLI::App& app);
 void addStudy(CLI::App& app);
+void addDevice(CLI::App& app);
 void addBench(CLI::App& app);
 void addMesh(CLI::App& app);
 void addPlugins(CLI::App& app);

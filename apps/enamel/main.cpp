@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
     enamel::app::addDesign(app);
     enamel::app::addPush(app);
     enamel::app::addStudy(app);
+    enamel::app::addDevice(app);
     enamel::app::addMesh(app);
     enamel::app::addPlugins(app);
     enamel::app::addBench(app);

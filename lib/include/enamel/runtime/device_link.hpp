@@ -68,8 +68,8 @@ struct LinkOptions {
   double rampOut = 0.02;
 };
 
-/// A client that does not command calls every 10 ms; a session ends after 100 ms without a datagram of the other end.
-inline constexpr std::int64_t kCallEvery = 10'000'000, kSessionEnds = 100'000'000;  // ns
+/// A client that does not command calls every 5 ms; a session ends after 100 ms without a datagram of the other end.
+inline constexpr std::int64_t kCallEvery = 5'000'000, kSessionEnds = 100'000'000;  // ns
 
 /// The end of the loop. No thread, no clock, no socket.
 class LinkClient {

@@ -1,0 +1,244 @@
+#include <fmt/core.h>
+#include <signal.h>  // sigaction is not in <csignal>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <thread>
+
+#include "bench/nominal_device.hpp"
+#include "commands.hpp"
+#include "enamel/collision/scene_file.hpp"
+#include "enamel/control/servo_design.hpp"
+#include "enamel/core/error.hpp"
+#include "enamel/device/device_file.hpp"
+#include "enamel/runtime/haptic_loop.hpp"
+#include "enamel/runtime/udp_device.hpp"
+#include "enamel/sim/hand.hpp"
+#include "enamel/sim/simulated_device.hpp"
+#include "renderers.hpp"
+
+namespace enamel::app {
+namespace {
+
+struct DeviceOptions {
+  bool serve = false;
+  std::string connect, device, scene, key, renderer = kPositionControl;
+  ServeOptions server;
+  double rate_Hz = 1000.0, duration = 0.0, force = kUnlimited;
+};
+
+volatile sig_atomic_t interrupted = 0;
+
+// While it lives, SIGINT and SIGTERM only end the wait.
+class Wait {
+ public:
+  Wait() {
+    struct sigaction action {};
+    action.sa_handler = [](int) { interrupted = 1; };
+    sigaction(SIGINT, &action, &before_[0]);
+    sigaction(SIGTERM, &action, &before_[1]);
+  }
+  ~Wait() {
+    sigaction(SIGINT, &before_[0], nullptr);
+    sigaction(SIGTERM, &before_[1], nullptr);
+  }
+
+  // Until a signal, or until `duration` s are over; 0: without end.
+  void operator()(double duration) const {
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    while (interrupted == 0 &&
+           (duration == 0.0 || std::chrono::duration<double>(Clock::now() - begin).count() < duration))
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+
+ private:
+  struct sigaction before_[2];
+};
+
+void print(const char* name, const DurationHistogram& h) {
+  fmt::print("{:<28} p50 {:>8.1f}  p99 {:>8.1f}  p99.9 {:>8.1f}  max {:>8.1f} us  ({})\n", name, 1e6 * h.quantile(0.5),
+             1e6 * h.quantile(0.99), 1e6 * h.quantile(0.999), 1e6 * h.largest(), h.count());
+}
+
+void print(const PeriodicTiming& timing) {
+  fmt::print("periods {}, missed {}, scheduling {}\n", timing.periods.load(), timing.missed.load(),
+             timing.realtime.load() ? "real-time (SCHED_FIFO)" : "normal: the real-time class was refused");
+  print("wake-up error", timing.wakeUp);
+  print("compute time of a period", timing.compute);
+}
+
+void print(const LinkCounts& counts, const char* trip) {
+  fmt::print("datagrams sent {}, accepted {}", counts.sent.load(), counts.accepted.load());
+  for (int i = 0; i < kDropReasons; ++i)
+    if (const std::uint64_t n = counts.dropped[static_cast<std::size_t>(i)]; n > 0)
+      fmt::print(", dropped ({}) {}", toString(static_cast<DropReason>(i)), n);
+  fmt::print("\n");
+  print(trip, counts.roundTrip);
+}
+
+// A hand that goes in and out along z once in two seconds, from 5 mm before home to 20 mm behind it, and is soft enough
+// to be stopped by a wall.
+PersonalLoad scriptedHand() {
+  return [](double time, const Pose& pose, const Vec6& twist) {
+    constexpr Grip grip{400.0, 12.0};
+    const double turn = M_PI * time;
+    const double z = 0.005 - 0.0125 * (1.0 - std::cos(turn)), speed = -0.0125 * M_PI * std::sin(turn);
+    Vec6 wrench = guidingWrench(pose, twist, Pose{}, Vec3::UnitZ());
+    wrench[2] -= grip.stiffness * (pose.position.z() - z) + grip.damping * (twist[2] - speed);
+    return wrench;
+  };
+}
+
+void serve(const DeviceOptions& options, const Mechanism& mechanism) {
+  VirtualDeviceSetup setup;
+  setup.start.position.z() = 0.005;
+  setup.period = 1.0 / options.rate_Hz;
+  setup.encoders = {true, RateSource::difference, 100.0};
+  SimulatedDevice device(mechanism, setup, scriptedHand(), true);
+  ServeOptions how = options.server;
+  how.period = setup.period;
+  const Wait wait;
+  const DeviceServer server(device, mechanism, how);
+  fmt::print("{} at {}:{}, {} Hz, {}\n", mechanism.name(), how.address, server.port(), options.rate_Hz,
+             how.link.key ? "with a key" : "without a key");
+  std::fflush(stdout);
+  wait(options.duration);
+  print(server.timing());
+  print(server.counts(), "measurement to command");
+}
+
+// Counts what happened, for another thread.
+class Tally final : public TickSink {
+ public:
+  void tick(const LoopTick& t, const HapticTick&) noexcept override {
+    reasons_[static_cast<std::size_t>(t.reason)].fetch_add(1, std::memory_order_relaxed);
+    if (t.normalForce > force_) force_ = t.normalForce;
+    if (t.mode == RenderMode::contact) contact_.fetch_add(1, std::memory_order_relaxed);
+  }
+
+  void print() const {
+    fmt::print("ticks in contact {}, largest force {:.2f} N; ticks by reason of the guard:", contact_.load(),
+               force_.load());
+    for (std::size_t i = 0; i < reasons_.size(); ++i)
+      if (reasons_[i] > 0) fmt::print(" {} {},", toString(static_cast<GuardReason>(i)), reasons_[i].load());
+    fmt::print("\n");
+  }
+
+ private:
+  std::array<std::atomic<std::uint64_t>, static_cast<std::size_t>(GuardReason::deadlines) + 1> reasons_{};
+  std::atomic<std::uint64_t> contact_{0};
+  std::atomic<double> force_{0.0};
+};
+
+std::unique_ptr<Renderer> rendererFor(const DeviceOptions& options, const std::shared_ptr<const Mechanism>& mechanism,
+                                      double period) {
+  const RendererSource source = findRenderer(options.renderer);
+  if (source.plugin) return makeRenderer(source.plugin, {options.device, "", options.scene, "", {}});
+  if (source.name == kPositionControl)  // the wire: a command acts one tick after its measurement, or two
+    return std::make_unique<SurfaceServoRenderer>(surfaceServo("", *mechanism, period, {1, 2}));
+  if (source.name == kHold)
+    return std::make_unique<PositionControlRenderer>(ServoGain(designServo(mechanism, Pose{}, period).K), period,
+                                                     PositionControlOptions{});
+  auto wall = std::make_unique<ImpedanceRenderer>(ImpedanceOptions{});
+  if (source.name == kImpedance) return wall;
+  return std::make_unique<PassivityRenderer>(std::move(wall));
+}
+
+void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism>& mechanism) {
+  const std::size_t colon = options.connect.rfind(':');
+  const std::string host = options.connect.substr(0, colon);
+  std::uint16_t port = kDevicePort;
+  if (colon != std::string::npos) {
+    const char *at = options.connect.data() + colon + 1, *end = options.connect.data() + options.connect.size();
+    const auto [rest, error] = std::from_chars(at, end, port);
+    if (error != std::errc{} || rest != end || port == 0)
+      throw Error("--connect is \"" + options.connect + "\", must be HOST or HOST:PORT with a port in 1 to 65535");
+  }
+  LinkOptions link = options.server.link;
+  link.joints = mechanism->joints();
+  UdpDevice device(host, port, link);
+
+  Scene scene = flatWall();
+  Tool tool;
+  const double period = 1.0 / options.rate_Hz;
+  GuardOptions guard = guardFor(*mechanism, period);
+  guard.force = options.force;
+  if (!options.scene.empty()) {
+    SceneFile file = loadScene(options.scene);
+    for (const std::string& note : file.notes) fmt::print(stderr, "{}\n", note);
+    scene = std::move(file.scene);
+    tool = file.tool;
+    guard.force = std::min(guard.force, file.maxForce);
+  }
+  const std::unique_ptr<Renderer> renderer = rendererFor(options, mechanism, period);
+  HapticTick haptics(*mechanism, scene, tool, *renderer, guard);
+  Tally tally;
+  HapticLoopOptions how;
+  how.period = std::max(1e-4, period / 4.0);  // the server has a clock of its own
+  how.sink = &tally;
+  GuardReason fault = GuardReason::none;
+  {
+    const Wait wait;
+    HapticLoop loop(device, haptics, how);
+    fmt::print("{} at {}: {}, memory {}\n", mechanism->name(), options.connect, options.renderer,
+               loop.memoryLocked() ? "locked" : "not locked: refused");
+    std::fflush(stdout);
+    wait(options.duration == 0.0 ? 10.0 : options.duration);
+    while (loop.refresh()) fault = isFault(loop.latest().reason) ? loop.latest().reason : GuardReason::none;
+    loop.stop();
+    while (!loop.stopped()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    print(loop.timing());
+    print("age of the command", loop.age());
+    fmt::print("periods without a new measurement {}, commands not sent {}\n", loop.held(), loop.unsent());
+  }
+  print(device.counts(), "command to measurement");
+  tally.print();
+  if (fault != GuardReason::none) throw Error(std::string("stopped by the guard: ") + toString(fault));
+}
+
+void run(DeviceOptions options) {
+  if (options.serve == !options.connect.empty()) throw Error("give --serve or --connect HOST:PORT");
+  if (!options.key.empty()) options.server.link.key = readKey(options.key);
+  const auto mechanism =
+      makeMechanism(options.device.empty() ? DeviceParameters(bench::nominalDevice()) : loadDevice(options.device));
+  if (options.serve)
+    serve(options, *mechanism);
+  else
+    connect(options, mechanism);
+}
+
+}  // namespace
+
+void addDevice(CLI::App& app) {
+  auto options = std::make_shared<DeviceOptions>();
+  CLI::App* command = app.add_subcommand(
+      "device",
+      "A device over UDP: serves the virtual one, in real time and moved by a hand, or runs a haptic loop on one that\n"
+      "is served. Prints at the end how it went. The protocol: lib/docs/device.md.");
+  command->add_flag("--serve", options->serve, "until --duration or a signal");
+  command->add_option("--connect", options->connect, "HOST or HOST:PORT of what is served");
+  command->add_option("--device", options->device, "device file (TOML), the same on both sides; without it the TAU");
+  command->add_option("--port", options->server.port, "of --serve; 0: any that is free")->capture_default_str();
+  command->add_option("--bind", options->server.address, "of --serve; others than 127.0.0.1 need --key")
+      ->capture_default_str();
+  command->add_option("--key", options->key, "file with the key that both sides share, 32 hexadecimal digits");
+  command->add_option("--rate", options->rate_Hz, "of the device's ticks, Hz, the same on both sides")
+      ->check(CLI::Range(500.0, 10000.0))
+      ->capture_default_str();
+  command->add_option("--duration", options->duration, "s; 0: --serve without end, --connect 10 s")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
+  command->add_option("--renderer", options->renderer, "as of push")->capture_default_str();
+  command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0");
+  command->add_option("--max-force", options->force, "that the guard lets the renderer put on the tool, N")
+      ->default_str("no limit");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace enamel::app
