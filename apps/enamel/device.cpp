@@ -118,7 +118,7 @@ class Tally final : public TickSink {
  public:
   void tick(const LoopTick& t, const HapticTick&) noexcept override {
     reasons_[static_cast<std::size_t>(t.reason)].fetch_add(1, std::memory_order_relaxed);
-    if (t.normalForce > force_) force_ = t.normalForce;
+    if (t.reason == GuardReason::none && t.normalForce > force_) force_ = t.normalForce;
     if (t.mode == RenderMode::contact) contact_.fetch_add(1, std::memory_order_relaxed);
   }
 
