@@ -61,8 +61,11 @@ bool LoopBody::step() noexcept {
   if (device == Status::ok || first_) {
     if (device == Status::ok) measurement_ = fresh;
     held_ = 0;
+    silence_ = 0.0;
   } else {
     ++held_;
+    silence_ += period_;
+    if (silence_ > guard.longestGap * ticks_) reset_ = false;
     heldAll_.fetch_add(1, std::memory_order_relaxed);
     const double enough = faulty_ ? ticks_ - period_ : guard.longestGap * ticks_;
     if (held_ * period_ <= enough * (1.0 + 1e-9)) {
@@ -75,9 +78,9 @@ bool LoopBody::step() noexcept {
   first_ = false;
   const auto measured = Clock::now();
   tick_.measurement = measurement_;
-  tick_.reset = reset_ && !stopping_;
-  reset_ = false;
+  tick_.reset = reset_ && silence_ == 0.0 && !stopping_;  // on a measurement: their time goes on from there
   if (tick_.reset) {
+    reset_ = false;
     haptics_.reset();
     faulty_ = false;
   }

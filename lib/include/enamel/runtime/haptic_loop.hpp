@@ -69,7 +69,7 @@ class LoopBody {
   /// One period. True until the rendered part has ramped out after stop(). Realtime: yes.
   bool step() noexcept;
 
-  /// From the next step on. Realtime: yes.
+  /// From the next step on; reset() does nothing while the device is silent. Realtime: yes.
   void stop() noexcept { stopping_ = true; }
   void reset() noexcept { reset_ = true; }
 
@@ -90,8 +90,9 @@ class LoopBody {
   Measurement measurement_;
   Command command_;
   bool stopping_ = false, reset_ = false, first_ = true, faulty_ = false;
-  int held_ = 0;  // periods since the last measurement
-  int left_ = 0;  // ticks until the rendered part is out
+  double silence_ = 0.0;  // since the last measurement, s
+  int held_ = 0;          // periods since the last measurement or tick
+  int left_ = 0;          // ticks until the rendered part is out
   DurationHistogram age_;
   std::atomic<std::uint64_t> heldAll_{0}, unsent_{0};
 };
@@ -112,7 +113,7 @@ class HapticLoop {
   /// commands are waiting already. Realtime: yes.
   bool stop() noexcept { return commands_.push(LoopCommand::stop); }
 
-  /// Goes on after a fault of the guard.
+  /// Goes on after a fault of the guard; does nothing while the device is silent.
   bool reset() noexcept { return commands_.push(LoopCommand::reset); }
 
   /// Whether the rendered part is out after stop(). Realtime: yes.
