@@ -10,6 +10,8 @@ namespace enamel::app {
 void addEvaluate(CLI::App& app);
 void addDesign(CLI::App& app);
 void addPush(CLI::App& app);
+void addReplay(CLI::App& app);
+void addExport(CLI::App& app);
 void addStudy(CLI::App& app);
 void addDevice(CLI::App& app);
 void addBench(CLI::App& app);

@@ -12,6 +12,8 @@ int main(int argc, char** argv) {
     enamel::app::addEvaluate(app);
     enamel::app::addDesign(app);
     enamel::app::addPush(app);
+    enamel::app::addReplay(app);
+    enamel::app::addExport(app);
     enamel::app::addStudy(app);
     enamel::app::addDevice(app);
     enamel::app::addMesh(app);

@@ -8,16 +8,19 @@
 #include "commands.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
+#include "enamel/runtime/recorder.hpp"
 #include "plugin_folder.hpp"
 #include "push_report.hpp"
+#include "recorded.hpp"
 #include "renderers.hpp"
 
 namespace enamel::app {
 namespace {
 
 struct PushOptions {
-  std::string device, scene, gain, output;
+  std::string device, scene, gain, output, record;
   std::vector<std::string> renderers = {kPositionControl};
   std::string delay = "none";
   bool guide = true, encoders = false, insideTick = false, json = false;
@@ -30,9 +33,9 @@ struct PushOptions {
 };
 
 // run.csv, or run-impedance.csv where several renderers write beside each other.
-std::string outputFor(const PushOptions& options, const std::string& renderer) {
-  if (options.renderers.size() == 1) return options.output;
-  std::filesystem::path path(options.output);
+std::string outputFor(const PushOptions& options, const std::string& file, const std::string& renderer) {
+  if (options.renderers.size() == 1) return file;
+  std::filesystem::path path(file);
   path.replace_filename(path.stem().string() + "-" + renderer + path.extension().string());
   return path.string();
 }
@@ -88,6 +91,36 @@ std::vector<RendererSource> sourcesOf(const PushOptions& options) {
   return sources;
 }
 
+// The parameters of a linked renderer, by the names that the plugins give them.
+std::map<std::string, std::string> parametersOf(const PushOptions& options, const std::string& renderer, bool hasGain,
+                                                const Delay& delay) {
+  const auto onOff = [](bool value) { return value ? "on" : "off"; };
+  std::map<std::string, std::string> parameters;
+  if (renderer == kImpedance || renderer == kPassivity)
+    return {{"stiffness", fmt::format("{}", options.impedance.stiffness)},
+            {"damping", fmt::format("{}", options.impedance.damping)}};
+  if (renderer == kPositionControl)
+    parameters = {
+        {"mode", "surface"}, {"delay", std::to_string(delay.low)}, {"delay-high", std::to_string(delay.high)}};
+  else
+    parameters = {
+        {"mode", "hold"}, {"release", onOff(options.servo.release)}, {"anti-windup", onOff(options.servo.antiWindup)}};
+  if (hasGain) parameters["gain"] = std::filesystem::absolute(options.gain).string();
+  return parameters;
+}
+
+RecordingHeader headerOf(const PushOptions& options, const PushSetup& setup) {
+  RecordingHeader header;
+  header.deviceFile = std::filesystem::absolute(options.device).string();
+  header.deviceText = readFile(options.device);
+  if (!options.scene.empty()) {
+    header.sceneFile = std::filesystem::absolute(options.scene).string();
+    header.sceneText = readFile(options.scene);
+  }
+  header.start = setup.start;
+  return header;
+}
+
 void run(const PushOptions& options) {
   // The damping that an option adds is the plant's: servos and plugins are designed on the device of the file.
   DeviceParameters parameters = loadDevice(options.device);
@@ -101,43 +134,48 @@ void run(const PushOptions& options) {
   const std::string owner = options.gain.empty() ? "" : rendererOf(options.gain);
   const double limit = largestStiffness(*plant, setup);
 
-  const auto makeLinked = [&](const std::string& name) -> std::unique_ptr<Renderer> {
-    if (name == kImpedance) {
-      auto wall = std::make_unique<ImpedanceRenderer>(options.impedance);
-      const std::string warning = dampingWarning(options.impedance, setup.period, damping);
-      if (!warning.empty()) fmt::print(stderr, "enamel: warning: {}\n", warning);
-      return wall;
-    }
-    if (name == kPassivity)
-      return std::make_unique<PassivityRenderer>(std::make_unique<ImpedanceRenderer>(options.impedance));
-    const std::string gain = name == owner ? options.gain : "";
-    if (name == kPositionControl)
-      return std::make_unique<SurfaceServoRenderer>(surfaceServo(gain, *device, setup.period, setup.delay));
-    return std::make_unique<PositionControlRenderer>(gain.empty()
-                                                         ? ServoGain(designServo(device, Pose{}, setup.period).K)
-                                                         : loadGain(gain, device->joints(), setup.period),
-                                                     setup.period, options.servo);
-  };
+  RecordingHeader header;
+  if (!options.record.empty()) header = headerOf(options, setup);
   std::vector<PushOutcome> outcomes;
-  std::vector<std::string> files;
+  std::vector<std::string> files, recordings;
   std::string failures;
   for (const auto& [name, library] : sources) {
     try {
-      const std::unique_ptr<Renderer> renderer = library ? makeRenderer(library, plugin) : makeLinked(name);
+      const auto values = library ? plugin.parameters : parametersOf(options, name, name == owner, setup.delay);
+      const std::unique_ptr<Renderer> renderer =
+          library ? makeRenderer(library, plugin) : makeLinked(name, values, device, setup.period);
+      if (name == kImpedance && !library) {
+        const std::string warning = dampingWarning(options.impedance, setup.period, damping);
+        if (!warning.empty()) fmt::print(stderr, "enamel: warning: {}\n", warning);
+      }
       std::optional<TickFile> file;
-      if (!options.output.empty()) file.emplace(outputFor(options, name), *device);
+      if (!options.output.empty()) file.emplace(outputFor(options, options.output, name), *device);
+      std::optional<Recorder> recorder;
       MetricsCollector collector(setup, limit, plant->limits().torque);
-      const PushResult result = runPush(*plant, *renderer, setup, [&](const TickRecord& tick) {
+      const PushResult result = runPush(*plant, *renderer, setup, [&](const TickRecord& tick, const VirtualLoop& loop) {
         collector.add(tick);
         if (file) file->write(tick);
+        if (options.record.empty()) return;
+        if (!recorder) {
+          nameRenderer(name, library ? library->path() : "", values, setup.scene, header);
+          recorder.emplace(outputFor(options, options.record, name), header, loop.hapticTick());
+        }
+        recorder->makeRoom();
+        recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
       });
       if (file) file->close();
+      if (recorder) {
+        const RecordingResult recorded = recorder->close();
+        if (!recorded.problem.empty())
+          throw Error(fmt::format("{} ({} ticks are lost)", recorded.problem, recorded.lost));
+        recordings.push_back(outputFor(options, options.record, name));
+      }
       const double end = static_cast<double>(result.ticks) * setup.period;
       const PushMetrics metrics = collector.metrics();
       if (result.status != Status::ok && result.status != Status::stopped)
         throw Error(fmt::format("the device left its workspace at {} s: its pose is {}", end, toString(result.status)));
       outcomes.push_back({name, library == nullptr && (name == kHold || name == kImpedance), metrics});
-      if (file) files.push_back(outputFor(options, name));
+      if (file) files.push_back(outputFor(options, options.output, name));
       if (result.status == Status::stopped)
         throw Error(fmt::format("stopped by the guard at {} s: {}", end, toString(result.guard)));
       if (metrics.verdict == FirstImpactVerdict::unstable)
@@ -160,6 +198,7 @@ void run(const PushOptions& options) {
         options.delay, setup.seed, damping, owner.empty() ? "" : "; servo of " + owner + ": " + options.gain);
     fmt::print("{}", tableOf(outcomes, person.scenario));
     for (const std::string& file : files) fmt::print("every tick: {}\n", file);
+    for (const std::string& file : recordings) fmt::print("recording: {}\n", file);
   }
   if (!failures.empty()) {
     std::fflush(stdout);
@@ -244,6 +283,7 @@ void addPush(CLI::App& app) {
   command->add_option("--seed", options->setup.seed, "of everything random")->capture_default_str();
   command->add_option("--substeps", options->setup.substeps, "integration steps a tick")->capture_default_str();
   command->add_option("--output", options->output, "CSV file");
+  command->add_option("--record", options->record, "recording, for enamel replay and enamel export");
   command->add_flag("--json", options->json, "print the metrics as JSON");
   command->callback([options] { run(*options); });
 }

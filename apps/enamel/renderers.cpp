@@ -94,6 +94,48 @@ SurfaceServoOptions surfaceServo(const std::string& gain, const Mechanism& mecha
   return options;
 }
 
+std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std::string, std::string>& parameters,
+                                     const std::shared_ptr<const Mechanism>& device, double period) {
+  const auto text = [&](const char* key, const std::string& otherwise) {
+    const auto found = parameters.find(key);
+    return found == parameters.end() ? otherwise : found->second;
+  };
+  const auto read = [&](const char* key, auto& value) {
+    const std::string of = text(key, fmt::format("{}", value));
+    const auto [rest, error] = std::from_chars(of.data(), of.data() + of.size(), value);
+    if (error != std::errc{} || rest != of.data() + of.size())
+      throw Error(fmt::format("parameter {} of {} is \"{}\", must be a number", key, name, of));
+  };
+  const auto readFlag = [&](const char* key, bool& value) {
+    const std::string of = text(key, value ? "on" : "off");
+    if (of != "on" && of != "off")
+      throw Error(fmt::format("parameter {} of {} is \"{}\", must be on or off", key, name, of));
+    value = of == "on";
+  };
+  if (name == kImpedance || name == kPassivity) {
+    ImpedanceOptions options;
+    read("stiffness", options.stiffness);
+    read("damping", options.damping);
+    auto wall = std::make_unique<ImpedanceRenderer>(options);
+    if (name == kImpedance) return wall;
+    return std::make_unique<PassivityRenderer>(std::move(wall));
+  }
+  const std::string given = text("gain", "designed"), gain = given == "designed" ? "" : given;
+  if (name == kPositionControl) {
+    Delay delay;
+    read("delay", delay.low);
+    delay.high = delay.low;
+    if (text("delay-high", "same") != "same") read("delay-high", delay.high);
+    return std::make_unique<SurfaceServoRenderer>(surfaceServo(gain, *device, period, delay));
+  }
+  PositionControlOptions options;
+  readFlag("release", options.release);
+  readFlag("anti-windup", options.antiWindup);
+  return std::make_unique<PositionControlRenderer>(
+      gain.empty() ? ServoGain(designServo(device, Pose{}, period).K) : loadGain(gain, device->joints(), period),
+      period, options);
+}
+
 double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal) {
   const auto require = [&pose](Status status) {
     if (status != Status::ok)

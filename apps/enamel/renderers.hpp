@@ -1,6 +1,7 @@
 // The renderers by name, and what the commands that push share about them.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 
@@ -48,6 +49,13 @@ ServoGain loadGain(const std::string& path, int joints, double period);
 /// another period, number of joints or delay.
 SurfaceServoOptions surfaceServo(const std::string& gain, const Mechanism& mechanism, double period,
                                  const Delay& delay);
+
+/// A linked renderer from parameters under the names that the plugins give them, the others at their defaults: gain,
+/// delay and delay-high of position-control; gain, release and anti-windup of hold; stiffness and damping of impedance
+/// and passivity. Parameters of others are left aside. Throws Error: a value that cannot be read, and as
+/// surfaceServo(), loadGain() and the renderers.
+std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std::string, std::string>& parameters,
+                                     const std::shared_ptr<const Mechanism>& device, double period);
 
 /// Mechanical damping of a plant along `normal` (unit, W) at a pose, N s/m: of the TCP and of the joints.
 /// Throws Error: the pose cannot be reached.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "enamel/core/error.hpp"
 #include "minima.hpp"
@@ -436,6 +437,81 @@ ToolTrack makeToolTrack(const Scene& scene, const Tool& tool) {
   track.cache_ = makeToolCache(scene, tool);
   track.parts_.resize(scene.obstacles().size() * static_cast<std::size_t>(tool.count));
   return track;
+}
+
+namespace {
+
+constexpr std::size_t kPartState = 8;     // its axis, its clearance, whether it is known
+constexpr std::size_t kContactState = 9;  // point, normal, obstacle, part, key
+constexpr double kLargestPlace = 1e3;     // m
+
+std::uint64_t revisionOf(const Obstacle& obstacle) noexcept {
+  const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape);
+  return mesh == nullptr ? 1 : Inside::of(**mesh).view.revision;
+}
+
+bool isWhole(double value, double most) noexcept { return value >= 0.0 && value <= most && value == std::floor(value); }
+
+}  // namespace
+
+std::size_t ToolTrack::stateSize() const noexcept {
+  return kPartState * parts_.size() + kContactState * kMaxContacts + 2;
+}
+
+void ToolTrack::saveState(const Scene& scene, double* state) const noexcept {
+  const std::size_t obstacles = scene.obstacles().size();
+  for (std::size_t i = 0; i < parts_.size(); ++i, state += kPartState) {
+    const kernel::PartTrack& part = parts_[i];
+    // A part of a mesh that was changed begins anew.
+    const bool isKnown = part.isKnown && part.revision == revisionOf(scene.obstacles()[i * obstacles / parts_.size()]);
+    std::copy_n(part.axis.a.data(), 3, state);
+    std::copy_n(part.axis.b.data(), 3, state + 3);
+    state[6] = part.clear;
+    state[7] = isKnown ? 1.0 : 0.0;
+  }
+  for (const Contact& c : last_.contacts) {
+    const bool isKnown = &c < last_.contacts.data() + last_.count;
+    const Vec3 point = isKnown ? c.point : Vec3(Vec3::Zero()), normal = isKnown ? c.normal : Vec3(Vec3::Zero());
+    std::copy_n(point.data(), 3, state);
+    std::copy_n(normal.data(), 3, state + 3);
+    state[6] = isKnown ? c.obstacle : 0;
+    state[7] = isKnown ? c.part : 0;
+    state[8] = isKnown ? c.key : 0;
+    state += kContactState;
+  }
+  state[0] = last_.count;
+  state[1] = lastKey_;
+}
+
+void ToolTrack::loadState(const Scene& scene, const double* state) noexcept {
+  const std::size_t obstacles = scene.obstacles().size();
+  bool isSound = true;
+  for (std::size_t i = 0; i < stateSize(); ++i) isSound = isSound && std::isfinite(state[i]);
+  for (kernel::PartTrack& part : parts_) {
+    const std::size_t i = static_cast<std::size_t>(&part - parts_.data());
+    const auto ends = Eigen::Map<const Vec6>(state);
+    part.isKnown = isSound && state[7] == 1.0 && ends.cwiseAbs().maxCoeff() <= kLargestPlace;
+    if (isSound) {
+      part.axis = {ends.head<3>(), ends.tail<3>()};
+      part.clear = part.isKnown ? state[6] : -1.0;
+    }
+    part.revision = revisionOf(scene.obstacles()[i * obstacles / parts_.size()]);
+    state += kPartState;
+  }
+  const double* counts = state + kContactState * kMaxContacts;
+  isSound = isSound && isWhole(counts[0], kMaxContacts) && isWhole(counts[1], UINT32_MAX);
+  last_.count = isSound ? static_cast<int>(counts[0]) : 0;
+  lastKey_ = isSound ? static_cast<std::uint32_t>(counts[1]) : 0;
+  for (int k = 0; k < last_.count; ++k, state += kContactState) {
+    Contact& c = last_.contacts[k];
+    c.point = Eigen::Map<const Vec3>(state);
+    c.normal = Eigen::Map<const Vec3>(state + 3);
+    const bool isContact = isWhole(state[6], static_cast<double>(obstacles)) && isWhole(state[7], kMaxToolParts) &&
+                           isWhole(state[8], UINT32_MAX);
+    c.obstacle = isContact ? static_cast<int>(state[6]) : 0;
+    c.part = isContact ? static_cast<int>(state[7]) : 0;
+    c.key = isContact ? static_cast<std::uint32_t>(state[8]) : 0;  // 0: none goes on from it
+  }
 }
 
 Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolTrack& track,

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "core/message.hpp"
 
@@ -150,6 +151,57 @@ void Guard::reset() noexcept {
   fresh.acted = state_.acted;
   fresh.withheld = true;
   state_ = fresh;
+}
+
+template <typename AnyState, typename Visit>
+void Guard::forEachNumber(AnyState& s, const Visit& visit) {
+  visit(s.fault);
+  for (auto* flag : {&s.started, &s.acted, &s.open, &s.withheld, &s.known, &s.shedding}) visit(*flag);
+  for (auto* number : {&s.time, &s.weight, &s.energy, &s.peak, &s.missed}) visit(*number);
+  visit(s.rampTicks);
+  for (auto* row :
+       {&s.q, &s.torque, &s.gravity, &s.rendered, &s.from, &s.fromGravity, &s.beyond, &s.jerk, &s.pace, &s.claimed})
+    for (auto& number : *row) visit(number);
+  for (int i = 0; i < 3; ++i) visit(s.surface[i]);
+  for (auto& flag : s.even) visit(flag);
+  for (auto& ticks : s.still) visit(ticks);
+}
+
+std::size_t Guard::stateSize() noexcept {
+  std::size_t count = 0;
+  const State state;
+  forEachNumber(state, [&count](const auto&) { ++count; });
+  return count;
+}
+
+void Guard::saveState(double* state) const noexcept {
+  forEachNumber(state_, [&state](const auto& number) { *state++ = static_cast<double>(number); });
+}
+
+void Guard::loadState(const double* state) noexcept {
+  State loaded;
+  bool isSound = true;
+  forEachNumber(loaded, [&](auto& number) {
+    using Number = std::decay_t<decltype(number)>;
+    const double value = *state++;
+    double least = -std::numeric_limits<double>::max(), most = -least;
+    if constexpr (!std::is_same_v<Number, double>) {
+      least = 0.0;
+      most = std::is_same_v<Number, bool>  ? 1.0
+             : std::is_same_v<Number, int> ? std::numeric_limits<int>::max()
+                                           : static_cast<double>(GuardReason::deadlines);
+      isSound = isSound && value == std::floor(value);
+    }
+    isSound = isSound && value >= least && value <= most;
+    if (isSound) number = static_cast<Number>(value);
+  });
+  for (int i = 0; i < n_; ++i) isSound = isSound && std::abs(loaded.torque[i]) <= kLargestAnswer;
+  if (isSound && options_.on)
+    for (int i = 0; i < n_; ++i) isSound = isSound && std::abs(loaded.torque[i]) <= options_.torque[i];
+  if (isSound)
+    state_ = loaded;
+  else
+    reset();
 }
 
 // Finite numbers, jumps, frozen encoders, the clock.

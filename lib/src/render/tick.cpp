@@ -1,6 +1,29 @@
 #include "enamel/render/tick.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
 namespace enamel {
+namespace {
+
+// What forward kinematics goes on from; the inertia is made anew.
+template <typename AnyKinematics, typename Visit>
+void forEachMatrix(AnyKinematics& k, const Visit& visit) {
+  visit(k.pose.position);
+  visit(k.pose.rotation);
+  visit(k.twist);
+  visit(k.q);
+  visit(k.rates);
+  visit(k.gravity);
+  visit(k.jacobian);
+  visit(k.inverseTransposed);
+}
+
+// With the last command and its reason.
+std::size_t kinematicsSize(int joints) noexcept { return 18 + 16 * static_cast<std::size_t>(joints) + 1; }
+
+}  // namespace
 
 HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer,
                        const GuardOptions& guard, const Pose& start)
@@ -15,6 +38,7 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
   input_.maxTorque = guard.on ? guard.torque : mechanism.limits().torque;
   output_.torque.setZero(mechanism.joints());
   renderer.activate(guard.period);
+  numbers_.resize(kinematicsSize(mechanism.joints()) + track_.stateSize() + Guard::stateSize());
 }
 
 Status HapticTick::operator()(const Measurement& measurement, Command& command) noexcept {
@@ -39,6 +63,45 @@ Status HapticTick::operator()(const Measurement& measurement, Command& command) 
 void HapticTick::reset() noexcept {
   guard_.reset();
   renderer_.reset();
+}
+
+std::size_t HapticTick::stateSize() const noexcept { return numbers_.size() * sizeof(double) + renderer_.stateSize(); }
+
+void HapticTick::saveState(void* state) const noexcept {
+  double* at = numbers_.data();
+  forEachMatrix(input_.kinematics, [&at](const auto& matrix) { at = std::copy_n(matrix.data(), matrix.size(), at); });
+  std::fill_n(at, mechanism_.joints(), 0.0);
+  std::copy_n(last_.data(), last_.size(), at);
+  at += mechanism_.joints();
+  *at++ = static_cast<double>(reason_);
+  track_.saveState(scene_, at);
+  guard_.saveState(at + track_.stateSize());
+  const std::size_t size = numbers_.size() * sizeof(double);
+  std::memcpy(state, numbers_.data(), size);
+  renderer_.saveState(static_cast<char*>(state) + size);
+}
+
+void HapticTick::loadState(const void* state) noexcept {
+  const std::size_t size = numbers_.size() * sizeof(double);
+  std::memcpy(numbers_.data(), state, size);
+  const double* at = numbers_.data();
+  const double* const reason = at + kinematicsSize(mechanism_.joints()) - 1;
+  bool isSound = isRotation(Eigen::Map<const Mat3>(at + 3)) && *reason >= 0.0 &&
+                 *reason <= static_cast<double>(GuardReason::deadlines) && *reason == std::floor(*reason);
+  for (const double* number = at; number < reason; ++number) isSound = isSound && std::isfinite(*number);
+  if (!isSound) {
+    reset();
+    return;
+  }
+  forEachMatrix(input_.kinematics, [&at](auto& matrix) {
+    std::copy_n(at, matrix.size(), matrix.data());
+    at += matrix.size();
+  });
+  last_ = Eigen::Map<const JointVector>(at, mechanism_.joints());
+  reason_ = static_cast<GuardReason>(*reason);
+  track_.loadState(scene_, reason + 1);
+  guard_.loadState(reason + 1 + track_.stateSize());
+  renderer_.loadState(static_cast<const char*>(state) + size);
 }
 
 Status HapticTick::see(const Measurement& measurement) noexcept {

@@ -87,6 +87,11 @@ void checkPush(const PushSetup& setup) {
 
 PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record) {
+  return runPush(mechanism, renderer, setup, [&record](const TickRecord& tick, const VirtualLoop&) { record(tick); });
+}
+
+PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
+                   const std::function<void(const TickRecord&, const VirtualLoop&)>& record) {
   checkPush(setup);
   VirtualLoop loop(mechanism, renderer, setup);
   PersonLoad person(setup.person, setup.start);
@@ -110,7 +115,7 @@ PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSet
     }
     if (result.status != Status::ok) break;
     ++result.ticks;
-    record(tick);
+    record(tick, loop);
     if (isFault(tick.guard)) {
       result.status = Status::stopped;
       result.guard = tick.guard;

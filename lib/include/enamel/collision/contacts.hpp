@@ -1,6 +1,7 @@
 // The contacts of a tool with a scene: what a haptic tick asks of the collision module.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -59,6 +60,13 @@ class ToolTrack {
   ToolTrack& operator=(const ToolTrack& other);
   ToolTrack& operator=(ToolTrack&& other) noexcept;
   ~ToolTrack();
+
+  /// What it remembers, as stateSize() numbers, and back, for the scene and tool that it was made for: what comes next
+  /// is then the same bit for bit (with meshes whose sign is defined). Numbers that no track can have are those of a
+  /// new one. Realtime: yes.
+  std::size_t stateSize() const noexcept;
+  void saveState(const Scene& scene, double* state) const noexcept;
+  void loadState(const Scene& scene, const double* state) noexcept;
 
  private:
   friend ToolTrack makeToolTrack(const Scene& scene, const Tool& tool);

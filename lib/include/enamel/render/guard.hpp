@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -128,6 +129,12 @@ class Guard {
 
   const GuardOptions& options() const noexcept { return options_; }
 
+  /// The state between ticks, as stateSize() numbers, and back; the ticks that are kept stay. Numbers that no state can
+  /// have are those after reset(). Realtime: yes.
+  static std::size_t stateSize() noexcept;
+  void saveState(double* state) const noexcept;
+  void loadState(const double* state) noexcept;
+
   /// The ticks that are kept: how many, and one by its age, 0 the newest. Realtime: yes.
   std::size_t kept() const noexcept { return count_ < kGuardTicks ? count_ : kGuardTicks; }
   const GuardTick& tick(std::size_t age) const noexcept { return ring_[(count_ - 1 - age) % kGuardTicks]; }
@@ -161,6 +168,8 @@ class Guard {
     std::array<int, kMaxJoints> still{};  // for how many ticks
   };
 
+  template <typename AnyState, typename Visit>
+  static void forEachNumber(AnyState& state, const Visit& visit);
   GuardReason measured(const Measurement& m, double elapsed) noexcept;
   GuardReason moved(const Measurement& m, const Kinematics& k, double elapsed, Vec6& twist) noexcept;
   GuardReason asked(const JointVector& requested, const Kinematics& k) noexcept;

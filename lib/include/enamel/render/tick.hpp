@@ -1,6 +1,9 @@
 // One haptic tick, from what a device measured to the torque that its motors get.
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "enamel/collision/contacts.hpp"
 #include "enamel/device/haptic_device.hpp"
 #include "enamel/render/guard.hpp"
@@ -39,6 +42,14 @@ class HapticTick {
   const TickOutput& output() const noexcept { return output_; }
   GuardReason reason() const noexcept { return reason_; }
   const Guard& guard() const noexcept { return guard_; }
+  const Renderer& renderer() const noexcept { return renderer_; }
+
+  /// All that the next tick takes from the ones before, as stateSize() bytes, the renderer's at their end, and back:
+  /// the ticks that follow are then the same bit for bit, those that the guard keeps apart. Of no use once an obstacle
+  /// was moved or changed. Bytes that no state can have give one as after reset(). Realtime: yes.
+  std::size_t stateSize() const noexcept;
+  void saveState(void* state) const noexcept;
+  void loadState(const void* state) noexcept;
 
  private:
   Status see(const Measurement& measurement) noexcept;
@@ -53,6 +64,7 @@ class HapticTick {
   TickOutput output_;
   JointVector last_;  // command
   GuardReason reason_ = GuardReason::none;
+  mutable std::vector<double> numbers_;  // of the state, while it is saved or loaded
 };
 
 }  // namespace enamel

@@ -62,6 +62,10 @@ void checkPush(const PushSetup& setup);
 PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record);
 
+/// The same, `record` with the loop that it runs on.
+PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
+                   const std::function<void(const TickRecord&, const VirtualLoop&)>& record);
+
 /// Position of the hand in scenario 2 along n relative to its start, m, and its velocity, m/s. Realtime: yes.
 struct HandMotion {
   double position, velocity;

@@ -70,6 +70,11 @@ class VirtualLoop {
     return device_.advance(before, instant, after);
   }
 
+  /// The haptic tick, and what the device told and was told at the last one. Realtime: yes.
+  const HapticTick& hapticTick() const noexcept { return tick_; }
+  const Measurement& measurement() const noexcept { return measurement_; }
+  const Command& command() const noexcept { return command_; }
+
   /// What the renderer saw at the last tick; the guard. Realtime: yes.
   const TickInput& input() const noexcept { return tick_.input(); }
   const Guard& guard() const noexcept { return tick_.guard(); }

@@ -1,0 +1,66 @@
+#include "recorded.hpp"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
+#include "enamel/device/device_file.hpp"
+#include "renderers.hpp"
+
+namespace enamel::app {
+namespace {
+
+// Of what a header names by its path: meshes, and the file of a servo.
+std::uint32_t filesChecksum(const std::map<std::string, std::string>& parameters, const Scene& scene) {
+  const std::uint32_t meshes = meshChecksum(scene);
+  const auto gain = parameters.find("gain");
+  if (gain == parameters.end() || gain->second == "designed") return meshes;
+  return crc32(readFile(gain->second), meshes);
+}
+
+}  // namespace
+
+void nameRenderer(const std::string& renderer, const std::string& plugin,
+                  const std::map<std::string, std::string>& parameters, const Scene& scene, RecordingHeader& header) {
+  header.renderer = renderer;
+  header.plugin = plugin.empty() ? "" : std::filesystem::absolute(plugin).string();
+  header.parameters = parameters;
+  header.files = filesChecksum(parameters, scene);
+}
+
+std::shared_ptr<const Mechanism> recordedDevice(const RecordingHeader& header) {
+  return makeMechanism(parseDevice(header.deviceText, header.deviceFile));
+}
+
+SceneFile recordedScene(const RecordingHeader& header) {
+  if (!header.sceneText.empty()) return parseScene(header.sceneText, header.sceneFile);
+  SceneFile scene;
+  scene.scene = flatWall();
+  return scene;
+}
+
+std::unique_ptr<Renderer> recordedRenderer(const RecordingHeader& header,
+                                           const std::shared_ptr<const Mechanism>& device, const Scene& scene,
+                                           const std::string& renderer, const std::map<std::string, std::string>& set) {
+  const std::string own = header.plugin.empty() ? header.renderer : header.plugin;
+  const RendererSource source = findRenderer(renderer.empty() ? own : renderer);
+  std::map<std::string, std::string> parameters = set;
+  const auto knows = [&](const std::string& key) {
+    if (!source.plugin) return true;
+    const EnamelDescription& d = source.plugin->description();
+    for (std::size_t i = 0; i < d.parameter_count; ++i)
+      if (d.parameters[i].key == key) return true;
+    return false;
+  };
+  for (const auto& [key, value] : header.parameters)
+    if (knows(key)) parameters.emplace(key, value);
+  if (filesChecksum(header.parameters, scene) != header.files)
+    fmt::print(stderr, "enamel: warning: a mesh or the servo's file has changed since the recording was made\n");
+  if (!source.plugin) return makeLinked(source.name, parameters, device, header.guard.period);
+  return makeRenderer(source.plugin,
+                      {header.deviceFile, header.deviceText, header.sceneFile, header.sceneText, parameters});
+}
+
+}  // namespace enamel::app

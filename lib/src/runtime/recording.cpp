@@ -1,0 +1,308 @@
+#include "enamel/runtime/recording.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <variant>
+
+#include "core/message.hpp"
+#include "enamel/core/file.hpp"
+#include "recording_format.hpp"
+
+namespace enamel {
+namespace recording {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Of the guard's options, as they stand in the header.
+const std::pair<const char*, double GuardOptions::*> kNumbers[] = {
+    {"period", &GuardOptions::period},    {"force", &GuardOptions::force},
+    {"moment", &GuardOptions::moment},    {"margin", &GuardOptions::margin},
+    {"speed", &GuardOptions::speed},      {"stop_speed", &GuardOptions::stopSpeed},
+    {"turn", &GuardOptions::turn},        {"stop_turn", &GuardOptions::stopTurn},
+    {"brake", &GuardOptions::brake},      {"brake_turn", &GuardOptions::brakeTurn},
+    {"energy", &GuardOptions::energy},    {"power", &GuardOptions::power},
+    {"softest", &GuardOptions::softest},  {"oscillation", &GuardOptions::oscillation},
+    {"engage", &GuardOptions::engage},    {"ramp_in", &GuardOptions::rampIn},
+    {"ramp_out", &GuardOptions::rampOut},
+};
+const std::pair<const char*, JointVector GuardOptions::*> kVectors[] = {
+    {"torque", &GuardOptions::torque},
+    {"slew", &GuardOptions::slew},
+    {"rate", &GuardOptions::rate},
+    {"count", &GuardOptions::count},
+};
+const std::pair<const char*, int GuardOptions::*> kCounts[] = {{"longest_gap", &GuardOptions::longestGap},
+                                                               {"most_missed", &GuardOptions::mostMissed}};
+
+template <typename Matrix>
+Json listOf(const Matrix& m) {  // by columns; what is unlimited becomes null
+  Json list = Json::array();
+  for (Eigen::Index i = 0; i < m.size(); ++i) list.push_back(m.data()[i]);
+  return list;
+}
+
+// A file's JSON with the key of what is looked at.
+class Reading {
+ public:
+  Reading(const Json& json, const std::string& file, const std::string& key) : json_(json), file_(file), key_(key) {}
+
+  Reading at(const std::string& key) const {
+    const auto found = json_.find(key);
+    if (!json_.is_object() || found == json_.end()) Reading(json_, file_, path(key)).refuse("is missing");
+    return {*found, file_, path(key)};
+  }
+  std::string text() const {
+    if (!json_.is_string()) refuse("must be a text");
+    return json_.get<std::string>();
+  }
+  double number() const {
+    if (json_.is_null()) return kUnlimited;
+    if (!json_.is_number()) refuse("must be a number");
+    return json_.get<double>();
+  }
+  std::uint64_t whole(std::uint64_t most) const {
+    if (!json_.is_number_unsigned() || json_.get<std::uint64_t>() > most)
+      refuse("must be a whole number, at most " + std::to_string(most));
+    return json_.get<std::uint64_t>();
+  }
+  bool flag() const {
+    if (!json_.is_boolean()) refuse("must be true or false");
+    return json_.get<bool>();
+  }
+  template <typename Matrix>
+  void read(Matrix& m) const {  // of the size that it has
+    if (!json_.is_array() || json_.size() != static_cast<std::size_t>(m.size()))
+      refuse("must be a list of " + std::to_string(m.size()) + " numbers");
+    for (Eigen::Index i = 0; i < m.size(); ++i)
+      m.data()[i] = Reading(json_[static_cast<std::size_t>(i)], file_, key_).number();
+  }
+  const Json& json() const { return json_; }
+  [[noreturn]] void refuse(const std::string& problem) const {
+    throw ConfigurationError(file_, 0, "header: " + key_, problem);
+  }
+
+ private:
+  std::string path(const std::string& key) const { return key_.empty() ? key : key_ + "." + key; }
+
+  const Json& json_;
+  const std::string& file_;
+  std::string key_;
+};
+
+}  // namespace
+
+std::string headerText(const RecordingHeader& h) {
+  Json json;
+  json["device"] = {{"file", h.deviceFile}, {"text", h.deviceText}};
+  json["scene"] = {{"file", h.sceneFile}, {"text", h.sceneText}};
+  json["files"] = h.files;
+  json["renderer"] = {{"name", h.renderer}, {"plugin", h.plugin}, {"parameters", Json::object()}};
+  for (const auto& [key, value] : h.parameters) json["renderer"]["parameters"][key] = value;
+  json["start"] = {{"position", listOf(h.start.position)}, {"rotation", listOf(h.start.rotation)}};
+  json["joints"] = h.joints;
+  json["state_size"] = h.stateSize;
+  json["renderer_state"] = h.rendererState;
+  Json& guard = json["guard"];
+  guard["on"] = h.guard.on;
+  for (const auto& [name, value] : kNumbers) guard[name] = h.guard.*value;
+  for (const auto& [name, value] : kVectors) guard[name] = listOf(h.guard.*value);
+  for (const auto& [name, value] : kCounts) guard[name] = h.guard.*value;
+  guard["workspace"] = listOf(h.guard.workspace);
+  guard["damping"] = listOf(h.guard.damping);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+RecordingHeader parseHeader(const std::string& text, const std::string& file) {
+  checkNesting(text, file);
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object()) throw ConfigurationError(file, 0, "header", "is not JSON");
+  const Reading all(json, file, "");
+  RecordingHeader h;
+  h.deviceFile = all.at("device").at("file").text();
+  h.deviceText = all.at("device").at("text").text();
+  h.sceneFile = all.at("scene").at("file").text();
+  h.sceneText = all.at("scene").at("text").text();
+  h.files = static_cast<std::uint32_t>(all.at("files").whole(UINT32_MAX));
+  h.renderer = all.at("renderer").at("name").text();
+  h.plugin = all.at("renderer").at("plugin").text();
+  const Reading parameters = all.at("renderer").at("parameters");
+  if (!parameters.json().is_object()) parameters.refuse("must be an object of texts");
+  for (const auto& entry : parameters.json().items()) h.parameters[entry.key()] = parameters.at(entry.key()).text();
+  all.at("start").at("position").read(h.start.position);
+  all.at("start").at("rotation").read(h.start.rotation);
+  h.joints = static_cast<int>(all.at("joints").whole(kMaxJoints));
+  h.stateSize = all.at("state_size").whole(kLargestState);
+  h.rendererState = all.at("renderer_state").whole(kLargestState);
+  const Reading guard = all.at("guard");
+  h.guard.on = guard.at("on").flag();
+  for (const auto& [name, value] : kNumbers) h.guard.*value = guard.at(name).number();
+  for (const auto& [name, value] : kVectors) {
+    (h.guard.*value).resize(h.joints);
+    guard.at(name).read(h.guard.*value);
+  }
+  for (const auto& [name, value] : kCounts) h.guard.*value = static_cast<int>(guard.at(name).whole(INT32_MAX));
+  guard.at("workspace").read(h.guard.workspace);
+  guard.at("damping").read(h.guard.damping);
+  return h;
+}
+
+}  // namespace recording
+
+using namespace recording;
+
+namespace {
+
+bool isWhole(const TickBytes& t) noexcept {
+  return *std::max_element(std::begin(t.sizes), std::end(t.sizes)) <= kMaxJoints && t.status < kStatuses &&
+         t.reason <= static_cast<int>(GuardReason::deadlines) && t.mode <= static_cast<int>(RenderMode::fault) &&
+         (t.flags & ~(kEnabled | kSaturated | kReset)) == 0 && t.zero == 0;
+}
+
+RecordedTick tickOf(const TickBytes& t, int joints) {
+  const auto vector = [](const double* values, int size) {
+    return JointVector(Eigen::Map<const JointVector>(values, size));
+  };
+  RecordedTick tick;
+  tick.number = t.number;
+  tick.measurement.time = t.time;
+  tick.measurement.q = vector(t.q, t.sizes[0]);
+  tick.measurement.rates = vector(t.rates, t.sizes[1]);
+  tick.measurement.applied = vector(t.applied, t.sizes[2]);
+  tick.measurement.enabled = (t.flags & kEnabled) != 0;
+  tick.requested = vector(t.requested, joints);
+  tick.command = vector(t.command, joints);
+  tick.normalForce = t.normalForce;
+  tick.stateHash = t.stateHash;
+  tick.status = static_cast<Status>(t.status);
+  tick.reason = static_cast<GuardReason>(t.reason);
+  tick.mode = static_cast<RenderMode>(t.mode);
+  tick.saturated = (t.flags & kSaturated) != 0;
+  tick.reset = (t.flags & kReset) != 0;
+  return tick;
+}
+
+// Fewer bytes than asked for only at the end of the file.
+std::size_t readAt(int file, std::uint64_t at, char* bytes, std::size_t size, const std::string& path) {
+  std::size_t done = 0;
+  while (done < size) {
+    const ssize_t got = pread(file, bytes + done, size - done, static_cast<off_t>(at + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw ConfigurationError(path, 0, "", std::string("cannot read the file: ") + std::strerror(errno));
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
+}  // namespace
+
+std::uint32_t crc32(std::string_view bytes, std::uint32_t before) noexcept {
+  static const auto table = [] {
+    std::array<std::uint32_t, 256> t{};
+    for (std::uint32_t i = 0; i < 256; ++i) {
+      t[i] = i;
+      for (int bit = 0; bit < 8; ++bit) t[i] = (t[i] >> 1) ^ ((t[i] & 1) != 0 ? 0xedb88320u : 0u);
+    }
+    return t;
+  }();
+  std::uint32_t crc = ~before;
+  for (const char c : bytes) crc = (crc >> 8) ^ table[(crc ^ static_cast<unsigned char>(c)) & 0xff];
+  return ~crc;
+}
+
+std::uint32_t meshChecksum(const Scene& scene) {
+  std::uint32_t crc = 0;
+  const auto add = [&crc](const auto& values) {
+    crc = crc32({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])}, crc);
+  };
+  for (const Obstacle& obstacle : scene.obstacles())
+    if (const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape)) {
+      add((*mesh)->mesh().vertices);
+      add((*mesh)->mesh().triangles);
+    }
+  return crc;
+}
+
+RecordingReader::RecordingReader(const std::string& path)
+    : path_(path), file_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
+  const auto refuse = [this](const std::string& problem) { throw ConfigurationError(path_, 0, "", problem); };
+  if (file_ < 0) refuse(std::string("cannot open the file: ") + std::strerror(errno));
+  try {
+    struct stat status {};
+    if (fstat(file_, &status) != 0) refuse(std::string("cannot read the file: ") + std::strerror(errno));
+    if (!S_ISREG(status.st_mode)) refuse("is no plain file");
+    size_ = static_cast<std::uint64_t>(status.st_size);
+    char preamble[kPreamble] = {};
+    if (readAt(file_, 0, preamble, kPreamble, path_) != kPreamble || std::memcmp(preamble, kMagic, sizeof(kMagic)) != 0)
+      refuse("is no recording");
+    std::uint32_t words[4];
+    std::memcpy(words, preamble + sizeof(kMagic), sizeof(words));
+    if (words[0] != kVersion)
+      refuse("is a recording of version " + std::to_string(words[0]) + ", this program reads " +
+             std::to_string(kVersion));
+    if (words[1] > kLargestTextFile || words[1] > size_ - kPreamble)
+      refuse("has a header of " + std::to_string(words[1]) + " bytes, which the file does not have");
+    std::string text(words[1], '\0');
+    if (readAt(file_, kPreamble, text.data(), text.size(), path_) != text.size() || crc32(text) != words[2])
+      refuse("its header is damaged");
+    header_ = parseHeader(text, path_);
+    begin_ = kPreamble + text.size();
+    chunkSize_ = sizeof(ChunkHead) + padded(header_.stateSize) + kChunkTicks * sizeof(TickBytes);
+    chunks_ = (size_ - begin_ + chunkSize_ - 1) / chunkSize_;
+  } catch (...) {
+    close(file_);
+    throw;
+  }
+}
+
+RecordingReader::~RecordingReader() { close(file_); }
+
+std::string RecordingReader::read(std::uint64_t number, RecordedChunk& chunk) {
+  require(number < chunks_,
+          path_ + ": has " + std::to_string(chunks_) + " chunks, there is no chunk " + std::to_string(number));
+  const std::uint64_t at = begin_ + number * chunkSize_;
+  buffer_.resize(static_cast<std::size_t>(std::min(chunkSize_, size_ - at)));
+  const auto damaged = [number, at](const std::string& problem) {
+    return "chunk " + std::to_string(number) + " at byte " + std::to_string(at) + " " + problem;
+  };
+  const std::string cutOff = damaged("is cut off");
+  ChunkHead head;
+  const std::size_t states = padded(header_.stateSize);
+  if (readAt(file_, at, buffer_.data(), buffer_.size(), path_) != buffer_.size() || buffer_.size() < sizeof(head))
+    return cutOff;
+  std::memcpy(&head, buffer_.data(), sizeof(head));
+  if (head.mark != kChunkMark || head.ticks > kChunkTicks) return damaged("is damaged");
+  const std::size_t size = sizeof(head) + states + head.ticks * sizeof(TickBytes);
+  if (buffer_.size() < size) return cutOff;
+  const std::string_view content = std::string_view(buffer_).substr(kChunkCrcBegin, size - kChunkCrcBegin);
+  if (crc32(content) != head.crc) return damaged("is damaged");
+  const bool isLast = (head.flags & kLast) != 0;
+  if (head.sequence != number || (head.flags & ~(kFresh | kLast)) != 0 || (head.ticks < kChunkTicks && !isLast) ||
+      (isLast && (number + 1 != chunks_ || buffer_.size() != size)))
+    return damaged("is not the one that belongs there");
+  RecordedChunk read;
+  read.sequence = head.sequence;
+  read.lost = head.lost;
+  read.fresh = (head.flags & kFresh) != 0;
+  read.last = isLast;
+  if (head.ticks > 0) read.state = buffer_.substr(sizeof(head), header_.stateSize);
+  read.ticks.reserve(head.ticks);
+  for (std::size_t i = 0; i < head.ticks; ++i) {
+    TickBytes tick;
+    std::memcpy(&tick, buffer_.data() + sizeof(head) + states + i * sizeof(tick), sizeof(tick));
+    if (!isWhole(tick)) return damaged("has a tick that cannot be");
+    read.ticks.push_back(tickOf(tick, header_.joints));
+  }
+  chunk = std::move(read);
+  return "";
+}
+
+}  // namespace enamel

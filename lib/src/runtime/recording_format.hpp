@@ -1,0 +1,65 @@
+// How a recording stands in a file: lib/docs/recording.md.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include "enamel/runtime/recording.hpp"
+
+namespace enamel::recording {
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "numbers are copied as they are: little-endian");
+
+inline constexpr char kMagic[8] = {'E', 'N', 'A', 'M', 'E', 'L', 'R', '\n'};
+inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::size_t kPreamble = 24;  // magic, version, length of the header, its CRC-32, 0
+inline constexpr std::size_t kLargestState = std::size_t{1} << 20;
+
+inline constexpr std::uint32_t kChunkMark = 0x4b4e4843;  // "CHNK"
+inline constexpr std::uint32_t kFresh = 1, kLast = 2;
+
+struct ChunkHead {
+  std::uint32_t mark = kChunkMark, crc = 0;  // of all that follows in the chunk
+  std::uint64_t sequence = 0, lost = 0;
+  std::uint32_t ticks = 0, flags = 0;
+};
+static_assert(sizeof(ChunkHead) == 32);
+
+struct TickBytes {
+  std::uint64_t number;
+  double time;
+  double q[kMaxJoints], rates[kMaxJoints], applied[kMaxJoints];  // zero beyond their sizes
+  double requested[kMaxJoints], command[kMaxJoints];             // zero beyond the device's joints
+  double normalForce;
+  std::uint64_t stateHash;
+  std::uint8_t sizes[3];  // of q, rates, applied
+  std::uint8_t status, reason, mode, flags, zero;
+};
+static_assert(sizeof(TickBytes) == 320);
+inline constexpr std::uint8_t kEnabled = 1, kSaturated = 2, kReset = 4;
+
+inline constexpr std::size_t kChunkCrcBegin = 8;  // behind mark and CRC
+inline std::size_t padded(std::size_t size) noexcept { return (size + 7) / 8 * 8; }
+
+/// Four words at a time, each by FNV-1a of words; what is left of 32 bytes is filled with zeros.
+inline std::uint64_t hashOf(const char* bytes, std::size_t size) noexcept {
+  constexpr std::uint64_t kPrime = 0x100000001b3, kBasis = 0xcbf29ce484222325;
+  std::uint64_t lane[4] = {kBasis, kBasis + 1, kBasis + 2, kBasis + 3};
+  for (std::size_t at = 0; at < size; at += 32) {
+    std::uint64_t words[4] = {};
+    std::memcpy(words, bytes + at, size - at < 32 ? size - at : 32);
+    for (int i = 0; i < 4; ++i) lane[i] = (lane[i] ^ words[i]) * kPrime;
+  }
+  std::uint64_t hash = kBasis;
+  for (const std::uint64_t word : lane) {
+    hash = (hash ^ word) * kPrime;
+    hash ^= hash >> 32;
+  }
+  return hash;
+}
+
+std::string headerText(const RecordingHeader& header);
+RecordingHeader parseHeader(const std::string& text, const std::string& file);
+
+}  // namespace enamel::recording
