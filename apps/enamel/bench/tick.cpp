@@ -14,6 +14,7 @@
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/render/surface_servo.hpp"
+#include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/push.hpp"
 #include "plugin_folder.hpp"
 
@@ -201,6 +202,22 @@ std::vector<Measurement> measureTick(double scale) {
     }
     add(std::string("the same as a plugin, ") + name, across, different, "ticks that differ from the linked one",
         part.p50 + 0.1);
+  }
+  {  // between whole ticks, the file's side on a thread of its own that writes nowhere; `error`: ticks that were lost
+    using Clock = std::chrono::steady_clock;
+    HapticTick tick(*mechanism, wall, tool, servo, guarded);
+    Recorder recorder([](const char*, std::size_t size) { return size; }, "bench", {}, tick);
+    Command command;
+    std::vector<double> times_us;
+    for (const enamel::Measurement& measured : path.measured) {
+      const Status status = tick(measured, command);
+      recorder.makeRoom();
+      const auto start = Clock::now();
+      recorder.add(times_us.size(), measured, tick, command, status);
+      times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+    }
+    add("recording a tick, position-control", percentilesOf(std::move(times_us)),
+        static_cast<double>(recorder.close().lost), "ticks that were lost", 0.5);
   }
   {
     PushSetup setup;

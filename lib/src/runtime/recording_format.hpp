@@ -42,20 +42,25 @@ inline constexpr std::uint8_t kEnabled = 1, kSaturated = 2, kReset = 4;
 inline constexpr std::size_t kChunkCrcBegin = 8;  // behind mark and CRC
 inline std::size_t padded(std::size_t size) noexcept { return (size + 7) / 8 * 8; }
 
-/// Four words at a time, each by FNV-1a of words; what is left of 32 bytes is filled with zeros.
+/// Eight sums of words and eight sums of those sums (after Fletcher, 1982), folded by FNV-1a; what is left of 64 bytes
+/// is filled with zeros. Additions only: the state of a servo takes 0.1 us.
 inline std::uint64_t hashOf(const char* bytes, std::size_t size) noexcept {
-  constexpr std::uint64_t kPrime = 0x100000001b3, kBasis = 0xcbf29ce484222325;
-  std::uint64_t lane[4] = {kBasis, kBasis + 1, kBasis + 2, kBasis + 3};
-  for (std::size_t at = 0; at < size; at += 32) {
-    std::uint64_t words[4] = {};
-    std::memcpy(words, bytes + at, size - at < 32 ? size - at : 32);
-    for (int i = 0; i < 4; ++i) lane[i] = (lane[i] ^ words[i]) * kPrime;
+  constexpr std::size_t kLanes = 8, kBlock = 8 * kLanes;
+  std::uint64_t sum[kLanes] = {}, sums[kLanes] = {}, words[kLanes] = {};
+  const auto add = [&] {
+    for (std::size_t i = 0; i < kLanes; ++i) sums[i] += sum[i] += words[i];
+  };
+  std::size_t at = 0;
+  for (; at + kBlock <= size; at += kBlock) {
+    std::memcpy(words, bytes + at, kBlock);
+    add();
   }
-  std::uint64_t hash = kBasis;
-  for (const std::uint64_t word : lane) {
-    hash = (hash ^ word) * kPrime;
-    hash ^= hash >> 32;
-  }
+  std::memset(words, 0, kBlock);
+  std::memcpy(words, bytes + at, size - at);
+  add();
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (std::size_t i = 0; i < kLanes; ++i)
+    for (const std::uint64_t word : {sum[i], sums[i]}) hash = (hash ^ word) * 0x100000001b3;
   return hash;
 }
 
