@@ -1,0 +1,545 @@
+// Recordings: every field there and back, replay bit for bit from any chunk, disks that are full or slow, files that
+// were cut or changed, processes that were killed. ENAMEL_LONG=1: 10 minutes, 1e5 changed files.
+#include "enamel/runtime/recording.hpp"
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <mutex>
+
+#include "enamel/collision/scene_file.hpp"
+#include "enamel/device/device_file.hpp"
+#include "enamel/runtime/recorder.hpp"
+#include "enamel/runtime/replay.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/garbage.hpp"
+#include "support/pushes.hpp"
+#include "support/run_length.hpp"
+#include "support/skip.hpp"
+
+namespace enamel::test_recording {
+
+namespace {
+
+constexpr std::size_t kHead = 24, kChunkHead = 32, kTick = 320;  // bytes, as the page has them
+
+std::uint32_t wordAt(const std::string& bytes, std::size_t at) {
+  std::uint32_t word;
+  std::memcpy(&word, bytes.data() + at, sizeof(word));
+  return word;
+}
+
+void setWord(std::string& bytes, std::size_t at, std::uint32_t word) {
+  std::memcpy(bytes.data() + at, &word, sizeof(word));
+}
+
+// Of a recording with a state of `state` bytes.
+std::size_t chunkSize(std::size_t state) { return kChunkHead + (state + 7) / 8 * 8 + kChunkTicks * kTick; }
+
+// A device, a wall and a spring.
+struct Rig {
+  std::shared_ptr<const Mechanism> device = makeMechanism(loadDevice(test::deviceFile("cartesian-6.toml")));
+  Scene scene = flatWall();
+  ImpedanceRenderer spring{{2000.0, 5.0}};
+  HapticTick tick{*device, scene, Tool(), spring, 1e-3};
+  std::uint64_t number = 0;
+  Measurement measurement;
+  Command command;
+
+  Status step() {
+    const double t = 1e-3 * static_cast<double>(number);
+    Kinematics k;
+    Pose pose;
+    pose.position = {0.002 * std::sin(3.0 * t), 0.0, 1e-3 * std::sin(20.0 * t)};
+    REQUIRE(device->reach(pose, Vec6::Zero(), false, k) == Status::ok);
+    measurement = {t, k.q, k.rates, {}, true};
+    return tick(measurement, command);
+  }
+  void run(Recorder& recorder, int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      const Status status = step();
+      recorder.add(number++, measurement, tick, command, status);
+    }
+  }
+};
+
+ReplayResult replayed(const std::string& file, std::uint64_t from = 0) {
+  RecordingReader reader(file);
+  Rig rig;
+  HapticTick tick(*rig.device, rig.scene, Tool(), rig.spring, reader.header().guard, reader.header().start);
+  return replay(reader, tick, from);
+}
+
+// A recording of a rig, as bytes.
+std::string recorded(const test::TemporaryFolder& folder, int ticks) {
+  const std::string file = folder / "made.rec";
+  std::filesystem::remove(file);
+  Rig rig;
+  Recorder recorder(file, {}, rig.tick);
+  for (int left = ticks; left > 0; left -= 64) {
+    recorder.makeRoom();
+    rig.run(recorder, std::min(left, 64));
+  }
+  const RecordingResult result = recorder.close();
+  REQUIRE(result.ticks == static_cast<std::uint64_t>(ticks));
+  REQUIRE(result.problem.empty());
+  return test::readFile(file);
+}
+
+bool same(const JointVector& a, const JointVector& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(double)) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("recording: every field there and back", "[recording]") {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "a.rec";
+  Rig rig;
+  RecordingHeader header;
+  header.deviceFile = "a \"device\"";
+  header.deviceText = "kind = 1\n\tx";
+  header.sceneFile = "b";
+  header.sceneText = "c";
+  header.files = 0xfedcba98;
+  header.renderer = "spring";
+  header.plugin = "d.so";
+  header.parameters = {{"a", "1"}, {"b", ""}};
+  header.start.position = {0.1, 1e-17, -0.3};
+  header.start.rotation = test::rotationAbout(Vec3(1, 2, 3).normalized(), 0.1);
+  struct Kept {
+    Measurement m;
+    JointVector requested, command;
+    double force;
+    Status status;
+    GuardReason reason;
+    RenderMode mode;
+    bool saturated, reset;
+  };
+  std::vector<Kept> kept;
+  {
+    Recorder recorder(file, header, rig.tick);
+    for (std::uint64_t i = 0; i < 300; ++i) {
+      const bool reset = i == 100;
+      if (reset) rig.tick.reset();
+      Status status = rig.step();
+      if (i == 40 || i == 200) {  // what no device should tell
+        Measurement& m = rig.measurement;
+        m.time += 1e-4;
+        m.q = JointVector::Constant(7, -0.0);
+        m.rates[1] = std::nan("7");
+        m.applied = JointVector::Constant(3, 1e300);
+        m.enabled = false;
+        status = rig.tick(m, rig.command);
+      }
+      recorder.add(7 * i, rig.measurement, rig.tick, rig.command, status, reset);
+      ++rig.number;
+      const TickOutput& out = rig.tick.output();
+      kept.push_back({rig.measurement, out.torque, rig.command.torque, out.normalForce, status, rig.tick.reason(),
+                      out.mode, out.saturated, reset});
+    }
+    const RecordingResult result = recorder.close();
+    CHECK(result.ticks == 300);
+    CHECK(result.lost == 0);
+    CHECK(result.problem.empty());
+    CHECK(recorder.close().ticks == 300);
+  }
+  RecordingReader reader(file);
+  const RecordingHeader& h = reader.header();
+  CHECK(h.deviceFile == header.deviceFile);
+  CHECK(h.deviceText == header.deviceText);
+  CHECK(h.sceneFile == header.sceneFile);
+  CHECK(h.sceneText == header.sceneText);
+  CHECK(h.files == header.files);
+  CHECK(h.renderer == header.renderer);
+  CHECK(h.plugin == header.plugin);
+  CHECK(h.parameters == header.parameters);
+  CHECK(h.start.position == header.start.position);
+  CHECK(h.start.rotation == header.start.rotation);
+  CHECK(h.joints == 6);
+  CHECK(h.stateSize == rig.tick.stateSize());
+  CHECK(h.rendererState == rig.spring.stateSize());
+  const GuardOptions &a = h.guard, &b = rig.tick.guard().options();
+  CHECK(std::tie(a.on, a.period, a.force, a.moment, a.margin, a.speed, a.stopSpeed, a.turn, a.stopTurn, a.brake) ==
+        std::tie(b.on, b.period, b.force, b.moment, b.margin, b.speed, b.stopSpeed, b.turn, b.stopTurn, b.brake));
+  CHECK(std::tie(a.brakeTurn, a.longestGap, a.mostMissed, a.energy, a.power, a.softest, a.oscillation, a.engage) ==
+        std::tie(b.brakeTurn, b.longestGap, b.mostMissed, b.energy, b.power, b.softest, b.oscillation, b.engage));
+  CHECK(std::tie(a.rampIn, a.rampOut, a.workspace, a.damping, a.torque, a.slew, a.rate, a.count) ==
+        std::tie(b.rampIn, b.rampOut, b.workspace, b.damping, b.torque, b.slew, b.rate, b.count));
+  REQUIRE(reader.chunks() == 3);
+  RecordedChunk chunk;
+  std::size_t seen = 0;
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    REQUIRE(reader.read(i, chunk) == "");
+    CHECK(chunk.sequence == i);
+    CHECK(chunk.lost == 0);
+    CHECK(chunk.fresh == (i == 0));
+    CHECK(chunk.last == (i == 2));
+    CHECK(chunk.state.size() == h.stateSize);
+    for (const RecordedTick& t : chunk.ticks) {
+      const Kept& k = kept[seen];
+      INFO("tick " << seen);
+      CHECK(t.number == 7 * seen++);
+      CHECK(t.measurement.time == k.m.time);
+      CHECK(same(t.measurement.q, k.m.q));
+      CHECK(same(t.measurement.rates, k.m.rates));
+      CHECK(same(t.measurement.applied, k.m.applied));
+      CHECK(t.measurement.enabled == k.m.enabled);
+      CHECK(same(t.requested, k.requested));
+      CHECK(same(t.command, k.command));
+      CHECK(t.normalForce == k.force);
+      CHECK(t.status == k.status);
+      CHECK(t.reason == k.reason);
+      CHECK(t.mode == k.mode);
+      CHECK(t.saturated == k.saturated);
+      CHECK(t.reset == k.reset);
+    }
+  }
+  CHECK(seen == kept.size());
+  CHECK_THROWS_AS(reader.read(3, chunk), Error);
+  // The header has nothing but ASCII of its own; what is no UTF-8 in a path is replaced, and no recording written over.
+  CHECK_THROWS_WITH(Recorder(file, header, rig.tick), Catch::Contains("a.rec") && Catch::Contains("exists"));
+}
+
+TEST_CASE("recording: a push replays bit for bit, from every chunk, and another one does not", "[recording]") {
+  const test::TemporaryFolder folder;
+  const TauMechanism device(test::nominal());
+  const SceneFile molar = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/molar.toml");
+  PushSetup setup;
+  setup.scene = molar.scene;
+  setup.tool = molar.tool;
+  setup.start.position = molar.start;
+  setup.delay = {0, 2};
+  setup.encoders = {true, RateSource::lowPass, 100.0};
+  setup.duration = test::longRun() ? 600.0 : 1.2;
+  SurfaceServoRenderer servo = test::surfaceServo(device, 0, 2);
+  const std::string file = folder / "push.rec";
+  std::optional<Recorder> recorder;
+  (void)runPush(device, servo, setup, [&](const TickRecord& tick, const VirtualLoop& loop) {
+    RecordingHeader header;
+    header.start = setup.start;
+    if (!recorder) recorder.emplace(file, header, loop.hapticTick());
+    recorder->makeRoom();
+    recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
+  });
+  const std::uint64_t ticks = recorder->close().ticks;
+  CHECK(ticks >= 1000);
+
+  const auto run = [&](Renderer& renderer, std::uint64_t from) {
+    RecordingReader reader(file);
+    HapticTick tick(device, setup.scene, setup.tool, renderer, reader.header().guard, reader.header().start);
+    return replay(reader, tick, from);
+  };
+  const std::uint64_t chunks = RecordingReader(file).chunks();
+  for (std::uint64_t from = 0; from + 1 < chunks; from += std::max<std::uint64_t>(1, chunks / 20)) {
+    const ReplayResult result = run(servo, from);
+    INFO("from " << from << ": " << (result.first ? result.first->what : ""));
+    CHECK(result.different == 0);
+    CHECK(result.ticks + result.restored == ticks - from * kChunkTicks);
+    CHECK(result.restored == (from > 0 ? 1 : 0));
+    CHECK(result.states);
+    CHECK(result.closed);
+  }
+  ImpedanceRenderer spring({});
+  const ReplayResult other = run(spring, 0);
+  CHECK(other.ticks == ticks);
+  CHECK(other.different > 0);
+  CHECK_FALSE(other.states);
+  REQUIRE(other.first);
+  CHECK(other.first->recorded != other.first->replayed);
+  CHECK(run(spring, 1).different > 0);
+  CHECK_THROWS_AS(run(servo, chunks), Error);
+
+  // One bit of one measurement: told at its tick.
+  std::string bytes = test::readFile(file);
+  const std::size_t size = chunkSize(RecordingReader(file).header().stateSize), header = wordAt(bytes, 12);
+  const std::size_t chunk = kHead + header + 2 * size;
+  bytes[chunk + size - kChunkTicks * kTick + 5 * kTick + 16] ^= 1;
+  test::writeFile(file, bytes);
+  RecordedChunk read;
+  CHECK_THAT(RecordingReader(file).read(2, read), Catch::Contains("chunk 2") && Catch::Contains("is damaged"));
+  const ReplayResult skipped = run(servo, 0);
+  CHECK(skipped.damaged == 1);
+  CHECK(skipped.restored == 1);
+  CHECK(skipped.different == 0);
+  setWord(bytes, chunk + 4, crc32(std::string_view(bytes).substr(chunk + 8, size - 8)));
+  test::writeFile(file, bytes);
+  const ReplayResult changed = run(servo, 0);
+  CHECK(changed.damaged == 0);
+  REQUIRE(changed.first);
+  CHECK(changed.first->tick == 2 * kChunkTicks + 5);
+}
+
+TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "[recording]") {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "full.rec";
+  std::mutex mutex;
+  std::string disk;
+  std::size_t room = 100000;  // bytes
+  Rig rig;
+  Recorder recorder(
+      [&](const char* bytes, std::size_t size) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        const std::size_t now = std::min(size, room - disk.size());
+        disk.append(bytes, now);
+        errno = ENOSPC;
+        return now;
+      },
+      "a disk", {}, rig.tick);
+  rig.run(recorder, 10000);  // the ring has room for 3968
+  const std::uint64_t first = recorder.lost();
+  CHECK(first > 5000);
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    room = 1 << 30;
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (recorder.lost() == first + (rig.number - 10000) && std::chrono::steady_clock::now() < end) {
+    rig.run(recorder, 1);
+    usleep(500);
+  }
+  for (int i = 0; i < 20; ++i) {
+    recorder.makeRoom();
+    rig.run(recorder, 64);
+  }
+  const RecordingResult result = recorder.close();
+  CHECK(result.problem.empty());
+  CHECK(result.lost == recorder.lost());
+  CHECK(result.ticks + result.lost == rig.number);
+  test::writeFile(file, disk);
+  const ReplayResult after = replayed(file);
+  CHECK(after.lost == result.lost);
+  CHECK(after.damaged == 0);
+  CHECK(after.ticks + after.restored == result.ticks);
+  CHECK(after.restored == 1);
+  CHECK(after.different == 0);
+  CHECK(after.closed);
+
+  // Full to the end: as far as there was room, and what is missing is told.
+  Rig other;
+  disk.clear();
+  room = 100000;
+  Recorder full(
+      [&](const char* bytes, std::size_t size) {
+        const std::size_t now = std::min(size, room - disk.size());
+        disk.append(bytes, now);
+        errno = ENOSPC;
+        return now;
+      },
+      "a disk", {}, other.tick);
+  other.run(full, 10000);
+  const RecordingResult lost = full.close();
+  CHECK(lost.problem == "a disk: cannot write the recording: No space left on device");
+  CHECK(lost.ticks == 2 * kChunkTicks);
+  CHECK(lost.ticks + lost.lost == 10000);
+  test::writeFile(file, disk);
+  const ReplayResult part = replayed(file);
+  CHECK(part.ticks == lost.ticks);
+  CHECK(part.different == 0);
+  CHECK(part.damaged == 1);  // what was cut off
+  CHECK_FALSE(part.closed);
+
+  room = 10;
+  disk.clear();
+  CHECK_THROWS_WITH(Recorder([](const char*, std::size_t) { return std::size_t{0}; }, "a disk", {}, other.tick),
+                    Catch::Contains("a disk: cannot write the recording"));
+  CHECK_THROWS_AS(Recorder("/dev/full", {}, other.tick), Error);
+  CHECK_THROWS_AS(Recorder(folder / "no/such/folder", {}, other.tick), Error);
+}
+
+TEST_CASE("recording: a slow disk holds up no tick", "[recording]") {
+  Rig rig;
+  std::atomic<bool> isSlow{true};
+  Recorder recorder(
+      [&](const char*, std::size_t size) {
+        if (isSlow) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        return std::min<std::size_t>(size, 20000);
+      },
+      "slow", {}, rig.tick);
+  // 20000 ticks while the disk takes some hundreds.
+  const auto begin = std::chrono::steady_clock::now();
+  rig.run(recorder, 20000);
+  const double time = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  std::uint64_t mostWritten = static_cast<std::uint64_t>(time / 0.1 + 1.0) * 20000 / kTick;
+  CHECK(recorder.lost() + mostWritten + 4000 >= 20000);
+  CHECK(recorder.lost() > 0);
+  isSlow = false;
+  const RecordingResult result = recorder.close();
+  CHECK(result.problem.empty());
+  CHECK(result.ticks + result.lost == 20000);
+}
+
+TEST_CASE("recording: read while it is written, and to the last whole chunk once it was cut", "[recording]") {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "a.rec", cut = folder / "cut.rec";
+  Rig rig;
+  Recorder recorder(file, {}, rig.tick);
+  std::atomic<bool> done{false};
+  std::uint64_t ticks = 0, wrong = 0;
+  std::thread reads([&] {
+    while (!done) {
+      RecordingReader reader(file);
+      RecordedChunk chunk;
+      std::uint64_t now = 0;
+      for (std::uint64_t i = 0; i < reader.chunks(); ++i) {
+        const std::string problem = reader.read(i, chunk);
+        if (problem.empty())
+          now += chunk.ticks.size();
+        else
+          wrong += i + 1 < reader.chunks() || problem.find("cut off") == problem.npos;
+      }
+      wrong += now < ticks;
+      ticks = now;
+    }
+  });
+  for (int i = 0; i < 60; ++i) {
+    rig.run(recorder, 32);
+    usleep(500);
+  }
+  CHECK(recorder.close().ticks == 60 * 32);
+  done = true;
+  reads.join();
+  CHECK(wrong == 0);
+
+  const std::string bytes = test::readFile(file);
+  const std::size_t size = chunkSize(rig.tick.stateSize()), begin = kHead + wordAt(bytes, 12);
+  test::Random random(5);
+  const int cuts = test::count(200, 5000);
+  for (int i = 0; i < cuts; ++i) {
+    const std::size_t length = static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(bytes.size())));
+    test::writeFile(cut, bytes.substr(0, length));
+    if (length < begin) {
+      CHECK_THROWS_AS(RecordingReader(cut), ConfigurationError);
+      continue;
+    }
+    RecordingReader reader(cut);
+    RecordedChunk chunk;
+    std::size_t whole = 0;
+    for (std::uint64_t k = 0; k < reader.chunks(); ++k) whole += reader.read(k, chunk).empty();
+    CHECK(whole == (length - begin) / size);
+  }
+}
+
+TEST_CASE("recording: of a process that was killed all whole chunks are read", "[recording]") {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "killed.rec";
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    Rig rig;
+    Recorder recorder(file, {}, rig.tick);
+    while (true) {
+      rig.run(recorder, 10);
+      usleep(1000);
+    }
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto size = [&] { return std::filesystem::exists(file) ? std::filesystem::file_size(file) : 0; };
+  while (size() < 200000 && std::chrono::steady_clock::now() < end) usleep(1000);
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  RecordingReader reader(file);
+  const std::uint64_t whole = (std::filesystem::file_size(file) - kHead - wordAt(test::readFile(file), 12)) /
+                              chunkSize(reader.header().stateSize);
+  CHECK(whole >= 3);
+  const ReplayResult result = replayed(file);
+  CHECK(result.ticks == whole * kChunkTicks);
+  CHECK(result.different == 0);
+  CHECK_FALSE(result.closed);
+}
+
+TEST_CASE("recording: a changed file is refused or read, within memory and time", "[recording]") {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "changed.rec", good = recorded(folder, 300);
+  const std::size_t size = chunkSize(Rig().tick.stateSize()), begin = kHead + wordAt(good, 12);
+  test::Random random(11);
+  const auto pick = [&random](std::size_t n) {
+    return std::min(static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(n))), n - 1);
+  };
+  const std::vector<std::string> words = {"-1", "1e999", "null", "\"", "[", "{", "4294967295", "0", "1048576", "true"};
+  int refused = 0, readable = 0, changed = 0;
+  std::uint64_t most = 0;
+  const int files = test::count(1000, 100000);
+  for (int i = 0; i < files; ++i) {
+    std::string bytes = good;
+    const bool inHeader = pick(3) == 0;
+    for (std::size_t changes = 1 + pick(4); changes > 0; --changes) {
+      const std::size_t at = inHeader ? pick(begin) : begin + pick(std::max<std::size_t>(1, bytes.size() - begin));
+      if (at >= bytes.size()) break;
+      switch (pick(6)) {
+        case 0: bytes[at] = static_cast<char>(pick(256)); break;
+        case 1: bytes.erase(at, 1 + pick(400)); break;
+        case 2: bytes.insert(at, words[pick(words.size())]); break;
+        case 3: bytes.insert(at, bytes.substr(pick(bytes.size()), pick(400))); break;
+        case 4: {
+          const double number = test::garbage(random);
+          std::memcpy(bytes.data() + (bytes.size() - at >= 8 ? at : bytes.size() - 8), &number, 8);
+          break;
+        }
+        default: bytes.resize(at); break;
+      }
+      if (bytes.size() < 8) break;
+    }
+    // Half of them with checksums that fit: what a checksum hides.
+    if (pick(2) == 0 && bytes.size() > kHead) {
+      if (inHeader) setWord(bytes, 12, static_cast<std::uint32_t>(wordAt(good, 12) + bytes.size() - good.size()));
+      const std::size_t text = std::min<std::size_t>(wordAt(bytes, 12), bytes.size() - kHead);
+      setWord(bytes, 16, crc32(std::string_view(bytes).substr(kHead, text)));
+      for (std::size_t at = kHead + text; at + kChunkHead <= bytes.size(); at += size) {
+        const std::size_t ticks = wordAt(bytes, at + 24);
+        const std::size_t length = size - (kChunkTicks - std::min(ticks, kChunkTicks)) * kTick;
+        if (at + length > bytes.size()) break;
+        setWord(bytes, at + 4, crc32(std::string_view(bytes).substr(at + 8, length - 8)));
+      }
+    }
+    test::writeFile(file, bytes);
+    try {
+      const ReplayResult result = replayed(file);
+      ++readable;
+      changed += result.different > 0;
+      most = std::max(most, result.ticks);
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  CHECK(most <= 400);
+  CHECK(refused > files / 20);
+  CHECK(readable > files / 20);
+  CHECK(changed > files / 100);
+}
+
+TEST_CASE("recording: a tick takes any state, and its command stays within the limits", "[recording]") {
+  Rig rig;
+  for (int i = 0; i < 50; ++i, ++rig.number) (void)rig.step();
+  std::vector<char> good(rig.tick.stateSize()), state = good;
+  rig.tick.saveState(good.data());
+  test::Random random(3);
+  int beyond = 0, stopped = 0;
+  const int states = test::count(5000, 100000);
+  for (int i = 0; i < states; ++i) {
+    state = good;
+    for (int change = 0; change < 1 + i % 5; ++change) {
+      const double number = i % 2 == 0 ? test::garbage(random) : std::floor(random.uniform(-3.0, 30.0));
+      const std::size_t at = static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(state.size() / 8)));
+      std::memcpy(state.data() + 8 * at, &number, 8);
+    }
+    rig.tick.loadState(state.data());
+    for (int k = 0; k < 3; ++k, ++rig.number) {
+      stopped += rig.step() != Status::ok;
+      for (int j = 0; j < 6; ++j) beyond += !(std::abs(rig.command.torque[j]) <= rig.tick.guard().options().torque[j]);
+    }
+    if (i % 10 == 0) rig.number = 50;
+  }
+  CHECK(beyond == 0);
+  CHECK(stopped > 0);
+  rig.tick.loadState(good.data());
+  rig.tick.saveState(state.data());
+  CHECK(state == good);
+}
+
+}  // namespace enamel::test_recording
