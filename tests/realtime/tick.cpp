@@ -2,6 +2,7 @@
 #include "enamel/render/tick.hpp"
 
 #include "enamel/render/passivity.hpp"
+#include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/catch.hpp"
@@ -97,6 +98,38 @@ TEST_CASE("a loop on the virtual device allocates nothing", "[realtime]") {
     CHECK(test::allocationCount() == before);
     CHECK(ok == 1000);
   }
+}
+
+TEST_CASE("recording a tick allocates nothing, also while ticks are lost", "[realtime]") {
+  const TauMechanism device(test::nominal());
+  const Scene wall = flatWall();
+  SurfaceServoRenderer servo = test::surfaceServo(device);
+  HapticTick tick(device, wall, Tool(), servo, 1e-3);
+  Recorder recorder([written = 0](const char*, std::size_t size) mutable { return ++written < 20 ? size : 0; },
+                    "a disk", {}, tick);
+  std::vector<char> state(tick.stateSize());
+  Measurement m;
+  Command command;
+  Kinematics k;
+  const long before = test::allocationCount();
+  for (std::uint64_t i = 0; i < 12000; ++i) {
+    Pose pose;
+    pose.position.z() = 2e-4 * std::sin(0.01 * static_cast<double>(i));
+    if (device.reach(pose, Vec6::Zero(), false, k) != Status::ok) continue;
+    m.time = 1e-3 * static_cast<double>(i);
+    m.q = k.q;
+    m.rates = k.rates;
+    const Status status = tick(m, command);
+    recorder.add(i, m, tick, command, status);
+    if (i % 100 != 0) continue;
+    tick.saveState(state.data());
+    tick.loadState(state.data());
+  }
+  CHECK(test::allocationCount() == before);
+  CHECK(recorder.lost() > 0);
+  const RecordingResult result = recorder.close();
+  CHECK(result.ticks > 0);
+  CHECK(result.ticks + result.lost == 12000);
 }
 
 }  // namespace enamel::test_tick

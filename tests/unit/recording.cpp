@@ -316,7 +316,7 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
   CHECK(after.lost == result.lost);
   CHECK(after.damaged == 0);
   CHECK(after.ticks + after.restored == result.ticks);
-  CHECK(after.restored == 1);
+  CHECK(after.restored >= 1);
   CHECK(after.different == 0);
   CHECK(after.closed);
 
@@ -464,7 +464,7 @@ TEST_CASE("recording: a changed file is refused or read, within memory and time"
   const std::vector<std::string> words = {"-1", "1e999", "null", "\"", "[", "{", "4294967295", "0", "1048576", "true"};
   int refused = 0, readable = 0, changed = 0;
   std::uint64_t most = 0;
-  const int files = test::count(1000, 100000);
+  const int files = test::longRun() ? 100000 : 1000;
   for (int i = 0; i < files; ++i) {
     std::string bytes = good;
     const bool inHeader = pick(3) == 0;
