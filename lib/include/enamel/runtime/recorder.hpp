@@ -25,7 +25,7 @@ struct RecordingResult {
 class Recorder {
  public:
   /// Writes bytes and returns how many of them, fewer or none where it cannot (errno tells why): then it is asked
-  /// again.
+  /// again. Must not throw.
   using Write = std::function<std::size_t(const char* bytes, std::size_t size)>;
 
   /// Begins a recording of `tick`'s ticks, and writes its header. Throws Error with the file and the cause: there is
