@@ -14,6 +14,7 @@
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/surface_file.hpp"
+#include "enamel/runtime/recorder.hpp"
 #include "enamel/study/run_file.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
@@ -180,6 +181,38 @@ std::vector<Format> allFormats(const test::TemporaryFolder& folder) {
   formats.push_back({"surface.json", [](const std::string& path) { (void)loadSurfaceServo(path); },
                      surfaceServoText({"a", surfaceServoFor(JointVector::Constant(6, 1e-5), 1e-3, 0, 0)}), worstJson,
                      folder / "surface.json"});
+  const auto recording = [](const std::string& header, const std::string& chunks) {
+    const std::uint32_t words[4] = {1, static_cast<std::uint32_t>(header.size()), crc32(header), 0};
+    return "ENAMELR\n" + std::string(reinterpret_cast<const char*>(words), sizeof(words)) + header + chunks;
+  };
+  const auto readRecording = [](const std::string& path) {
+    RecordingReader reader(path);
+    RecordedChunk chunk;
+    for (std::uint64_t i = 0; i < reader.chunks(); ++i) (void)reader.read(i, chunk);
+  };
+  const TauMechanism device(test::nominal());
+  const Scene wall = flatWall();
+  ImpedanceRenderer spring({6000.0, 0.0});
+  HapticTick tick(device, wall, Tool(), spring, 1e-3);
+  std::string recorded;
+  {
+    Recorder recorder([&recorded](const char* bytes, std::size_t size) { return recorded.append(bytes, size), size; },
+                      "recording", {}, tick);
+    Measurement m;
+    Command command;
+    m.q = device.home().q;
+    m.rates = device.home().rates;
+    for (std::uint64_t i = 0; i < 150; ++i) {
+      m.time = 1e-3 * static_cast<double>(i);
+      recorder.add(i, m, tick, command, tick(m, command));
+    }
+  }
+  std::vector<std::string> worstRecordings = {recorded + repeat("CHNK", kLong), recorded + std::string(kLong, '\0')};
+  for (const std::string& json : worstJson) worstRecordings.push_back(recording(json, ""));
+  std::string manyKeys = "{\"a\":1";
+  for (int i = 0; i < 50000; ++i) manyKeys += ",\"" + std::to_string(i) + "\":1";
+  worstRecordings.push_back(recording(manyKeys + "}", ""));
+  formats.push_back({"recording", readRecording, recorded, worstRecordings, folder / "a.rec"});
   StudyPlan plan;
   plan.grid = 3;
   plan.runs = 300;

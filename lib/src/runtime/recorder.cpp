@@ -75,6 +75,8 @@ void Recorder::start(const HapticTick& tick) {
   chunks_.assign(room_ * chunkSize_, '\0');
 
   const std::string text = headerText(header_);
+  require(text.size() <= kLargestHeader, path_ + ": the recording's header is " + std::to_string(text.size()) +
+                                             " bytes, at most " + std::to_string(kLargestHeader) + " are recorded");
   const std::uint32_t words[4] = {kVersion, static_cast<std::uint32_t>(text.size()), crc32(text), 0};
   std::string bytes(kMagic, sizeof(kMagic));
   bytes.append(reinterpret_cast<const char*>(words), sizeof(words)).append(text);

@@ -19,7 +19,8 @@ namespace enamel {
 namespace recording {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;  // ordered_json looks through all keys for each
+using Written = nlohmann::ordered_json;
 
 // Of the guard's options, as they stand in the header.
 const std::pair<const char*, double GuardOptions::*> kNumbers[] = {
@@ -43,8 +44,8 @@ const std::pair<const char*, int GuardOptions::*> kCounts[] = {{"longest_gap", &
                                                                {"most_missed", &GuardOptions::mostMissed}};
 
 template <typename Matrix>
-Json listOf(const Matrix& m) {  // by columns; what is unlimited becomes null
-  Json list = Json::array();
+Written listOf(const Matrix& m) {  // by columns; what is unlimited becomes null
+  Written list = Written::array();
   for (Eigen::Index i = 0; i < m.size(); ++i) list.push_back(m.data()[i]);
   return list;
 }
@@ -100,24 +101,24 @@ class Reading {
 }  // namespace
 
 std::string headerText(const RecordingHeader& h) {
-  Json json;
+  Written json;
   json["device"] = {{"file", h.deviceFile}, {"text", h.deviceText}};
   json["scene"] = {{"file", h.sceneFile}, {"text", h.sceneText}};
   json["files"] = h.files;
-  json["renderer"] = {{"name", h.renderer}, {"plugin", h.plugin}, {"parameters", Json::object()}};
+  json["renderer"] = {{"name", h.renderer}, {"plugin", h.plugin}, {"parameters", Written::object()}};
   for (const auto& [key, value] : h.parameters) json["renderer"]["parameters"][key] = value;
   json["start"] = {{"position", listOf(h.start.position)}, {"rotation", listOf(h.start.rotation)}};
   json["joints"] = h.joints;
   json["state_size"] = h.stateSize;
   json["renderer_state"] = h.rendererState;
-  Json& guard = json["guard"];
+  Written& guard = json["guard"];
   guard["on"] = h.guard.on;
   for (const auto& [name, value] : kNumbers) guard[name] = h.guard.*value;
   for (const auto& [name, value] : kVectors) guard[name] = listOf(h.guard.*value);
   for (const auto& [name, value] : kCounts) guard[name] = h.guard.*value;
   guard["workspace"] = listOf(h.guard.workspace);
   guard["damping"] = listOf(h.guard.damping);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', false, Written::error_handler_t::replace) + "\n";
 }
 
 RecordingHeader parseHeader(const std::string& text, const std::string& file) {
@@ -248,7 +249,7 @@ RecordingReader::RecordingReader(const std::string& path)
     if (words[0] != kVersion)
       refuse("is a recording of version " + std::to_string(words[0]) + ", this program reads " +
              std::to_string(kVersion));
-    if (words[1] > kLargestTextFile || words[1] > size_ - kPreamble)
+    if (words[1] > kLargestHeader || words[1] > size_ - kPreamble)
       refuse("has a header of " + std::to_string(words[1]) + " bytes, which the file does not have");
     std::string text(words[1], '\0');
     if (readAt(file_, kPreamble, text.data(), text.size(), path_) != text.size() || crc32(text) != words[2])

@@ -14,7 +14,7 @@ static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "numbers are copied as 
 inline constexpr char kMagic[8] = {'E', 'N', 'A', 'M', 'E', 'L', 'R', '\n'};
 inline constexpr std::uint32_t kVersion = 1;
 inline constexpr std::size_t kPreamble = 24;  // magic, version, length of the header, its CRC-32, 0
-inline constexpr std::size_t kLargestState = std::size_t{1} << 20;
+inline constexpr std::size_t kLargestHeader = std::size_t{4} << 20, kLargestState = std::size_t{1} << 20;
 
 inline constexpr std::uint32_t kChunkMark = 0x4b4e4843;  // "CHNK"
 inline constexpr std::uint32_t kFresh = 1, kLast = 2;
