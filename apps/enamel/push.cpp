@@ -168,7 +168,8 @@ void run(const PushOptions& options) {
         const RecordingResult recorded = recorder->close();
         if (!recorded.problem.empty())
           throw Error(fmt::format("{} ({} ticks are lost)", recorded.problem, recorded.lost));
-        recordings.push_back(outputFor(options, options.record, name));
+        recordings.push_back(outputFor(options, options.record, name) +
+                             (recorded.lost > 0 ? fmt::format(" ({} ticks are lost)", recorded.lost) : ""));
       }
       const double end = static_cast<double>(result.ticks) * setup.period;
       const PushMetrics metrics = collector.metrics();
