@@ -150,16 +150,15 @@ void run(const PushOptions& options) {
       }
       std::optional<TickFile> file;
       if (!options.output.empty()) file.emplace(outputFor(options, options.output, name), *device);
+      const std::string recording = options.record.empty() ? "" : outputFor(options, options.record, name);
+      if (!recording.empty()) nameRenderer(name, library ? library->path() : "", values, setup.scene, header);
       std::optional<Recorder> recorder;
       MetricsCollector collector(setup, limit, plant->limits().torque);
       const PushResult result = runPush(*plant, *renderer, setup, [&](const TickRecord& tick, const VirtualLoop& loop) {
         collector.add(tick);
         if (file) file->write(tick);
-        if (options.record.empty()) return;
-        if (!recorder) {
-          nameRenderer(name, library ? library->path() : "", values, setup.scene, header);
-          recorder.emplace(outputFor(options, options.record, name), header, loop.hapticTick());
-        }
+        if (recording.empty()) return;
+        if (!recorder) recorder.emplace(recording, header, loop.hapticTick());
         recorder->makeRoom();
         recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
       });
@@ -168,8 +167,7 @@ void run(const PushOptions& options) {
         const RecordingResult recorded = recorder->close();
         if (!recorded.problem.empty())
           throw Error(fmt::format("{} ({} ticks are lost)", recorded.problem, recorded.lost));
-        recordings.push_back(outputFor(options, options.record, name) +
-                             (recorded.lost > 0 ? fmt::format(" ({} ticks are lost)", recorded.lost) : ""));
+        recordings.push_back(recording + (recorded.lost > 0 ? fmt::format(" ({} ticks are lost)", recorded.lost) : ""));
       }
       const double end = static_cast<double>(result.ticks) * setup.period;
       const PushMetrics metrics = collector.metrics();
