@@ -14,6 +14,7 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/runtime/replay.hpp"
+#include "enamel/sim/simulated_device.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/garbage.hpp"
@@ -350,6 +351,55 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
                     Catch::Contains("a disk: cannot write the recording"));
   CHECK_THROWS_AS(Recorder("/dev/full", {}, other.tick), Error);
   CHECK_THROWS_AS(Recorder(folder / "no/such/folder", {}, other.tick), Error);
+}
+
+TEST_CASE("recording: a loop on a device, with a fault and a reset, replays", "[recording]") {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "loop.rec";
+  // Every 300th measurement is missing for six ticks: late, a fault.
+  class Missing final : public HapticDevice {
+   public:
+    explicit Missing(HapticDevice& device) : device_(device) {}
+    Status measure(Measurement& m) noexcept override {
+      const Status status = device_.measure(m);
+      return ++number_ % 300 >= 294 ? Status::stale : status;
+    }
+    Status actuate(const Command& command) noexcept override { return device_.actuate(command); }
+
+   private:
+    HapticDevice& device_;
+    int number_ = 0;
+  };
+  const TauMechanism device(test::nominal());
+  SurfaceServoRenderer servo = test::surfaceServo(device);
+  const Scene wall = flatWall();
+  SimulatedDevice simulated(device, {}, test::handAt(-1e-3, 1000.0, 5.0));
+  Missing missing(simulated);
+  HapticTick tick(device, wall, Tool(), servo, 1e-3);
+  Recorder recorder(file, {}, tick);
+  HapticLoopOptions options;
+  options.sink = &recorder;
+  std::uint64_t resets = 0;
+  {
+    LoopBody loop(missing, tick, options);
+    for (int i = 0; i < 2000; ++i) {
+      (void)loop.step();
+      if (i % 300 != 50 || tick.guard().fault() == GuardReason::none) continue;
+      loop.reset();
+      ++resets;
+    }
+  }
+  const RecordingResult result = recorder.close();
+  CHECK(result.ticks > 1900);
+  CHECK(resets >= 3);
+  for (const std::uint64_t from : {0u, 4u}) {
+    RecordingReader reader(file);
+    HapticTick again(device, wall, Tool(), servo, reader.header().guard);
+    const ReplayResult replay = enamel::replay(reader, again, from);
+    INFO((replay.first ? replay.first->what : ""));
+    CHECK(replay.different == 0);
+    CHECK(replay.ticks + replay.restored == result.ticks - from * kChunkTicks);
+  }
 }
 
 TEST_CASE("recording: a slow disk holds up no tick", "[recording]") {

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "enamel/render/tick.hpp"
+#include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/runtime/recording.hpp"
 
 namespace enamel {
@@ -22,7 +22,7 @@ struct RecordingResult {
 /// Writes a recording from a thread of its own. The tick's side only copies into chunks that were allocated before:
 /// room for 4 s, at least 8 and at most 256 chunks. Where that is full, because the disk is or because it is slow,
 /// ticks are lost and counted, and recording goes on with a new chunk as soon as one is free.
-class Recorder {
+class Recorder final : public TickSink {
  public:
   /// Writes bytes and returns how many of them, fewer or none where it cannot (errno tells why): then it is asked
   /// again. Must not throw.
@@ -36,7 +36,7 @@ class Recorder {
   Recorder(Write write, const std::string& path, RecordingHeader header, const HapticTick& tick);
 
   /// close().
-  ~Recorder();
+  ~Recorder() override;
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
@@ -44,6 +44,11 @@ class Recorder {
   /// Realtime: yes (copies 320 bytes, hashes the renderer's state; where a chunk begins, copies the whole state).
   void add(std::uint64_t number, const Measurement& measurement, const HapticTick& tick, const Command& command,
            Status status, bool reset = false) noexcept;
+
+  /// The same for a loop: HapticLoopOptions::sink. Realtime: yes.
+  void tick(const LoopTick& tick, const HapticTick& haptics) noexcept override {
+    add(tick.number, tick.measurement, haptics, tick.command, tick.status, tick.reset);
+  }
 
   /// Ticks that were lost so far. Any thread. Realtime: yes.
   std::uint64_t lost() const noexcept { return allLost_.load(std::memory_order_relaxed); }
