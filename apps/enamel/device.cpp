@@ -7,19 +7,24 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "bench/nominal_device.hpp"
 #include "commands.hpp"
 #include "enamel/collision/scene_file.hpp"
-#include "enamel/control/servo_design.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/runtime/haptic_loop.hpp"
+#include "enamel/runtime/recorder.hpp"
 #include "enamel/runtime/udp_device.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/simulated_device.hpp"
+#include "recorded.hpp"
 #include "renderers.hpp"
 
 namespace enamel::app {
@@ -27,7 +32,7 @@ namespace {
 
 struct DeviceOptions {
   bool serve = false;
-  std::string connect, device, scene, key, renderer = kPositionControl;
+  std::string connect, device, scene, key, record, renderer = kPositionControl;
   ServeOptions server;
   double rate_Hz = 1000.0, duration = 0.0, force = kUnlimited;
 };
@@ -113,10 +118,13 @@ void serve(const DeviceOptions& options, const Mechanism& mechanism) {
   print(server.counts(), "measurement to command");
 }
 
-// Counts what happened, for another thread.
+// Counts what happened, for another thread; and records it.
 class Tally final : public TickSink {
  public:
-  void tick(const LoopTick& t, const HapticTick&) noexcept override {
+  std::optional<Recorder> recorder;
+
+  void tick(const LoopTick& t, const HapticTick& haptics) noexcept override {
+    if (recorder) recorder->tick(t, haptics);
     reasons_[static_cast<std::size_t>(t.reason)].fetch_add(1, std::memory_order_relaxed);
     if (t.reason == GuardReason::none && t.normalForce > force_) force_ = t.normalForce;
     if (t.mode == RenderMode::contact) contact_.fetch_add(1, std::memory_order_relaxed);
@@ -136,20 +144,6 @@ class Tally final : public TickSink {
   std::atomic<double> force_{0.0};
 };
 
-std::unique_ptr<Renderer> rendererFor(const DeviceOptions& options, const std::shared_ptr<const Mechanism>& mechanism,
-                                      double period) {
-  const RendererSource source = findRenderer(options.renderer);
-  if (source.plugin) return makeRenderer(source.plugin, {options.device, "", options.scene, "", {}});
-  if (source.name == kPositionControl)  // the wire: a command acts one tick after its measurement, or two
-    return std::make_unique<SurfaceServoRenderer>(surfaceServo("", *mechanism, period, {1, 2}));
-  if (source.name == kHold)
-    return std::make_unique<PositionControlRenderer>(ServoGain(designServo(mechanism, Pose{}, period).K), period,
-                                                     PositionControlOptions{});
-  auto wall = std::make_unique<ImpedanceRenderer>(ImpedanceOptions{});
-  if (source.name == kImpedance) return wall;
-  return std::make_unique<PassivityRenderer>(std::move(wall));
-}
-
 void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism>& mechanism) {
   const std::size_t colon = options.connect.rfind(':');
   const std::string host = options.connect.substr(0, colon);
@@ -164,6 +158,12 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
   link.joints = mechanism->joints();
   UdpDevice device(host, port, link);
 
+  RecordingHeader header;
+  if (!options.record.empty()) {
+    if (options.device.empty()) throw Error("--record needs --device: its file stands in the recording");
+    header.deviceFile = std::filesystem::absolute(options.device).string();
+    header.deviceText = readFile(options.device);
+  }
   Scene scene = flatWall();
   Tool tool;
   const double period = 1.0 / options.rate_Hz;
@@ -175,10 +175,22 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
     scene = std::move(file.scene);
     tool = file.tool;
     guard.force = std::min(guard.force, file.maxForce);
+    header.sceneFile = std::filesystem::absolute(options.scene).string();
+    if (!options.record.empty()) header.sceneText = readFile(options.scene);
   }
-  const std::unique_ptr<Renderer> renderer = rendererFor(options, mechanism, period);
+  const RendererSource source = findRenderer(options.renderer);
+  std::map<std::string, std::string> values;
+  // The wire: a command acts one tick after its measurement, or two.
+  if (!source.plugin && source.name == kPositionControl) values = {{"delay", "1"}, {"delay-high", "2"}};
+  const std::unique_ptr<Renderer> renderer =
+      source.plugin ? makeRenderer(source.plugin, {options.device, "", options.scene, "", values})
+                    : makeLinked(source.name, values, mechanism, period);
   HapticTick haptics(*mechanism, scene, tool, *renderer, guard);
   Tally tally;
+  if (!options.record.empty()) {
+    nameRenderer(source.name, source.plugin ? source.plugin->path() : "", values, scene, header);
+    tally.recorder.emplace(options.record, header, haptics);
+  }
   HapticLoopOptions how;
   how.period = std::max(1e-4, period / 4.0);  // the server has a clock of its own
   how.sink = &tally;
@@ -198,12 +210,18 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
     fmt::print("periods without a new measurement {}, commands not sent {}\n", loop.held(), loop.unsent());
   }
   print(device.counts(), "command to measurement");
+  if (tally.recorder) {
+    const RecordingResult recorded = tally.recorder->close();
+    if (!recorded.problem.empty()) throw Error(fmt::format("{} ({} ticks are lost)", recorded.problem, recorded.lost));
+    fmt::print("recording: {}, {} ticks, {} lost\n", options.record, recorded.ticks, recorded.lost);
+  }
   tally.print();
   if (fault != GuardReason::none) throw Error(std::string("stopped by the guard: ") + toString(fault));
 }
 
 void run(DeviceOptions options) {
   if (options.serve == !options.connect.empty()) throw Error("give --serve or --connect HOST:PORT");
+  if (options.serve && !options.record.empty()) throw Error("--record is of --connect");
   if (!options.key.empty()) options.server.link.key = readKey(options.key);
   const auto mechanism =
       makeMechanism(options.device.empty() ? DeviceParameters(bench::nominalDevice()) : loadDevice(options.device));
@@ -236,6 +254,7 @@ void addDevice(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--renderer", options->renderer, "as of push")->capture_default_str();
   command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0");
+  command->add_option("--record", options->record, "recording of --connect, for enamel replay and enamel export");
   command->add_option("--max-force", options->force, "that the guard lets the renderer put on the tool, N")
       ->default_str("no limit");
   command->callback([options] { run(*options); });

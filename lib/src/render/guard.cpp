@@ -195,7 +195,7 @@ void Guard::loadState(const double* state) noexcept {
     isSound = isSound && value >= least && value <= most;
     if (isSound) number = static_cast<Number>(value);
   });
-  for (int i = 0; i < n_; ++i) isSound = isSound && std::abs(loaded.torque[i]) <= kLargestAnswer;
+  for (int i = 0; i < n_; ++i) isSound = isSound && std::abs(loaded.torque[i]) <= kLargestTorque;
   if (isSound && options_.on)
     for (int i = 0; i < n_; ++i) isSound = isSound && std::abs(loaded.torque[i]) <= options_.torque[i];
   if (isSound)

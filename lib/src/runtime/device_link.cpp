@@ -6,31 +6,20 @@
 
 #include "core/message.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/runtime/recording.hpp"
 
 namespace enamel {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x4c4d4e45;  // "ENML"
-constexpr unsigned kVersion = 1;
+constexpr std::uint32_t kLinkMagic = 0x4c4d4e45;  // "ENML"
+constexpr unsigned kLinkVersion = 1;
 constexpr unsigned kMeasurement = 1, kCommand = 2, kCall = 3;
 constexpr unsigned kEnabled = 1, kApplied = 2, kWatchdog = 4;  // flags
 constexpr std::size_t kHead = 56, kTail = 12;                  // tag and checksum
-constexpr double kSecond = 1e9;                                // ns
+constexpr double kNanoseconds = 1e9;                           // of a second
 
-// CRC-32 of IEEE 802.3.
 std::uint32_t checksum(const unsigned char* bytes, std::size_t size) noexcept {
-  static constexpr auto table = [] {
-    std::array<std::uint32_t, 256> t{};
-    for (std::uint32_t i = 0; i < 256; ++i) {
-      std::uint32_t c = i;
-      for (int bit = 0; bit < 8; ++bit) c = (c & 1) != 0 ? 0xedb88320u ^ (c >> 1) : c >> 1;
-      t[i] = c;
-    }
-    return t;
-  }();
-  std::uint32_t crc = ~0u;
-  for (std::size_t i = 0; i < size; ++i) crc = table[(crc ^ bytes[i]) & 0xff] ^ (crc >> 8);
-  return ~crc;
+  return crc32({reinterpret_cast<const char*>(bytes), size});
 }
 
 void put(unsigned char* at, std::uint64_t value, int bytes) noexcept {
@@ -77,8 +66,8 @@ struct Head {
 };
 
 void putHead(const Head& h, Datagram& d) noexcept {
-  put(&d[0], kMagic, 4);
-  put(&d[4], kVersion, 1);
+  put(&d[0], kLinkMagic, 4);
+  put(&d[4], kLinkVersion, 1);
   put(&d[5], h.kind, 1);
   put(&d[6], h.joints, 1);
   put(&d[7], h.flags, 1);
@@ -102,8 +91,8 @@ std::size_t seal(const LinkOptions& options, std::size_t size, Datagram& d) noex
 int examine(const LinkOptions& options, const unsigned char* d, std::size_t size, bool command, Head& h) noexcept {
   const auto drop = [](DropReason reason) { return static_cast<int>(reason); };
   if (size != (command ? kCommandBytes : kMeasurementBytes)) return drop(DropReason::length);
-  if (get(d, 4) != kMagic) return drop(DropReason::magic);
-  if (get(d + 4, 1) != kVersion) return drop(DropReason::version);
+  if (get(d, 4) != kLinkMagic) return drop(DropReason::magic);
+  if (get(d + 4, 1) != kLinkVersion) return drop(DropReason::version);
   if (get(d + size - 4, 4) != checksum(d, size - 4)) return drop(DropReason::checksum);
   const std::string_view body(reinterpret_cast<const char*>(d), size - kTail);
   if (get(d + size - kTail, 8) != (options.key ? sipHash(*options.key, body) : 0)) return drop(DropReason::tag);
@@ -127,8 +116,8 @@ bool count(LinkCounts& counts, DropReason reason) noexcept {
 }
 
 // Whether `stamp` of our own clock is less than `most` s ago; a forged one may be any number.
-bool within(std::int64_t stamp, std::int64_t now, double most) noexcept {
-  return stamp <= now && static_cast<double>(now) - static_cast<double>(stamp) <= kSecond * most;
+bool isWithin(std::int64_t stamp, std::int64_t now, double most) noexcept {
+  return stamp <= now && static_cast<double>(now) - static_cast<double>(stamp) <= kNanoseconds * most;
 }
 
 const LinkOptions& checked(const LinkOptions& options) {
@@ -247,7 +236,7 @@ void LinkClient::receive(const unsigned char* d, std::size_t size, std::int64_t 
   echo_ = h.echoStamp;
   if (h.echo > answered_ && h.echo <= sent_ && h.echoStamp <= now) {
     answered_ = h.echo;
-    counts_.roundTrip.add(static_cast<double>(now - h.echoStamp) / kSecond);
+    counts_.roundTrip.add(static_cast<double>(now - h.echoStamp) / kNanoseconds);
   }
   counts_.accepted.fetch_add(1, std::memory_order_relaxed);
   measurement_ = m;
@@ -263,7 +252,7 @@ Status LinkClient::measure(Measurement& measurement, std::int64_t now) noexcept 
   }
   if (!session_ || !fresh_) return Status::stale;
   fresh_ = false;
-  if (!within(echo_, now, options_.silence)) {
+  if (!isWithin(echo_, now, options_.silence)) {
     count(counts_, DropReason::stale);
     return Status::stale;
   }
@@ -344,9 +333,9 @@ bool LinkServer::receive(const unsigned char* d, std::size_t size, std::int64_t 
   if (h.kind == kCommand) {
     if (h.echo > answered_ && h.echo <= sent_ && h.echoStamp <= now) {
       answered_ = h.echo;
-      counts_.roundTrip.add(static_cast<double>(now - h.echoStamp) / kSecond);
+      counts_.roundTrip.add(static_cast<double>(now - h.echoStamp) / kNanoseconds);
     }
-    if (!within(h.echoStamp, now, options_.silence)) {
+    if (!isWithin(h.echoStamp, now, options_.silence)) {
       count(counts_, DropReason::stale);
       return true;
     }
@@ -359,7 +348,7 @@ bool LinkServer::receive(const unsigned char* d, std::size_t size, std::int64_t 
 }
 
 JointVector LinkServer::torque(const JointVector& q, double period, std::int64_t now) noexcept {
-  const bool alive = commanded_ && within(of_, now, options_.silence);
+  const bool alive = commanded_ && isWithin(of_, now, options_.silence);
   weight_ =
       alive ? std::min(1.0, weight_ + period / options_.rampIn) : std::max(0.0, weight_ - period / options_.rampOut);
   if (weight_ == 1.0) return torque_;

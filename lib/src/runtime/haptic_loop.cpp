@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kShortest = 1e-4, kLongest = 2e-3;  // periods, s
+constexpr double kShortestPeriod = 1e-4, kLongestPeriod = 2e-3;  // periods, s
 
 double since(Clock::time_point begin) noexcept { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
@@ -31,9 +31,10 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
   const GuardOptions& guard = haptics.guard().options();
   require(guard.on, "haptic loop: the guard is off; only simulations may run without it");
   if (period_ == 0.0) period_ = ticks_;
-  require(period_ >= kShortest && period_ <= kLongest && period_ <= ticks_,
-          "haptic loop: the period is " + formatNumber(period_) + " s, must be in " + formatNumber(kShortest) + " to " +
-              formatNumber(kLongest) + " s and not longer than that of the ticks, " + formatNumber(ticks_) + " s");
+  require(period_ >= kShortestPeriod && period_ <= kLongestPeriod && period_ <= ticks_,
+          "haptic loop: the period is " + formatNumber(period_) + " s, must be in " + formatNumber(kShortestPeriod) +
+              " to " + formatNumber(kLongestPeriod) + " s and not longer than that of the ticks, " +
+              formatNumber(ticks_) + " s");
   device_.open();
   const auto begin = Clock::now();
   Status status = device_.measure(measurement_);

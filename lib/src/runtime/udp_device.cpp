@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kMostDatagrams = 64;  // a tick
 
-std::int64_t now() noexcept {
+std::int64_t clockNow() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
@@ -81,15 +81,15 @@ UdpDevice::~UdpDevice() { ::close(socket_); }
 
 Status UdpDevice::measure(Measurement& measurement) noexcept {
   drain(socket_, [this](const unsigned char* bytes, std::size_t size, const sockaddr_in&) {
-    client_.receive(bytes, size, now());
+    client_.receive(bytes, size, clockNow());
   });
-  if (const std::size_t size = client_.call(now(), datagram_); size > 0)
+  if (const std::size_t size = client_.call(clockNow(), datagram_); size > 0)
     (void)!send(socket_, datagram_.data(), size, MSG_NOSIGNAL);
-  return client_.measure(measurement, now());
+  return client_.measure(measurement, clockNow());
 }
 
 Status UdpDevice::actuate(const Command& command) noexcept {
-  const std::size_t size = client_.command(command.torque, now(), datagram_);
+  const std::size_t size = client_.command(command.torque, clockNow(), datagram_);
   if (size == 0) return Status::inactive;
   return send(socket_, datagram_.data(), size, MSG_NOSIGNAL) == static_cast<ssize_t>(size) ? Status::ok : Status::stale;
 }
@@ -120,14 +120,14 @@ struct DeviceServer::Server {
   void tick() noexcept {
     const bool stops = stop.load(std::memory_order_relaxed);
     drain(socket, [&](const unsigned char* bytes, std::size_t size, const sockaddr_in& from) {
-      if (!stops && link.receive(bytes, size, now())) client = from;
+      if (!stops && link.receive(bytes, size, clockNow())) client = from;
     });
     const Status measured = device.measure(measurement);
     // Commands that were taken before stop() end by the watchdog like any others.
-    command.torque = link.torque(measurement.q, period, now());
+    command.torque = link.torque(measurement.q, period, clockNow());
     (void)device.actuate(command);
     if (measured == Status::ok && !stops)
-      if (const std::size_t size = link.measurement(measurement, now(), datagram); size > 0)
+      if (const std::size_t size = link.measurement(measurement, clockNow(), datagram); size > 0)
         (void)!sendto(socket, datagram.data(), size, MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&client),
                       sizeof(client));
     if (stops && link.rests()) stopped.store(true, std::memory_order_relaxed);
