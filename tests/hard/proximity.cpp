@@ -158,7 +158,7 @@ TEST_CASE("a tool that jumped soon has its list of near triangles again", "[hard
       const Vec3 p = (start + 5e-4 * i * Vec3::UnitX()).normalized() * 1.02;
       (void)closestPoint(model, p, &cache);
       const kernel::Cache& content = *kernel::Inside::of(&cache);
-      const kernel::Cache::List& list = content.list[content.active];
+      const kernel::NearList& list = content.near.list[content.near.active];
       const Vec3 origin(list.origin), now(content.query);
       held += (now - origin).norm() <= list.radius ? 1 : 0;
     }

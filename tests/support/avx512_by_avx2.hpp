@@ -74,10 +74,10 @@ inline Numbers16 addNumbers(Numbers16 x, Numbers16 y) {
 #define _mm512_loadu_ps enamel::test::load
 #define _mm512_storeu_ps enamel::test::store
 #define _mm512_set1_ps enamel::test::set
-#define _mm512_add_ps enamel::test::add
-#define _mm512_sub_ps enamel::test::sub
-#define _mm512_mul_ps enamel::test::mul
-#define _mm512_div_ps enamel::test::divide
+#define _mm512_add_ps(x, y) ((x) + (y))
+#define _mm512_sub_ps(x, y) ((x) - (y))
+#define _mm512_mul_ps(x, y) ((x) * (y))
+#define _mm512_div_ps(x, y) ((x) / (y))
 #define _mm512_max_ps enamel::test::maximum
 #define _mm512_min_ps enamel::test::minimum
 #define _mm512_sqrt_ps enamel::test::root

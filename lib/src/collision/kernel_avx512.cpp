@@ -13,11 +13,11 @@ struct V {
 inline V load(const float* p) { return {_mm512_loadu_ps(p)}; }
 inline void store(float* p, V x) { _mm512_storeu_ps(p, x.v); }
 inline V set(float x) { return {_mm512_set1_ps(x)}; }
-inline V add(V x, V y) { return {_mm512_add_ps(x.v, y.v)}; }
-inline V sub(V x, V y) { return {_mm512_sub_ps(x.v, y.v)}; }
-inline V mul(V x, V y) { return {_mm512_mul_ps(x.v, y.v)}; }
+inline V operator+(V x, V y) { return {_mm512_add_ps(x.v, y.v)}; }
+inline V operator-(V x, V y) { return {_mm512_sub_ps(x.v, y.v)}; }
+inline V operator*(V x, V y) { return {_mm512_mul_ps(x.v, y.v)}; }
 inline V mad(V x, V y, V z) { return {_mm512_fmadd_ps(x.v, y.v, z.v)}; }
-inline V divide(V x, V y) { return {_mm512_div_ps(x.v, y.v)}; }
+inline V operator/(V x, V y) { return {_mm512_div_ps(x.v, y.v)}; }
 inline V root(V x) { return {_mm512_sqrt_ps(x.v)}; }
 inline V inverseRoot(V x) { return {_mm512_rsqrt14_ps(x.v)}; }
 inline V maximum(V x, V y) { return {_mm512_max_ps(x.v, y.v)}; }

@@ -8,63 +8,50 @@ struct V {
   float v[kWidth];
 };
 
-inline V load(const float* p) {
+template <typename Function>
+inline V each(const Function& f) {
   V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = p[i];
+  for (int i = 0; i < kWidth; ++i) r.v[i] = f(i);
   return r;
 }
-inline void store(float* p, const V& a) {
-  for (int i = 0; i < kWidth; ++i) p[i] = a.v[i];
+inline V load(const float* p) {
+  return each([&](int i) { return p[i]; });
+}
+inline void store(float* p, const V& x) {
+  for (int i = 0; i < kWidth; ++i) p[i] = x.v[i];
 }
 inline V set(float x) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = x;
-  return r;
+  return each([&](int) { return x; });
 }
-inline V add(const V& a, const V& b) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] + b.v[i];
-  return r;
+inline V operator+(const V& x, const V& y) {
+  return each([&](int i) { return x.v[i] + y.v[i]; });
 }
-inline V sub(const V& a, const V& b) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] - b.v[i];
-  return r;
+inline V operator-(const V& x, const V& y) {
+  return each([&](int i) { return x.v[i] - y.v[i]; });
 }
-inline V mul(const V& a, const V& b) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] * b.v[i];
-  return r;
+inline V operator*(const V& x, const V& y) {
+  return each([&](int i) { return x.v[i] * y.v[i]; });
 }
-inline V mad(const V& a, const V& b, const V& c) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] * b.v[i] + c.v[i];
-  return r;
+inline V operator/(const V& x, const V& y) {
+  return each([&](int i) { return x.v[i] / y.v[i]; });
 }
-inline V divide(const V& a, const V& b) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] / b.v[i];
-  return r;
+inline V mad(const V& x, const V& y, const V& z) {
+  return each([&](int i) { return x.v[i] * y.v[i] + z.v[i]; });
 }
-inline V root(const V& a) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = __builtin_sqrtf(a.v[i]);
-  return r;
+inline V root(const V& x) {
+  return each([&](int i) { return __builtin_sqrtf(x.v[i]); });
 }
-inline V inverseRoot(const V& a) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = 1.0f / __builtin_sqrtf(a.v[i]);
-  return r;
+inline V inverseRoot(const V& x) {
+  return each([&](int i) { return 1.0f / __builtin_sqrtf(x.v[i]); });
 }
-inline V maximum(const V& a, const V& b) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
-  return r;
+inline V maximum(const V& x, const V& y) {
+  return each([&](int i) { return x.v[i] > y.v[i] ? x.v[i] : y.v[i]; });
 }
-inline V minimum(const V& a, const V& b) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
-  return r;
+inline V minimum(const V& x, const V& y) {
+  return each([&](int i) { return x.v[i] < y.v[i] ? x.v[i] : y.v[i]; });
+}
+inline V selectGreater(const V& x, const V& y, const V& a, const V& b) {
+  return each([&](int i) { return x.v[i] > y.v[i] ? a.v[i] : b.v[i]; });
 }
 inline float smallest(const V& a) {
   float least = a.v[0];
@@ -75,11 +62,6 @@ inline unsigned lessOrEqualMask(const V& a, const V& b) {
   unsigned mask = 0;
   for (int i = 0; i < kWidth; ++i) mask |= static_cast<unsigned>(a.v[i] <= b.v[i]) << i;
   return mask;
-}
-inline V selectGreater(const V& x, const V& y, const V& a, const V& b) {
-  V r;
-  for (int i = 0; i < kWidth; ++i) r.v[i] = x.v[i] > y.v[i] ? a.v[i] : b.v[i];
-  return r;
 }
 using Chosen = unsigned;
 inline Chosen choose(unsigned mask) { return mask; }

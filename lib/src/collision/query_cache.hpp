@@ -6,34 +6,28 @@
 
 namespace enamel::kernel {
 
-struct Cache {
-  static constexpr int kTriangles = 128;
+inline constexpr int kListed = 128;  ///< triangles of a list
+inline constexpr int kSpare = 16;    ///< rows are written 16 at a time
+
+/// Every triangle that can be nearest while the tool stays in a ball. Seen from the origin each lies behind a plane, so
+/// from the origin plus e it is no nearer than height + normal.e. Local coordinates, as all of the lists.
+struct NearList {
+  int32_t count = 0;
+  double origin[3] = {};
+  double radius = -1.0;  ///< of the ball; negative: none, or not complete
+  float slack = 0.0f;    ///< error of the float distances from the origin
+  int32_t slot[kListed + kSpare] = {};
+  float normal[3][kListed + kSpare] = {};
+  float height[kListed + kSpare] = {};
+};
+
+/// The list in use, and the one that is made ahead of the tool, a little every query. near_list.inl has the functions.
+struct NearLists {
   static constexpr int kNodes = 48;
   static constexpr int kLeaves = 32;
-  static constexpr int kSpare = 16;  // rows are written 16 at a time
 
-  uint64_t revision = 0;   // of the mesh that the content belongs to; 0: empty
-  double query[3] = {};    // the last query point (local coordinates of the hierarchy, like all that follows)
-  double surface[3] = {};  // its answer
-
-  // Where the winding number was asked last, and how far around it the answer holds, m, in the mesh's frame.
-  uint64_t signRevision = 0;
-  double signAt[3] = {}, signWithin = -1.0;
-  int32_t isInside = 0;
-
-  // Every triangle that can be nearest while the tool stays in a ball. Seen from the origin each lies behind a plane,
-  // so from the origin plus e it is no nearer than height + normal.e.
-  struct List {
-    int32_t count = 0;
-    double origin[3] = {};
-    double radius = -1.0;
-    float slack = 0.0f;  // error of the float distances from the origin
-    int32_t slot[kTriangles + kSpare] = {};
-    float normal[3][kTriangles + kSpare] = {};
-    float height[kTriangles + kSpare] = {};
-  };
-  List list[2];
-  int32_t active = 0;  // list in use; the other one is made ahead of the tool, a little every query
+  NearList list[2];
+  int32_t active = 0;  ///< in use
 
   // The list being made: nodes and leaves of the hierarchy, of which it has yet to look at those from the first on.
   int32_t firstNode = 0, nodes = 0;
@@ -46,6 +40,18 @@ struct Cache {
   int32_t rest = 0;        // queries before another one is begun
   int32_t pause = 0;       // rest after the next one that is given up
   double margin = 0.0;     // radius of the next one
+};
+
+struct Cache {
+  uint64_t revision = 0;   ///< of the mesh that the content belongs to; 0: empty
+  double query[3] = {};    ///< the last query point, in local coordinates
+  double surface[3] = {};  ///< its answer
+  NearLists near;
+
+  // Where the winding number was asked last, and how far around it the answer holds, m, in the mesh's frame.
+  uint64_t signRevision = 0;
+  double signAt[3] = {}, signWithin = -1.0;
+  int32_t isInside = 0;
 };
 
 }  // namespace enamel::kernel

@@ -1,0 +1,243 @@
+// The nearest triangle to a point: float bounds choose candidates, doubles decide between them.
+#pragma once
+
+#include "near_list.inl"
+
+constexpr int kMostCandidates = 64;
+
+struct Search {
+  Search(const Mesh& of, const double* p, double limitSquared);
+
+  const Mesh& mesh;
+  const double* point;  // original coordinates
+  double local[3];
+  V3 q;                   // local, rounded
+  double slack;           // absolute error of a float distance
+  float slackUp;          // the same, not smaller
+  float least = 3.4e38f;  // smallest squared float distance so far
+  float limit = 3.4e38f;  // largest squared float distance that may still matter
+  // Triangles whose exact distance has yet to be looked at.
+  int candidates = 0;
+  int32_t candidate[kMostCandidates];
+  float candidateBound[kMostCandidates];
+  // The best exact answer so far.
+  double squared;
+  int32_t slot = -1;
+  int32_t index = 0x7fffffff;
+  Candidate best;
+};
+
+inline void lowerLimit(Search& s, float limit) {
+  if (limit < s.limit) s.limit = limit;
+}
+
+// No triangle whose float distance is above the limit can be nearest: within `slack` of their float distances, the
+// nearest so far lies below it.
+inline void tightenToFloat(Search& s, float least) {
+  s.least = least;
+  const float d = __builtin_sqrtf(least) + 2.0f * s.slackUp;
+  lowerLimit(s, d * d * 1.000002f);
+}
+
+inline void tightenToExact(Search& s) { lowerLimit(s, limitOf(__builtin_sqrt(s.squared) * s.mesh.scale, s.slack)); }
+
+// Every box holds a triangle, which is no farther than the farthest corner of the box.
+inline void tightenToBoxes(Search& s, const Lanes& boxes) {
+  V3 far = fromMiddles(boxes, s.q);
+  for (int i = 0; i < 3; ++i) far[i] = far[i] + boxes.half(i);
+  const float d = __builtin_sqrtf(smallest(squaredLength(far))) + s.slackUp;
+  lowerLimit(s, d * d * 1.000002f);
+}
+
+inline Search::Search(const Mesh& of, const double* p, double limitSquared) : mesh(of), point(p) {
+  toLocal(mesh, point, local);
+  q = setAll(local);
+  slack = slackOf(mesh, local);
+  slackUp = static_cast<float>(slack) * 1.000001f;
+  squared = limitSquared < kHuge ? limitSquared : kHuge;
+  if (limitSquared < kHuge) tightenToExact(*this);
+}
+
+// Smaller distance wins; at the same distance the smaller index.
+inline void keepNearer(Search& s, const Triangle* t, const Candidate& c) {
+  if (!(c.squared < s.squared || (c.squared == s.squared && t->index < s.index))) return;
+  s.squared = c.squared;
+  s.slot = static_cast<int32_t>(t - s.mesh.triangles);
+  s.index = t->index;
+  s.best = c;
+}
+
+inline void tryTriangle(Search& s, int32_t slot) {
+  const Triangle* t = s.mesh.triangles + slot;
+  if (t->index < 0) return;
+  Candidate c;
+  closestOnTriangle(t, s.point, &c);
+  keepNearer(s, t, c);
+}
+
+// Four at a time.
+inline void tryTriangles(Search& s, const int32_t* slot, int all) {
+  for (; all > 0; slot += 4, all -= 4) {
+    const int count = all < 4 ? all : 4;
+    if (count == 1) return tryTriangle(s, slot[0]);
+    const Triangle* t[4];
+    bool odd = false;
+    for (int i = 0; i < 4; ++i) {
+      t[i] = s.mesh.triangles + slot[i < count ? i : 0];
+      odd |= t[i]->index < 0 || isThin(t[i]);
+    }
+    if (odd) {
+      for (int i = 0; i < count; ++i) tryTriangle(s, slot[i]);
+      continue;
+    }
+    Candidate c;
+    keepNearer(s, t[closestOfFour(t, s.point, &c)], c);
+  }
+}
+
+// Forgets the candidates that are ruled out by now.
+inline void sift(Search& s) {
+  int kept = 0;
+  for (int i = 0; i < s.candidates; ++i) {
+    if (!(s.candidateBound[i] <= s.limit)) continue;
+    s.candidate[kept] = s.candidate[i];
+    s.candidateBound[kept++] = s.candidateBound[i];
+  }
+  s.candidates = kept;
+}
+
+// Looks at the exact distances of the candidates and forgets them. They are few: all lie within the error of the float
+// distances.
+inline void settle(Search& s) {
+  sift(s);
+  tryTriangles(s, s.candidate, s.candidates);
+  s.candidates = 0;
+}
+
+inline void keepCandidate(Search& s, int32_t slot, float bound) {
+  if (s.candidates == kMostCandidates) {
+    sift(s);
+    if (s.candidates > kMostCandidates / 2) {
+      settle(s);
+      tightenToExact(s);
+    }
+  }
+  fetchTriangle(s.mesh, slot);
+  s.candidate[s.candidates] = slot;
+  s.candidateBound[s.candidates++] = bound;
+}
+
+inline void searchLeaf(Search& s, int32_t leaf) {
+  const V b = triangleDistances(lanesOf(s.mesh.leaves[leaf]), s.q);
+  unsigned mask = lessOrEqualMask(b, s.limit);
+  if (mask == 0) return;
+  const float least = smallest(b);
+  if (least < s.least) {
+    tightenToFloat(s, least);
+    mask = lessOrEqualMask(b, s.limit);
+  }
+  float bounds[kWidth];
+  store(bounds, b);
+  for (; mask != 0; mask &= mask - 1) {
+    const int lane = __builtin_ctz(mask);
+    keepCandidate(s, leaf * kWidth + lane, bounds[lane]);
+  }
+}
+
+// `cold`: nothing is known of where the answer lies, and every box holds a triangle.
+inline void searchTree(Search& s, bool cold) {
+  const auto boundsOf = [&s, cold](const Node& node) {
+    const Lanes boxes = lanesOf(node);
+    if (cold && s.least > 3e38f) tightenToBoxes(s, boxes);
+    return squaredLength(beyondBoxes(boxes, fromMiddles(boxes, s.q)));
+  };
+  nearestFirst(s.mesh, s.limit, boundsOf, [&s](int32_t leaf) { searchLeaf(s, leaf); });
+}
+
+// Far away: the same with bounds in double, of the boxes along the axes.
+struct FarBounds {
+  double lane[kWidth];
+};
+
+inline double smallest(const FarBounds& b) {
+  double least = b.lane[0];
+  for (const double one : b.lane) least = one < least ? one : least;
+  return least;
+}
+
+inline unsigned lessOrEqualMask(const FarBounds& b, double limit) {
+  unsigned mask = 0;
+  for (int i = 0; i < kWidth; ++i) mask |= static_cast<unsigned>(b.lane[i] <= limit) << i;
+  return mask;
+}
+
+inline void push(const FarBounds& b, unsigned mask, double* p) {
+  for (; mask != 0; mask &= mask - 1) *p++ = b.lane[__builtin_ctz(mask)];
+}
+
+inline void searchFar(Search& s) {
+  const double unit = s.mesh.scale * s.mesh.scale * (1.0 + 1e-12);
+  double limit = s.squared * unit;
+  const auto boundsOf = [&s](const Node& node) {
+    const AlignedBoxes& boxes = s.mesh.boxes[&node - s.mesh.nodes];
+    FarBounds bounds;
+    for (int lane = 0; lane < kWidth; ++lane) {
+      bounds.lane[lane] = 0.0;
+      for (int k = 0; k < 3; ++k) {
+        const double below = static_cast<double>(boxes.low[k][lane]) - s.local[k];
+        const double above = s.local[k] - static_cast<double>(boxes.high[k][lane]);
+        const double d = below > above ? below : above;
+        if (d > 0.0) bounds.lane[lane] += d * d;
+      }
+    }
+    return bounds;
+  };
+  nearestFirst(s.mesh, limit, boundsOf, [&](int32_t leaf) {
+    for (int lane = 0; lane < kWidth; ++lane) tryTriangle(s, leaf * kWidth + lane);
+    limit = s.squared * unit;
+  });
+}
+
+// The previous answer is on the mesh, so its distance bounds the new one. Where a list holds, it answers; else the tree
+// is searched.
+inline void searchWithCache(Search& s, Cache& cache) {
+  const float surface = __builtin_sqrtf(static_cast<float>(squaredDistance(s.local, cache.surface))) * 1.000001f;
+  const NearList* list = listAt(s.mesh, s.local, cache.near);
+  if (list == nullptr) {
+    lowerLimit(s, (surface + s.slackUp) * (surface + s.slackUp) * 1.000002f);
+    return searchTree(s, false);
+  }
+  // The planes of the list are as exact as numbers of the size of its origin, which may be farther out than the point.
+  const float slack = s.slackUp > list->slack ? s.slackUp : list->slack;
+  float most = surface + 3.0f * slack;
+  if (s.limit < most * most) most = __builtin_sqrtf(s.limit) * 1.000001f + 2.0f * slack;
+  int32_t slot[kListed + kSpare];
+  tryTriangles(s, slot, listedWithin(*list, s.local, most, slot));
+}
+
+void closest(const Mesh& mesh, const double point[3], double limitSquared, Cache* cache, Answer* answer) {
+  Search s(mesh, point, limitSquared);
+  const bool known = cache != nullptr && cache->revision == mesh.revision;
+  if (cache != nullptr && !known) {
+    cache->revision = 0;
+    forget(cache->near);
+  }
+  if (isFar(s.local)) {
+    searchFar(s);
+  } else if (known) {
+    searchWithCache(s, *cache);
+  } else {
+    searchTree(s, mesh.tight != 0);
+  }
+  settle(s);
+  if (cache != nullptr && s.slot >= 0) {
+    double motion[3];
+    subtract(s.local, cache->query, motion);
+    cache->revision = mesh.revision;
+    for (int k = 0; k < 3; ++k) cache->query[k] = s.local[k];
+    toLocal(mesh, s.best.point, cache->surface);
+    if (known && !isFar(s.local)) workAhead(mesh, s.local, motion, cache->surface, cache->near);
+  }
+  answer->slot = s.slot;
+  answer->nearest = s.slot >= 0 ? s.best : Candidate{s.squared, {point[0], point[1], point[2]}, kFace, 0.0, 0.0};
+}
