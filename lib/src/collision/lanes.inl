@@ -56,7 +56,7 @@ inline Lanes lanesOf(const Node& node) { return {node.row}; }
 // Squared distances of triangles from points f in their frames: to the plane where the point lies over the triangle,
 // else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
 // `from`: the offsets from the nearest points of the triangles.
-inline V frameDistances(const Lanes& frames, const V3& f, V3* from = nullptr) {
+__attribute__((always_inline)) inline V frameDistances(const Lanes& frames, const V3& f, V3* from = nullptr) {
   const V zero = set(0.0f), u = f[0], v = f[1], h = f[2];
   const V3 length = frames.rows3(kLength);
   const V c1 = frames.row(kCosine), s1 = frames.row(kSine), c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);

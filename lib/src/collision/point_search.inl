@@ -114,14 +114,16 @@ inline void settle(Search& s) {
   s.candidates = 0;
 }
 
+// Rare, and apart so that the loop over nodes stays small.
+__attribute__((noinline)) void makeRoom(Search& s) {
+  sift(s);
+  if (s.candidates <= kMostCandidates / 2) return;
+  settle(s);
+  tightenToExact(s);
+}
+
 inline void keepCandidate(Search& s, int32_t slot, float bound) {
-  if (s.candidates == kMostCandidates) {
-    sift(s);
-    if (s.candidates > kMostCandidates / 2) {
-      settle(s);
-      tightenToExact(s);
-    }
-  }
+  if (s.candidates == kMostCandidates) makeRoom(s);
   fetchTriangle(s.mesh, slot);
   s.candidate[s.candidates] = slot;
   s.candidateBound[s.candidates++] = bound;
@@ -146,10 +148,11 @@ inline void searchLeaf(Search& s, int32_t leaf) {
 
 // `cold`: nothing is known of where the answer lies, and every box holds a triangle.
 inline void searchTree(Search& s, bool cold) {
-  const auto boundsOf = [&s, cold](const Node& node) {
+  const V3 q = s.q;
+  const auto boundsOf = [&s, q, cold](const Node& node) {
     const Lanes boxes = lanesOf(node);
     if (cold && s.least > 3e38f) tightenToBoxes(s, boxes);
-    return squaredLength(beyondBoxes(boxes, fromMiddles(boxes, s.q)));
+    return squaredLength(beyondBoxes(boxes, fromMiddles(boxes, q)));
   };
   nearestFirst(s.mesh, s.limit, boundsOf, [&s](int32_t leaf) { searchLeaf(s, leaf); });
 }

@@ -3,9 +3,13 @@
 
 #include "descent.inl"
 
-// Of the clearance of a segment beyond its reach this much is worth knowing.
+// Measured as near_list.inl says, with segments of 5 mm from the points of the path outwards.
+
+// Of the clearance of a segment beyond its reach this much is worth knowing: by it a followed tool skips queries. 0 and
+// 1: no difference in the query itself.
 constexpr float kEnough = 0.5f;
-// More triangles of a leaf than these that may be nearest to a segment are worth better bounds.
+// More triangles of a leaf than these that may be nearest are worth better bounds: that of the line, then of a second
+// plane. 6 and 12: 1.2 times on 100 k; 0, 3 and 3, none at all: no difference on these segments.
 enum { kFewOfLeaf = 3, kManyOfLeaf = 6 };
 
 // In local coordinates: start, unit direction, length.
@@ -76,7 +80,7 @@ void visit(const Mesh& mesh, const double from[3], const double to[3], double re
 // Squared distances of the boxes of a node from a segment, from below. Only the feet of a box on the segment can be
 // nearest to it. The plane across the line from the middle of the feet to the box keeps the box away; along the segment
 // the height over it falls by no more than its slope.
-inline V segmentBounds(const Lanes& boxes, const LocalSegment& segment) {
+__attribute__((always_inline)) inline V segmentBounds(const Lanes& boxes, const LocalSegment& segment) {
   const V zero = set(0.0f), oneHalf = set(0.5f);
   const V3 start = boxes.place(segment.start), direction = boxes.turn(segment.direction);
   V foot = zero, extent = zero;
