@@ -208,6 +208,35 @@ struct Workload {
   std::vector<Vec3> path, random;
 };
 
+// Graphics and physics run between two ticks of a simulator: what they leave of the caches is what 8 MB leave that are
+// walked through.
+class OtherWork {
+ public:
+  void operator()() {
+    for (std::size_t i = 0; i < memory_.size(); i += 64) memory_[i] = static_cast<char>(memory_[i] + 1);
+    keep(memory_[0]);
+  }
+
+ private:
+  std::vector<char> memory_ = std::vector<char>(std::size_t{8} << 20, '\0');
+};
+
+// The nearest point, searched from the root no farther away than the last answer is: all that a cache knows but its
+// list.
+class Followed {
+ public:
+  explicit Followed(const MeshModel& model) : model_(model) {}
+  void moveTo(const Vec3& p) {
+    const double limit = last_.triangle < 0 ? kNoLimit : (last_.point - p).norm() * (1.0 + 1e-9);
+    last_ = closestPoint(model_, p, nullptr, limit);
+    keep(last_);
+  }
+
+ private:
+  const MeshModel& model_;
+  SurfacePoint last_;
+};
+
 void addRow(std::vector<Measurement>& rows, const std::string& name, const Timing& timing, double error,
             const std::string& errorOf, double reference_us = std::numeric_limits<double>::quiet_NaN()) {
   Measurement row;
@@ -226,24 +255,30 @@ void measureNearest(const Workload& work, std::vector<Measurement>& rows) {
   const TriangleMesh& mesh = model.mesh();
   const std::string truth = "m, against all triangles", size = ", " + work.size;
   ProximityCache plain, withSign;
+  Followed followed(model);
   std::vector<std::function<void(int)>> onPath = {[&](int i) { keep(closestPoint(model, work.path[i], &plain)); },
                                                   [&](int i) { keep(signedDistance(model, work.path[i], &withSign)); },
-                                                  [&](int i) { keep(closestPoint(model, work.path[i])); }};
+                                                  [&](int i) { keep(closestPoint(model, work.path[i])); },
+                                                  [&](int i) { followed.moveTo(work.path[i]); }};
   std::vector<std::function<void(int)>> atRandom = {[&](int i) { keep(closestPoint(model, work.random[i])); }};
 #ifdef ENAMEL_BENCH_EMBREE
   EmbreeMesh embree(mesh);
   onPath.push_back([&](int i) { keep(embree.distance(work.path[i], true)); });
   atRandom.push_back([&](int i) { keep(embree.distance(work.random[i], false)); });
 #endif
-  const std::vector<Timing> path = timeInTurns(count, warm, onPath), random = timeInTurns(count, warm, atRandom);
-  double embreePath = std::numeric_limits<double>::quiet_NaN(), embreeRandom = embreePath;
+  const std::vector<Timing> path = timeInTurns(count, warm, onPath), random = timeInTurns(count, warm, atRandom),
+                            cold = timeInTurns(500, 50, onPath, OtherWork());
+  double embreePath = std::numeric_limits<double>::quiet_NaN(), embreeRandom = embreePath, embreeCold = embreePath;
 #ifdef ENAMEL_BENCH_EMBREE
   const auto embreeDistance = [&](const Vec3& p) { return embree.distance(p, false); };
-  addRow(rows, "Embree 3 (float), haptic path, hint" + size, path[3], largestError(mesh, work.path, embreeDistance),
+  addRow(rows, "Embree 3 (float), haptic path, hint" + size, path[4], largestError(mesh, work.path, embreeDistance),
          truth);
+  addRow(rows, "Embree 3 (float), haptic path, hint, 8 MB between" + size, cold[4],
+         largestError(mesh, work.path, embreeDistance), truth);
   addRow(rows, "Embree 3 (float), random points" + size, random[1], largestError(mesh, work.random, embreeDistance),
          truth);
-  embreePath = path[3].median_us;
+  embreePath = path[4].median_us;
+  embreeCold = cold[4].median_us;
   embreeRandom = random[1].median_us;
 #endif
 #ifdef ENAMEL_BENCH_FCL
@@ -259,6 +294,11 @@ void measureNearest(const Workload& work, std::vector<Measurement>& rows) {
   addRow(rows, "closest point, haptic path, cache" + size, path[0], error, truth, embreePath);
   addRow(rows, "signed distance, haptic path, cache" + size, path[1], error, truth, embreePath);
   addRow(rows, "closest point, haptic path, no cache" + size, path[2], error, truth, embreePath);
+  addRow(rows, "closest point, haptic path, last point but no list" + size, path[3], error, truth, embreePath);
+  addRow(rows, "closest point, haptic path, cache, 8 MB between" + size, cold[0], error, truth, embreeCold);
+  addRow(rows, "closest point, haptic path, no cache, 8 MB between" + size, cold[2], error, truth, embreeCold);
+  addRow(rows, "closest point, haptic path, last point but no list, 8 MB between" + size, cold[3], error, truth,
+         embreeCold);
   addRow(rows, "closest point, random points" + size, random[0], largestError(mesh, work.random, distance), truth,
          embreeRandom);
 }

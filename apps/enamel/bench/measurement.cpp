@@ -37,7 +37,8 @@ Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int fi
   return {percentile(perCall_us, 0.5), percentile(perCall_us, 0.99)};
 }
 
-std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::function<void(int i)>>& runs) {
+std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::function<void(int i)>>& runs,
+                                const std::function<void()>& between) {
   using Clock = std::chrono::steady_clock;
   constexpr int kTurn = 1000, kUncounted = 20;
   const int passes = runs.size() > 1 ? 5 : 1;
@@ -56,6 +57,7 @@ std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::fun
     for (int start = 0; start < calls; start += kTurn)
       for (std::size_t which = 0; which < runs.size(); ++which)
         for (int i = start; i < std::min(start + kTurn, calls); ++i) {
+          if (between) between();
           const double time_us = timeCall_us(runs[which], i) - reading_us;
           if (i >= first && (runs.size() == 1 || i >= start + kUncounted)) times_us[which].push_back(time_us);
         }

@@ -41,8 +41,9 @@ Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run)
 
 /// The same for several that are to be compared: they take turns of 1000 calls, five times from the first to the last
 /// one, so that all see the same machine. The first 20 calls of a turn, which find the other ones' data in the caches,
-/// do not count.
-std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::function<void(int i)>>& runs);
+/// do not count. `between` is done before every call and not timed.
+std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::function<void(int i)>>& runs,
+                                const std::function<void()>& between = {});
 
 /// Keeps the compiler from dropping a result that is not used otherwise.
 template <typename T>
