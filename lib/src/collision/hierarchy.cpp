@@ -44,7 +44,15 @@ class Builder {
   void run() {
     const int root = split(0, static_cast<int>(order_.size()), 0);
     weighFolds();
+    // As much memory as is needed: the leaves and triangles are most of it.
+    const auto leaves = std::count_if(tree_.begin(), tree_.end(), [](const Binary& part) { return part.left < 0; });
+    data_.leaves.reserve(leaves);
+    data_.leafParent.reserve(leaves);
+    data_.triangles.reserve(leaves * kWidth);
     data_.view.root = fold(root, {});
+    data_.nodes.shrink_to_fit();
+    data_.boxes.shrink_to_fit();
+    data_.nodeParent.shrink_to_fit();
   }
 
  private:

@@ -13,11 +13,6 @@
 
 namespace enamel::kernel {
 
-struct EdgeNormals {
-  float edge[3][3];       // sum of the unit normals of the triangles at edges 01, 12, 20
-  std::uint32_t tainted;  // bit i: corner or edge i (as TriangleFeature) touches a triangle without normal
-};
-
 /// Where a node or leaf hangs: child `lane` of `node`; node -1 for the root.
 struct Parent {
   std::int32_t node = -1, lane = 0;
@@ -28,14 +23,14 @@ using Array = std::vector<T, HugePages<T>>;
 
 struct MeshData {
   TriangleMesh mesh;
-  std::vector<int> place;          // of each vertex, as weld()
-  std::vector<Vec3> cornerNormal;  // of each place: sum of angle times unit normal
+  std::vector<int> place;  // of each vertex, as weld()
   Array<Node> nodes;
   Array<Leaf> leaves;
   Array<AlignedBoxes> boxes;                     // by node
   Array<MomentRows> moments;                     // by node
   Array<Triangle> triangles;                     // by slot
-  Array<EdgeNormals> edgeNormals;                // by slot
+  Array<std::uint8_t> tainted;                   // by slot; bit i: corner or edge i (as TriangleFeature) touches a
+                                                 // triangle without normal, or was edited
   Array<std::int32_t> slotOf;                    // by triangle number, as many as there may be; of others than
                                                  // present ones: a slot close by, which another may have taken
   Array<std::array<std::int32_t, 3>> neighbour;  // by triangle number: across edges 01, 12, 20; -1: not one

@@ -36,7 +36,7 @@ void taintPlace(MeshData& data, int place) {
     leaf.front[slot % kWidth] = leaf.back[slot % kWidth] = 0.0f;
     data.triangles[slot].cone = std::min(data.triangles[slot].cone, 0.0f);
     openCones(data, data.leafParent[slot / kWidth]);
-    data.edgeNormals[slot].tainted |= 1u << (kCorner0 + i) | 1u << (kEdge01 + i) | 1u << (kEdge01 + (i + 2) % 3);
+    data.tainted[slot] |= 1u << (kCorner0 + i) | 1u << (kEdge01 + i) | 1u << (kEdge01 + (i + 2) % 3);
   }
   data.isTainted[place] = 0;
 }
@@ -184,7 +184,6 @@ void kernel::reserveForUpdates(MeshData& data, int spareVertices) {
   data.mostVertices = static_cast<int>(data.mesh.vertices.size()) + spareVertices;
   data.mesh.vertices.reserve(data.mesh.vertices.size() + more);
   data.place.reserve(data.mesh.vertices.size() + more);
-  data.cornerNormal.reserve(data.firstCorner.size() + more);
   data.firstCorner.reserve(data.firstCorner.size() + more);
   data.isTainted.reserve(data.firstCorner.size() + more);
   data.scratch.reserve(3 * kWidth);
@@ -224,7 +223,6 @@ Status addVertices(MeshModel& model, const Vec3* positions, int count) noexcept 
   for (int i = 0; i < count; ++i) {
     data.place.push_back(static_cast<int>(data.firstCorner.size()));
     data.firstCorner.push_back(-1);
-    data.cornerNormal.push_back(Vec3::Zero());
     data.isTainted.push_back(0);
     data.mesh.vertices.push_back(positions[i]);
   }

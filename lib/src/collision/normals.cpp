@@ -34,36 +34,45 @@ std::vector<Vec3> unitNormals(const TriangleMesh& mesh) {
   return normal;
 }
 
-void sumNormals(MeshData& data, const std::vector<EdgeUse>& edges, const std::vector<Vec3>& normal) {
+void markWithoutNormal(MeshData& data, const std::vector<EdgeUse>& edges, const std::vector<Vec3>& normal) {
   const TriangleMesh& mesh = data.mesh;
-  data.cornerNormal.assign(data.firstCorner.size(), Vec3::Zero());
-  data.edgeNormals.assign(data.triangles.size(), EdgeNormals{});
-  std::vector<char> isTainted(data.firstCorner.size(), 0);  // by place
+  data.tainted.assign(data.triangles.size(), 0);
+  const auto taint = [&data](std::int32_t triangle, int feature) {
+    std::uint8_t& bits = data.tainted[data.slotOf[triangle]];
+    bits = static_cast<std::uint8_t>(bits | 1u << feature);
+  };
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& v = mesh.triangles[t];
-    for (int i = 0; i < 3; ++i) {
-      if (normal[t].isZero(0.0)) isTainted[data.place[v[i]]] = 1;
-      data.cornerNormal[data.place[v[i]]] +=
-          normal[t] * cornerAngle(mesh.vertices[v[i]], mesh.vertices[v[(i + 1) % 3]], mesh.vertices[v[(i + 2) % 3]]);
+    if (!normal[t].isZero(0.0)) continue;
+    for (const int v : mesh.triangles[t])
+      for (std::int32_t c = data.firstCorner[data.place[v]]; c >= 0; c = data.nextCorner[c])
+        taint(c / 3, kCorner0 + c % 3);
+  }
+  forEachEdge(edges, [&](const EdgeUse* first, const EdgeUse* last) {
+    if (std::any_of(first, last, [&](const EdgeUse& use) { return normal[use.triangle].isZero(0.0); }))
+      for (const EdgeUse* use = first; use != last; ++use) taint(use->triangle, kEdge01 + use->edge);
+  });
+}
+
+Vec3 normalAround(const MeshData& data, std::int32_t triangle, std::int32_t feature) noexcept {
+  const auto& all = data.mesh.triangles;
+  const auto vertexOf = [&](std::int32_t t, int i) -> const Vec3& { return data.mesh.vertices[all[t][i % 3]]; };
+  const auto placeOf = [&](std::int32_t t, int i) { return data.place[all[t][i % 3]]; };
+  const auto normalOf = [&](std::int32_t t) { return unitNormal(vertexOf(t, 0), vertexOf(t, 1), vertexOf(t, 2)); };
+  const bool isEdge = feature >= kEdge01;
+  const int corner = isEdge ? feature - kEdge01 : feature, other = placeOf(triangle, corner + 1);
+  if (isEdge && data.neighbour[triangle][corner] >= 0)
+    return normalOf(triangle) + normalOf(data.neighbour[triangle][corner]);
+  Vec3 sum = Vec3::Zero();
+  for (std::int32_t c = data.firstCorner[placeOf(triangle, corner)]; c >= 0; c = data.nextCorner[c]) {
+    const std::int32_t t = c / 3;
+    const int i = c % 3;
+    if (!isEdge) {
+      sum += normalOf(t) * cornerAngle(vertexOf(t, i), vertexOf(t, i + 1), vertexOf(t, i + 2));
+    } else if (placeOf(t, i + 1) == other || placeOf(t, i + 2) == other) {
+      sum += normalOf(t);
     }
   }
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int i = 0; i < 3; ++i)
-      if (isTainted[data.place[mesh.triangles[t][i]]] != 0)
-        data.edgeNormals[data.slotOf[t]].tainted |= 1u << (kCorner0 + i);
-  forEachEdge(edges, [&](const EdgeUse* first, const EdgeUse* last) {
-    Vec3 sum = Vec3::Zero();
-    bool tainted = false;
-    for (const EdgeUse* use = first; use != last; ++use) {
-      sum += normal[use->triangle];
-      tainted = tainted || normal[use->triangle].isZero(0.0);
-    }
-    for (const EdgeUse* use = first; use != last; ++use) {
-      EdgeNormals& at = data.edgeNormals[data.slotOf[use->triangle]];
-      for (int k = 0; k < 3; ++k) at.edge[use->edge][k] = static_cast<float>(sum[k]);
-      if (tainted) at.tainted |= 1u << (kEdge01 + use->edge);
-    }
-  });
+  return sum;
 }
 
 }  // namespace enamel::kernel

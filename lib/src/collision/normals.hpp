@@ -16,7 +16,12 @@ double cornerAngle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 /// unitNormal() of all triangles.
 std::vector<Vec3> unitNormals(const TriangleMesh& mesh);
 
-/// Sums the normals around all edges and places.
-void sumNormals(MeshData& data, const std::vector<EdgeUse>& edges, const std::vector<Vec3>& normal);
+/// Sum of the unit normals of all triangles at an edge of this one, or around a corner, each there times its angle
+/// (Baerentzen & Aanaes 2005). Made when it is asked for, which is seldom: cones decide most signs, and 52 bytes a
+/// triangle would be what all sums take. Realtime: yes.
+Vec3 normalAround(const MeshData& data, std::int32_t triangle, std::int32_t feature) noexcept;
+
+/// Marks the edges and corners where a triangle has no normal, for which these sums do not tell the side.
+void markWithoutNormal(MeshData& data, const std::vector<EdgeUse>& edges, const std::vector<Vec3>& normal);
 
 }  // namespace enamel::kernel

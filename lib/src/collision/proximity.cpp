@@ -84,12 +84,9 @@ Vec3 normalOf(const Triangle& t) { return (cornerOf(t, 1) - cornerOf(t, 0)).cros
 Vec3 pseudonormal(const MeshData& data, const Vec3& p, const Vec3& x, double distance, std::int32_t slot,
                   std::int32_t feature) {
   const Triangle& t = data.triangles[slot];
-  const EdgeNormals& normals = data.edgeNormals[slot];
   if (feature == kFace) return normalOf(t);
-  if ((normals.tainted >> feature & 1u) != 0) return gatheredNormal(data, p, x, distance);
-  if (feature <= kCorner2) return data.cornerNormal[data.place[data.mesh.triangles[t.index][feature]]];
-  const float* n = normals.edge[feature - kEdge01];
-  return {static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])};
+  if ((data.tainted[slot] >> feature & 1) != 0) return gatheredNormal(data, p, x, distance);
+  return normalAround(data, t.index, feature);
 }
 
 }  // namespace
@@ -118,10 +115,12 @@ MeshModel::MeshModel(TriangleMesh mesh, SpareCapacity spare) {
   checkSpare(mesh.triangles.size(), spare.triangles, "triangles");
   data_ = std::make_unique<kernel::MeshData>();
   data_->mesh = std::move(mesh);
+  data_->mesh.vertices.shrink_to_fit();
+  data_->mesh.triangles.shrink_to_fit();
   kernel::buildHierarchy(*data_, spare.triangles);
   const std::vector<kernel::EdgeUse> edges = kernel::buildTopology(*data_);
   const std::vector<Vec3> normals = kernel::unitNormals(data_->mesh);
-  kernel::sumNormals(*data_, edges, normals);
+  kernel::markWithoutNormal(*data_, edges, normals);
   kernel::buildCones(*data_, edges, normals);
   kernel::buildWinding(*data_);
   kernel::chooseSign(*data_, edges);
