@@ -18,7 +18,7 @@ struct Inside;
 struct MeshData;
 }  // namespace kernel
 
-/// Room for vertices and triangles that are added later (mesh_update.hpp): 60 bytes a vertex, about 250 a triangle.
+/// Room for vertices and triangles that are added later (mesh_update.hpp): 40 bytes a vertex, about 230 a triangle.
 struct SpareCapacity {
   int vertices = 0;
   int triangles = 0;
