@@ -7,11 +7,12 @@ constexpr int kMostCandidates = 64;
 
 struct Search {
   Search(const Mesh& of, const double* p, double limitSquared);
+  V3 q() const { return {{set(rounded[0]), set(rounded[1]), set(rounded[2])}}; }  // the point, in one register a number
 
   const Mesh& mesh;
   const double* point;  // original coordinates
   double local[3];
-  V3 q;                   // local, rounded
+  float rounded[3];       // local
   double slack;           // absolute error of a float distance
   float slackUp;          // the same, not smaller
   float least = 3.4e38f;  // smallest squared float distance so far
@@ -43,7 +44,7 @@ inline void tightenToExact(Search& s) { lowerLimit(s, limitOf(__builtin_sqrt(s.s
 
 // Every box holds a triangle, which is no farther than the farthest corner of the box.
 inline void tightenToBoxes(Search& s, const Lanes& boxes) {
-  V3 far = fromMiddles(boxes, s.q);
+  V3 far = fromMiddles(boxes, s.q());
   for (int i = 0; i < 3; ++i) far[i] = far[i] + boxes.half(i);
   const float d = __builtin_sqrtf(smallest(squaredLength(far))) + s.slackUp;
   lowerLimit(s, d * d * 1.000002f);
@@ -51,7 +52,7 @@ inline void tightenToBoxes(Search& s, const Lanes& boxes) {
 
 inline Search::Search(const Mesh& of, const double* p, double limitSquared) : mesh(of), point(p) {
   toLocal(mesh, point, local);
-  q = setAll(local);
+  for (int k = 0; k < 3; ++k) rounded[k] = static_cast<float>(local[k]);
   slack = slackOf(mesh, local);
   slackUp = static_cast<float>(slack) * 1.000001f;
   squared = limitSquared < kHuge ? limitSquared : kHuge;
@@ -130,7 +131,7 @@ inline void keepCandidate(Search& s, int32_t slot, float bound) {
 }
 
 inline void searchLeaf(Search& s, int32_t leaf) {
-  const V b = triangleDistances(lanesOf(s.mesh.leaves[leaf]), s.q);
+  const V b = triangleDistances(lanesOf(s.mesh.leaves[leaf]), s.q());
   unsigned mask = lessOrEqualMask(b, s.limit);
   if (mask == 0) return;
   const float least = smallest(b);
@@ -148,11 +149,10 @@ inline void searchLeaf(Search& s, int32_t leaf) {
 
 // `cold`: nothing is known of where the answer lies, and every box holds a triangle.
 inline void searchTree(Search& s, bool cold) {
-  const V3 q = s.q;
-  const auto boundsOf = [&s, q, cold](const Node& node) {
+  const auto boundsOf = [&s, cold](const Node& node) {
     const Lanes boxes = lanesOf(node);
     if (cold && s.least > 3e38f) tightenToBoxes(s, boxes);
-    return squaredLength(beyondBoxes(boxes, fromMiddles(boxes, q)));
+    return squaredLength(beyondBoxes(boxes, fromMiddles(boxes, s.q())));
   };
   nearestFirst(s.mesh, s.limit, boundsOf, [&s](int32_t leaf) { searchLeaf(s, leaf); });
 }
