@@ -54,7 +54,7 @@ namespace enamel::test_readers {
 namespace {
 
 // What a file may cost; beyond its share, a model and the reader's own tables.
-constexpr double kMemoryShare = 20.0, kMemoryBase = 8 << 20;         // bytes a byte, bytes
+constexpr double kMemoryShare = 20.0, kMemoryBase = 1 << 20;         // bytes a byte, bytes
 constexpr double kTimeShare = 1e-6, kTimeBase = 2e-3;                // s a byte, s
 constexpr std::size_t kLong = 1 << 20, kLongToml = (1 << 18) - 100;  // bytes
 
@@ -74,7 +74,7 @@ std::string repeat(const std::string& text, std::size_t bytes) {
 
 // As many values as are never refused for their number, or up to `bytes` of them.
 std::string many(const std::string& value, std::size_t bytes) {
-  return repeat(value, std::min(bytes, 99000 / (value.size() == 2 ? 1 : 2) * value.size()));
+  return repeat(value, std::min(bytes, 990 / (value.size() == 2 ? 1 : 2) * value.size()));
 }
 
 // Of the processor: other programs do not count.

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t kLinkMagic = 0x4c4d4e45;  // "ENML"
 constexpr unsigned kLinkVersion = 1;
 constexpr unsigned kMeasurement = 1, kCommand = 2, kCall = 3;
-constexpr unsigned kEnabled = 1, kApplied = 2, kWatchdog = 4;  // flags
+constexpr unsigned kIsEnabled = 1, kHasApplied = 2, kWatchdog = 4;  // flags
 constexpr std::size_t kHead = 56, kTail = 12;                  // tag and checksum
 constexpr double kNanoseconds = 1e9;                           // of a second
 
@@ -222,12 +222,12 @@ void LinkClient::receive(const unsigned char* d, std::size_t size, std::int64_t 
   bool finite = std::isfinite(m.time);
   finite = getNumbers(d + kHead + 8, options_.joints, m.q) && finite;
   finite = getNumbers(d + kHead + 64, options_.joints, m.rates) && finite;
-  finite = ((h.flags & kApplied) == 0 || getNumbers(d + kHead + 120, options_.joints, m.applied)) && finite;
+  finite = ((h.flags & kHasApplied) == 0 || getNumbers(d + kHead + 120, options_.joints, m.applied)) && finite;
   if (!finite) {
     count(counts_, DropReason::notFinite);
     return;
   }
-  m.enabled = (h.flags & kEnabled) != 0 && (h.flags & kWatchdog) == 0;
+  m.enabled = (h.flags & kIsEnabled) != 0 && (h.flags & kWatchdog) == 0;
   session_ = true;
   server_ = h.server;
   newest_ = h.sequence;
@@ -364,7 +364,7 @@ std::size_t LinkServer::measurement(const Measurement& m, std::int64_t now, Data
   Head h;
   h.kind = kMeasurement;
   h.joints = static_cast<unsigned>(options_.joints);
-  h.flags = (m.enabled ? kEnabled : 0) | (applied ? kApplied : 0) | (watchdog() ? kWatchdog : 0);
+  h.flags = (m.enabled ? kIsEnabled : 0) | (applied ? kHasApplied : 0) | (watchdog() ? kWatchdog : 0);
   h.client = client_;
   h.server = server_;
   h.sequence = ++sent_;

@@ -17,7 +17,7 @@ inline constexpr std::size_t kLargestTextFile = std::size_t{16} << 20;
 std::string readFile(const std::string& path, std::size_t most = kLargestTextFile);
 
 /// Refuses JSON and TOML that would cost their readers more than their length tells: brackets nested, or a dotted key of
-/// parts, beyond 32; beyond 100 000 values, more than one for every 4 bytes. Throws ConfigurationError with `file` and
+/// parts, beyond 32; beyond 1000 values, more than one for every 4 bytes. Throws ConfigurationError with `file` and
 /// the line. Realtime: no.
 void checkNesting(std::string_view text, const std::string& file);
 
