@@ -35,7 +35,7 @@ std::string textOf(const ReplayDifference& d) {
   return text + fmt::format(": recorded {}, replayed {}", valueOf(d.what, d.recorded), valueOf(d.what, d.replayed));
 }
 
-std::string listOf(const JointVector& v) {
+std::string numbersOf(const JointVector& v) {
   std::string text;
   for (const double value : v) text += fmt::format("{}{:.3g}", text.empty() ? "" : ", ", value);
   return text;
@@ -63,7 +63,7 @@ void run(const ReplayOptions& options) {
     return;
   }
   fmt::print("{} ticks differ, first {}\nlargest difference by joint, N m or N: requested torque {}; command {}\n",
-             result.different, textOf(*result.first), listOf(result.requested), listOf(result.command));
+             result.different, textOf(*result.first), numbersOf(result.requested), numbersOf(result.command));
   throw Exit(1, "");
 }
 
