@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
     enamel::app::addReplay(app);
     enamel::app::addExport(app);
     enamel::app::addStudy(app);
+    enamel::app::addTrials(app);
     enamel::app::addDevice(app);
     enamel::app::addMesh(app);
     enamel::app::addPlugins(app);

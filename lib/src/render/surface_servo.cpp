@@ -16,9 +16,9 @@ constexpr double kNear = 2e-5;            // a contact that stays this far outsi
 constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inertia
 constexpr double kAstray = 1e4;           // an innovation that no push explains, counts
 constexpr int kBlind = 3;                 // ticks after a jump in which no other is looked for
-// A jump must be larger by this while the gains of the one before are fast, or a loop with delay may take its own
-// answers for jumps for ever: one of 2000 runs did.
-constexpr double kAgain = 1.5;
+// Every jump makes the next one need to be larger by this share, which fades by the other a tick: a loop with delay
+// whose model is wrong would else take its own answers for jumps for ever, and nothing is learnt near a jump.
+constexpr double kHabit = 0.5, kHabitKept = 0.98;
 // An innovation up to this share of what the last change of the command moved may be the model's error: less, and a
 // model that is 30 % too heavy takes its own commands for jumps.
 constexpr double kModelError = 0.3;
@@ -26,8 +26,10 @@ constexpr double kModelError = 0.3;
 // Estimation of the scale: weight of the first guess (s = 1), what is forgotten in a tick, ticks after a jump in which
 // nothing is learnt, largest innovation and slope, counts (an equation with a steeper slope is made smaller: what the
 // model leaves out grows with the command). Less weight or steeper slopes learn a wrong scale from the first touch.
+// What is slow is taken out of both, by a mean that follows with the last share: a press that grows, answered by a
+// command that grows, else looks like a wrong scale (s at its lower end within 10 ticks, and a tool that hammers).
 constexpr double kFirstWeight = 30.0, kForgotten = 1e-3, kLearnAfter = 8.0, kLargestInnovation = 3.0,
-                 kLargestSlope = 1.0;
+                 kLargestSlope = 1.0, kMeanFollows = 0.3;
 
 void requireWithin(double value, double low, double high, const char* name, const char* unit) {
   require(value >= low && value <= high, std::string("surface servo: ") + name + " is " + formatNumber(value) +
@@ -132,9 +134,9 @@ const std::array<SurfaceServoParameter, 12>& surfaceServoParameters() noexcept {
 SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int delayLow, int delayHigh) {
   // In the order of surfaceServoParameters(), for delays of 0, 1, 2 and 3 ticks and for random ones of 0 to 3.
   static constexpr double values[5][12] = {
-      {0.3919, 0.9794, 0.25, 1.695, 0.009412, 5e-5, 0.5, 0.2307, 4.6, 0.95, 9.532, 0.02},
-      {0.414, 0.85, 0.39, 2.878, 0.02, 1.189e-5, 0.6, 0.2446, 4.838, 0.95, 22.48, 0.07},
-      {0.4331, 0.9817, 0.56, 8.5, 0.03852, 5e-5, 0.5, 0.08231, 4.8, 0.8655, 57.97, 0.05},
+      {0.3061, 1.103, 0.298, 3.089, 0.01084, 3.237e-5, 0.5032, 0.2663, 4.306, 0.95, 13.73, 0.03679},
+      {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.2502, 5.035, 0.95, 59.31, 0.03783},
+      {0.4596, 0.8894, 0.6415, 8.609, 0.006137, 1.265e-5, 0.6213, 0.1953, 6.095, 0.6458, 162.8, 0.4612},
       {0.5491, 0.9228, 0.6625, 5.592, 0.01402, 3.975e-5, 0.4614, 0.04496, 5.518, 0.5619, 12.26, 0.1},
       {0.7179, 0.5917, 0.5873, 0.8069, 0.004527, 2.396e-5, 1.55, 0.5773, 5.835, 0.3259, 4.14, 0.03716},
   };
@@ -203,7 +205,8 @@ void SurfaceServoRenderer::prepare(double period) {
 }
 
 void SurfaceServoRenderer::stateLoaded() noexcept {
-  if (!isFinite(stateBlock()) || !(state_.sinceJump >= 0.0 && state_.sinceJump <= kSchedule) ||
+  if (!isFinite(stateBlock()) ||
+      !(state_.sinceJump >= 0.0 && state_.sinceJump <= kSchedule && state_.lateJumps >= 0.0) ||
       !(state_.scale >= kLowestScale && state_.scale <= kHighestScale))
     resetState();
 }
@@ -248,7 +251,7 @@ double SurfaceServoRenderer::jumpOf(int contacts, const Normals& normals, const 
                                     const Row& innovation) const noexcept {
   const State& s = state_;
   if (s.sinceJump < kBlind) return 0.0;
-  const double deviation = (s.sinceJump < kSchedule ? kAgain : 1.0) * deviations_[static_cast<int>(s.sinceJump)];
+  const double deviation = (1.0 + kHabit * s.lateJumps) * deviations_[static_cast<int>(s.sinceJump)];
   Row now{}, last{}, command{};  // counts
   for (int i = 0; i < joints_; ++i) {
     const double count = options_.count[i];
@@ -292,9 +295,11 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   }
   if (astray) return start(input);
   const double younger = jumpOf(input.contacts.count, normals, response, innovation);
+  s.lateJumps *= kHabitKept;
   if (younger > 0.0) {
     s.sinceJump = 0.0;
     s.jumps += 1.0;
+    s.lateJumps += 1.0;
   } else {
     s.sinceJump = std::min<double>(s.sinceJump + 1.0, kSchedule);
   }
@@ -306,9 +311,12 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   double slopeTimesError = 0.0, slopes = 0.0;
   for (int i = 0; i < n; ++i) {
     const double e = innovation[i], bySlope = s.qByScale[i], count = options_.count[i];
-    const double weight = std::min(1.0, kLargestSlope * count / std::abs(bySlope));
-    const double slope = weight * bySlope / count;
-    slopeTimesError += slope * std::clamp(weight * e / count, -kLargestInnovation, kLargestInnovation);
+    const double quickError = e - s.meanInnovation[i], quickSlope = bySlope - s.meanByScale[i];
+    s.meanInnovation[i] += kMeanFollows * quickError;
+    s.meanByScale[i] += kMeanFollows * quickSlope;
+    const double weight = std::min(1.0, kLargestSlope * count / std::abs(quickSlope));
+    const double slope = weight * quickSlope / count;
+    slopeTimesError += slope * std::clamp(weight * quickError / count, -kLargestInnovation, kLargestInnovation);
     slopes += slope * slope;
     s.q[i] += gain[0] * e;
     s.rate[i] += gain[1] * e;

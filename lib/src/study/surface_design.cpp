@@ -12,6 +12,7 @@
 #include "enamel/sim/virtual_loop.hpp"
 #include "enamel/study/metrics.hpp"
 #include "enamel/study/parallel.hpp"
+#include "enamel/study/wall_trials.hpp"
 
 namespace enamel {
 namespace {
@@ -173,7 +174,8 @@ double valueOf(const SurfaceDesignSetup& setup, const SurfaceScore& s) {
   const double jerk = setup.ramp / kRampTime / mass, ramp = (10.0 + 18.0 * late * late) * jerk * T * T * T;
   return std::min(s.share, 1.0) + 0.15 * std::min(s.lowestShare, 1.0) -
          0.6 * beyond(s.chatter, kClear * setup.chatter) - 0.35 * beyond(s.bounce, kClear * setup.bounce) -
-         0.5 * beyond(s.ramp, ramp) - 0.5 * s.lost - 0.02 * s.unmeasured;
+         0.5 * beyond(s.ramp, ramp) - 0.2 * beyond(s.impact, 2.0 * kClear * setup.bounce) - 0.5 * s.lost -
+         0.02 * s.unmeasured;
 }
 
 // How a number is varied: by `step` (of its logarithm where `logarithmic`), within what makes sense.
@@ -214,8 +216,7 @@ std::vector<SurfaceScore> judgeAll(const SurfaceDesignSetup& setup, const std::v
   require(setup.runs >= 1 && setup.runs <= 10000, "surface servo: the runs must be in 1 to 10000");
   std::vector<std::shared_ptr<const Mechanism>> models = {setup.plant};
   if (setup.inertiaError > 0.0)
-    for (const double sign : {-1.0, 1.0})
-      models.push_back(std::make_shared<WrongInertia>(setup.plant, 1.0 + sign * setup.inertiaError));
+    for (const double sign : {-1.0, 1.0}) models.push_back(withInertia(setup.plant, 1.0 + sign * setup.inertiaError));
 
   std::vector<Trial> trials;
   const int ramps = std::max(1, setup.runs / 3);
@@ -270,6 +271,17 @@ std::vector<SurfaceScore> judgeAll(const SurfaceDesignSetup& setup, const std::v
       score.share = std::min(score.share, share[point] / count);
     }
     score.lowestShare = std::min(score.lowestShare, score.share);
+    WallTrialSetup impacts;
+    impacts.plant = impacts.model = setup.plant;
+    impacts.renderer = [&options = candidates[c]] { return std::make_unique<SurfaceServoRenderer>(options); };
+    impacts.delay = setup.delay;
+    impacts.period = setup.period;
+    impacts.runs = ramps;
+    impacts.seed = setup.seed + trialNumber;
+    for (const WallFigure& f : runWallTrials(impacts, "impact", threads)) {
+      if (f.figure == "bounce") score.impact = std::max(score.impact, 1e-6 * f.value);
+      score.lost += f.lost;
+    }
     score.value = valueOf(setup, score);
     scores.push_back(score);
   }
@@ -277,6 +289,13 @@ std::vector<SurfaceScore> judgeAll(const SurfaceDesignSetup& setup, const std::v
 }
 
 }  // namespace
+
+std::shared_ptr<const Mechanism> withInertia(std::shared_ptr<const Mechanism> mechanism, double factor) {
+  require(mechanism != nullptr, kNoPlant);
+  require(factor >= 0.01 && factor <= 100.0,
+          "the inertia is " + formatNumber(factor) + " of the device's, must be in 0.01 to 100");
+  return std::make_shared<WrongInertia>(std::move(mechanism), factor);
+}
 
 SurfaceDesignSetup withinMotors(SurfaceDesignSetup setup) {
   require(setup.plant != nullptr, kNoPlant);

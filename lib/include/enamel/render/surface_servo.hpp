@@ -10,9 +10,10 @@
 //     hand (white acceleration) and a wandering push.
 //  2. Jumps. A push that jumps shows as an innovation along M^-1 N_k^T, what a force at the contact does. Above a
 //     threshold the filter's covariance is raised by that of a jump somewhere in the last tick: near-deadbeat gains
-//     that decay by themselves. How old the jump is shows in the innovation before.
-//  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983), within
-//     kLowestScale to kHighestScale, while a contact carries force and no jump is under way.
+//     that decay by themselves. How old the jump is shows in the innovation before. Jumps that follow each other within
+//     some 0.1 s must be larger and larger.
+//  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983) from what changes
+//     quickly, within kLowestScale to kHighestScale, while a contact carries force and no jump is under way.
 //  4. Prediction through the delay, under the commands that are under way.
 //  5. Law. Every contact is asked for the gap acceleration  w_k = min(-k1 g_k - k2 g_k', v_out - g_k'),  k1 = (1-z)^2,
 //     k2 = r (1-z)(3+z)/2, where v_out = outwardSpeed + sqrt(2 |N_k a| outwardDistance) is what the push turns back at
@@ -105,10 +106,12 @@ class SurfaceServoRenderer final : public Renderer {
   struct State {
     Row q{}, rate{}, push{};                         // estimates: rad, rad/tick, rad/tick^2
     Row qByScale{}, rateByScale{}, pushByScale{};    // their derivatives by s
+    Row meanInnovation{}, meanByScale{};             // of the last ticks
     std::array<Row, kMaxServoDelay + 1> commands{};  // the last first, N m
     Row lastResponse{}, lastInnovation{}, lastAngles{};
     double scale = 1.0, information = 0.0;
     double sinceJump = kSchedule;  // ticks
+    double lateJumps = 0.0;        // each counts less from tick to tick
     double jumps = 0.0;
     double lastTime = 0.0;
     double pushes = 0.0;   // 1: a contact carried force at the last tick

@@ -22,10 +22,14 @@ struct SurfaceDesignSetup {
   double noise = 0.5;                             ///< of the person, standard deviation, N
   double ramp = 10.0;                             ///< N in 50 ms
   double chatter = 0.05;                          ///< allowed, N m or N
-  double bounce = 1e-4;                           ///< allowed, m
-  int runs = 24;                                  ///< steps of force a point, each inside a tick; a third as many ramps
+  double bounce = 1e-4;                           ///< allowed, m; twice as much after an impact
+  int runs = 24;  ///< steps of force a point, each inside a tick; a third as many ramps a point, and impacts a speed
   std::uint64_t seed = 1;
 };
+
+/// A device as a model has it whose mass matrix is `factor` of the truth; its gravity torques are right. For a
+/// renderer's view of a plant. Throws Error: no mechanism; a factor outside 0.01 to 100. Realtime: no.
+std::shared_ptr<const Mechanism> withInertia(std::shared_ptr<const Mechanism> mechanism, double factor);
 
 /// The same with forces that the motors can answer: all are made smaller together until the largest push is 0.3 of what
 /// the motors can give at the worst of the points. Throws Error: as judgeSurfaceServo(). Realtime: no.
@@ -39,6 +43,7 @@ struct SurfaceScore {
   double chatter = 0.0;      ///< largest standard deviation of a motor's torque at rest on the wall, N m or N
   double bounce = 0.0;       ///< farthest above the rest after a step, m
   double ramp = 0.0;         ///< deepest under a ramp, m
+  double impact = 0.0;       ///< farthest out after an impact at 0.05, 0.2 or 0.5 m/s (runWallTrials()), m
   double deepest = 0.0;      ///< of all runs, m
   int lost = 0;              ///< runs that left the workspace
   int unmeasured = 0;        ///< steps without a first impact stiffness

@@ -1,0 +1,111 @@
+// The trials of a wall, and `enamel trials` as a user runs it.
+#include "enamel/study/wall_trials.hpp"
+
+#include <cmath>
+
+#include "enamel/device/device_file.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/render/surface_servo.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/devices.hpp"
+
+namespace enamel::test_wall_trials {
+
+using Catch::Matchers::Contains;
+
+namespace {
+
+WallTrialSetup setupFor(const std::string& device, int delay) {
+  WallTrialSetup setup;
+  setup.plant = setup.model = makeMechanism(loadDevice(test::deviceFile(device)));
+  setup.delay = {delay, delay};
+  setup.runs = 3;
+  setup.renderer = [options = surfaceServoFor(setup.plant->limits().count, setup.period, delay, delay)] {
+    return std::make_unique<SurfaceServoRenderer>(options);
+  };
+  return setup;
+}
+
+double figure(const std::vector<WallFigure>& figures, const std::string& trial, const std::string& name) {
+  for (const WallFigure& f : figures)
+    if (f.trial == trial && f.figure == name) return f.value;
+  FAIL(trial << ": " << name << " is missing");
+  return 0.0;
+}
+
+}  // namespace
+
+TEST_CASE("a spring without damping is told from a servo by every trial", "[wall_trials]") {
+  WallTrialSetup setup = setupFor("tau-nominal.toml", 0);
+  const auto servo = runWallTrials(setup, "", 2);
+  setup.renderer = [] { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{}); };
+  const auto spring = runWallTrials(setup, "", 2);
+  REQUIRE(servo.size() == spring.size());
+  CHECK(figure(servo, "step", "share of the limit") > 50.0 * figure(spring, "step", "share of the limit"));
+  for (const auto& [trial, name] : {std::pair{"step", "bounce"},
+                                    {"step", "chatter"},
+                                    {"ramp", "depth"},
+                                    {"impact 0.2 m/s", "depth of the allowed"},
+                                    {"impact 0.5 m/s", "bounce"},
+                                    {"release", "speed over the unavoidable"},
+                                    {"slide", "rms depth"}}) {
+    INFO(trial << ": " << name);
+    CHECK(figure(servo, trial, name) < 0.5 * figure(spring, trial, name));
+  }
+  // A spring pushes from the surface on: its depth under a ramp to 11 N is the force over its stiffness, and what it
+  // swings beyond that.
+  CHECK(figure(spring, "ramp", "depth") > 1e6 * 10.0 / ImpedanceOptions{}.stiffness);
+  for (const WallFigure& f : servo) CHECK(f.lost == 0);
+}
+
+TEST_CASE("trials are the same on any number of threads, and filtered ones the same as among all", "[wall_trials]") {
+  const WallTrialSetup setup = setupFor("tau-nominal.toml", 1);
+  const auto one = runWallTrials(setup, "impact", 1), three = runWallTrials(setup, "impact", 3),
+             fast = runWallTrials(setup, "0.5", 2);
+  REQUIRE(one.size() == 9);
+  REQUIRE(three.size() == 9);
+  for (std::size_t i = 0; i < one.size(); ++i) CHECK(one[i].value == three[i].value);
+  REQUIRE(fast.size() == 3);
+  for (std::size_t i = 0; i < fast.size(); ++i) CHECK(fast[i].value == one[6 + i].value);
+  CHECK(runWallTrials(setup, "wish", 1).empty());
+}
+
+TEST_CASE("forces become what a weaker device can answer", "[wall_trials]") {
+  const auto tau = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml"))),
+             delta = makeMechanism(loadDevice(test::deviceFile("delta.toml")));
+  CHECK(forceShare(*tau) == 1.0);
+  CHECK(15.0 * forceShare(*delta) ==
+        Approx(0.3 * largestForce(delta->home(), delta->limits().torque, Vec3::UnitZ())).epsilon(1e-6));
+}
+
+TEST_CASE("trials refuse what cannot be run", "[wall_trials]") {
+  WallTrialSetup setup = setupFor("tau-nominal.toml", 0);
+  setup.runs = 0;
+  CHECK_THROWS_WITH(runWallTrials(setup, "", 1), "wall trials: the runs are 0, must be in 1 to 10000");
+  setup = setupFor("tau-nominal.toml", 0);
+  setup.renderer = nullptr;
+  CHECK_THROWS_AS(runWallTrials(setup, "", 1), Error);
+}
+
+TEST_CASE("enamel trials prints a column a renderer and names what it cannot do", "[wall_trials]") {
+  const std::string device = "trials --device '" + test::deviceFile("tau-nominal.toml") + "' --runs 1 ";
+  const auto result = test::run(device + "--filter release --renderers position-control,impedance");
+  INFO(result.output);
+  CHECK(result.status == 0);
+  CHECK_THAT(result.output,
+             Contains("position-control") && Contains("impedance") && Contains("speed over the unavoidable"));
+  for (const auto& [arguments, message] : {std::pair{"--filter wish", "no trial matches --filter wish"},
+                                           {"--renderers wish", "wish"},
+                                           {"--gain missing.json", "missing.json"},
+                                           {"--runs 0", "the runs are 0, must be in 1 to 10000"},
+                                           {"--set a=b", "--set is for plugins, and --renderers names none"},
+                                           {"--delay later", "--delay is \"later\""}}) {
+    INFO(arguments);
+    const auto refused = test::run(device + arguments);
+    CHECK(refused.status != 0);
+    CHECK_THAT(refused.output, Contains(message));
+  }
+}
+
+}  // namespace enamel::test_wall_trials
