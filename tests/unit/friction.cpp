@@ -80,6 +80,31 @@ TEST_CASE("friction lies in the surface, is forgotten with the contact, and know
   CHECK(memory.force(first, slide, {0.0, 0.0}, 1.0).norm() == 0.0);
 }
 
+TEST_CASE("friction follows a contact by its key, and by its place where it has none", "[friction]") {
+  // A point in a corner: two contacts of one part at one place, the deepest of them first. Which that is changes.
+  for (const bool keys : {true, false}) {
+    FrictionMemory memory;
+    Contact floor = rough(1.0, 1.0), side = floor;
+    side.normal = Vec3::UnitX();
+    if (keys) floor.key = 1, side.key = 2;
+    const auto pulled = [&](Contact& a, Contact& b, const Vec3& way) {
+      memory.begin();
+      const Slide slide{way, Vec3::Zero(), Vec3::Zero()};
+      const Vec3 ofA = memory.force(a, slide, kGrasp, 100.0), ofB = memory.force(b, slide, kGrasp, 100.0);
+      memory.end();
+      return std::pair{ofA, ofB};
+    };
+    pulled(floor, side, Vec3::Zero());
+    pulled(floor, side, {10e-6, 20e-6, 0.0});
+    const auto [ofSide, ofFloor] = pulled(side, floor, Vec3::Zero());
+    CHECK(ofFloor.isApprox(-kGrasp.stiffness * Vec3(10e-6, 20e-6, 0.0)) == keys);
+    CHECK(ofSide.isApprox(-kGrasp.stiffness * Vec3(0.0, 20e-6, 0.0)));
+    side.key *= 3;  // another contact at the same place
+    const Vec3 first = pulled(side, floor, Vec3::Zero()).first;
+    CHECK(first.isZero(0.0) == keys);
+  }
+}
+
 // A mass on a rough surface under a hand that changes its force at random, the model's mass wrong by up to 30 %. The
 // work that friction does on it may exceed zero only by what a single held tick can bring: a hand that turns inside a
 // tick moves the mass along with a force that cannot know.

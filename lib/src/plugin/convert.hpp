@@ -61,7 +61,7 @@ inline void toPlain(const TickInput& in, EnamelTickInput& out) noexcept {
     to.triangle = from.triangle;
     to.feature = static_cast<int32_t>(from.feature);
     to.feature_index = from.featureIndex;
-    to.reserved = 0;
+    to.key = from.key;
   }
 }
 
@@ -100,6 +100,7 @@ inline void fromPlain(const EnamelTickInput& in, bool withInertia, TickInput& ou
     to.triangle = from.triangle;
     to.feature = static_cast<Feature>(std::clamp(from.feature, int32_t{ENAMEL_FACE}, int32_t{ENAMEL_VERTEX}));
     to.featureIndex = from.feature_index;
+    to.key = from.key;
   }
 }
 

@@ -30,11 +30,11 @@ Vec3 FrictionMemory::force(const Contact& contact, const Slide& slide, const Gra
   if (!(material.friction > 0.0 && normalForce > 0.0 && grasp.stiffness > 0.0) || slot >= kMaxFrictionPoints)
     return Vec3::Zero();
 
-  // The same contact at the last tick: the nearest of its obstacle and part. It is taken over once only.
+  // The same contact at the last tick; without a key the nearest of its obstacle and part. It is taken over once only.
   FrictionPoint* before = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
   for (FrictionPoint& point : last_) {
-    if (point.obstacle != contact.obstacle || point.part != contact.part) continue;
+    if (point.obstacle != contact.obstacle || point.part != contact.part || point.key != contact.key) continue;
     const double distance = (vector(point.point) - contact.point).squaredNorm();
     if (distance < nearest) {
       nearest = distance;
@@ -63,11 +63,9 @@ Vec3 FrictionMemory::force(const Contact& contact, const Slide& slide, const Gra
   }
 
   FrictionPoint& point = now_[slot];
-  point = {static_cast<double>(contact.obstacle),
-           static_cast<double>(contact.part),
-           {contact.point.x(), contact.point.y(), contact.point.z()},
-           {stretch.x(), stretch.y(), stretch.z()},
-           slides ? 1.0 : 0.0};
+  point = {static_cast<double>(contact.obstacle),   static_cast<double>(contact.part),
+           static_cast<double>(contact.key),        {contact.point.x(), contact.point.y(), contact.point.z()},
+           {stretch.x(), stretch.y(), stretch.z()}, slides ? 1.0 : 0.0};
   count_ += 1.0;
   return slides ? Vec3(force - material.viscosity * velocity) : force;
 }

@@ -77,7 +77,7 @@ typedef struct EnamelContact {
   int32_t triangle;            /* of the obstacle's mesh; -1: it has none */
   int32_t feature;             /* EnamelFeature: what the nearest point of the obstacle lies on */
   int32_t feature_index;       /* which edge or vertex of the triangle (0 to 2) or shape; -1: a face */
-  int32_t reserved;            /* 0 */
+  uint32_t key;                /* the same from tick to tick while the contact slides on; 0: the host does not tell */
 } EnamelContact;
 
 /* What is known at a tick. Joints: the first joint_count entries; those beyond are undefined. */

@@ -19,6 +19,7 @@ inline constexpr int kMaxFrictionPoints = kMaxContacts;
 /// What is remembered of one contact. Doubles only: part of a renderer's state.
 struct FrictionPoint {
   double obstacle = -1.0, part = -1.0;  ///< whose; -1: none
+  double key = 0.0;                     ///< Contact::key
   std::array<double, 3> point{};        ///< where it was at the last tick, W, m
   std::array<double, 3> stretch{};      ///< e, W, m
   double slides = 0.0;                  ///< 0 or 1
@@ -44,8 +45,8 @@ class FrictionMemory {
   void begin() noexcept;
 
   /// Force on the tool along the surface at a contact with the normal force `normalForce` (N), W. Called once a tick
-  /// for each contact that carries force; finds the contact again by its obstacle, its tool part and its place.
-  /// Realtime: yes.
+  /// for each contact that carries force; finds the contact again by its key, or, where it has none, by its obstacle,
+  /// its tool part and its place. Realtime: yes.
   Vec3 force(const Contact& contact, const Slide& slide, const Grasp& grasp, double normalForce) noexcept;
 
   /// Ends a tick: contacts that were not asked for are forgotten.
