@@ -330,6 +330,26 @@ TEST_CASE("guard: a fault's ramp never pushes the tool on", "[guard]") {
   }
 }
 
+TEST_CASE("guard: a fault that stands for months stays a fault", "[guard]") {
+  Bench bench;
+  bench.ask(Vec6::Zero());
+  bench.ask(force(0.0, 0.0, 1.0));
+  bench.m.q[0] = std::nan("");
+  std::vector<double> before(Guard::stateSize()), state = before;
+  for (int i = 0; i < 50; ++i) {
+    bench.guard.saveState(before.data());
+    REQUIRE(bench.ask(Vec6::Zero()).torque.isZero(0.0) == (i >= 19));
+  }
+  bench.guard.saveState(state.data());
+  int counters = 0;
+  for (std::size_t i = 0; i < state.size(); ++i)
+    if (state[i] == before[i] + 1.0) ++counters, state[i] = std::numeric_limits<int>::max() - 2;
+  CHECK(counters == 1);
+  bench.guard.loadState(state.data());
+  for (int i = 0; i < 5; ++i) CHECK(bench.ask(Vec6::Zero()).torque.isZero(0.0));
+  CHECK(bench.guard.fault() == GuardReason::measurement);
+}
+
 TEST_CASE("guard: where it steps in and the device cannot tell, the renderer hears what acted", "[guard]") {
   const TauMechanism device(test::nominal());
   const Scene wall = flatWall();

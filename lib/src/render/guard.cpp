@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "core/message.hpp"
@@ -217,7 +218,8 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
     const double way = std::abs(m.q[i] - s.q[i]), count = options_.count[i];
     if (!(way <= options_.rate[i] * time + 2.0 * count)) reason = GuardReason::jump;
     if (way == 0.0) {
-      if (++s.still[i] > kStillTicks / 2) s.claimed[i] += m.rates[i] * time / count;
+      if (s.still[i] < kStillTicks) ++s.still[i];
+      if (s.still[i] > kStillTicks / 2) s.claimed[i] += m.rates[i] * time / count;
       const bool moves = (s.even[i] && s.pace[i] >= kPace) || std::abs(s.claimed[i]) >= kClaimed;
       if (s.still[i] >= kStillTicks && moves && reason == GuardReason::none) reason = GuardReason::frozen;
     } else {
@@ -386,7 +388,7 @@ void Guard::ramp(const Measurement& m, bool known, JointVector& torque) noexcept
     s.rampTicks = 0;
   }
   s.known = s.known && known;
-  ++s.rampTicks;
+  if (s.rampTicks < std::numeric_limits<int>::max()) ++s.rampTicks;  // a fault may stand for months
   double left = std::max(0.0, 1.0 - s.rampTicks * o.period / std::max(o.rampOut, o.period));
   if (left < 1e-9) left = 0.0;
   double pushed = 0.0;
