@@ -68,9 +68,8 @@ struct Rig {
 // What both ends sent last, to change.
 struct Pair {
   explicit Pair(std::optional<LinkKey> key = {}) : client(options(key), 5), server(options(key), stylus(), 6) {
-    Datagram d{};
-    const std::size_t size = client.call(now, d);
-    REQUIRE(server.receive(d.data(), size, now));
+    const std::size_t size = client.call(now, called);
+    REQUIRE(server.receive(called.data(), size, now));
     m.q = m.rates = JointVector::Constant(3, 0.001);
     measure();
     client.receive(measurement.data(), kMeasurementBytes, now);
@@ -92,7 +91,7 @@ struct Pair {
   LinkServer server;
   std::int64_t now = 1'000'000'000;
   Measurement m;
-  Datagram measurement{}, torque{};
+  Datagram called{}, measurement{}, torque{};
 };
 
 void putDouble(Datagram& d, std::size_t at, double value) { std::memcpy(&d[at], &value, 8); }
@@ -215,6 +214,31 @@ TEST_CASE("every reason to drop a datagram is found and counted", "[device_link]
   ignored(DropReason::duplicate, [](Datagram&) {});
 }
 
+TEST_CASE("a forged stamp of long ago is a long time ago", "[device_link]") {
+  const auto forged = [](Datagram d, std::size_t size) {
+    std::memset(&d[48], 0, 7);
+    d[55] = 0x80;  // -2^63 ns
+    test::reseal(d.data(), size);
+    return d;
+  };
+  Pair p;
+  CHECK(p.takes(forged(p.torque, kCommandBytes)));
+  CHECK(p.server.counts().roundTrip.largest() > 9e9);
+  CHECK(droppedBy(p.server.counts(), DropReason::stale) == 1);
+  p.measure();
+  p.client.receive(forged(p.measurement, kMeasurementBytes).data(), kMeasurementBytes, p.now);
+  CHECK(p.client.counts().roundTrip.largest() > 9e9);
+  Measurement m;
+  CHECK(p.client.measure(m, p.now) == Status::stale);
+  // And one of the future is no fresh one.
+  Pair q;
+  Datagram ahead = q.torque;
+  ahead[54] = 1;
+  test::reseal(ahead.data(), kCommandBytes);
+  CHECK(q.takes(ahead));
+  CHECK(droppedBy(q.server.counts(), DropReason::stale) == 1);
+}
+
 TEST_CASE("recorded datagrams of an earlier session do nothing", "[device_link]") {
   Pair p{kKey};
   CHECK(p.takes(p.torque));
@@ -228,6 +252,11 @@ TEST_CASE("recorded datagrams of an earlier session do nothing", "[device_link]"
   CHECK(droppedBy(p.server.counts(), DropReason::session) == 1);
   p.client.receive(p.measurement.data(), kMeasurementBytes, p.now);
   CHECK(droppedBy(p.client.counts(), DropReason::session) == 1);
+  CHECK(p.server.torque(p.m.q, 1e-3, p.now).isZero(0.0));
+  // A call opens a session once another one is over; the commands that came after it are of another number.
+  p.now += kSessionEnds + 1;
+  CHECK(p.server.receive(p.called.data(), kCommandBytes, p.now));
+  CHECK_FALSE(p.takes(p.torque));
   CHECK(p.server.torque(p.m.q, 1e-3, p.now).isZero(0.0));
 }
 

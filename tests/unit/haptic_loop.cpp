@@ -267,6 +267,21 @@ TEST_CASE("over the loopback: a wall is felt, the end of either side ramps out",
   CHECK(device.counts().roundTrip.count() > 100);
 }
 
+TEST_CASE("a served device that was never measured gets nothing, not even its weight", "[haptic_loop]") {
+  CartesianParameters heavy = loadCartesian(test::deviceFile("cartesian-3.toml"));
+  heavy.gravity.z() = -9.81;
+  const CartesianMechanism mechanism(heavy);
+  Bench bench;
+  bench.broken = true;
+  ServeOptions options;
+  options.port = 0;
+  {
+    const DeviceServer server(bench, mechanism, options);
+    REQUIRE(eventually([&] { return bench.actuated > 3; }));
+  }
+  CHECK(bench.steepest == 0.0);
+}
+
 TEST_CASE("what is not of this machine needs a key", "[haptic_loop]") {
   SimulatedDevice plant(stylus(), test::swingStart(), test::swingingHand());
   ServeOptions options;

@@ -15,8 +15,8 @@ constexpr std::uint32_t kLinkMagic = 0x4c4d4e45;  // "ENML"
 constexpr unsigned kLinkVersion = 1;
 constexpr unsigned kMeasurement = 1, kCommand = 2, kCall = 3;
 constexpr unsigned kIsEnabled = 1, kHasApplied = 2, kWatchdog = 4;  // flags
-constexpr std::size_t kHead = 56, kTail = 12;                  // tag and checksum
-constexpr double kNanoseconds = 1e9;                           // of a second
+constexpr std::size_t kHead = 56, kTail = 12;                       // tag and checksum
+constexpr double kNanoseconds = 1e9;                                // of a second
 
 std::uint32_t checksum(const unsigned char* bytes, std::size_t size) noexcept {
   return crc32({reinterpret_cast<const char*>(bytes), size});
@@ -115,9 +115,13 @@ bool count(LinkCounts& counts, DropReason reason) noexcept {
   return false;
 }
 
-// Whether `stamp` of our own clock is less than `most` s ago; a forged one may be any number.
+// Since `stamp` of our own clock, s; a forged one may be any number.
+double since(std::int64_t stamp, std::int64_t now) noexcept {
+  return (static_cast<double>(now) - static_cast<double>(stamp)) / kNanoseconds;
+}
+
 bool isWithin(std::int64_t stamp, std::int64_t now, double most) noexcept {
-  return stamp <= now && static_cast<double>(now) - static_cast<double>(stamp) <= kNanoseconds * most;
+  return stamp <= now && since(stamp, now) <= most;
 }
 
 const LinkOptions& checked(const LinkOptions& options) {
@@ -236,7 +240,7 @@ void LinkClient::receive(const unsigned char* d, std::size_t size, std::int64_t 
   echo_ = h.echoStamp;
   if (h.echo > answered_ && h.echo <= sent_ && h.echoStamp <= now) {
     answered_ = h.echo;
-    counts_.roundTrip.add(static_cast<double>(now - h.echoStamp) / kNanoseconds);
+    counts_.roundTrip.add(since(h.echoStamp, now));
   }
   counts_.accepted.fetch_add(1, std::memory_order_relaxed);
   measurement_ = m;
@@ -333,7 +337,7 @@ bool LinkServer::receive(const unsigned char* d, std::size_t size, std::int64_t 
   if (h.kind == kCommand) {
     if (h.echo > answered_ && h.echo <= sent_ && h.echoStamp <= now) {
       answered_ = h.echo;
-      counts_.roundTrip.add(static_cast<double>(now - h.echoStamp) / kNanoseconds);
+      counts_.roundTrip.add(since(h.echoStamp, now));
     }
     if (!isWithin(h.echoStamp, now, options_.silence)) {
       count(counts_, DropReason::stale);

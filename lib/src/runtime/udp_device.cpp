@@ -108,9 +108,7 @@ struct DeviceServer::Server {
   std::unique_ptr<PeriodicThread> thread;
 
   Server(HapticDevice& d, const Mechanism& mechanism, double p, const LinkOptions& options)
-      : device(d), period(p), link(options, mechanism, nonce()) {
-    measurement.q = JointVector::Zero(options.joints);
-  }
+      : device(d), period(p), link(options, mechanism, nonce()) {}
   ~Server() {
     thread.reset();
     device.close();
