@@ -2,7 +2,9 @@
 // were cut or changed, processes that were killed. ENAMEL_LONG=1: 1e5 changed files.
 #include "enamel/runtime/recording.hpp"
 
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -590,6 +592,20 @@ TEST_CASE("recording: a tick takes any state, and its command stays within the l
   rig.tick.loadState(good.data());
   rig.tick.saveState(state.data());
   CHECK(state == good);
+}
+
+TEST_CASE("recording: a pipe whose reader has gone ends the recording, not the process", "[recording]") {
+  const test::TemporaryFolder folder;
+  const std::string pipe = folder / "pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  Rig rig;
+  Recorder recorder(pipe, {}, rig.tick);
+  ::close(reader);
+  rig.run(recorder, 300);
+  const RecordingResult result = recorder.close();
+  CHECK(result.lost == 300);
+  CHECK_THAT(result.problem, Catch::Contains("pipe: cannot write the recording: Broken pipe"));
 }
 
 }  // namespace enamel::test_recording

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <pthread.h>
+#include <signal.h>  // sigset_t is not in <csignal>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -171,6 +172,12 @@ bool Recorder::writeOut(const char* bytes, std::size_t size) noexcept {
 
 void Recorder::run() noexcept {
   pthread_setname_np(pthread_self(), "recorder");
+  // A pipe whose reader has gone and a limit of the file's size are errors of write(), not the end of the process.
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGPIPE);
+  sigaddset(&signals, SIGXFSZ);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::uint64_t now = 0;
   while (true) {
     const bool stopping = stop_.load(std::memory_order_acquire);  // before filled_: nothing follows

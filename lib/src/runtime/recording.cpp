@@ -242,7 +242,8 @@ RecordingReader::RecordingReader(const std::string& path)
     if (!S_ISREG(status.st_mode)) refuse("is no plain file");
     size_ = static_cast<std::uint64_t>(status.st_size);
     char preamble[kPreamble] = {};
-    if (readAt(file_, 0, preamble, kPreamble, path_) != kPreamble || std::memcmp(preamble, kMagic, sizeof(kMagic)) != 0)
+    if (size_ < kPreamble || readAt(file_, 0, preamble, kPreamble, path_) != kPreamble ||
+        std::memcmp(preamble, kMagic, sizeof(kMagic)) != 0)
       refuse("is no recording");
     std::uint32_t words[4];
     std::memcpy(words, preamble + sizeof(kMagic), sizeof(words));

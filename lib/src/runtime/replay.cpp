@@ -55,8 +55,6 @@ ReplayResult replay(RecordingReader& recording, HapticTick& tick, std::uint64_t 
   const int joints = static_cast<int>(tick.output().torque.size());
   require(joints == header.joints, "the device has " + std::to_string(joints) + " joints, that of the recording " +
                                        std::to_string(header.joints));
-  require(from == 0 || from < recording.chunks(), "the recording has " + std::to_string(recording.chunks()) +
-                                                      " chunks, there is no chunk " + std::to_string(from));
   ReplayResult result;
   result.requested = result.command = JointVector::Zero(joints);
   result.states = tick.renderer().stateSize() == header.rendererState;
@@ -64,6 +62,7 @@ ReplayResult replay(RecordingReader& recording, HapticTick& tick, std::uint64_t 
   std::string state(tick.stateSize(), '\0');
   RecordedChunk chunk;
   bool isGap = from > 0;
+  if (isGap) (void)recording.read(from, chunk);  // throws where there is none
   for (std::uint64_t i = from; i < recording.chunks(); ++i) {
     if (const std::string problem = recording.read(i, chunk); !problem.empty()) {
       if (result.damaged++ == 0) result.damage = problem;
