@@ -144,6 +144,17 @@ class Tally final : public TickSink {
   std::atomic<double> force_{0.0};
 };
 
+// Where nobody answers, no recording is begun.
+void awaitServer(UdpDevice& device, const std::string& where) {
+  Measurement measurement;
+  for (int ms = 0; device.measure(measurement) != Status::ok; ++ms) {
+    if (ms == 1000)
+      throw Error(where +
+                  ": no measurement within 1 s; the server needs the same --key and --device, and no other client");
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
 void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism>& mechanism) {
   const std::size_t colon = options.connect.rfind(':');
   const std::string host = options.connect.substr(0, colon);
@@ -186,6 +197,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
       source.plugin ? makeRenderer(source.plugin, {options.device, "", options.scene, "", values})
                     : makeLinked(source.name, values, mechanism, period);
   HapticTick haptics(*mechanism, scene, tool, *renderer, guard);
+  awaitServer(device, options.connect);
   Tally tally;
   if (!options.record.empty()) {
     nameRenderer(source.name, source.plugin ? source.plugin->path() : "", values, scene, header);
@@ -221,7 +233,6 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
 
 void run(DeviceOptions options) {
   if (options.serve == !options.connect.empty()) throw Error("give --serve or --connect HOST:PORT");
-  if (options.serve && !options.record.empty()) throw Error("--record is of --connect");
   if (!options.key.empty()) options.server.link.key = readKey(options.key);
   const auto mechanism =
       makeMechanism(options.device.empty() ? DeviceParameters(bench::nominalDevice()) : loadDevice(options.device));
@@ -239,12 +250,13 @@ void addDevice(CLI::App& app) {
       "device",
       "A device over UDP: serves the virtual one, in real time and moved by a hand, or runs a haptic loop on one that\n"
       "is served. Prints at the end how it went. The protocol: lib/docs/device.md.");
-  command->add_flag("--serve", options->serve, "until --duration or a signal");
-  command->add_option("--connect", options->connect, "HOST or HOST:PORT of what is served");
+  CLI::Option* serve = command->add_flag("--serve", options->serve, "until --duration or a signal");
+  CLI::Option* connect = command->add_option("--connect", options->connect, "HOST or HOST:PORT of what is served");
   command->add_option("--device", options->device, "device file (TOML), the same on both sides; without it the TAU");
-  command->add_option("--port", options->server.port, "of --serve; 0: any that is free")->capture_default_str();
-  command->add_option("--bind", options->server.address, "of --serve; others than 127.0.0.1 need --key")
-      ->capture_default_str();
+  command->add_option("--port", options->server.port, "0: any that is free")->capture_default_str()->needs(serve);
+  command->add_option("--bind", options->server.address, "others than 127.0.0.1 need --key")
+      ->capture_default_str()
+      ->needs(serve);
   command->add_option("--key", options->key, "file with the key that both sides share, 32 hexadecimal digits");
   command->add_option("--rate", options->rate_Hz, "of the device's ticks, Hz, the same on both sides")
       ->check(CLI::Range(500.0, 10000.0))
@@ -252,11 +264,12 @@ void addDevice(CLI::App& app) {
   command->add_option("--duration", options->duration, "s; 0: --serve without end, --connect 10 s")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
-  command->add_option("--renderer", options->renderer, "as of push")->capture_default_str();
-  command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0");
-  command->add_option("--record", options->record, "recording of --connect, for enamel replay and enamel export");
+  command->add_option("--renderer", options->renderer, "as of push")->capture_default_str()->needs(connect);
+  command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0")->needs(connect);
+  command->add_option("--record", options->record, "recording, for enamel replay and enamel export")->needs(connect);
   command->add_option("--max-force", options->force, "that the guard lets the renderer put on the tool, N")
-      ->default_str("no limit");
+      ->default_str("no limit")
+      ->needs(connect);
   command->callback([options] { run(*options); });
 }
 

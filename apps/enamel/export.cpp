@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 
@@ -38,6 +39,9 @@ void run(const ExportOptions& options) {
   if (device->joints() != recording.header().joints)
     throw Error(fmt::format("{}: the device has {} joints, its ticks {}", options.file, device->joints(),
                             recording.header().joints));
+  std::error_code none;
+  if (std::filesystem::equivalent(options.file, options.csv, none))
+    throw Error(options.csv + ": is the recording itself, --csv must be another file");
   FileWriter file(options.csv);
   file.write(titleOf(*device));
   Kinematics k = device->home();

@@ -135,7 +135,12 @@ void run(const PushOptions& options) {
   const double limit = largestStiffness(*plant, setup);
 
   RecordingHeader header;
-  if (!options.record.empty()) header = headerOf(options, setup);
+  if (!options.record.empty()) {
+    const auto place = [](const std::string& file) { return std::filesystem::absolute(file).lexically_normal(); };
+    if (!options.output.empty() && place(options.output) == place(options.record))
+      throw Error("--record and --output are one file: " + options.record);
+    header = headerOf(options, setup);
+  }
   std::vector<PushOutcome> outcomes;
   std::vector<std::string> files, recordings;
   std::string failures;

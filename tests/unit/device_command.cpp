@@ -61,7 +61,14 @@ TEST_CASE("slips in a command line of device are told", "[device_command]") {
   refuses("--serve --key /nowhere", "/nowhere");
   refuses("--connect 127.0.0.1:0", "with a port in 1 to 65535");
   refuses("--connect 127.0.0.1:99999", "with a port in 1 to 65535");
-  refuses("--connect 127.0.0.1:" + port(1), "the device gave no measurement within 1 s");
+  const test::TemporaryFolder folder;
+  const std::string record = folder / "a.rec";
+  refuses(
+      "--connect 127.0.0.1:" + port(1) + " --device '" + kStylus + "' --renderer impedance --record '" + record + "'",
+      "127.0.0.1:" + port(1) + ": no measurement within 1 s");
+  CHECK_FALSE(std::filesystem::exists(record));
+  refuses("--connect localhost --port 1", "--port");
+  refuses("--serve --duration 0.1 --scene /nowhere", "--scene");
   refuses("--serve --rate 100", "--rate");
   refuses("--connect 127.0.0.1:" + port(1) + " --renderer nothing", "nothing");
 }

@@ -55,7 +55,7 @@ TEST_CASE("a recorded push replays bit for bit, linked and as a plugin", "[recor
   CHECK(replay(servo).status == 1);
   for (const auto& [options, problem] :
        {std::pair{"--set stiffness=x", "parameter stiffness of impedance is \"x\", must be a number"},
-        {"--from 1000000", "there is no chunk 1000000"},
+        {"--from 1000000", "a.rec: has 12 chunks, there is no chunk 1000000"},
         {"--renderer nothing", "there is no plugin \"nothing\""}}) {
     const auto refused = replay(options);
     CHECK(refused.status == 1);
@@ -72,6 +72,17 @@ TEST_CASE("what a recording cannot be, and disks that are full", "[recording]") 
   const auto again = test::run(push + "'" + file + "'");
   CHECK(again.status == 1);
   CHECK_THAT(again.output, Catch::Contains("a.rec: cannot make the recording: File exists"));
+  CHECK(test::readFile(file) == before);
+
+  for (const char* csv : {"a.rec", "link.csv"}) {
+    if (csv != std::string("a.rec")) std::filesystem::create_symlink(file, folder / csv);
+    const auto itself = test::run("export '" + file + "' --csv '" + (folder / csv) + "'");
+    CHECK(itself.status == 1);
+    CHECK_THAT(itself.output, Catch::Contains("is the recording itself"));
+  }
+  const auto twice = test::run(push + "'" + (folder / "b") + "' --output '" + (folder / "./b") + "'");
+  CHECK(twice.status == 1);
+  CHECK_THAT(twice.output, Catch::Contains("--record and --output are one file"));
   CHECK(test::readFile(file) == before);
 
   const std::string full = folder / "full.rec";
