@@ -109,7 +109,7 @@ bool LoopBody::step() noexcept {
   const bool fault = haptics_.guard().fault() != GuardReason::none;
   if (!stopping_ || (fault && !faulty_)) left_ = static_cast<int>(std::ceil(guard.rampOut / ticks_)) + 2;
   faulty_ = fault;
-  return !stopping_ || --left_ > 0;
+  return !stopping_ || (left_ > 0 && --left_ > 0);
 }
 
 HapticLoop::MemoryLock::MemoryLock(bool wanted) noexcept {

@@ -2,7 +2,7 @@
 //
 // Made of what it refers to, and over when it is destroyed: nothing has to be started, stopped or freed by hand.
 //   construction: open the device, lock memory, first measurement, start the thread
-//   destruction:  ramp the rendered part out through the guard, close the device, join the thread
+//   destruction:  ramp the rendered part out through the guard, join the thread, close the device
 #pragma once
 
 #include <atomic>
