@@ -194,6 +194,17 @@ TEST_CASE("a device that falls silent is ramped out, and comes back after a rese
   CHECK(loop.timing().wakeUp.count() > 0);
 }
 
+TEST_CASE("a second loop on the same tick begins anew", "[haptic_loop]") {
+  Rig rig;
+  for (int loops = 0; loops < 2; ++loops) {
+    HapticLoop loop(rig.bench, rig.haptics, normal());
+    CHECK(eventually([&] { return rig.bench.last == 2.0; }));
+    CHECK(rig.haptics.guard().fault() == GuardReason::none);
+    rig.bench.measured += 3000;  // three seconds go by
+    CHECK(eventually([&] { return (void)loop.refresh(), loop.latest().reason == GuardReason::late; }));
+  }
+}
+
 TEST_CASE("memory is locked as long as a loop lives, where the system allows it", "[haptic_loop]") {
   Rig rig, other;
   bool first = false;

@@ -47,6 +47,8 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
     throw Error("haptic loop: the device gave no measurement within " + formatNumber(options.firstMeasurement) +
                 " s: " + toString(status));
   }
+  // An earlier loop's fault, and the time since, are not this one's.
+  if (haptics.guard().kept() > 0) haptics.reset();
   tick_.pose = haptics.input().kinematics.pose;
   tick_.requested = command_.torque = JointVector::Zero(guard.torque.size());
 }

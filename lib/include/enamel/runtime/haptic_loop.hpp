@@ -59,8 +59,9 @@ struct HapticLoopOptions {
 /// that is back does not end the fault: reset() does.
 class LoopBody {
  public:
-  /// Opens the device and waits for its first measurement. Throws Error: the guard is off; a period outside 1e-4 to
-  /// 2e-3 s, or longer than that of the ticks; no measurement within `firstMeasurement`; as HapticDevice::open().
+  /// Opens the device, waits for its first measurement, resets a tick that has run before. Throws Error: the guard is
+  /// off; a period outside 1e-4 to 2e-3 s, or longer than that of the ticks; no measurement within `firstMeasurement`;
+  /// as HapticDevice::open().
   LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOptions& options);
   ~LoopBody();  ///< HapticDevice::close()
   LoopBody(const LoopBody&) = delete;
