@@ -18,10 +18,10 @@ long numberAfter(const std::string& text, const std::string& word) {
   return at == std::string::npos ? -1 : std::atol(text.c_str() + at + word.size());
 }
 
-// What connecting to a server prints; the server writes into `log` and ends by itself.
+// What connecting to a server prints; the server writes into `log` and is ended then.
 std::string connectTo(const std::string& server, const std::string& log, const std::string& options) {
   return test::runCommand("{ " + server + " >'" + log + "' 2>&1 & sleep 0.3; '" ENAMEL_TOOL "' device " + options +
-                          "; wait; }")
+                          "; kill $!; wait; }")
       .output;
 }
 
@@ -36,7 +36,8 @@ TEST_CASE("a device is served and felt from another process", "[device_command]"
   const test::TemporaryFolder folder;
   const std::string log = folder / "log", key = folder / "key";
   test::writeFile(key, "00112233445566778899aabbccddeeff\n");
-  const std::string server = "'" ENAMEL_TOOL "' device --serve --port " + port(0) + " --duration 2 --key '" + key + "'";
+  const std::string server =
+      "'" ENAMEL_TOOL "' device --serve --port " + port(0) + " --duration 30 --key '" + key + "'";
   const std::string output = connectTo(
       server, log, "--connect 127.0.0.1:" + port(0) + " --renderer impedance --duration 1 --key '" + key + "'");
   INFO(output << "\n" << test::readFile(log));
@@ -93,7 +94,7 @@ TEST_CASE("the driver in Python of the page is a device", "[device_command]") {
   const std::string script = folder / "driver.py", log = folder / "log";
   test::writeFile(script, page.substr(begin + 10, end - begin - 10));
   const std::string output =
-      connectTo("timeout 3 python3 '" + script + "' " + port(2), log,
+      connectTo("timeout 30 python3 '" + script + "' " + port(2), log,
                 "--connect 127.0.0.1:" + port(2) + " --renderer impedance --duration 1 --device '" + kStylus + "'");
   INFO(output << "\n" << test::readFile(log));
   CHECK(numberAfter(output, "accepted ") > 200);
