@@ -39,7 +39,9 @@ void run(const BenchOptions& options) {
 void addBench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "Speed against error: one row a measurement, times in microseconds");
-  command->add_option("--filter", options->filter, "only rows whose name contains this text");
+  command->add_option("--filter", options->filter,
+                      "only rows whose name contains this text; a group first (device, control, tick, collision) "
+                      "measures only that one");
   command->add_option("--scale", options->scale, "multiplies the number of batches")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();

@@ -105,8 +105,8 @@ TEST_CASE("enamel: errors are one line and the status is not 0", "[evaluate]") {
         evaluate(device, folder / "none.json", folder / "o.json"),
         evaluate(device, folder / "broken.json", folder / "o.json"),
         evaluate(device, folder / "rows.json", folder / "no/such/folder/o.json"), std::string("evaluate"),
-        std::string("frobnicate"), std::string(""), std::string("bench --filter nothing-like-this --scale 0.01"),
-        std::string("bench --scale 0")}) {
+        std::string("frobnicate"), std::string(""),
+        std::string("bench --filter 'device nothing-like-this' --scale 0.01"), std::string("bench --scale 0")}) {
     const auto result = run(arguments);
     INFO(arguments << "\n" << result.output);
     CHECK(result.status != 0);

@@ -78,16 +78,17 @@ std::vector<Measurement> measureAll(const std::string& filter, double scale) {
                                                                                  {"control", &measureControl},
                                                                                  {"tick", &measureTick},
                                                                                  {"collision", &measureCollision}};
-  // The name of a group alone measures only that one; any other text measures all and keeps what fits.
+  // A text that begins with the name of a group measures only that one; any other measures all. Both keep what fits.
+  const std::string first = filter.substr(0, filter.find(' '));
   const bool isGroup =
-      std::any_of(std::begin(groups), std::end(groups), [&](const auto& g) { return g.first == filter; });
+      std::any_of(std::begin(groups), std::end(groups), [&](const auto& g) { return g.first == first; });
   std::vector<Measurement> all;
   for (const auto& [group, measure] : groups) {
-    if (isGroup && group != filter) continue;
+    if (isGroup && group != first) continue;
     std::vector<Measurement> rows = measure(scale);
     for (Measurement& row : rows) {
       row.group = group;
-      if (isGroup || (row.group + " " + row.name).find(filter) != std::string::npos) all.push_back(std::move(row));
+      if ((row.group + " " + row.name).find(filter) != std::string::npos) all.push_back(std::move(row));
     }
   }
   return all;
