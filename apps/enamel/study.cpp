@@ -58,7 +58,12 @@ void addStudy(CLI::App& app) {
                     "the hold ends when the wall would pull, as in enamel push; without it never, as in the paper");
   command->add_option("--seed", options->seed, "of everything random")->capture_default_str();
   command->add_option("--threads", options->threads, "without it, one a core; the result does not depend on it");
-  command->add_flag("--convergence", options->convergence, "measure speed against error of the integration only");
+  CLI::Option* only =
+      command->add_flag("--convergence{false}", options->whole, "measure speed against error of the integration only");
+  command
+      ->add_flag("--no-convergence{false}", options->convergence,
+                 "all but that: a study of few runs spends most of its time on it")
+      ->excludes(only);
   command->add_flag("--resume", options->resume, "continue the study in the folder");
   command->add_option("--output", options->output, "folder for the results")->required();
   command->callback([options] { runStudy(*options); });

@@ -126,7 +126,7 @@ TEST_CASE("options that are empty, too large or no numbers", "[file_command]") {
 
 TEST_CASE("study: streams that were closed do not become its files", "[file_command]") {
   const test::TemporaryFolder folder;
-  const std::string small = "study --renderers impedance --scenario 1 --grid 1 --runs 4 --output ";
+  const std::string small = "study --no-convergence --renderers impedance --scenario 1 --grid 1 --runs 4 --output ";
   const auto runs = [&](const std::string& name, const std::string& streams) {
     const auto result = test::runCommand("{ " + kTool + small + "'" + (folder / name) + "' " + streams + "; }");
     INFO(result.output);

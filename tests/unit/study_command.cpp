@@ -20,6 +20,10 @@ using test::runAlone;
 const bool kLong = std::getenv("ENAMEL_LONG") != nullptr;
 
 std::string study(const test::TemporaryFolder& folder, const std::string& name, const std::string& arguments) {
+  return "study --no-convergence --output '" + (folder / name) + "' " + arguments;
+}
+std::string convergingStudy(const test::TemporaryFolder& folder, const std::string& name,
+                            const std::string& arguments) {
   return "study --output '" + (folder / name) + "' " + arguments;
 }
 
@@ -48,6 +52,8 @@ test::CommandResult interrupted(const std::string& arguments, const std::string&
 TEST_CASE("study: the same bytes with one thread and two, interrupted and killed", "[study_command]") {
   const test::TemporaryFolder folder;
   REQUIRE(runAlone(study(folder, "one", kSmall + "--threads 1")).status == 0);
+  CHECK_FALSE(std::filesystem::exists(folder / "one/convergence.csv"));
+  CHECK(file(folder, "one", "report.html").find("Speed against error") == std::string::npos);
   const std::string runs = file(folder, "one", "runs.csv");
   CHECK(std::count(runs.begin(), runs.end(), '\n') == 1 + 4 * 8);
   const auto same = [&](const std::string& name) {
@@ -103,7 +109,7 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
 TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_command]") {
   const test::TemporaryFolder folder;
   const std::string size = kLong ? "--grid 11 --runs 20" : "--grid 3 --runs 3";
-  const auto result = test::run(study(folder, "all", size));
+  const auto result = test::run(convergingStudy(folder, "all", size));
   INFO(result.output);
   REQUIRE(result.status == 0);
   const auto summary = nlohmann::json::parse(file(folder, "all", "summary.json"));
@@ -136,6 +142,7 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
   CHECK(report.find("17 174") != std::string::npos);
   CHECK(report.find("not met") != std::string::npos);
   CHECK(report.find("no joint saturates") != std::string::npos);
+  CHECK(report.find("Speed against error") != std::string::npos);
   CHECK(report.find("it is the default") != std::string::npos);
   CHECK(report.find("the deepest point of the continuous motion, between ticks too") != std::string::npos);
   CHECK(report.find("<h1>On a stiff wall: position control, hold, impedance</h1>") != std::string::npos);
@@ -373,6 +380,7 @@ TEST_CASE("study: errors are one line, before any run", "[study_command]") {
                                        output + "--device-damping impedance=4,impedance=5",
                                        output + "--device-damping 4,impedance=5",
                                        output + "--device-damping =4",
+                                       output + "--convergence --no-convergence",
                                        output + "--gain none.json",
                                        output + "--device none.toml",
                                        output + "--device '" + (folder / "broken.toml") + "'",
@@ -412,7 +420,8 @@ TEST_CASE("study: a full disk ends it with one line, and it can go on", "[study_
 
 TEST_CASE("study: without the program that draws, the report has no figures and says so", "[study_command]") {
   const test::TemporaryFolder folder;
-  const auto result = runAlone(study(folder, "bare", "--renderers position-control --scenario 1 --grid 1 --runs 1"));
+  const auto result =
+      runAlone(convergingStudy(folder, "bare", "--renderers position-control --scenario 1 --grid 1 --runs 1"));
   INFO(result.output);
   CHECK(result.status == 0);
   CHECK(result.output.find("the report is without figures: enamel-figures is not there") != std::string::npos);
@@ -424,7 +433,7 @@ TEST_CASE("study: without the program that draws, the report has no figures and 
 TEST_CASE("study: convergence finds the default", "[study_command]") {
   const test::TemporaryFolder folder;
   const auto result =
-      runAlone(study(folder, "speed", "--convergence --renderers position-control,hold,impedance --grid 3"));
+      runAlone(convergingStudy(folder, "speed", "--convergence --renderers position-control,hold,impedance --grid 3"));
   INFO(result.output);
   REQUIRE(result.status == 0);
   CHECK(result.output.find("is Runge-Kutta 4 with 1 step a tick") != std::string::npos);

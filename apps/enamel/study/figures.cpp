@@ -569,8 +569,7 @@ Figure stabilityFigure(const Study& study) {
 // ---- speed against error
 // ---------------------------------------------------------------------------------------------------
 
-Figure convergenceFigure(const Findings& findings) {
-  const Convergence& c = findings.convergence;
+Figure convergenceFigure(const Convergence& c) {
   const struct {
     Integrator integrator;
     const char* colour;
@@ -663,7 +662,7 @@ std::vector<Figure> figuresOf(const Study& study, const Findings& findings) {
     for (const int scenario : study.plan.scenarios) figures.push_back(steadyMap(study, findings, scenario));
     if (wallDeviceOf(study).damping > 0.0) figures.push_back(stabilityFigure(study));
   }
-  figures.push_back(convergenceFigure(findings));
+  if (findings.convergence) figures.push_back(convergenceFigure(*findings.convergence));
   for (Figure& figure : figures) figure.description["name"] = figure.name;
   return figures;
 }

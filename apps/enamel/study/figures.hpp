@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "enamel/control/impedance_map.hpp"
 #include "study/convergence.hpp"
@@ -18,7 +19,7 @@ struct Findings {
   std::vector<WallSummary> walls;
   std::vector<Claim> claims;
   Survey survey;
-  Convergence convergence;
+  std::optional<Convergence> convergence;
   bool whole = true;  ///< false: the convergence alone
 };
 

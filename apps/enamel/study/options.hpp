@@ -22,9 +22,10 @@ struct StudyOptions {
   std::uint64_t seed = 1;
   double preload = 0.0;     ///< N
   bool insideTick = false;  ///< the step comes at a random instant of its tick
-  bool encoders = false, resume = false, convergence = false;
-  bool guard = true;     ///< in the loop
-  bool release = false;  ///< the hold ends when the wall would pull; the paper's never does
+  bool encoders = false, resume = false;
+  bool convergence = true, whole = true;  ///< what is done: speed against error of the integration, all else
+  bool guard = true;                      ///< in the loop
+  bool release = false;                   ///< the hold ends when the wall would pull; the paper's never does
 };
 
 /// Performs the study and writes its folder. Throws Error, Exit where a signal ended it.

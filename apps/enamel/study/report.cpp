@@ -312,6 +312,33 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
   page.list(items);
 }
 
+void addConvergence(Page& page, const Study& study, const Convergence& c) {
+  std::vector<std::vector<std::string>> rows;
+  for (const MethodError& m : c.methods)
+    rows.push_back({nameOf(m.method.integrator), std::to_string(m.method.substeps),
+                    fmt::format("{:.2f}", 1e3 * m.secondsPerSecond), fmt::format("{:.1e}", m.trajectory),
+                    std::isfinite(m.worst) ? fmt::format("{:.1e}", m.worst) : "other events",
+                    m.worst < c.allowed ? "met" : "not met"});
+  page.table({"integrator", "steps a tick", "ms per simulated s", "largest error of position, m",
+              "largest relative error of a metric", fmt::format("below {:.2g} %", 100.0 * c.allowed)},
+             rows);
+  const PushSetup& setup = study.plan.setup;
+  if (c.cheapest < c.methods.size()) {
+    const IntegrationMethod& m = c.methods[c.cheapest].method;
+    const bool same = m.integrator == setup.integrator && m.substeps == setup.substeps;
+    page.paragraph(fmt::format(
+        "The cheapest with an error below {:.2g} % in every metric is {} with {} step{} a tick; the study uses {}.",
+        100.0 * c.allowed, nameOf(m.integrator), m.substeps, m.substeps > 1 ? "s" : "",
+        same ? "it: it is the default" : fmt::format("{} with {}", nameOf(setup.integrator), setup.substeps)));
+  } else {
+    page.paragraph(fmt::format("No method keeps the error of every metric below {:.2g} %.", 100.0 * c.allowed));
+  }
+  page.note(fmt::format(
+      "Errors against {} with {} steps a tick, relative to the largest value of the metric over the runs of the same "
+      "renderer and scenario; {} with half as many steps differs by {:.1e}. Processor time of one thread, whole loop.",
+      nameOf(c.reference.integrator), c.reference.substeps, nameOf(c.reference.integrator), c.referenceError));
+}
+
 void addSettings(Page& page, const Study& study) {
   page.heading("Settings");
   std::vector<std::vector<std::string>> cells;
@@ -414,33 +441,11 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
                       study.impedance.stiffness, required, wall.damping));
   }
 
-  page.heading("Speed against error");
-  figure("convergence");
-  const Convergence& c = findings.convergence;
-  std::vector<std::vector<std::string>> rows;
-  for (const MethodError& m : c.methods)
-    rows.push_back({nameOf(m.method.integrator), std::to_string(m.method.substeps),
-                    fmt::format("{:.2f}", 1e3 * m.secondsPerSecond), fmt::format("{:.1e}", m.trajectory),
-                    std::isfinite(m.worst) ? fmt::format("{:.1e}", m.worst) : "other events",
-                    m.worst < c.allowed ? "met" : "not met"});
-  page.table({"integrator", "steps a tick", "ms per simulated s", "largest error of position, m",
-              "largest relative error of a metric", fmt::format("below {:.2g} %", 100.0 * c.allowed)},
-             rows);
-  const PushSetup& setup = study.plan.setup;
-  if (c.cheapest < c.methods.size()) {
-    const IntegrationMethod& m = c.methods[c.cheapest].method;
-    const bool same = m.integrator == setup.integrator && m.substeps == setup.substeps;
-    page.paragraph(fmt::format(
-        "The cheapest with an error below {:.2g} % in every metric is {} with {} step{} a tick; the study uses {}.",
-        100.0 * c.allowed, nameOf(m.integrator), m.substeps, m.substeps > 1 ? "s" : "",
-        same ? "it: it is the default" : fmt::format("{} with {}", nameOf(setup.integrator), setup.substeps)));
-  } else {
-    page.paragraph(fmt::format("No method keeps the error of every metric below {:.2g} %.", 100.0 * c.allowed));
+  if (findings.convergence) {
+    page.heading("Speed against error");
+    figure("convergence");
+    addConvergence(page, study, *findings.convergence);
   }
-  page.note(fmt::format(
-      "Errors against {} with {} steps a tick, relative to the largest value of the metric over the runs of the same "
-      "renderer and scenario; {} with half as many steps differs by {:.1e}. Processor time of one thread, whole loop.",
-      nameOf(c.reference.integrator), c.reference.substeps, nameOf(c.reference.integrator), c.referenceError));
   addSettings(page, study);
   std::string title;
   for (const ColumnLabel& label : study.labels) title += (title.empty() ? "" : ", ") + label.title;

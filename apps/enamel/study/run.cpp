@@ -266,7 +266,7 @@ void runStudy(StudyOptions options) {
   prepareFolder(study);
   const FolderLock lock(options.output);
   Findings findings;
-  findings.whole = !options.convergence;
+  findings.whole = options.whole;
   if (findings.whole) {
     claimFolder(study);
     perform(study);
@@ -279,9 +279,11 @@ void runStudy(StudyOptions options) {
     writeFile(study.path("summary.json"), summaryOf(study, findings.walls, findings.claims));
     printSummary(study, findings.walls, findings.claims);
   }
-  findings.convergence = measureConvergence(study);
-  writeFile(study.path("convergence.csv"), convergenceTable(findings.convergence));
-  printConvergence(findings.convergence);
+  if (options.convergence) {
+    findings.convergence = measureConvergence(study);
+    writeFile(study.path("convergence.csv"), convergenceTable(*findings.convergence));
+    printConvergence(*findings.convergence);
+  }
   writeReport(study, findings);
 }
 
