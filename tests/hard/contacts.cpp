@@ -44,31 +44,36 @@ std::vector<test::NamedMesh> contactMeshes() {
   return all;
 }
 
+// A triangle's nearest point; one corner, and 1.1 times the square of how far the triangle goes from it.
 struct Nearest {
   Vec3 point;
   double distance;
+  Vec3 corner;
+  double extent;
 };
 
 std::vector<Nearest> nearestOfAll(const TriangleMesh& mesh, const Vec3& p) {
   std::vector<Nearest> all;
+  all.reserve(mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
-    const Vec3 x = nearestOf(p, {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
-    all.push_back({x, (x - p).norm()});
+    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    const Vec3 x = nearestOf(p, {a, b, c});
+    all.push_back({x, (x - p).norm(), a, 1.1 * std::max(squared(b, a), squared(c, a))});
   }
   return all;
 }
 
-// How much nearer the triangles come that pass through a triangle's nearest point, as a part of its distance.
-double nearerNearby(const TriangleMesh& mesh, const std::vector<Nearest>& all, std::size_t i, double size) {
-  double least = all[i].distance;
+// Whether no triangle that passes through a triangle's nearest point comes nearer by more than a part of its distance.
+bool isMinimum(const TriangleMesh& mesh, const std::vector<Nearest>& all, std::size_t i, double size, double part) {
+  const Vec3& x = all[i].point;
+  const double nearer = (1.0 - part) * all[i].distance;
   for (std::size_t k = 0; k < all.size(); ++k) {
-    if (!(all[k].distance < least)) continue;
+    if (!(all[k].distance < nearer) || squared(x, all[k].corner) > all[k].extent) continue;
     const auto& t = mesh.triangles[k];
-    const Vec3 &x = all[i].point, &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    if (squared(x, a) > 1.1 * std::max(squared(b, a), squared(c, a))) continue;
-    if ((nearestOf(x, {a, b, c}) - x).norm() < 1e-12 * size) least = all[k].distance;
+    if ((nearestOf(x, {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}) - x).norm() < 1e-12 * size)
+      return false;
   }
-  return 1.0 - least / all[i].distance;
+  return true;
 }
 
 // Where p lies over a face, if only just, no neighbour is asked.
@@ -112,15 +117,15 @@ TEST_CASE("a sphere touches at every local minimum of the distance and nowhere e
       for (int k = 0; k < contacts.count; ++k) {
         const Contact& contact = contacts.contacts[k];
         const Vec3 x = p - (contact.gap + radius) * contact.normal;
-        double least = 1.0;
-        for (std::size_t t = 0; t < all.size() && least > 1e-9; ++t)
-          if ((all[t].point - x).norm() < 1e-12 * size)
-            least = isOverFace(mesh, t, p, all[t]) ? 0.0 : std::min(least, nearerNearby(mesh, all, t, size));
-        CHECK(least <= 1e-9);  // the library allows for rounding, 1e-12
+        bool isMet = false;
+        for (std::size_t t = 0; t < all.size() && !isMet; ++t)
+          if (squared(all[t].point, x) < 1e-24 * size * size)  // 1e-9: the library allows for rounding, 1e-12
+            isMet = isOverFace(mesh, t, p, all[t]) || isMinimum(mesh, all, t, size, 1e-9);
+        CHECK(isMet);
       }
       std::vector<std::size_t> minima;
       for (std::size_t t = 0; t < all.size(); ++t)
-        if (all[t].distance < reach * (1.0 - 1e-9) && nearerNearby(mesh, all, t, size) <= 0.0) minima.push_back(t);
+        if (all[t].distance < reach * (1.0 - 1e-9) && isMinimum(mesh, all, t, size, 0.0)) minima.push_back(t);
       if (minima.size() > 60) continue;  // more than are kept
       several += contacts.count > 1;
       for (const std::size_t t : minima) {
