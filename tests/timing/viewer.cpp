@@ -7,13 +7,14 @@
 #include "runner.hpp"
 #include "servo_gain.hpp"
 #include "support/devices.hpp"
+#include "support/run_length.hpp"
 #include "viewer/support.hpp"
 
 namespace enamel::viewer::test_viewer {
 
 namespace {
 
-constexpr double kSeconds = 10.0;
+const double kSeconds = test::count(4, 10);
 
 void report(const char* beside, bool realtime, double periods, double missed, const double (&us)[5]) {
   std::printf(

@@ -111,13 +111,13 @@ TEST_CASE("a signal ends the viewer with its report written", "[viewer]") {
     std::filesystem::remove(folder / "report.json");
   };
   const std::string alone = "env -u DISPLAY -u WAYLAND_DISPLAY timeout --preserve-status -s ";
-  requireReport(test::viewer("--headless " + arguments, alone + "INT 4"), 128 + 2);
-  requireReport(test::viewer("--headless " + arguments, alone + "TERM 4"), 128 + 15);
+  requireReport(test::viewer("--headless " + arguments, alone + "INT 2"), 128 + 2);
+  requireReport(test::viewer("--headless " + arguments, alone + "TERM 2"), 128 + 15);
   if (!test::haveXvfb()) {
     WARN("xvfb-run or xauth is missing: windows are not tested");
     return;
   }
-  requireReport(test::viewer(arguments, test::kXvfb + " timeout --preserve-status -s TERM 6"), 128 + 15);
+  requireReport(test::viewer(arguments, test::kXvfb + " timeout --preserve-status -s TERM 4"), 128 + 15);
 }
 
 TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
