@@ -1,11 +1,13 @@
 #include "enamel/device/mechanism.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "core/assert.hpp"
+#include "device/inertia.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -36,7 +38,12 @@ double effectiveMass(const Kinematics& kinematics, const Vec3& point, const Vec3
   Vec6 push;
   push << direction, (point - kinematics.pose.position).cross(direction);
   const JointVector b = torqueOf(kinematics.jacobian, push);
-  return 1.0 / b.dot(kinematics.inertia.llt().solve(b));
+  ENAMEL_ASSERT(kinematics.inertia.rows() == b.size());
+  Cholesky<kMaxJoints> inertia;
+  if (!factorInertia(kinematics.inertia, inertia)) return std::numeric_limits<double>::quiet_NaN();
+  JointVector acceleration = b;
+  inertia.solve(acceleration.data());
+  return 1.0 / b.dot(acceleration);
 }
 
 double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, const Vec3& direction) noexcept {
@@ -51,13 +58,18 @@ double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, 
   return force;
 }
 
+Vec3 eigenvaluesOf(const Mat3& matrix) noexcept {
+  return Eigen::SelfAdjointEigenSolver<Mat3>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
 void Mechanism::setHome() {
   const auto refuse = [this](const std::string& problem) {
     throw ConfigurationError("device \"" + name_ + "\"", 0, "", problem);
   };
   const Status status = reach(Pose{}, Vec6::Zero(), true, home_);
   if (status != Status::ok) refuse(std::string("the home pose is ") + toString(status));
-  if (home_.inertia.llt().info() != Eigen::Success)
+  Cholesky<kMaxJoints> inertia;
+  if (!factorInertia(home_.inertia, inertia))
     refuse("the mass matrix at home is not positive definite: give the platform or the links more inertia");
 }
 

@@ -1,9 +1,9 @@
 #include "device/read.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "core/message.hpp"
+#include "device/inertia.hpp"
 
 namespace enamel {
 
@@ -32,7 +32,7 @@ void checkInertia(const Mat3& inertia, const std::string& key, const Fail& fail)
                     formatNumber(inertia(i, j)) + " and (" + std::to_string(j) + "," + std::to_string(i) + ") is " +
                     formatNumber(inertia(j, i)) + " kg m^2");
   }
-  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vec3 moments = eigenvaluesOf(inertia);
   if (moments[0] < -tolerance)
     fail(key, "has the principal moment " + formatNumber(moments[0]) + ", must be at least 0 kg m^2");
   if (moments[2] > moments[0] + moments[1] + tolerance)

@@ -1,13 +1,12 @@
 #include "enamel/render/guard.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <type_traits>
 
 #include "core/message.hpp"
+#include "device/inertia.hpp"
 
 namespace enamel {
 namespace {
@@ -31,11 +30,6 @@ bool eachWithin(const JointVector& v, double limit) noexcept { return (v.array()
 
 void requireLimit(double value, const char* name, const char* unit) {
   require(value >= 0.0, std::string("guard: ") + name + " is " + formatNumber(value) + ", must be at least 0 " + unit);
-}
-
-// Largest eigenvalue of a block of the inverse inertia at the TCP: 1 over the least mass or moment of inertia.
-double largestEigenvalue(const Mat3& matrix) {
-  return Eigen::SelfAdjointEigenSolver<Mat3>(matrix, Eigen::EigenvaluesOnly).eigenvalues()[2];
 }
 
 // The part of the forces that a motion and its opposite do not have in common: gravity and centrifugal forces are even
@@ -93,9 +87,17 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   o.torque = device.limits().torque;
   o.slew = o.torque * (2.0 / 0.5e-3);
   o.count = device.limits().count;
-  const Mat6 inverseInertia = home.jacobian * home.inertia.llt().solve(Eigen::MatrixXd(home.jacobian.transpose()));
-  o.brake = 0.05 / (period * largestEigenvalue(inverseInertia.topLeftCorner<3, 3>()));
-  const double turning = largestEigenvalue(inverseInertia.bottomRightCorner<3, 3>());
+  Cholesky<kMaxJoints> inertia;  // positive definite: a device without is none
+  factorInertia(home.inertia, inertia);
+  Mat6 inverseInertia;
+  for (int i = 0; i < 6; ++i) {
+    JointVector acceleration = torqueOf(home.jacobian, Vec6::Unit(i));
+    inertia.solve(acceleration.data());
+    inverseInertia.col(i) = twistOf(home.jacobian, acceleration);
+  }
+  // The largest eigenvalues: 1 over the least mass, 1 over the least moment of inertia.
+  o.brake = 0.05 / (period * eigenvaluesOf(inverseInertia.topLeftCorner<3, 3>())[2]);
+  const double turning = eigenvaluesOf(inverseInertia.bottomRightCorner<3, 3>())[2];
   o.brakeTurn = turning > 0.0 ? 0.05 / (period * turning) : 0.0;
   o.rate.resize(device.joints());
   for (int i = 0; i < device.joints(); ++i)

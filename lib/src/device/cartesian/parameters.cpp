@@ -1,10 +1,10 @@
 #include "enamel/device/cartesian/parameters.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "core/message.hpp"
 #include "core/toml.hpp"
+#include "device/inertia.hpp"
 #include "device/read.hpp"
 #include "enamel/core/file.hpp"
 
@@ -26,7 +26,7 @@ void check(const CartesianParameters& device, const Fail& fail) {
   requirePositive(device.angleStep, "angle_step", "rad", fail);
   checkInertia(device.inertia, "platform.inertia", fail);
   // The motion of turns divides by it.
-  const double least = Eigen::SelfAdjointEigenSolver<Mat3>(device.inertia, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  const double least = eigenvaluesOf(device.inertia)[0];
   if (!(least > 0.0))
     fail("platform.inertia",
          "has the principal moment " + formatNumber(least) + ", must be greater than 0 kg m^2 for a device of 6 axes");

@@ -1,11 +1,11 @@
 #include "enamel/device/tau/model.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 
 #include "core/message.hpp"
+#include "device/inertia.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/device/tau/dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"
@@ -72,7 +72,8 @@ TauModel makeModel(const TauParameters& parameters) {
     refuse("the home pose is a parallel singularity: its measure is " + formatNumber(std::abs(measure)) +
            ", must be greater than " + formatNumber(kSmallestHomeMeasure));
   model.homeSign = measure > 0.0 ? 1.0 : -1.0;
-  if (Eigen::LLT<Mat6>(taskInertia(model, model.home)).info() != Eigen::Success)
+  Cholesky<kMaxJoints> inertia;
+  if (!factorInertia(taskInertia(model, model.home), inertia))
     refuse("the mass matrix at home is not positive definite: give the platform or the links more inertia");
   return model;
 }
