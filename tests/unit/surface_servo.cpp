@@ -122,7 +122,8 @@ TEST_CASE("the servo learns how heavy the device is", "[surface_servo]") {
       const FirmHand hand{1.0 + 0.5 * random.normal(RandomStream::Purpose::noise, i)};
       REQUIRE(loop.tick(hand, tick) == Status::ok);
     }
-    CHECK(servo.inertiaScale() == Approx(share).epsilon(0.12));
+    // Encoder counts, which the servo answers, pass for a lighter device: up to a sixth without delay.
+    CHECK(servo.inertiaScale() == Approx(share).epsilon(0.2));
   }
 }
 
