@@ -143,7 +143,7 @@ bool impact(const Context& c, double speed, Figures& figures) {
   hand.force = [&](int, bool, const TickRecord& last) {
     // Brought to its speed, then free but for the noise until it touches.
     if (touched) return along(-c.share * kPreload);
-    const bool led = last.pose.position.z() > 1e-3 + speed * c.late;
+    const bool led = last.pose.position.z() > 3e-4 + speed * c.late;
     return along(led ? -60.0 * c.mass * (last.twist[2] + speed) : 0.0);
   };
   figures[1] = 0.0;
