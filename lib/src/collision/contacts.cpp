@@ -9,6 +9,7 @@
 
 #include "enamel/core/error.hpp"
 #include "minima.hpp"
+#include "solid_query.hpp"
 #include "tool_parts.hpp"
 
 namespace enamel {
@@ -19,6 +20,7 @@ using namespace kernel;
 constexpr double kSameDirection = 0.9659258262890683;  // cos 15 deg
 constexpr double kSameContact = 0.7071067811865476;    // cos 45 deg
 constexpr double kClearlyNearer = 1e-9;                // m
+constexpr double kSolidNear = 2e-4;                    // m, of a solid's gaps: beyond, one place is enough
 constexpr double kClear = 1e-6;     // of the size: where the offset from the surface gives the normal
 constexpr double kSurely = 1e-12;   // of the size: a distance that is more than rounding
 constexpr double kNearly = 1e-6;    // of the reach: more than what is rounded
@@ -258,6 +260,29 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   PartOnMesh(mesh, axis, radius, cache, out).addContacts();
 }
 
+// Between the ends only what is nearer than both counts, as for a mesh.
+void addPart(const Solid& solid, const Segment& axis, double radius, PartCache*, Collector& out) {
+  const double reach = out.reachOf(radius);
+  const auto addSphere = [&](const Vec3& p) {
+    if (!isInside(solid, p)) {
+      SolidMinima minima;
+      findMinima(solid, p, std::min(reach, radius + kSolidNear), minima);
+      for (int i = 0; i < minima.count; ++i) out.add(p, minima.all[i], radius);
+      if (minima.count > 0) return minima.all[0].distance;
+    }
+    const SolidPoint nearest = signedDistance(solid, p, isInside(solid, p) ? kNoLimit : reach);
+    if (nearest.found) out.add(p, nearest, radius);
+    return nearest.distance;
+  };
+  const double atA = addSphere(axis.a);
+  if (axis.a == axis.b) return;
+  const double ends = std::min({atA, addSphere(axis.b), reach}) - kClearlyNearer;
+  if (!(ends > 0.0)) return;
+  const SolidPoint between = closestToSegment(solid, axis, ends);
+  if (between.found && between.parameter > 0.0 && between.parameter < 1.0)
+    addSphere(axis.a + between.parameter * (axis.b - axis.a));
+}
+
 template <typename Analytic>
 double addSphere(const Analytic& shape, const Vec3& centre, double radius, Collector& out) {
   const ShapePoint nearest = signedDistance(shape, centre);
@@ -283,6 +308,8 @@ SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, Cache* cache, bool 
   return signedDistance(Inside::of(mesh), p, cache, kNoLimit, isOutside);
 }
 
+SolidPoint nearestOf(const Solid& solid, const Vec3& p, Cache*, bool) { return signedDistance(solid, p); }
+
 template <typename Analytic>
 ShapePoint nearestOf(const Analytic& shape, const Vec3& p, Cache*, bool) {
   return signedDistance(shape, p);
@@ -291,6 +318,11 @@ ShapePoint nearestOf(const Analytic& shape, const Vec3& p, Cache*, bool) {
 double nearestOnAxis(const MeshModel& mesh, const Segment& axis, double reach) {
   const SegmentPoint found = closestToSegment(mesh, axis, reach);
   return found.triangle < 0 ? -1.0 : found.parameter;
+}
+
+double nearestOnAxis(const Solid& solid, const Segment& axis, double reach) {
+  const SolidPoint found = closestToSegment(solid, axis, reach);
+  return found.found ? found.parameter : -1.0;
 }
 
 template <typename Analytic>
@@ -446,6 +478,7 @@ constexpr std::size_t kContactState = 9;  // point, normal, obstacle, part, key
 constexpr double kLargestPlace = 1e3;     // m
 
 std::uint64_t revisionOf(const Obstacle& obstacle) noexcept {
+  if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) return (*solid)->growths();
   const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape);
   return mesh == nullptr ? 1 : Inside::of(**mesh).view.revision;
 }

@@ -24,7 +24,8 @@ int Scene::add(Obstacle obstacle) {
   if (const auto* capsule = std::get_if<Capsule>(&obstacle.shape))
     sized = positive(capsule->radius) && positive(capsule->halfLength);
   if (const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape)) sized = *mesh != nullptr;
-  if (!sized) throw Error(name + ": the shape has a size that is not positive and finite, or no mesh");
+  if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) sized = *solid != nullptr;
+  if (!sized) throw Error(name + ": the shape has a size that is not positive and finite, or no mesh or solid");
   const Material& m = obstacle.material;
   if (!(m.stiffness > 0.0) || !(m.friction >= 0.0 && m.friction <= 10.0) ||
       !(m.sliding >= 0.0 && m.sliding <= m.friction) || !(m.viscosity >= 0.0 && std::isfinite(m.viscosity)))

@@ -15,6 +15,8 @@ namespace {
 constexpr double kLargestPosition = 1.0;  // m
 constexpr double kSmallestSize = 1e-4, kLargestSize = 2.0;
 constexpr double kLargestToolRadius = 0.05;
+constexpr double kSmallestCell = 1e-6;
+constexpr double kLeastHardness = 1e3, kMostHardness = 1e12;  // Pa
 constexpr double kLeastThickness = 1e-6, kMostThickness = 0.01;
 constexpr int kMaxObstacles = 64;
 
@@ -87,27 +89,40 @@ Obstacle readCapsule(TomlTable& table) {
   return capsule;
 }
 
+// What a mesh file's coordinates are multiplied by.
+double readScale(TomlTable& table) {
+  const std::string unit = table.text("unit");
+  const double scale = unit == "m" ? 1.0 : unit == "mm" ? 1e-3 : unit == "um" ? 1e-6 : 0.0;
+  if (scale == 0.0) table.fail("unit", "is \"" + unit + "\", must be \"m\", \"mm\" or \"um\"");
+  if (!table.has("scale")) return scale;
+  const double factor = table.number("scale");
+  if (!(factor >= 1e-6 && factor <= 1e6))
+    table.fail("scale", "is " + formatNumber(factor) + ", must be in 1e-06 to 1e+06");
+  return scale * factor;
+}
+
+TriangleMesh readMeshFile(TomlTable& table, const std::string& sceneFile, double scale) {
+  const std::string file = table.text("file");
+  if (file.empty()) table.fail("file", "is empty");
+  return loadMesh((std::filesystem::path(sceneFile).parent_path() / file).string(), scale);
+}
+
+Pose readPose(TomlTable& table) {
+  Pose pose;
+  if (table.has("position")) pose.position = position(table, "position");
+  pose.rotation = rotation(table);
+  return pose;
+}
+
 Obstacle readMesh(TomlTable& table, const std::string& sceneFile, SpareCapacity spare,
                   std::shared_ptr<MeshModel>& model) {
   Obstacle mesh;
-  const std::string file = table.text("file");
-  if (file.empty()) table.fail("file", "is empty");
-  const std::string unit = table.text("unit");
-  double scale = unit == "m" ? 1.0 : unit == "mm" ? 1e-3 : unit == "um" ? 1e-6 : 0.0;
-  if (scale == 0.0) table.fail("unit", "is \"" + unit + "\", must be \"m\", \"mm\" or \"um\"");
-  if (table.has("scale")) {
-    const double factor = table.number("scale");
-    if (!(factor >= 1e-6 && factor <= 1e6))
-      table.fail("scale", "is " + formatNumber(factor) + ", must be in 1e-06 to 1e+06");
-    scale *= factor;
-  }
-  if (table.has("position")) mesh.pose.position = position(table, "position");
-  mesh.pose.rotation = rotation(table);
+  const double scale = readScale(table);
+  mesh.pose = readPose(table);
   const bool isThin = table.has("thin") && table.boolean("thin");
   if (isThin) mesh.thickness = length(table, "thickness", kLeastThickness, kMostThickness);
   if (!isThin && table.has("thickness")) table.fail("thickness", "is that of a sheet, which needs thin = true");
-  const std::filesystem::path path = std::filesystem::path(sceneFile).parent_path() / file;
-  model = std::make_shared<MeshModel>(loadMesh(path.string(), scale), spare);
+  model = std::make_shared<MeshModel>(readMeshFile(table, sceneFile, scale), spare);
   mesh.shape = std::shared_ptr<const MeshModel>(model);
   return mesh;
 }
@@ -128,8 +143,41 @@ void readMaterial(TomlTable& table, Material& material) {
   read("viscosity", 0.0, 1e3, " N s/m", material.viscosity);
 }
 
+SolidLayer readLayer(TomlTable& table, const std::string& sceneFile, double scale) {
+  SolidLayer layer;
+  layer.name = table.text("name");
+  layer.hardness = table.number("hardness");
+  if (!(layer.hardness >= kLeastHardness && layer.hardness <= kMostHardness))
+    table.fail("hardness", "is " + formatNumber(layer.hardness) + ", must be in " + formatNumber(kLeastHardness) +
+                               " to " + formatNumber(kMostHardness) + " Pa");
+  if (table.has("depth") && table.has("file")) table.fail("depth", "and \"file\" both say where the layer begins");
+  if (table.has("depth")) layer.depth = length(table, "depth", 0.0, kLargestSize);
+  if (table.has("file")) layer.within = std::make_shared<const MeshModel>(readMeshFile(table, sceneFile, scale));
+  readMaterial(table, layer.material);
+  table.finish();
+  return layer;
+}
+
+Obstacle readSolid(TomlTable& table, const std::string& sceneFile, std::shared_ptr<Solid>& solid) {
+  Obstacle obstacle;
+  const double scale = readScale(table);
+  obstacle.pose = readPose(table);
+  SolidOptions options;
+  if (table.has("cell")) options.cell = length(table, "cell", kSmallestCell, kLargestSize);
+  const MeshModel surface(readMeshFile(table, sceneFile, scale));
+  std::vector<SolidLayer> layers;
+  for (TomlTable& layer : table.tables("layer")) layers.push_back(readLayer(layer, sceneFile, scale));
+  try {
+    solid = std::make_shared<Solid>(surface, layers, options);
+  } catch (const Error& error) {
+    table.fail("shape", std::string("is \"solid\": ") + error.what());
+  }
+  obstacle.shape = std::shared_ptr<const Solid>(solid);
+  return obstacle;
+}
+
 Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapacity spare,
-                      std::shared_ptr<MeshModel>& model) {
+                      std::shared_ptr<MeshModel>& model, std::shared_ptr<Solid>& solid) {
   const std::string name = table.text("name");
   if (name.empty()) table.fail("name", "is empty");
   const std::string shape = table.text("shape");
@@ -144,8 +192,11 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
     obstacle = readCapsule(table);
   else if (shape == "mesh")
     obstacle = readMesh(table, sceneFile, spare, model);
+  else if (shape == "solid")
+    obstacle = readSolid(table, sceneFile, solid);
   else
-    table.fail("shape", "is \"" + shape + "\", must be \"half_space\", \"box\", \"sphere\", \"capsule\" or \"mesh\"");
+    table.fail("shape",
+               "is \"" + shape + "\", must be \"half_space\", \"box\", \"sphere\", \"capsule\", \"mesh\" or \"solid\"");
   obstacle.name = name;
   readMaterial(table, obstacle.material);
   table.finish();
@@ -176,6 +227,28 @@ Tool readTool(TomlTable& root) {
   return tool;
 }
 
+std::optional<Bur> readBur(TomlTable& root, const Tool& tool) {
+  if (!root.has("bur")) return std::nullopt;
+  TomlTable table = root.table("bur");
+  Bur bur;
+  const auto read = [&table](const char* key, double low, double high, double& value) {
+    if (!table.has(key)) return;
+    value = table.number(key);
+    if (!(value >= low && value <= high))
+      table.fail(key, "is " + formatNumber(value) + ", must be in " + formatNumber(low) + " to " + formatNumber(high));
+  };
+  double part = 0.0;
+  read("part", 0.0, tool.count - 1.0, part);
+  bur.part = static_cast<int>(part);
+  if (bur.part != part) table.fail("part", "is " + formatNumber(part) + ", must be a whole number");
+  read("wear", 1e-9, 1e3, bur.wear);
+  read("turns", 0.0, 1e4, bur.turns);
+  if (!(tool.parts[static_cast<std::size_t>(bur.part)].radius > 0.0))
+    root.fail("bur", "is part " + std::to_string(bur.part) + " of the tool, which has no radius");
+  table.finish();
+  return bur;
+}
+
 }  // namespace
 
 SceneFile parseScene(std::string_view text, const std::string& file, SpareCapacity spare) {
@@ -185,6 +258,7 @@ SceneFile parseScene(std::string_view text, const std::string& file, SpareCapaci
   if (result.name.empty()) root.fail("name", "is empty");
   result.start = position(root, "start");
   result.tool = readTool(root);
+  result.bur = readBur(root, result.tool);
   if (root.has("max_force")) {
     result.maxForce = root.number("max_force");
     if (!(result.maxForce >= 0.0 && result.maxForce <= 1e3))
@@ -196,7 +270,8 @@ SceneFile parseScene(std::string_view text, const std::string& file, SpareCapaci
               "has " + std::to_string(tables.size()) + " elements, must be 1 to " + std::to_string(kMaxObstacles));
   for (TomlTable& table : tables) {
     std::shared_ptr<MeshModel>& model = result.meshes.emplace_back();
-    Obstacle obstacle = readObstacle(table, file, spare, model);
+    std::shared_ptr<Solid>& solid = result.solids.emplace_back();
+    Obstacle obstacle = readObstacle(table, file, spare, model, solid);
     for (const Obstacle& other : result.scene.obstacles())
       if (other.name == obstacle.name) table.fail("name", "is \"" + obstacle.name + "\", which another obstacle has");
     if (const std::string note = noteOf(obstacle); !note.empty()) result.notes.push_back(note);

@@ -63,6 +63,7 @@ inline Segment axisOf(const ToolPart& part, const Pose& pose, const Obstacle& ob
 }
 
 inline const MeshModel& shapeOf(const std::shared_ptr<const MeshModel>& mesh) noexcept { return *mesh; }
+inline const Solid& shapeOf(const std::shared_ptr<const Solid>& solid) noexcept { return *solid; }
 template <typename Analytic>
 const Analytic& shapeOf(const Analytic& shape) noexcept {
   return shape;
@@ -88,9 +89,19 @@ double nearestOnAxis(const Analytic& shape, const Segment& axis) noexcept {
 }
 
 inline int triangleOf(const ShapePoint&) noexcept { return -1; }
+inline int triangleOf(const SolidPoint&) noexcept { return -1; }
 template <typename OnMesh>
 int triangleOf(const OnMesh& found) noexcept {
   return found.triangle;
+}
+
+template <typename Found>
+const Material& materialOf(const Obstacle& obstacle, const Found&) noexcept {
+  return obstacle.material;
+}
+inline const Material& materialOf(const Obstacle& obstacle, const SolidPoint& found) noexcept {
+  const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape);
+  return (*solid)->layers()[static_cast<std::size_t>(found.layer)].material;
 }
 
 /// A tool's part and an obstacle of the scene.
@@ -107,7 +118,7 @@ void complete(const Pair& pair, const Found& found, Contact& contact) noexcept {
   contact.obstacleVelocity =
       obstacle.twist.head<3>() + Vec3(obstacle.twist.tail<3>()).cross(contact.point - obstacle.pose.position);
   contact.obstacle = pair.number;
-  contact.material = obstacle.material;
+  contact.material = materialOf(obstacle, found);
   contact.part = pair.part;
   contact.triangle = triangleOf(found);
   contact.feature = found.feature;

@@ -48,6 +48,33 @@ SweepHit sweepShape(const Analytic& shape, const Segment& from, const Segment& t
   return result;
 }
 
+// Advances by the distance that is there, which no point of the axis can cover sooner.
+SweepHit sweepShape(const Solid& solid, const Segment& from, const Segment& to, double radius, int, PartCache*) {
+  constexpr int kMostSteps = 64;
+  SweepHit result;
+  const Vec3 motionA = to.a - from.a, motionB = to.b - from.b;
+  const double path = std::max(motionA.norm(), motionB.norm()), tolerance = 1e-3 * solid.cell();
+  double time = 0.0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Segment now{from.a + time * motionA, from.b + time * motionB};
+    const double left = (1.0 - time) * path;
+    const SolidPoint near = closestToSegment(solid, now, radius + left + tolerance);
+    if (!near.found) return result;
+    const Vec3 centre = now.a + near.parameter * (now.b - now.a);
+    const double gap = (isInside(solid, centre) ? -near.distance : near.distance) - radius;
+    if (gap <= tolerance || step + 1 == kMostSteps) {
+      result.hit = true;
+      result.time = time;
+      result.point = near.point;
+      result.normal = near.normal;
+      return result;
+    }
+    if (gap > left) return result;
+    time += gap / path;
+  }
+  return result;
+}
+
 SweepHit sweepShape(const MeshModel& mesh, const Segment& from, const Segment& to, double radius, int advances,
                     PartCache* cache) {
   if (from.a == from.b && to.a == to.b) return sweepSphere(Inside::of(mesh), from.a, to.a, radius, pointOf(cache, 0));

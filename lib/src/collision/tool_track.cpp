@@ -7,10 +7,12 @@
 namespace enamel::kernel {
 namespace {
 
-constexpr double kSkin = 1e-5;                         // of a mesh's size: how near the axis comes to the surface
-constexpr double kAnalyticSkin = 1e-6;                 // m
-constexpr double kShrink = 0.9;                        // of the room there is: what a sweep begins with
-constexpr int kMostSteps = 12, kMostSegmentSteps = 4;  // sweeps of a tick
+constexpr double kSkin = 1e-5;                          // of a mesh's size: how near the axis comes to the surface
+constexpr double kAnalyticSkin = 1e-6;                  // m
+constexpr double kSolidSkin = 0.2, kSolidStuck = 0.01;  // cells
+constexpr double kSolidReach = 2e-3;                    // m: as far as the surface of a solid is looked for
+constexpr double kShrink = 0.9;                         // of the room there is: what a sweep begins with
+constexpr int kMostSteps = 12, kMostSegmentSteps = 4;   // sweeps of a tick
 constexpr int kAdvances = 6;  // what is not decided by then is in the way: it is asked again at the next step
 constexpr int kMostPlanes = 6;
 constexpr int kProjections = 16;
@@ -27,15 +29,27 @@ Segment onWay(const Segment& from, const Segment& to, double time) noexcept {
 Vec3 placeOn(const Segment& axis, double t) noexcept { return axis.a + t * (axis.b - axis.a); }
 
 double skinOf(const MeshModel& mesh) noexcept { return kSkin * Inside::of(mesh).size; }
+double skinOf(const Solid& solid) noexcept { return kSolidSkin * solid.cell(); }
 template <typename Analytic>
 double skinOf(const Analytic&) noexcept {
   return kAnalyticSkin;
+}
+
+// An axis as near as this has met what its sweeps should have kept it from: of a sampled surface they know no better.
+double stuckOf(const Solid& solid) noexcept { return kSolidStuck * solid.cell(); }
+template <typename Analytic>
+double stuckOf(const Analytic&) noexcept {
+  return -1.0;
 }
 
 // Of an axis that crosses no surface.
 double distanceOf(const MeshModel& mesh, const Segment& axis, PartCache* cache) noexcept {
   if (axis.a == axis.b) return closestPoint(Inside::of(mesh), axis.a, pointOf(cache, 0), kNoLimit).distance;
   return closestToSegment(mesh, axis, kNoLimit, cache == nullptr ? -1 : cache->nearest).distance;
+}
+
+double distanceOf(const Solid& solid, const Segment& axis, PartCache*) noexcept {
+  return std::min(closestToSegment(solid, axis, kSolidReach).distance, kSolidReach);
 }
 
 template <typename Analytic>
@@ -47,6 +61,10 @@ double distanceOf(const Analytic& shape, const Segment& axis, PartCache*) noexce
 
 SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, PartCache* cache, int end, bool isSheet) noexcept {
   return signedDistance(Inside::of(mesh), p, pointOf(cache, static_cast<std::size_t>(end)), kNoLimit, isSheet);
+}
+
+SolidPoint nearestOf(const Solid& solid, const Vec3& p, PartCache*, int, bool) noexcept {
+  return signedDistance(solid, p);
 }
 
 template <typename Analytic>
@@ -69,6 +87,7 @@ bool findOpen(const ShapeType& shape, const Segment& goal, PartCache* cache, boo
 }
 
 std::uint64_t revisionOf(const MeshModel& mesh) noexcept { return Inside::of(mesh).view.revision; }
+std::uint64_t revisionOf(const Solid& solid) noexcept { return solid.growths(); }  // a cut leaves all ways open
 template <typename Analytic>
 std::uint64_t revisionOf(const Analytic&) noexcept {
   return 1;
@@ -125,7 +144,11 @@ PartTrack::State followOn(const ShapeType& shape, const Obstacle& obstacle, cons
   Segment target = goal;
   track.clear = -1.0;
   for (int step = 0; step < (isPoint ? kMostSteps : kMostSegmentSteps); ++step) {
-    const double radius = std::min(skin, kShrink * distanceOf(shape, axis, cache));
+    const double distance = distanceOf(shape, axis, cache), radius = std::min(skin, kShrink * distance);
+    if (distance < stuckOf(shape)) {
+      track.isKnown = false;
+      return State::unknown;
+    }
     const SweepHit hit = sweepPart(obstacle, axis, target, radius, kAdvances, cache);
     if (!hit.hit) {
       if (count == 0) return arrive(-1.0);

@@ -105,13 +105,20 @@ void HapticTick::loadState(const void* state) noexcept {
 }
 
 Status HapticTick::see(const Measurement& measurement) noexcept {
+  Vec3 force = Vec3::Zero();  // of the wall at the last tick
+  if (drill_ != nullptr && output_.mode == RenderMode::contact)
+    force = wrenchOf(input_.kinematics, output_.torque - input_.kinematics.gravity).head<3>();
   const Status status = mechanism_.track(measurement.q, measurement.rates, renderer_.needsInertia(), input_.kinematics);
   if (status != Status::ok) return status;
   input_.time = measurement.time;
   input_.applied = measurement.applied;
   // Where the device cannot tell, the renderer takes its own answer for what acted, unless the guard changed it.
   if (input_.applied.size() == 0 && reason_ != GuardReason::none) input_.applied = last_;
-  return followContacts(scene_, tool_, input_.kinematics.pose, kContactMargin, track_, input_.contacts);
+  const Pose& pose = input_.kinematics.pose;
+  const Status found = followContacts(scene_, tool_, pose, kContactMargin, track_, input_.contacts);
+  if (drill_ != nullptr && found == Status::ok)
+    drill_->cut(scene_, pose, force, guard_.options().period, input_.contacts);
+  return found;
 }
 
 }  // namespace enamel

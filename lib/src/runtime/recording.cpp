@@ -228,6 +228,8 @@ std::uint32_t meshChecksum(const Scene& scene) {
     if (const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape)) {
       add((*mesh)->mesh().vertices);
       add((*mesh)->mesh().triangles);
+    } else if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) {
+      for (int brick = 0; brick < (*solid)->bricks(); ++brick) add((*solid)->samples(brick));
     }
   return crc;
 }

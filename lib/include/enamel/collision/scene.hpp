@@ -9,10 +9,12 @@
 #include "enamel/collision/material.hpp"
 #include "enamel/collision/proximity.hpp"
 #include "enamel/collision/shapes.hpp"
+#include "enamel/collision/solid.hpp"
 
 namespace enamel {
 
-using Shape = std::variant<HalfSpace, Box, Sphere, Capsule, std::shared_ptr<const MeshModel>>;
+using Shape =
+    std::variant<HalfSpace, Box, Sphere, Capsule, std::shared_ptr<const MeshModel>, std::shared_ptr<const Solid>>;
 
 /// Something that the tool may touch. Its pose and twist may change from tick to tick.
 struct Obstacle {
@@ -20,7 +22,7 @@ struct Obstacle {
   Shape shape;
   Pose pose;                  ///< of the obstacle's frame in W
   Vec6 twist = Vec6::Zero();  ///< [v; w] of the obstacle's frame, at its origin, axes of W, m/s and rad/s
-  Material material;          ///< carried through to the contacts
+  Material material;          ///< carried through to the contacts; a solid's layers have their own
   double thickness = 0.0;     ///< above 0: the mesh is the middle of a sheet as thick as this, without an inside, m
 };
 
@@ -28,7 +30,7 @@ struct Obstacle {
 class Scene {
  public:
   /// Returns the obstacle's number, counted from 0. Throws Error for a name that is empty or taken, a pose that is not
-  /// finite or not a rotation to 1e-6, a shape without size, an empty mesh pointer, a thickness that is negative, not
+  /// finite or not a rotation to 1e-6, a shape without size, an empty pointer, a thickness that is negative, not
   /// finite or of another shape than a mesh. Realtime: no.
   int add(Obstacle obstacle);
 

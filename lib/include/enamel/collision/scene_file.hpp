@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,7 +20,9 @@ struct SceneFile {
   Tool tool;                  ///< a point at the TCP where the file names none
   Scene scene;
   std::vector<std::shared_ptr<MeshModel>>
-      meshes;                      ///< by obstacle, null for other shapes: what the scene holds, to edit
+      meshes;                                  ///< by obstacle, null for other shapes: what the scene holds, to edit
+  std::vector<std::shared_ptr<Solid>> solids;  ///< by obstacle, null for other shapes: what the scene holds, to cut
+  std::optional<Bur> bur;                      ///< where the file names one
   std::vector<std::string> notes;  ///< one line for each mesh whose inside is not certain, as describe() says it
   double maxForce = std::numeric_limits<double>::infinity();  ///< that a guard should let a renderer put on the tool, N
 };
@@ -29,6 +32,7 @@ struct SceneFile {
 /// `sliding_friction` (default: `friction`), `viscosity` [N s/m] (default 0). Lengths in m, angles in deg, R = Rz Ry Rx
 /// of `euler_deg` (default 0).
 /// - tool: list of capsules in the platform's frame, `from`, optional `to` (default: a sphere), `radius`
+/// - bur: table with the tool's `part` (default 0), `wear` and `turns` a second (defaults: those of Bur)
 /// - shape = "half_space": `point`, `normal` (outward, of any length)
 /// - shape = "box": `centre`, `size`, optional `euler_deg`
 /// - shape = "sphere": `centre`, `radius`
@@ -36,6 +40,9 @@ struct SceneFile {
 /// - shape = "mesh": `file` (beside the scene file, or absolute), `unit` of its coordinates ("m", "mm" or "um"),
 ///   optional `scale` (default 1), `position` (of its origin) and `euler_deg`; with `thin = true` it is a sheet with
 ///   two sides and no inside, `thickness` thick
+/// - shape = "solid": as a mesh, which must be closed, with `cell` (default 1e-4) and a list `layer` of tables with
+///   `name`, `hardness` [Pa], a material as above and either `depth` (default 0) or `file`, a mesh in the same
+///   coordinates at whose surface the layer begins
 /// Throws ConfigurationError, with file, line, key, value and limit, on a file that cannot be read, malformed TOML,
 /// unknown or missing keys, wrong types, values out of their range, an empty scene, two obstacles of one name, a start
 /// inside an obstacle, and as loadMesh() and checkMesh(). Realtime: no.

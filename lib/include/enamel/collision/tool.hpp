@@ -22,6 +22,13 @@ struct Tool {
   int count = 1;
 };
 
+/// The part of a tool that spins and cuts: a ball, or a cylinder with round ends.
+struct Bur {
+  int part = 0;         ///< of the tool
+  double wear = 0.05;   ///< Archard's coefficient: the finer the grit, the smaller
+  double turns = 2000;  ///< a second, when it spins
+};
+
 /// Farthest that an end may be from the TCP along an axis, and largest radius, m. What is larger was measured in
 /// millimetres, and would sweep through whole scenes in a tick.
 inline constexpr double kLargestTool = 1.0;

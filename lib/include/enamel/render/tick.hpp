@@ -6,6 +6,7 @@
 
 #include "enamel/collision/contacts.hpp"
 #include "enamel/device/haptic_device.hpp"
+#include "enamel/render/drill.hpp"
 #include "enamel/render/guard.hpp"
 #include "enamel/render/renderer.hpp"
 
@@ -33,6 +34,10 @@ class HapticTick {
   /// One tick. Statuses: those of Mechanism::track(), findContacts() and Renderer::step(); stopped where the guard has
   /// latched a fault. Whatever the status, the command is what guard() let through. Realtime: yes.
   [[nodiscard]] Status operator()(const Measurement& measurement, Command& command) noexcept;
+
+  /// From the next tick on this bur cuts what it is pressed against, between contacts and renderer; null: none does. It
+  /// must outlive the ticks. What it has cut is no part of the tick's state. Realtime: yes.
+  void attach(Drill* drill) noexcept { drill_ = drill; }
 
   /// Goes on after a fault: guard and renderer begin anew. Realtime: yes.
   void reset() noexcept;
@@ -64,6 +69,7 @@ class HapticTick {
   TickOutput output_;
   JointVector last_;  // command
   GuardReason reason_ = GuardReason::none;
+  Drill* drill_ = nullptr;
   mutable std::vector<double> numbers_;  // of the state, while it is saved or loaded
 };
 

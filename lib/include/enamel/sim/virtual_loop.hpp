@@ -79,6 +79,9 @@ class VirtualLoop {
   const TickInput& input() const noexcept { return tick_.input(); }
   const Guard& guard() const noexcept { return tick_.guard(); }
 
+  /// HapticTick::attach(). Realtime: yes.
+  void attach(Drill* drill) noexcept { tick_.attach(drill); }
+
   /// Goes on after the guard has stopped: HapticTick::reset(). Realtime: yes.
   void reset() noexcept { tick_.reset(); }
 

@@ -1,0 +1,52 @@
+// A bur that takes away what it is pressed against, a little every tick.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "enamel/collision/contacts.hpp"
+
+namespace enamel {
+
+/// Cuts solids. While the bur spins and is pressed with F against material of hardness H, it removes the volume
+///   V' = K F v / H,   v = 2 pi r n: speed of its surface
+/// (Archard, "Contact and rubbing of flat surfaces", 1953; per area it is Preston's law, "The theory and design of
+/// plate glass polishing machines", 1927, with K / H for his coefficient). The surface recedes against the force. How
+/// fast a volume moves it depends on the area that touches, which is measured: volume over depth of what was cut just
+/// before. Where the renderer lets the device go in, the bur is taken to be at the surface, as always; so only what a
+/// bur has swept that rests on the surface is ever taken away.
+class Drill {
+ public:
+  /// `solids` by obstacle of the scene, null where it cannot be cut. Throws Error: a part that the tool does not have
+  /// or that has no radius; a wear that is not positive and finite; turns outside 0 to 10 000 a second. Realtime: no.
+  Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur = {});
+
+  /// Whether the bur spins; at first it does not. Realtime: yes.
+  void spin(bool on) noexcept { isOn_ = on; }
+  bool spins() const noexcept { return isOn_; }
+
+  /// One tick: cuts, and corrects the contacts for it: gaps, and the velocity at which the surface recedes. `force`: of
+  /// the wall on the tool at the last tick, W, N; its mean over some 20 ticks counts. `period` of the ticks, s.
+  /// Realtime: yes.
+  void cut(const Scene& scene, const Pose& pose, const Vec3& force, double period, ContactSnapshot& contacts) noexcept;
+
+  /// What the last tick took away, m^3, by layer; how fast it let the surface recede, m/s. Realtime: yes.
+  const RemovedVolume& removed() const noexcept { return removed_; }
+  double feed() const noexcept { return feed_; }
+
+ private:
+  ToolPart part_;
+  int number_;
+  double wear_, turns_;
+  bool isOn_ = false;
+  std::vector<std::shared_ptr<Solid>> solids_;
+  int obstacle_ = -1;          // that was cut at the last tick
+  Segment last_;               // the bur then, in the obstacle's frame
+  Vec3 force_ = Vec3::Zero();  // W
+  double owed_ = 0.0;          // that could not be cut, m^3
+  double hardness_ = 0.0;
+  RemovedVolume removed_{};
+  double feed_ = 0.0;
+};
+
+}  // namespace enamel

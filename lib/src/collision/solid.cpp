@@ -1,0 +1,336 @@
+#include "enamel/collision/solid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "enamel/core/error.hpp"
+#include "mesh_data.hpp"
+
+namespace enamel {
+namespace {
+
+using kernel::Inside;
+
+constexpr double kBorder = Solid::kBand + 1.0;                      // cells around the mesh
+constexpr double kHalfDiagonal = 0.8660254037844386 * kBrickCells;  // of a brick, cells
+constexpr double kMostBytes = 1e9, kMostPlaces = 1 << 27;
+constexpr double kLongestCut = 0.02;  // m
+constexpr double kSubstep = 0.5;      // cells that an end moves between two places of a capsule
+constexpr int kLanes = 12;            // a row of samples, in whole vectors
+constexpr int kSlice = kBrickSamples * kBrickSamples;
+
+int sampleAt(int x, int y, int z) { return z * kSlice + y * kBrickSamples + x; }
+int cellAt(int x, int y, int z) { return (z * kBrickCells + y) * kBrickCells + x; }
+
+// The share of a cell's volume below a plane so far from its centre.
+double shareOf(float value) { return std::clamp(0.5 - static_cast<double>(value), 0.0, 1.0); }
+
+// Visits the samples of a brick in a path along which neighbours follow each other.
+template <typename Visit>
+void forEachAlongPath(int size, const Visit& visit) {
+  for (int z = 0; z < size; ++z)
+    for (int j = 0; j < size; ++j) {
+      const int y = z % 2 == 0 ? j : size - 1 - j;
+      for (int i = 0; i < size; ++i) visit((z * size + j) % 2 == 0 ? i : size - 1 - i, y, z);
+    }
+}
+
+void checkLayers(const std::vector<SolidLayer>& layers) {
+  if (layers.empty() || layers.size() > kMaxSolidLayers)
+    throw Error("a solid has 1 to " + std::to_string(kMaxSolidLayers) + " layers, not " +
+                std::to_string(layers.size()));
+  double depth = 0.0;
+  for (const SolidLayer& layer : layers) {
+    if (!(layer.hardness > 0.0 && std::isfinite(layer.hardness)))
+      throw Error("layer \"" + layer.name + "\": hardness must be positive, Pa");
+    if (layer.within != nullptr) {
+      if (!Inside::of(*layer.within).closed)
+        throw Error("layer \"" + layer.name + "\": the mesh that it begins at is not closed");
+      continue;
+    }
+    if (!(layer.depth >= depth && std::isfinite(layer.depth)))
+      throw Error("layer \"" + layer.name + "\": depth must be at least that of the layer before, " +
+                  std::to_string(depth) + " m");
+    depth = layer.depth;
+  }
+}
+
+}  // namespace
+
+Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, const SolidOptions& options)
+    : cell_(options.cell), layers_(layers) {
+  checkLayers(layers_);
+  const kernel::MeshData& data = Inside::of(surface);
+  if (!data.closed) throw Error("a solid is made of a closed mesh; this one has open edges");
+  if (!(cell_ > 0.0 && std::isfinite(cell_))) throw Error("the cell of a solid must be positive, m");
+  if (options.undoBricks < 0) throw Error("the room for undo must not be negative, bricks");
+  origin_ = data.low - Vec3::Constant(kBorder * cell_);
+  const Vec3 cells = (data.high - data.low) / cell_ + Vec3::Constant(2.0 * kBorder);
+  const Vec3 along = (cells / kBrickCells).array().ceil();
+  if (!(along.prod() <= kMostPlaces))
+    throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too small for this solid: more than 1 GB");
+  for (int i = 0; i < 3; ++i) count_[i] = static_cast<int>(along[i]);
+
+  ProximityCache cache;
+  std::vector<std::array<int, 3>> places;
+  const double least = kHalfDiagonal + kBand;
+  index_.assign(static_cast<std::size_t>(along.prod()), -1);
+  std::size_t at = 0;
+  for (int z = 0; z < count_[2]; ++z)
+    for (int y = 0; y < count_[1]; ++y)
+      for (int x = 0; x < count_[0]; ++x, ++at) {
+        const Vec3 centre = origin_ + cell_ * (kBrickCells * Vec3(x + 0.5, y + 0.5, z + 0.5));
+        if (enamel::signedDistance(surface, centre, &cache).distance > least * cell_) continue;
+        index_[at] = static_cast<std::int32_t>(places.size());
+        places.push_back({x, y, z});
+        if (static_cast<double>(places.size()) * (sizeof(Brick) + sizeof(BrickSamples)) > kMostBytes)
+          throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too small for this solid: more than 1 GB");
+      }
+  fill(surface, places);
+  for (const Brick& brick : bricks_) original_.push_back(brick.samples);
+  kept_.resize(static_cast<std::size_t>(options.undoBricks));
+  changed_.resize(bricks_.size());
+}
+
+void Solid::fill(const MeshModel& surface, const std::vector<std::array<int, 3>>& places) {
+  bricks_.resize(places.size());
+  ProximityCache cache, layerCache;
+  for (std::size_t b = 0; b < places.size(); ++b) {
+    Brick& brick = bricks_[b];
+    std::copy(places[b].begin(), places[b].end(), brick.place.begin());
+    const Vec3 low = lowOf(static_cast<int>(b)), centre = low + Vec3::Constant(0.5 * kBrickCells * cell_);
+    const double atCentre = enamel::signedDistance(surface, centre, &cache).distance;
+    if (atCentre < -(kHalfDiagonal + kBand) * cell_) {
+      brick.samples.fill(-kBand);
+    } else {
+      forEachAlongPath(kBrickSamples, [&](int x, int y, int z) {
+        const double distance = enamel::signedDistance(surface, low + cell_ * Vec3(x, y, z), &cache).distance;
+        brick.samples[sampleAt(x, y, z)] = std::clamp(static_cast<float>(distance / cell_), -kBand, kBand);
+      });
+    }
+    brick.layer.fill(0);
+    for (std::size_t k = 1; k < layers_.size(); ++k) {
+      const SolidLayer& layer = layers_[k];
+      const MeshModel& border = layer.within != nullptr ? *layer.within : surface;
+      const double depth = layer.within != nullptr ? 0.0 : layer.depth;
+      const double below = depth + enamel::signedDistance(border, centre, &layerCache).distance;
+      if (below > kHalfDiagonal * cell_) continue;
+      const bool isWhole = below < -kHalfDiagonal * cell_;
+      forEachAlongPath(kBrickCells, [&](int x, int y, int z) {
+        if (isWhole || depth + enamel::signedDistance(border, low + cell_ * Vec3(x, y, z), &layerCache).distance < 0.0)
+          brick.layer[cellAt(x, y, z)] = static_cast<std::uint8_t>(k);
+      });
+    }
+    findSurface(brick);
+  }
+}
+
+Vec3 Solid::high() const noexcept { return origin_ + cell_ * kBrickCells * Vec3(count_[0], count_[1], count_[2]); }
+
+Vec3 Solid::lowOf(int brick) const noexcept {
+  const auto& place = bricks_[static_cast<std::size_t>(brick)].place;
+  return origin_ + cell_ * kBrickCells * Vec3(place[0], place[1], place[2]);
+}
+
+std::size_t Solid::bytes() const noexcept {
+  return sizeof(Solid) + index_.size() * sizeof(index_[0]) + bricks_.size() * sizeof(Brick) +
+         original_.size() * sizeof(BrickSamples) + kept_.size() * sizeof(Kept) + changed_.size() * sizeof(changed_[0]);
+}
+
+// A cell by its mean: for a curved surface what that and the rounding are off cancels out.
+RemovedVolume Solid::volume() const {
+  RemovedVolume volume{};
+  constexpr int up = kSlice, back = kBrickSamples;
+  for (const Brick& brick : bricks_)
+    for (int z = 0; z < kBrickCells; ++z)
+      for (int y = 0; y < kBrickCells; ++y)
+        for (int x = 0; x < kBrickCells; ++x) {
+          const float* s = brick.samples.data() + sampleAt(x, y, z);
+          const float mean =
+              0.125f * (s[0] + s[1] + s[back] + s[back + 1] + s[up] + s[up + 1] + s[up + back] + s[up + back + 1]);
+          volume[brick.layer[cellAt(x, y, z)]] += shareOf(mean) * cell_ * cell_ * cell_;
+        }
+  return volume;
+}
+
+void Solid::findSurface(Brick& brick) noexcept {
+  std::uint32_t negative[kSlice];  // bit x: of the sample in that row
+  for (int row = 0; row < kSlice; ++row) {
+    std::uint32_t bits = 0;
+    for (int x = 0; x < kBrickSamples; ++x)
+      bits |= static_cast<std::uint32_t>(brick.samples[row * kBrickSamples + x] < 0.0f) << x;
+    negative[row] = bits;
+  }
+  for (int z = 0; z < kBrickCells; ++z) {
+    std::uint64_t slice = 0;
+    for (int y = 0; y < kBrickCells; ++y) {
+      const std::uint32_t* row = negative + z * kBrickSamples + y;
+      const std::uint32_t any = row[0] | row[1] | row[kBrickSamples] | row[kBrickSamples + 1];
+      const std::uint32_t all = row[0] & row[1] & row[kBrickSamples] & row[kBrickSamples + 1];
+      const std::uint32_t mixed = (any | any >> 1) & ~(all & all >> 1) & 0xffu;
+      slice |= static_cast<std::uint64_t>(mixed) << (kBrickCells * y);
+    }
+    brick.surface[z] = slice;
+  }
+}
+
+RemovedVolume Solid::cut(const Segment& from, const Segment& to, double radius) noexcept {
+  RemovedVolume removed{};
+  const double move = std::max((to.a - from.a).norm(), (to.b - from.b).norm());
+  if (!(move <= kLongestCut && radius > 0.0 && radius <= kLongestCut && from.a.allFinite() && from.b.allFinite() &&
+        (from.b - from.a).norm() <= 1.0))
+    return removed;
+  const int steps = 1 + static_cast<int>(move / (kSubstep * cell_));
+  for (int i = 1; i <= steps; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    cutCapsule({from.a + t * (to.a - from.a), from.b + t * (to.b - from.b)}, radius, removed);
+  }
+  return removed;
+}
+
+void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed) noexcept {
+  const Vec3 a = (axis.a - origin_) / cell_, b = (axis.b - origin_) / cell_;
+  const double r = radius / cell_, volume = cell_ * cell_ * cell_;
+  // On average the interpolation of a distance that curves lies above it by a twelfth of its Laplacian: 1 / r along the
+  // way of a bur.
+  const float reach = static_cast<float>(r + 1.0 / (12.0 * r));
+  const Vec3 low = (a.cwiseMin(b).array() - r - kBand).ceil(), high = (a.cwiseMax(b).array() + r + kBand).floor();
+  std::array<int, 3> first, last;  // samples
+  for (int i = 0; i < 3; ++i) {
+    first[i] = static_cast<int>(std::max(low[i], 0.0));
+    last[i] = static_cast<int>(std::min(high[i], static_cast<double>(kBrickCells) * count_[i]));
+    if (first[i] > last[i]) return;
+  }
+  const auto firstBrick = [&](int i) { return std::max((first[i] - 1) / kBrickCells, 0); };
+  const auto lastBrick = [&](int i) { return std::min(last[i] / kBrickCells, count_[i] - 1); };
+  for (int bz = firstBrick(2); bz <= lastBrick(2); ++bz)
+    for (int by = firstBrick(1); by <= lastBrick(1); ++by)
+      for (int bx = firstBrick(0); bx <= lastBrick(0); ++bx) {
+        const std::int32_t number = brickAt(bx, by, bz);
+        if (number < 0) continue;
+        Brick& brick = bricks_[static_cast<std::size_t>(number)];
+        const std::array<int, 3> corner = {kBrickCells * bx, kBrickCells * by, kBrickCells * bz};
+        std::array<int, 3> i0, i1;  // what is out of reach has values below -kBand
+        float from[3], span[3];
+        for (int i = 0; i < 3; ++i) {
+          i0[i] = std::max(first[i] - corner[i], 0);
+          i1[i] = std::min(last[i] - corner[i], kBrickCells);
+          from[i] = static_cast<float>(a[i] - corner[i]);
+          span[i] = static_cast<float>(b[i] - a[i]);
+        }
+        const float squared = span[0] * span[0] + span[1] * span[1] + span[2] * span[2];
+        const float perLength = squared > 0.0f ? 1.0f / squared : 0.0f;
+        const float most = (reach + kBand) * (reach + kBand);
+        bool isCut = false, isTurned = false;
+        for (int z = i0[2]; z <= i1[2]; ++z)
+          for (int y = i0[1]; y <= i1[1]; ++y) {
+            float* row = brick.samples.data() + sampleAt(0, y, z);
+            const float dy = static_cast<float>(y) - from[1], dz = static_cast<float>(z) - from[2];
+            if (squared == 0.0f && dy * dy + dz * dz > most) continue;
+            float value[kLanes];
+            if (squared > 0.0f) {
+              for (int x = 0; x < kLanes; ++x) {
+                const float dx = static_cast<float>(x) - from[0];
+                const float t = (dx * span[0] + dy * span[1] + dz * span[2]) * perLength;
+                const float ahead = t > 0.0f ? t : 0.0f, inside = ahead < 1.0f ? ahead : 1.0f;
+                const float ex = dx - inside * span[0], ey = dy - inside * span[1], ez = dz - inside * span[2];
+                value[x] = reach - std::sqrt(ex * ex + ey * ey + ez * ez);
+              }
+            } else {
+              for (int x = 0; x < kLanes; ++x) {
+                const float dx = static_cast<float>(x) - from[0];
+                value[x] = reach - std::sqrt(dx * dx + dy * dy + dz * dz);
+              }
+            }
+            int more = 0;
+            for (int x = 0; x < kBrickSamples; ++x)
+              more |= static_cast<int>(value[x] > row[x]) & static_cast<int>(row[x] < kBand);
+            if (more == 0) continue;
+            if (!std::exchange(isCut, true)) keep(brick);
+            for (int x = 0; x < kBrickSamples; ++x) {
+              const float before = row[x], now = std::min(std::max(before, value[x]), kBand);
+              row[x] = now;
+              if (!(now > -0.5f && before < 0.5f)) continue;
+              isTurned = isTurned || (before < 0.0f) != (now < 0.0f);
+              if (x < kBrickCells && y < kBrickCells && z < kBrickCells)
+                removed[brick.layer[cellAt(x, y, z)]] += (shareOf(before) - shareOf(now)) * volume;
+            }
+          }
+        if (isTurned) findSurface(brick);
+        if (isCut) tellChanged(number);
+      }
+}
+
+void Solid::tellChanged(std::int32_t brick) noexcept {
+  Brick& changed = bricks_[static_cast<std::size_t>(brick)];
+  if (std::exchange(changed.isChanged, true)) return;
+  changed_[(changedBegin_ + changedCount_++) % changed_.size()] = brick;
+}
+
+int Solid::takeChanged() noexcept {
+  if (changedCount_ == 0) return -1;
+  const std::int32_t brick = changed_[changedBegin_];
+  changedBegin_ = (changedBegin_ + 1) % changed_.size();
+  --changedCount_;
+  bricks_[static_cast<std::size_t>(brick)].isChanged = false;
+  return brick;
+}
+
+void Solid::keep(Brick& brick) noexcept {
+  if (brick.marked == mark_) return;
+  brick.marked = mark_;
+  if (kept_.empty()) {
+    lostMark_ = mark_;
+    return;
+  }
+  if (keptCount_ == kept_.size()) {
+    lostMark_ = kept_[keptBegin_].mark;
+    keptBegin_ = (keptBegin_ + 1) % kept_.size();
+    --keptCount_;
+  }
+  Kept& kept = kept_[(keptBegin_ + keptCount_++) % kept_.size()];
+  kept.brick = static_cast<std::int32_t>(&brick - bricks_.data());
+  kept.mark = mark_;
+  kept.samples = brick.samples;
+}
+
+void Solid::mark() noexcept { ++mark_; }
+
+bool Solid::undo() noexcept {
+  const auto last = [&]() -> Kept& { return kept_[(keptBegin_ + keptCount_ - 1) % kept_.size()]; };
+  if (keptCount_ == 0 || last().mark <= lostMark_) return false;
+  for (const std::uint64_t mark = last().mark; keptCount_ > 0 && last().mark == mark; --keptCount_)
+    put(last().brick, last().samples);
+  ++mark_;
+  ++growths_;
+  return true;
+}
+
+void Solid::restore() noexcept {
+  for (std::size_t i = 0; i < bricks_.size(); ++i)
+    if (bricks_[i].samples != original_[i]) put(static_cast<std::int32_t>(i), original_[i]);
+  keptCount_ = 0;
+  ++mark_;
+  ++growths_;
+}
+
+void Solid::put(std::int32_t number, const BrickSamples& samples) noexcept {
+  Brick& brick = bricks_[static_cast<std::size_t>(number)];
+  brick.samples = samples;
+  findSurface(brick);
+  tellChanged(number);
+}
+
+int Solid::layerAt(const Vec3& p) const noexcept {
+  const Vec3 nearest = ((p - origin_) / cell_).array().round();
+  for (int i = 0; i < 3; ++i)
+    if (!(nearest[i] >= 0.0 && nearest[i] < static_cast<double>(kBrickCells) * count_[i])) return 0;
+  const Eigen::Vector3i at = nearest.cast<int>();
+  const std::int32_t brick = brickAt(at[0] / kBrickCells, at[1] / kBrickCells, at[2] / kBrickCells);
+  if (brick < 0) return 0;
+  return bricks_[static_cast<std::size_t>(brick)]
+      .layer[static_cast<std::size_t>(cellAt(at[0] % kBrickCells, at[1] % kBrickCells, at[2] % kBrickCells))];
+}
+
+}  // namespace enamel

@@ -1,0 +1,347 @@
+#include "solid_query.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace enamel {
+
+// Lengths in cells, places from the corner of the solid's box.
+struct SolidQuery {
+  using Brick = Solid::Brick;
+
+  static constexpr double kHalfCell = 0.8660254037844386;  // half its diagonal
+  static constexpr double kOnSurface = 0.03;
+  static constexpr double kSettled = 1e-3;
+  static constexpr double kClose = 2.0 * kBrickCells;
+  static constexpr int kSteps = 3;
+  static constexpr double kNoGradient = 1e-6;  // squared
+  static constexpr double kSameMinimum = 0.02;
+  static constexpr float kSmooth = 0.1f;
+  static constexpr double kClear = 0.5;                         // where the way to the surface gives its normal
+  static constexpr double kAligned = 0.9396926207859084;        // cos 20 deg
+  static constexpr double kSameDirection = 0.8660254037844386;  // cos 30 deg
+
+  const Solid& solid;
+  Vec3 a, span;
+  double perLength;
+
+  SolidQuery(const Solid& of, const Vec3& from, const Vec3& to)
+      : solid(of), a((from - of.origin_) / of.cell_), span((to - from) / of.cell_) {
+    const double squared = span.squaredNorm();
+    perLength = squared > 0.0 ? 1.0 / squared : 0.0;
+  }
+
+  double parameterAt(const Vec3& p) const { return std::clamp((p - a).dot(span) * perLength, 0.0, 1.0); }
+  Vec3 axisAt(double t) const { return a + t * span; }
+
+  // Trilinear interpolation in a cell and its gradient.
+  struct Patch {
+    double c[8];  // x fastest
+
+    explicit Patch(const float* s) {
+      const int up = kBrickSamples * kBrickSamples;
+      const float corners[8] = {s[0],  s[1],      s[kBrickSamples],      s[kBrickSamples + 1],
+                                s[up], s[up + 1], s[up + kBrickSamples], s[up + kBrickSamples + 1]};
+      std::copy(corners, corners + 8, c);
+    }
+
+    double at(const Vec3& u, Vec3& gradient) const {
+      const double x = u[0], y = u[1], z = u[2];
+      const double x00 = c[0] + x * (c[1] - c[0]), x10 = c[2] + x * (c[3] - c[2]);
+      const double x01 = c[4] + x * (c[5] - c[4]), x11 = c[6] + x * (c[7] - c[6]);
+      const double y0 = x00 + y * (x10 - x00), y1 = x01 + y * (x11 - x01);
+      const double dx0 = (c[1] - c[0]) + y * ((c[3] - c[2]) - (c[1] - c[0]));
+      const double dx1 = (c[5] - c[4]) + y * ((c[7] - c[6]) - (c[5] - c[4]));
+      gradient = Vec3(dx0 + z * (dx1 - dx0), (x10 - x00) + z * ((x11 - x01) - (x10 - x00)), y1 - y0);
+      return y0 + z * (y1 - y0);
+    }
+  };
+
+  static Vec3 inCell(const Vec3& u) { return u.cwiseMax(0.0).cwiseMin(1.0); }
+
+  struct Touch {
+    Vec3 point, gradient;  // point in the cell
+  };
+
+  // The tangent plane at the centre of a cell, seen from q, which is given from there. In float: to choose by.
+  struct Plane {
+    float distance;  // of q, not negative
+    float flatness;  // no place of the patch is farther from the plane; normals turn by about four times as much
+    float outside;   // from the centre to the plane's place nearest to q, the largest coordinate
+
+    Plane(const float* s, float qx, float qy, float qz) {
+      constexpr int j = kBrickSamples, k = kBrickSamples * kBrickSamples;
+      const float x00 = s[1] - s[0], x10 = s[j + 1] - s[j], x01 = s[k + 1] - s[k], x11 = s[k + j + 1] - s[k + j];
+      const float low = s[0] + s[1], back = s[j] + s[j + 1], up = s[k] + s[k + 1], far = s[k + j] + s[k + j + 1];
+      const float y0 = back - low, y1 = far - up;
+      const float gx = 0.25f * (x00 + x10 + x01 + x11), gy = 0.25f * (y0 + y1), gz = 0.25f * (up + far - low - back);
+      const float squared = gx * gx + gy * gy + gz * gz + 1e-12f;
+      const float height = 0.125f * (low + back + up + far) + gx * qx + gy * qy + gz * qz;
+      const float perSquared = 1.0f / squared, way = height * perSquared;
+      outside = std::max({std::abs(qx - way * gx), std::abs(qy - way * gy), std::abs(qz - way * gz)});
+      const float perNorm = std::sqrt(perSquared);
+      distance = std::abs(height) * perNorm;
+      const float xy = std::abs(x10 - x00) + std::abs(x11 - x01), xz = std::abs(x01 - x00) + std::abs(x11 - x10);
+      flatness = 0.125f * (xy + xz + std::abs(y1 - y0) + std::abs((x11 - x01) - (x10 - x00))) * perNorm;
+    }
+
+    // Nothing of the patch is nearer, but for a smooth one by some hundredths of a cell: in a pit that fits the bur all
+    // places are about as near.
+    double least() const { return distance - (flatness < kSmooth ? 0.1f * flatness : flatness); }
+  };
+
+  // The place of the patch nearest to q.
+  static bool nearestOn(const Patch& patch, const Vec3& q, Touch& touch) {
+    Vec3 &u = touch.point, &g = touch.gradient;
+    u = inCell(q);
+    for (int step = 0; step < kSteps; ++step) {
+      const double f = patch.at(u, g), squared = g.squaredNorm();
+      if (!(squared > kNoGradient)) return false;
+      const Vec3 next = inCell(q - g * ((f + g.dot(q - u)) / squared));
+      const double move = (next - u).cwiseAbs().maxCoeff();
+      u = next;
+      if (move < kSettled) break;
+    }
+    for (int step = 0; step < kSteps; ++step) {  // a corner of the cell may lie off the surface
+      const double f = patch.at(u, g), squared = g.squaredNorm();
+      if (!(squared > kNoGradient)) return false;
+      if (f * f <= kSettled * kSettled * squared) return true;
+      u = inCell(u - g * (f / squared));
+    }
+    const double f = patch.at(u, g);
+    return f * f <= kOnSurface * kOnSurface * g.squaredNorm();
+  }
+
+  // Visits the bricks with surface that may have a place within `reach()` of the axis.
+  template <typename Reach, typename Visit>
+  void forEachBrick(const Reach& reach, const Visit& visit) const {
+    const Vec3 low = a.cwiseMin(a + span), high = a.cwiseMax(a + span);
+    std::array<int, 3> first, last;
+    for (int i = 0; i < 3; ++i) {
+      const double most = solid.count_[i] - 1;
+      const double from = std::floor((low[i] - reach()) / kBrickCells),
+                   to = std::floor((high[i] + reach()) / kBrickCells);
+      if (!(from <= most && to >= 0.0)) return;
+      first[i] = static_cast<int>(std::max(from, 0.0));
+      last[i] = static_cast<int>(std::min(to, most));
+    }
+    for (int z = first[2]; z <= last[2]; ++z)
+      for (int y = first[1]; y <= last[1]; ++y)
+        for (int x = first[0]; x <= last[0]; ++x) {
+          const std::int32_t number = solid.brickAt(x, y, z);
+          if (number < 0) continue;
+          const Brick& brick = solid.bricks_[static_cast<std::size_t>(number)];
+          if (!hasSurface(brick)) continue;
+          const Vec3 centre = kBrickCells * Vec3(x + 0.5, y + 0.5, z + 0.5);
+          const double distance = (centre - axisAt(parameterAt(centre))).norm() - kBrickCells * kHalfCell;
+          if (distance <= reach()) visit(number, brick, distance);
+        }
+  }
+
+  static bool hasSurface(const Brick& brick) {
+    std::uint64_t any = 0;
+    for (const std::uint64_t slice : brick.surface) any |= slice;
+    return any != 0;
+  }
+
+  // Visits the cells of a brick with surface within `reach()` of the axis: samples, corner, centre of the cell seen
+  // from the axis, place of the axis.
+  template <typename Reach, typename Visit>
+  void forEachCell(const Brick& brick, const Reach& reach, const Visit& visit) const {
+    const Vec3 corner = cornerOf(brick), seen = a - corner - Vec3::Constant(0.5);
+    for (int z = 0; z < kBrickCells; ++z)
+      for (std::uint64_t left = brick.surface[z]; left != 0; left &= left - 1) {
+        const int bit = __builtin_ctzll(left), x = bit % kBrickCells, y = bit / kBrickCells;
+        double qx = seen.x() - x, qy = seen.y() - y, qz = seen.z() - z, t = 0.0;
+        if (perLength > 0.0) {
+          t = std::clamp(-(qx * span.x() + qy * span.y() + qz * span.z()) * perLength, 0.0, 1.0);
+          qx += t * span.x();
+          qy += t * span.y();
+          qz += t * span.z();
+        }
+        const double most = reach() + kHalfCell;
+        if (qx * qx + qy * qy + qz * qz > most * most) continue;
+        visit(brick.samples.data() + (z * kBrickSamples + y) * kBrickSamples + x,
+              Vec3(corner.x() + x, corner.y() + y, corner.z() + z), Vec3(qx, qy, qz), t);
+      }
+  }
+
+  static Vec3 cornerOf(const Brick& brick) {
+    return kBrickCells * Vec3(brick.place[0], brick.place[1], brick.place[2]);
+  }
+
+  static Plane planeOf(const float* samples, const Vec3& q) {
+    return {samples, static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z())};
+  }
+
+  struct Nearest {
+    double distance;
+    double parameter = 0.0;
+    Vec3 point = Vec3::Zero(), gradient = Vec3::UnitZ();
+    bool found = false;
+  };
+
+  void search(const Vec3& low, const float* samples, double t, Nearest& best) const {
+    const Patch patch(samples);
+    Touch touch;
+    // The nearest place of the axis moves with that of the patch: two rounds.
+    for (int round = 0; round < (perLength > 0.0 ? 2 : 1); ++round) {
+      if (!nearestOn(patch, axisAt(t) - low, touch)) return;
+      t = parameterAt(low + touch.point);
+    }
+    const double distance = (low + touch.point - axisAt(t)).norm();
+    if (distance < best.distance) best = {distance, t, low + touch.point, touch.gradient, true};
+  }
+
+  void search(const Brick& brick, Nearest& best) const {
+    const auto reach = [&] { return best.distance; };
+    forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double t) {
+      if (perLength > 0.0 || planeOf(samples, q).least() < best.distance) search(low, samples, t, best);
+    });
+  }
+
+  // The cell whose centre is nearest: what is found there makes the rest short.
+  void searchMiddle(const Brick& brick, Nearest& best) const {
+    double least = kNoLimit, parameter = 0.0;
+    Vec3 corner = Vec3::Zero();
+    const float* chosen = nullptr;
+    const auto reach = [&] { return std::min(least, best.distance); };
+    forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double t) {
+      const double distance = q.norm();
+      if (distance >= least) return;
+      least = distance;
+      corner = low;
+      parameter = t;
+      chosen = samples;
+    });
+    if (chosen != nullptr) search(corner, chosen, parameter, best);
+  }
+
+  Nearest nearest(double limit) const {
+    const Nearest close = nearestWithin(std::min(limit, kClose));
+    return close.found || limit <= kClose ? close : nearestWithin(limit);
+  }
+
+  Nearest nearestWithin(double limit) const {
+    Nearest best{limit};
+    const auto reach = [&] { return best.distance; };
+    std::int32_t seed = -1;
+    double least = kNoLimit;
+    forEachBrick(reach, [&](std::int32_t number, const Brick&, double distance) {
+      if (distance >= least) return;
+      least = distance;
+      seed = number;
+    });
+    if (seed < 0) return best;
+    const Brick& first = solid.bricks_[static_cast<std::size_t>(seed)];
+    searchMiddle(first, best);
+    search(first, best);
+    forEachBrick(reach, [&](std::int32_t number, const Brick& brick, double) {
+      if (number != seed) search(brick, best);
+    });
+    return best;
+  }
+
+  // In m. `side`: -1 for a place inside.
+  SolidPoint answer(const Nearest& found, double side) const {
+    SolidPoint answer;
+    answer.found = found.found;
+    if (!found.found) return answer;
+    answer.point = solid.origin_ + solid.cell_ * found.point;
+    answer.distance = side * solid.cell_ * found.distance;
+    answer.parameter = found.parameter;
+    const Vec3 gradient = found.gradient.normalized(), way = side * (axisAt(found.parameter) - found.point);
+    answer.normal = found.distance > kClear ? Vec3(way / found.distance) : gradient;
+    answer.layer = solid.layerAt(answer.point - 0.5 * solid.cell_ * gradient);
+    return answer;
+  }
+
+  bool isInside() const {
+    std::array<int, 3> at;
+    for (int i = 0; i < 3; ++i) {
+      if (!(a[i] >= 0.0 && a[i] < static_cast<double>(kBrickCells) * solid.count_[i])) return false;
+      at[i] = static_cast<int>(a[i]);
+    }
+    const std::int32_t number = solid.brickAt(at[0] / kBrickCells, at[1] / kBrickCells, at[2] / kBrickCells);
+    if (number < 0) return false;
+    const Brick& brick = solid.bricks_[static_cast<std::size_t>(number)];
+    const int x = at[0] % kBrickCells, y = at[1] % kBrickCells, z = at[2] % kBrickCells;
+    const Patch patch(brick.samples.data() + (z * kBrickSamples + y) * kBrickSamples + x);
+    Vec3 gradient;
+    return patch.at(a - Vec3(at[0], at[1], at[2]), gradient) < 0.0;
+  }
+
+  // The minima of the distance from a point that were found; of each direction the nearest.
+  struct Collected {
+    std::array<Nearest, kernel::kMaxSolidMinima> all;
+    int count = 0;
+
+    // One in about the direction of `way` that is not farther than `distance`.
+    bool has(const Vec3& a, const Vec3& way, double length, double distance) const {
+      for (int i = 0; i < count; ++i)
+        if (all[i].distance <= distance && way.dot(a - all[i].point) > kSameDirection * all[i].distance * length)
+          return true;
+      return false;
+    }
+
+    void add(const Vec3& a, const Nearest& candidate) {
+      const Vec3 way = a - candidate.point;
+      if (has(a, way, candidate.distance, candidate.distance)) return;
+      int kept = 0;
+      for (int i = 0; i < count; ++i)
+        if (!(way.dot(a - all[i].point) > kSameDirection * all[i].distance * candidate.distance)) all[kept++] = all[i];
+      count = kept;
+      int place = count;
+      while (place > 0 && candidate.distance < all[place - 1].distance) --place;
+      if (place == kernel::kMaxSolidMinima) return;
+      count = std::min(count + 1, kernel::kMaxSolidMinima);
+      std::copy_backward(all.begin() + place, all.begin() + count - 1, all.begin() + count);
+      all[place] = candidate;
+    }
+  };
+
+  void minima(double reach, kernel::SolidMinima& minima) const {
+    const auto within = [&] { return reach; };
+    Collected found;
+    const Nearest least = nearest(reach);  // counts also where the surface has no normal that points to p
+    if (!least.found) return;
+    found.add(a, least);
+    forEachBrick(within, [&](std::int32_t, const Brick& brick, double) {
+      forEachCell(brick, within, [&](const float* samples, const Vec3& low, const Vec3& toCentre, double) {
+        const Plane plane = planeOf(samples, toCentre);
+        if (plane.outside > 0.75f + 4.0f * plane.flatness * plane.distance) return;
+        if (found.has(a, toCentre, toCentre.norm(), plane.distance + kSameMinimum)) return;
+        Touch touch;
+        const Vec3 q = a - low;
+        if (!nearestOn(Patch(samples), q, touch)) return;
+        const Vec3 way = q - touch.point;
+        const double distance = way.norm();
+        if (distance > reach || !(way.dot(touch.gradient) > kAligned * distance * touch.gradient.norm())) return;
+        found.add(a, {distance, 0.0, low + touch.point, touch.gradient, true});
+      });
+    });
+    for (int i = 0; i < found.count; ++i) minima.all[i] = answer(found.all[i], 1.0);
+    minima.count = found.count;
+  }
+};
+
+bool isInside(const Solid& solid, const Vec3& p) noexcept { return SolidQuery(solid, p, p).isInside(); }
+
+SolidPoint signedDistance(const Solid& solid, const Vec3& p, double limit) noexcept {
+  if (!p.allFinite() || !(limit >= 0.0)) return SolidPoint();
+  const SolidQuery query(solid, p, p);
+  return query.answer(query.nearest(limit / solid.cell()), query.isInside() ? -1.0 : 1.0);
+}
+
+SolidPoint closestToSegment(const Solid& solid, const Segment& segment, double limit) noexcept {
+  if (!segment.a.allFinite() || !segment.b.allFinite() || !(limit >= 0.0)) return SolidPoint();
+  const SolidQuery query(solid, segment.a, segment.b);
+  return query.answer(query.nearest(limit / solid.cell()), 1.0);
+}
+
+void kernel::findMinima(const Solid& solid, const Vec3& p, double reach, SolidMinima& minima) noexcept {
+  minima.count = 0;
+  if (p.allFinite() && reach >= 0.0) SolidQuery(solid, p, p).minima(reach / solid.cell(), minima);
+}
+
+}  // namespace enamel

@@ -1,0 +1,103 @@
+#include "enamel/render/drill.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "enamel/core/error.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMostTurns = 1e4;
+constexpr double kFollow = 0.05;    // share of a tick's area and hardness in their means
+constexpr double kMostFeed = 0.02;  // m/s
+constexpr double kMostOwed = 4.0;
+constexpr double kFacing = 0.1, kAhead = 0.7;  // cosines
+
+}  // namespace
+
+Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur)
+    : number_(bur.part), wear_(bur.wear), turns_(bur.turns), solids_(std::move(solids)) {
+  if (number_ < 0 || number_ >= tool.count)
+    throw Error("the bur is part " + std::to_string(number_) + " of the tool, which has " + std::to_string(tool.count));
+  part_ = tool.parts[static_cast<std::size_t>(number_)];
+  if (!(part_.radius > 0.0)) throw Error("the bur, part " + std::to_string(number_) + " of the tool, has no radius");
+  if (!(wear_ > 0.0 && std::isfinite(wear_))) throw Error("the wear of a bur must be positive and finite");
+  if (!(turns_ >= 0.0 && turns_ <= kMostTurns)) throw Error("a bur turns 0 to 10000 times a second");
+}
+
+void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double period,
+                ContactSnapshot& contacts) noexcept {
+  removed_ = RemovedVolume{};
+  Contact* const first = contacts.contacts.data();
+  Contact* const end = first + contacts.count;
+  Contact* const deepest = std::find_if(first, end, [this](const Contact& c) {
+    const auto obstacle = static_cast<std::size_t>(c.obstacle);
+    return c.part == number_ && obstacle < solids_.size() && solids_[obstacle] != nullptr;
+  });
+  if (deepest == end || !isOn_ || !force.allFinite()) {
+    obstacle_ = -1;
+    force_.setZero();
+    feed_ = 0.0;
+    return;
+  }
+  const int number = deepest->obstacle;
+  const Obstacle& obstacle = scene.obstacles()[static_cast<std::size_t>(number)];
+  Solid& solid = *solids_[static_cast<std::size_t>(number)];
+  const auto inSolid = [&](const Vec3& p) {
+    return Vec3(obstacle.pose.rotation.transpose() * (p - obstacle.pose.position));
+  };
+  if (obstacle_ != number) {
+    const int layer = solid.layerAt(inSolid(deepest->point - 0.5 * solid.cell() * deepest->normal));
+    hardness_ = solid.layers()[static_cast<std::size_t>(layer)].hardness;
+    feed_ = owed_ = 0.0;
+  }
+  force_ += kFollow * (force - force_);
+  const double pressed = force_.norm();
+  const Vec3 way = pressed > 0.0 ? Vec3(force_ / pressed) : deepest->normal;
+  // What the volume asks for, over the area of the whole bur; where less touches, less is cut, and more asked for next.
+  const double area = (kPi * part_.radius + 2.0 * (part_.b - part_.a).norm()) * part_.radius;
+  const double asked = wear_ * pressed * 2.0 * kPi * part_.radius * turns_ / hardness_ * period + owed_;
+  const double advance = std::clamp(asked / area, 0.0, kMostFeed * period);
+
+  // So far back is the bur that is nowhere deeper than that. A surface that it has cut stands up to `rough` above its
+  // samples.
+  const double rough = solid.cell() * solid.cell() / (4.0 * part_.radius);
+  double back = -rough;
+  const auto faces = [&](const Contact& c) {
+    return c.obstacle == number && c.part == number_ && way.dot(c.normal) > kFacing;
+  };
+  for (const Contact* c = deepest; c != end; ++c) {
+    if (!faces(*c) || c->gap >= 0.0 || way.dot(c->normal) < kAhead) continue;
+    back = std::max(back, -c->gap / way.dot(c->normal) - advance);
+  }
+  const Segment axis{inSolid(pose.position + pose.rotation * part_.a + back * way),
+                     inSolid(pose.position + pose.rotation * part_.b + back * way)};
+  removed_ = solid.cut(obstacle_ == number ? last_ : axis, axis, part_.radius);
+  const double volume = std::accumulate(removed_.begin(), removed_.end(), 0.0);
+  if (volume > 0.0) {
+    double weighted = 0.0;
+    for (std::size_t k = 0; k < solid.layers().size(); ++k) weighted += removed_[k] * solid.layers()[k].hardness;
+    hardness_ += kFollow * (weighted / volume - hardness_);
+  }
+  owed_ = std::clamp(asked - volume, -kMostOwed * area * rough, kMostOwed * area * rough);
+  // While it cuts, the tool moves with the surface.
+  const Vec3 moved = obstacle.pose.rotation * (axis.a - last_.a);
+  if (obstacle_ == number) feed_ += kFollow * (-way.dot(moved) / period - feed_);
+  const double feed = std::clamp(feed_, 0.0, kMostFeed);
+  obstacle_ = number;
+  last_ = axis;
+
+  for (Contact* c = deepest; c != end; ++c) {
+    if (c->obstacle == number && c->part == number_ && c->gap < 0.0) c->gap = std::min(c->gap + rough, 0.0);
+    if (!faces(*c)) continue;
+    const double along = way.dot(c->normal);
+    c->gap = std::max(c->gap, std::min(-std::max(back, 0.0) * along, 0.0));
+    c->obstacleVelocity -= feed * along * c->normal;
+  }
+}
+
+}  // namespace enamel

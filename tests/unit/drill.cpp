@@ -1,0 +1,225 @@
+// Cutting inside the tick: the rate is Archard's, the force the hand's, and contacts and material go together.
+#include "enamel/render/drill.hpp"
+
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+#include "enamel/core/error.hpp"
+#include "enamel/device/device_file.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/render/surface_servo.hpp"
+#include "enamel/sim/hand.hpp"
+#include "enamel/sim/virtual_loop.hpp"
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+#include "support/meshes.hpp"
+#include "support/run_length.hpp"
+
+namespace enamel::test_drill {
+
+namespace {
+
+constexpr double kCell = 1e-4, kRadius = 0.5e-3, kEnamel = 3.4e9, kDentine = 0.6e9;
+const Bur kBur{0, 0.1, 2000.0};
+
+std::shared_ptr<Solid> tooth() {
+  return std::make_shared<Solid>(
+      MeshModel(test::boxMesh(Vec3(3e-3, 3e-3, 2e-3))),
+      std::vector<SolidLayer>{{"enamel", {}, kEnamel, 0.0, nullptr}, {"dentine", {}, kDentine, 0.4e-3, nullptr}},
+      SolidOptions{kCell});
+}
+
+Tool ball() {
+  Tool tool;
+  tool.parts[0].radius = kRadius;
+  return tool;
+}
+
+struct Cut {
+  double force, torque;            // mean of the wall's along the push, N; deviation of the noisiest joint, N m
+  double volume, depth;            // of the second half, m^3, m
+  double expected;                 // volume by the law, m^3
+  double feedEnamel, feedDentine;  // m/s
+};
+
+// A hand presses with 2 N on top of the tooth, which is tilted.
+Cut press(Renderer& renderer, const Mechanism& device, int delay, double tilt) {
+  const auto solid = tooth();
+  LoopSetup setup;
+  setup.scene = Scene();
+  Pose pose;
+  pose.rotation = Eigen::AngleAxisd(tilt, Vec3(1.0, 0.4, 0.0).normalized()).toRotationMatrix();
+  const Vec3 normal = pose.rotation.col(2);
+  pose.position = -2e-3 * normal;
+  setup.scene.add({"tooth", std::shared_ptr<const Solid>(solid), pose, Vec6::Zero(), {}});
+  setup.tool = ball();
+  setup.start.position = (kRadius + 0.05e-3) * normal;
+  setup.encoders = {true, RateSource::difference};
+  setup.delay.low = setup.delay.high = delay;
+  VirtualLoop loop(device, renderer, setup);
+  Drill drill(setup.tool, {solid}, kBur);
+  drill.spin(true);
+  loop.attach(&drill);
+  Cut cut{};
+  std::vector<JointVector> torques;
+  TickRecord record;
+  const int ticks = 2000;
+  double depth = 0.0, atFirst = 0.0, enamelTime = 0.0, dentineTime = 0.0;
+  for (int i = 0; i < ticks; ++i) {
+    const double force = 2.0 * std::clamp((i - 20) / 100.0, 0.0, 1.0);
+    const auto load = [&](double, const Pose& at, const Vec6& twist) {
+      Vec6 wrench = guidingWrench(at, twist, setup.start, normal);
+      wrench.head<3>() -= force * normal + 3.0 * normal.dot(twist.head<3>()) * normal;
+      return wrench;
+    };
+    REQUIRE(loop.tick(load, record) == Status::ok);
+    REQUIRE(record.guard == GuardReason::none);
+    const double before = depth;
+    depth = kRadius - normal.dot(record.pose.position);
+    if (i == ticks / 2) atFirst = depth;
+    const RemovedVolume& removed = drill.removed();
+    const double volume = removed[0] + removed[1];
+    if (i < ticks / 4) continue;
+    if (removed[0] > 0.9 * volume) cut.feedEnamel += depth - before, enamelTime += 1e-3;
+    if (removed[1] > 0.9 * volume) cut.feedDentine += depth - before, dentineTime += 1e-3;
+    if (i < ticks / 2) continue;
+    cut.force += normal.dot(record.rendered.head<3>()) / (0.5 * ticks);
+    cut.volume += volume;
+    const double hardness = volume > 0.0 ? (removed[0] * kEnamel + removed[1] * kDentine) / volume : kEnamel;
+    cut.expected += kBur.wear * 2.0 * 2.0 * M_PI * kRadius * kBur.turns / hardness * 1e-3;
+    torques.push_back(record.torque);
+  }
+  cut.depth = depth - atFirst;
+  cut.feedEnamel /= std::max(enamelTime, 1e-3);
+  cut.feedDentine /= std::max(dentineTime, 1e-3);
+  for (int joint = 0; joint < device.joints(); ++joint) {
+    double mean = 0.0, square = 0.0;
+    for (const JointVector& torque : torques) mean += torque[joint] / static_cast<double>(torques.size());
+    for (const JointVector& torque : torques) square += std::pow(torque[joint] - mean, 2);
+    cut.torque = std::max(cut.torque, std::sqrt(square / static_cast<double>(torques.size())));
+  }
+  return cut;
+}
+
+}  // namespace
+
+TEST_CASE("drill: the hand's force, Archard's rate, and dentine is felt", "[drill]") {
+  const auto device = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
+  const auto check = [](const Cut& cut) {
+    INFO("force " << cut.force << " N, deviation " << cut.torque << " N m, volume " << 1e9 * cut.volume << " mm3 of "
+                  << 1e9 * cut.expected << ", feed " << 1e3 * cut.feedEnamel << " and " << 1e3 * cut.feedDentine
+                  << " mm/s");
+    CHECK(cut.force == Approx(2.0).epsilon(0.05));
+    CHECK(cut.volume == Approx(cut.expected).epsilon(0.2));  // the border's hardness is a mean over 20 ticks
+    CHECK(cut.depth > 0.2e-3);
+    CHECK(cut.torque < 0.09);  // in a pit three directions chatter, on a wall one does with 0.05
+  };
+  for (const int delay : {0, 1}) {
+    INFO("servo, delay " << delay);
+    SurfaceServoRenderer servo(surfaceServoFor(device->limits().count, 1e-3, delay, delay));
+    const Cut cut = press(servo, *device, delay, 0.3 * delay);
+    check(cut);
+    CHECK(cut.feedDentine > 2.0 * cut.feedEnamel);
+  }
+  INFO("spring: it swings by a millimetre");
+  ImpedanceRenderer spring(ImpedanceOptions{2000.0, 2.0});
+  check(press(spring, *device, 0, 0.0));
+}
+
+TEST_CASE("drill: contacts and material go together while it cuts", "[drill]") {
+  const auto solid = tooth();
+  Scene scene;
+  Pose pose;
+  pose.rotation = rotationFromEuler(Vec3(0.2, -0.4, 1.0));
+  pose.position = Vec3(1e-3, 2e-3, -3e-3);
+  scene.add({"tooth", std::shared_ptr<const Solid>(solid), pose, Vec6::Zero(), {}});
+  Tool tool = ball();
+  tool.count = 2;  // a shaft that does not cut
+  tool.parts[1] = {Vec3(0, 0, 1.5e-3), Vec3(0, 0, 8e-3), 0.3e-3};
+  ToolTrack track = makeToolTrack(scene, tool);
+  Drill drill(tool, {solid}, {0, 5.0, 2000.0});
+  drill.spin(true);
+  test::Random random(2210);
+  Pose at;
+  Vec3 goal(0, 0, 0);
+  at.position = pose.position + Vec3(0, 0, 6e-3);
+  bool wasMissing = false;
+  int cuts = 0, touches = 0, lost = 0, unfounded = 0, unfelt = 0, shaft = 0;
+  for (int i = 0; i < test::count(3000, 60000); ++i) {
+    if (i % 100 == 0) goal = pose.position + pose.rotation * random.vector(4e-3);
+    const Vec3 way = goal - at.position;
+    if (way.norm() > 1e-9) at.position += std::min(3e-5, way.norm()) * way.normalized();
+    ContactSnapshot contacts;
+    REQUIRE(followContacts(scene, tool, at, 1e-3, track, contacts) == Status::ok);
+    const double whole = drill.removed()[0] + drill.removed()[1];
+    drill.cut(scene, at, contacts.count > 0 ? Vec3(2.0 * contacts.contacts[0].normal) : Vec3(Vec3::Zero()), 1e-3,
+              contacts);
+    const double removed = drill.removed()[0] + drill.removed()[1];
+    cuts += removed > 0.0;
+    lost += !std::isfinite(removed) || removed < 0.0 || !std::isfinite(whole);
+    const Vec3 centre = pose.rotation.transpose() * (at.position - pose.position);
+    const SolidPoint nearest = signedDistance(*solid, centre, 2e-3);
+    bool feels = false, missing = false;
+    for (int k = 0; k < contacts.count; ++k) {
+      const Contact& c = contacts.contacts[k];
+      feels = feels || c.gap < 0.0;
+      shaft += c.part == 1 && removed > 0.0 && contacts.contacts[0].part == 1;
+      if (!(c.gap < 0.0 && c.gap > -0.1e-3)) continue;  // with its axis outside
+      ++touches;
+      // Where the contact has the surface there is material, half a cell behind it.
+      const Vec3 behind = c.point - (c.gap + 0.5 * kCell) * c.normal;
+      const Vec3 inside = pose.rotation.transpose() * (behind - pose.position);
+      missing = missing ||
+                !(std::abs(signedDistance(*solid, inside, 1e-3).distance) < 2.0 * kCell || isInside(*solid, inside));
+    }
+    unfounded += missing && wasMissing;  // a sliver may go in the tick that felt it
+    wasMissing = missing;
+    unfelt += nearest.found && nearest.distance < kRadius - kCell && !feels;
+    // The walls push the tool back, so that nothing is driven through them.
+    for (int k = 0; k < contacts.count; ++k) {
+      const Contact& c = contacts.contacts[k];
+      if (c.gap < -2e-5) at.position -= 0.5 * (c.gap + 2e-5) * c.normal;
+    }
+  }
+  CHECK(cuts > 500);
+  CHECK(touches > 500);
+  CHECK(lost == 0);
+  CHECK(unfounded == 0);
+  CHECK(unfelt == 0);
+}
+
+TEST_CASE("drill: what does not spin does not cut; what is refused", "[drill]") {
+  const auto solid = tooth();
+  Scene scene;
+  scene.add({"tooth", std::shared_ptr<const Solid>(solid), Pose(), Vec6::Zero(), {}});
+  const Tool tool = ball();
+  Pose at;
+  at.position.z() = 2e-3 + 0.9 * kRadius;
+  const auto once = [&](Drill& drill, const Vec3& force) {
+    ContactSnapshot contacts;
+    REQUIRE(findContacts(scene, tool, at, 1e-3, nullptr, contacts) == Status::ok);
+    const double gap = contacts.contacts[0].gap;
+    drill.cut(scene, at, force, 1e-3, contacts);
+    CHECK(contacts.contacts[0].gap >= gap);
+    return drill.removed()[0];
+  };
+  Drill drill(tool, {solid}, kBur);
+  CHECK(once(drill, Vec3(0, 0, 2)) == 0.0);
+  drill.spin(true);
+  CHECK(once(drill, Vec3(0, 0, std::nan(""))) == 0.0);
+  double removed = 0.0;
+  for (int i = 0; i < 50; ++i) removed += once(drill, Vec3(0, 0, 2));
+  CHECK(removed > 0.0);
+  drill.spin(false);
+  CHECK(once(drill, Vec3(0, 0, 2)) == 0.0);
+  Drill other(tool, {nullptr}, kBur);
+  other.spin(true);
+  CHECK(once(other, Vec3(0, 0, 2)) == 0.0);
+  CHECK_THROWS_WITH(Drill(tool, {solid}, {1, 0.1, 1.0}), Catch::Contains("part 1 of the tool, which has 1"));
+  CHECK_THROWS_WITH(Drill(Tool(), {solid}, kBur), Catch::Contains("no radius"));
+  CHECK_THROWS_WITH(Drill(tool, {solid}, {0, 0.0, 1.0}), Catch::Contains("wear"));
+  CHECK_THROWS_WITH(Drill(tool, {solid}, {0, 0.1, 1e5}), Catch::Contains("10000"));
+}
+
+}  // namespace enamel::test_drill

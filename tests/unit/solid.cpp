@@ -1,0 +1,311 @@
+// Solids that can be cut: distances against the exact mesh, volumes against Monte Carlo, nothing lost that was not cut.
+#include "enamel/collision/solid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "enamel/collision/contacts.hpp"
+#include "enamel/collision/mesh_file.hpp"
+#include "enamel/core/error.hpp"
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+#include "support/meshes.hpp"
+#include "support/run_length.hpp"
+
+namespace enamel::test_solid {
+
+namespace {
+
+const std::vector<SolidLayer> kTooth = {{"enamel", {}, 3.4e9, 0.0, nullptr}, {"dentine", {}, 0.6e9, 1e-3, nullptr}};
+constexpr double kCell = 1e-4;
+
+double sum(const RemovedVolume& volume) { return std::accumulate(volume.begin(), volume.end(), 0.0); }
+
+std::vector<BrickSamples> samplesOf(const Solid& solid) {
+  std::vector<BrickSamples> all;
+  for (int brick = 0; brick < solid.bricks(); ++brick) all.push_back(solid.samples(brick));
+  return all;
+}
+
+Solid block(const Vec3& half) { return Solid(MeshModel(test::boxMesh(half)), kTooth, {kCell}); }
+
+// Cuts along a way in steps of a tick.
+double cutAlong(Solid& solid, const Vec3& from, const Vec3& to, double radius, int steps) {
+  double removed = sum(solid.cut({from, from}, {from, from}, radius));
+  for (int i = 0; i < steps; ++i) {
+    const Vec3 a = from + (to - from) * i / steps, b = from + (to - from) * (i + 1) / steps;
+    removed += sum(solid.cut({a, a}, {b, b}, radius));
+  }
+  return removed;
+}
+
+}  // namespace
+
+TEST_CASE("solid: distances against the exact mesh", "[solid]") {
+  struct Case {
+    const char* name;
+    TriangleMesh mesh;
+    double most;  // error of half the points, of 999 in 1000, cells
+    double mostOfAll;
+  };
+  // A ball of 3 mm: h^2 / (4 R) is 0.008 cells, normals and corners of its triangles are of that order. The molar's
+  // fissures and corners are rounded by its cells.
+  const Case cases[] = {{"ball", test::transformed(test::ball(5), 3e-3, Vec3::Zero()), 0.01, 0.05},
+                        {"molar", loadMesh(ENAMEL_SOURCE_DIR "/data/meshes/molar.ply", 1e-3), 0.01, 0.2}};
+  for (const Case& c : cases) {
+    INFO(c.name);
+    const MeshModel model(c.mesh);
+    const Solid solid(model, kTooth, {kCell});
+    CHECK(solid.bytes() < 64e6);
+    CHECK(sum(solid.volume()) == Approx(inspect(c.mesh).volume).epsilon(1e-3));
+    test::Random random(2201);
+    const int points = test::count(20000, 1000000);
+    const auto count = static_cast<double>(c.mesh.triangles.size());
+    std::vector<double> errors;
+    int wrong = 0, missed = 0, turned = 0;
+    for (int i = 0; i < points; ++i) {
+      const auto& t =
+          c.mesh.triangles[static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(c.mesh.triangles.size())))];
+      double u = random.uniform(0.0, 1.0), v = random.uniform(0.0, 1.0);
+      if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
+      const Vec3 corner = c.mesh.vertices[t[0]];
+      const Vec3 on = corner + u * (c.mesh.vertices[t[1]] - corner) + v * (c.mesh.vertices[t[2]] - corner);
+      const Vec3 p = on + 5.0 * kCell * random.uniform(0.0, 1.0) * random.direction();
+      const SurfacePoint exact = signedDistance(model, p);
+      const SolidPoint found = signedDistance(solid, p);
+      missed += !found.found;
+      wrong += (found.distance < 0.0) != (exact.distance < 0.0) && std::abs(exact.distance) > 0.5 * kCell;
+      errors.push_back(std::abs(found.distance - exact.distance) / kCell);
+      turned += std::abs(exact.distance) > kCell && found.normal.dot(exact.normal) < std::cos(0.3);
+    }
+    std::sort(errors.begin(), errors.end());
+    CHECK(missed == 0);
+    CHECK(wrong == 0);
+    CHECK(turned < points / 50);
+    CHECK(errors[errors.size() / 2] < c.most);
+    CHECK(errors[errors.size() * 999 / 1000] < c.mostOfAll);
+  }
+}
+
+TEST_CASE("solid: nearest to a segment is nearest to one of its points", "[solid]") {
+  const Solid solid(MeshModel(test::transformed(test::ball(4, 0.1), 3e-3, Vec3::Zero())), kTooth, {kCell});
+  test::Random random(2202);
+  for (int i = 0; i < test::count(200, 5000); ++i) {
+    const Segment segment{random.uniform(3.5e-3, 6e-3) * random.direction(),
+                          random.uniform(3.5e-3, 6e-3) * random.direction()};
+    double least = kNoLimit;
+    bool crosses = false;
+    for (int k = 0; k <= 100; ++k) {
+      const Vec3 p = segment.a + 0.01 * k * (segment.b - segment.a);
+      least = std::min(least, std::abs(signedDistance(solid, p).distance));
+      crosses = crosses || isInside(solid, p);
+    }
+    if (crosses) continue;
+    const SolidPoint found = closestToSegment(solid, segment);
+    const double step = 0.01 * (segment.b - segment.a).norm();
+    REQUIRE(found.found);
+    CHECK(found.distance <= least + 0.02 * kCell);
+    CHECK(found.distance >= least - step);
+    const Vec3 there = segment.a + found.parameter * (segment.b - segment.a);
+    CHECK((there - found.point).norm() == Approx(found.distance));
+    CHECK_FALSE(closestToSegment(solid, segment, 0.9 * found.distance).found);
+  }
+}
+
+TEST_CASE("solid: cavity, groove and through-hole have the bur's volume, nothing else changes", "[solid]") {
+  const Vec3 half(3e-3, 2e-3, 1.5e-3);
+  const double radius = 0.5e-3, pi = 3.14159265358979323846;
+  struct Case {
+    const char* name;
+    Vec3 from, to;
+  };
+  const Case cases[] = {{"cavity", Vec3(0.31e-3, 0.12e-3, -0.2e-3), Vec3(0.31e-3, 0.12e-3, -0.2e-3)},
+                        {"groove", Vec3(-2.1e-3, 0.21e-3, 1.4e-3), Vec3(1.9e-3, 0.73e-3, 1.3e-3)},
+                        {"hole", Vec3(0.13e-3, 0.17e-3, 2.5e-3), Vec3(-0.4e-3, 0.3e-3, -2.5e-3)}};
+  for (const Case& c : cases) {
+    INFO(c.name);
+    Solid solid = block(half);
+    const std::vector<BrickSamples> before = samplesOf(solid);
+    const double whole = sum(solid.volume());
+    CHECK(whole == Approx(8.0 * half.prod()).epsilon(1e-3));
+    const double estimate = cutAlong(solid, c.from, c.to, radius, 100), removed = whole - sum(solid.volume());
+    CHECK(estimate == Approx(removed).epsilon(kCell * kCell / (radius * radius)));
+
+    // Monte Carlo in the box of the sweep, 0.2 % (one sigma).
+    const Vec3 low = c.from.cwiseMin(c.to) - Vec3::Constant(radius),
+               high = c.from.cwiseMax(c.to) + Vec3::Constant(radius);
+    test::Random random(2203);
+    const int points = 600000;
+    int within = 0;
+    for (int i = 0; i < points; ++i) {
+      const Vec3 p =
+          low +
+          (high - low).cwiseProduct(Vec3(random.uniform(0.0, 1.0), random.uniform(0.0, 1.0), random.uniform(0.0, 1.0)));
+      if ((p.cwiseAbs() - half).maxCoeff() > 0.0) continue;
+      const Vec3 span = c.to - c.from;
+      const double t =
+          span.squaredNorm() > 0.0 ? std::clamp((p - c.from).dot(span) / span.squaredNorm(), 0.0, 1.0) : 0.0;
+      within += (p - c.from - t * span).norm() < radius;
+    }
+    CHECK(removed == Approx((high - low).prod() * within / points).epsilon(0.01));
+    if (c.from == c.to) CHECK(removed == Approx(4.0 / 3.0 * pi * radius * radius * radius).epsilon(0.01));
+
+    const Vec3 span = c.to - c.from;
+    const double reach = radius + kCell * kCell / (12.0 * radius) + 1e-9;
+    int outside = 0, told = 0, untold = 0;
+    std::vector<char> isTold(static_cast<std::size_t>(solid.bricks()));
+    for (int brick = solid.takeChanged(); brick >= 0; brick = solid.takeChanged()) isTold[brick] = 1;
+    for (int brick = 0; brick < solid.bricks(); ++brick) {
+      const BrickSamples& now = solid.samples(brick);
+      const bool isSame = now == before[static_cast<std::size_t>(brick)];
+      told += isTold[brick] != 0 && isSame;
+      untold += isTold[brick] == 0 && !isSame;
+      for (int i = 0; i < static_cast<int>(now.size()); ++i) {
+        if ((now[i] < 0.0f) == (before[brick][i] < 0.0f)) continue;
+        const Vec3 p = solid.lowOf(brick) + kCell * Vec3(i % kBrickSamples, i / kBrickSamples % kBrickSamples,
+                                                         i / (kBrickSamples * kBrickSamples));
+        const double t =
+            span.squaredNorm() > 0.0 ? std::clamp((p - c.from).dot(span) / span.squaredNorm(), 0.0, 1.0) : 0.0;
+        outside += (p - c.from - t * span).norm() > reach || now[i] < 0.0f;
+      }
+    }
+    CHECK(outside == 0);
+    CHECK(told == 0);
+    CHECK(untold == 0);
+  }
+}
+
+TEST_CASE("solid: a bur fits into what it has cut", "[solid]") {
+  Solid solid = block(Vec3(3e-3, 2e-3, 1.5e-3));
+  const double radius = 0.5e-3;
+  Scene scene;
+  const Vec3 from(-1e-3, 0.0, 1.7e-3), to(1e-3, 0.3e-3, 1.6e-3);
+  cutAlong(solid, from, to, radius, 50);
+  scene.add({"block", std::make_shared<const Solid>(solid), Pose(), Vec6::Zero(), {}});
+  Tool bur;
+  bur.parts[0].radius = radius;
+  for (double t = 0.1; t < 0.95; t += 0.05) {
+    Pose pose;
+    pose.position = from + t * (to - from);
+    ContactSnapshot contacts;
+    REQUIRE(findContacts(scene, bur, pose, 1e-3, nullptr, contacts) == Status::ok);
+    REQUIRE(contacts.count > 0);
+    CHECK(std::abs(contacts.contacts[0].gap) < 6e-6);  // h^2 / (4 R): 5 um
+    pose.position.z() += 0.05e-3;                      // lifted, it touches the walls no more than before
+    REQUIRE(findContacts(scene, bur, pose, 1e-3, nullptr, contacts) == Status::ok);
+    CHECK(contacts.contacts[0].gap > -6e-6);
+    pose.position.z() -= 0.10e-3;  // deeper than it was
+    REQUIRE(findContacts(scene, bur, pose, 1e-3, nullptr, contacts) == Status::ok);
+    CHECK(contacts.contacts[0].gap == Approx(-0.05e-3).margin(6e-6));
+    CHECK(contacts.contacts[0].normal.z() > 0.98);
+  }
+}
+
+TEST_CASE("solid: layers, their contacts' material, undo and restore", "[solid]") {
+  std::vector<SolidLayer> layers = kTooth;
+  layers[0].material.stiffness = 1e6;
+  layers[1].material.stiffness = 2e5;
+  const MeshModel box(test::boxMesh(Vec3(3e-3, 2e-3, 1.5e-3)));
+  layers.push_back(
+      {"pulp",
+       {},
+       1e6,
+       0.0,
+       std::make_shared<const MeshModel>(test::transformed(test::ball(3), 0.5e-3, Vec3(-1.5e-3, 0.0, 0.0)))});
+  Solid solid(box, layers, {kCell, 40});
+  CHECK(solid.layerAt(Vec3(0.0, 0.0, 1.2e-3)) == 0);
+  CHECK(solid.layerAt(Vec3(1e-3, 0.0, 0.2e-3)) == 1);
+  CHECK(solid.layerAt(Vec3(-1.4e-3, 0.0, 0.1e-3)) == 2);
+  CHECK(solid.volume()[2] == Approx(4.18879 * 0.125e-9).epsilon(0.1));
+
+  const std::vector<BrickSamples> whole = samplesOf(solid);
+  const RemovedVolume before = solid.volume();
+  solid.mark();
+  cutAlong(solid, Vec3(0, 0, 2e-3), Vec3(0, 0, 1.2e-3), 0.5e-3, 10);
+  const std::vector<BrickSamples> first = samplesOf(solid);
+  const std::uint64_t growths = solid.growths();
+  solid.mark();
+  cutAlong(solid, Vec3(0, 0, 1.2e-3), Vec3(0.3e-3, 0, 0.6e-3), 0.5e-3, 10);
+  CHECK(samplesOf(solid) != first);
+  CHECK(signedDistance(solid, Vec3(0.3e-3, 0, 0.2e-3)).layer == 1);
+  REQUIRE(solid.undo());
+  CHECK(samplesOf(solid) == first);
+  REQUIRE(solid.undo());
+  CHECK(samplesOf(solid) == whole);
+  CHECK(solid.growths() > growths);
+  for (int k = 0; k < 3; ++k) CHECK(solid.volume()[k] == Approx(before[k]).epsilon(1e-9));
+  CHECK_FALSE(solid.undo());
+
+  // A stroke that needs more room than there is cannot be undone, later ones can.
+  solid.mark();
+  cutAlong(solid, Vec3(-3e-3, -2e-3, 1.4e-3), Vec3(3e-3, 2e-3, -1.4e-3), 0.5e-3, 100);
+  solid.mark();
+  const std::vector<BrickSamples> long1 = samplesOf(solid);
+  solid.cut({Vec3(2e-3, -1e-3, 1.5e-3), Vec3(2e-3, -1e-3, 1.5e-3)},
+            {Vec3(2e-3, -1e-3, 1.5e-3), Vec3(2e-3, -1e-3, 1.5e-3)}, 0.3e-3);
+  REQUIRE(solid.undo());
+  CHECK(samplesOf(solid) == long1);
+  CHECK_FALSE(solid.undo());
+  solid.restore();
+  CHECK(samplesOf(solid) == whole);
+  CHECK(solid.volume() == before);
+
+  // Contacts carry the material of the layer that they lie on.
+  cutAlong(solid, Vec3(0, 0, 2e-3), Vec3(0, 0, 0.9e-3), 0.5e-3, 10);  // 1.1 mm deep
+  Scene scene;
+  scene.add({"tooth", std::make_shared<const Solid>(solid), Pose(), Vec6::Zero(), {}});
+  Tool bur;
+  bur.parts[0].radius = 0.4e-3;
+  ContactSnapshot contacts;
+  Pose pose;
+  pose.position = Vec3(0.0, 0.0, 0.8e-3);
+  REQUIRE(findContacts(scene, bur, pose, 1e-3, nullptr, contacts) == Status::ok);
+  CHECK(contacts.contacts[0].material.stiffness == 2e5);
+  pose.position = Vec3(1.5e-3, 0.0, 1.9e-3);
+  REQUIRE(findContacts(scene, bur, pose, 1e-3, nullptr, contacts) == Status::ok);
+  CHECK(contacts.contacts[0].material.stiffness == 1e6);
+}
+
+TEST_CASE("solid: what is refused, what finds nothing", "[solid]") {
+  const MeshModel box(test::boxMesh(Vec3(3e-3, 2e-3, 1.5e-3)));
+  TriangleMesh open = test::boxMesh(Vec3(3e-3, 2e-3, 1.5e-3));
+  open.triangles.pop_back();
+  const auto build = [](const MeshModel& mesh, const std::vector<SolidLayer>& layers, SolidOptions options = {}) {
+    return Solid(mesh, layers, options);
+  };
+  CHECK_THROWS_WITH(build(MeshModel(open), kTooth), Catch::Contains("closed mesh"));
+  CHECK_THROWS_WITH(build(box, {}), Catch::Contains("1 to 8 layers, not 0"));
+  CHECK_THROWS_WITH(build(box, {{"soft", {}, 0.0, 0.0, nullptr}}), Catch::Contains("hardness"));
+  CHECK_THROWS_WITH(build(box, {{"a", {}, 1e9, 1e-3, nullptr}, {"b", {}, 1e9, 0.5e-3, nullptr}}),
+                    Catch::Contains("depth"));
+  CHECK_THROWS_WITH(build(box, {{"a", {}, 1e9, 0.0, std::make_shared<const MeshModel>(open)}}),
+                    Catch::Contains("closed"));
+  CHECK_THROWS_WITH(build(box, kTooth, {0.0}), Catch::Contains("cell"));
+  CHECK_THROWS_WITH(build(box, kTooth, {1e-7}), Catch::Contains("1 GB"));
+  CHECK_THROWS_WITH(build(box, kTooth, {1e-4, -1}), Catch::Contains("undo"));
+
+  Solid solid = block(Vec3(1e-3, 1e-3, 1e-3));
+  const std::vector<BrickSamples> whole = samplesOf(solid);
+  const double bad = std::nan("");
+  const Vec3 zero = Vec3::Zero(), nowhere(bad, 0.0, 0.0);
+  CHECK_FALSE(signedDistance(solid, nowhere).found);
+  CHECK_FALSE(signedDistance(solid, zero, -1.0).found);
+  CHECK_FALSE(closestToSegment(solid, {zero, nowhere}).found);
+  CHECK_FALSE(isInside(solid, nowhere));
+  CHECK_FALSE(isInside(solid, Vec3(1.0, 1.0, 1.0)));
+  CHECK(signedDistance(solid, Vec3(0.0, 0.0, 10.0)).distance == Approx(9.999));
+  CHECK(sum(solid.cut({zero, zero}, {nowhere, zero}, 1e-3)) == 0.0);
+  CHECK(sum(solid.cut({zero, zero}, {zero, zero}, bad)) == 0.0);
+  CHECK(sum(solid.cut({zero, zero}, {zero, Vec3(0, 0, 0.1)}, 1e-3)) == 0.0);
+  CHECK(sum(solid.cut({Vec3(9, 9, 9), Vec3(9, 9, 9)}, {Vec3(9, 9, 9), Vec3(9, 9, 9)}, 1e-3)) == 0.0);
+  CHECK(samplesOf(solid) == whole);
+  // All of it can go.
+  for (double x = -1e-3; x <= 1.01e-3; x += 0.5e-3)
+    for (double y = -1e-3; y <= 1.01e-3; y += 0.5e-3) cutAlong(solid, Vec3(x, y, -1e-3), Vec3(x, y, 1e-3), 0.5e-3, 40);
+  CHECK(sum(solid.volume()) == Approx(0.0).margin(1e-15));
+  CHECK_FALSE(signedDistance(solid, zero).found);
+  CHECK_FALSE(isInside(solid, zero));
+}
+
+}  // namespace enamel::test_solid
