@@ -13,7 +13,7 @@ constexpr double kTestPreload = 0.5;               // N, of the hand on the surf
 constexpr int kApproachLimit = 3000, kRest = 300;  // ticks
 constexpr int kPushTicks = 750;                    // for as long as a first impact is judged
 constexpr int kRestWatched = static_cast<int>(ImpactWatch::kRestWindow / kPeriod + 0.5);
-constexpr std::array<const char*, kLinkedRenderers> kLinkedNames{"position-control", "impedance", "hold"};
+constexpr std::array<const char*, kLinkedRenderers> kLinkedNames{"position-control", "impedance", "hold", "passivity"};
 constexpr double kAtRest = 3e-5;  // m from where the rest began: more than encoders of whole counts let it tremble
 
 LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose& start) {
@@ -77,9 +77,10 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
       servo_(surfaceOptions(device, *model_, settings.delay)),
       hold_(device.gain, kPeriod, settings.hold),
       spring_(settings.spring),
+      passive_(std::make_unique<ImpedanceRenderer>(settings.spring)),
       plugin_(device.plugin ? makeRenderer(device.plugin, device.pluginSetup) : nullptr),
       switched_([&] {
-        Switched::Renderers renderers{&servo_, &spring_, &hold_, nullptr};
+        Switched::Renderers renderers{&servo_, &spring_, &hold_, &passive_, nullptr};
         if (plugin_) renderers[indexOf(slotOf(*device.plugin))] = plugin_.get();
         return renderers;
       }()),

@@ -12,6 +12,7 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/plugin/host.hpp"
 #include "enamel/render/impedance.hpp"
+#include "enamel/render/passivity.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/render/surface_servo.hpp"
 #include "enamel/sim/virtual_loop.hpp"
@@ -19,10 +20,10 @@
 
 namespace enamel::viewer {
 
-/// The renderers to choose from: the contact-space servo, the spring, the paper's law, and a plugin, where it does not
-/// stand for one of these.
-enum class RendererSlot : std::uint8_t { positionControl, impedance, hold, plugin };
-inline constexpr std::size_t kLinkedRenderers = 3, kMaxRenderers = 4;
+/// The renderers to choose from: the contact-space servo, the spring, the paper's law, the spring with passivity
+/// control around it, and a plugin, where it does not stand for one of these.
+enum class RendererSlot : std::uint8_t { positionControl, impedance, hold, passivity, plugin };
+inline constexpr std::size_t kLinkedRenderers = 4, kMaxRenderers = 5;
 
 constexpr std::size_t indexOf(RendererSlot slot) noexcept { return static_cast<std::size_t>(slot); }
 
@@ -142,6 +143,7 @@ class Experiment {
   SurfaceServoRenderer servo_;
   PositionControlRenderer hold_;
   ImpedanceRenderer spring_;
+  PassivityRenderer passive_;         // around a spring of its own
   std::unique_ptr<Renderer> plugin_;  // or nullptr
   Switched switched_;
   VirtualLoop loop_;

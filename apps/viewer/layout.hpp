@@ -20,7 +20,7 @@ struct Layout {
   Area panel, scene, charts, inset, gauge;  ///< width 0: not shown
   std::array<Area, kCharts> chart;          ///< each with room for its title
 };
-Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int renderers = 3);
+Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int renderers = 4);
 inline constexpr float kChartTitle = 28.0f;  // units of layout, above each chart
 inline constexpr float kGaugeRow = 21.0f;    // a renderer in the gauge
 

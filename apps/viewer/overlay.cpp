@@ -34,8 +34,8 @@ std::string format(const char* pattern, ...) {
   return text;
 }
 
-constexpr unsigned kSlotColour[kMaxRenderers] = {kBlue, kOrange, kPurple, kSky};
-constexpr const char* kLinkedTitle[kLinkedRenderers] = {"Position control", "Spring", "Hold (paper)"};
+constexpr unsigned kSlotColour[kMaxRenderers] = {kBlue, kOrange, kPurple, kGreen, kSky};
+constexpr const char* kLinkedTitle[kLinkedRenderers] = {"Position control", "Spring", "Hold (paper)", "Passive spring"};
 
 // ---- drawing primitives ------------------------------------------------------------------------------------------
 
@@ -146,11 +146,12 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
   if (isPlugin(input, indexOf(frame.selected))) {
     const EnamelDescription& plugin = input.plugin->description();
     remark(format("Plugin %s %s: %s", plugin.name, plugin.version, plugin.summary));
-  } else if (frame.selected == RendererSlot::impedance) {
+  } else if (frame.selected == RendererSlot::impedance || frame.selected == RendererSlot::passivity) {
     state.settingsChanged |= slider("stiffness", "%.0f N/m", settings.spring.stiffness, 200, 20000);
     state.settingsChanged |= slider("wall damping", "%.1f N s/m", settings.spring.damping, 0, 20);
     const double required = requiredDamping(settings.spring, kPeriod);
     const bool met = settings.toolDamping > required;
+    if (frame.selected == RendererSlot::passivity) remark("Gives back no more energy than it took.");
     remark(format("eq. 16 asks for %.1f N s/m of device damping, the tool has %.1f%s", required, settings.toolDamping,
                   met ? "" : ": not met"),
            met ? kMuted : kVermilion);

@@ -241,7 +241,7 @@ TEST_CASE("test pushes are reported by their renderers' names, with the study's 
   const auto dotAt = [&](double value, unsigned colour) {
     const float left = gauge.x + 14, right = gauge.x + gauge.width - 14;
     const glm::ivec2 at(left + static_cast<float>(std::log10(value / 1e3) / 3.0) * (right - left),
-                        gauge.y + 66 + 3 * kGaugeRow);
+                        gauge.y + 66 + 4 * kGaugeRow);
     return patchOf(picture, colour, at - 4, at + 5).count;  // of 81
   };
   CHECK(dotAt(both[0].at(stiffness), kBlue) > 60);

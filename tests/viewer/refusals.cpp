@@ -66,7 +66,7 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
   script("0 end\n1 pause\n", "bad.txt:2: stands after the end");
   script("0 pause now\n1 end\n", "bad.txt:1: now: is not expected here");
   script("0 renderer granite\n1 end\n",
-         "bad.txt:1: renderer: is \"granite\", must be position-control, impedance or hold");
+         "bad.txt:1: renderer: is \"granite\", must be position-control, impedance, hold or passivity");
 }
 
 TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
@@ -90,7 +90,7 @@ TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
   test::writeFile(folder / "own.txt", "0 renderer position-control\n0 renderer hold\n0 renderer template\n0 end\n");
   CHECK(test::viewer("--headless --renderer template --script '" + folder / "own.txt'").status == 0);
   requireRefused(test::viewer("--headless --script '" + folder / "own.txt'"), 1,
-                 "renderer: is \"template\", must be position-control, impedance or hold");
+                 "renderer: is \"template\", must be position-control, impedance, hold or passivity");
   const std::string plugins = std::filesystem::path(ENAMEL_VIEWER).parent_path() / "../../plugins";
   requireRefused(test::viewer(headless + "--renderer '" + plugins + "/enamel_position_control.so' --gain '" +
                               folder / "surface.json'"),
