@@ -41,6 +41,10 @@ SceneFile recordedScene(const RecordingHeader& header) {
   return scene;
 }
 
+bool filesHaveChanged(const RecordingHeader& header, const Scene& scene) {
+  return filesChecksum(header.parameters, scene) != header.files;
+}
+
 std::unique_ptr<Renderer> recordedRenderer(const RecordingHeader& header,
                                            const std::shared_ptr<const Mechanism>& device, const Scene& scene,
                                            const std::string& renderer, const std::map<std::string, std::string>& set) {
@@ -56,7 +60,7 @@ std::unique_ptr<Renderer> recordedRenderer(const RecordingHeader& header,
   };
   for (const auto& [key, value] : header.parameters)
     if (knows(key)) parameters.emplace(key, value);
-  if (filesChecksum(header.parameters, scene) != header.files)
+  if (filesHaveChanged(header, scene))
     fmt::print(stderr, "enamel: warning: a mesh or the servo's file has changed since the recording was made\n");
   if (!source.plugin) return makeLinked(source.name, parameters, device, header.guard.period);
   return makeRenderer(source.plugin,

@@ -1,0 +1,302 @@
+// Playing recordings, without a window: the frames are those of the run, whatever the way to them; steps, ends, lost
+// ticks, files that were cut or damaged.
+#include "player.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+#include <optional>
+
+#include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
+#include "enamel/runtime/recorder.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/devices.hpp"
+
+namespace enamel::viewer::test_player {
+
+namespace {
+
+// A tool on springs that goes in and out of a wall, recorded. What the run saw stands beside it.
+struct Run {
+  explicit Run(const std::string& scene = "flat-wall.toml") {
+    header.deviceFile = test::deviceFile("cartesian-6.toml");
+    header.deviceText = readFile(header.deviceFile);
+    header.sceneFile = ENAMEL_SOURCE_DIR "/data/scenes/" + scene;
+    header.sceneText = readFile(header.sceneFile);
+    header.renderer = "impedance";
+    file = loadScene(header.sceneFile);
+    header.start.position = file.start;
+    header.files = meshChecksum(file.scene);
+    device = makeMechanism(loadDevice(header.deviceFile));
+    spring.emplace(ImpedanceOptions{2000.0, 5.0});
+    tick.emplace(*device, file.scene, file.tool, *spring, 1e-3, header.start);
+  }
+
+  void run(Recorder& recorder, int ticks) {
+    for (int i = 0; i < ticks; ++i, ++number) {
+      const double t = 1e-3 * static_cast<double>(number);
+      Pose pose = header.start;
+      pose.position +=
+          Vec3(0.002 * std::sin(3.0 * t), 0.0, -0.5 * (file.start.z() + 0.001) * (1.0 - std::cos(9.0 * t)));
+      Kinematics k;
+      REQUIRE(device->reach(pose, Vec6::Zero(), false, k) == Status::ok);
+      const Measurement measurement{t, number == broken ? JointVector(std::nan("") * k.q) : k.q, k.rates, {}, true};
+      Command command;
+      const Status status = (*tick)(measurement, command);
+      recorder.add(number, measurement, *tick, command, status);
+      poses.push_back(tick->input().kinematics.pose);
+      contacts.push_back(tick->input().contacts.count);
+      forces.push_back(tick->output().normalForce);
+      commands.push_back(command.torque);
+      reasons.push_back(tick->reason());
+    }
+  }
+
+  RecordingHeader header;
+  SceneFile file;
+  std::shared_ptr<const Mechanism> device;
+  std::optional<ImpedanceRenderer> spring;
+  std::optional<HapticTick> tick;
+  std::uint64_t number = 0, broken = UINT64_MAX;
+  std::vector<Pose> poses;
+  std::vector<int> contacts;
+  std::vector<double> forces;
+  std::vector<JointVector> commands;
+  std::vector<GuardReason> reasons;
+};
+
+void record(Run& run, const std::string& file, int ticks) {
+  Recorder recorder(file, run.header, *run.tick);
+  for (int done = 0; done < ticks; done += 100) {
+    recorder.makeRoom();
+    run.run(recorder, std::min(100, ticks - done));
+  }
+  REQUIRE(recorder.close().problem.empty());
+}
+
+bool sameFrame(const Frame& frame, const Run& run) {
+  const std::uint64_t i = frame.record.tick;
+  return frame.record.pose.position == run.poses[i].position && frame.record.pose.rotation == run.poses[i].rotation &&
+         frame.contacts.count == run.contacts[i] && frame.record.command == run.commands[i] &&
+         frame.record.guard == run.reasons[i] &&
+         (run.reasons[i] != GuardReason::none || frame.record.normalForce == run.forces[i]);
+}
+
+bool noted(const Player& player, const std::string& text) {
+  for (const std::string& note : player.notes())
+    if (note.find(text) != std::string::npos) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("player: the frames of a run, bit for bit, forwards, backwards and at random", "[player]") {
+  for (const char* scene : {"flat-wall.toml", "molar.toml"}) {
+    INFO(scene);
+    const test::TemporaryFolder folder;
+    Run run(scene);
+    record(run, folder / "run.rec", 1000);
+    Player player(folder / "run.rec");
+    CHECK(player.size() == 1000);
+    CHECK(player.ticks() == 1000);
+    CHECK(player.notes().empty());
+    CHECK(player.scene().name == run.file.name);
+    CHECK(player.stretches().size() == 8);
+    int same = 0, touching = 0;
+    for (int i = 0; i < 1000; ++i, player.step(1)) {
+      REQUIRE(player.frame().record.tick == static_cast<std::uint64_t>(i));
+      same += sameFrame(player.frame(), run);
+      touching += player.frame().record.mode == RenderMode::contact;
+    }
+    CHECK(same == 1000);
+    CHECK(touching > 50);
+    CHECK(player.position() == 999);  // the last step found no more
+    same = 0;
+    for (int i = 0; i < 1000; ++i, player.step(-1)) same += sameFrame(player.frame(), run);
+    CHECK(same == 1000);
+    CHECK(player.position() == 0);
+    test::Random random(2101);
+    same = 0;
+    for (int i = 0; i < 200; ++i) {
+      player.seek(random.uniform(0.0, 1000.0));
+      same += sameFrame(player.frame(), run);
+    }
+    CHECK(same == 200);
+
+    // The charts' samples are of the same ticks; before the first and behind the last there is nothing.
+    const std::vector<Sample>& samples = player.samples(-100, 1200);
+    REQUIRE(samples.size() == 1200);
+    CHECK(std::isnan(samples[99].gap));
+    CHECK(std::isnan(samples[1100].normalForce));
+    same = 0;
+    for (std::size_t i = 0; i < 1000; ++i)
+      same += samples[i + 100].position == run.poses[i].position && samples[i + 100].torque == run.commands[i];
+    CHECK(same == 1000);
+  }
+}
+
+TEST_CASE("player: time, speed, steps and both ends", "[player]") {
+  const test::TemporaryFolder folder;
+  Run run;
+  record(run, folder / "run.rec", 700);
+  Player player(folder / "run.rec");
+  CHECK_FALSE(player.playing());
+  player.advance(1.0);
+  CHECK(player.position() == 0);
+  player.setPlaying(true);
+  CHECK_FALSE(player.frame().paused);
+  player.advance(0.1);
+  CHECK(player.position() == 100);
+  CHECK(player.seconds() == Approx(0.1));
+  player.setSpeed(0.01);
+  for (int i = 0; i < 60; ++i) player.advance(1.0 / 60.0);  // a second of pictures: 10 ticks, none of them lost
+  CHECK(std::abs(player.seconds() - 0.11) < 1e-9);
+  player.setSpeed(1000.0);
+  CHECK(player.speed() == Player::kFastest);
+  player.setSpeed(0.0);
+  CHECK(player.speed() == Player::kSlowest);
+  player.setSpeed(10.0);
+  player.advance(0.05);
+  CHECK(player.position() >= 609);
+  CHECK(player.position() <= 610);
+  player.advance(1.0);
+  CHECK(player.position() == 699);
+  CHECK_FALSE(player.playing());
+  player.setPlaying(true);  // at the end: anew
+  CHECK(player.position() == 0);
+  player.step(100);
+  CHECK(player.position() == 100);
+  CHECK_FALSE(player.playing());
+  player.step(-101);
+  CHECK(player.position() == 0);
+  player.step(100000);
+  CHECK(player.position() == 699);
+  player.seek(-5.0);
+  CHECK(player.position() == 0);
+  player.seek(1e300);
+  CHECK(player.position() == 699);
+}
+
+TEST_CASE("player: ticks that were lost and chunks that are damaged are gaps", "[player]") {
+  const test::TemporaryFolder folder;
+  Run run;
+  // A disk that is full until the recorder has lost ticks.
+  std::string disk;
+  std::mutex mutex;
+  std::size_t room = 20000;
+  Recorder recorder(
+      [&](const char* bytes, std::size_t size) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        const std::size_t now = std::min(size, room - disk.size());
+        disk.append(bytes, now);
+        errno = ENOSPC;
+        return now;
+      },
+      "a disk", run.header, *run.tick);
+  run.run(recorder, 5000);
+  const std::uint64_t kept = 5000 - recorder.lost();
+  REQUIRE(recorder.lost() > 500);
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    room = std::size_t{1} << 30;
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto written = [&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return disk.size() > 200000;
+  };
+  while (!written() && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  run.run(recorder, 500);
+  const RecordingResult result = recorder.close();
+  REQUIRE(result.problem.empty());
+  test::writeFile(folder / "full.rec", disk);
+  {
+    Player player(folder / "full.rec");
+    CHECK(player.ticks() == result.ticks);
+    CHECK(player.size() == 5500);
+    CHECK(noted(player, std::to_string(result.lost) + " ticks lost"));
+    player.seek(static_cast<double>(kept) - 1.0);
+    CHECK(player.gap() == 0);
+    CHECK(player.frame().record.tick == kept - 1);
+    player.seek(static_cast<double>(kept));
+    CHECK(player.gap() == result.lost);
+    CHECK(player.frame().record.tick == kept - 1);  // what was last seen
+    CHECK(std::isnan(player.samples(static_cast<std::int64_t>(kept), 1)[0].gap));
+    player.step(-1);
+    CHECK(player.frame().record.tick == kept - 1);
+    player.step(1);  // over the gap
+    CHECK(player.gap() == 0);
+    CHECK(player.frame().record.tick == kept + result.lost);
+    CHECK(sameFrame(player.frame(), run));
+    player.step(-1);
+    CHECK(player.frame().record.tick == kept - 1);
+    player.setPlaying(true);  // through it, as long as it was
+    player.advance(1e-3 * static_cast<double>(result.lost));
+    CHECK(player.gap() > 0);
+    player.advance(2.5e-3);
+    CHECK(player.gap() == 0);
+  }
+
+  // The third chunk damaged, and the file cut within its last one.
+  Run other;
+  record(other, folder / "cut.rec", 1000);
+  std::string bytes = test::readFile(folder / "cut.rec");
+  const std::size_t last = 32 + 320 * (1000 - 7 * kChunkTicks);
+  const std::size_t chunk =
+      32 + (RecordingReader(folder / "cut.rec").header().stateSize + 7) / 8 * 8 + 320 * kChunkTicks;
+  std::uint32_t header;
+  std::memcpy(&header, bytes.data() + 12, sizeof(header));
+  bytes[24 + header + 2 * chunk + 5000] ^= 1;
+  bytes.resize(bytes.size() - last / 2);
+  test::writeFile(folder / "cut.rec", bytes);
+  Player player(folder / "cut.rec");
+  CHECK(player.size() == 7 * kChunkTicks);
+  CHECK(player.ticks() == 6 * kChunkTicks);
+  CHECK(noted(player, "not closed"));
+  CHECK(noted(player, "cut off"));
+  CHECK(noted(player, "1 chunk cannot be read: chunk 2"));
+  player.seek(3.0 * kChunkTicks - 1.0);
+  CHECK(player.gap() == kChunkTicks);
+  player.step(1);
+  CHECK(player.frame().record.tick == 3 * kChunkTicks);
+  CHECK(sameFrame(player.frame(), other));
+  player.step(-1);
+  CHECK(player.frame().record.tick == 2 * kChunkTicks - 1);
+}
+
+TEST_CASE("player: what is no recording, of another device, without ticks, not finite", "[player]") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(Player("/no/such/file"), Catch::Contains("/no/such/file: cannot open the file"));
+  test::writeFile(folder / "text.rec", "no recording at all, but long enough to have a head");
+  CHECK_THROWS_WITH(Player(folder / "text.rec"), Catch::Contains("is no recording"));
+  Run empty;
+  record(empty, folder / "empty.rec", 0);
+  CHECK_THROWS_WITH(Player(folder / "empty.rec"), Catch::Contains("has no tick that can be read"));
+  Run other;
+  other.header.deviceText = readFile(test::deviceFile("delta.toml"));
+  record(other, folder / "other.rec", 10);
+  CHECK_THROWS_WITH(Player(folder / "other.rec"), Catch::Contains("the device has 3 joints, its ticks have 6"));
+  Run changed;
+  changed.header.files = 1;
+  record(changed, folder / "changed.rec", 10);
+  CHECK(noted(Player(folder / "changed.rec"), "has changed"));
+
+  Run broken;
+  broken.broken = 300;
+  record(broken, folder / "broken.rec", 500);
+  Player player(folder / "broken.rec");
+  CHECK(noted(player, "1 tick with values that are not finite"));
+  player.seek(300.0);
+  const Frame& frame = player.frame();
+  CHECK(frame.record.status == Status::notFinite);
+  CHECK(frame.record.pose.position == broken.poses[299].position);  // where the tool was last seen
+  CHECK(std::isfinite(frame.record.normalForce));
+  CHECK(std::isnan(player.samples(300, 1)[0].gap));
+  CHECK(std::isfinite(player.samples(301, 1)[0].gap));
+}
+
+}  // namespace enamel::viewer::test_player
