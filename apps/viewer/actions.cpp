@@ -7,16 +7,21 @@ namespace enamel::viewer {
 
 const std::vector<ActionRow>& actionRows() {
   static const std::vector<ActionRow> rows{
-      {Action::swapRenderers, "swap", "Tab", "the renderer before, and back", GLFW_KEY_TAB, false},
-      {Action::testPush, "push", "P", "test push: a step of 12 N on the surface", GLFW_KEY_P, false},
-      {Action::grip, "grip", "G", "firm grip 400 N/m, or the paper's 40 N/m", GLFW_KEY_G, false},
-      {Action::home, "home", "H", "hand back to the start", GLFW_KEY_H, false},
+      {Action::swapRenderers, "swap", "Tab", "the renderer before, and back", GLFW_KEY_TAB, false, Source::live},
+      {Action::testPush, "push", "P", "test push: a step of 12 N on the surface", GLFW_KEY_P, false, Source::live},
+      {Action::grip, "grip", "G", "firm grip 400 N/m, or the paper's 40 N/m", GLFW_KEY_G, false, Source::live},
+      {Action::home, "home", "H", "hand back to the start", GLFW_KEY_H, false, Source::live},
       {Action::reset, "reset", "Backspace", "everything back to the start", GLFW_KEY_BACKSPACE, false},
-      {Action::nextScene, "next-scene", "N", "next scene", GLFW_KEY_N, false},
+      {Action::nextScene, "next-scene", "N", "next scene", GLFW_KEY_N, false, Source::live},
       {Action::pause, "pause", "Space", "pause or go on", GLFW_KEY_SPACE, false},
       {Action::step, "step", "Right", "one tick (pauses first)", GLFW_KEY_RIGHT, false},
-      {Action::faster, "faster", "+", "faster, up to real time", GLFW_KEY_EQUAL, false},
-      {Action::slower, "slower", "-", "slow motion, down to 1:1000", GLFW_KEY_MINUS, false},
+      {Action::stepBack, "step-back", "Left", "one tick back", GLFW_KEY_LEFT, false, Source::recording},
+      {Action::nextEvent, "next-event", "Ctrl+Right", "to the next contact or act of the guard", GLFW_KEY_RIGHT, true,
+       Source::recording},
+      {Action::previousEvent, "previous-event", "Ctrl+Left", "to the one before", GLFW_KEY_LEFT, true,
+       Source::recording},
+      {Action::faster, "faster", "+", "faster", GLFW_KEY_EQUAL, false},
+      {Action::slower, "slower", "-", "slower", GLFW_KEY_MINUS, false},
       {Action::camera1, "camera-user", "1", "view: user", GLFW_KEY_1, false},
       {Action::camera2, "camera-side", "2", "view: side", GLFW_KEY_2, false},
       {Action::camera3, "camera-top", "3", "view: top", GLFW_KEY_3, false},
@@ -36,9 +41,10 @@ const std::vector<ActionRow>& actionRows() {
 
 const std::vector<HelpRow>& drivingRows() {
   static const std::vector<HelpRow> rows{
-      {"Left drag", "the hand, across the view"},
-      {"Wheel, E / Q", "the hand into the nearest wall, out of it"},
-      {"A D W S", "the hand left, right, up, down"},
+      {"Left drag", "the hand, across the view", Source::live},
+      {"Wheel, E / Q", "the hand into the nearest wall, out of it", Source::live},
+      {"A D W S", "the hand left, right, up, down", Source::live},
+      {"Drag the bar", "to any time", Source::recording},
       {"Right drag", "turn the view"},
       {"Middle drag", "shift the view"},
       {"Ctrl+wheel", "nearer, farther"},

@@ -16,6 +16,9 @@ enum class Action : std::uint8_t {
   nextScene,
   pause,
   step,
+  stepBack,
+  nextEvent,
+  previousEvent,
   faster,
   slower,
   camera1,
@@ -33,6 +36,9 @@ enum class Action : std::uint8_t {
   quit,
 };
 
+/// What an action is for: a live run, a recording that is played, or both.
+enum class Source : std::uint8_t { both, live, recording };
+
 /// A row of the help, of the key bindings and of the script's vocabulary.
 struct ActionRow {
   Action action;
@@ -41,14 +47,17 @@ struct ActionRow {
   const char* meaning;
   int key;       ///< GLFW's number
   bool control;  ///< with Ctrl
+  Source source = Source::both;
 };
 
+/// In the order of Action.
 const std::vector<ActionRow>& actionRows();
 
 /// The rows of the help that are not single actions.
 struct HelpRow {
   const char* keys;
   const char* meaning;
+  Source source = Source::both;
 };
 const std::vector<HelpRow>& drivingRows();
 

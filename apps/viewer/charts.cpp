@@ -59,7 +59,7 @@ void setTicks(vtkAxis* axis, double low, double high) {
 
 }  // namespace
 
-Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle& torques)
+Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle& torques, double period, bool about)
     : bins_(kBins + 1), torques_(torques), signals_(static_cast<std::size_t>(2 + torques.joints)) {
   const Colour paper = colour(kPaper);
   renderer->SetBackground(paper.r, paper.g, paper.b);
@@ -69,9 +69,10 @@ Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle
   renderer->AddActor(actor);
 
   constexpr int rows = 2 * kBins;
+  const double window = kBins * kBinTicks * period, now = about ? 0.5 * window : 0.0, begin = now - window;
   time_->SetName("time");
   time_->SetNumberOfValues(rows);
-  for (int i = 0; i < rows; ++i) time_->SetValue(i, static_cast<float>(-kWindow + kWindow * (0.5 * i + 0.25) / kBins));
+  for (int i = 0; i < rows; ++i) time_->SetValue(i, static_cast<float>(begin + window * (0.5 * i + 0.25) / kBins));
   table_->AddColumn(time_);
   for (std::size_t s = 0; s < signals_; ++s) {
     values_[s]->SetName(("signal" + std::to_string(s)).c_str());
@@ -79,8 +80,8 @@ Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle
     table_->AddColumn(values_[s]);
   }
   limitTime_->SetName("time");
-  limitTime_->InsertNextValue(static_cast<float>(-kWindow));
-  limitTime_->InsertNextValue(0.0f);
+  limitTime_->InsertNextValue(static_cast<float>(begin));
+  limitTime_->InsertNextValue(static_cast<float>(now));
   limits_->AddColumn(limitTime_);
   for (std::size_t i = 0; i < limitValues_.size(); ++i) {
     limitValues_[i]->SetName(("limit" + std::to_string(i)).c_str());
@@ -100,7 +101,7 @@ Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle
       axis->SetBehavior(vtkAxis::FIXED);
       axis->GetGridPen()->SetColorF(colour(kLine).r, colour(kLine).g, colour(kLine).b);
       axis->GetPen()->SetColorF(colour(kCubeLine).r, colour(kCubeLine).g, colour(kCubeLine).b);
-      axis->SetGridVisible(side == vtkAxis::LEFT);
+      axis->SetGridVisible(side == vtkAxis::LEFT || about);
       vtkTextProperty* text = axis->GetLabelProperties();
       text->SetColor(colour(kMuted).r, colour(kMuted).g, colour(kMuted).b);
       if (!font.empty()) {
@@ -109,8 +110,17 @@ Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle
       }
     }
     vtkAxis* bottom = chart->GetAxis(vtkAxis::BOTTOM);
-    bottom->SetRange(-kWindow, 0.0);
-    setTicks(bottom, {-3.0, -2.0, -1.0, 0.0}, {"-3 s", "-2 s", "-1 s", "now"});
+    bottom->SetRange(begin, now);
+    const auto time = [](double seconds) {
+      char text[16];
+      std::snprintf(text, sizeof(text), "%+g s", seconds);
+      return std::string(text);
+    };
+    if (about)
+      setTicks(bottom, {begin, 0.0, now}, {time(begin), "here", time(now)});
+    else
+      setTicks(bottom, {begin, 2 * begin / 3, begin / 3, 0.0},
+               {time(begin), time(2 * begin / 3), time(begin / 3), "now"});
     scene_->AddItem(chart);
   }
   plotLimit(0, 0);
@@ -156,7 +166,7 @@ void Charts::clear() {
 
 void Charts::add(const Sample& sample) {
   std::array<float, kMaxSignals> now;
-  now[0] = static_cast<float>(std::max(0.0, -1e3 * sample.gap));
+  now[0] = static_cast<float>(-1e3 * std::min(sample.gap, 0.0));  // NaN stays: the line has a gap there
   now[1] = static_cast<float>(sample.normalForce);
   for (int i = 0; i < torques_.joints; ++i)
     now[static_cast<std::size_t>(2 + i)] = static_cast<float>(torques_.factor[i] * sample.torque[i]);

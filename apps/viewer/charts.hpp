@@ -27,15 +27,17 @@ struct ChartPlace {
 
 class Charts {
  public:
-  static constexpr double kWindow = 3.0;  ///< s that are shown
+  static constexpr int kBins = 250;  ///< that are shown, each with its smallest and largest value
+  static constexpr int kBinTicks = 12;
 
-  /// `font`: a TrueType file, or empty.
-  Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle& torques);
+  /// `font`: a TrueType file, or empty. `period`: of the samples, s. `about`: the middle is now, not the end.
+  Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle& torques, double period, bool about);
 
   void add(const Sample& sample);
   void clear();
 
-  /// Draws what was added. `forceLimit`: what the motors can give along the normal, N.
+  /// Draws the last kBins bins that were added and are complete. `forceLimit`: what the motors can give along the
+  /// normal, N.
   void update(const std::array<ChartPlace, kCharts>& places, float scale, double forceLimit);
 
   /// Upper ends of the axes: mm, N, and as TorqueStyle has it.
@@ -43,8 +45,6 @@ class Charts {
 
  private:
   static constexpr int kMaxSignals = 2 + kMaxJoints;  // penetration [mm], force [N], torques
-  static constexpr int kBins = 250;                   // of the window, each with its smallest and largest value
-  static constexpr int kBinTicks = 12;
 
   struct Bin {
     std::array<float, kMaxSignals> low, high;

@@ -7,19 +7,34 @@
 #include <cmath>
 
 namespace enamel::viewer {
+namespace {
+
+double shareOf(const Area& bar, double x) {
+  return std::clamp((x - static_cast<double>(bar.x)) / static_cast<double>(bar.width), 0.0, 1.0);
+}
+
+}  // namespace
 
 void Input::key(int key, int action, int modifiers) {
   if (action == GLFW_RELEASE) return;
   const ActionRow* row = actionOfKey(key, (modifiers & GLFW_MOD_CONTROL) != 0);
-  if (row != nullptr && (action == GLFW_PRESS || row->action == Action::step)) driven_.act(row->action);
+  if (row != nullptr && (action == GLFW_PRESS || row->action == Action::step || row->action == Action::stepBack))
+    driven_.act(row->action);
 }
 
-void Input::button(int button, int action) { dragged_ = action == GLFW_RELEASE ? -1 : button; }
+void Input::button(int button, int action) {
+  dragged_ = action == GLFW_RELEASE ? -1 : button;
+  const Area& bar = driven_.layout().bar;
+  seeks_ = dragged_ >= 0 && cursor_.x >= bar.x && cursor_.x < bar.x + bar.width && cursor_.y >= bar.y &&
+           cursor_.y < bar.y + bar.height;
+  if (seeks_) driven_.seek(shareOf(bar, cursor_.x));
+}
 
 void Input::cursor(const glm::dvec2& place) {
   const glm::dvec2 before = cursor_;
   cursor_ = place;
   if (dragged_ < 0) return;
+  if (seeks_) return driven_.seek(shareOf(driven_.layout().bar, place.x));
   const Area& area = driven_.layout().scene;
   const glm::dvec2 size(std::max(1.0f, area.width), std::max(1.0f, area.height)), corner(area.x, area.y);
   Camera& camera = driven_.camera();

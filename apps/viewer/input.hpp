@@ -17,6 +17,7 @@ class Driven {
   virtual void act(Action action) = 0;
   virtual void moveHandBy(const glm::dvec3& millimetres) = 0;
   virtual void pressBy(double newtons) = 0;  ///< along the wall's normal, inwards
+  virtual void seek(double share) = 0;       ///< of a recording, 0 to 1
   virtual Camera& camera() = 0;
   virtual const Layout& layout() const = 0;
   virtual glm::dvec3 tool() const = 0;  ///< TCP, mm
@@ -38,7 +39,8 @@ class Input {
  private:
   Driven& driven_;
   glm::dvec2 cursor_{0.0};
-  int dragged_ = -1;  // mouse button
+  int dragged_ = -1;    // mouse button
+  bool seeks_ = false;  // it began on the time bar
 };
 
 }  // namespace enamel::viewer

@@ -10,13 +10,15 @@ Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int
   layout.size = size;
   const float w = static_cast<float>(size.x), h = static_cast<float>(size.y);
   const float panel = 248 * scale, column = 372 * scale,
-              gauge = (106 + kGaugeRow * static_cast<float>(renderers)) * scale;
+              gauge = renderers == 0 ? 0.0f : (106 + kGaugeRow * static_cast<float>(renderers)) * scale,
+              bar = renderers == 0 ? 46 * scale : 0.0f;
   const float sceneLeast = 300 * scale;
   const bool showCharts = charts && w >= column + sceneLeast && h >= 420 * scale;
   const bool showPanel = panels && w >= panel + sceneLeast + (showCharts ? column : 0.0f);
   const float left = showPanel ? panel : 0.0f, right = showCharts ? column : 0.0f;
   layout.panel = {0, 0, left, h};
-  layout.scene = {left, 0, w - left - right, h};
+  layout.scene = {left, 0, w - left - right, h - bar};
+  if (bar > 0) layout.bar = {left + 24 * scale, h - bar, layout.scene.width - 48 * scale, bar};
   layout.charts = {w - right, 0, right, showCharts ? h - gauge : 0};
   layout.gauge = {w - right, h - gauge, right, showCharts ? gauge : 0};
   // The torques get a little more: six lines and their key.
@@ -29,7 +31,8 @@ Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int
   const float side = std::min({236 * scale, 0.5f * layout.scene.width, 0.45f * h});
   if (side > 170 * scale)  // smaller, its words no longer fit
 
-    layout.inset = {layout.scene.x + layout.scene.width - side - 14 * scale, h - side - 14 * scale, side, side};
+    layout.inset = {layout.scene.x + layout.scene.width - side - 14 * scale, layout.scene.height - side - 14 * scale,
+                    side, side};
   return layout;
 }
 

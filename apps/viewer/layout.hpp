@@ -13,12 +13,13 @@ struct Area {
   float x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Where everything stands at a size and a scale, with so many renderers in the gauge.
+/// Where everything stands at a size and a scale, with so many renderers in the gauge; 0: of a recording, with a time
+/// bar and no gauge.
 struct Layout {
   float scale = 1.0f;
   glm::ivec2 size{0};
-  Area panel, scene, charts, inset, gauge;  ///< width 0: not shown
-  std::array<Area, kCharts> chart;          ///< each with room for its title
+  Area panel, scene, charts, inset, gauge, bar;  ///< width 0: not shown; bar: of time, from end to end
+  std::array<Area, kCharts> chart;               ///< each with room for its title
 };
 Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int renderers = 4);
 inline constexpr float kChartTitle = 28.0f;  // units of layout, above each chart

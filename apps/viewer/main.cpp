@@ -23,17 +23,20 @@ void runViewer(int argc, char** argv) {
   options.scene = dataFolder() + "/scenes/flat-wall.toml";
   options.device = dataFolder() + "/devices/tau-nominal.toml";
   std::string renderer, size = "1280x720";
-  app.add_option("scene", options.scene, "scene file (TOML)");
-  app.add_option("--device", options.device, "device file (TOML)");
   std::vector<std::string> set;
-  app.add_option(
-      "--renderer", renderer,
-      "the renderer to begin with: position-control (slides, never pulls; default), impedance, hold (the paper's "
-      "law), passivity (the spring with passivity control), or the name or path of a plugin, which takes the place of one of its name");
-  app.add_option("--gain", options.gain,
-                 "servo of enamel design --output: with --surface for position-control, without for hold, which is "
-                 "then begun with");
-  app.add_option("--set", set, "parameter of the plugin, KEY=VALUE; once a parameter")->allow_extra_args(false);
+  CLI::Option* const live[] = {
+      app.add_option("scene", options.scene, "scene file (TOML)"),
+      app.add_option("--device", options.device, "device file (TOML)"),
+      app.add_option("--renderer", renderer,
+                     "the renderer to begin with: position-control (slides, never pulls; default), impedance, hold "
+                     "(the paper's law), passivity (the spring with passivity control), or the name or path of a "
+                     "plugin, which takes the place of one of its name"),
+      app.add_option("--gain", options.gain,
+                     "servo of enamel design --output: with --surface for position-control, without for hold, which "
+                     "is then begun with"),
+      app.add_option("--set", set, "parameter of the plugin, KEY=VALUE; once a parameter")->allow_extra_args(false)};
+  CLI::Option* const play = app.add_option("--play", options.play, "recording to look at, instead of a run");
+  for (CLI::Option* const option : live) play->excludes(option);
   app.add_flag("--headless", options.headless, "no display: run the script on simulated time");
   app.add_option("--script", options.script, "what to do, with times");
   app.add_option("--record", options.record, "folder for pictures (made if it is missing)");

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <filesystem>
 
 #include "palette.hpp"
 
@@ -124,15 +125,51 @@ std::string titleOf(const OverlayInput& input, std::size_t slot) {
                                : std::string(kLinkedTitle[slot]);
 }
 
-void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state) {
-  const float s = layout.scale;
+void drawViews(const OverlayInput& input, OverlayState& state, float s, float whole) {
+  constexpr const char* views[] = {"user", "side", "top", "close"};
+  for (int i = 0; i < 4; ++i) {
+    if (i > 0) ImGui::SameLine(0, 4 * s);
+    if (toggle(views[i], std::string(input.cameraName) == views[i], (whole - 12 * s) / 4.0f))
+      state.actions.push_back(static_cast<Action>(static_cast<int>(Action::camera1) + i));
+  }
+}
+
+void drawPlayerControls(const OverlayInput& input, OverlayState& state, float s, float whole) {
+  const Player& player = *input.player;
+  const RecordingHeader& header = player.header();
+  const float half = 0.5f * (whole - 6 * s), third = (whole - 12 * s) / 3.0f;
+  const auto ask = [&state](Action action) { state.actions.push_back(action); };
+  heading("Recording");
+  ImGui::TextWrapped("%s", std::filesystem::path(player.path()).filename().c_str());
+  remark(format("Renderer %s on %s.", header.renderer.c_str(), input.deviceName.c_str()));
+  for (const auto& [key, value] : header.parameters) remark(key + " = " + value);
+  remark(format("%.3f s, %g ticks a second", static_cast<double>(player.size()) * header.guard.period,
+                1.0 / header.guard.period));
+  for (const std::string& note : player.notes()) remark(note, kVermilion);
+
+  heading("Time");
+  if (toggle("slower", false, third)) ask(Action::slower);
+  ImGui::SameLine(0, 6 * s);
+  if (toggle(player.playing() ? "pause" : "play", player.playing(), third)) ask(Action::pause);
+  ImGui::SameLine(0, 6 * s);
+  if (toggle("faster", false, third)) ask(Action::faster);
+  if (toggle("< tick", false, half)) ask(Action::stepBack);
+  ImGui::SameLine(0, 6 * s);
+  if (toggle("tick >", false, half)) ask(Action::step);
+  if (toggle("< event", false, half)) ask(Action::previousEvent);
+  ImGui::SameLine(0, 6 * s);
+  if (toggle("event >", false, half)) ask(Action::nextEvent);
+  remark("An event: a contact begins, or the guard acts.");
+
+  heading("View");
+  drawViews(input, state, s, whole);
+  ImGui::Dummy({0, 4 * s});
+  remark("Drag the bar below to any time. F1 lists every key.");
+}
+
+void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, float whole) {
   const Frame& frame = input.frame;
-  ImGui::SetNextWindowPos({layout.panel.x, layout.panel.y});
-  ImGui::SetNextWindowSize({layout.panel.width, layout.panel.height});
-  ImGui::Begin("panel", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_NoNav);
-  const float whole = ImGui::GetContentRegionAvail().x, half = 0.5f * (whole - 6 * s), third = (whole - 12 * s) / 3.0f;
+  const float half = 0.5f * (whole - 6 * s), third = (whole - 12 * s) / 3.0f;
   const auto ask = [&state](Action action) { state.actions.push_back(action); };
   Settings& settings = state.settings;
 
@@ -216,12 +253,7 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
   ImGui::SameLine(0, 6 * s);
   if (toggle(frame.slowdown == 1 ? "slow" : format("1:%d", frame.slowdown).c_str(), frame.slowdown != 1, third))
     ask(Action::slower);
-  constexpr const char* views[] = {"user", "side", "top", "close"};
-  for (int i = 0; i < 4; ++i) {
-    if (i > 0) ImGui::SameLine(0, 4 * s);
-    if (toggle(views[i], std::string(input.cameraName) == views[i], (whole - 12 * s) / 4.0f))
-      ask(static_cast<Action>(static_cast<int>(Action::camera1) + i));
-  }
+  drawViews(input, state, s, whole);
   ImGui::SetNextItemWidth(-1.0f);
   if (ImGui::BeginCombo("##scene", input.sceneName.c_str())) {
     for (int i = 0; i < static_cast<int>(input.scenes.size()); ++i)
@@ -231,6 +263,16 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
   }
   ImGui::Dummy({0, 4 * s});
   remark("Drag moves the hand, the wheel presses it into the wall. F1 lists every key.");
+}
+
+void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state) {
+  ImGui::SetNextWindowPos({layout.panel.x, layout.panel.y});
+  ImGui::SetNextWindowSize({layout.panel.width, layout.panel.height});
+  ImGui::Begin("panel", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoNav);
+  const float whole = ImGui::GetContentRegionAvail().x;
+  (input.player != nullptr ? drawPlayerControls : drawLiveControls)(input, state, layout.scale, whole);
   ImGui::End();
 }
 
@@ -245,9 +287,11 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   const float x = area.x + 18 * s, right = area.x + area.width - 18 * s;
   brush.text(gLarge, x, area.y + 12 * s, kInk, input.sceneName);
   const std::size_t slot = indexOf(frame.selected);
+  const Player* const player = input.player;
   const float y = area.y + 46 * s;
-  brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(kSlotColour[slot]));
-  brush.text(gText, x + 16 * s, y, kMuted, format("%s on %s", titleOf(input, slot).c_str(), input.deviceName.c_str()));
+  brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(player != nullptr ? kInk : kSlotColour[slot]));
+  const std::string renderer = player != nullptr ? "Recording of " + player->header().renderer : titleOf(input, slot);
+  brush.text(gText, x + 16 * s, y, kMuted, format("%s on %s", renderer.c_str(), input.deviceName.c_str()));
 
   const bool contact = frame.record.nearest.gap <= 0.0 || frame.record.mode == RenderMode::contact;
   std::string chip = contact ? "contact" : "free";
@@ -255,9 +299,11 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   if (frame.testing) chip = "test push", fill = kGreen;
   if (frame.record.status != Status::ok) chip = std::string("fault: ") + toString(frame.record.status), fill = kInk;
   if (frame.record.guard != GuardReason::none)
-    chip =
-        std::string("guard: ") + toString(frame.record.guard) + (isFault(frame.record.guard) ? ": select again" : ""),
+    chip = std::string("guard: ") + toString(frame.record.guard) +
+           (isFault(frame.record.guard) && player == nullptr ? ": select again" : ""),
     fill = kInk;
+  if (player != nullptr && player->gap() > 0)
+    chip = format("%llu ticks missing here", static_cast<unsigned long long>(player->gap())), fill = kInk;
   if (frame.plant != Status::ok) chip = std::string("stopped: ") + toString(frame.plant), fill = kInk;
   const float chipWidth = Brush::width(gBold, chip) + 20 * s;
   brush.list->AddRectFilled({right - chipWidth, area.y + 16 * s}, {right, area.y + 40 * s}, ink(fill), 12 * s);
@@ -265,6 +311,8 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   std::string time = format("%.3f s", input.simulated);
   if (frame.paused) time += "   paused";
   if (frame.slowdown != 1) time += format("   slow motion 1:%d", frame.slowdown);
+  if (player != nullptr)
+    time += format("   tick %llu   %g x", static_cast<unsigned long long>(frame.record.tick), player->speed());
   brush.textRight(gText, right, y, kMuted, time);
 }
 
@@ -296,12 +344,14 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
                    : "> 1000",
        "kN/m", "hand force / depth now", kInk},
   };
-  float y = area.y + area.height - 4 * 46 * s - 14 * s;
+  const int count = input.player != nullptr ? 2 : 4;  // a recording does not know the hand
+  float y = area.y + area.height - static_cast<float>(count) * 46 * s - 14 * s;
   const float x = area.x + 18 * s;
   // In a small window the device stands behind them.
   brush.list->AddRectFilled({x - 6 * s, y - 3 * s}, {x + 140 * s, area.y + area.height - 8 * s}, ink(kGround, 0.8),
                             6 * s);
-  for (const Number& n : numbers) {
+  for (int i = 0; i < count; ++i) {
+    const Number& n = numbers[i];
     brush.list->AddRectFilled({x, y + 3 * s}, {x + 3 * s, y + 38 * s}, ink(n.colour));
     brush.text(gLarge, x + 12 * s, y, kInk, n.value);
     brush.text(gText, x + 18 * s + Brush::width(gLarge, n.value), y + 8 * s, kMuted, n.unit);
@@ -568,6 +618,48 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
     }
 }
 
+void drawBar(const Layout& layout, const Player& player, const Brush& brush) {
+  const float s = layout.scale;
+  const Area& bar = layout.bar;
+  const auto place = [&](std::uint64_t position) {
+    return bar.x + bar.width * static_cast<float>(static_cast<double>(position) /
+                                                  std::max(1.0, static_cast<double>(player.size() - 1)));
+  };
+  const float top = bar.y + 14 * s, bottom = top + 8 * s;
+  brush.list->AddRectFilled({layout.scene.x, bar.y}, {layout.scene.x + layout.scene.width, bar.y + bar.height},
+                            ink(kPaper));
+  brush.list->AddRectFilled({bar.x, top}, {bar.x + bar.width, bottom}, ink(kLine));
+  // Never thinner than a line; over each other where they are many.
+  const auto mark = [&](std::uint64_t from, std::uint64_t to, float up, unsigned colour) {
+    brush.list->AddRectFilled({place(from), top - up}, {std::max(place(to), place(from) + 1.5f * s), bottom},
+                              ink(colour));
+  };
+  const auto& stretches = player.stretches();
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    if (stretches[i].contact) mark(stretches[i].begin, stretches[i].end, 0, kVermilion);
+    if (i > 0 && stretches[i].begin > stretches[i - 1].end) mark(stretches[i - 1].end, stretches[i].begin, 4 * s, kInk);
+  }
+  for (const PlayerEvent& event : player.events())
+    if (event.reason != GuardReason::none) mark(event.position, event.position, 6 * s, kPurple);
+  const float now = place(player.position());
+  brush.list->AddLine({now, bar.y + 5 * s}, {now, bottom + 4 * s}, ink(kBlue), 2 * s);
+  brush.list->AddCircleFilled({now, 0.5f * (top + bottom)}, 6 * s, ink(kBlue));
+
+  const double period = player.header().guard.period;
+  const std::string end = format("%.3f s", static_cast<double>(player.size() - 1) * period);
+  const float y = bottom + 6 * s, right = bar.x + bar.width - Brush::width(gSmall, end);
+  brush.text(gSmall, right, y, kMuted, end);
+  float x = bar.x;
+  const auto key = [&](unsigned colour, const char* name) {
+    brush.list->AddRectFilled({x, y + 5 * s}, {x + 10 * s, y + 11 * s}, ink(colour));
+    brush.text(gSmall, x + 14 * s, y, kMuted, name);
+    x += Brush::width(gSmall, name) + 30 * s;
+  };
+  key(kVermilion, "contact");
+  key(kPurple, "guard");
+  key(kInk, "missing");
+}
+
 void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const TimingNumbers& t = input.timing;
@@ -585,15 +677,20 @@ void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& br
     line(format("compute  median %.1f us, p99.9 %.1f us", 1e6 * t.computeMedian, 1e6 * t.computeHigh));
     line(format("missed %llu of %llu    %.0f pictures/s", t.missed, t.periods, t.framesPerSecond));
   } else {
-    line("simulated time: no haptic thread");
+    line(input.player != nullptr ? "a recording: no haptic thread" : "simulated time: no haptic thread");
   }
 }
 
-void drawHelp(const Layout& layout, const Brush& brush) {
-  const auto& actions = actionRows();
-  const auto& driving = drivingRows();
-  const std::size_t left = driving.size() + 8, all = driving.size() + actions.size();
-  const float rows = static_cast<float>(std::max(left, all - left));
+void drawHelp(const Layout& layout, bool recording, const Brush& brush) {
+  std::vector<HelpRow> help;
+  const auto add = [&](const auto& row) {
+    if (row.source == Source::both || (row.source == Source::recording) == recording)
+      help.push_back({row.keys, row.meaning});
+  };
+  for (const HelpRow& row : drivingRows()) add(row);
+  for (const ActionRow& row : actionRows()) add(row);
+  const std::size_t all = help.size(), left = all / 2;
+  const float rows = static_cast<float>(all - left);
   const float w = static_cast<float>(layout.size.x), h = static_cast<float>(layout.size.y);
   // Smaller where the window is too small for it.
   const float fit = std::min({1.0f, w / (740 * layout.scale), h / ((76 + 23 * rows) * layout.scale)});
@@ -604,15 +701,14 @@ void drawHelp(const Layout& layout, const Brush& brush) {
   };
   brush.list->AddRectFilled({0, 0}, {w, h}, ink(kInk, 0.25));
   brush.card(card, 1.0);
-  text(gLarge, card.x + 20 * s, card.y + 12 * s, kInk, "Push the tool against the wall");
+  text(gLarge, card.x + 20 * s, card.y + 12 * s, kInk,
+       recording ? "Look at a recording" : "Push the tool against the wall");
   for (std::size_t i = 0; i < all; ++i) {
     const bool second = i >= left;
     const float x = card.x + 20 * s + (second ? 0.53f * wide : 0.0f);
     const float y = card.y + (52 + 23 * static_cast<float>(second ? i - left : i)) * s;
-    const bool drive = i < driving.size();
-    text(gBold, x, y, kInk, drive ? driving[i].keys : actions[i - driving.size()].keys);
-    text(gText, x + (second ? 82 : 92) * s, y, kMuted,
-         drive ? driving[i].meaning : actions[i - driving.size()].meaning);
+    text(gBold, x, y, kInk, help[i].keys);
+    text(gText, x + 92 * s, y, kMuted, help[i].meaning);
   }
 }
 
@@ -681,8 +777,9 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
   if (layout.inset.width > 0) drawInset(layout, input, state, brush);
   if (layout.charts.width > 0) {
     drawChartTitles(layout, input, brush);
-    drawGauge(layout, input, brush);
+    if (layout.gauge.height > 0) drawGauge(layout, input, brush);
   }
+  if (input.player != nullptr) drawBar(layout, *input.player, brush);
   if (state.timing) drawTiming(layout, input, brush);
   if (!state.notice.empty()) {
     const float s = layout.scale, wide = Brush::width(gText, state.notice) + 24 * s;
@@ -690,7 +787,7 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
     brush.list->AddRectFilled({x, y}, {x + wide, y + 28 * s}, ink(kInk, 0.85), 14 * s);
     brush.text(gText, x + 12 * s, y + 5 * s, 0xFFFFFF, state.notice);
   }
-  if (state.help) drawHelp(layout, Brush{ImGui::GetForegroundDrawList(), layout.scale});
+  if (state.help) drawHelp(layout, input.player != nullptr, Brush{ImGui::GetForegroundDrawList(), layout.scale});
 }
 
 }  // namespace enamel::viewer

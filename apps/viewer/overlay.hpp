@@ -9,6 +9,7 @@
 #include "charts.hpp"
 #include "experiment.hpp"
 #include "layout.hpp"
+#include "player.hpp"
 
 namespace enamel::viewer {
 
@@ -36,6 +37,7 @@ struct TimingNumbers {
 
 struct OverlayInput {
   const Frame& frame;
+  const Player* player;  ///< the frame's source, or nullptr: a live run
   const std::string& sceneName;
   const std::string& deviceName;
   const PluginLibrary* plugin;         ///< or nullptr

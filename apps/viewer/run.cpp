@@ -158,7 +158,9 @@ class Report {
 class ScriptPlayer {
  public:
   explicit ScriptPlayer(const Options& options) {
-    if (!options.script.empty()) steps_ = loadScript(options.script, rendererNames(options.plugin.get()));
+    if (!options.script.empty())
+      steps_ = loadScript(options.script,
+                          options.play.empty() ? rendererNames(options.plugin.get()) : std::vector<std::string>{});
   }
 
   template <typename Function>
@@ -228,7 +230,9 @@ int runInWindow(const Options& options, double started) {
   const double begin = steadySeconds();
   double last = begin, rate = 0.0;
   {
-    const PeriodicThread haptics(kPeriod, [&viewer] { viewer.runner().period(); });
+    std::optional<PeriodicThread> haptics;
+    if (Runner* const runner = viewer.runner()) haptics.emplace(kPeriod, [runner] { runner->period(); });
+    const auto timing = [&] { return haptics ? numbersOf(haptics->timing(), rate) : TimingNumbers{}; };
     while (glfwWindowShouldClose(window) == GLFW_FALSE && !viewer.wantsToEnd() && signals.caught() == 0) {
       glfwPollEvents();
       const double now = steadySeconds(), passed = now - last;
@@ -243,7 +247,7 @@ int runInWindow(const Options& options, double started) {
       if (!ImGui::GetIO().WantTextInput)
         input.hold([window](int key) { return isDown(window, key); }, std::min(passed, 0.1));
       surface->setFullScreen(viewer.fullScreen());
-      viewer.update(now - begin, numbersOf(haptics.timing(), rate));
+      viewer.update(now - begin, timing());
       ImGui_ImplGlfw_NewFrame();
       const std::vector<std::string> names = viewer.takePictures();
       viewer.draw(!names.empty());
@@ -251,15 +255,16 @@ int runInWindow(const Options& options, double started) {
       surface->present();
       report.frame(steadySeconds());
       if (scripted) {
-        report.write(options.report, steadySeconds() - begin, viewer, numbersOf(haptics.timing(), rate));
+        report.write(options.report, steadySeconds() - begin, viewer, timing());
         return 0;
       }
       const double spare = kFrame - (steadySeconds() - now);
       if (spare > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(spare));
     }
-    report.write(options.report, steadySeconds() - begin, viewer, numbersOf(haptics.timing(), rate));
+    report.write(options.report, steadySeconds() - begin, viewer, timing());
   }
   if (signals.caught() != 0) return signals.caught();
+  if (viewer.runner() == nullptr) return 0;
   if (viewer.frame().record.nearest.gap < 0.0 || viewer.frame().record.mode == RenderMode::contact)
     throw Error("the window was closed while the tool was in contact: the wall was gone at once");
   return 0;
@@ -297,7 +302,8 @@ int runHeadless(const Options& options, double started) {
       takePictures(options, viewer, names);
       report.frame(steadySeconds());
     }
-    for (std::uint64_t tick = ticksAt(frame); tick < ticksAt(frame + 1); ++tick) viewer.runner().period();
+    if (viewer.runner() == nullptr) continue;
+    for (std::uint64_t tick = ticksAt(frame); tick < ticksAt(frame + 1); ++tick) viewer.runner()->period();
   }
   report.write(options.report, steadySeconds() - begin, viewer, TimingNumbers{});
   return signals.caught();

@@ -55,9 +55,8 @@ void Runner::obey(const RunnerCommand& command) noexcept {
 
 void Runner::tick() noexcept {
   experiment_->tick();
-  const TickRecord& record = experiment_->frame().record;
   if (experiment_->frame().plant != Status::ok) return;
-  if (!samples_.push({record.pose.position, record.nearest.gap, record.normalForce, record.torque})) ++dropped_;
+  if (!samples_.push(sampleOf(experiment_->frame().record))) ++dropped_;
 }
 
 void Runner::period() noexcept {

@@ -17,6 +17,9 @@ struct Sample {
   double normalForce = 0.0;      ///< N
   JointVector torque;            ///< N m or N
 };
+inline Sample sampleOf(const TickRecord& record) noexcept {
+  return {record.pose.position, record.nearest.gap, record.normalForce, record.torque};
+}
 
 /// A change between two ticks.
 struct RunnerCommand {

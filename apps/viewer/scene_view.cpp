@@ -288,8 +288,12 @@ void SceneView::update(const SceneState& state) {
   if (state.ghost) p.ghost.place(*state.ghost);
 
   const Vec3 grip = pose.rotation * Vec3(0.0, 0.0, kHandleEnd);
-  p.hand.place(state.hand + grip);
-  p.pull.place(pose.position + grip, state.hand + grip);
+  p.hand.show(state.hand.has_value());
+  p.pull.show(state.hand.has_value());
+  if (state.hand) {
+    p.hand.place(*state.hand + grip);
+    p.pull.place(pose.position + grip, *state.hand + grip);
+  }
 
   for (std::size_t i = 0; i < kShownContacts; ++i) {
     const bool touching = i < state.touching.size();

@@ -20,7 +20,7 @@ struct SceneState {
   Pose pose;                  ///< of the platform
   std::vector<Bar> bars;      ///< of the mechanism there
   std::optional<Pose> ghost;  ///< reference pose
-  Vec3 hand;                  ///< where the hand pulls the TCP to
+  std::optional<Vec3> hand;   ///< where the hand pulls the TCP to
   std::vector<Contact> touching;
   Vec3 force = Vec3::Zero();  ///< of the motors on the tool beyond gravity, N: what stands for the wall
 };

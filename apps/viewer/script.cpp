@@ -83,14 +83,22 @@ ScriptStep parseStep(Line& line, const std::string& file, const std::vector<std:
   ScriptStep step;
   step.time = line.number("time", 0.0, kLongest);
   const std::string command = line.word("command");
+  const bool recording = renderers.empty();
+  const auto isOf = [&](Source source) {
+    if (source != Source::both && (source == Source::recording) != recording)
+      line.fail(command, recording ? "is not for a recording" : "is for a recording: there is no --play");
+  };
   if (const ActionRow* row = actionOfName(command); row != nullptr) {
+    isOf(row->source);
     step.kind = Kind::action;
     step.action = row->action;
   } else if (command == "hand") {
+    isOf(Source::live);
     step.kind = Kind::hand;
     for (int i = 0; i < 3; ++i) step.target[i] = line.number("hand", -1000.0, 1000.0);
     if (line.accept("over")) step.over = line.number("over", 0.0, kLongest);
   } else if (command == "renderer") {
+    isOf(Source::live);
     step.kind = Kind::renderer;
     const std::string name = line.word("renderer");
     const auto found = std::find(renderers.begin(), renderers.end(), name);
@@ -102,6 +110,7 @@ ScriptStep parseStep(Line& line, const std::string& file, const std::vector<std:
     }
     step.number = static_cast<int>(found - renderers.begin());
   } else if (command == "set") {
+    isOf(Source::live);
     step.kind = Kind::set;
     step.name = line.word("set");
     const SettingRow* found = nullptr;
@@ -111,12 +120,17 @@ ScriptStep parseStep(Line& line, const std::string& file, const std::vector<std:
     step.value = found->whole ? line.integer(found->name, static_cast<int>(found->low), static_cast<int>(found->high))
                               : line.number(found->name, found->low, found->high);
   } else if (command == "scene") {
+    isOf(Source::live);
     step.kind = Kind::scene;
     const std::filesystem::path path = line.word("scene");
     step.name = path.is_absolute() ? path.string() : (std::filesystem::path(file).parent_path() / path).string();
   } else if (command == "slow") {
     step.kind = Kind::slowdown;
     step.number = line.integer("slow", 1, 1000);
+  } else if (command == "seek") {
+    isOf(Source::recording);
+    step.kind = Kind::seek;
+    step.value = line.number("seek", 0.0, 1e9);
   } else if (command == "size") {
     step.kind = Kind::size;
     try {

@@ -26,16 +26,23 @@ Hand handAt(const Vec3& position, const Grip& grip) {
   return hand;
 }
 
-ServoedDevice withPlugin(ServoedDevice device, const Options& options) {
+ServoedDevice deviceOf(const Player* player, const Options& options) {
+  ServoedDevice device;
+  if (player != nullptr) {
+    device.parameters = player->parameters();
+    return device;
+  }
+  device = loadServoedDevice(options.device, options.gain);
   device.plugin = options.plugin;
   device.pluginSetup = {options.device, "", options.scene, "", options.pluginParameters};
   return device;
 }
 
-std::unique_ptr<Experiment> firstExperiment(const ServoedDevice& device, const SceneFile& scene, RendererSlot slot) {
+std::unique_ptr<Runner> firstRunner(const ServoedDevice& device, const SceneFile& scene, RendererSlot slot) {
   Pose start;
   start.position = scene.start;
-  return std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot);
+  return std::make_unique<Runner>(
+      std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot));
 }
 
 Vec3 metres(const glm::dvec3& millimetres) { return Vec3(millimetres.x, millimetres.y, millimetres.z) / kMillimetres; }
@@ -48,19 +55,26 @@ double steadySeconds() {
 
 Viewer::Viewer(const Options& options, Surface& surface)
     : surface_(surface),
-      device_(withPlugin(loadServoedDevice(options.device, options.gain), options)),
+      player_(options.play.empty() ? nullptr : std::make_unique<Player>(options.play)),
+      device_(deviceOf(player_.get(), options)),
       rendererNames_(viewer::rendererNames(options.plugin.get())),
       plant_(makeMechanism(changed(device_.parameters, Settings{}))),
       torques_(*plant_),
-      scene_(enamel::loadScene(options.scene)),
+      scene_(player_ ? player_->scene() : enamel::loadScene(options.scene)),
       selected_(options.begin),
       before_(selected_ == RendererSlot::impedance ? RendererSlot::positionControl : RendererSlot::impedance),
-      runner_(firstExperiment(device_, scene_, selected_)),
+      runner_(player_ ? nullptr : firstRunner(device_, scene_, selected_)),
       stage_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
       view_(stage_.scene(), stage_.above()),
-      charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), torques_) {
+      charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), torques_,
+              player_ ? player_->header().guard.period : kPeriod, player_ != nullptr) {
   kinematics_ = plant_->home();
   shown_.bars = plant_->bars(kinematics_.pose);
+  selectCamera(0);
+  if (player_) {
+    if (!player_->notes().empty()) notify(player_->notes().front());
+    return;
+  }
   const std::filesystem::path folder = std::filesystem::absolute(options.scene).parent_path();
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.path().extension() == ".toml") sceneFiles_.push_back(entry.path().string());
@@ -70,7 +84,6 @@ Viewer::Viewer(const Options& options, Surface& surface)
     if (std::filesystem::path(sceneFiles_[i]) == std::filesystem::path(own)) sceneIndex_ = static_cast<int>(i);
     sceneNames_.push_back(std::filesystem::path(sceneFiles_[i]).stem().string());
   }
-  selectCamera(0);
 }
 
 glm::dvec3 Viewer::tool() const {
@@ -83,13 +96,46 @@ void Viewer::notify(const std::string& text) {
   noticeEnd_ = now_ + kNotice;
 }
 
+void Viewer::send(RunnerCommand::Kind kind, int number) {
+  RunnerCommand command{kind};
+  command.number = number;
+  runner_->send(command);
+}
+
+bool Viewer::isRefused(Source source) {
+  if (source == Source::both || (source == Source::recording) == (player_ != nullptr)) return false;
+  notify(player_ ? "Not in a recording: it is what it was." : "Only in a recording (--play FILE).");
+  return true;
+}
+
+bool Viewer::actOnRecording(Action action) {
+  constexpr double speeds[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
+  const double speed = player_->speed();
+  switch (action) {
+    case Action::reset: player_->seek(0.0); return true;
+    case Action::pause: player_->setPlaying(!player_->playing()); return true;
+    case Action::step: player_->step(1); return true;
+    case Action::stepBack: player_->step(-1); return true;
+    case Action::nextEvent:
+    case Action::previousEvent:
+      if (!player_->jump(action == Action::nextEvent)) notify("There is no more contact or act of the guard.");
+      return true;
+    case Action::faster:
+      player_->setSpeed(*std::find_if(speeds, std::end(speeds) - 1, [&](double s) { return s > 1.001 * speed; }));
+      return true;
+    case Action::slower:
+      for (const double s : speeds)
+        if (s < 0.999 * speed) player_->setSpeed(s);
+      return true;
+    default: return false;
+  }
+}
+
 void Viewer::select(RendererSlot slot) {
   if (slot == selected_) return;
   before_ = selected_;
   selected_ = slot;
-  RunnerCommand command{RunnerCommand::Kind::select};
-  command.number = static_cast<int>(slot);
-  runner_.send(command);
+  send(RunnerCommand::Kind::select, static_cast<int>(slot));
 }
 
 void Viewer::selectCamera(int preset) {
@@ -101,7 +147,7 @@ void Viewer::selectCamera(int preset) {
 void Viewer::rebuild(const Pose& start, const Hand& hand) {
   try {
     plant_ = makeMechanism(changed(device_.parameters, overlay_.settings));
-    runner_.replace(std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, selected_));
+    runner_->replace(std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, selected_));
   } catch (const Error& error) {
     notify(error.what());
   }
@@ -132,12 +178,9 @@ std::vector<std::string> Viewer::takePictures() {
 }
 
 void Viewer::act(Action action) {
+  if (isRefused(actionRows()[static_cast<std::size_t>(action)].source)) return;
+  if (player_ && actOnRecording(action)) return;
   constexpr int speeds[] = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000};
-  const auto send = [this](RunnerCommand::Kind kind, int number) {
-    RunnerCommand command{kind};
-    command.number = number;
-    runner_.send(command);
-  };
   switch (action) {
     case Action::swapRenderers: select(before_); break;
     case Action::testPush:
@@ -148,14 +191,14 @@ void Viewer::act(Action action) {
       overlay_.grip = overlay_.grip.stiffness == kFirmGrip.stiffness ? kPaperGrip : kFirmGrip;
       RunnerCommand command{RunnerCommand::Kind::grip};
       command.grip = overlay_.grip;
-      runner_.send(command);
+      runner_->send(command);
       break;
     }
     case Action::home: {
       path_.reset();
       RunnerCommand command{RunnerCommand::Kind::handTo};
       command.target = scene_.start;
-      runner_.send(command);
+      runner_->send(command);
       break;
     }
     case Action::reset: startAgain(); break;
@@ -173,6 +216,9 @@ void Viewer::act(Action action) {
       if (!paused_) act(Action::pause);
       send(RunnerCommand::Kind::step, 1);
       break;
+    case Action::stepBack:
+    case Action::nextEvent:
+    case Action::previousEvent: break;  // of recordings
     case Action::faster:
       for (int i = 9; i >= 0; --i)
         if (speeds[i] < slowdown_) {
@@ -209,18 +255,22 @@ void Viewer::act(Action action) {
 }
 
 void Viewer::moveHandBy(const glm::dvec3& millimetres) {
+  if (isRefused(Source::live)) return;
   path_.reset();
   RunnerCommand command{RunnerCommand::Kind::handBy};
   command.target = metres(millimetres);
-  runner_.send(command);
+  runner_->send(command);
 }
 
 void Viewer::pressBy(double newtons) {
+  if (isRefused(Source::live)) return;
   path_.reset();
   RunnerCommand command{RunnerCommand::Kind::handBy};
   command.target = -newtons * frame_.record.nearest.normal.cwiseQuotient(stiffnessOf(overlay_.grip));
-  runner_.send(command);
+  runner_->send(command);
 }
+
+void Viewer::seek(double share) { player_->seek(share * static_cast<double>(player_->size() - 1) + 0.5); }
 
 void Viewer::follow(const ScriptStep& step, double now) {
   now_ = now;
@@ -238,13 +288,15 @@ void Viewer::follow(const ScriptStep& step, double now) {
       overlay_.settingsChanged = true;
       break;
     case ScriptStep::Kind::scene: loadScene(step.name); break;
-    case ScriptStep::Kind::slowdown: {
+    case ScriptStep::Kind::slowdown:
+      if (player_) {
+        player_->setSpeed(1.0 / step.number);
+        break;
+      }
       slowdown_ = step.number;
-      RunnerCommand command{RunnerCommand::Kind::slowdown};
-      command.number = step.number;
-      runner_.send(command);
+      send(RunnerCommand::Kind::slowdown, slowdown_);
       break;
-    }
+    case ScriptStep::Kind::seek: player_->seek(std::round(step.value / player_->header().guard.period)); break;
     case ScriptStep::Kind::size: surface_.resize(step.size); break;
     case ScriptStep::Kind::picture: pictures_.push_back(step.name); break;
     case ScriptStep::Kind::frames: break;  // of the headless loop
@@ -252,19 +304,17 @@ void Viewer::follow(const ScriptStep& step, double now) {
   }
 }
 
-void Viewer::update(double now, const TimingNumbers& timing) {
-  now_ = now;
-  timing_ = timing;
+void Viewer::takeRun() {
   if (path_) {
-    const double share = path_->over > 0.0 ? std::min(1.0, (now - path_->begin) / path_->over) : 1.0;
+    const double share = path_->over > 0.0 ? std::min(1.0, (now_ - path_->begin) / path_->over) : 1.0;
     RunnerCommand command{RunnerCommand::Kind::handTo};
     command.target = metres(glm::mix(path_->from, path_->to, share));
-    runner_.send(command);
+    runner_->send(command);
     if (share >= 1.0) path_.reset();
   }
-  runner_.collect();
-  frame_ = runner_.frame();
-  for (Sample sample; runner_.nextSample(sample);) {
+  runner_->collect();
+  frame_ = runner_->frame();
+  for (Sample sample; runner_->nextSample(sample);) {
     charts_.add(sample);
     trail_.push_back(sample.position);
     simulated_ += kPeriod;
@@ -274,6 +324,32 @@ void Viewer::update(double now, const TimingNumbers& timing) {
     notify("The tool left the reach of the device: back to the start.");
     startAgain();
   }
+}
+
+void Viewer::takeRecording(double passed) {
+  player_->advance(passed);
+  frame_ = player_->frame();
+  simulated_ = player_->seconds();
+  // Bins begin at the same ticks at every place, or their smallest and largest values would flicker.
+  constexpr int bin = Charts::kBinTicks, shown = Charts::kBins * bin;
+  const auto now = static_cast<std::int64_t>(player_->position()), from = now / bin * bin - shown / 2;
+  const std::vector<Sample> samples = player_->samples(from, shown + 1);  // one more completes the last bin
+  charts_.clear();
+  for (const Sample& sample : samples) charts_.add(sample);
+  trail_.clear();
+  for (std::int64_t at = now - static_cast<std::int64_t>(kTrail); at <= now; ++at)
+    if (const Vec3& position = samples[static_cast<std::size_t>(at - from)].position; position.allFinite())
+      trail_.push_back(position);
+}
+
+void Viewer::update(double now, const TimingNumbers& timing) {
+  const double passed = now - updated_;
+  now_ = updated_ = now;
+  timing_ = timing;
+  if (player_)
+    takeRecording(passed);
+  else
+    takeRun();
 
   if (overlay_.settingsChanged) {
     overlay_.settingsChanged = false;
@@ -294,7 +370,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   if (plant_->reach(frame_.record.pose, Vec6::Zero(), true, kinematics_) == Status::ok)
     shown_.bars = plant_->bars(kinematics_.pose);
   shown_.pose = kinematics_.pose;
-  shown_.hand = frame_.hand.position;
+  if (!player_) shown_.hand = frame_.hand.position;  // which no recording knows
   shown_.force = frame_.record.rendered.head<3>();
   shown_.touching.clear();
   for (int i = 0; i < frame_.contacts.count; ++i) {
@@ -313,7 +389,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   limit_ = stiffnessLimit(kinematics_, plant_->limits().torque, contact.normal, preload, overlay_.settings.delay);
 
   layout_ = layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts,
-                   static_cast<int>(rendererNames_.size()));
+                   player_ ? 0 : static_cast<int>(rendererNames_.size()));
   std::array<ChartPlace, kCharts> places;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Area& a = layout_.chart[i];
@@ -332,6 +408,7 @@ void Viewer::draw(bool picture) {
   view_.update(shown_);
   view_.look(camera_);
   const OverlayInput input{frame_,
+                           player_.get(),
                            scene_.name,
                            plant_->name(),
                            device_.plugin.get(),

@@ -10,6 +10,7 @@
 #include "charts.hpp"
 #include "input.hpp"
 #include "overlay.hpp"
+#include "player.hpp"
 #include "runner.hpp"
 #include "scene_view.hpp"
 #include "script.hpp"
@@ -21,6 +22,7 @@ namespace enamel::viewer {
 
 /// What the command line says.
 struct Options {
+  std::string play;  ///< recording; or empty, then:
   std::string scene, device;
   std::string gain;  ///< file, or empty: loadServoedDevice()
   RendererSlot begin = RendererSlot::positionControl;
@@ -35,10 +37,10 @@ struct Options {
 /// Everything but the loop that drives it: see runInWindow() and runHeadless().
 class Viewer final : public Driven {
  public:
-  /// Loads scene and device, designs the servo, builds the picture. Throws Error.
+  /// Loads scene and device, designs the servo, builds the picture; or opens the recording. Throws Error.
   Viewer(const Options& options, Surface& surface);
 
-  Runner& runner() { return runner_; }
+  Runner* runner() { return runner_.get(); }  ///< nullptr: a recording is played
   Stage& stage() { return stage_; }
   const Frame& frame() const { return frame_; }
   Camera& camera() override { return camera_; }
@@ -53,6 +55,7 @@ class Viewer final : public Driven {
   void act(Action action) override;
   void moveHandBy(const glm::dvec3& millimetres) override;
   void pressBy(double newtons) override;
+  void seek(double share) override;
   /// One step of a script, at `now`, s.
   void follow(const ScriptStep& step, double now);
 
@@ -62,6 +65,11 @@ class Viewer final : public Driven {
   void draw(bool picture);
 
  private:
+  bool isRefused(Source source);
+  bool actOnRecording(Action action);
+  void takeRun();
+  void takeRecording(double passed);
+  void send(RunnerCommand::Kind kind, int number);
   void loadScene(const std::string& path);
   void rebuild(const Pose& start, const Hand& hand);
   void startAgain();
@@ -70,6 +78,7 @@ class Viewer final : public Driven {
   void selectCamera(int preset);
 
   Surface& surface_;
+  std::unique_ptr<Player> player_;  // or nullptr
   ServoedDevice device_;
   std::vector<std::string> rendererNames_;
   std::shared_ptr<const Mechanism> plant_;  // with the person's changes
@@ -79,7 +88,7 @@ class Viewer final : public Driven {
   SceneFile scene_;
   OverlayState overlay_;
   RendererSlot selected_, before_;  // for Tab
-  Runner runner_;
+  std::unique_ptr<Runner> runner_;  // where there is no player
   Stage stage_;
   SceneView view_;
   Charts charts_;
@@ -94,7 +103,7 @@ class Viewer final : public Driven {
   std::vector<Vec3> trail_;
   StiffnessLimit limit_{};
   TimingNumbers timing_;
-  double simulated_ = 0.0, now_ = 0.0, noticeEnd_ = 0.0;
+  double simulated_ = 0.0, now_ = 0.0, updated_ = 0.0, noticeEnd_ = 0.0;
   bool paused_ = false, end_ = false, fullScreen_ = false;
   int slowdown_ = 1;
   std::vector<std::string> pictures_;

@@ -20,11 +20,13 @@ class Recorder final : public Driven {
   void act(Action action) override { actions.push_back(action); }
   void moveHandBy(const glm::dvec3& millimetres) override { hand += millimetres, ++moves; }
   void pressBy(double newtons) override { pressed += newtons; }
+  void seek(double share) override { shares.push_back(share); }
   Camera& camera() override { return view; }
   const Layout& layout() const override { return place; }
   glm::dvec3 tool() const override { return {3.0, -2.0, 8.0}; }
 
   std::vector<Action> actions;
+  std::vector<double> shares;
   glm::dvec3 hand{0.0};
   int moves = 0;
   double pressed = 0.0;
@@ -45,8 +47,10 @@ TEST_CASE("every key of the help acts, once a press", "[viewer]") {
     input.key(row.key, GLFW_PRESS, modifiers);
     input.key(row.key, GLFW_REPEAT, modifiers);
     input.key(row.key, GLFW_RELEASE, modifiers);
-    // Only the single tick goes on while its key is held.
-    REQUIRE(recorder.actions.size() == (row.action == Action::step ? 2 : 1));
+    // Only single ticks go on while their key is held.
+    const bool ticks = row.action == Action::step || row.action == Action::stepBack;
+    REQUIRE(recorder.actions.size() == (ticks ? 2 : 1));
+    CHECK(&actionRows()[static_cast<std::size_t>(row.action)] == &row);
     CHECK(recorder.actions[0] == row.action);
     CHECK(actionOfName(row.name) == &row);
   }
@@ -114,6 +118,45 @@ TEST_CASE("the right button turns the view, the middle one shifts it, and the ha
   CHECK(glm::distance(shift, glm::dvec2(30.0, -20.0)) < 1e-6);
   CHECK(recorder.moves == 0);
   CHECK(recorder.pressed == 0.0);
+}
+
+TEST_CASE("a click on the time bar and a drag from it seek, whatever the button was", "[viewer]") {
+  Recorder recorder;
+  recorder.place = layOut({1280, 720}, 1.0f, true, true, 0);
+  const Area& bar = recorder.place.bar;
+  REQUIRE(bar.width > 100);
+  const double middle = bar.y + 0.5 * bar.height;
+  const auto at = [&](double share) { return glm::dvec2(bar.x + share * bar.width, middle); };
+  for (const int button : {GLFW_MOUSE_BUTTON_LEFT, GLFW_MOUSE_BUTTON_RIGHT}) {
+    recorder.shares.clear();
+    Input input(recorder);
+    const Camera before = recorder.view;
+    input.cursor(at(0.25));
+    CHECK(recorder.shares.empty());
+    input.button(button, GLFW_PRESS);
+    input.cursor(at(0.5));
+    input.cursor(at(0.75) - glm::dvec2(0.0, 300.0));  // it may leave the bar
+    input.cursor(at(2.0));
+    input.cursor(at(-1.0));
+    input.button(button, GLFW_RELEASE);
+    input.cursor(at(0.5));
+    REQUIRE(recorder.shares.size() == 5);
+    const double expected[] = {0.25, 0.5, 0.75, 1.0, 0.0};
+    for (std::size_t i = 0; i < 5; ++i) CHECK(recorder.shares[i] == Approx(expected[i]));
+    CHECK(recorder.moves == 0);
+    CHECK(recorder.view.azimuth == before.azimuth);
+  }
+  // Beside it, and where there is none, the hand moves.
+  for (const int renderers : {0, 4}) {
+    recorder.place = layOut({1280, 720}, 1.0f, true, true, renderers);
+    recorder.shares.clear();
+    Input input(recorder);
+    input.cursor(glm::dvec2(bar.x + 50.0, renderers == 0 ? bar.y - 5.0 : middle));
+    input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS);
+    input.cursor(glm::dvec2(bar.x + 90.0, middle));
+    CHECK(recorder.shares.empty());
+  }
+  CHECK(recorder.moves == 2);
 }
 
 TEST_CASE("the wheel presses, with Ctrl it zooms; held keys go with time", "[viewer]") {
