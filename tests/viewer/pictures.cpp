@@ -304,6 +304,54 @@ TEST_CASE(
   CHECK(glm::dot(contact(late) - contact(plain), expected) > 2.0 * glm::dot(expected, expected));  // all the 20 mm
 }
 
+TEST_CASE("a recording is drawn as the run was, at any time, and played", "[viewer]") {
+  const test::TemporaryFolder folder;
+  const auto push =
+      test::run("push --device '" + test::deviceFile("tau-nominal.toml") +
+                "' --scenario 2 --renderer impedance --device-damping 4 --record '" + folder / "push.rec'");
+  INFO(push.output);
+  REQUIRE(push.status == 0);
+  test::writeFile(folder / "script.txt",
+                  "0 seek 0.9\n0 picture before\n0.1 seek 2\n0.1 picture contact\n0.2 step-back\n0.3 step\n"
+                  "0.3 picture again\n0.4 seek 2.5\n0.4 previous-event\n0.4 picture event\n"
+                  "0.5 seek 0.5\n0.5 slow 2\n0.5 pause\n1.5 pause\n1.5 picture played\n1.6 end\n");
+  const auto result = test::viewer("--headless --play '" + folder / "push.rec' --script '" + folder / "script.txt" +
+                                   "' --record '" + folder / "out' --report '" + folder / "report.json'");
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  CHECK(nlohmann::json::parse(test::readFile(folder / "report.json")).at("opengl_errors") == 0);
+  const Layout layout = layOut({1280, 720}, 1.0f, true, true, 0);
+  const auto picture = [&](const std::string& name) { return Pixels(folder / "out/" + name + ".png"); };
+  const Pixels before = picture("before"), contact = picture("contact");
+  CHECK(arrowPixels(before, layout) == 0);
+  CHECK(arrowPixels(contact, layout) > 100);
+  CHECK(test::readFile(folder / "out/contact.png") == test::readFile(folder / "out/again.png"));
+  // The bar: contact in its right part, and where the place is: at 0.9 s, 2 s, and after a second at half the speed at
+  // 1 s, of 2.999 s.
+  const auto onBar = [&](const Pixels& pixels, unsigned colour, double from, double to) {
+    const Area& bar = layout.bar;
+    return patchOf(pixels, colour, glm::ivec2(bar.x + from * bar.width, bar.y),
+                   glm::ivec2(bar.x + to * bar.width, bar.y + 23));
+  };
+  CHECK(onBar(before, kVermilion, 0.4, 0.99).count > 1000);
+  CHECK(onBar(before, kVermilion, 0.06, 0.16).count == 0);
+  const auto placeOn = [&](const Pixels& pixels) {
+    return (onBar(pixels, kBlue, 0.0, 1.0).centre.x - layout.bar.x) / layout.bar.width * 2.999;
+  };
+  CHECK(placeOn(before) == Approx(0.9).margin(0.01));
+  CHECK(placeOn(contact) == Approx(2.0).margin(0.01));
+  CHECK(placeOn(picture("played")) == Approx(1.0).margin(0.02));
+  // An event: the wall's force begins there, where the charts have their middle.
+  const Area& force = layout.chart[1];
+  const Pixels event = picture("event");
+  const auto line = [&](float from, float to) {
+    return patchOf(event, kVermilion, glm::ivec2(glm::vec2(force.x + from * force.width, force.y + kChartTitle)),
+                   glm::ivec2(glm::vec2(force.x + to * force.width, force.y + force.height)))
+        .centre.y;
+  };
+  CHECK(line(0.6f, 0.9f) < line(0.2f, 0.45f) - 20);
+}
+
 TEST_CASE("camera: unproject inverts project", "[viewer]") {
   test::Random random(603);
   for (int i = 0; i < 1000; ++i) {

@@ -97,6 +97,39 @@ TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
                  1, "is for the linked position-control, whose place the plugin takes");
 }
 
+TEST_CASE("recordings that cannot be played, and what cannot be done with one", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "good.txt", "0 end\n");
+  const std::string headless = "--headless --script '" + folder / "good.txt" + "' ";
+  requireRefused(test::viewer(headless + "--play /no/such.rec"), 1, "/no/such.rec: cannot open the file");
+  requireRefused(test::viewer(headless + "--play '" + folder / "good.txt'"), 1, "good.txt: ");
+  test::writeFile(folder / "wedge.obj",
+                  "v -20 -20 0\nv 20 -20 0\nv 0 20 0\nv 0 0 -20\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n");
+  test::writeFile(folder / "mesh.toml",
+                  "name = \"a\"\nstart = [0, 0, 0.008]\n[[obstacle]]\nname = \"m\"\nshape = \"mesh\"\n"
+                  "file = \"wedge.obj\"\nunit = \"mm\"\n");
+  const auto push = test::run("push --device '" ENAMEL_SOURCE_DIR
+                              "/data/devices/tau-nominal.toml' --device-damping 4 --scenario 2 --scene '" +
+                              folder / "mesh.toml' --renderer impedance --record '" + folder / "mesh.rec'");
+  INFO(push.output);
+  REQUIRE(push.status == 0);
+  const std::string play = "--headless --play '" + folder / "mesh.rec' ";
+  CHECK(test::viewer(play + "--script '" + folder / "good.txt'").status == 0);
+  for (const char* option : {"--device x", "--renderer hold", "--gain x", "--set a=1", "scene.toml"})
+    requireRefused(test::viewer(headless + "--play x " + option), 2, "--play");
+  const auto script = [&](const std::string& line, const std::string& arguments, const std::string& message) {
+    test::writeFile(folder / "bad.txt", line + "\n1 end\n");
+    requireRefused(test::viewer(arguments + "--script '" + folder / "bad.txt'"), 1, "bad.txt:1: " + message);
+  };
+  for (const char* word : {"hand", "renderer", "set", "scene", "push", "swap"})
+    script(std::string("0 ") + word, play, std::string(word) + ": is not for a recording");
+  for (const char* word : {"seek", "next-event", "step-back"})
+    script(std::string("0 ") + word, "--headless ", std::string(word) + ": is for a recording: there is no --play");
+  script("0 seek -1", play, "seek: is -1, must be in 0 to 1e+09");
+  std::filesystem::remove(folder / "wedge.obj");
+  requireRefused(test::viewer(headless + "--play '" + folder / "mesh.rec'"), 1, "wedge.obj: cannot open the file");
+}
+
 TEST_CASE("a signal ends the viewer with its report written", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "long.txt", "0 hand 0 0 -20 over 0.3\n7000 end\n");
