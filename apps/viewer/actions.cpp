@@ -11,7 +11,7 @@ const std::vector<ActionRow>& actionRows() {
       {Action::testPush, "push", "P", "test push: a step of 12 N on the surface", GLFW_KEY_P, false, Source::live},
       {Action::grip, "grip", "G", "firm grip 400 N/m, or the paper's 40 N/m", GLFW_KEY_G, false, Source::live},
       {Action::home, "home", "H", "hand back to the start", GLFW_KEY_H, false, Source::live},
-      {Action::reset, "reset", "Backspace", "everything back to the start", GLFW_KEY_BACKSPACE, false},
+      {Action::reset, "reset", "Backspace", "back to the start", GLFW_KEY_BACKSPACE, false},
       {Action::nextScene, "next-scene", "N", "next scene", GLFW_KEY_N, false, Source::live},
       {Action::pause, "pause", "Space", "pause or go on", GLFW_KEY_SPACE, false},
       {Action::step, "step", "Right", "one tick (pauses first)", GLFW_KEY_RIGHT, false},

@@ -308,11 +308,10 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   const float chipWidth = Brush::width(gBold, chip) + 20 * s;
   brush.list->AddRectFilled({right - chipWidth, area.y + 16 * s}, {right, area.y + 40 * s}, ink(fill), 12 * s);
   brush.text(gBold, right - chipWidth + 10 * s, area.y + 20 * s, 0xFFFFFF, chip);
+  if (player != nullptr) return;  // its time stands at the bar
   std::string time = format("%.3f s", input.simulated);
   if (frame.paused) time += "   paused";
   if (frame.slowdown != 1) time += format("   slow motion 1:%d", frame.slowdown);
-  if (player != nullptr)
-    time += format("   tick %llu   %g x", static_cast<unsigned long long>(frame.record.tick), player->speed());
   brush.textRight(gText, right, y, kMuted, time);
 }
 
@@ -534,7 +533,7 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
   const TickRecord& record = input.frame.record;
   const TorqueStyle& torques = input.torques;
   const std::string values[] = {format("%.3f mm", std::max(0.0, -1e3 * record.nearest.gap)),
-                                format("%.1f N", record.normalForce),
+                                tenths(record.normalForce) + " N",
                                 format(torques.shares ? "%.0f %%" : "%.2f N m",
                                        record.torque.cwiseProduct(torques.factor).cwiseAbs().maxCoeff())};
   const std::string limits[] = {"paper's bound 1 mm", format("motors allow %.0f N", input.limit.largestForce),
@@ -618,7 +617,8 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
     }
 }
 
-void drawBar(const Layout& layout, const Player& player, const Brush& brush) {
+void drawBar(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+  const Player& player = *input.player;
   const float s = layout.scale;
   const Area& bar = layout.bar;
   const auto place = [&](std::uint64_t position) {
@@ -645,12 +645,15 @@ void drawBar(const Layout& layout, const Player& player, const Brush& brush) {
   brush.list->AddLine({now, bar.y + 5 * s}, {now, bottom + 4 * s}, ink(kBlue), 2 * s);
   brush.list->AddCircleFilled({now, 0.5f * (top + bottom)}, 6 * s, ink(kBlue));
 
-  const double period = player.header().guard.period;
-  const std::string end = format("%.3f s", static_cast<double>(player.size() - 1) * period);
-  const float y = bottom + 6 * s, right = bar.x + bar.width - Brush::width(gSmall, end);
-  brush.text(gSmall, right, y, kMuted, end);
+  const std::string time =
+      format("%s%.3f of %.3f s   tick %llu   %g x", player.playing() ? "" : "paused   ", input.simulated,
+             static_cast<double>(player.size() - 1) * player.header().guard.period,
+             static_cast<unsigned long long>(input.frame.record.tick), player.speed());
+  const float y = bottom + 6 * s, right = bar.x + bar.width - Brush::width(gSmall, time);
+  brush.text(gSmall, right, y, kInk, time);
   float x = bar.x;
   const auto key = [&](unsigned colour, const char* name) {
+    if (x + Brush::width(gSmall, name) + 24 * s > right) return;
     brush.list->AddRectFilled({x, y + 5 * s}, {x + 10 * s, y + 11 * s}, ink(colour));
     brush.text(gSmall, x + 14 * s, y, kMuted, name);
     x += Brush::width(gSmall, name) + 30 * s;
@@ -779,7 +782,7 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
     drawChartTitles(layout, input, brush);
     if (layout.gauge.height > 0) drawGauge(layout, input, brush);
   }
-  if (input.player != nullptr) drawBar(layout, *input.player, brush);
+  if (input.player != nullptr) drawBar(layout, input, brush);
   if (state.timing) drawTiming(layout, input, brush);
   if (!state.notice.empty()) {
     const float s = layout.scale, wide = Brush::width(gText, state.notice) + 24 * s;

@@ -104,7 +104,7 @@ void Viewer::send(RunnerCommand::Kind kind, int number) {
 
 bool Viewer::isRefused(Source source) {
   if (source == Source::both || (source == Source::recording) == (player_ != nullptr)) return false;
-  notify(player_ ? "Not in a recording: it is what it was." : "Only in a recording (--play FILE).");
+  notify(player_ ? "This is a recording: nothing in it can be changed." : "Only in a recording (--play FILE).");
   return true;
 }
 
