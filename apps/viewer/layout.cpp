@@ -11,14 +11,14 @@ Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int
   const float w = static_cast<float>(size.x), h = static_cast<float>(size.y);
   const float panel = 248 * scale, column = 372 * scale,
               gauge = renderers == 0 ? 0.0f : (106 + kGaugeRow * static_cast<float>(renderers)) * scale,
-              bar = renderers == 0 ? 46 * scale : 0.0f;
+              bar = renderers == 0 && h >= 200 * scale ? 46 * scale : 0.0f;
   const float sceneLeast = 300 * scale;
   const bool showCharts = charts && w >= column + sceneLeast && h >= 420 * scale;
   const bool showPanel = panels && w >= panel + sceneLeast + (showCharts ? column : 0.0f);
   const float left = showPanel ? panel : 0.0f, right = showCharts ? column : 0.0f;
   layout.panel = {0, 0, left, h};
   layout.scene = {left, 0, w - left - right, h - bar};
-  if (bar > 0) layout.bar = {left + 24 * scale, h - bar, layout.scene.width - 48 * scale, bar};
+  if (bar > 0) layout.bar = {left + 24 * scale, h - bar, std::max(0.0f, layout.scene.width - 48 * scale), bar};
   layout.charts = {w - right, 0, right, showCharts ? h - gauge : 0};
   layout.gauge = {w - right, h - gauge, right, showCharts ? gauge : 0};
   // The torques get a little more: six lines and their key.

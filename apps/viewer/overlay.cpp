@@ -629,18 +629,22 @@ void drawBar(const Layout& layout, const OverlayInput& input, const Brush& brush
   brush.list->AddRectFilled({layout.scene.x, bar.y}, {layout.scene.x + layout.scene.width, bar.y + bar.height},
                             ink(kPaper));
   brush.list->AddRectFilled({bar.x, top}, {bar.x + bar.width, bottom}, ink(kLine));
-  // Never thinner than a line; over each other where they are many.
-  const auto mark = [&](std::uint64_t from, std::uint64_t to, float up, unsigned colour) {
-    brush.list->AddRectFilled({place(from), top - up}, {std::max(place(to), place(from) + 1.5f * s), bottom},
-                              ink(colour));
+  // Never thinner than a line, at most one a pixel: an hour has 28000 chunks.
+  float contacts = -1.0f, gaps = -1.0f, acts = -1.0f;  // where the last marks end
+  const auto mark = [&](float& drawn, std::uint64_t from, std::uint64_t to, float up, unsigned colour) {
+    const float end = std::max(place(to), place(from) + 1.5f * s);
+    if (end < drawn + 1.0f) return;
+    brush.list->AddRectFilled({place(from) < drawn + 1.0f ? drawn : place(from), top - up}, {end, bottom}, ink(colour));
+    drawn = end;
   };
   const auto& stretches = player.stretches();
   for (std::size_t i = 0; i < stretches.size(); ++i) {
-    if (stretches[i].contact) mark(stretches[i].begin, stretches[i].end, 0, kVermilion);
-    if (i > 0 && stretches[i].begin > stretches[i - 1].end) mark(stretches[i - 1].end, stretches[i].begin, 4 * s, kInk);
+    if (stretches[i].contact) mark(contacts, stretches[i].begin, stretches[i].end, 0.0f, kVermilion);
+    if (i > 0 && stretches[i].begin > stretches[i - 1].end)
+      mark(gaps, stretches[i - 1].end, stretches[i].begin, 4 * s, kInk);
   }
   for (const PlayerEvent& event : player.events())
-    if (event.reason != GuardReason::none) mark(event.position, event.position, 6 * s, kPurple);
+    if (event.reason != GuardReason::none) mark(acts, event.position, event.position, 6 * s, kPurple);
   const float now = place(player.position());
   brush.list->AddLine({now, bar.y + 5 * s}, {now, bottom + 4 * s}, ink(kBlue), 2 * s);
   brush.list->AddCircleFilled({now, 0.5f * (top + bottom)}, 6 * s, ink(kBlue));
@@ -782,7 +786,7 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
     drawChartTitles(layout, input, brush);
     if (layout.gauge.height > 0) drawGauge(layout, input, brush);
   }
-  if (input.player != nullptr) drawBar(layout, input, brush);
+  if (layout.bar.width > 0) drawBar(layout, input, brush);
   if (state.timing) drawTiming(layout, input, brush);
   if (!state.notice.empty()) {
     const float s = layout.scale, wide = Brush::width(gText, state.notice) + 24 * s;

@@ -241,8 +241,8 @@ std::vector<Sample> Player::samples(std::int64_t from, std::size_t count) {
                        last = std::min(static_cast<std::int64_t>(stretches_[at].end), end);
     if (begin >= end) break;
     if (first >= last) continue;
-    const auto of = samplesOf(at).begin() - begin;
-    std::copy(of + first, of + last, samples.begin() + (first - from));
+    const auto of = samplesOf(at).begin();
+    std::copy(of + (first - begin), of + (last - begin), samples.begin() + (first - from));
   }
   return samples;
 }

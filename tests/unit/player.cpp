@@ -332,13 +332,16 @@ TEST_CASE("player: what is no recording, of another device, without ticks, not f
   CHECK(player.frame().record.guard == GuardReason::measurement);
   CHECK(std::isnan(player.samples(300, 1)[0].gap));
   CHECK(std::isfinite(player.samples(301, 1)[0].gap));
+  std::filesystem::resize_file(folder / "broken.rec", 20000);  // by another program
+  player.seek(450.0);
+  CHECK_THROWS_WITH(player.frame(), Catch::Contains("broken.rec: was changed while it was played"));
 }
 
 // ENAMEL_LONG=1: ten minutes. Times and memory are reported, not judged.
 TEST_CASE("player: any place of a long recording", "[player]") {
   const test::TemporaryFolder folder;
   const int ticks = test::count(2000, 600000);
-  Run run("molar.toml");
+  Run run;
   record(run, folder / "long.rec", ticks);
   const auto now = [] { return std::chrono::steady_clock::now(); };
   const auto ms = [](auto from, auto to) { return std::chrono::duration<double, std::milli>(to - from).count(); };
