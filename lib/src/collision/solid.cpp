@@ -95,6 +95,7 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
 
 void Solid::fill(const MeshModel& surface, const std::vector<std::array<int, 3>>& places) {
   bricks_.resize(places.size());
+  hasSurface_.resize(places.size());
   ProximityCache cache, layerCache;
   for (std::size_t b = 0; b < places.size(); ++b) {
     Brick& brick = bricks_[b];
@@ -135,7 +136,8 @@ Vec3 Solid::lowOf(int brick) const noexcept {
 
 std::size_t Solid::bytes() const noexcept {
   return sizeof(Solid) + index_.size() * sizeof(index_[0]) + bricks_.size() * sizeof(Brick) +
-         original_.size() * sizeof(BrickSamples) + kept_.size() * sizeof(Kept) + changed_.size() * sizeof(changed_[0]);
+         original_.size() * sizeof(BrickSamples) + hasSurface_.size() + kept_.size() * sizeof(Kept) +
+         changed_.size() * sizeof(changed_[0]);
 }
 
 // A cell by its mean: for a curved surface what that and the rounding are off cancels out.
@@ -162,6 +164,7 @@ void Solid::findSurface(Brick& brick) noexcept {
       bits |= static_cast<std::uint32_t>(brick.samples[row * kBrickSamples + x] < 0.0f) << x;
     negative[row] = bits;
   }
+  std::uint64_t whole = 0;
   for (int z = 0; z < kBrickCells; ++z) {
     std::uint64_t slice = 0;
     for (int y = 0; y < kBrickCells; ++y) {
@@ -172,7 +175,9 @@ void Solid::findSurface(Brick& brick) noexcept {
       slice |= static_cast<std::uint64_t>(mixed) << (kBrickCells * y);
     }
     brick.surface[z] = slice;
+    whole |= slice;
   }
+  hasSurface_[static_cast<std::size_t>(&brick - bricks_.data())] = whole != 0;
 }
 
 RemovedVolume Solid::cut(const Segment& from, const Segment& to, double radius) noexcept {

@@ -129,19 +129,13 @@ struct SolidQuery {
       for (int y = first[1]; y <= last[1]; ++y)
         for (int x = first[0]; x <= last[0]; ++x) {
           const std::int32_t number = solid.brickAt(x, y, z);
-          if (number < 0) continue;
-          const Brick& brick = solid.bricks_[static_cast<std::size_t>(number)];
-          if (!hasSurface(brick)) continue;
+          if (number < 0 || solid.hasSurface_[static_cast<std::size_t>(number)] == 0) continue;
           const Vec3 centre = kBrickCells * Vec3(x + 0.5, y + 0.5, z + 0.5);
-          const double distance = (centre - axisAt(parameterAt(centre))).norm() - kBrickCells * kHalfCell;
-          if (distance <= reach()) visit(number, brick, distance);
+          const double most = reach() + kBrickCells * kHalfCell;
+          const double squared = (centre - axisAt(parameterAt(centre))).squaredNorm();
+          if (squared > most * most) continue;
+          visit(number, solid.bricks_[static_cast<std::size_t>(number)], std::sqrt(squared) - kBrickCells * kHalfCell);
         }
-  }
-
-  static bool hasSurface(const Brick& brick) {
-    std::uint64_t any = 0;
-    for (const std::uint64_t slice : brick.surface) any |= slice;
-    return any != 0;
   }
 
   // Visits the cells of a brick with surface within `reach()` of the axis: samples, corner, centre of the cell seen
@@ -226,12 +220,12 @@ struct SolidQuery {
     Nearest best{limit};
     const auto reach = [&] { return best.distance; };
     std::int32_t seed = -1;
-    double least = kNoLimit;
-    forEachBrick(reach, [&](std::int32_t number, const Brick&, double distance) {
-      if (distance >= least) return;
-      least = distance;
-      seed = number;
-    });
+    double least = limit;
+    forEachBrick([&] { return least; },
+                 [&](std::int32_t number, const Brick&, double distance) {
+                   least = distance;
+                   seed = number;
+                 });
     if (seed < 0) return best;
     const Brick& first = solid.bricks_[static_cast<std::size_t>(seed)];
     searchMiddle(first, best);

@@ -122,7 +122,8 @@ class Solid {
   std::vector<std::int32_t> index_;  // of the bricks, -1: outside
   std::vector<Brick> bricks_;
   std::vector<BrickSamples> original_;
-  std::vector<Kept> kept_;  // a ring
+  std::vector<std::uint8_t> hasSurface_;  // by brick: queries ask it far more often than the brick
+  std::vector<Kept> kept_;                // a ring
   std::size_t keptBegin_ = 0, keptCount_ = 0;
   std::uint64_t mark_ = 1, lostMark_ = 0;  // marks up to lostMark_ cannot be undone
   std::vector<std::int32_t> changed_;      // a ring with room for all
