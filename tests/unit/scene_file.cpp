@@ -111,6 +111,55 @@ TEST_CASE("scene files: spheres, capsules, meshes and tools stand where the file
   CHECK(nearestTo(file, {0.113, 0.0, -0.012}).gap == Approx(0.002));
 }
 
+TEST_CASE("scene files: solids and burs", "[scene]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "tooth.off", "OFF 4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+  test::writeFile(folder / "pulp.off", "OFF 4 4 0\n1 1 1\n2 1 1\n1 2 1\n1 1 2\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");
+  test::writeFile(folder / "open.off", "OFF 3 1 0\n0 0 0\n9 0 0\n0 9 0\n3 0 1 2\n");
+  const std::string text =
+      "name = \"solid\"\nstart = [0.0, 0.0, 0.02]\n[[tool]]\nfrom = [0.0, 0.0, 0.001]\nradius = 0.001\n"
+      "[bur]\nwear = 0.2\nturns = 500.0\n"
+      "[[obstacle]]\nname = \"tooth\"\nshape = \"solid\"\nfile = \"tooth.off\"\nunit = \"mm\"\ncell = 0.0005\n"
+      "[[obstacle.layer]]\nname = \"enamel\"\nhardness = 3e9\nfriction = 0.1\n"
+      "[[obstacle.layer]]\nname = \"pulp\"\nhardness = 1e8\nfile = \"pulp.off\"\nstiffness = 2000\n";
+  const auto read = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    if (!from.empty()) changed.replace(changed.find(from), from.size(), to);
+    test::writeFile(folder / "scene.toml", changed);
+    return loadScene(folder / "scene.toml");
+  };
+  const SceneFile file = read("", "");
+  REQUIRE(file.bur);
+  CHECK(file.bur->part == 0);
+  CHECK(file.bur->wear == 0.2);
+  CHECK(file.bur->turns == 500.0);
+  REQUIRE(file.solids.size() == 1);
+  const Solid& solid = *file.solids[0];
+  CHECK(solid.cell() == 0.0005);
+  REQUIRE(solid.layers().size() == 2);
+  CHECK(solid.layers()[0].material.friction == 0.1);
+  CHECK(solid.layers()[1].material.stiffness == 2000.0);
+  CHECK(solid.layerAt(Vec3(1e-3, 1e-3, 1e-3)) == 1);
+  CHECK(solid.layerAt(Vec3(3e-3, 1e-3, 1e-3)) == 0);
+  CHECK(nearestTo(file, {0.002, 0.002, 0.02}).gap < 0.012);
+  CHECK(loadScene(ENAMEL_SOURCE_DIR "/data/scenes/molar.toml").solids[0] == nullptr);
+
+  const auto refuses = [&](const std::string& from, const std::string& to, const std::string& message) {
+    INFO(from << " -> " << to);
+    CHECK_THROWS_WITH(read(from, to), Catch::Contains(message));
+  };
+  refuses("tooth.off", "open.off", "shape: is \"solid\": a solid is made of a closed mesh");
+  refuses("\"pulp.off\"", "\"open.off\"", "the mesh that it begins at is not closed");
+  refuses("cell = 0.0005", "cell = 0.0", "cell: is 0, must be in 1e-06 to 2 m");
+  refuses("cell = 0.0005", "cell = 0.000002", "too small for this solid");
+  refuses("hardness = 3e9", "hardness = -1.0", "hardness: is -1, must be in 1000 to 1e+12 Pa");
+  refuses("hardness = 1e8", "hardness = 1e8\ndepth = 0.001", "both say where the layer begins");
+  refuses("turns = 500.0", "turns = 2e4", "turns: is 20000, must be in 0 to 10000");
+  refuses("wear = 0.2", "part = 1", "part: is 1, must be in 0 to 0");
+  refuses("radius = 0.001", "radius = 0.0", "which has no radius");
+  refuses("wear = 0.2", "speed = 1", "is not a known key");
+}
+
 TEST_CASE("scene files: what is refused, and how", "[scene]") {
   requireRefused("name = \"test\"\n", "", "scene.toml:1: name: is missing");
   requireRefused("name = \"test\"", "name = 3", "scene.toml:1: name: is an integer, must be a string");
@@ -122,7 +171,7 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
                  "scene.toml:2: start[2]: is 3, must be in -1 to 1 m");
   requireRefused("shape = \"half_space\"", "shape = \"cone\"",
                  "scene.toml:5: obstacle[0].shape: is \"cone\", must be \"half_space\", "
-                 "\"box\", \"sphere\", \"capsule\" or \"mesh\"");
+                 "\"box\", \"sphere\", \"capsule\", \"mesh\" or \"solid\"");
   requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, 0.0]",
                  "scene.toml:7: obstacle[0].normal: has the length 0, must be in 1e-06 to 1e+06: it has no direction");
   requireRefused("normal = [0.0, 0.0, 2.0]", "normal = [0.0, 0.0, nan]",

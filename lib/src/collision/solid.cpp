@@ -14,7 +14,7 @@ using kernel::Inside;
 
 constexpr double kBorder = Solid::kBand + 1.0;                      // cells around the mesh
 constexpr double kHalfDiagonal = 0.8660254037844386 * kBrickCells;  // of a brick, cells
-constexpr double kMostBytes = 1e9, kMostPlaces = 1 << 27;
+constexpr double kMostBytes = 1e9, kMostPlaces = 1 << 22;
 constexpr double kLongestCut = 0.02;  // m
 constexpr double kSubstep = 0.5;      // cells that an end moves between two places of a capsule
 constexpr int kLanes = 12;            // a row of samples, in whole vectors
