@@ -263,24 +263,27 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
 // Between the ends only what is nearer than both counts, as for a mesh.
 void addPart(const Solid& solid, const Segment& axis, double radius, PartCache*, Collector& out) {
   const double reach = out.reachOf(radius);
-  const auto addSphere = [&](const Vec3& p) {
-    if (!isInside(solid, p)) {
-      SolidMinima minima;
-      findMinima(solid, p, std::min(reach, radius + kSolidNear), minima);
-      for (int i = 0; i < minima.count; ++i) out.add(p, minima.all[i], radius);
-      if (minima.count > 0) return minima.all[0].distance;
-    }
-    const SolidPoint nearest = signedDistance(solid, p, isInside(solid, p) ? kNoLimit : reach);
+  const auto addSphere = [&](const Vec3& p, bool isBehind) {
+    SolidMinima minima;
+    if (!isBehind) findMinima(solid, p, std::min(reach, radius + kSolidNear), minima);
+    for (int i = 0; i < minima.count; ++i) out.add(p, minima.all[i], radius);
+    if (minima.count > 0) return minima.all[0].distance;
+    const SolidPoint nearest = signedDistance(solid, p, isBehind ? kNoLimit : reach);
     if (nearest.found) out.add(p, nearest, radius);
     return nearest.distance;
   };
-  const double atA = addSphere(axis.a);
-  if (axis.a == axis.b) return;
-  const double ends = std::min({atA, addSphere(axis.b), reach}) - kClearlyNearer;
-  if (!(ends > 0.0)) return;
-  const SolidPoint between = closestToSegment(solid, axis, ends);
-  if (between.found && between.parameter > 0.0 && between.parameter < 1.0)
-    addSphere(axis.a + between.parameter * (axis.b - axis.a));
+  const bool isSphere = axis.a == axis.b, isBehindA = isInside(solid, axis.a), isBehindB = isInside(solid, axis.b);
+  SolidPoint between;
+  if (!isSphere && !isBehindA && !isBehindB) {
+    between = closestToSegment(solid, axis, reach);
+    if (!between.found) return;
+  }
+  const double atA = addSphere(axis.a, isBehindA);
+  if (isSphere) return;
+  const double atB = addSphere(axis.b, isBehindB);
+  if (between.found && between.parameter > 0.0 && between.parameter < 1.0 &&
+      between.distance < std::min(atA, atB) - kClearlyNearer)
+    addSphere(axis.a + between.parameter * (axis.b - axis.a), false);
 }
 
 template <typename Analytic>
@@ -308,8 +311,6 @@ SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, Cache* cache, bool 
   return signedDistance(Inside::of(mesh), p, cache, kNoLimit, isOutside);
 }
 
-SolidPoint nearestOf(const Solid& solid, const Vec3& p, Cache*, bool) { return signedDistance(solid, p); }
-
 template <typename Analytic>
 ShapePoint nearestOf(const Analytic& shape, const Vec3& p, Cache*, bool) {
   return signedDistance(shape, p);
@@ -318,11 +319,6 @@ ShapePoint nearestOf(const Analytic& shape, const Vec3& p, Cache*, bool) {
 double nearestOnAxis(const MeshModel& mesh, const Segment& axis, double reach) {
   const SegmentPoint found = closestToSegment(mesh, axis, reach);
   return found.triangle < 0 ? -1.0 : found.parameter;
-}
-
-double nearestOnAxis(const Solid& solid, const Segment& axis, double reach) {
-  const SolidPoint found = closestToSegment(solid, axis, reach);
-  return found.found ? found.parameter : -1.0;
 }
 
 template <typename Analytic>
@@ -346,6 +342,23 @@ void addNearest(const ShapeType& shape, const Segment& axis, double radius, Part
   const Vec3 middle = axis.a + t * (axis.b - axis.a);
   const auto between = nearestOf(shape, middle, pointOf(cache, 2), out.isOutside);
   if (between.distance < ends - kClearlyNearer) out.add(middle, between, radius);
+}
+
+void addNearest(const Solid& solid, const Segment& axis, double radius, PartCache*, Collector& out) {
+  if (isInside(solid, axis.a) || isInside(solid, axis.b)) {
+    out.add(axis.a, signedDistance(solid, axis.a), radius);
+    if (axis.a != axis.b) out.add(axis.b, signedDistance(solid, axis.b), radius);
+    return;
+  }
+  const ContactSnapshot& known = *out.contacts;
+  const double limit = known.count > 0 ? radius + std::max(known.contacts[0].gap, 0.0) : kNoLimit;
+  const SolidPoint found = closestToSegment(solid, axis, limit);
+  if (!found.found) return;
+  const Vec3 place = axis.a + found.parameter * (axis.b - axis.a);
+  if (axis.a == axis.b || !isInside(solid, place))
+    out.add(place, found, radius);
+  else
+    out.add(place, signedDistance(solid, place), radius);
 }
 
 void addPart(const Obstacle& obstacle, const Segment& axis, double radius, PartCache* cache, Collector& out) {

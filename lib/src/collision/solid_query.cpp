@@ -16,19 +16,20 @@ struct SolidQuery {
   static constexpr int kSteps = 3;
   static constexpr double kNoGradient = 1e-6;  // squared
   static constexpr double kSameMinimum = 0.02;
-  static constexpr float kSmooth = 0.1f;
+  static constexpr float kSmooth = 0.1f, kFacing = 0.55f, kTrust = 0.3f;
   static constexpr double kClear = 0.5;                         // where the way to the surface gives its normal
   static constexpr double kAligned = 0.9396926207859084;        // cos 20 deg
   static constexpr double kSameDirection = 0.8660254037844386;  // cos 30 deg
 
   const Solid& solid;
   Vec3 a, span;
-  double perLength;
+  double perLength, perSpan;  // one over the span's length squared, and over it; 0 for a point
 
   SolidQuery(const Solid& of, const Vec3& from, const Vec3& to)
       : solid(of), a((from - of.origin_) / of.cell_), span((to - from) / of.cell_) {
     const double squared = span.squaredNorm();
     perLength = squared > 0.0 ? 1.0 / squared : 0.0;
+    perSpan = std::sqrt(perLength);
   }
 
   double parameterAt(const Vec3& p) const { return std::clamp((p - a).dot(span) * perLength, 0.0, 1.0); }
@@ -68,18 +69,19 @@ struct SolidQuery {
     float distance;  // of q, not negative
     float flatness;  // no place of the patch is farther from the plane; normals turn by about four times as much
     float outside;   // from the centre to the plane's place nearest to q, the largest coordinate
+    float gx, gy, gz, perNorm;  // gradient, one over its length
 
     Plane(const float* s, float qx, float qy, float qz) {
       constexpr int j = kBrickSamples, k = kBrickSamples * kBrickSamples;
       const float x00 = s[1] - s[0], x10 = s[j + 1] - s[j], x01 = s[k + 1] - s[k], x11 = s[k + j + 1] - s[k + j];
       const float low = s[0] + s[1], back = s[j] + s[j + 1], up = s[k] + s[k + 1], far = s[k + j] + s[k + j + 1];
       const float y0 = back - low, y1 = far - up;
-      const float gx = 0.25f * (x00 + x10 + x01 + x11), gy = 0.25f * (y0 + y1), gz = 0.25f * (up + far - low - back);
+      gx = 0.25f * (x00 + x10 + x01 + x11), gy = 0.25f * (y0 + y1), gz = 0.25f * (up + far - low - back);
       const float squared = gx * gx + gy * gy + gz * gz + 1e-12f;
       const float height = 0.125f * (low + back + up + far) + gx * qx + gy * qy + gz * qz;
       const float perSquared = 1.0f / squared, way = height * perSquared;
       outside = std::max({std::abs(qx - way * gx), std::abs(qy - way * gy), std::abs(qz - way * gz)});
-      const float perNorm = std::sqrt(perSquared);
+      perNorm = std::sqrt(perSquared);
       distance = std::abs(height) * perNorm;
       const float xy = std::abs(x10 - x00) + std::abs(x11 - x01), xz = std::abs(x01 - x00) + std::abs(x11 - x10);
       flatness = 0.125f * (xy + xz + std::abs(y1 - y0) + std::abs((x11 - x01) - (x10 - x00))) * perNorm;
@@ -190,8 +192,23 @@ struct SolidQuery {
   void search(const Brick& brick, Nearest& best) const {
     const auto reach = [&] { return best.distance; };
     forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double t) {
-      if (perLength > 0.0 || planeOf(samples, q).least() < best.distance) search(low, samples, t, best);
+      const Plane plane = planeOf(samples, q);
+      // Another place of the axis may be nearer to the plane, by what the axis rises over half a cell.
+      const double rise = std::abs(plane.gx * span.x() + plane.gy * span.y() + plane.gz * span.z()) * plane.perNorm;
+      if (plane.least() - kHalfCell * rise * perSpan < best.distance) search(low, samples, t, best);
     });
+  }
+
+  // About how near the surface is where it is smooth and faces the point.
+  double likely(const Brick& brick, double most) const {
+    forEachCell(
+        brick, [&] { return most; },
+        [&](const float* samples, const Vec3&, const Vec3& q, double) {
+          const Plane plane = planeOf(samples, q);
+          if (plane.outside < kFacing && plane.flatness < kSmooth)
+            most = std::min(most, static_cast<double>(plane.distance + kTrust * plane.flatness));
+        });
+    return most;
   }
 
   // The cell whose centre is nearest: what is found there makes the rest short.
@@ -218,7 +235,6 @@ struct SolidQuery {
 
   Nearest nearestWithin(double limit) const {
     Nearest best{limit};
-    const auto reach = [&] { return best.distance; };
     std::int32_t seed = -1;
     double least = limit;
     forEachBrick([&] { return least; },
@@ -227,13 +243,22 @@ struct SolidQuery {
                    seed = number;
                  });
     if (seed < 0) return best;
-    const Brick& first = solid.bricks_[static_cast<std::size_t>(seed)];
-    searchMiddle(first, best);
-    search(first, best);
-    forEachBrick(reach, [&](std::int32_t number, const Brick& brick, double) {
-      if (number != seed) search(brick, best);
-    });
+    searchMiddle(solid.bricks_[static_cast<std::size_t>(seed)], best);
+    if (perLength == 0.0) {  // most places are looked at only where that is wrong
+      Nearest smooth{best.distance};
+      forEachBrick([&] { return smooth.distance; },
+                   [&](std::int32_t, const Brick& brick, double) { smooth.distance = likely(brick, smooth.distance); });
+      if (smooth.distance < best.distance) {
+        searchAll(smooth);
+        if (smooth.found) return smooth;
+      }
+    }
+    searchAll(best);
     return best;
+  }
+
+  void searchAll(Nearest& best) const {
+    forEachBrick([&] { return best.distance; }, [&](std::int32_t, const Brick& brick, double) { search(brick, best); });
   }
 
   // In m. `side`: -1 for a place inside.
