@@ -6,6 +6,7 @@
 
 #include "enamel/core/error.hpp"
 #include "mesh_data.hpp"
+#include "solid_query.hpp"
 
 namespace enamel {
 namespace {
@@ -101,12 +102,14 @@ void Solid::fill(const MeshModel& surface, const std::vector<std::array<int, 3>>
     Brick& brick = bricks_[b];
     std::copy(places[b].begin(), places[b].end(), brick.place.begin());
     const Vec3 low = lowOf(static_cast<int>(b)), centre = low + Vec3::Constant(0.5 * kBrickCells * cell_);
+    const Vec3 corner = kBrickCells * Vec3(places[b][0], places[b][1], places[b][2]);
     const double atCentre = enamel::signedDistance(surface, centre, &cache).distance;
     if (atCentre < -(kHalfDiagonal + kBand) * cell_) {
       brick.samples.fill(-kBand);
     } else {
       forEachAlongPath(kBrickSamples, [&](int x, int y, int z) {
-        const double distance = enamel::signedDistance(surface, low + cell_ * Vec3(x, y, z), &cache).distance;
+        const Vec3 p = origin_ + cell_ * (corner + Vec3(x, y, z));  // the same bits from every brick that has it
+        const double distance = enamel::signedDistance(surface, p, &cache).distance;
         brick.samples[sampleAt(x, y, z)] = std::clamp(static_cast<float>(distance / cell_), -kBand, kBand);
       });
     }
@@ -156,15 +159,15 @@ RemovedVolume Solid::volume() const {
   return volume;
 }
 
-void Solid::findSurface(Brick& brick) noexcept {
+std::array<std::uint64_t, kBrickCells> kernel::surfaceCells(const BrickSamples& samples) noexcept {
+  std::array<std::uint64_t, kBrickCells> cells;
   std::uint32_t negative[kSlice];  // bit x: of the sample in that row
   for (int row = 0; row < kSlice; ++row) {
     std::uint32_t bits = 0;
     for (int x = 0; x < kBrickSamples; ++x)
-      bits |= static_cast<std::uint32_t>(brick.samples[row * kBrickSamples + x] < 0.0f) << x;
+      bits |= static_cast<std::uint32_t>(samples[row * kBrickSamples + x] < 0.0f) << x;
     negative[row] = bits;
   }
-  std::uint64_t whole = 0;
   for (int z = 0; z < kBrickCells; ++z) {
     std::uint64_t slice = 0;
     for (int y = 0; y < kBrickCells; ++y) {
@@ -174,10 +177,15 @@ void Solid::findSurface(Brick& brick) noexcept {
       const std::uint32_t mixed = (any | any >> 1) & ~(all & all >> 1) & 0xffu;
       slice |= static_cast<std::uint64_t>(mixed) << (kBrickCells * y);
     }
-    brick.surface[z] = slice;
-    whole |= slice;
+    cells[z] = slice;
   }
-  hasSurface_[static_cast<std::size_t>(&brick - bricks_.data())] = whole != 0;
+  return cells;
+}
+
+void Solid::findSurface(Brick& brick) noexcept {
+  brick.surface = kernel::surfaceCells(brick.samples);
+  const auto number = static_cast<std::size_t>(&brick - bricks_.data());
+  hasSurface_[number] = std::any_of(brick.surface.begin(), brick.surface.end(), [](auto slice) { return slice != 0; });
 }
 
 RemovedVolume Solid::cut(const Segment& from, const Segment& to, double radius) noexcept {
@@ -200,7 +208,8 @@ void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& remove
   // On average the interpolation of a distance that curves lies above it by a twelfth of its Laplacian: 1 / r along the
   // way of a bur.
   const float reach = static_cast<float>(r + 1.0 / (12.0 * r));
-  const Vec3 low = (a.cwiseMin(b).array() - r - kBand).ceil(), high = (a.cwiseMax(b).array() + r + kBand).floor();
+  const double around = static_cast<double>(reach) + kBand;
+  const Vec3 low = (a.cwiseMin(b).array() - around).ceil(), high = (a.cwiseMax(b).array() + around).floor();
   std::array<int, 3> first, last;  // samples
   for (int i = 0; i < 3; ++i) {
     first[i] = static_cast<int>(std::max(low[i], 0.0));
@@ -216,12 +225,12 @@ void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& remove
         if (number < 0) continue;
         Brick& brick = bricks_[static_cast<std::size_t>(number)];
         const std::array<int, 3> corner = {kBrickCells * bx, kBrickCells * by, kBrickCells * bz};
-        std::array<int, 3> i0, i1;  // what is out of reach has values below -kBand
-        float from[3], span[3];
+        std::array<int, 3> i0, i1;       // what is out of reach has values below -kBand
+        float away[3][kLanes], span[3];  // of the samples from a: the same bits in every brick that has them
         for (int i = 0; i < 3; ++i) {
           i0[i] = std::max(first[i] - corner[i], 0);
           i1[i] = std::min(last[i] - corner[i], kBrickCells);
-          from[i] = static_cast<float>(a[i] - corner[i]);
+          for (int k = 0; k < kLanes; ++k) away[i][k] = static_cast<float>(corner[i] + k - a[i]);
           span[i] = static_cast<float>(b[i] - a[i]);
         }
         const float squared = span[0] * span[0] + span[1] * span[1] + span[2] * span[2];
@@ -231,12 +240,12 @@ void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& remove
         for (int z = i0[2]; z <= i1[2]; ++z)
           for (int y = i0[1]; y <= i1[1]; ++y) {
             float* row = brick.samples.data() + sampleAt(0, y, z);
-            const float dy = static_cast<float>(y) - from[1], dz = static_cast<float>(z) - from[2];
+            const float dy = away[1][y], dz = away[2][z];
             if (squared == 0.0f && dy * dy + dz * dz > most) continue;
             float value[kLanes];
             if (squared > 0.0f) {
               for (int x = 0; x < kLanes; ++x) {
-                const float dx = static_cast<float>(x) - from[0];
+                const float dx = away[0][x];
                 const float t = (dx * span[0] + dy * span[1] + dz * span[2]) * perLength;
                 const float ahead = t > 0.0f ? t : 0.0f, inside = ahead < 1.0f ? ahead : 1.0f;
                 const float ex = dx - inside * span[0], ey = dy - inside * span[1], ez = dz - inside * span[2];
@@ -244,7 +253,7 @@ void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& remove
               }
             } else {
               for (int x = 0; x < kLanes; ++x) {
-                const float dx = static_cast<float>(x) - from[0];
+                const float dx = away[0][x];
                 value[x] = reach - std::sqrt(dx * dx + dy * dy + dz * dz);
               }
             }

@@ -1,0 +1,103 @@
+// The surface of a solid as triangles: closed, at the samples' zero, after any cut; bricks fit to each other.
+#include "enamel/collision/solid_surface.hpp"
+
+#include <numeric>
+
+#include "enamel/collision/mesh_file.hpp"
+#include "support/catch.hpp"
+#include "support/meshes.hpp"
+#include "support/run_length.hpp"
+
+namespace enamel::test_solid_surface {
+
+namespace {
+
+constexpr double kCell = 1e-4;
+const std::vector<SolidLayer> kTooth = {{"enamel", {}, 3.4e9, 0.0, nullptr}, {"dentine", {}, 0.6e9, 1e-3, nullptr}};
+
+// In cells, of points of the mesh from the surface that queries find: its corners and, where edges are sharp, the
+// middles of its triangles.
+void check(const Solid& solid, double accuracy) {
+  const TriangleMesh mesh = surfaceOf(solid);
+  const MeshReport report = inspect(mesh);
+  CHECK(report.watertight);
+  CHECK_FALSE(report.inwards);
+  CHECK(report.nonManifoldEdges + report.nonManifoldVertices + report.flippedEdges == 0);
+  CHECK(report.degenerateTriangles + report.duplicateTriangles == 0);
+  CHECK(report.places == report.vertices);
+  const RemovedVolume volume = solid.volume();
+  CHECK(report.volume == Approx(std::accumulate(volume.begin(), volume.end(), 0.0)).epsilon(accuracy));
+  double most = 0.0, mostBetween = 0.0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 1 + mesh.triangles.size() / 10000) {
+    const auto& t = mesh.triangles[i];
+    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    most = std::max(most, std::abs(signedDistance(solid, a).distance) / kCell);
+    mostBetween = std::max(mostBetween, std::abs(signedDistance(solid, (a + b + c) / 3.0).distance) / kCell);
+  }
+  CHECK(most < 0.02);
+  CHECK(mostBetween < 0.6);
+}
+
+void cutAnyhow(Solid& solid, const Vec3& half, int cuts) {
+  test::Random random(2220);
+  for (int i = 0; i < cuts; ++i) {
+    const Vec3 a = half.cwiseProduct(random.vector(1.0)), b = a + random.vector(5e-4), c = a + random.vector(2e-4);
+    solid.cut({a, b}, {c, b}, random.uniform(0.3, 6.0) * kCell);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the surface of a solid is closed and where the samples are zero", "[unit]") {
+  // A ball; a box with a side exactly at samples; the same with nothing left but crumbs.
+  check(Solid(MeshModel(test::transformed(test::ball(4, 0.1), 2e-3, Vec3::Zero())), kTooth, {kCell}), 5e-3);
+  const Vec3 half(1.025e-3, 0.8e-3, 0.6125e-3);
+  Solid solid(MeshModel(test::boxMesh(half)), kTooth, {kCell});
+  check(solid, 5e-3);
+  for (const int cuts : {3, 30}) {
+    INFO(cuts << " cuts");
+    cutAnyhow(solid, half, cuts);
+    check(solid, cuts < 10 ? 5e-3 : 0.05);  // of crumbs of a few cells volume() is not as sure
+  }
+  solid.cut({Vec3::Zero(), Vec3::Zero()}, {Vec3::Zero(), Vec3::Zero()}, 3e-3);
+  CHECK(surfaceOf(solid).triangles.empty());
+}
+
+TEST_CASE("bricks of a surface fit to each other, normals point outwards", "[unit]") {
+  const double radius = 1.5e-3;
+  Solid solid(MeshModel(test::transformed(test::ball(5), radius, Vec3::Zero())), kTooth, {kCell});
+  solid.cut({Vec3(0, 0, radius), Vec3(0, 0, radius)}, {Vec3(0, 0, radius), Vec3(0, 0, radius)}, 1e-3);
+  SolidSurface all, one;
+  std::size_t triangles = 0;
+  int outside = 0;
+  for (int brick = 0; brick < solid.bricks(); ++brick) {
+    one.clear();
+    appendSurface(solid, brick, solid.samples(brick), one);
+    appendSurface(solid, brick, solid.samples(brick), all);
+    triangles += one.mesh.triangles.size();
+    for (const Vec3& v : one.mesh.vertices)
+      outside +=
+          ((v - solid.lowOf(brick)) / (kBrickCells * kCell) - Vec3::Constant(0.5)).cwiseAbs().maxCoeff() > 0.50001;
+  }
+  CHECK(outside == 0);
+  CHECK(all.mesh.triangles.size() == triangles);
+  CHECK(surfaceOf(solid).triangles.size() == triangles);
+  CHECK(all.normals.size() == all.mesh.vertices.size());
+  double worst = 0.0;
+  int inwards = 0, misplaced = 0;
+  for (std::size_t i = 0; i < all.normals.size(); ++i) {
+    const Vec3& p = all.mesh.vertices[i];
+    const Vec3 fromBur = p - Vec3(0, 0, radius);
+    if (std::abs(fromBur.norm() - 1e-3) < 4.0 * kCell && std::abs(p.norm() - radius) < 4.0 * kCell) continue;  // rim
+    const Vec3 exact = fromBur.norm() < 1.1e-3 ? Vec3(-fromBur.normalized()) : Vec3(p.normalized());
+    worst = std::max(worst, all.normals[i].cross(exact).norm());
+    inwards += all.normals[i].dot(exact) < 0.0;
+    const double below = (p - 0.5 * kCell * exact).norm() - (radius - 1e-3);
+    misplaced += std::abs(below) > kCell && all.layers[i] != (below < 0.0 ? 1 : 0);
+  }
+  CHECK(worst < 0.07);
+  CHECK(inwards == 0);
+  CHECK(misplaced == 0);
+}
+
+}  // namespace enamel::test_solid_surface
