@@ -3,8 +3,8 @@
 
 #include <memory>
 
+#include "enamel/core/spsc_ring.hpp"
 #include "enamel/runtime/periodic_thread.hpp"
-#include "enamel/runtime/spsc_ring.hpp"
 #include "enamel/runtime/triple_buffer.hpp"
 #include "experiment.hpp"
 

@@ -1,5 +1,6 @@
 // No query or update of the collision module allocates: counted by interposition, with good and with bad input.
 #include "enamel/collision/mesh_update.hpp"
+#include "enamel/collision/solid_changes.hpp"
 #include "enamel/collision/sweep.hpp"
 #include "enamel/collision/tool_sweep.hpp"
 #include "support/allocation_counter.hpp"
@@ -86,6 +87,44 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
   }
   CHECK(undefined == 0);
   CHECK(allocated == 0);
+}
+
+TEST_CASE("a solid that is cut, asked, sent and restored allocates nothing", "[realtime]") {
+  const auto solid =
+      std::make_shared<Solid>(MeshModel(test::boxMesh({2e-3, 2e-3, 1e-3})),
+                              std::vector<SolidLayer>{{"all", {}, 1e9, 0.0, nullptr}}, SolidOptions{1e-4, 10});
+  Scene scene;
+  scene.add({"solid", std::shared_ptr<const Solid>(solid), Pose(), Vec6::Zero(), {}});
+  Tool tool;
+  tool.parts[0].radius = 5e-4;
+  tool.parts[1] = {{0, 0, 1e-3}, {0, 0, 5e-3}, 3e-4};
+  tool.count = 2;
+  ToolTrack track = makeToolTrack(scene, tool);
+  ContactSnapshot contacts;
+  SolidChanges changes;
+  BrickChange change;
+  test::Random random(62);
+  int touched = 0, taken = 0;
+  const long before = test::allocationCount();
+  for (int i = 0; i < 1000; ++i) {
+    Vec3 p = random.vector(2.5e-3);
+    if (i % 50 == 49) p.x() = std::nan("");
+    const Vec3 q = p + 2e-4 * random.direction();
+    if (i % 10 == 0) solid->mark();
+    solid->cut({p, p}, {q, q}, random.uniform(1e-4, 5e-4));
+    Pose pose;
+    pose.position = q;
+    touched += signedDistance(*solid, p).found;
+    touched += closestToSegment(*solid, {p, q}, 1e-3).found;
+    touched += followContacts(scene, tool, pose, 1e-3, track, contacts) == Status::ok ? contacts.count : 0;
+    if (i % 70 == 69) (void)solid->undo();
+    if (i % 200 == 199) solid->restore();
+    changes.publish(*solid);
+    for (int k = 0; k < 10; ++k) taken += changes.take(change);
+  }
+  CHECK(test::allocationCount() == before);
+  CHECK(touched > 1000);
+  CHECK(taken > 1000);
 }
 
 }  // namespace enamel::test_collision

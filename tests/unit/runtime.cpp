@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "enamel/core/error.hpp"
+#include "enamel/core/spsc_ring.hpp"
 #include "enamel/runtime/periodic_thread.hpp"
-#include "enamel/runtime/spsc_ring.hpp"
 #include "enamel/runtime/triple_buffer.hpp"
 #include "support/catch.hpp"
 #include "support/run_length.hpp"

@@ -8,9 +8,9 @@
 #include <atomic>
 #include <cstdint>
 
+#include "enamel/core/spsc_ring.hpp"
 #include "enamel/render/tick.hpp"
 #include "enamel/runtime/periodic_thread.hpp"
-#include "enamel/runtime/spsc_ring.hpp"
 #include "enamel/runtime/triple_buffer.hpp"
 
 namespace enamel {
