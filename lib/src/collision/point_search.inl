@@ -151,8 +151,10 @@ inline void searchLeaf(Search& s, int32_t leaf) {
 inline void searchTree(Search& s, bool cold) {
   const auto boundsOf = [&s, cold](const Node& node) {
     const Lanes boxes = lanesOf(node);
+    const V bounds = squaredLength(beyondBoxes(boxes, fromMiddles(boxes, s.q())));
+    // Behind the bounds: before them it would make the compiler load all rows at once, more than there are registers.
     if (cold && s.least > 3e38f) tightenToBoxes(s, boxes);
-    return squaredLength(beyondBoxes(boxes, fromMiddles(boxes, s.q())));
+    return bounds;
   };
   nearestFirst(s.mesh, s.limit, boundsOf, [&s](int32_t leaf) { searchLeaf(s, leaf); });
 }
