@@ -1,13 +1,19 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <numeric>
+#include <random>
 
 #include "commands.hpp"
 #include "enamel/collision/mesh_file.hpp"
 #include "enamel/collision/proximity.hpp"
+#include "enamel/collision/solid_surface.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "mesh_generator.hpp"
@@ -21,6 +27,8 @@ struct MeshOptions {
   double unit = 1e-3;       // m
   double deviation = 20.0;  // um
   double base = 0.0;        // mm
+  bool solid = false;
+  double cell = 0.1;  // mm
 };
 
 void printLine(const char* name, const std::string& value) { fmt::print("{:<24} {}\n", name, value); }
@@ -47,18 +55,48 @@ void print(const MeshReport& r) {
                           r.high.y(), r.high.z()));
 }
 
-// Binary PLY in mm.
+bool endsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+void checkOutput(const std::string& path) {
+  if (!path.empty() && !endsWith(path, ".ply") && !endsWith(path, ".stl"))
+    throw Error(path + ": meshes are written as .ply or .stl");
+}
+
+template <typename Value>
+void put(const Value& value, std::string& bytes) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void put(const Vec3& v, std::string& bytes) {
+  for (int k = 0; k < 3; ++k) put(static_cast<float>(v[k]), bytes);
+}
+
+void writeStl(const TriangleMesh& mesh, const std::string& path) {
+  std::string bytes("units mm");
+  bytes.resize(80, ' ');
+  put(static_cast<std::uint32_t>(mesh.triangles.size()), bytes);
+  for (const auto& t : mesh.triangles) {
+    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    put(Vec3((b - a).cross(c - a).normalized()), bytes);
+    for (const Vec3* v : {&a, &b, &c}) put(Vec3(1e3 * *v), bytes);
+    put(std::uint16_t{0}, bytes);
+  }
+  writeFile(path, bytes);
+}
+
+// Binary, in mm.
 void write(const TriangleMesh& mesh, const std::string& path) {
+  if (endsWith(path, ".stl")) return writeStl(mesh, path);
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment units mm\nelement vertex {}\nproperty float x\n"
       "property float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
       mesh.vertices.size(), mesh.triangles.size());
-  const auto put = [&bytes](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
-  for (const Vec3& v : mesh.vertices)
-    for (int k = 0; k < 3; ++k) put(static_cast<float>(1e3 * v[k]));
+  for (const Vec3& v : mesh.vertices) put(Vec3(1e3 * v), bytes);
   for (const auto& t : mesh.triangles) {
-    put(std::uint8_t{3});
-    for (const int v : t) put(static_cast<std::int32_t>(v));
+    put(std::uint8_t{3}, bytes);
+    for (const int v : t) put(static_cast<std::int32_t>(v), bytes);
   }
   writeFile(path, bytes);
 }
@@ -85,12 +123,75 @@ void print(const PrepareReport& r, const TriangleMesh& result, const std::string
   printLine("file to prepared", within(r.fromFile));
 }
 
+// Points spread evenly over the mesh, moved by up to 5 cells, where a tool is.
+void printErrors(const MeshModel& model, const Solid& solid) {
+  constexpr int kPoints = 100000;
+  const TriangleMesh& mesh = model.mesh();
+  std::vector<double> areas;
+  for (const auto& t : mesh.triangles) {
+    const Vec3& a = mesh.vertices[t[0]];
+    const double area = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
+    areas.push_back(areas.empty() ? area : areas.back() + area);
+  }
+  std::mt19937_64 engine(22);
+  const auto number = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
+  std::vector<double> errors;
+  int wrong = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const auto at = std::upper_bound(areas.begin(), areas.end() - 1, number() * areas.back()) - areas.begin();
+    const auto& t = mesh.triangles[static_cast<std::size_t>(at)];
+    const double u = number(), v = number() * (1.0 - u);
+    const double turn = 2.0 * M_PI * number(), up = 2.0 * number() - 1.0, away = 5.0 * solid.cell() * number();
+    const Vec3 way(std::sqrt(1.0 - up * up) * std::cos(turn), std::sqrt(1.0 - up * up) * std::sin(turn), up);
+    const Vec3& a = mesh.vertices[t[0]];
+    const Vec3 p = a + u * (mesh.vertices[t[1]] - a) + v * (mesh.vertices[t[2]] - a) + away * way;
+    const double exact = signedDistance(model, p).distance, found = signedDistance(solid, p).distance;
+    errors.push_back(std::abs(found - exact));
+    wrong += (found < 0.0) != (exact < 0.0) && std::abs(exact) > 0.5 * solid.cell();
+  }
+  std::sort(errors.begin(), errors.end());
+  const auto quantile = [&errors](double part) { return 1e6 * errors[static_cast<std::size_t>(part * (kPoints - 1))]; };
+  printLine("distances", fmt::format("off by {:.3g} um (half of {} points within 5 cells), {:.3g} (99 %), {:.3g} "
+                                     "(99.9 %), {:.3g} at most",
+                                     quantile(0.5), kPoints, quantile(0.99), quantile(0.999), errors.back() * 1e6));
+  printLine("wrong side", fmt::format("{} points farther than half a cell", wrong));
+}
+
+void makeSolid(const MeshModel& model, const MeshOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const Solid solid = [&] {
+    try {
+      return Solid(model, {SolidLayer()}, {1e-3 * options.cell, 0});
+    } catch (const Error& error) {
+      throw Error(options.file + ": " + error.what());
+    }
+  }();
+  const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const RemovedVolume volumes = solid.volume();
+  const double volume = std::accumulate(volumes.begin(), volumes.end(), 0.0), whole = inspect(model.mesh()).volume;
+  fmt::print("\nsolid: cells of {} mm\n", options.cell);
+  printLine("bricks", fmt::format("{} of {}^3 cells", solid.bricks(), kBrickCells));
+  printLine("memory", fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(solid.bytes())));
+  printLine("built in", fmt::format("{:.2g} s", took));
+  printLine("volume", fmt::format("{:.6g} m^3, {:+.2g} % of the mesh's", volume,
+                                  100.0 * (volume - std::abs(whole)) / std::abs(whole)));
+  printErrors(model, solid);
+  if (options.output.empty()) return;
+  const TriangleMesh surface = surfaceOf(solid);
+  write(surface, options.output);
+  printLine("surface", fmt::format("{} triangles: {}", surface.triangles.size(), options.output));
+}
+
 void run(const MeshOptions& options) {
+  checkOutput(options.output);
+  checkOutput(options.prepare);
   if (options.generate.empty()) {
     if (options.file.empty()) throw Error("needs a mesh file, or --generate with --output");
     const TriangleMesh mesh = loadMesh(options.file, options.unit);
     print(inspect(mesh));
-    printLine("sign", describe(MeshModel(mesh)));
+    const MeshModel model(mesh);
+    printLine("sign", describe(model));
+    if (options.solid) makeSolid(model, options);
     if (options.prepare.empty()) return;
     PrepareReport report;
     const TriangleMesh prepared = prepareMesh(mesh, {1e-6 * options.deviation, 1e-3 * options.base}, report);
@@ -112,14 +213,15 @@ void addMesh(CLI::App& app) {
   command->add_option("--unit", options->unit, "of the file's coordinates: m, mm or um")
       ->transform(CLI::CheckedTransformer(std::map<std::string, double>{{"m", 1.0}, {"mm", 1e-3}, {"um", 1e-6}}))
       ->default_str("mm");
-  auto* generate = command->add_option("--generate", options->generate, "makes a mesh instead (PLY in mm)")
+  auto* generate = command->add_option("--generate", options->generate, "makes a mesh instead (PLY or STL in mm)")
                        ->check(CLI::IsMember({"molar", "jaw"}));
-  command->add_option("--output", options->output, "where the made mesh goes");
+  auto* output = command->add_option("--output", options->output, "where the made mesh or the solid's surface goes");
   auto* prepare = command
                       ->add_option("--prepare", options->prepare,
                                    "makes the file's mesh manifold, closes its holes, leaves out triangles, and "
-                                   "writes it here (PLY in mm)")
-                      ->excludes(generate);
+                                   "writes it here (PLY or STL in mm)")
+                      ->excludes(generate)
+                      ->excludes(output);
   command->add_option("--deviation", options->deviation, "that leaving out triangles may cause, um; 0: all stay")
       ->check(CLI::Range(0.0, 1e6))
       ->needs(prepare)
@@ -127,6 +229,16 @@ void addMesh(CLI::App& app) {
   command->add_option("--base", options->base, "closes the longest opening so far below it, mm; 0: like every hole")
       ->check(CLI::Range(0.0, 1e3))
       ->needs(prepare)
+      ->capture_default_str();
+  auto* solid = command
+                    ->add_flag("--solid", options->solid,
+                               "makes a solid that can be cut of the file's closed mesh and says how true it is; its "
+                               "surface goes to --output (PLY or STL in mm)")
+                    ->excludes(generate)
+                    ->excludes(prepare);
+  command->add_option("--cell", options->cell, "edge of the solid's cells, mm")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->needs(solid)
       ->capture_default_str();
   command->callback([options] { run(*options); });
 }

@@ -102,6 +102,35 @@ TEST_CASE("a scan is made a solid, within the deviation that is allowed", "[unit
   CHECK(test::run(command + " --deviation -1").status != 0);
 }
 
+TEST_CASE("a closed mesh is made a solid, and its surface a mesh", "[unit]") {
+  const test::TemporaryFolder folder;
+  // A wedge, 8 x 6 x 5 mm.
+  test::writeFile(folder / "wedge.off",
+                  "OFF 6 8 0\n0 0 0\n8 0 0\n0 6 0\n0 0 5\n8 0 5\n0 6 5\n"
+                  "3 0 2 1\n3 3 4 5\n3 0 1 4\n3 0 4 3\n3 1 2 5\n3 1 5 4\n3 2 0 3\n3 2 3 5\n");
+  const std::string command = "mesh " + (folder / "wedge.off") + " --solid --cell 0.4";
+  for (const char* name : {"made.ply", "made.stl"}) {
+    const test::CommandResult result = test::run(command + " --output " + (folder / name));
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    CHECK_THAT(result.output,
+               Contains("wrong side               0 points") && Contains("bricks") && Contains("memory"));
+    const std::string distances = result.output.substr(result.output.find("off by ") + 7);
+    CHECK(std::stod(distances) < 20.0);  // um: a twentieth of a cell
+    const MeshReport report = inspect(loadMesh(folder / name, 1e-3));
+    CHECK(report.watertight);
+    CHECK_FALSE(report.inwards);
+    CHECK(report.volume == Approx(120e-9).epsilon(0.03));
+    CHECK((report.high - Vec3(8e-3, 6e-3, 5e-3)).norm() < 0.5e-3);
+  }
+  test::writeFile(folder / "flap.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 2 0\n3 0 1 2\n");
+  CHECK_THAT(test::run("mesh " + (folder / "flap.off") + " --solid").output,
+             Contains("flap.off: a solid is made of a closed mesh"));
+  CHECK_THAT(test::run(command + " --output a.obj").output, Contains("a.obj: meshes are written as .ply or .stl"));
+  CHECK(test::run("mesh " + (folder / "wedge.off") + " --solid --cell 0").status != 0);
+  CHECK(test::run("mesh " + (folder / "wedge.off") + " --cell 0.1").status != 0);
+}
+
 TEST_CASE("a mesh inside out is turned round", "[unit]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "in.off", "OFF 4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n");
