@@ -31,7 +31,7 @@ void run(const BenchOptions& options) {
                cell(row.reference_us / row.median_us, "{:.1f}"), row.error, row.errorOf);
   fmt::print(
       "* how many times faster than the conventional way, measured in the same run. Times are noisy on a shared\n"
-      "  machine: trust the ratios. p99 is over batches of calls, for collision over single calls.\n");
+      "  machine: trust the ratios. p99 is over batches of calls, for collision and solid over single calls.\n");
 }
 
 }  // namespace
@@ -39,9 +39,10 @@ void run(const BenchOptions& options) {
 void addBench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command = app.add_subcommand("bench", "Speed against error: one row a measurement, times in microseconds");
-  command->add_option("--filter", options->filter,
-                      "only rows whose name contains this text; a group first (device, control, tick, collision) "
-                      "measures only that one");
+  command->add_option(
+      "--filter", options->filter,
+      "only rows whose name contains this text; a group first (device, control, tick, collision, solid) "
+      "measures only that one");
   command->add_option("--scale", options->scale, "multiplies the number of batches")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();

@@ -20,4 +20,16 @@ TEST_CASE("speed against error of the collision module", "[timing]") {
   }
 }
 
+TEST_CASE("speed against error of solids", "[timing]") {
+  const auto rows = bench::measureSolid(0.1);
+  REQUIRE_FALSE(rows.empty());
+  for (const auto& row : rows) {
+    std::printf("%-60s %9.4f us  p99 %9.4f us  error %.1e (%s)\n", row.name.c_str(), row.median_us, row.p99_us,
+                row.error, row.errorOf.c_str());
+    CHECK(row.error < (row.errorOf[0] == 'm' ? 5e-5 : 0.1));  // half a cell
+    CHECK(row.median_us > 1e-3);
+    CHECK_FALSE(row.p99_us < row.median_us);
+  }
+}
+
 }  // namespace enamel::test_collision

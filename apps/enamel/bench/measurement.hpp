@@ -61,5 +61,6 @@ std::vector<Measurement> measureDevice(double scale);
 std::vector<Measurement> measureControl(double scale);
 std::vector<Measurement> measureTick(double scale);
 std::vector<Measurement> measureCollision(double scale);
+std::vector<Measurement> measureSolid(double scale);
 
 }  // namespace enamel::bench

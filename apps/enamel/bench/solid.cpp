@@ -1,0 +1,158 @@
+// A solid that is cut: a molar at cells of 0.1 mm, a ball of 1 mm.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "bench/measurement.hpp"
+#include "enamel/collision/contacts.hpp"
+#include "enamel/collision/solid_surface.hpp"
+#include "enamel/render/drill.hpp"
+#include "mesh_generator.hpp"
+
+namespace enamel::bench {
+namespace {
+
+constexpr double kCell = 1e-4, kRadius = 0.5e-3;  // m
+constexpr double kStep = 30e-6;                   // m: 30 mm/s at 1 kHz
+constexpr double kReach = 1e-3;                   // m
+
+class Numbers {
+ public:
+  Vec3 vector() {
+    const double x = number(), y = number(), z = number();
+    return {x, y, z};
+  }
+
+ private:
+  double number() { return static_cast<double>(engine_() >> 11) * 0x1p-52 - 1.0; }
+  std::mt19937_64 engine_{22};
+};
+
+double sum(const RemovedVolume& volume) { return std::accumulate(volume.begin(), volume.end(), 0.0); }
+
+template <typename Call>
+double timeOnce(const Call& call) {
+  const auto start = std::chrono::steady_clock::now();
+  call();
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+}
+
+void addRow(std::vector<Measurement>& rows, const std::string& name, std::vector<double> times_us, double error,
+            const std::string& errorOf) {
+  std::sort(times_us.begin(), times_us.end());
+  Measurement row;
+  row.name = name;
+  row.median_us = percentile(times_us, 0.5);
+  row.p99_us = percentile(times_us, 0.99);
+  row.p999_us = percentile(times_us, 0.999);
+  row.error = error;
+  row.errorOf = errorOf;
+  rows.push_back(row);
+}
+
+Tool ball() {
+  Tool tool;
+  tool.parts[0].radius = kRadius;
+  return tool;
+}
+
+// A ball that goes round on the molar, up to 0.3 mm above it.
+void measureQueries(const MeshModel& mesh, const std::shared_ptr<Solid>& solid, int calls,
+                    std::vector<Measurement>& rows) {
+  Scene scene;
+  scene.add({"molar", std::shared_ptr<const Solid>(solid), Pose(), Vec6::Zero(), {}});
+  const Tool tool = ball();
+  ToolTrack track = makeToolTrack(scene, tool);
+  Numbers numbers;
+  Vec3 p(0.0, 0.0, 8e-3), way = Vec3::UnitX();
+  std::vector<double> distances_us, meshes_us, contacts_us;
+  double error = 0.0, gapError = 0.0;
+  ContactSnapshot contacts;
+  ProximityCache cache;
+  for (int i = 0; i < calls; ++i) {
+    const SurfacePoint near = signedDistance(mesh, p + kStep * way);
+    way += 0.1 * numbers.vector();
+    way = (way - near.normal * near.normal.dot(way)).normalized();
+    p = near.point + (kRadius + 0.15e-3 * (1.0 + std::sin(0.01 * i))) * near.normal;
+    SurfacePoint exact;
+    SolidPoint found;
+    meshes_us.push_back(timeOnce([&] { exact = signedDistance(mesh, p, &cache); }));
+    distances_us.push_back(timeOnce([&] { found = signedDistance(*solid, p); }));
+    error = std::max(error, std::abs(found.distance - exact.distance));
+    Pose pose;
+    pose.position = p;
+    contacts_us.push_back(timeOnce([&] { keep(followContacts(scene, tool, pose, kReach, track, contacts)); }));
+    const double gap = contacts.count > 0 ? contacts.contacts[0].gap : kReach;
+    gapError = std::max(gapError, std::abs(gap - (exact.distance - kRadius)));
+  }
+  addRow(rows, "signed distance, molar at 0.1 mm, haptic path", distances_us, error, "m, against the mesh");
+  std::sort(meshes_us.begin(), meshes_us.end());
+  rows.back().reference_us = percentile(meshes_us, 0.5);
+  addRow(rows, "contacts of a 1 mm ball with it, followed", contacts_us, gapError, "m, gap against the mesh");
+}
+
+// The ball is pressed with 2 N and goes to and fro; walls push it back.
+void measureCutting(const std::shared_ptr<Solid>& solid, int calls, std::vector<Measurement>& rows) {
+  Scene scene;
+  scene.add({"molar", std::shared_ptr<const Solid>(solid), Pose(), Vec6::Zero(), {}});
+  const Tool tool = ball();
+  ToolTrack track = makeToolTrack(scene, tool);
+  Drill drill(tool, {solid}, {0, 0.5, 2000.0});
+  drill.spin(true);
+  Numbers numbers;
+  Pose at;
+  at.position.z() = 8e-3;
+  Vec3 goal = Vec3::Zero();
+  const double whole = sum(solid->volume());
+  double removed = 0.0, error = 0.0;
+  std::vector<double> cuts_us, bricks_us;
+  ContactSnapshot contacts;
+  SolidSurface surface;
+  for (int i = 0; i < calls; ++i) {
+    if (i % 300 == 0) goal = 3e-3 * numbers.vector();
+    const Vec3 way = goal - at.position;
+    at.position += std::min(kStep, way.norm()) * way.normalized();
+    const Vec3 force = contacts.count > 0 ? Vec3(2.0 * contacts.contacts[0].normal) : Vec3(Vec3::Zero());
+    const double time_us = timeOnce([&] {
+      keep(followContacts(scene, tool, at, kReach, track, contacts));
+      drill.cut(scene, at, force, 1e-3, contacts);
+    });
+    const double taken = sum(drill.removed());
+    removed += taken;
+    if (taken > 0.0) cuts_us.push_back(time_us);
+    for (int k = 0; k < contacts.count; ++k)
+      at.position -= 0.5 * std::min(contacts.contacts[k].gap + 2e-5, 0.0) * contacts.contacts[k].normal;
+    for (int brick; (brick = solid->takeChanged()) >= 0;) {
+      surface.clear();
+      const double extraction_us = timeOnce([&] { appendSurface(*solid, brick, solid->samples(brick), surface); });
+      if (surface.mesh.triangles.empty()) continue;
+      bricks_us.push_back(extraction_us);
+      error = std::max(error, std::abs(signedDistance(*solid, surface.mesh.vertices[0]).distance));
+    }
+  }
+  const double gone = whole - sum(solid->volume());
+  addRow(rows, fmt::format("tick that cuts with a 1 mm ball ({} of {})", cuts_us.size(), calls), cuts_us,
+         std::abs(removed - gone) / gone, "volume that was said to be removed, relative");
+  rows.back().goal_us = 60.0;
+  addRow(rows, "surface of a brick that a tick changed", bricks_us, error, "m, a vertex from the surface of queries");
+}
+
+}  // namespace
+
+std::vector<Measurement> measureSolid(double scale) {
+  std::vector<Measurement> rows;
+  const MeshModel mesh(app::makeMolar(6));
+  const auto solid = std::make_shared<Solid>(
+      mesh, std::vector<SolidLayer>{{"enamel", {}, 3.4e9, 0.0, nullptr}, {"dentine", {}, 0.6e9, 1e-3, nullptr}},
+      SolidOptions{kCell});
+  const int calls = std::max(2000, static_cast<int>(20000 * scale));
+  measureQueries(mesh, solid, calls, rows);
+  measureCutting(solid, calls, rows);
+  return rows;
+}
+
+}  // namespace enamel::bench
