@@ -133,10 +133,10 @@ struct SolidQuery {
           const std::int32_t number = solid.brickAt(x, y, z);
           if (number < 0 || solid.hasSurface_[static_cast<std::size_t>(number)] == 0) continue;
           const Vec3 centre = kBrickCells * Vec3(x + 0.5, y + 0.5, z + 0.5);
-          const double most = reach() + kBrickCells * kHalfCell;
-          const double squared = (centre - axisAt(parameterAt(centre))).squaredNorm();
-          if (squared > most * most) continue;
-          visit(number, solid.bricks_[static_cast<std::size_t>(number)], std::sqrt(squared) - kBrickCells * kHalfCell);
+          const Vec3 q = centre - axisAt(parameterAt(centre));
+          const double distance = perLength > 0.0 ? q.norm() - kBrickCells * kHalfCell
+                                                  : (q.array().abs() - 0.5 * kBrickCells).max(0.0).matrix().norm();
+          if (distance <= reach()) visit(number, solid.bricks_[static_cast<std::size_t>(number)], distance);
         }
   }
 
@@ -145,8 +145,10 @@ struct SolidQuery {
   template <typename Reach, typename Visit>
   void forEachCell(const Brick& brick, const Reach& reach, const Visit& visit) const {
     const Vec3 corner = cornerOf(brick), seen = a - corner - Vec3::Constant(0.5);
-    for (int z = 0; z < kBrickCells; ++z)
-      for (std::uint64_t left = brick.surface[z]; left != 0; left &= left - 1) {
+    for (int z = 0; z < kBrickCells; ++z) {
+      std::uint64_t left = brick.surface[z];
+      if (left != 0 && perLength == 0.0) left &= cellsAbout(seen, z, reach() + kHalfCell);
+      for (; left != 0; left &= left - 1) {
         const int bit = __builtin_ctzll(left), x = bit % kBrickCells, y = bit / kBrickCells;
         double qx = seen.x() - x, qy = seen.y() - y, qz = seen.z() - z, t = 0.0;
         if (perLength > 0.0) {
@@ -160,6 +162,24 @@ struct SolidQuery {
         visit(brick.samples.data() + (z * kBrickSamples + y) * kBrickSamples + x,
               Vec3(corner.x() + x, corner.y() + y, corner.z() + z), Vec3(qx, qy, qz), t);
       }
+    }
+  }
+
+  // Cells of a slice whose centres may be so near: those in the square about the circle.
+  static std::uint64_t cellsAbout(const Vec3& seen, int z, double most) {
+    const double squared = most * most - (seen.z() - z) * (seen.z() - z);
+    if (!(squared >= 0.0)) return 0;
+    const double radius = std::sqrt(squared);
+    const auto range = [&](double at) {  // bits
+      const double from = std::max(at - radius, 0.0), to = std::min(at + radius, kBrickCells - 1.0);
+      if (!(from <= to)) return 0u;
+      return (2u << static_cast<unsigned>(to)) - (1u << static_cast<unsigned>(from));  // from: rounded down
+    };
+    std::uint64_t cells = 0;
+    const std::uint64_t row = range(seen.x());
+    for (std::uint32_t rows = range(seen.y()); rows != 0; rows &= rows - 1)
+      cells |= row << (kBrickCells * __builtin_ctz(rows));
+    return cells;
   }
 
   static Vec3 cornerOf(const Brick& brick) {
