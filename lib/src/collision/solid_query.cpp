@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace enamel {
 
@@ -16,6 +17,7 @@ struct SolidQuery {
   static constexpr int kSteps = 3;
   static constexpr double kNoGradient = 1e-6;  // squared
   static constexpr double kSameMinimum = 0.02;
+  static constexpr int kMostSeen = 1024;
   static constexpr float kSmooth = 0.1f, kFacing = 0.55f, kTrust = 0.3f;
   static constexpr double kClear = 0.5;                         // where the way to the surface gives its normal
   static constexpr double kAligned = 0.9396926207859084;        // cos 20 deg
@@ -71,6 +73,7 @@ struct SolidQuery {
     float outside;   // from the centre to the plane's place nearest to q, the largest coordinate
     float gx, gy, gz, perNorm;  // gradient, one over its length
 
+    Plane() = default;
     Plane(const float* s, float qx, float qy, float qz) {
       constexpr int j = kBrickSamples, k = kBrickSamples * kBrickSamples;
       const float x00 = s[1] - s[0], x10 = s[j + 1] - s[j], x01 = s[k + 1] - s[k], x11 = s[k + j + 1] - s[k + j];
@@ -89,7 +92,11 @@ struct SolidQuery {
 
     // Nothing of the patch is nearer, but for a smooth one by some hundredths of a cell: in a pit that fits the bur all
     // places are about as near.
-    double least() const { return distance - (flatness < kSmooth ? 0.1f * flatness : flatness); }
+    double least() const {
+      const float ahead = distance - (flatness < kSmooth ? 0.1f * flatness : flatness);
+      const float aside = outside - 0.5f - flatness;  // the cell begins so far beside the plane's nearest place
+      return aside > 0.0f && ahead > 0.0f ? std::sqrt(ahead * ahead + aside * aside) : ahead;
+    }
   };
 
   // The place of the patch nearest to q.
@@ -339,26 +346,87 @@ struct SolidQuery {
     }
   };
 
+  // A cell as seen from the point.
+  struct Seen {
+    const float* samples;
+    Eigen::Vector3f low, toCentre;
+    Plane plane;
+    float least;  // nothing of the patch is nearer
+  };
+  struct SeenCells {
+    int count = 0;
+    std::array<Seen, kMostSeen> all;
+  };
+
+  // As search(), of these cells.
+  void search(const SeenCells& cells, Nearest& best) const {
+    Nearest smooth{best.distance};  // most places are looked at only where that is wrong
+    const Seen* middle = nullptr;
+    for (int i = 0; i < cells.count; ++i) {
+      const Seen& cell = cells.all[i];
+      if (cell.plane.outside < kFacing && cell.plane.flatness < kSmooth)
+        smooth.distance =
+            std::min(smooth.distance, static_cast<double>(cell.plane.distance + kTrust * cell.plane.flatness));
+      if (middle == nullptr || cell.least < middle->least) middle = &cell;
+    }
+    const auto searchIn = [&](const Seen& cell, Nearest& nearest) {
+      if (static_cast<double>(cell.least) < nearest.distance)
+        search(cell.low.cast<double>(), cell.samples, 0.0, nearest);
+    };
+    if (middle != nullptr) searchIn(*middle, best);
+    if (smooth.distance < best.distance) {
+      for (int i = 0; i < cells.count; ++i) searchIn(cells.all[i], smooth);
+      if (smooth.found) best = smooth;
+    }
+    if (smooth.found) return;
+    for (int i = 0; i < cells.count; ++i) searchIn(cells.all[i], best);
+  }
+
+  // The likely nearest first, so that those in the same direction need no closer look.
+  void collect(const SeenCells& cells, double reach, Collected& found) const {
+    std::array<std::pair<float, int>, kMostSeen> waiting;  // a heap
+    int count = 0;
+    for (int i = 0; i < cells.count; ++i) {
+      const Plane& plane = cells.all[i].plane;
+      if (plane.outside <= 0.75f + 4.0f * plane.flatness * plane.distance) waiting[count++] = {-cells.all[i].least, i};
+    }
+    for (std::make_heap(waiting.begin(), waiting.begin() + count); count > 0; --count) {
+      const Seen& cell = cells.all[waiting[0].second];
+      std::pop_heap(waiting.begin(), waiting.begin() + count);
+      const double least = static_cast<double>(cell.least);
+      if (found.count == kernel::kMaxSolidMinima && least >= found.all[found.count - 1].distance) return;
+      const Vec3 toCentre = cell.toCentre.cast<double>(), low = cell.low.cast<double>(), q = a - low;
+      if (found.has(a, toCentre, toCentre.norm(), static_cast<double>(cell.plane.distance) + kSameMinimum)) continue;
+      Touch touch;
+      if (!nearestOn(Patch(cell.samples), q, touch)) continue;
+      const Vec3 way = q - touch.point;
+      const double distance = way.norm();
+      if (distance > reach || !(way.dot(touch.gradient) > kAligned * distance * touch.gradient.norm())) continue;
+      found.add(a, {distance, 0.0, low + touch.point, touch.gradient, true});
+    }
+  }
+
   void minima(double reach, kernel::SolidMinima& minima) const {
-    const auto within = [&] { return reach; };
+    SeenCells cells;
+    Nearest best{reach};
     Collected found;
-    const Nearest least = nearest(reach);  // counts also where the surface has no normal that points to p
-    if (!least.found) return;
-    found.add(a, least);
+    const auto look = [&] {
+      search(cells, best);
+      if (best.found) found.add(a, best);  // counts also where the surface has no normal that points to p
+      collect(cells, reach, found);
+      cells.count = 0;
+    };
+    const auto within = [&] { return reach; };
     forEachBrick(within, [&](std::int32_t, const Brick& brick, double) {
-      forEachCell(brick, within, [&](const float* samples, const Vec3& low, const Vec3& toCentre, double) {
-        const Plane plane = planeOf(samples, toCentre);
-        if (plane.outside > 0.75f + 4.0f * plane.flatness * plane.distance) return;
-        if (found.has(a, toCentre, toCentre.norm(), plane.distance + kSameMinimum)) return;
-        Touch touch;
-        const Vec3 q = a - low;
-        if (!nearestOn(Patch(samples), q, touch)) return;
-        const Vec3 way = q - touch.point;
-        const double distance = way.norm();
-        if (distance > reach || !(way.dot(touch.gradient) > kAligned * distance * touch.gradient.norm())) return;
-        found.add(a, {distance, 0.0, low + touch.point, touch.gradient, true});
+      forEachCell(brick, within, [&](const float* samples, const Vec3& low, const Vec3& q, double) {
+        const Plane plane = planeOf(samples, q);
+        const double toCell = q.norm() - kHalfCell, least = std::max(plane.least(), toCell);
+        if (least > reach) return;
+        if (cells.count == kMostSeen) look();
+        cells.all[cells.count++] = {samples, low.cast<float>(), q.cast<float>(), plane, static_cast<float>(least)};
       });
     });
+    look();
     for (int i = 0; i < found.count; ++i) minima.all[i] = answer(found.all[i], 1.0);
     minima.count = found.count;
   }
