@@ -226,16 +226,38 @@ struct SolidQuery {
     });
   }
 
-  // About how near the surface is where it is smooth and faces the point.
-  double likely(const Brick& brick, double most) const {
-    forEachCell(
-        brick, [&] { return most; },
-        [&](const float* samples, const Vec3&, const Vec3& q, double) {
-          const Plane plane = planeOf(samples, q);
-          if (plane.outside < kFacing && plane.flatness < kSmooth)
-            most = std::min(most, static_cast<double>(plane.distance + kTrust * plane.flatness));
-        });
-    return most;
+  // A cell as seen from the point.
+  struct Seen {
+    const float* samples;
+    Eigen::Vector3f low, toCentre;
+    Plane plane;
+    float least;  // nothing of the patch is nearer
+  };
+  struct SeenCells {
+    int count = 0;
+    std::array<Seen, kMostSeen> all;
+  };
+
+  static Seen seenFrom(const float* samples, const Vec3& low, const Vec3& q) {
+    const Plane plane = planeOf(samples, q);
+    return {samples, low.cast<float>(), q.cast<float>(), plane,
+            static_cast<float>(std::max(plane.least(), q.norm() - kHalfCell))};
+  }
+
+  // About how near the surface is there where it is smooth and faces the point.
+  static double likely(const Seen& cell) {
+    const Plane& plane = cell.plane;
+    return plane.outside < kFacing && plane.flatness < kSmooth
+               ? static_cast<double>(plane.distance + kTrust * plane.flatness)
+               : kNoLimit;
+  }
+
+  void search(const Seen& cell, Nearest& best) const {
+    if (static_cast<double>(cell.least) < best.distance) search(cell.low.cast<double>(), cell.samples, 0.0, best);
+  }
+
+  void searchEach(const SeenCells& cells, Nearest& best) const {
+    for (int i = 0; i < cells.count; ++i) search(cells.all[i], best);
   }
 
   // The cell whose centre is nearest: what is found there makes the rest short.
@@ -273,12 +295,23 @@ struct SolidQuery {
     searchMiddle(solid.bricks_[static_cast<std::size_t>(seed)], best);
     if (perLength == 0.0) {  // most places are looked at only where that is wrong
       Nearest smooth{best.distance};
-      forEachBrick([&] { return smooth.distance; },
-                   [&](std::int32_t, const Brick& brick, double) { smooth.distance = likely(brick, smooth.distance); });
-      if (smooth.distance < best.distance) {
-        searchAll(smooth);
-        if (smooth.found) return smooth;
-      }
+      SeenCells cells;
+      const auto reach = [&] { return smooth.distance; };
+      forEachBrick(reach, [&](std::int32_t, const Brick& brick, double) {
+        forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double) {
+          const Seen cell = seenFrom(samples, low, q);
+          smooth.distance = std::min(smooth.distance, likely(cell));
+          if (static_cast<double>(cell.least) >= smooth.distance) return;
+          if (cells.count == kMostSeen) {
+            searchEach(cells, smooth);
+            cells.count = 0;
+          }
+          cells.all[cells.count++] = cell;
+        });
+      });
+      searchEach(cells, smooth);
+      if (smooth.found) return smooth;
+      if (smooth.distance == best.distance) return best;
     }
     searchAll(best);
     return best;
@@ -346,40 +379,24 @@ struct SolidQuery {
     }
   };
 
-  // A cell as seen from the point.
-  struct Seen {
-    const float* samples;
-    Eigen::Vector3f low, toCentre;
-    Plane plane;
-    float least;  // nothing of the patch is nearer
-  };
-  struct SeenCells {
-    int count = 0;
-    std::array<Seen, kMostSeen> all;
-  };
-
-  // As search(), of these cells.
+  // As nearestWithin(), of these cells.
   void search(const SeenCells& cells, Nearest& best) const {
-    Nearest smooth{best.distance};  // most places are looked at only where that is wrong
+    Nearest smooth{best.distance};
     const Seen* middle = nullptr;
     for (int i = 0; i < cells.count; ++i) {
       const Seen& cell = cells.all[i];
-      if (cell.plane.outside < kFacing && cell.plane.flatness < kSmooth)
-        smooth.distance =
-            std::min(smooth.distance, static_cast<double>(cell.plane.distance + kTrust * cell.plane.flatness));
+      smooth.distance = std::min(smooth.distance, likely(cell));
       if (middle == nullptr || cell.least < middle->least) middle = &cell;
     }
-    const auto searchIn = [&](const Seen& cell, Nearest& nearest) {
-      if (static_cast<double>(cell.least) < nearest.distance)
-        search(cell.low.cast<double>(), cell.samples, 0.0, nearest);
-    };
-    if (middle != nullptr) searchIn(*middle, best);
+    if (middle != nullptr) search(*middle, best);
     if (smooth.distance < best.distance) {
-      for (int i = 0; i < cells.count; ++i) searchIn(cells.all[i], smooth);
-      if (smooth.found) best = smooth;
+      searchEach(cells, smooth);
+      if (smooth.found) {
+        best = smooth;
+        return;
+      }
     }
-    if (smooth.found) return;
-    for (int i = 0; i < cells.count; ++i) searchIn(cells.all[i], best);
+    searchEach(cells, best);
   }
 
   // The likely nearest first, so that those in the same direction need no closer look.
@@ -419,11 +436,10 @@ struct SolidQuery {
     const auto within = [&] { return reach; };
     forEachBrick(within, [&](std::int32_t, const Brick& brick, double) {
       forEachCell(brick, within, [&](const float* samples, const Vec3& low, const Vec3& q, double) {
-        const Plane plane = planeOf(samples, q);
-        const double toCell = q.norm() - kHalfCell, least = std::max(plane.least(), toCell);
-        if (least > reach) return;
+        const Seen cell = seenFrom(samples, low, q);
+        if (static_cast<double>(cell.least) > reach) return;
         if (cells.count == kMostSeen) look();
-        cells.all[cells.count++] = {samples, low.cast<float>(), q.cast<float>(), plane, static_cast<float>(least)};
+        cells.all[cells.count++] = cell;
       });
     });
     look();
