@@ -10,6 +10,7 @@ namespace {
 constexpr double kSkin = 1e-5;                          // of a mesh's size: how near the axis comes to the surface
 constexpr double kAnalyticSkin = 1e-6;                  // m
 constexpr double kSolidSkin = 0.2, kSolidStuck = 0.01;  // cells
+constexpr double kMovesAhead = 8.0;                     // that one look shall be enough for
 constexpr double kSolidReach = 2e-3;                    // m: as far as the surface of a solid is looked for
 constexpr double kShrink = 0.9;                         // of the room there is: what a sweep begins with
 constexpr int kMostSteps = 12, kMostSegmentSteps = 4;   // sweeps of a tick
@@ -48,8 +49,8 @@ double distanceOf(const MeshModel& mesh, const Segment& axis, PartCache* cache) 
   return closestToSegment(mesh, axis, kNoLimit, cache == nullptr ? -1 : cache->nearest).distance;
 }
 
-double distanceOf(const Solid& solid, const Segment& axis, PartCache*) noexcept {
-  return std::min(closestToSegment(solid, axis, kSolidReach).distance, kSolidReach);
+double distanceOf(const Solid& solid, const Segment& axis, PartCache*, double reach = kSolidReach) noexcept {
+  return std::min(closestToSegment(solid, axis, reach).distance, reach);
 }
 
 template <typename Analytic>
@@ -57,6 +58,16 @@ double distanceOf(const Analytic& shape, const Segment& axis, PartCache*) noexce
   const double ends = std::min(signedDistance(shape, axis.a).distance, signedDistance(shape, axis.b).distance);
   const double t = axis.a == axis.b ? -1.0 : nearestOnAxis(shape, axis);
   return t < 0.0 ? ends : std::min(ends, signedDistance(shape, placeOn(axis, t)).distance);
+}
+
+// At least so far away is an axis; solids far off are not looked for.
+double clearOf(const Solid& solid, const Segment& axis, PartCache* cache, double move) noexcept {
+  return distanceOf(solid, axis, cache, std::min(kMovesAhead * move + 1e-4, kSolidReach));
+}
+
+template <typename ShapeType>
+double clearOf(const ShapeType& shape, const Segment& axis, PartCache* cache, double) noexcept {
+  return distanceOf(shape, axis, cache);
 }
 
 SurfacePoint nearestOf(const MeshModel& mesh, const Vec3& p, PartCache* cache, int end, bool isSheet) noexcept {
@@ -133,7 +144,7 @@ PartTrack::State followOn(const ShapeType& shape, const Obstacle& obstacle, cons
     return State::open;
   };
   if (move < track.clear) return arrive(track.clear - move);
-  if (const double clear = distanceOf(shape, goal, cache); move < clear) return arrive(clear);
+  if (const double clear = clearOf(shape, goal, cache, move); move < clear) return arrive(clear);
 
   // Go until something is in the way, then along it; where the way along leads off a convex surface, down again.
   const double skin = skinOf(shape);
