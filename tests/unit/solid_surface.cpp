@@ -95,6 +95,15 @@ TEST_CASE("bricks of a surface fit to each other, normals point outwards", "[uni
     const double below = (p - 0.5 * kCell * exact).norm() - (radius - 1e-3);
     misplaced += std::abs(below) > kCell && all.layers[i] != (below < 0.0 ? 1 : 0);
   }
+  // Every second sample: a quarter of the triangles, on the same surface.
+  SolidSurface coarse;
+  for (int brick = 0; brick < solid.bricks(); ++brick) appendSurface(solid, brick, solid.samples(brick), coarse, 2);
+  CHECK(static_cast<double>(coarse.mesh.triangles.size()) / static_cast<double>(triangles) ==
+        Approx(0.25).margin(0.03));
+  double off = 0.0;
+  for (const Vec3& p : coarse.mesh.vertices)
+    if (p.z() < 0.0) off = std::max(off, std::abs(p.norm() - radius));  // where nothing is cut
+  CHECK(off < 0.25 * kCell);
   CHECK(worst < 0.07);
   CHECK(inwards == 0);
   CHECK(misplaced == 0);

@@ -34,8 +34,8 @@ int strideTo(int corner) {
 
 class Extraction {
  public:
-  Extraction(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface)
-      : solid_(solid), samples_(samples), surface_(surface) {
+  Extraction(const Solid& solid, int brick, const BrickSamples& samples, int step, SolidSurface& surface)
+      : solid_(solid), samples_(samples), step_(step), surface_(surface) {
     corner_ = ((solid.lowOf(brick) - solid.low()) / solid.cell()).array().round();
     vertices_.fill(-1);
   }
@@ -47,7 +47,9 @@ class Extraction {
   }
 
  private:
-  bool isInside(int corner) const { return samples_[static_cast<std::size_t>(sample_ + strideTo(corner))] < 0.0f; }
+  bool isInside(int corner) const {
+    return samples_[static_cast<std::size_t>(sample_ + step_ * strideTo(corner))] < 0.0f;
+  }
 
   void add(const Tetrahedron& tetrahedron) {
     std::array<int, 4> c;  // corners inside first
@@ -80,13 +82,13 @@ class Extraction {
   // The vertex between two corners of the cell.
   int on(int from, int to) {
     const int low = from & to, way = from ^ to;
-    const auto a = static_cast<std::size_t>(sample_ + strideTo(low));
+    const auto a = static_cast<std::size_t>(sample_ + step_ * strideTo(low));
     std::int32_t& vertex = vertices_[a * kCornersOfCube + static_cast<std::size_t>(way)];
     if (vertex >= 0) return vertex;
     const double t = std::clamp(zeroBetween(a, way), kEnd, 1.0 - kEnd);
-    const Vec3 start = Vec3(at_[0], at_[1], at_[2]) + towards(low);
-    const Vec3 position = solid_.low() + solid_.cell() * (corner_ + start + t * towards(way));
-    const Vec3 gradient = (1.0 - t) * gradientAt(start) + t * gradientAt(start + towards(way));
+    const Vec3 start = Vec3(at_[0], at_[1], at_[2]) + step_ * towards(low), edge = step_ * towards(way);
+    const Vec3 position = solid_.low() + solid_.cell() * (corner_ + start + t * edge);
+    const Vec3 gradient = (1.0 - t) * gradientAt(start) + t * gradientAt(start + edge);
     const double length = gradient.norm();
     const Vec3 normal =
         length > 1e-3 ? Vec3(gradient / length) : Vec3((samples_[a] < 0.0f ? 1.0 : -1.0) * towards(way).normalized());
@@ -106,7 +108,7 @@ class Extraction {
       if ((corner & way) != corner) continue;
       axes = (corner & 1) + (corner >> 1 & 1) + (corner >> 2);
       c[static_cast<std::size_t>(axes)] +=
-          static_cast<double>(samples_[a + static_cast<std::size_t>(strideTo(corner))]);
+          static_cast<double>(samples_[a + static_cast<std::size_t>(step_ * strideTo(corner))]);
     }
     double low = 0.0, high = 1.0, atLow = c[0], atHigh = c[static_cast<std::size_t>(axes)],
            t = atLow / (atLow - atHigh);
@@ -143,6 +145,7 @@ class Extraction {
 
   const Solid& solid_;
   const BrickSamples& samples_;
+  int step_;  // samples from corner to corner
   SolidSurface& surface_;
   Vec3 corner_;  // of the brick, cells
   std::array<int, 3> at_{};
@@ -159,10 +162,14 @@ void SolidSurface::clear() noexcept {
   layers.clear();
 }
 
-void appendSurface(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface) {
+void appendSurface(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface, int step) {
   const auto cells = kernel::surfaceCells(samples);
   if (std::all_of(cells.begin(), cells.end(), [](std::uint64_t slice) { return slice == 0; })) return;
-  Extraction extraction(solid, brick, samples, surface);
+  Extraction extraction(solid, brick, samples, step, surface);
+  for (int z = 0; z < kBrickCells && step > 1; z += step)
+    for (int y = 0; y < kBrickCells; y += step)
+      for (int x = 0; x < kBrickCells; x += step) extraction.addCell(x, y, z);
+  if (step > 1) return;
   for (int z = 0; z < kBrickCells; ++z)
     for (std::uint64_t left = cells[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
       const int bit = __builtin_ctzll(left);

@@ -21,8 +21,9 @@ struct SolidSurface {
 /// Appends the surface of one brick with these samples, the solid's or a copy from some moment. Vertices on the border
 /// have the same bits as those of the next brick, normals there differ a little. Of the solid only what no cut changes
 /// is read: any thread may do this while another one cuts. Allocates nothing but what `surface` lacks. Realtime: no,
-/// some 10 us for a brick with surface.
-void appendSurface(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface);
+/// some 10 us for a brick with surface. `step`: 2, 4 or 8 takes only every second, fourth or eighth sample, for a
+/// quarter of the triangles each time: enough to see what is smooth. Beside bricks of another step there are fine gaps.
+void appendSurface(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface, int step = 1);
 
 /// The surface of all of it: where the interpolation is 0 along the edges of the six tetrahedra around a diagonal of
 /// every cell (Freudenthal 1942; Doi and Koide, "An efficient method of triangulating equi-valued surfaces by using
