@@ -69,7 +69,7 @@ StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTor
 }
 
 Experiment::Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
-                       const Hand& hand, RendererSlot slot)
+                       const Hand& hand, RendererSlot slot, std::shared_ptr<Workpiece> workpiece)
     : model_(makeMechanism(device.parameters)),
       plant_(makeMechanism(changed(device.parameters, settings))),
       noise_(settings.noise),
@@ -84,12 +84,49 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
         if (plugin_) renderers[indexOf(slotOf(*device.plugin))] = plugin_.get();
         return renderers;
       }()),
-      loop_(*plant_, *model_, switched_, loopSetup(settings, scene, start)) {
+      loop_(*plant_, *model_, switched_, loopSetup(settings, scene, start)),
+      workpiece_(workpiece ? std::move(workpiece) : std::make_shared<Workpiece>(scene)),
+      scene_(scene.scene),
+      tool_(scene.tool) {
+  if (scene.bur) {
+    drill_.emplace(scene.tool, scene.solids, *scene.bur);
+    loop_.attach(&*drill_);
+  }
   frame_.hand = hand;
   frame_.record.pose = start;
   frame_.record.torque = plant_->home().gravity;
-  frame_.record.nearest = nearestContact(scene.scene, scene.tool, start, nullptr);
+  fillDrilled();
+  if (workpiece_.use_count() == 1) look();
   select(slot);
+}
+
+void Experiment::look() noexcept {
+  if (frame_.record.nearest.part < 0)
+    frame_.record.nearest = nearestContact(scene_, tool_, frame_.record.pose, nullptr);
+}
+
+void Experiment::spin(bool on) noexcept {
+  if (!drill_) return;
+  drill_->spin(on);
+  if (on) workpiece_->beginStroke();
+  fillDrilled();
+}
+
+void Experiment::undo() noexcept {
+  if (!drill_) return;
+  workpiece_->undo();
+  if (drill_->spins()) workpiece_->beginStroke();
+  fillDrilled();
+}
+
+void Experiment::restore() noexcept {
+  workpiece_->restore();
+  if (drill_ && drill_->spins()) workpiece_->beginStroke();
+  fillDrilled();
+}
+
+void Experiment::fillDrilled() noexcept {
+  if (drill_) frame_.drilled = {drill_->spins(), drill_->feed(), workpiece_->removed(), workpiece_->strokes()};
 }
 
 void Experiment::select(RendererSlot slot) noexcept {
@@ -181,6 +218,10 @@ void Experiment::tick() noexcept {
   frame_.jumps = servo_.jumps();
   frame_.holding = frame_.selected == RendererSlot::hold && hold_.holding();
   frame_.reference = hold_.reference();
+  if (drill_) {
+    workpiece_->add(drill_->removed());
+    fillDrilled();
+  }
   watchTestPush();
   if (phase_ != Phase::none && isFault(record.guard)) endTestPush(FirstImpactVerdict::unstable);
   frame_.testing = phase_ != Phase::none;

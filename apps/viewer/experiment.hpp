@@ -17,6 +17,7 @@
 #include "enamel/render/surface_servo.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 #include "hand.hpp"
+#include "workpiece.hpp"
 
 namespace enamel::viewer {
 
@@ -82,6 +83,7 @@ struct Frame {
   bool holding = false;                       ///< the paper's law holds, at
   JointVector reference;                      ///< these joint coordinates, rad or m
   bool testing = false;                       ///< a test push is under way
+  Drilled drilled;                            ///< where the scene has a bur
   std::array<TestPush, kMaxRenderers> tests;  ///< the last of each renderer
   Status plant = Status::ok;                  ///< any other: the loop stands still until it is replaced
   // Filled by the runner:
@@ -93,9 +95,10 @@ struct Frame {
 /// Not movable: the loop refers to its parts.
 class Experiment {
  public:
-  /// The tool begins at rest at `start`, held by `hand`. Throws Error: as the renderers and the loop do.
+  /// The tool begins at rest at `start`, held by `hand`. `workpiece`: of the scene, where it goes on being drilled; a
+  /// new one where there is none. Throws Error: as the renderers, the loop and the drill do.
   Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
-             const Hand& hand, RendererSlot slot);
+             const Hand& hand, RendererSlot slot, std::shared_ptr<Workpiece> workpiece = nullptr);
   Experiment(const Experiment&) = delete;
   Experiment& operator=(const Experiment&) = delete;
 
@@ -108,6 +111,16 @@ class Experiment {
   void moveHandBy(const Vec3& displacement) noexcept { frame_.hand.target += displacement; }
   void setGrip(const Grip& grip) noexcept;
   void startTestPush() noexcept;
+  /// Of the bur: its pedal; takes back the last stroke, or all. Without one nothing happens.
+  void spin(bool on) noexcept;
+  void undo() noexcept;
+  void restore() noexcept;
+
+  /// Fills in the nearest contact of a frame before the first tick. Of the thread that ticks: an experiment that this
+  /// one replaces may have been cutting the same solids. Realtime: yes.
+  void look() noexcept;
+  /// Once a period, whether it ticked or not: what has changed of the solids, to the thread that draws. Realtime: yes.
+  void publish() noexcept { workpiece_->publish(); }
 
   /// The last tick's. Realtime: yes.
   const Frame& frame() const noexcept { return frame_; }
@@ -136,6 +149,7 @@ class Experiment {
   void advanceTestPush() noexcept;
   void watchTestPush() noexcept;
   void endTestPush(FirstImpactVerdict verdict) noexcept;
+  void fillDrilled() noexcept;
 
   std::shared_ptr<const Mechanism> model_, plant_;  // what the haptic tick knows, and what is there
   double noise_;
@@ -147,6 +161,10 @@ class Experiment {
   std::unique_ptr<Renderer> plugin_;  // or nullptr
   Switched switched_;
   VirtualLoop loop_;
+  std::shared_ptr<Workpiece> workpiece_;  // which other experiments on the scene may have too
+  std::optional<Drill> drill_;
+  Scene scene_;
+  Tool tool_;
   Frame frame_;
   Phase phase_ = Phase::none;
   int phaseTicks_ = 0, restTicks_ = 0;

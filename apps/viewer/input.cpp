@@ -63,6 +63,7 @@ void Input::hold(const std::function<bool(int key)>& isDown, double seconds) {
   if (across != glm::dvec3(0.0)) driven_.moveHandBy(speed * seconds * across);
   const double press = down(GLFW_KEY_E) - down(GLFW_KEY_Q);
   if (press != 0.0) driven_.pressBy(pressing * seconds * press);
+  if (isDown(GLFW_KEY_F) != pedal_) driven_.spin(pedal_ = !pedal_);
 }
 
 }  // namespace enamel::viewer

@@ -17,6 +17,7 @@ class Driven {
   virtual void act(Action action) = 0;
   virtual void moveHandBy(const glm::dvec3& millimetres) = 0;
   virtual void pressBy(double newtons) = 0;  ///< along the wall's normal, inwards
+  virtual void spin(bool on) = 0;            ///< of the bur
   virtual void seek(double share) = 0;       ///< of a recording, 0 to 1
   virtual Camera& camera() = 0;
   virtual const Layout& layout() const = 0;
@@ -41,6 +42,7 @@ class Input {
   glm::dvec2 cursor_{0.0};
   int dragged_ = -1;    // mouse button
   bool seeks_ = false;  // it began on the time bar
+  bool pedal_ = false;
 };
 
 }  // namespace enamel::viewer

@@ -53,6 +53,10 @@ struct Brush {
   void textRight(ImFont* font, float x, float y, unsigned rgb, const std::string& t) const {
     text(font, x - width(font, t), y, rgb, t);
   }
+  // So that words can be read where the device stands behind them.
+  void clear(float x, float y, float width, float height) const {
+    list->AddRectFilled({x - 6 * s, y}, {x + width + 6 * s, y + height}, ink(kGround, 0.8), 6 * s);
+  }
   void card(const Area& a, double alpha) const {
     list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper, alpha), 6 * s);
     list->AddRect({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kLine), 6 * s, 0, s);
@@ -214,6 +218,15 @@ void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, f
     ask(Action::testPush);
   state.settingsChanged |= slider("tremor of the hand", "%.2f N", settings.noise, 0, 2);
 
+  if (input.bur != nullptr) {
+    heading("Bur");
+    if (toggle("spin  (F)", frame.drilled.spins, third, kGreen)) state.spinAsked = !frame.drilled.spins;
+    ImGui::SameLine(0, 6 * s);
+    if (toggle("undo", false, third)) ask(Action::undo);
+    ImGui::SameLine(0, 6 * s);
+    if (toggle("cut open", input.isCutOpen, third)) ask(Action::cutAway);
+  }
+
   heading("Device");
   state.settingsChanged |= slider("added mass", "%.0f g", settings.extraMass, 0, 300, 1e3);
   state.settingsChanged |= slider("joint friction", "%.1f mN m s/rad", settings.friction, 0, 20, 1e3);
@@ -285,13 +298,16 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   const Frame& frame = input.frame;
   const Area& area = layout.scene;
   const float x = area.x + 18 * s, right = area.x + area.width - 18 * s;
+  brush.clear(x, area.y + 10 * s, Brush::width(gLarge, input.sceneName), 32 * s);
   brush.text(gLarge, x, area.y + 12 * s, kInk, input.sceneName);
   const std::size_t slot = indexOf(frame.selected);
   const Player* const player = input.player;
   const float y = area.y + 46 * s;
-  brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(player != nullptr ? kInk : kSlotColour[slot]));
   const std::string renderer = player != nullptr ? "Recording of " + player->header().renderer : titleOf(input, slot);
-  brush.text(gText, x + 16 * s, y, kMuted, format("%s on %s", renderer.c_str(), input.deviceName.c_str()));
+  const std::string who = format("%s on %s", renderer.c_str(), input.deviceName.c_str());
+  brush.clear(x, y - 3 * s, 16 * s + Brush::width(gText, who), 24 * s);
+  brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(player != nullptr ? kInk : kSlotColour[slot]));
+  brush.text(gText, x + 16 * s, y, kMuted, who);
 
   const bool contact = frame.record.nearest.gap <= 0.0 || frame.record.mode == RenderMode::contact;
   std::string chip = contact ? "contact" : "free";
@@ -312,6 +328,7 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   std::string time = format("%.3f s", input.simulated);
   if (frame.paused) time += "   paused";
   if (frame.slowdown != 1) time += format("   slow motion 1:%d", frame.slowdown);
+  brush.clear(right - Brush::width(gText, time), y - 3 * s, Brush::width(gText, time), 24 * s);
   brush.textRight(gText, right, y, kMuted, time);
 }
 
@@ -346,9 +363,7 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   const int count = input.player != nullptr ? 2 : 4;  // a recording does not know the hand
   float y = area.y + area.height - static_cast<float>(count) * 46 * s - 14 * s;
   const float x = area.x + 18 * s;
-  // In a small window the device stands behind them.
-  brush.list->AddRectFilled({x - 6 * s, y - 3 * s}, {x + 140 * s, area.y + area.height - 8 * s}, ink(kGround, 0.8),
-                            6 * s);
+  brush.clear(x, y - 3 * s, 134 * s, area.y + area.height - 5 * s - y);
   for (int i = 0; i < count; ++i) {
     const Number& n = numbers[i];
     brush.list->AddRectFilled({x, y + 3 * s}, {x + 3 * s, y + 38 * s}, ink(n.colour));
@@ -667,10 +682,45 @@ void drawBar(const Layout& layout, const OverlayInput& input, const Brush& brush
   key(kInk, "missing");
 }
 
+// What the bur does, and what it has taken away.
+constexpr float kDrillRow = 20.0f;
+Area drillCard(const Layout& layout, const OverlayInput& input) {
+  if (input.bur == nullptr) return {};
+  const float s = layout.scale, rows = static_cast<float>(input.layers->size());
+  return {layout.scene.x + 18 * s, layout.scene.y + 76 * s, 186 * s, (80 + kDrillRow * rows) * s};
+}
+
+void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+  const float s = layout.scale;
+  const Drilled& drilled = input.frame.drilled;
+  const Area card = drillCard(layout, input);
+  brush.card(card, 0.88);
+  const float x = card.x + 12 * s, right = card.x + card.width - 12 * s;
+  float y = card.y + 8 * s;
+  brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(drilled.spins ? kGreen : kMuted));
+  brush.text(gBold, x + 16 * s, y, kInk, "Bur");
+  brush.textRight(gText, right, y, kMuted, drilled.spins ? format("%.0f turns/s", input.bur->turns) : "at rest");
+  const auto line = [&](const char* name, const std::string& value) {
+    y += kDrillRow * s;
+    brush.text(gText, x + 16 * s, y, kMuted, name);
+    brush.textRight(gBold, right, y, kInk, value);
+  };
+  line("depth", format("%.2f mm", 1e3 * input.burDepth));
+  line("feed", format("%.2f mm/s", 1e3 * std::max(0.0, drilled.feed)));
+  y += 4 * s;
+  for (std::size_t i = 0; i < input.layers->size(); ++i) {
+    line((*input.layers)[i].name.c_str(), format("%.2f mm\u00b3", 1e9 * std::max(0.0, drilled.removed[i])));
+    brush.list->AddRectFilled({x, y + 4 * s}, {x + 10 * s, y + 14 * s}, ink(layerColour(static_cast<int>(i))), 2 * s);
+    brush.list->AddRect({x, y + 4 * s}, {x + 10 * s, y + 14 * s}, ink(kEnamelEdge), 2 * s);
+  }
+}
+
 void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const TimingNumbers& t = input.timing;
-  const Area card{layout.scene.x + 18 * s, layout.scene.y + 76 * s, 300 * s, (t.available ? 104 : 38) * s};
+  const Area above = drillCard(layout, input);
+  const Area card{layout.scene.x + 18 * s, layout.scene.y + 76 * s + (above.height > 0 ? above.height + 8 * s : 0.0f),
+                  300 * s, (t.available ? 104 : 38) * s};
   brush.card(card, 0.94);
   const float x = card.x + 12 * s;
   float y = card.y + 8 * s;
@@ -787,6 +837,7 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
     if (layout.gauge.height > 0) drawGauge(layout, input, brush);
   }
   if (layout.bar.width > 0) drawBar(layout, input, brush);
+  if (input.bur != nullptr && layout.scene.height >= 420 * layout.scale) drawDrill(layout, input, brush);
   if (state.timing) drawTiming(layout, input, brush);
   if (!state.notice.empty()) {
     const float s = layout.scale, wide = Brush::width(gText, state.notice) + 24 * s;

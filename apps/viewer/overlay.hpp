@@ -22,7 +22,8 @@ struct OverlayState {
   bool settingsChanged = false;
   std::vector<Action> actions;  ///< asked for by buttons
   int sceneAsked = -1, rendererAsked = -1;
-  int insetStep = 4;  ///< of the magnification, with hysteresis
+  std::optional<bool> spinAsked;  ///< of the bur
+  int insetStep = 4;              ///< of the magnification, with hysteresis
   int insetPatience = 0;
 };
 
@@ -53,6 +54,10 @@ struct OverlayInput {
   TimingNumbers timing;
   double simulated;  ///< s
   const char* cameraName;
+  const Bur* bur;  ///< of a live run's tool, or nullptr; then also:
+  const std::vector<SolidLayer>* layers;
+  double burDepth;  ///< of its tip's lowest point below the uncut surface, m
+  bool isCutOpen;
 };
 
 /// Loads the font at a scale; call again when the scale changes. `font`: a TrueType file, or empty for the built-in.

@@ -17,5 +17,13 @@ inline constexpr unsigned kPurple = 0xCC79A7, kSky = 0x56B4E9;
 inline constexpr unsigned kMotor = 0x333C47, kLink1 = 0x55606E, kLink2 = 0x8C97A4, kColumn = 0xB9C2CC;
 inline constexpr unsigned kPlatform = 0x6C7785, kHandle = 0x2F6F73, kNeedle = 0x3A424C;
 inline constexpr unsigned kEnamel = 0xF3EAD6, kEnamelGrid = 0xBFA873, kEnamelEdge = 0x9C8A5E, kCubeLine = 0x93A0AE;
+inline constexpr unsigned kGum = 0xEBB9B1, kGumBack = 0xD79A93, kGumEdge = 0xC07F78, kSectionEdge = 0x7A5B34;
+inline constexpr unsigned kBurSteel = 0xA9B2BC, kBurFlute = 0x2B3138;
+
+/// Of a solid's layers, the outermost first: as enamel, dentine and pulp are.
+constexpr unsigned layerColour(int layer) {
+  constexpr unsigned colours[] = {0xF3EAD6, 0xE6BC62, 0xC4473F, 0x8FA9BF, 0x7E9B76, 0xA98BB5, 0x6C7785, 0x55606E};
+  return colours[layer & 7];
+}
 
 }  // namespace enamel::viewer

@@ -5,6 +5,7 @@
 namespace enamel::viewer {
 
 Runner::Runner(std::unique_ptr<Experiment> experiment) : experiment_(experiment.release()) {
+  experiment_->look();
   frames_.next() = experiment_->frame();
   frames_.publish();
 }
@@ -40,6 +41,9 @@ void Runner::obey(const RunnerCommand& command) noexcept {
     case RunnerCommand::Kind::select: experiment_->select(static_cast<RendererSlot>(command.number)); break;
     case RunnerCommand::Kind::grip: experiment_->setGrip(command.grip); break;
     case RunnerCommand::Kind::testPush: experiment_->startTestPush(); break;
+    case RunnerCommand::Kind::spin: experiment_->spin(command.number != 0); break;
+    case RunnerCommand::Kind::undo: experiment_->undo(); break;
+    case RunnerCommand::Kind::restore: experiment_->restore(); break;
     case RunnerCommand::Kind::pause: paused_ = true; break;
     case RunnerCommand::Kind::resume: paused_ = false; break;
     case RunnerCommand::Kind::step: steps_ += command.number; break;
@@ -48,6 +52,7 @@ void Runner::obey(const RunnerCommand& command) noexcept {
       // There is room: replace() empties this ring, which holds as many as that of the commands.
       (void)retired_.push(experiment_);
       experiment_ = command.experiment;
+      experiment_->look();
       break;
     }
   }
@@ -70,6 +75,7 @@ void Runner::period() noexcept {
       tick();
     }
   }
+  experiment_->publish();
   Frame& frame = frames_.next();
   frame = experiment_->frame();
   frame.paused = paused_;

@@ -29,6 +29,9 @@ struct RunnerCommand {
     select,
     grip,
     testPush,
+    spin,
+    undo,
+    restore,
     pause,
     resume,
     step,
@@ -36,7 +39,7 @@ struct RunnerCommand {
     replace
   } kind;
   Vec3 target = Vec3::Zero();        ///< of handTo and, relative, of handBy, m
-  int number = 0;                    ///< RendererSlot of select, ticks of step, factor of slowdown
+  int number = 0;                    ///< RendererSlot of select, 1 or 0 of spin, ticks of step, factor of slowdown
   Grip grip = kFirmGrip;             ///< of grip
   Experiment* experiment = nullptr;  ///< of replace; owned by the runner from here on
 };

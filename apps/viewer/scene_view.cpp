@@ -12,9 +12,10 @@ namespace {
 
 // Sizes of drawn parts that no device file knows, m (radii in mm where a Rod takes them).
 constexpr double kMotorHeight = 0.030, kHub = 0.020, kNeedleLength = 0.032, kHandleEnd = 0.082;
-constexpr double kCube = 0.025, kPane = 0.028, kPaneDepth = 0.006, kGridStep = 0.005;
+constexpr double kCube = 0.025, kPane = 0.028, kPaneDepth = 0.006, kGumDepth = 0.014, kGridStep = 0.005;
 constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010, kNormal = 0.040;  // m/N, m, m
-constexpr double kSmallestForce = 0.1, kLargestForce = 40.0;                    // N: that the arrow shows
+constexpr double kMarkedFrom = 230.0;                         // mm: from nearer, marks of the contact are smaller
+constexpr double kSmallestForce = 0.1, kLargestForce = 40.0;  // N: that the arrow shows
 constexpr std::size_t kShownContacts = 3;
 
 Vec3 inPlatform(const Pose& pose, const Vec3& local) { return pose.position + pose.rotation * local; }
@@ -47,8 +48,8 @@ struct Face {
   Vec3 centre, across, up;  // the two half sides
 };
 
-struct Plane {
-  Vec3 point, normal;
+struct Wall : CutPlane {
+  bool isGum;
 };
 
 struct Drawing {
@@ -61,7 +62,7 @@ void addOutline(const Polygon& polygon, std::vector<std::array<Vec3, 2>>& lines)
 }
 
 // Lines of the grid are polygons of two corners: cut() works on them too.
-void addGrid(const Face& face, const std::vector<Plane>& others, const Vec3& lift, Drawing& drawing) {
+void addGrid(const Face& face, const std::vector<Wall>& others, const Vec3& lift, Drawing& drawing) {
   for (const bool turned : {false, true}) {
     const Vec3 along = turned ? face.up : face.across, step = turned ? face.across : face.up;
     const double reach = step.norm();
@@ -69,13 +70,13 @@ void addGrid(const Face& face, const std::vector<Plane>& others, const Vec3& lif
     for (int i = -count; i <= count; ++i) {
       const Vec3 middle = face.centre + i * kGridStep / reach * step + lift;
       Polygon line{middle - along, middle + along};
-      for (const Plane& other : others) line = cut(line, other.point, other.normal);
+      for (const Wall& other : others) line = cut(line, other.point, other.normal);
       if (line.size() >= 2) drawing.grid.push_back({line[0], line[1]});
     }
   }
 }
 
-void drawWall(const Plane& wall, const std::vector<Plane>& others, Drawing& drawing) {
+void drawWall(const Wall& wall, const std::vector<Wall>& others, Drawing& drawing) {
   const Vec3 n = wall.normal;
   const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
   const Vec3 across = vertical.cross(n).normalized(), up = n.cross(across);
@@ -84,18 +85,39 @@ void drawWall(const Plane& wall, const std::vector<Plane>& others, Drawing& draw
   const Face face{middle, kPane * across, kPane * up};
   Polygon pane{middle - face.across - face.up, middle + face.across - face.up, middle + face.across + face.up,
                middle - face.across + face.up};
-  for (const Plane& other : others) pane = cut(pane, other.point, other.normal);
+  for (const Wall& other : others) pane = cut(pane, other.point, other.normal);
   drawing.faces.push_back(pane);
   addOutline(pane, drawing.edges);
-  addGrid(face, others, 5e-5 * n, drawing);
+  if (!wall.isGum) addGrid(face, others, 5e-5 * n, drawing);
+  const double depth = wall.isGum ? kGumDepth : kPaneDepth;
   for (std::size_t i = 0; i < pane.size(); ++i) {
     const Vec3 &a = pane[i], &b = pane[(i + 1) % pane.size()];
-    drawing.backs.push_back({b, a, a - kPaneDepth * n, b - kPaneDepth * n});
+    drawing.backs.push_back({b, a, a - depth * n, b - depth * n});
   }
   Polygon back;
-  for (const Vec3& corner : pane) back.push_back(corner - kPaneDepth * n);
+  for (const Vec3& corner : pane) back.push_back(corner - depth * n);
   std::reverse(back.begin(), back.end());
   drawing.backs.push_back(back);
+}
+
+// Only what lies behind a plane, and of the wall's body a section in it, a little behind those of solids.
+void cutOpen(Drawing& drawing, const CutPlane& plane) {
+  std::vector<Polygon> shown;
+  const Vec3 across = plane.normal.unitOrthogonal(), up = plane.normal.cross(across);
+  const Vec3 middle = plane.point - 5e-5 * plane.normal;
+  Polygon section{middle - across - up, middle + across - up, middle + across + up, middle - across + up};
+  for (std::vector<Polygon>* list : {&drawing.faces, &drawing.backs})
+    for (Polygon& polygon : *list) {
+      if (polygon.size() < 3) continue;
+      section = cut(section, polygon[0], (polygon[2] - polygon[0]).cross(polygon[1] - polygon[0]).normalized());
+      polygon = cut(polygon, plane.point, -plane.normal);
+    }
+  std::vector<std::array<Vec3, 2>> edges;
+  for (const auto& edge : drawing.edges)
+    if (const Polygon left = cut({edge[0], edge[1]}, plane.point, -plane.normal); left.size() >= 2)
+      edges.push_back({left[0], left[1]});
+  drawing.edges = edges;
+  if (section.size() >= 3) drawing.backs.push_back(section);
 }
 
 void drawBox(const Box& box, const Pose& pose, Drawing& drawing) {
@@ -116,7 +138,7 @@ void drawBox(const Box& box, const Pose& pose, Drawing& drawing) {
 }  // namespace
 
 struct SceneView::Parts {
-  Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const Tool& shape);
+  Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene);
 
   struct Link {
     Rod rod;
@@ -126,14 +148,16 @@ struct SceneView::Parts {
     Rod arm, post;
   };
   struct DrawnTool {
-    DrawnTool(vtkRenderer* renderer, const Tool& tool, unsigned body, unsigned grip, unsigned tip, double opacity,
-              double growth);
-    void place(const Pose& pose);
+    DrawnTool(vtkRenderer* renderer, const Tool& tool, const Bur* cutting, unsigned body, unsigned grip, unsigned tip,
+              double opacity, double growth);
+    void place(const Pose& pose, double burAngle);
     void show(bool visible);
     std::vector<ToolPart> parts;
     std::vector<CapsuleSolid> solids;  // of the parts; a point is drawn as the tip of a needle
     std::vector<Rod> needle;
     Rod handle, hub;
+    std::optional<FlutedBur> bur;
+    ToolPart burPart;
   };
 
   std::vector<Link> links;  // of the bars
@@ -146,19 +170,30 @@ struct SceneView::Parts {
   std::vector<Ball> contacts;
 };
 
-SceneView::Parts::DrawnTool::DrawnTool(vtkRenderer* renderer, const Tool& tool, unsigned body, unsigned grip,
-                                       unsigned tip, double opacity, double growth)
+SceneView::Parts::DrawnTool::DrawnTool(vtkRenderer* renderer, const Tool& tool, const Bur* cutting, unsigned body,
+                                       unsigned grip, unsigned tip, double opacity, double growth)
     : parts(tool.parts.begin(), tool.parts.begin() + tool.count),
       handle(renderer, 5.0 * growth, {grip, opacity, 0.35}),
       hub(renderer, 8.5 * growth, {body, opacity}) {
+  if (cutting != nullptr) {
+    burPart = parts[static_cast<std::size_t>(cutting->part)];
+    parts.erase(parts.begin() + cutting->part);
+    bur.emplace(renderer, kMillimetres * burPart.radius, kMillimetres * (burPart.b - burPart.a).norm());
+  }
   parts.erase(std::remove_if(parts.begin(), parts.end(), [](const ToolPart& part) { return part.radius == 0.0; }),
               parts.end());
   for (const ToolPart& part : parts)
     solids.emplace_back(renderer, kMillimetres * part.radius * growth, Finish{tip, opacity, 0.4});
-  if (parts.empty()) needle.emplace_back(renderer, 2.6 * growth, Finish{tip, opacity}, true);
+  if (parts.empty() && !bur) needle.emplace_back(renderer, 2.6 * growth, Finish{tip, opacity}, true);
 }
 
-void SceneView::Parts::DrawnTool::place(const Pose& pose) {
+void SceneView::Parts::DrawnTool::place(const Pose& pose, double burAngle) {
+  if (bur) {
+    const Vec3 along = burPart.b - burPart.a;
+    const Vec3 axis = along.norm() > 0.0 ? Vec3(along.normalized()) : Vec3::UnitZ();
+    const Mat3 turned = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis).toRotationMatrix();
+    bur->place(inPlatform(pose, burPart.a), pose.rotation * turned, burAngle);
+  }
   for (std::size_t i = 0; i < parts.size(); ++i)
     solids[i].place(inPlatform(pose, parts[i].a), inPlatform(pose, parts[i].b));
   for (Rod& rod : needle) rod.place(pose.position, inPlatform(pose, {0.0, 0.0, kNeedleLength}));
@@ -172,9 +207,9 @@ void SceneView::Parts::DrawnTool::show(bool visible) {
   for (Rod* rod : {&handle, &hub}) rod->show(visible);
 }
 
-SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const Tool& shape)
-    : tool(renderer, shape, kPlatform, kHandle, kNeedle, 1.0, 1.0),
-      ghost(renderer, shape, kBlue, kBlue, kBlue, 0.25, 1.3),
+SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene)
+    : tool(renderer, scene.tool, scene.bur ? &*scene.bur : nullptr, kPlatform, kHandle, kNeedle, 1.0, 1.0),
+      ghost(renderer, scene.tool, nullptr, kBlue, kBlue, kBlue, 0.25, 1.3),
       arrow(above, 2.0, {kVermilion, 1.0, 0.1}),
       arrowHead(above, 5.0, {kVermilion, 1.0, 0.1}, true),
       pull(above, 1.0, {kOrange, 1.0, 0.0}),
@@ -220,18 +255,20 @@ SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(rend
 
 SceneView::~SceneView() = default;
 
-void SceneView::build(const std::vector<Bar>& bars, const Scene& scene, const Tool& tool, float scale) {
+void SceneView::build(const std::vector<Bar>& bars, const SceneFile& file, const std::vector<SolidCopy>& solids,
+                      const std::optional<CutPlane>& plane, float scale) {
+  const Scene& scene = file.scene;
   renderer_->RemoveAllViewProps();
   above_->RemoveAllViewProps();
-  Drawing drawing;
-  std::vector<Plane> walls;
+  Drawing drawing, gum;
+  std::vector<Wall> walls;
   for (const Obstacle& obstacle : scene.obstacles())
     if (std::holds_alternative<HalfSpace>(obstacle.shape))
-      walls.push_back({obstacle.pose.position, obstacle.pose.rotation.col(2)});
+      walls.push_back({{obstacle.pose.position, obstacle.pose.rotation.col(2)}, obstacle.name == "gum"});
   for (std::size_t i = 0; i < walls.size(); ++i) {
-    std::vector<Plane> others = walls;
+    std::vector<Wall> others = walls;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    drawWall(walls[i], others, drawing);
+    drawWall(walls[i], others, walls[i].isGum ? gum : drawing);
   }
   const Finish enamel{kEnamel, 1.0, 0.1};
   for (const Obstacle& obstacle : scene.obstacles()) {
@@ -246,13 +283,26 @@ void SceneView::build(const std::vector<Bar>& bars, const Scene& scene, const To
     if (const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape))
       addMesh(renderer_, (*mesh)->mesh(), pose, enamel);
   }
+  solids_.clear();
+  std::vector<CutPlane> hidden;
+  for (const Wall& wall : walls)
+    if (wall.isGum) hidden.push_back(wall);
+  for (std::size_t i = 0; i < scene.obstacles().size(); ++i) {
+    const Pose& pose = scene.obstacles()[i].pose;
+    const bool has = i < solids.size() && solids[i].uncut;
+    solids_.push_back(has ? std::make_unique<SolidView>(renderer_, solids[i], pose, plane, hidden, scale) : nullptr);
+  }
+  if (plane) cutOpen(gum, *plane);
+  addFaces(renderer_, gum.faces, {kGum, 1.0, 0.2});
+  addFaces(renderer_, gum.backs, {kGumBack, 1.0, 0.0});
+  addLines(renderer_, gum.edges, kGumEdge, 1.5f * scale);
   addFaces(renderer_, drawing.faces, enamel);
   addFaces(renderer_, drawing.backs, {kEnamelGrid, 1.0, 0.0});
   addLines(renderer_, drawing.grid, kEnamelGrid, scale);
   addLines(renderer_, drawing.edges, kEnamelEdge, 2.0f * scale);
 
-  std::vector<std::array<Vec3, 2>> cube;
-  for (int axis = 0; axis < 3; ++axis)
+  std::vector<std::array<Vec3, 2>> cube;  // not through the view of what is drilled
+  for (int axis = 0; axis < 3 && !file.bur; ++axis)
     for (int corner = 0; corner < 4; ++corner) {
       Vec3 from;
       from[axis] = -kCube;
@@ -263,7 +313,11 @@ void SceneView::build(const std::vector<Bar>& bars, const Scene& scene, const To
       cube.push_back({from, to});
     }
   addLines(renderer_, cube, kCubeLine, scale);
-  parts_ = std::make_unique<Parts>(renderer_, above_, bars, tool);
+  parts_ = std::make_unique<Parts>(renderer_, above_, bars, file);
+}
+
+void SceneView::change(std::size_t obstacle, int brick) {
+  if (obstacle < solids_.size() && solids_[obstacle]) solids_[obstacle]->change(brick);
 }
 
 void SceneView::update(const SceneState& state) {
@@ -283,9 +337,11 @@ void SceneView::update(const SceneState& state) {
       p.arms[arm++].post.place(bend, bar.from);
     }
   }
-  p.tool.place(pose);
+  p.tool.place(pose, state.burAngle);
+  for (const auto& solid : solids_)
+    if (solid) solid->update();
   p.ghost.show(state.ghost.has_value());
-  if (state.ghost) p.ghost.place(*state.ghost);
+  if (state.ghost) p.ghost.place(*state.ghost, 0.0);
 
   const Vec3 grip = pose.rotation * Vec3(0.0, 0.0, kHandleEnd);
   p.hand.show(state.hand.has_value());
@@ -295,6 +351,7 @@ void SceneView::update(const SceneState& state) {
     p.pull.place(pose.position + grip, *state.hand + grip);
   }
 
+  const double size = std::min(1.0, distance_ / kMarkedFrom);
   for (std::size_t i = 0; i < kShownContacts; ++i) {
     const bool touching = i < state.touching.size();
     p.contacts[i].show(touching);
@@ -302,8 +359,8 @@ void SceneView::update(const SceneState& state) {
     if (!touching) continue;
     const Contact& contact = state.touching[i];
     const Vec3 surface = contact.point - contact.gap * contact.normal;
-    p.contacts[i].place(surface);
-    p.normals[i].place(surface, surface + kNormal * contact.normal);
+    p.contacts[i].place(surface, size);
+    p.normals[i].place(surface, surface + size * kNormal * contact.normal, size);
   }
   const double force = state.force.norm();
   const bool arrow = !state.touching.empty() && force > kSmallestForce;
@@ -311,13 +368,14 @@ void SceneView::update(const SceneState& state) {
   p.arrowHead.show(arrow);
   if (arrow) {
     const Vec3 along = state.force / force;
-    const Vec3 neck = pose.position + kArrowPerNewton * std::min(force, kLargestForce) * along;
-    p.arrow.place(pose.position, neck);
-    p.arrowHead.place(neck + kArrowHead * along, neck);
+    const Vec3 neck = pose.position + size * kArrowPerNewton * std::min(force, kLargestForce) * along;
+    p.arrow.place(pose.position, neck, size);
+    p.arrowHead.place(neck + size * kArrowHead * along, neck, size);
   }
 }
 
 void SceneView::look(const Camera& camera) {
+  distance_ = camera.distance;
   vtkCamera* c = renderer_->GetActiveCamera();
   const glm::dvec3 eye = camera.eye();
   c->SetPosition(eye.x, eye.y, eye.z);

@@ -10,8 +10,10 @@
 
 #include "camera.hpp"
 #include "enamel/collision/contacts.hpp"
+#include "enamel/collision/scene_file.hpp"
 #include "enamel/device/mechanism.hpp"
 #include "shapes.hpp"
+#include "solid_view.hpp"
 
 namespace enamel::viewer {
 
@@ -22,6 +24,7 @@ struct SceneState {
   std::optional<Pose> ghost;  ///< reference pose
   std::optional<Vec3> hand;   ///< where the hand pulls the TCP to
   std::vector<Contact> touching;
+  double burAngle = 0.0;      ///< that the bur has turned, rad
   Vec3 force = Vec3::Zero();  ///< of the motors on the tool beyond gravity, N: what stands for the wall
 };
 
@@ -34,8 +37,12 @@ class SceneView {
   SceneView& operator=(const SceneView&) = delete;
 
   /// Rebuilds what does not move. `scale`: pixels per unit of layout, for the width of lines.
-  /// `bars`: of the mechanism anywhere; those of update() are moved ones of the same parts.
-  void build(const std::vector<Bar>& bars, const Scene& scene, const Tool& tool, float scale);
+  /// `bars`: of the mechanism anywhere; those of update() are moved ones of the same parts. `solids`: copies by
+  /// obstacle, which the view refers to; they are cut open along a plane, if any.
+  void build(const std::vector<Bar>& bars, const SceneFile& scene, const std::vector<SolidCopy>& solids,
+             const std::optional<CutPlane>& plane, float scale);
+  /// A brick of an obstacle's copy has changed.
+  void change(std::size_t obstacle, int brick);
   void update(const SceneState& state);
   void look(const Camera& camera);
 
@@ -44,7 +51,9 @@ class SceneView {
 
   vtkRenderer* renderer_;
   vtkRenderer* above_;
+  double distance_ = 0.0;  // of the camera, mm
   std::unique_ptr<Parts> parts_;
+  std::vector<std::unique_ptr<SolidView>> solids_;  // by obstacle, or null
 };
 
 }  // namespace enamel::viewer

@@ -97,6 +97,17 @@ ScriptStep parseStep(Line& line, const std::string& file, const std::vector<std:
     step.kind = Kind::hand;
     for (int i = 0; i < 3; ++i) step.target[i] = line.number("hand", -1000.0, 1000.0);
     if (line.accept("over")) step.over = line.number("over", 0.0, kLongest);
+  } else if (command == "spin") {
+    isOf(Source::live);
+    step.kind = Kind::spin;
+    step.number = line.accept("on") ? 1 : 0;
+    if (step.number == 0 && !line.accept("off")) line.fail("spin", "must be on or off");
+  } else if (command == "view") {
+    step.kind = Kind::view;
+    for (int i = 0; i < 3; ++i) step.view.focus[i] = line.number("view", -300.0, 300.0);
+    step.view.azimuth = glm::radians(line.number("azimuth", -180.0, 180.0));
+    step.view.elevation = glm::radians(line.number("elevation", -88.0, 88.0));
+    step.view.distance = line.number("distance", 60.0, 2000.0);
   } else if (command == "renderer") {
     isOf(Source::live);
     step.kind = Kind::renderer;

@@ -7,29 +7,46 @@
 #include <vector>
 
 #include "actions.hpp"
+#include "camera.hpp"
 #include "experiment.hpp"
 
 namespace enamel::viewer {
 
 /// One line of a script.
 struct ScriptStep {
-  enum class Kind { action, hand, renderer, set, scene, slowdown, seek, size, frames, picture, end } kind = Kind::end;
+  enum class Kind {
+    action,
+    hand,
+    spin,
+    view,
+    renderer,
+    set,
+    scene,
+    slowdown,
+    seek,
+    size,
+    frames,
+    picture,
+    end
+  } kind = Kind::end;
   double time = 0.0;  ///< s of wall time since the start
   Action action = Action::pause;
   glm::dvec3 target{0.0};  ///< of hand, mm
+  Camera view;             ///< of view
   double over = 0.0;       ///< of hand: moves there in so many seconds
-  int number = 0;          ///< of renderer (RendererSlot), slowdown, frames (a second)
+  int number = 0;          ///< of renderer (RendererSlot), spin (0 or 1), slowdown, frames (a second)
   glm::ivec2 size{0};
   double value = 0.0;  ///< of set; of seek, s
   std::string name;    ///< of picture and scene
 };
 
 /// Reads a script: one step a line, "TIME COMMAND", with times that do not decrease and # before remarks. Commands:
-/// the actions' names (see the help); `hand X Y Z [over S]` [mm]; `renderer NAME` (one of `renderers`); `scene FILE`
-/// (relative to the script's folder); `slow N` (1:N); `seek S` (to a time of the recording, s); `size WxH`; `frames
-/// FPS` (records every frame from here on; 0 ends it); `picture NAME`; `set NAME VALUE` with a name of settingRows();
-/// `end`, which must be the last. With a recording there is no hand, no renderer, no `set` and no `scene`: `renderers`
-/// is empty then. Throws ConfigurationError. Realtime: no.
+/// the actions' names (see the help); `hand X Y Z [over S]` [mm]; `spin on` and `spin off`, of the bur; `view X Y Z
+/// AZIMUTH ELEVATION DISTANCE` (the camera looks at a point [mm], from there [deg, mm]); `renderer NAME` (one of
+/// `renderers`); `scene FILE` (relative to the script's folder); `slow N` (1:N); `seek S` (to a time of the recording,
+/// s); `size WxH`; `frames FPS` (records every frame from here on; 0 ends it); `picture NAME`; `set NAME VALUE` with a
+/// name of settingRows(); `end`, which must be the last. With a recording there is no hand, no spin, no renderer, no
+/// `set` and no `scene`: `renderers` is empty then. Throws ConfigurationError. Realtime: no.
 std::vector<ScriptStep> loadScript(const std::string& path, const std::vector<std::string>& renderers);
 std::vector<ScriptStep> parseScript(std::string_view text, const std::string& file,
                                     const std::vector<std::string>& renderers);

@@ -13,6 +13,7 @@
 #include <vtkProperty.h>
 #include <vtkSphereSource.h>
 #include <vtkTrivialProducer.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -66,20 +67,23 @@ struct Polygons {
 
 }  // namespace
 
-vtkSmartPointer<vtkActor> addActor(vtkRenderer* renderer, vtkAlgorithmOutput* source, const Finish& finish) {
-  vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputConnection(source);
-  mapper->ScalarVisibilityOff();
-  vtkSmartPointer<vtkActor> actor = vtkSmartPointer<vtkActor>::New();
-  actor->SetMapper(mapper);
+void setFinish(vtkProperty* property, const Finish& finish) {
   const Colour c = colour(finish.colour);
-  vtkProperty* property = actor->GetProperty();
   property->SetColor(c.r, c.g, c.b);
   property->SetOpacity(finish.opacity);
   property->SetAmbient(0.42);
   property->SetDiffuse(0.54);
   property->SetSpecular(finish.shine);
   property->SetSpecularPower(25.0);
+}
+
+vtkSmartPointer<vtkActor> addActor(vtkRenderer* renderer, vtkAlgorithmOutput* source, const Finish& finish) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputConnection(source);
+  mapper->ScalarVisibilityOff();
+  vtkSmartPointer<vtkActor> actor = vtkSmartPointer<vtkActor>::New();
+  actor->SetMapper(mapper);
+  setFinish(actor->GetProperty(), finish);
   renderer->AddActor(actor);
   return actor;
 }
@@ -104,8 +108,8 @@ Rod::Rod(vtkRenderer* renderer, double radius, const Finish& finish, bool sharp)
   actor_->SetUserMatrix(matrix);
 }
 
-void Rod::place(const Vec3& from, const Vec3& to) {
-  between(actor_->GetUserMatrix(), from, to, radius_);
+void Rod::place(const Vec3& from, const Vec3& to, double thickness) {
+  between(actor_->GetUserMatrix(), from, to, thickness * radius_);
   actor_->Modified();
 }
 
@@ -119,7 +123,8 @@ Ball::Ball(vtkRenderer* renderer, double radius, const Finish& finish) {
   actor_ = addActor(renderer, sphere->GetOutputPort(), finish);
 }
 
-void Ball::place(const Vec3& centre) {
+void Ball::place(const Vec3& centre, double growth) {
+  actor_->SetScale(growth);
   const Vec3 c = kMillimetres * centre;
   actor_->SetPosition(c.x(), c.y(), c.z());
 }
@@ -138,6 +143,48 @@ void CapsuleSolid::show(bool visible) {
   rod_.show(visible);
   from_.show(visible);
   to_.show(visible);
+}
+
+FlutedBur::FlutedBur(vtkRenderer* renderer, double radius, double length) {
+  constexpr int around = 96, rings = 25, flutes = 8;
+  constexpr double pi = 3.14159265358979323846, twist = 0.5, depth = 0.14;  // of a flute, share of the radius
+  Polygons polygons;
+  vtkNew<vtkUnsignedCharArray> colours;
+  colours->SetNumberOfComponents(3);
+  for (int ring = 0; ring < rings; ++ring) {
+    const double polar = pi * (1.0 - static_cast<double>(ring) / (rings - 1));  // from the tip, at -z
+    const double lift = 2 * ring >= rings ? length : 0.0;
+    for (int i = 0; i < around; ++i) {
+      const double angle = 2.0 * pi * i / around;
+      const double phase = std::sin(flutes * (angle + twist * std::cos(polar)));
+      const Vec3 out(std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle), std::cos(polar));
+      const double r = radius * (1.0 - depth * std::sin(polar) * (phase < 0.0 ? -phase : 0.0));
+      polygons.append((r * out + lift * Vec3::UnitZ()) / kMillimetres, out);
+      const unsigned rgb = phase < 0.0 ? kBurFlute : kBurSteel;
+      for (const int shift : {16, 8, 0}) colours->InsertNextValue(static_cast<unsigned char>(rgb >> shift & 255));
+      if (ring + 1 == rings) continue;
+      const vtkIdType here = ring * around + i, next = ring * around + (i + 1) % around;
+      polygons.cells->InsertNextCell({here, here + around, next + around, next});
+    }
+  }
+  actor_ = polygons.addTo(renderer, {kBurSteel, 1.0, 0.5});
+  auto* mapper = vtkPolyDataMapper::SafeDownCast(actor_->GetMapper());
+  mapper->Update();
+  mapper->GetInput()->GetPointData()->SetScalars(colours);
+  mapper->ScalarVisibilityOn();
+  mapper->SetColorModeToDirectScalars();
+  vtkNew<vtkMatrix4x4> matrix;
+  actor_->SetUserMatrix(matrix);
+}
+
+void FlutedBur::place(const Vec3& from, const Mat3& frame, double angle) {
+  const Mat3 turned = frame * Eigen::AngleAxisd(angle, Vec3::UnitZ()).toRotationMatrix();
+  vtkMatrix4x4* const matrix = actor_->GetUserMatrix();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) matrix->SetElement(i, j, turned(i, j));
+    matrix->SetElement(i, 3, kMillimetres * from[i]);
+  }
+  actor_->Modified();
 }
 
 vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,

@@ -4,6 +4,7 @@
 #include <vtkActor.h>
 #include <vtkAlgorithmOutput.h>
 #include <vtkNew.h>
+#include <vtkProperty.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
 
@@ -24,13 +25,15 @@ struct Finish {
   double shine = 0.15;  ///< 0: matt
 };
 
+void setFinish(vtkProperty* property, const Finish& finish);
+
 vtkSmartPointer<vtkActor> addActor(vtkRenderer* renderer, vtkAlgorithmOutput* source, const Finish& finish);
 
 /// A rod of radius `radius` (mm) between two points that place() sets, m; a cone where `sharp` (its apex at the first).
 class Rod {
  public:
   Rod(vtkRenderer* renderer, double radius, const Finish& finish, bool sharp = false);
-  void place(const Vec3& from, const Vec3& to);
+  void place(const Vec3& from, const Vec3& to, double thickness = 1.0);  ///< times its radius
   void show(bool visible);
 
  private:
@@ -42,7 +45,7 @@ class Rod {
 class Ball {
  public:
   Ball(vtkRenderer* renderer, double radius, const Finish& finish);
-  void place(const Vec3& centre);
+  void place(const Vec3& centre, double growth = 1.0);  ///< times its radius
   void show(bool visible) { actor_->SetVisibility(visible); }
 
  private:
@@ -59,6 +62,17 @@ class CapsuleSolid {
  private:
   Rod rod_;
   Ball from_, to_;
+};
+
+/// A bur: a ball or capsule of radius `radius` (mm) with flutes around its axis, along which `length` (mm) is straight.
+class FlutedBur {
+ public:
+  FlutedBur(vtkRenderer* renderer, double radius, double length);
+  /// `from`: centre of its tip, m; `frame`: its axis is the third column; turned by an angle, rad.
+  void place(const Vec3& from, const Mat3& frame, double angle);
+
+ private:
+  vtkSmartPointer<vtkActor> actor_;
 };
 
 /// A mesh with smooth shading, `pose` in W.

@@ -38,11 +38,19 @@ ServoedDevice deviceOf(const Player* player, const Options& options) {
   return device;
 }
 
-std::unique_ptr<Runner> firstRunner(const ServoedDevice& device, const SceneFile& scene, RendererSlot slot) {
+// Before anything cuts them.
+std::vector<SolidCopy> copiesOf(const SceneFile& scene) {
+  std::vector<SolidCopy> copies;
+  for (const auto& solid : scene.solids) copies.push_back(solid ? copyOf(*solid) : SolidCopy());
+  return copies;
+}
+
+std::unique_ptr<Runner> firstRunner(const ServoedDevice& device, const SceneFile& scene, RendererSlot slot,
+                                    const std::shared_ptr<Workpiece>& workpiece) {
   Pose start;
   start.position = scene.start;
   return std::make_unique<Runner>(
-      std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot));
+      std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot, workpiece));
 }
 
 Vec3 metres(const glm::dvec3& millimetres) { return Vec3(millimetres.x, millimetres.y, millimetres.z) / kMillimetres; }
@@ -63,7 +71,9 @@ Viewer::Viewer(const Options& options, Surface& surface)
       scene_(player_ ? player_->scene() : enamel::loadScene(options.scene)),
       selected_(options.begin),
       before_(selected_ == RendererSlot::impedance ? RendererSlot::positionControl : RendererSlot::impedance),
-      runner_(player_ ? nullptr : firstRunner(device_, scene_, selected_)),
+      workpiece_(std::make_shared<Workpiece>(scene_)),
+      solids_(copiesOf(scene_)),
+      runner_(player_ ? nullptr : firstRunner(device_, scene_, selected_, workpiece_)),
       stage_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
       view_(stage_.scene(), stage_.above()),
       charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), torques_,
@@ -147,7 +157,9 @@ void Viewer::selectCamera(int preset) {
 void Viewer::rebuild(const Pose& start, const Hand& hand) {
   try {
     plant_ = makeMechanism(changed(device_.parameters, overlay_.settings));
-    runner_->replace(std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, selected_));
+    runner_->replace(
+        std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, selected_, workpiece_));
+    if (spins_ && scene_.bur) send(RunnerCommand::Kind::spin, 1);
   } catch (const Error& error) {
     notify(error.what());
   }
@@ -163,6 +175,9 @@ void Viewer::startAgain() {
 void Viewer::loadScene(const std::string& path) {
   try {
     scene_ = enamel::loadScene(path);
+    workpiece_ = std::make_shared<Workpiece>(scene_);
+    solids_ = copiesOf(scene_);
+    plane_.reset();
     for (const std::string& note : scene_.notes) notify(note);
     builtScale_ = 0.0f;
     startAgain();
@@ -201,7 +216,17 @@ void Viewer::act(Action action) {
       runner_->send(command);
       break;
     }
-    case Action::reset: startAgain(); break;
+    case Action::reset:
+      startAgain();
+      send(RunnerCommand::Kind::restore, 0);
+      break;
+    case Action::undo:
+      if (frame_.drilled.strokes == 0)
+        notify("There is no stroke of a bur to take back.");
+      else
+        send(RunnerCommand::Kind::undo, 0);
+      break;
+    case Action::cutAway: cutOpen(); break;
     case Action::nextScene:
       if (!sceneFiles_.empty()) {
         sceneIndex_ = (sceneIndex_ + 1) % static_cast<int>(sceneFiles_.size());
@@ -270,6 +295,54 @@ void Viewer::pressBy(double newtons) {
   runner_->send(command);
 }
 
+void Viewer::spin(bool on) {
+  if (isRefused(Source::live)) return;
+  if (!scene_.bur) {
+    if (on) notify("The tool of this scene is no bur: nothing spins (scene drill has one).");
+    return;
+  }
+  spins_ = on;
+  send(RunnerCommand::Kind::spin, on ? 1 : 0);
+}
+
+// Along the tool, towards the camera; or closed again.
+void Viewer::cutOpen() {
+  builtScale_ = 0.0f;
+  if (plane_) {
+    plane_.reset();
+    return;
+  }
+  if (std::none_of(solids_.begin(), solids_.end(), [](const SolidCopy& s) { return s.uncut != nullptr; }))
+    return notify("There is no solid in this scene to cut open (scene drill has one).");
+  const Pose& tool = frame_.record.pose;
+  const Vec3 axis = tool.rotation.col(2), towards = metres(camera_.eye()) - tool.position;
+  const Vec3 across = towards - axis.dot(towards) * axis;
+  plane_ = CutPlane{tool.position, across.norm() > 1e-6 ? Vec3(across.normalized()) : axis.unitOrthogonal().eval()};
+}
+
+void Viewer::takeChanges() {
+  for (std::size_t i = 0; i < solids_.size(); ++i) {
+    if (!solids_[i].uncut) continue;
+    for (BrickChange change; workpiece_->takeChange(i, change);) {
+      solids_[i].samples[static_cast<std::size_t>(change.brick)] = change.samples;
+      view_.change(i, change.brick);
+    }
+  }
+}
+
+double Viewer::burDepth() const {
+  double depth = 0.0;
+  for (std::size_t i = 0; scene_.bur && i < solids_.size(); ++i) {
+    if (!solids_[i].uncut) continue;
+    const ToolPart& part = scene_.tool.parts[static_cast<std::size_t>(scene_.bur->part)];
+    const Pose &tool = frame_.record.pose, &solid = scene_.scene.obstacles()[i].pose;
+    const Vec3 tip = tool.position + tool.rotation * part.a;
+    const Vec3 inSolid = solid.rotation.transpose() * (tip - solid.position);
+    depth = std::max(depth, part.radius - signedDistance(*solids_[i].uncut, inSolid).distance);
+  }
+  return depth;
+}
+
 void Viewer::seek(double share) { player_->seek(share * static_cast<double>(player_->size() - 1) + 0.5); }
 
 void Viewer::follow(const ScriptStep& step, double now) {
@@ -281,6 +354,8 @@ void Viewer::follow(const ScriptStep& step, double now) {
       path_ = Path{{from.x(), from.y(), from.z()}, step.target, now, step.over};
       break;
     }
+    case ScriptStep::Kind::spin: spin(step.number != 0); break;
+    case ScriptStep::Kind::view: camera_ = step.view; break;
     case ScriptStep::Kind::renderer: select(static_cast<RendererSlot>(step.number)); break;
     case ScriptStep::Kind::set:
       for (const SettingRow& row : settingRows())
@@ -314,6 +389,11 @@ void Viewer::takeRun() {
   }
   runner_->collect();
   frame_ = runner_->frame();
+  takeChanges();
+  constexpr double shownTurns = 1.7;  // a second: those of a bur are too fast to be seen
+  if (frame_.drilled.spins)
+    shown_.burAngle += 6.283185307179586 * shownTurns * std::max(0.0, frame_.record.time - burTime_);
+  burTime_ = frame_.record.time;
   for (Sample sample; runner_->nextSample(sample);) {
     charts_.add(sample);
     trail_.push_back(sample.position);
@@ -361,6 +441,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
     loadScene(sceneFiles_[static_cast<std::size_t>(sceneIndex_)]);
   }
   if (overlay_.rendererAsked >= 0) select(static_cast<RendererSlot>(std::exchange(overlay_.rendererAsked, -1)));
+  if (overlay_.spinAsked) spin(*std::exchange(overlay_.spinAsked, std::nullopt));
   std::vector<Action> actions;
   actions.swap(overlay_.actions);
   for (const Action action : actions) act(action);
@@ -375,6 +456,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   shown_.touching.clear();
   for (int i = 0; i < frame_.contacts.count; ++i) {
     const bool held = i == 0 && frame_.record.mode == RenderMode::contact;
+    if (frame_.drilled.spins) break;  // they would hide the work
     if (held || frame_.contacts.contacts[i].gap <= 0.0) shown_.touching.push_back(frame_.contacts.contacts[i]);
   }
   shown_.ghost.reset();
@@ -382,7 +464,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
     Kinematics reference = kinematics_;
     const JointVector atRest = JointVector::Zero(plant_->joints());
     if (plant_->track(frame_.reference, atRest, false, reference) == Status::ok) shown_.ghost = reference.pose;
-  } else if (contact.gap < 0.0) {
+  } else if (contact.gap < 0.0 && !frame_.drilled.spins) {
     shown_.ghost = Pose{frame_.record.pose.position - contact.gap * contact.normal, frame_.record.pose.rotation};
   }
   const double preload = frame_.tests[indexOf(frame_.selected)].preload;
@@ -402,11 +484,14 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 
 void Viewer::draw(bool picture) {
   if (builtScale_ != layout_.scale) {
-    view_.build(shown_.bars, scene_.scene, scene_.tool, layout_.scale);
+    view_.build(shown_.bars, scene_, solids_, plane_, layout_.scale);
     builtScale_ = layout_.scale;
   }
   view_.update(shown_);
   view_.look(camera_);
+  const std::vector<SolidLayer>* layers = nullptr;
+  for (const SolidCopy& solid : solids_)
+    if (solid.uncut && layers == nullptr) layers = &solid.uncut->layers();
   const OverlayInput input{frame_,
                            player_.get(),
                            scene_.name,
@@ -423,7 +508,11 @@ void Viewer::draw(bool picture) {
                            trail_,
                            timing_,
                            simulated_,
-                           cameraPresets()[static_cast<std::size_t>(preset_)].name};
+                           cameraPresets()[static_cast<std::size_t>(preset_)].name,
+                           !player_ && scene_.bur && layers != nullptr ? &*scene_.bur : nullptr,
+                           layers,
+                           burDepth(),
+                           plane_.has_value()};
   stage_.draw(
       layout_, [&] { drawOverlay(layout_, input, overlay_); }, picture);
 }

@@ -55,6 +55,7 @@ class Viewer final : public Driven {
   void act(Action action) override;
   void moveHandBy(const glm::dvec3& millimetres) override;
   void pressBy(double newtons) override;
+  void spin(bool on) override;
   void seek(double share) override;
   /// One step of a script, at `now`, s.
   void follow(const ScriptStep& step, double now);
@@ -75,6 +76,9 @@ class Viewer final : public Driven {
   void startAgain();
   void notify(const std::string& text);
   void select(RendererSlot slot);
+  void takeChanges();
+  void cutOpen();
+  double burDepth() const;
   void selectCamera(int preset);
 
   Surface& surface_;
@@ -88,6 +92,11 @@ class Viewer final : public Driven {
   SceneFile scene_;
   OverlayState overlay_;
   RendererSlot selected_, before_;  // for Tab
+  std::shared_ptr<Workpiece> workpiece_;
+  std::vector<SolidCopy> solids_;  // by obstacle
+  std::optional<CutPlane> plane_;
+  bool spins_ = false;
+  double burTime_ = 0.0;            // of the last frame, s
   std::unique_ptr<Runner> runner_;  // where there is no player
   Stage stage_;
   SceneView view_;

@@ -3,6 +3,7 @@
 #include "experiment.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <thread>
@@ -16,6 +17,7 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/meshes.hpp"
 #include "support/run_length.hpp"
 #include "torque_style.hpp"
 
@@ -633,6 +635,157 @@ TEST_CASE("beside a haptic thread: random commands, no sample lost or out of ord
   CHECK(samples > 50);
   CHECK(frames > 50);
   CHECK(runner.frame().droppedSamples == 0);
+}
+
+namespace {
+
+// A block of enamel on dentine, and a ball that cuts it.
+SceneFile tooth() {
+  SceneFile file;
+  file.start = {0.0, 0.0, 2e-4};
+  file.tool.parts[0].a = file.tool.parts[0].b = {0.0, 0.0, 1e-3};
+  file.tool.parts[0].radius = 1e-3;
+  const auto solid = std::make_shared<Solid>(
+      MeshModel(test::boxMesh(Vec3(4e-3, 4e-3, 3e-3))),
+      std::vector<SolidLayer>{{"enamel", {}, 3.4e9, 0.0, nullptr}, {"dentine", {}, 0.6e9, 5e-4, nullptr}},
+      SolidOptions{2e-4});
+  Pose pose;
+  pose.position = {0.0, 0.0, -3e-3};
+  file.scene.add({"tooth", std::shared_ptr<const Solid>(solid), pose, Vec6::Zero(), {}});
+  file.solids = {solid};
+  file.bur = Bur{0, 1.0, 2000.0};
+  return file;
+}
+
+std::vector<BrickSamples> samplesOf(const Solid& solid) {
+  std::vector<BrickSamples> all;
+  for (int brick = 0; brick < solid.bricks(); ++brick) all.push_back(solid.samples(brick));
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("a bur drills while it spins, stroke by stroke, and what is undone is there again bit for bit",
+          "[experiment]") {
+  const SceneFile file = tooth();
+  const Solid& solid = *file.solids[0];
+  const auto uncut = samplesOf(solid);
+  const RemovedVolume whole = solid.volume();
+  const auto e = experiment(file, RendererSlot::positionControl);
+  const Drilled& drilled = e->frame().drilled;
+  CHECK(e->frame().record.nearest.gap == Approx(2e-4).epsilon(0.05));
+  e->moveHandTo({0.0, 0.0, -5e-3});  // 2 N
+  run(*e, 400);
+  CHECK(samplesOf(solid) == uncut);
+  CHECK(drilled.strokes == 0);
+
+  e->spin(true);
+  run(*e, 500);
+  const RemovedVolume first = drilled.removed;
+  CHECK(first[0] > 0.2e-9);
+  CHECK(drilled.spins);
+  CHECK(drilled.feed > 1e-4);
+  CHECK(drilled.strokes == 1);
+  const RemovedVolume left = solid.volume();
+  CHECK(whole[0] + whole[1] - left[0] - left[1] == Approx(first[0] + first[1]).epsilon(0.05));
+  e->spin(false);
+  run(*e, 20);
+  const auto after = samplesOf(solid);
+  e->spin(true);
+  e->spin(false);  // a stroke that takes nothing is none
+  CHECK(drilled.strokes == 1);
+
+  e->spin(true);
+  std::vector<double> times;
+  for (int i = 0; i < 500; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    e->tick();
+    times.push_back(1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  std::sort(times.begin(), times.end());
+  WARN("a period that drills: p50 " << times[250] << " us, p99 " << times[495] << " us");
+  CHECK(drilled.removed[1] > 0.1e-9);  // dentine
+  CHECK(drilled.strokes == 2);
+  e->spin(false);
+  e->undo();
+  CHECK(samplesOf(solid) == after);
+  CHECK(drilled.removed == first);
+  e->undo();
+  CHECK(samplesOf(solid) == uncut);
+  CHECK(drilled.removed == RemovedVolume{});
+  CHECK(drilled.strokes == 0);
+  e->undo();
+  CHECK(samplesOf(solid) == uncut);
+  run(*e, 300);  // the tool is within what came back
+  CHECK(e->frame().plant == Status::ok);
+  CHECK(e->frame().record.pose.position.z() > -1e-4);
+
+  e->spin(true);
+  run(*e, 200);
+  CHECK(drilled.removed[0] > 0.0);
+  e->restore();
+  CHECK(samplesOf(solid) == uncut);
+  CHECK(drilled.removed == RemovedVolume{});
+  e->undo();
+  CHECK(samplesOf(solid) == uncut);
+
+  const auto other = experiment(shipped("flat-wall.toml"), RendererSlot::positionControl);
+  other->spin(true);
+  other->undo();
+  run(*other, 10);
+  CHECK_FALSE(other->frame().drilled.spins);
+}
+
+TEST_CASE("a thread that draws gets every brick that was cut, also over experiments and restores", "[experiment]") {
+  const SceneFile file = tooth();
+  const auto piece = std::make_shared<Workpiece>(file);
+  Pose start;
+  start.position = file.start;
+  const auto next = [&] {
+    return std::make_unique<Experiment>(nominal(), Settings{}, file, start, handAt(file.start), RendererSlot::impedance,
+                                        piece);
+  };
+  std::vector<BrickSamples> copy = samplesOf(*file.solids[0]);
+  std::uint64_t taken = 0;
+  BrickChange change;
+  Runner runner(next());
+  const auto take = [&] {
+    for (; piece->takeChange(0, change); ++taken) copy[static_cast<std::size_t>(change.brick)] = change.samples;
+  };
+  RemovedVolume before{};
+  {
+    const PeriodicThread haptics(kPeriod, [&runner] { runner.period(); });
+    for (int i = 0; i < 120; ++i) {
+      RunnerCommand command{RunnerCommand::Kind::handTo};
+      command.target = {1e-3 * std::sin(0.2 * i), 0.0, -6e-3};
+      if (i % 20 == 1) command = {RunnerCommand::Kind::spin}, command.number = i % 40 < 20;
+      if (i == 90) command = {RunnerCommand::Kind::undo};
+      if (i == 70) {
+        before = runner.frame().drilled.removed;
+        runner.replace(next());
+      } else {
+        runner.send(command);
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      runner.collect();
+      take();
+    }
+  }
+  CHECK(taken > 20);
+  CHECK(before[0] > 0.0);
+  for (int i = 0; i < 100; ++i) {  // the rest, without a tick
+    piece->publish();
+    take();
+  }
+  CHECK(copy == samplesOf(*file.solids[0]));
+  runner.send({RunnerCommand::Kind::restore});
+  runner.send({RunnerCommand::Kind::pause});
+  for (int i = 0; i < 100; ++i) {
+    runner.period();
+    take();
+  }
+  CHECK(runner.frame().drilled.removed == RemovedVolume{});
+  CHECK(copy == samplesOf(*file.solids[0]));
 }
 
 }  // namespace enamel::viewer::test_experiment

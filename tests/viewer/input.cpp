@@ -20,6 +20,7 @@ class Recorder final : public Driven {
   void act(Action action) override { actions.push_back(action); }
   void moveHandBy(const glm::dvec3& millimetres) override { hand += millimetres, ++moves; }
   void pressBy(double newtons) override { pressed += newtons; }
+  void spin(bool on) override { spins.push_back(on); }
   void seek(double share) override { shares.push_back(share); }
   Camera& camera() override { return view; }
   const Layout& layout() const override { return place; }
@@ -27,6 +28,7 @@ class Recorder final : public Driven {
 
   std::vector<Action> actions;
   std::vector<double> shares;
+  std::vector<bool> spins;
   glm::dvec3 hand{0.0};
   int moves = 0;
   double pressed = 0.0;
@@ -157,6 +159,25 @@ TEST_CASE("a click on the time bar and a drag from it seek, whatever the button 
     CHECK(recorder.shares.empty());
   }
   CHECK(recorder.moves == 2);
+}
+
+TEST_CASE("the bur spins as long as the pedal's key is down", "[viewer]") {
+  Recorder recorder;
+  Input input(recorder);
+  bool isDown = false;
+  const auto hold = [&] { input.hold([&](int key) { return isDown && key == GLFW_KEY_F; }, 0.02); };
+  hold();
+  CHECK(recorder.spins.empty());
+  isDown = true;
+  for (int i = 0; i < 3; ++i) hold();
+  CHECK(recorder.spins == std::vector<bool>{true});
+  isDown = false;
+  for (int i = 0; i < 3; ++i) hold();
+  CHECK(recorder.spins == std::vector<bool>{true, false});
+  CHECK(recorder.moves == 0);
+  input.key(GLFW_KEY_Z, GLFW_PRESS, GLFW_MOD_CONTROL);
+  input.key(GLFW_KEY_C, GLFW_PRESS, 0);
+  CHECK(recorder.actions == std::vector<Action>{Action::undo, Action::cutAway});
 }
 
 TEST_CASE("the wheel presses, with Ctrl it zooms; held keys go with time", "[viewer]") {

@@ -367,4 +367,40 @@ TEST_CASE("camera: unproject inverts project", "[viewer]") {
   }
 }
 
+TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other scenes have no bur", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "tooth.toml",
+                  "name = \"tooth\"\nstart = [0, 0, 0.002]\n[[tool]]\nfrom = [0, 0, 0.002]\nradius = 0.002\n"
+                  "[bur]\nwear = 3.0\n[[obstacle]]\nname = \"molar\"\nshape = \"solid\"\nfile = \"" ENAMEL_SOURCE_DIR
+                  "/data/meshes/molar.ply\"\nunit = \"mm\"\nscale = 2.0\nposition = [0, 0, -0.0096]\ncell = 0.0004\n"
+                  "[[obstacle.layer]]\nname = \"enamel\"\nhardness = 3.4e9\n[[obstacle.layer]]\nname = \"dentine\"\n"
+                  "hardness = 0.6e9\ndepth = 0.0012\n");
+  const std::string away = "hand 0 0 6 over 0.2\n";
+  test::writeFile(folder / "script.txt",
+                  "0 panels\n0 charts\n0 view 0 0 -4 20 -20 90\n0.1 " + away +
+                      "0.6 picture before\n0.6 spin on\n0.6 hand 0 0 -9 over 0.3\n1.5 spin off\n1.5 " + away +
+                      "2.0 picture drilled\n2.0 cut-away\n2.1 picture open\n2.1 cut-away\n2.1 undo\n"
+                      "2.2 picture undone\n2.3 undo\n2.4 picture nothing\n2.4 end\n");
+  const auto result = test::viewer("'" + folder / "tooth.toml' --headless --script '" + folder / "script.txt" +
+                                   "' --size 640x360 --record '" + folder / "out'");
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  // Within the tooth: beside the card on the left, whose key has the colours too, and the numbers.
+  const auto count = [&](const std::string& name, unsigned colour) {
+    return patchOf(Pixels(folder / ("out/" + name + ".png")), colour, {240, 60}, {480, 340}, 0.04).count;
+  };
+  const unsigned dentine = layerColour(1);
+  CHECK(count("before", dentine) < 20);
+  CHECK(count("drilled", dentine) > count("before", dentine) + 60);
+  CHECK(count("open", dentine) > count("drilled", dentine) + 500);
+  CHECK(count("undone", dentine) < 20);
+  CHECK(count("undone", layerColour(0)) > 1000);
+  // Refusals stand in dark letters' ground over the middle.
+  const auto notice = [&](const std::string& name) {
+    return patchOf(Pixels(folder / ("out/" + name + ".png")), kInk, {300, 80}, {340, 100}, 0.03).count;
+  };
+  WARN("dentine " << count("before", dentine) << ", " << count("drilled", dentine) << ", " << count("open", dentine)
+                  << ", " << count("undone", dentine) << "; notice " << notice("undone") << ", " << notice("nothing"));
+}
+
 }  // namespace enamel::viewer::test_pictures

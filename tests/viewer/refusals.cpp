@@ -56,6 +56,8 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
   script("# remark\n1 pause\n0.5 end\n", "bad.txt:3: time: is earlier than that of the step before");
   script("0 hand 1 2\n1 end\n", "bad.txt:1: hand: is missing");
   script("0 hand 1 2 nan\n1 end\n", "bad.txt:1: hand: is \"nan\", must be a number");
+  script("0 spin fast\n1 end\n", "bad.txt:1: spin: must be on or off");
+  script("0 view 0 0 0 30 89 100\n1 end\n", "bad.txt:1: elevation: is 89, must be in -88 to 88");
   script("0 slow 0\n1 end\n", "bad.txt:1: slow: is 0, must be in 1 to 1000");
   script("0 set colour 1\n1 end\n", "bad.txt:1: set: \"colour\" is not a known setting");
   script("0 set delay 1.5\n1 end\n", "bad.txt:1: delay: must be a whole number");
@@ -121,7 +123,7 @@ TEST_CASE("recordings that cannot be played, and what cannot be done with one", 
     test::writeFile(folder / "bad.txt", line + "\n1 end\n");
     requireRefused(test::viewer(arguments + "--script '" + folder / "bad.txt'"), 1, "bad.txt:1: " + message);
   };
-  for (const char* word : {"hand", "renderer", "set", "scene", "push", "swap"})
+  for (const char* word : {"hand", "spin", "renderer", "set", "scene", "push", "swap", "undo"})
     script(std::string("0 ") + word, play, std::string(word) + ": is not for a recording");
   for (const char* word : {"seek", "next-event", "step-back"})
     script(std::string("0 ") + word, "--headless ", std::string(word) + ": is for a recording: there is no --play");

@@ -1,0 +1,216 @@
+#include "solid_view.hpp"
+
+#include <vtkCellArray.h>
+#include <vtkFloatArray.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkTypeInt32Array.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace enamel::viewer {
+namespace {
+
+constexpr int kGroup = 4;  // bricks along an edge
+
+// Points with a normal and a colour each.
+struct Coloured {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkFloatArray> normals;
+  vtkNew<vtkUnsignedCharArray> colours;
+
+  explicit Coloured(vtkIdType room) {
+    normals->SetNumberOfComponents(3);
+    colours->SetNumberOfComponents(3);
+    points->Allocate(room);
+    normals->Allocate(3 * room);
+    colours->Allocate(3 * room);
+  }
+  vtkIdType append(const Vec3& point, const Vec3& normal, const Vec3& rgb) {
+    normals->InsertNextTuple3(normal.x(), normal.y(), normal.z());
+    for (const double c : rgb) colours->InsertNextValue(static_cast<unsigned char>(255.0 * c + 0.5));
+    return points->InsertNextPoint((kMillimetres * point).eval().data());
+  }
+  vtkSmartPointer<vtkActor> actor(vtkCellArray* cells) {
+    vtkNew<vtkPolyData> data;
+    data->SetPoints(points);
+    data->SetPolys(cells);
+    data->GetPointData()->SetNormals(normals);
+    data->GetPointData()->SetScalars(colours);
+    vtkNew<vtkPolyDataMapper> mapper;
+    mapper->SetInputData(data);
+    mapper->SetColorModeToDirectScalars();
+    auto made = vtkSmartPointer<vtkActor>::New();
+    made->SetMapper(mapper);
+    setFinish(made->GetProperty(), {0xFFFFFF, 1.0, 0.25});
+    return made;
+  }
+};
+
+Vec3 colourOf(int layer) {
+  const Colour c = colour(layerColour(layer));
+  return {c.r, c.g, c.b};
+}
+
+}  // namespace
+
+SolidCopy copyOf(const Solid& solid) {
+  SolidCopy copy;
+  for (int brick = 0; brick < solid.bricks(); ++brick) copy.samples.push_back(solid.samples(brick));
+  auto uncut = std::make_shared<Solid>(solid);
+  uncut->restore();
+  copy.uncut = std::move(uncut);
+  return copy;
+}
+
+SolidView::SolidView(vtkRenderer* renderer, const SolidCopy& solid, const Pose& pose,
+                     const std::optional<CutPlane>& plane, const std::vector<CutPlane>& hidden, float scale)
+    : renderer_(renderer), solid_(solid), pose_(pose), plane_(plane), scale_(scale) {
+  if (plane) {
+    const Vec3 point = kMillimetres * plane->point, behind = -plane->normal;
+    clip_->SetOrigin(point.data());
+    clip_->SetNormal(behind.data());
+  }
+  const Solid& uncut = *solid.uncut;
+  const double edge = kBrickCells * uncut.cell();
+  const auto place = [&](const Vec3& p) { return ((p - uncut.low()) / edge).array().round().cast<int>().eval(); };
+  const Eigen::Array3i count = place(uncut.high()), groups = (count + kGroup - 1) / kGroup;
+  std::copy(count.data(), count.data() + 3, count_.begin());
+  brickAt_.assign(static_cast<std::size_t>(count.prod()), -1);
+  groups_.resize(static_cast<std::size_t>(groups.prod()));
+  for (int brick = 0; brick < uncut.bricks(); ++brick) {
+    const Eigen::Array3i at = place(uncut.lowOf(brick)), in = at / kGroup;
+    const Vec3 centre = pose.position + pose.rotation * (uncut.lowOf(brick) + Vec3::Constant(0.5 * edge));
+    const bool isHidden = std::any_of(hidden.begin(), hidden.end(), [&](const CutPlane& wall) {
+      return wall.normal.dot(centre - wall.point) < -0.87 * edge;
+    });
+    brickAt_[static_cast<std::size_t>((at[2] * count[1] + at[1]) * count[0] + at[0])] = brick;
+    const int group = (in[2] * groups[1] + in[1]) * groups[0] + in[0];
+    if (!isHidden) groups_[static_cast<std::size_t>(group)].bricks.push_back(brick);
+    groupOf_.push_back(group);
+  }
+}
+
+void SolidView::change(int brick) {
+  Group& group = groups_[static_cast<std::size_t>(groupOf_[static_cast<std::size_t>(brick)])];
+  group.isChanged = group.isCut = true;
+  isSectionChanged_ = true;
+}
+
+void SolidView::update() {
+  for (Group& group : groups_)
+    if (group.isChanged) build(group);
+  if (isSectionChanged_) buildSection();
+}
+
+void SolidView::build(Group& group) {
+  group.isChanged = false;
+  surface_.clear();
+  for (const int brick : group.bricks)
+    appendSurface(*solid_.uncut, brick, solid_.samples[static_cast<std::size_t>(brick)], surface_, group.isCut ? 1 : 2);
+  if (group.actor) renderer_->RemoveActor(group.actor);
+  group.actor = nullptr;
+  if (surface_.mesh.triangles.empty()) return;
+  Coloured vertices(static_cast<vtkIdType>(surface_.mesh.vertices.size()));
+  for (std::size_t i = 0; i < surface_.mesh.vertices.size(); ++i)
+    vertices.append(pose_.position + pose_.rotation * surface_.mesh.vertices[i], pose_.rotation * surface_.normals[i],
+                    colourOf(surface_.layers[i]));
+  vtkNew<vtkTypeInt32Array> corners;
+  corners->SetNumberOfValues(3 * static_cast<vtkIdType>(surface_.mesh.triangles.size()));
+  int* next = corners->GetPointer(0);
+  for (const auto& triangle : surface_.mesh.triangles) next = std::copy(triangle.begin(), triangle.end(), next);
+  vtkNew<vtkCellArray> cells;
+  cells->SetData(3, corners);
+  group.actor = vertices.actor(cells);
+  if (plane_) group.actor->GetMapper()->AddClippingPlane(clip_);
+  renderer_->AddActor(group.actor);
+}
+
+float SolidView::at(const Vec3& p) const {
+  const Eigen::Array3d q = ((p - solid_.uncut->low()) / solid_.uncut->cell()).array();
+  std::array<int, 3> brick, cell;
+  std::array<float, 3> t;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double x = q[static_cast<Eigen::Index>(i)];
+    if (!(x >= 0.0 && x < kBrickCells * count_[i])) return Solid::kBand;
+    const int whole = static_cast<int>(x);
+    brick[i] = whole / kBrickCells;
+    cell[i] = whole % kBrickCells;
+    t[i] = static_cast<float>(x - whole);
+  }
+  const int number = brickAt_[static_cast<std::size_t>((brick[2] * count_[1] + brick[1]) * count_[0] + brick[0])];
+  if (number < 0) return Solid::kBand;
+  constexpr int up = kBrickSamples, back = kBrickSamples * kBrickSamples;
+  const float* s = solid_.samples[static_cast<std::size_t>(number)].data() + cell[2] * back + cell[1] * up + cell[0];
+  const auto along = [&](int i) { return s[i] + t[0] * (s[i + 1] - s[i]); };
+  const auto across = [&](int i) { return along(i) + t[1] * (along(i + up) - along(i)); };
+  return across(0) + t[2] * (across(back) - across(0));
+}
+
+// The material in the plane by squares of a cell's size, each cut where the field is 0.
+void SolidView::buildSection() {
+  isSectionChanged_ = false;
+  for (const auto& actor : section_) renderer_->RemoveActor(actor);
+  section_.clear();
+  if (!plane_) return;
+  const Solid& uncut = *solid_.uncut;
+  const double step = uncut.cell();
+  const auto inSolid = [&](const Vec3& p) { return Vec3(pose_.rotation.transpose() * (p - pose_.position)); };
+  const Vec3 centre = pose_.position + pose_.rotation * (0.5 * (uncut.low() + uncut.high()));
+  const Vec3 n = plane_->normal, u = n.unitOrthogonal(), v = n.cross(u);
+  const Vec3 origin = centre - n.dot(centre - plane_->point) * n;
+  const int reach = static_cast<int>(0.5 * (uncut.high() - uncut.low()).norm() / step) + 1, side = 2 * reach + 1;
+  const auto placeOf = [&](int i, int j) { return Vec3(origin + step * ((i - reach) * u + (j - reach) * v)); };
+  std::vector<float> field(static_cast<std::size_t>(side * side));
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i) field[static_cast<std::size_t>(j * side + i)] = at(inSolid(placeOf(i, j)));
+
+  Coloured vertices(side * side / 2);
+  vtkNew<vtkCellArray> cells;
+  std::vector<vtkIdType> corners(field.size(), -1), polygon;
+  std::vector<std::array<Vec3, 2>> outline;
+  const auto append = [&](const Vec3& p) {  // borders of layers, which are known by cells, smoothed over three
+    Vec3 sum = Vec3::Zero();
+    for (int i = 0; i < 27; ++i)
+      sum += colourOf(uncut.layerAt(inSolid(p) + step * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
+    return vertices.append(p, n, sum / 27.0);
+  };
+  constexpr int di[] = {0, 1, 1, 0}, dj[] = {0, 0, 1, 1};
+  for (int j = 0; j + 1 < side; ++j)
+    for (int i = 0; i + 1 < side; ++i) {
+      polygon.clear();
+      std::array<Vec3, 4> crossings;
+      std::size_t crossed = 0;
+      for (int k = 0; k < 4; ++k) {
+        const int l = (k + 1) % 4;
+        const auto here = static_cast<std::size_t>((j + dj[k]) * side + i + di[k]),
+                   next = static_cast<std::size_t>((j + dj[l]) * side + i + di[l]);
+        const Vec3 p = placeOf(i + di[k], j + dj[k]);
+        if (field[here] < 0.0f) {
+          if (corners[here] < 0) corners[here] = append(p);
+          polygon.push_back(corners[here]);
+        }
+        if ((field[here] < 0.0f) == (field[next] < 0.0f)) continue;
+        const double t = static_cast<double>(field[here] / (field[here] - field[next]));
+        crossings[crossed] = p + t * (placeOf(i + di[l], j + dj[l]) - p);
+        polygon.push_back(append(crossings[crossed++]));
+      }
+      if (polygon.size() > 2) cells->InsertNextCell(static_cast<vtkIdType>(polygon.size()), polygon.data());
+      if (crossed == 2) outline.push_back({crossings[0] + 5e-5 * n, crossings[1] + 5e-5 * n});
+    }
+  section_.push_back(vertices.actor(cells));
+  vtkProperty* const flat = section_.back()->GetProperty();
+  flat->SetAmbient(0.85);
+  flat->SetDiffuse(0.12);
+  flat->SetSpecular(0.0);
+  renderer_->AddActor(section_.back());
+  section_.push_back(addLines(renderer_, outline, kSectionEdge, 2.0f * scale_));
+}
+
+}  // namespace enamel::viewer

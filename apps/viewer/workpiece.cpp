@@ -1,0 +1,52 @@
+#include "workpiece.hpp"
+
+#include <algorithm>
+
+namespace enamel::viewer {
+
+Workpiece::Workpiece(const SceneFile& scene) : solids_(scene.solids) {
+  for (const auto& solid : solids_) changes_.push_back(solid ? std::make_unique<SolidChanges>() : nullptr);
+}
+
+void Workpiece::beginStroke() noexcept {
+  if (strokes_ > 0 && removed_ == before_[last()]) return;  // the one before took nothing
+  if (strokes_ == kStrokes) {
+    std::copy(before_.begin() + 1, before_.end(), before_.begin());
+    --strokes_;
+  }
+  before_[static_cast<std::size_t>(strokes_++)] = removed_;
+  for (const auto& solid : solids_)
+    if (solid) solid->mark();
+}
+
+void Workpiece::add(const RemovedVolume& removed) noexcept {
+  for (std::size_t i = 0; i < removed.size(); ++i) removed_[i] += removed[i];
+}
+
+bool Workpiece::undo() noexcept {
+  while (strokes_ > 0 && removed_ == before_[last()]) --strokes_;
+  if (strokes_ == 0) return false;
+  bool undone = false;
+  for (const auto& solid : solids_) undone = (solid && solid->undo()) || undone;
+  if (!undone) {
+    strokes_ = 0;  // nor anything before it
+    return false;
+  }
+  removed_ = before_[last()];
+  --strokes_;
+  return true;
+}
+
+void Workpiece::restore() noexcept {
+  for (const auto& solid : solids_)
+    if (solid) solid->restore();
+  removed_ = RemovedVolume{};
+  strokes_ = 0;
+}
+
+void Workpiece::publish() noexcept {
+  for (std::size_t i = 0; i < solids_.size(); ++i)
+    if (solids_[i]) changes_[i]->publish(*solids_[i]);
+}
+
+}  // namespace enamel::viewer
