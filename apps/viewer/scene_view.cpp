@@ -292,7 +292,7 @@ void SceneView::build(const std::vector<Bar>& bars, const SceneFile& file, const
     const bool has = i < solids.size() && solids[i].uncut;
     solids_.push_back(has ? std::make_unique<SolidView>(renderer_, solids[i], pose, plane, hidden, scale) : nullptr);
   }
-  if (plane) cutOpen(gum, *plane);
+  if (plane && !gum.faces.empty()) cutOpen(gum, *plane);
   addFaces(renderer_, gum.faces, {kGum, 1.0, 0.2});
   addFaces(renderer_, gum.backs, {kGumBack, 1.0, 0.0});
   addLines(renderer_, gum.edges, kGumEdge, 1.5f * scale);
