@@ -91,9 +91,11 @@ SolidView::SolidView(vtkRenderer* renderer, const SolidCopy& solid, const Pose& 
       return wall.normal.dot(centre - wall.point) < -0.87 * edge;
     });
     brickAt_[static_cast<std::size_t>((at[2] * count[1] + at[1]) * count[0] + at[0])] = brick;
-    const int group = (in[2] * groups[1] + in[1]) * groups[0] + in[0];
-    if (!isHidden) groups_[static_cast<std::size_t>(group)].bricks.push_back(brick);
-    groupOf_.push_back(group);
+    const int number = (in[2] * groups[1] + in[1]) * groups[0] + in[0];
+    Group& group = groups_[static_cast<std::size_t>(number)];
+    if (!isHidden) group.bricks.push_back(brick);
+    group.isCut = group.isCut || solid.samples[static_cast<std::size_t>(brick)] != uncut.samples(brick);
+    groupOf_.push_back(number);
   }
 }
 
