@@ -356,19 +356,19 @@ struct SolidQuery {
     int count = 0;
 
     // One in about the direction of `way` that is not farther than `distance`.
-    bool has(const Vec3& a, const Vec3& way, double length, double distance) const {
+    bool has(const Vec3& p, const Vec3& way, double length, double distance) const {
       for (int i = 0; i < count; ++i)
-        if (all[i].distance <= distance && way.dot(a - all[i].point) > kSameDirection * all[i].distance * length)
+        if (all[i].distance <= distance && way.dot(p - all[i].point) > kSameDirection * all[i].distance * length)
           return true;
       return false;
     }
 
-    void add(const Vec3& a, const Nearest& candidate) {
-      const Vec3 way = a - candidate.point;
-      if (has(a, way, candidate.distance, candidate.distance)) return;
+    void add(const Vec3& p, const Nearest& candidate) {
+      const Vec3 way = p - candidate.point;
+      if (has(p, way, candidate.distance, candidate.distance)) return;
       int kept = 0;
       for (int i = 0; i < count; ++i)
-        if (!(way.dot(a - all[i].point) > kSameDirection * all[i].distance * candidate.distance)) all[kept++] = all[i];
+        if (!(way.dot(p - all[i].point) > kSameDirection * all[i].distance * candidate.distance)) all[kept++] = all[i];
       count = kept;
       int place = count;
       while (place > 0 && candidate.distance < all[place - 1].distance) --place;
