@@ -95,12 +95,12 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
   frame_.hand = hand;
   frame_.record.pose = start;
   frame_.record.torque = plant_->home().gravity;
-  fillDrilled();
-  if (workpiece_.use_count() == 1) look();
+  if (workpiece_.use_count() == 1) look();  // nobody else cuts it
   select(slot);
 }
 
 void Experiment::look() noexcept {
+  fillDrilled();
   if (frame_.record.nearest.part < 0)
     frame_.record.nearest = nearestContact(scene_, tool_, frame_.record.pose, nullptr);
 }

@@ -116,8 +116,8 @@ class Experiment {
   void undo() noexcept;
   void restore() noexcept;
 
-  /// Fills in the nearest contact of a frame before the first tick. Of the thread that ticks: an experiment that this
-  /// one replaces may have been cutting the same solids. Realtime: yes.
+  /// Fills in what a frame before the first tick says of contact and drilling. Of the thread that ticks: an experiment
+  /// that this one replaces may have been cutting the same solids. Realtime: yes.
   void look() noexcept;
   /// Once a period, whether it ticked or not: what has changed of the solids, to the thread that draws. Realtime: yes.
   void publish() noexcept { workpiece_->publish(); }
