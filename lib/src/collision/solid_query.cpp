@@ -13,6 +13,8 @@ struct SolidQuery {
   static constexpr double kHalfCell = 0.8660254037844386;  // half its diagonal
   static constexpr double kOnSurface = 0.03;
   static constexpr double kSettled = 1e-3;
+  static constexpr double kFarthest = 1.0;  // above half its diagonal: a cell with surface has a place within that
+  static constexpr double kWider = 1.01;
   static constexpr double kClose = 2.0 * kBrickCells;
   static constexpr int kSteps = 3;
   static constexpr double kNoGradient = 1e-6;  // squared
@@ -274,7 +276,9 @@ struct SolidQuery {
       parameter = t;
       chosen = samples;
     });
-    if (chosen != nullptr) search(corner, chosen, parameter, best);
+    if (chosen == nullptr) return;
+    search(corner, chosen, parameter, best);
+    best.distance = std::min(best.distance, least + kFarthest);  // whether it found its place or not
   }
 
   Nearest nearest(double limit) const {
@@ -310,11 +314,20 @@ struct SolidQuery {
         });
       });
       searchEach(cells, smooth);
+      // Then a little farther and a little farther: far away very many cells lie between the likely and the best.
+      for (double bound = smooth.distance; !smooth.found && bound < best.distance;) {
+        bound = std::min(best.distance, kWider * bound + kSmooth);
+        smooth.distance = bound;
+        searchAll(smooth);
+      }
       if (smooth.found) return smooth;
-      if (smooth.distance == best.distance) return best;
+    } else {
+      searchAll(best);
     }
-    searchAll(best);
-    return best;
+    if (best.found || best.distance == limit) return best;
+    Nearest any{limit};  // where all of those cells have none
+    searchAll(any);
+    return any;
   }
 
   void searchAll(Nearest& best) const {

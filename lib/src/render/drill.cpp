@@ -61,11 +61,11 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   // What the volume asks for, over the area of the whole bur; where less touches, less is cut, and more asked for next.
   const double area = (kPi * part_.radius + 2.0 * (part_.b - part_.a).norm()) * part_.radius;
   const double asked = wear_ * pressed * 2.0 * kPi * part_.radius * turns_ / hardness_ * period + owed_;
-  const double advance = std::clamp(asked / area, 0.0, kMostFeed * period);
-
   // So far back is the bur that is nowhere deeper than that. A surface that it has cut stands up to `rough` above its
   // samples.
   const double rough = solid.cell() * solid.cell() / (4.0 * part_.radius);
+  const double advance = std::clamp(asked / area, 0.0, kMostFeed * period + rough);
+
   double back = -rough;
   const auto faces = [&](const Contact& c) {
     return c.obstacle == number && c.part == number_ && way.dot(c.normal) > kFacing;
