@@ -46,20 +46,6 @@ double exhaustiveDistance(const TriangleMesh& mesh, const Vec3& p) {
   return least;
 }
 
-class Numbers {
- public:
-  double operator()(double low, double high) {
-    return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
-  }
-  Vec3 vector() {
-    const double x = (*this)(-1, 1), y = (*this)(-1, 1), z = (*this)(-1, 1);
-    return {x, y, z};
-  }
-
- private:
-  std::mt19937_64 engine_{7};
-};
-
 // A walk along the surface, 0.5 mm inside to 2 mm outside of it, one tick's way from point to point.
 std::vector<Vec3> hapticPath(const MeshModel& model, int count) {
   Numbers numbers;
@@ -393,13 +379,6 @@ void measureUpdates(const Workload& work, std::vector<Measurement>& rows) {
   std::sort(times_us.begin(), times_us.end());
   addRow(rows, "100 triangles removed, " + work.size, {percentile(times_us, 0.5), percentile(times_us, 0.99)},
          isReplaced ? errorHere() : 1.0, "m, against all triangles, after replacing them");
-}
-
-template <typename Call>
-double timeOnce(const Call& call) {  // the clock included, 0.03 us
-  const auto start = std::chrono::steady_clock::now();
-  call();
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
 }
 
 void measureContacts(const Workload& work, std::vector<Measurement>& rows) {

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <functional>
 #include <limits>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,30 @@ Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run)
 /// do not count. `between` is done before every call and not timed.
 std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::function<void(int i)>>& runs,
                                 const std::function<void()>& between = {});
+
+/// Time of one call, the clock included (0.03 us), us.
+template <typename Call>
+double timeOnce(const Call& call) {
+  const auto start = std::chrono::steady_clock::now();
+  call();
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The same random numbers at every run.
+class Numbers {
+ public:
+  explicit Numbers(std::uint64_t seed = 7) : engine_(seed) {}
+  double operator()(double low, double high) {
+    return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
+  }
+  Eigen::Vector3d vector() {  // in -1 to 1
+    const double x = (*this)(-1, 1), y = (*this)(-1, 1), z = (*this)(-1, 1);
+    return {x, y, z};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
 
 /// Keeps the compiler from dropping a result that is not used otherwise.
 template <typename T>

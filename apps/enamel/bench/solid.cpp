@@ -2,10 +2,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
-#include <random>
 
 #include "bench/measurement.hpp"
 #include "enamel/collision/contacts.hpp"
@@ -20,26 +18,7 @@ constexpr double kCell = 1e-4, kRadius = 0.5e-3;  // m
 constexpr double kStep = 30e-6;                   // m: 30 mm/s at 1 kHz
 constexpr double kReach = 1e-3;                   // m
 
-class Numbers {
- public:
-  Vec3 vector() {
-    const double x = number(), y = number(), z = number();
-    return {x, y, z};
-  }
-
- private:
-  double number() { return static_cast<double>(engine_() >> 11) * 0x1p-52 - 1.0; }
-  std::mt19937_64 engine_{22};
-};
-
 double sum(const RemovedVolume& volume) { return std::accumulate(volume.begin(), volume.end(), 0.0); }
-
-template <typename Call>
-double timeOnce(const Call& call) {
-  const auto start = std::chrono::steady_clock::now();
-  call();
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
-}
 
 void addRow(std::vector<Measurement>& rows, const std::string& name, std::vector<double> times_us, double error,
             const std::string& errorOf) {
@@ -67,7 +46,7 @@ void measureQueries(const MeshModel& mesh, const std::shared_ptr<Solid>& solid, 
   scene.add({"molar", std::shared_ptr<const Solid>(solid), Pose(), Vec6::Zero(), {}});
   const Tool tool = ball();
   ToolTrack track = makeToolTrack(scene, tool);
-  Numbers numbers;
+  Numbers numbers(22);
   Vec3 p(0.0, 0.0, 8e-3), way = Vec3::UnitX();
   std::vector<double> distances_us, meshes_us, contacts_us;
   double error = 0.0, gapError = 0.0;
@@ -103,7 +82,7 @@ void measureCutting(const std::shared_ptr<Solid>& solid, int calls, std::vector<
   ToolTrack track = makeToolTrack(scene, tool);
   Drill drill(tool, {solid}, {0, 0.5, 2000.0});
   drill.spin(true);
-  Numbers numbers;
+  Numbers numbers(22);
   Pose at;
   at.position.z() = 8e-3;
   Vec3 goal = Vec3::Zero();
