@@ -145,7 +145,7 @@ TEST_CASE("drill: contacts and material go together while it cuts", "[drill]") {
   Vec3 goal(0, 0, 0);
   at.position = pose.position + Vec3(0, 0, 6e-3);
   bool wasMissing = false;
-  int cuts = 0, touches = 0, lost = 0, unfounded = 0, unfelt = 0, shaft = 0;
+  int cuts = 0, touches = 0, lost = 0, unfounded = 0, unfelt = 0;
   for (int i = 0; i < test::count(3000, 60000); ++i) {
     if (i % 100 == 0) goal = pose.position + pose.rotation * random.vector(4e-3);
     const Vec3 way = goal - at.position;
@@ -164,7 +164,6 @@ TEST_CASE("drill: contacts and material go together while it cuts", "[drill]") {
     for (int k = 0; k < contacts.count; ++k) {
       const Contact& c = contacts.contacts[k];
       feels = feels || c.gap < 0.0;
-      shaft += c.part == 1 && removed > 0.0 && contacts.contacts[0].part == 1;
       if (!(c.gap < 0.0 && c.gap > -0.1e-3)) continue;  // with its axis outside
       ++touches;
       // Where the contact has the surface there is material, half a cell behind it.
