@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -55,12 +56,10 @@ void print(const MeshReport& r) {
                           r.high.y(), r.high.z()));
 }
 
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
+// A file without an ending becomes PLY.
 void checkOutput(const std::string& path) {
-  if (!path.empty() && !endsWith(path, ".ply") && !endsWith(path, ".stl"))
+  const std::string ending = std::filesystem::path(path).extension().string();
+  if (!ending.empty() && ending != ".ply" && ending != ".stl")
     throw Error(path + ": meshes are written as .ply or .stl");
 }
 
@@ -88,7 +87,7 @@ void writeStl(const TriangleMesh& mesh, const std::string& path) {
 
 // Binary, in mm.
 void write(const TriangleMesh& mesh, const std::string& path) {
-  if (endsWith(path, ".stl")) return writeStl(mesh, path);
+  if (std::filesystem::path(path).extension() == ".stl") return writeStl(mesh, path);
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment units mm\nelement vertex {}\nproperty float x\n"
       "property float y\nproperty float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",

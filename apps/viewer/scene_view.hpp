@@ -44,6 +44,7 @@ class SceneView {
   /// A brick of an obstacle's copy has changed.
   void change(std::size_t obstacle, int brick);
   void update(const SceneState& state);
+  /// Before update(): what is drawn at contacts becomes smaller close to the camera.
   void look(const Camera& camera);
 
  private:
