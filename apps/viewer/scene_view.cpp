@@ -351,7 +351,7 @@ void SceneView::update(const SceneState& state) {
     p.pull.place(pose.position + grip, *state.hand + grip);
   }
 
-  const double size = std::min(1.0, distance_ / kMarkedFrom);
+  const double size = std::min(1.0, state.distance / kMarkedFrom);
   for (std::size_t i = 0; i < kShownContacts; ++i) {
     const bool touching = i < state.touching.size();
     p.contacts[i].show(touching);
@@ -375,7 +375,6 @@ void SceneView::update(const SceneState& state) {
 }
 
 void SceneView::look(const Camera& camera) {
-  distance_ = camera.distance;
   vtkCamera* c = renderer_->GetActiveCamera();
   const glm::dvec3 eye = camera.eye();
   c->SetPosition(eye.x, eye.y, eye.z);

@@ -24,6 +24,7 @@ struct SceneState {
   std::optional<Pose> ghost;  ///< reference pose
   std::optional<Vec3> hand;   ///< where the hand pulls the TCP to
   std::vector<Contact> touching;
+  double distance = 0.0;      ///< of the camera, mm: close to it marks become smaller
   double burAngle = 0.0;      ///< that the bur has turned, rad
   Vec3 force = Vec3::Zero();  ///< of the motors on the tool beyond gravity, N: what stands for the wall
 };
@@ -44,7 +45,6 @@ class SceneView {
   /// A brick of an obstacle's copy has changed.
   void change(std::size_t obstacle, int brick);
   void update(const SceneState& state);
-  /// Before update(): what is drawn at contacts becomes smaller close to the camera.
   void look(const Camera& camera);
 
  private:
@@ -52,7 +52,6 @@ class SceneView {
 
   vtkRenderer* renderer_;
   vtkRenderer* above_;
-  double distance_ = 0.0;  // of the camera, mm
   std::unique_ptr<Parts> parts_;
   std::vector<std::unique_ptr<SolidView>> solids_;  // by obstacle, or null
 };

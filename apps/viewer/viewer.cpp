@@ -487,8 +487,9 @@ void Viewer::draw(bool picture) {
     view_.build(shown_.bars, scene_, solids_, plane_, layout_.scale);
     builtScale_ = layout_.scale;
   }
-  view_.look(camera_);
+  shown_.distance = camera_.distance;
   view_.update(shown_);
+  view_.look(camera_);
   const std::vector<SolidLayer>* layers = nullptr;
   for (const SolidCopy& solid : solids_)
     if (solid.uncut && layers == nullptr) layers = &solid.uncut->layers();
