@@ -85,9 +85,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
         return renderers;
       }()),
       loop_(*plant_, *model_, switched_, loopSetup(settings, scene, start)),
-      workpiece_(workpiece ? std::move(workpiece) : std::make_shared<Workpiece>(scene)),
-      scene_(scene.scene),
-      tool_(scene.tool) {
+      workpiece_(workpiece ? std::move(workpiece) : std::make_shared<Workpiece>(scene)) {
   if (scene.bur) {
     drill_.emplace(scene.tool, scene.solids, *scene.bur);
     loop_.attach(&*drill_);
@@ -102,7 +100,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
 void Experiment::look() noexcept {
   fillDrilled();
   if (frame_.record.nearest.part < 0)
-    frame_.record.nearest = nearestContact(scene_, tool_, frame_.record.pose, nullptr);
+    frame_.record.nearest = nearestContact(loop_.scene(), loop_.tool(), frame_.record.pose, nullptr);
 }
 
 void Experiment::spin(bool on) noexcept {

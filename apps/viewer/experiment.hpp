@@ -163,8 +163,6 @@ class Experiment {
   VirtualLoop loop_;
   std::shared_ptr<Workpiece> workpiece_;  // which other experiments on the scene may have too
   std::optional<Drill> drill_;
-  Scene scene_;
-  Tool tool_;
   Frame frame_;
   Phase phase_ = Phase::none;
   int phaseTicks_ = 0, restTicks_ = 0;

@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <mutex>
 #include <optional>
 
 #include "enamel/core/error.hpp"
@@ -19,6 +18,7 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/disk.hpp"
 #include "support/run_length.hpp"
 
 namespace enamel::viewer::test_player {
@@ -213,36 +213,20 @@ TEST_CASE("player: ticks that were lost and chunks that are damaged are gaps", "
   const test::TemporaryFolder folder;
   Run run;
   // A disk that is full until the recorder has lost ticks.
-  std::string disk;
-  std::mutex mutex;
-  std::size_t room = 20000;
-  Recorder recorder(
-      [&](const char* bytes, std::size_t size) {
-        const std::lock_guard<std::mutex> lock(mutex);
-        const std::size_t now = std::min(size, room - disk.size());
-        disk.append(bytes, now);
-        errno = ENOSPC;
-        return now;
-      },
-      "a disk", run.header, *run.tick);
+  test::Disk disk(20000);
+  Recorder recorder([&](const char* bytes, std::size_t size) { return disk.write(bytes, size); }, "a disk", run.header,
+                    *run.tick);
   run.run(recorder, 5000);
   const std::uint64_t kept = 5000 - recorder.lost();
   REQUIRE(recorder.lost() > 500);
-  {
-    const std::lock_guard<std::mutex> lock(mutex);
-    room = std::size_t{1} << 30;
-  }
+  disk.setRoom(std::size_t{1} << 30);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  const auto written = [&] {
-    const std::lock_guard<std::mutex> lock(mutex);
-    return disk.size() > 200000;
-  };
-  while (!written() && std::chrono::steady_clock::now() < end)
+  while (disk.content().size() <= 200000 && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   run.run(recorder, 500);
   const RecordingResult result = recorder.close();
   REQUIRE(result.problem.empty());
-  test::writeFile(folder / "full.rec", disk);
+  test::writeFile(folder / "full.rec", disk.content());
   {
     Player player(folder / "full.rec");
     CHECK(player.size() == 5500);

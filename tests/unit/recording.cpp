@@ -10,7 +10,6 @@
 
 #include <chrono>
 #include <cstring>
-#include <mutex>
 
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/device/device_file.hpp"
@@ -19,6 +18,7 @@
 #include "enamel/sim/simulated_device.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
+#include "support/disk.hpp"
 #include "support/garbage.hpp"
 #include "support/pushes.hpp"
 #include "support/run_length.hpp"
@@ -281,26 +281,14 @@ TEST_CASE("recording: a push replays bit for bit, from every chunk, and another 
 TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "[recording]") {
   const test::TemporaryFolder folder;
   const std::string file = folder / "full.rec";
-  std::mutex mutex;
-  std::string disk;
-  std::size_t room = 100000;  // bytes
+  test::Disk disk(100000);
   Rig rig;
-  Recorder recorder(
-      [&](const char* bytes, std::size_t size) {
-        const std::lock_guard<std::mutex> lock(mutex);
-        const std::size_t now = std::min(size, room - disk.size());
-        disk.append(bytes, now);
-        errno = ENOSPC;
-        return now;
-      },
-      "a disk", {}, rig.tick);
+  Recorder recorder([&](const char* bytes, std::size_t size) { return disk.write(bytes, size); }, "a disk", {},
+                    rig.tick);
   rig.run(recorder, 10000);  // the ring has room for 3968
   const std::uint64_t first = recorder.lost();
   CHECK(first > 5000);
-  {
-    const std::lock_guard<std::mutex> lock(mutex);
-    room = 1 << 30;
-  }
+  disk.setRoom(std::size_t{1} << 30);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (recorder.lost() == first + (rig.number - 10000) && std::chrono::steady_clock::now() < end) {
     rig.run(recorder, 1);
@@ -314,7 +302,7 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
   CHECK(result.problem.empty());
   CHECK(result.lost == recorder.lost());
   CHECK(result.ticks + result.lost == rig.number);
-  test::writeFile(file, disk);
+  test::writeFile(file, disk.content());
   const ReplayResult after = replayed(file);
   CHECK(after.lost == result.lost);
   CHECK(after.damaged == 0);
@@ -325,22 +313,15 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
 
   // Full to the end: as far as there was room, and what is missing is told.
   Rig other;
-  disk.clear();
-  room = 100000;
-  Recorder full(
-      [&](const char* bytes, std::size_t size) {
-        const std::size_t now = std::min(size, room - disk.size());
-        disk.append(bytes, now);
-        errno = ENOSPC;
-        return now;
-      },
-      "a disk", {}, other.tick);
+  test::Disk small(100000);
+  Recorder full([&](const char* bytes, std::size_t size) { return small.write(bytes, size); }, "a disk", {},
+                other.tick);
   other.run(full, 10000);
   const RecordingResult lost = full.close();
   CHECK(lost.problem == "a disk: cannot write the recording: No space left on device");
   CHECK(lost.ticks == 2 * kChunkTicks);
   CHECK(lost.ticks + lost.lost == 10000);
-  test::writeFile(file, disk);
+  test::writeFile(file, small.content());
   const ReplayResult part = replayed(file);
   CHECK(part.ticks == lost.ticks);
   CHECK(part.different == 0);

@@ -272,7 +272,8 @@ void addPart(const Solid& solid, const Segment& axis, double radius, PartCache*,
     if (nearest.found) out.add(p, nearest, radius);
     return nearest.distance;
   };
-  const bool isSphere = axis.a == axis.b, isBehindA = isInside(solid, axis.a), isBehindB = isInside(solid, axis.b);
+  const bool isSphere = axis.a == axis.b, isBehindA = isInside(solid, axis.a);
+  const bool isBehindB = isSphere ? isBehindA : isInside(solid, axis.b);
   SolidPoint between;
   if (!isSphere && !isBehindA && !isBehindB) {
     between = closestToSegment(solid, axis, reach);

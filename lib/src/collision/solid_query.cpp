@@ -14,7 +14,6 @@ struct SolidQuery {
   static constexpr double kOnSurface = 0.03;
   static constexpr double kSettled = 1e-3;
   static constexpr double kFarthest = 1.0;  // above half its diagonal: a cell with surface has a place within that
-  static constexpr double kWider = 1.01;
   static constexpr double kClose = 2.0 * kBrickCells;
   static constexpr int kSteps = 3;
   static constexpr double kNoGradient = 1e-6;  // squared
@@ -262,6 +261,45 @@ struct SolidQuery {
     for (int i = 0; i < cells.count; ++i) search(cells.all[i], best);
   }
 
+  // Most cells are looked at only where none is as near as it seems.
+  void search(const SeenCells& cells, Nearest& best) const {
+    Nearest smooth{best.distance};
+    const Seen* middle = nullptr;
+    for (int i = 0; i < cells.count; ++i) {
+      const Seen& cell = cells.all[i];
+      smooth.distance = std::min(smooth.distance, likely(cell));
+      if (middle == nullptr || cell.least < middle->least) middle = &cell;
+    }
+    if (middle != nullptr) search(*middle, best);
+    if (smooth.distance < best.distance) {
+      searchEach(cells, smooth);
+      if (smooth.found) {
+        best = smooth;
+        return;
+      }
+    }
+    searchEach(cells, best);
+  }
+
+  // Hands on the cells that may have a place within reach of the point, as many as fit at a time.
+  template <typename Look>
+  void forEachSeen(double reach, const Look& look) const {
+    SeenCells cells;
+    const auto within = [&] { return reach; };
+    forEachBrick(within, [&](std::int32_t, const Brick& brick, double) {
+      forEachCell(brick, within, [&](const float* samples, const Vec3& low, const Vec3& q, double) {
+        const Seen cell = seenFrom(samples, low, q);
+        if (static_cast<double>(cell.least) > reach) return;
+        if (cells.count == kMostSeen) {
+          look(cells);
+          cells.count = 0;
+        }
+        cells.all[cells.count++] = cell;
+      });
+    });
+    look(cells);
+  }
+
   // The cell whose centre is nearest: what is found there makes the rest short.
   void searchMiddle(const Brick& brick, Nearest& best) const {
     double least = kNoLimit, parameter = 0.0;
@@ -297,33 +335,10 @@ struct SolidQuery {
                  });
     if (seed < 0) return best;
     searchMiddle(solid.bricks_[static_cast<std::size_t>(seed)], best);
-    if (perLength == 0.0) {  // most places are looked at only where that is wrong
-      Nearest smooth{best.distance};
-      SeenCells cells;
-      const auto reach = [&] { return smooth.distance; };
-      forEachBrick(reach, [&](std::int32_t, const Brick& brick, double) {
-        forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double) {
-          const Seen cell = seenFrom(samples, low, q);
-          smooth.distance = std::min(smooth.distance, likely(cell));
-          if (static_cast<double>(cell.least) >= smooth.distance) return;
-          if (cells.count == kMostSeen) {
-            searchEach(cells, smooth);
-            cells.count = 0;
-          }
-          cells.all[cells.count++] = cell;
-        });
-      });
-      searchEach(cells, smooth);
-      // Then a little farther and a little farther: far away very many cells lie between the likely and the best.
-      for (double bound = smooth.distance; !smooth.found && bound < best.distance;) {
-        bound = std::min(best.distance, kWider * bound + kSmooth);
-        smooth.distance = bound;
-        searchAll(smooth);
-      }
-      if (smooth.found) return smooth;
-    } else {
+    if (perLength == 0.0)
+      forEachSeen(best.distance, [&](const SeenCells& cells) { search(cells, best); });
+    else
       searchAll(best);
-    }
     if (best.found || best.distance == limit) return best;
     Nearest any{limit};  // where all of those cells have none
     searchAll(any);
@@ -392,26 +407,6 @@ struct SolidQuery {
     }
   };
 
-  // As nearestWithin(), of these cells.
-  void search(const SeenCells& cells, Nearest& best) const {
-    Nearest smooth{best.distance};
-    const Seen* middle = nullptr;
-    for (int i = 0; i < cells.count; ++i) {
-      const Seen& cell = cells.all[i];
-      smooth.distance = std::min(smooth.distance, likely(cell));
-      if (middle == nullptr || cell.least < middle->least) middle = &cell;
-    }
-    if (middle != nullptr) search(*middle, best);
-    if (smooth.distance < best.distance) {
-      searchEach(cells, smooth);
-      if (smooth.found) {
-        best = smooth;
-        return;
-      }
-    }
-    searchEach(cells, best);
-  }
-
   // The likely nearest first, so that those in the same direction need no closer look.
   void collect(const SeenCells& cells, double reach, Collected& found) const {
     std::array<std::pair<float, int>, kMostSeen> waiting;  // a heap
@@ -437,25 +432,13 @@ struct SolidQuery {
   }
 
   void minima(double reach, kernel::SolidMinima& minima) const {
-    SeenCells cells;
     Nearest best{reach};
     Collected found;
-    const auto look = [&] {
+    forEachSeen(reach, [&](const SeenCells& cells) {
       search(cells, best);
       if (best.found) found.add(a, best);  // counts also where the surface has no normal that points to p
       collect(cells, reach, found);
-      cells.count = 0;
-    };
-    const auto within = [&] { return reach; };
-    forEachBrick(within, [&](std::int32_t, const Brick& brick, double) {
-      forEachCell(brick, within, [&](const float* samples, const Vec3& low, const Vec3& q, double) {
-        const Seen cell = seenFrom(samples, low, q);
-        if (static_cast<double>(cell.least) > reach) return;
-        if (cells.count == kMostSeen) look();
-        cells.all[cells.count++] = cell;
-      });
     });
-    look();
     for (int i = 0; i < found.count; ++i) minima.all[i] = answer(found.all[i], 1.0);
     minima.count = found.count;
   }

@@ -10,9 +10,8 @@
 namespace enamel {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kMostTurns = 1e4;
-constexpr double kFollow = 0.05;    // share of a tick's area and hardness in their means
+constexpr double kFollow = 0.05;    // share of a tick in the means of force, hardness and feed
 constexpr double kMostFeed = 0.02;  // m/s
 constexpr double kMostOwed = 4.0;
 constexpr double kFacing = 0.1, kAhead = 0.7;  // cosines
@@ -20,13 +19,15 @@ constexpr double kFacing = 0.1, kAhead = 0.7;  // cosines
 }  // namespace
 
 Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur)
-    : number_(bur.part), wear_(bur.wear), turns_(bur.turns), solids_(std::move(solids)) {
+    : number_(bur.part), solids_(std::move(solids)) {
   if (number_ < 0 || number_ >= tool.count)
     throw Error("the bur is part " + std::to_string(number_) + " of the tool, which has " + std::to_string(tool.count));
   part_ = tool.parts[static_cast<std::size_t>(number_)];
   if (!(part_.radius > 0.0)) throw Error("the bur, part " + std::to_string(number_) + " of the tool, has no radius");
-  if (!(wear_ > 0.0 && std::isfinite(wear_))) throw Error("the wear of a bur must be positive and finite");
-  if (!(turns_ >= 0.0 && turns_ <= kMostTurns)) throw Error("a bur turns 0 to 10000 times a second");
+  if (!(bur.wear > 0.0 && std::isfinite(bur.wear))) throw Error("the wear of a bur must be positive and finite");
+  if (!(bur.turns >= 0.0 && bur.turns <= kMostTurns)) throw Error("a bur turns 0 to 10000 times a second");
+  removal_ = bur.wear * 2.0 * M_PI * part_.radius * bur.turns;
+  area_ = (M_PI * part_.radius + 2.0 * (part_.b - part_.a).norm()) * part_.radius;
 }
 
 void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double period,
@@ -58,13 +59,11 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   force_ += kFollow * (force - force_);
   const double pressed = force_.norm();
   const Vec3 way = pressed > 0.0 ? Vec3(force_ / pressed) : deepest->normal;
-  // What the volume asks for, over the area of the whole bur; where less touches, less is cut, and more asked for next.
-  const double area = (kPi * part_.radius + 2.0 * (part_.b - part_.a).norm()) * part_.radius;
-  const double asked = wear_ * pressed * 2.0 * kPi * part_.radius * turns_ / hardness_ * period + owed_;
+  const double asked = removal_ * pressed / hardness_ * period + owed_;
   // So far back is the bur that is nowhere deeper than that. A surface that it has cut stands up to `rough` above its
   // samples.
   const double rough = solid.cell() * solid.cell() / (4.0 * part_.radius);
-  const double advance = std::clamp(asked / area, 0.0, kMostFeed * period + rough);
+  const double advance = std::clamp(asked / area_, 0.0, kMostFeed * period + rough);
 
   double back = -rough;
   const auto faces = [&](const Contact& c) {
@@ -83,7 +82,7 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
     for (std::size_t k = 0; k < solid.layers().size(); ++k) weighted += removed_[k] * solid.layers()[k].hardness;
     hardness_ += kFollow * (weighted / volume - hardness_);
   }
-  owed_ = std::clamp(asked - volume, -kMostOwed * area * rough, kMostOwed * area * rough);
+  owed_ = std::clamp(asked - volume, -kMostOwed * area_ * rough, kMostOwed * area_ * rough);
   // While it cuts, the tool moves with the surface.
   const Vec3 moved = obstacle.pose.rotation * (axis.a - last_.a);
   if (obstacle_ == number) feed_ += kFollow * (-way.dot(moved) / period - feed_);

@@ -11,10 +11,10 @@ namespace enamel {
 /// Cuts solids. While the bur spins and is pressed with F against material of hardness H, it removes the volume
 ///   V' = K F v / H,   v = 2 pi r n: speed of its surface
 /// (Archard, "Contact and rubbing of flat surfaces", 1953; per area it is Preston's law, "The theory and design of
-/// plate glass polishing machines", 1927, with K / H for his coefficient). The surface recedes against the force. How
-/// fast a volume moves it depends on the area that touches, which is measured: volume over depth of what was cut just
-/// before. Where the renderer lets the device go in, the bur is taken to be at the surface, as always; so only what a
-/// bur has swept that rests on the surface is ever taken away.
+/// plate glass polishing machines", 1927, with K / H for his coefficient). The surface recedes against the force, every
+/// tick by the volume over the area of the whole bur: where less of it touches, less is cut, and the rest is asked for
+/// at the next tick. Where the renderer lets the device go in, the bur is taken to be at the surface, as always; so
+/// only what a bur has swept that rests on the surface is ever taken away.
 class Drill {
  public:
   /// `solids` by obstacle of the scene, null where it cannot be cut. Throws Error: a part that the tool does not have
@@ -37,7 +37,8 @@ class Drill {
  private:
   ToolPart part_;
   int number_;
-  double wear_, turns_;
+  double removal_;  // K v, m^3 s^-1 Pa / N
+  double area_;     // of the bur, m^2
   bool isOn_ = false;
   std::vector<std::shared_ptr<Solid>> solids_;
   int obstacle_ = -1;          // that was cut at the last tick

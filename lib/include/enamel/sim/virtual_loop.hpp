@@ -85,6 +85,10 @@ class VirtualLoop {
   /// Goes on after the guard has stopped: HapticTick::reset(). Realtime: yes.
   void reset() noexcept { tick_.reset(); }
 
+  /// What the tool meets, the tool. Realtime: yes.
+  const Scene& scene() const noexcept { return scene_; }
+  const Tool& tool() const noexcept { return tool_; }
+
   /// The plant. Realtime: yes.
   const VirtualDevice& device() const noexcept { return device_; }
 

@@ -1,0 +1,39 @@
+// A disk in memory with only so much room, for what a Recorder's thread writes.
+#pragma once
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <mutex>
+#include <string>
+
+namespace enamel::test {
+
+class Disk {
+ public:
+  explicit Disk(std::size_t room) : room_(room) {}
+
+  /// As write(2) where the disk may be full.
+  std::size_t write(const char* bytes, std::size_t size) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::size_t now = std::min(size, room_ - content_.size());
+    content_.append(bytes, now);
+    errno = ENOSPC;
+    return now;
+  }
+  void setRoom(std::size_t room) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    room_ = room;
+  }
+  std::string content() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return content_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::size_t room_;
+  std::string content_;
+};
+
+}  // namespace enamel::test
