@@ -18,8 +18,12 @@ constexpr double kHalfDiagonal = 0.8660254037844386 * kBrickCells;  // of a bric
 constexpr double kMostBytes = 1e9, kMostPlaces = 1 << 22;
 constexpr double kLongestCut = 0.02;  // m
 constexpr double kSubstep = 0.5;      // cells that an end moves between two places of a capsule
-constexpr int kLanes = 12;            // a row of samples, in whole vectors
 constexpr int kSlice = kBrickSamples * kBrickSamples;
+
+// A row of nine samples as whole vectors: the last four repeat three.
+constexpr int kLanes = 12;
+using Row = Eigen::Array<float, kLanes, 1>;
+int sampleOf(int lane) { return lane < kBrickCells ? lane : lane - 3; }
 
 int sampleAt(int x, int y, int z) { return z * kSlice + y * kBrickSamples + x; }
 int cellAt(int x, int y, int z) { return (z * kBrickCells + y) * kBrickCells + x; }
@@ -208,7 +212,10 @@ void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& remove
   // On average the interpolation of a distance that curves lies above it by a twelfth of its Laplacian: 1 / r along the
   // way of a bur.
   const float reach = static_cast<float>(r + 1.0 / (12.0 * r));
+  const float inner = std::max(reach - kBand, 0.0f), most = (reach + kBand) * (reach + kBand);
   const double around = static_cast<double>(reach) + kBand;
+  const Eigen::Vector3f span = (b - a).cast<float>();
+  const float perLength = span.isZero(0.0f) ? 0.0f : 1.0f / span.squaredNorm();
   const Vec3 low = (a.cwiseMin(b).array() - around).ceil(), high = (a.cwiseMax(b).array() + around).floor();
   std::array<int, 3> first, last;  // samples
   for (int i = 0; i < 3; ++i) {
@@ -225,50 +232,37 @@ void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& remove
         if (number < 0) continue;
         Brick& brick = bricks_[static_cast<std::size_t>(number)];
         const std::array<int, 3> corner = {kBrickCells * bx, kBrickCells * by, kBrickCells * bz};
-        std::array<int, 3> i0, i1;       // what is out of reach has values below -kBand
-        float away[3][kLanes], span[3];  // of the samples from a: the same bits in every brick that has them
+        std::array<int, 3> i0, i1;  // what is out of reach has values below -kBand
         for (int i = 0; i < 3; ++i) {
           i0[i] = std::max(first[i] - corner[i], 0);
           i1[i] = std::min(last[i] - corner[i], kBrickCells);
-          for (int k = 0; k < kLanes; ++k) away[i][k] = static_cast<float>(corner[i] + k - a[i]);
-          span[i] = static_cast<float>(b[i] - a[i]);
         }
-        const float squared = span[0] * span[0] + span[1] * span[1] + span[2] * span[2];
-        const float perLength = squared > 0.0f ? 1.0f / squared : 0.0f;
-        const float most = (reach + kBand) * (reach + kBand);
+        // Of the samples from a: the same bits in every brick that has them.
+        const auto away = [&](int i, int k) { return static_cast<float>(corner[i] + k - a[i]); };
+        Row dx;
+        for (int k = 0; k < kLanes; ++k) dx[k] = away(0, sampleOf(k));
         bool isCut = false, isTurned = false;
         for (int z = i0[2]; z <= i1[2]; ++z)
           for (int y = i0[1]; y <= i1[1]; ++y) {
             float* row = brick.samples.data() + sampleAt(0, y, z);
-            const float dy = away[1][y], dz = away[2][z];
-            if (squared == 0.0f && dy * dy + dz * dz > most) continue;
-            float value[kLanes];
-            if (squared > 0.0f) {
-              for (int x = 0; x < kLanes; ++x) {
-                const float dx = away[0][x];
-                const float t = (dx * span[0] + dy * span[1] + dz * span[2]) * perLength;
-                const float ahead = t > 0.0f ? t : 0.0f, inside = ahead < 1.0f ? ahead : 1.0f;
-                const float ex = dx - inside * span[0], ey = dy - inside * span[1], ez = dz - inside * span[2];
-                value[x] = reach - std::sqrt(ex * ex + ey * ey + ez * ez);
-              }
-            } else {
-              for (int x = 0; x < kLanes; ++x) {
-                const float dx = away[0][x];
-                value[x] = reach - std::sqrt(dx * dx + dy * dy + dz * dz);
-              }
-            }
-            int more = 0;
-            for (int x = 0; x < kBrickSamples; ++x)
-              more |= static_cast<int>(value[x] > row[x]) & static_cast<int>(row[x] < kBand);
-            if (more == 0) continue;
+            const float dy = away(1, y), dz = away(2, z);
+            if (perLength == 0.0f && dy * dy + dz * dz > most) continue;
+            const Row t = ((dx * span[0] + (dy * span[1] + dz * span[2])) * perLength).max(0.0f).min(1.0f);
+            const Row squared = (dx - t * span[0]).square() + (dy - t * span[1]).square() + (dz - t * span[2]).square();
+            Row before;
+            before.head<8>() = Eigen::Map<const Eigen::Array<float, 8, 1>>(row);
+            before.tail<4>() = Eigen::Map<const Eigen::Array<float, 4, 1>>(row + sampleOf(8));
+            // Is reach - distance above any sample, of those that are not at the band's end?
+            if (!(((reach - before).max(0.0f).square() - squared.max(inner * inner)).maxCoeff() > 0.0f)) continue;
             if (!std::exchange(isCut, true)) keep(brick);
             for (int x = 0; x < kBrickSamples; ++x) {
-              const float before = row[x], now = std::min(std::max(before, value[x]), kBand);
+              const int lane = x < kBrickCells ? x : kLanes - 1;
+              const float was = before[lane], now = std::min(std::max(was, reach - std::sqrt(squared[lane])), kBand);
               row[x] = now;
-              if (!(now > -0.5f && before < 0.5f)) continue;
-              isTurned = isTurned || (before < 0.0f) != (now < 0.0f);
+              if (!(now > -0.5f && was < 0.5f)) continue;
+              isTurned = isTurned || (was < 0.0f) != (now < 0.0f);
               if (x < kBrickCells && y < kBrickCells && z < kBrickCells)
-                removed[brick.layer[cellAt(x, y, z)]] += (shareOf(before) - shareOf(now)) * volume;
+                removed[brick.layer[cellAt(x, y, z)]] += (shareOf(was) - shareOf(now)) * volume;
             }
           }
         if (isTurned) findSurface(brick);
