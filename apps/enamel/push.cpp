@@ -159,14 +159,16 @@ void run(const PushOptions& options) {
       if (!recording.empty()) nameRenderer(name, library ? library->path() : "", values, setup.scene, header);
       std::optional<Recorder> recorder;
       MetricsCollector collector(setup, limit, plant->limits().torque);
-      const PushResult result = runPush(*plant, *renderer, setup, [&](const TickRecord& tick, const VirtualLoop& loop) {
-        collector.add(tick);
-        if (file) file->write(tick);
-        if (recording.empty()) return;
-        if (!recorder) recorder.emplace(recording, header, loop.hapticTick());
-        recorder->makeRoom();
-        recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
-      });
+      const PushResult result =
+          runPush(std::make_unique<ClosedFormPlant>(*plant, setup.integrator, setup.substeps), *plant, *renderer, setup,
+                  [&](const TickRecord& tick, const VirtualLoop& loop) {
+                    collector.add(tick);
+                    if (file) file->write(tick);
+                    if (recording.empty()) return;
+                    if (!recorder) recorder.emplace(recording, header, loop.hapticTick());
+                    recorder->makeRoom();
+                    recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
+                  });
       if (file) file->close();
       if (recorder) {
         const RecordingResult recorded = recorder->close();

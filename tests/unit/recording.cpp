@@ -223,13 +223,14 @@ TEST_CASE("recording: a push replays bit for bit, from every chunk, and another 
   SurfaceServoRenderer servo = test::surfaceServo(device, 0, 2);
   const std::string file = folder / "push.rec";
   std::optional<Recorder> recorder;
-  (void)runPush(device, servo, setup, [&](const TickRecord& tick, const VirtualLoop& loop) {
-    RecordingHeader header;
-    header.start = setup.start;
-    if (!recorder) recorder.emplace(file, header, loop.hapticTick());
-    recorder->makeRoom();
-    recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
-  });
+  (void)runPush(std::make_unique<ClosedFormPlant>(device), device, servo, setup,
+                [&](const TickRecord& tick, const VirtualLoop& loop) {
+                  RecordingHeader header;
+                  header.start = setup.start;
+                  if (!recorder) recorder.emplace(file, header, loop.hapticTick());
+                  recorder->makeRoom();
+                  recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
+                });
   const std::uint64_t ticks = recorder->close().ticks;
   CHECK(ticks >= 1000);
 
@@ -328,8 +329,6 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
   CHECK(part.damaged == 1);  // what was cut off
   CHECK_FALSE(part.closed);
 
-  room = 10;
-  disk.clear();
   CHECK_THROWS_WITH(Recorder([](const char*, std::size_t) { return std::size_t{0}; }, "a disk", {}, other.tick),
                     Catch::Contains("a disk: cannot write the recording"));
   CHECK_THROWS_AS(Recorder("/dev/full", {}, other.tick), Error);

@@ -87,13 +87,14 @@ void checkPush(const PushSetup& setup) {
 
 PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record) {
-  return runPush(mechanism, renderer, setup, [&record](const TickRecord& tick, const VirtualLoop&) { record(tick); });
+  return runPush(std::make_unique<ClosedFormPlant>(mechanism, setup.integrator, setup.substeps), mechanism, renderer,
+                 setup, [&record](const TickRecord& tick, const VirtualLoop&) { record(tick); });
 }
 
-PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
+PushResult runPush(std::unique_ptr<Plant> plant, const Mechanism& model, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&, const VirtualLoop&)>& record) {
   checkPush(setup);
-  VirtualLoop loop(mechanism, renderer, setup);
+  VirtualLoop loop(std::move(plant), model, renderer, setup);
   PersonLoad person(setup.person, setup.start);
   const RandomStream random(setup.seed, setup.run);
   const PushTimes times = timesOf(setup);

@@ -14,9 +14,16 @@ const VirtualDeviceSetup& checked(const VirtualDeviceSetup& setup) {
   return setup;
 }
 
-Kinematics atStart(const Mechanism& mechanism, const Pose& start) {
+std::unique_ptr<Plant> started(std::unique_ptr<Plant> plant, const Pose& start) {
+  require(plant != nullptr, "a virtual device needs a plant");
+  const Status status = plant->start(start);
+  require(status == Status::ok, std::string("the start pose is ") + toString(status));
+  return plant;
+}
+
+Kinematics kinematicsOf(const Plant& plant) {
   Kinematics kinematics;
-  const Status status = mechanism.reach(start, Vec6::Zero(), false, kinematics);
+  const Status status = plant.mechanism().reach(plant.state().pose(), Vec6::Zero(), false, kinematics);
   require(status == Status::ok, std::string("the start pose is ") + toString(status));
   return kinematics;
 }
@@ -72,29 +79,45 @@ void checkVirtualDevice(const VirtualDeviceSetup& setup) {
 }
 
 VirtualDevice::VirtualDevice(const Mechanism& mechanism, const VirtualDeviceSetup& setup)
-    : mechanism_(mechanism),
-      setup_(checked(setup)),
+    : VirtualDevice(std::make_unique<ClosedFormPlant>(mechanism, setup.integrator, checked(setup).substeps), setup) {}
+
+VirtualDevice::VirtualDevice(std::unique_ptr<Plant> plant, const VirtualDeviceSetup& setup)
+    : setup_(checked(setup)),
+      plant_(started(std::move(plant), setup.start)),
       random_(setup.seed, setup.run),
-      kinematics_(atStart(mechanism, setup.start)),
-      encoders_(setup.encoders, mechanism.limits().count, setup.period),
+      kinematics_(kinematicsOf(*plant_)),
+      encoders_(setup.encoders, plant_->mechanism().limits().count, setup.period),
       motors_(setup.delay, kinematics_.gravity),
-      torque_(kinematics_.gravity) {
-  state_.position = setup.start.position;
-  state_.orientation = setup.start.rotation;
-}
+      torque_(kinematics_.gravity) {}
 
 Status VirtualDevice::measure(Measurement& measurement) noexcept {
-  const Status status = mechanism_.reach(state_.pose(), state_.twist, false, kinematics_);
+  const DeviceState& state = plant_->state();
+  const Status status = plant_->mechanism().reach(state.pose(), state.twist, false, kinematics_);
   if (status != Status::ok) return status;
   measurement.time = time();
   measurement.applied = torque_;
-  encoders_.measure(kinematics_.q, kinematics_.rates, measurement);
+  JointVector q, rates;
+  plant_->read(kinematics_, q, rates);
+  encoders_.measure(q, rates, measurement);
   return Status::ok;
 }
 
 Status VirtualDevice::actuate(const Command& command) noexcept {
   torque_ = motors_.actuate(tick_, command.torque, random_);
   return Status::ok;
+}
+
+Status VirtualDevice::advance(const Load& load) noexcept {
+  const Status status = plant_->advance(time(), setup_.period, torque_, load);
+  if (status == Status::ok) ++tick_;
+  return status;
+}
+
+Status VirtualDevice::advance(const Load& before, double instant, const Load& after) noexcept {
+  Status status = plant_->advance(time(), instant, torque_, before);
+  if (status == Status::ok) status = plant_->advance(time() + instant, setup_.period - instant, torque_, after);
+  if (status == Status::ok) ++tick_;
+  return status;
 }
 
 }  // namespace enamel

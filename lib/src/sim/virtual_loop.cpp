@@ -22,11 +22,27 @@ GuardOptions guardOf(const Mechanism& plant, const LoopSetup& setup) {
 }  // namespace
 
 VirtualLoop::VirtualLoop(const Mechanism& plant, const Mechanism& model, Renderer& renderer, const LoopSetup& setup)
+    : VirtualLoop(std::make_unique<ClosedFormPlant>(plant, setup.integrator, setup.substeps), model, renderer, setup) {}
+
+VirtualLoop::VirtualLoop(std::unique_ptr<Plant> plant, const Mechanism& model, Renderer& renderer,
+                         const LoopSetup& setup)
     : scene_((checkLoop(setup), setup.scene)),
       tool_(setup.tool),
-      device_(plant, setup),
-      tick_(model, scene_, tool_, renderer, guardOf(plant, setup), setup.start),
+      device_(std::move(plant), setup),
+      tick_(model, scene_, tool_, renderer, guardOf(device_.plant().mechanism(), setup), setup.start),
       trueCache_(makeToolCache(scene_, tool_)) {}
+
+Status VirtualLoop::tick(const Load& load, TickRecord& record) noexcept {
+  if (const Status status = react(record); status != Status::ok) return status;
+  record.person = load(record.time, record.pose, record.twist);
+  return device_.advance(load);
+}
+
+Status VirtualLoop::tick(const Load& before, double instant, const Load& after, TickRecord& record) noexcept {
+  if (const Status status = react(record); status != Status::ok) return status;
+  record.person = before(record.time, record.pose, record.twist);
+  return device_.advance(before, instant, after);
+}
 
 // Everything up to the torque that acts during this tick.
 Status VirtualLoop::react(TickRecord& record) noexcept {

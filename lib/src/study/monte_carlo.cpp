@@ -87,10 +87,15 @@ StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
   MetricsCollector collector(setup, largestStiffness(*column.plant, setup), column.plant->limits().torque);
   StudyResult result;
   result.run = run;
-  result.status = runPush(*column.plant, *renderer, setup, [&](const TickRecord& tick) {
-                    collector.add(tick);
-                    if (record) record(tick);
-                  }).status;
+  std::unique_ptr<Plant> plant =
+      column.makePlant ? column.makePlant(run.stream)
+                       : std::make_unique<ClosedFormPlant>(*column.plant, setup.integrator, setup.substeps);
+  const PushResult push =
+      runPush(std::move(plant), *column.plant, *renderer, setup, [&](const TickRecord& tick, const VirtualLoop&) {
+        collector.add(tick);
+        if (record) record(tick);
+      });
+  result.status = push.status;
   if (result.status == Status::ok) result.metrics = collector.metrics();
   return result;
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 
 #include "enamel/sim/virtual_loop.hpp"
 
@@ -62,8 +63,9 @@ void checkPush(const PushSetup& setup);
 PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&)>& record);
 
-/// The same, `record` with the loop that it runs on.
-PushResult runPush(const Mechanism& mechanism, Renderer& renderer, const PushSetup& setup,
+/// The same on another plant than the closed form, `record` with the loop that it runs on; `model` is what the haptic
+/// tick takes the plant for.
+PushResult runPush(std::unique_ptr<Plant> plant, const Mechanism& model, Renderer& renderer, const PushSetup& setup,
                    const std::function<void(const TickRecord&, const VirtualLoop&)>& record);
 
 /// Position of the hand in scenario 2 along n relative to its start, m, and its velocity, m/s. Realtime: yes.

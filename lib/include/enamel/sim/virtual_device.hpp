@@ -3,9 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
 #include "enamel/device/haptic_device.hpp"
-#include "enamel/sim/integrator.hpp"
+#include "enamel/sim/plant.hpp"
 #include "enamel/sim/random.hpp"
 
 namespace enamel {
@@ -68,9 +69,6 @@ class Motors {
   std::array<JointVector, kMaxDelay + 1> commands_;
 };
 
-/// Faster than this the model means nothing (rigid links, motors without speed limit, steps of a tick), m/s and rad/s.
-inline constexpr double kFastest = 20.0, kFastestTurn = 1000.0;
-
 /// What determines a virtual device.
 struct VirtualDeviceSetup {
   Pose start;  ///< at rest
@@ -95,69 +93,37 @@ class VirtualDevice final : public HapticDevice {
   /// Throws Error: as checkVirtualDevice(), or the start pose is not reachable. Realtime: no.
   VirtualDevice(const Mechanism& mechanism, const VirtualDeviceSetup& setup);
 
+  /// The same with another plant than the closed form; the setup's substeps and integrator are not used. Also throws
+  /// Error: there is no plant.
+  VirtualDevice(std::unique_ptr<Plant> plant, const VirtualDeviceSetup& setup);
+
   /// ok, or the status of the configuration that the mechanism could not leave. Realtime: yes.
   [[nodiscard]] Status measure(Measurement& measurement) noexcept override;
   /// Always ok. Realtime: yes.
   [[nodiscard]] Status actuate(const Command& command) noexcept override;
 
-  /// Moves on by one period under load(time, pose, twist), the wrench of the surroundings on the platform at the TCP
-  /// (N, N m). Returns ok, or the status of the configuration that it could not leave, outOfRange where it would become
-  /// faster than kFastest or kFastestTurn: it then stays where it is.
-  /// Realtime: yes, if `load` is.
-  template <typename Load>
-  [[nodiscard]] Status advance(const Load& load) noexcept {
-    const DeviceState begin = state_;
-    const Status status = move(0.0, setup_.period, load);
-    if (status == Status::ok)
-      ++tick_;
-    else
-      state_ = begin;
-    return status;
-  }
-
-  /// As advance(), under `before` until `instant` (s after the tick's begin, in 0 to the period) and `after` from then
-  /// on: a load that jumps inside a tick. Realtime: yes, if both are.
-  template <typename Before, typename After>
-  [[nodiscard]] Status advance(const Before& before, double instant, const After& after) noexcept {
-    const DeviceState begin = state_;
-    Status status = move(0.0, instant, before);
-    if (status == Status::ok) status = move(instant, setup_.period, after);
-    if (status == Status::ok)
-      ++tick_;
-    else
-      state_ = begin;
-    return status;
-  }
+  /// Moves on by one period under a load, or under `before` until `instant` (s after the tick's begin, in 0 to the
+  /// period) and `after` from then on. Statuses of Plant::advance(); it then stays where it is. Realtime: yes, if plant
+  /// and loads are.
+  [[nodiscard]] Status advance(const Load& load) noexcept;
+  [[nodiscard]] Status advance(const Load& before, double instant, const Load& after) noexcept;
 
   /// Number and time (s) of the tick that comes next or is under way. Realtime: yes.
   std::uint64_t tick() const noexcept { return tick_; }
   double time() const noexcept { return static_cast<double>(tick_) * setup_.period; }
 
+  const Plant& plant() const noexcept { return *plant_; }
+
   /// The truth: the state now; kinematics at the last measure(); torque that acts during the tick under way. Realtime:
   /// yes.
-  const DeviceState& state() const noexcept { return state_; }
+  const DeviceState& state() const noexcept { return plant_->state(); }
   const Kinematics& kinematics() const noexcept { return kinematics_; }
   const JointVector& torque() const noexcept { return torque_; }
 
  private:
-  // From one instant of the tick to another, s after its begin.
-  template <typename Load>
-  Status move(double from, double to, const Load& load) noexcept {
-    const double step = (to - from) / setup_.substeps;
-    for (int i = 0; i < setup_.substeps; ++i) {
-      const Status status =
-          stepMotion(setup_.integrator, mechanism_, time() + from + i * step, step, torque_, load, state_);
-      if (status != Status::ok) return status;
-      if (!(state_.twist.head<3>().norm() <= kFastest && state_.twist.tail<3>().norm() <= kFastestTurn))
-        return Status::outOfRange;
-    }
-    return Status::ok;
-  }
-
-  const Mechanism& mechanism_;
   VirtualDeviceSetup setup_;
+  std::unique_ptr<Plant> plant_;
   RandomStream random_;
-  DeviceState state_;
   Kinematics kinematics_;
   Encoders encoders_;
   Motors motors_;

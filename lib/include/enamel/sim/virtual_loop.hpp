@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "enamel/render/tick.hpp"
 #include "enamel/sim/virtual_device.hpp"
@@ -49,26 +50,19 @@ class VirtualLoop {
   VirtualLoop(const Mechanism& plant, const Mechanism& model, Renderer& renderer, const LoopSetup& setup);
   VirtualLoop(const Mechanism& mechanism, Renderer& renderer, const LoopSetup& setup)
       : VirtualLoop(mechanism, mechanism, renderer, setup) {}
+
+  /// The same on another plant than the closed form.
+  VirtualLoop(std::unique_ptr<Plant> plant, const Mechanism& model, Renderer& renderer, const LoopSetup& setup);
   VirtualLoop(const VirtualLoop&) = delete;
   VirtualLoop& operator=(const VirtualLoop&) = delete;
 
-  /// One tick under load(time, pose, twist), the person's wrench on the platform at the TCP (N, N m). Fills `record`
-  /// with what happened before and during the tick. Returns ok, or the status of the configuration that the plant could
-  /// not leave; the loop then stays where it is. Realtime: yes, if `load` is.
-  template <typename Load>
-  [[nodiscard]] Status tick(const Load& load, TickRecord& record) noexcept {
-    if (const Status status = react(record); status != Status::ok) return status;
-    record.person = load(record.time, record.pose, record.twist);
-    return device_.advance(load);
-  }
+  /// One tick under the person's load. Fills `record` with what happened before and during the tick. Returns ok, or the
+  /// status of the configuration that the plant could not leave; the loop then stays where it is. Realtime: yes, if
+  /// plant and load are.
+  [[nodiscard]] Status tick(const Load& load, TickRecord& record) noexcept;
 
   /// The same under a load that jumps inside the tick, VirtualDevice::advance(). Realtime: yes, if both are.
-  template <typename Before, typename After>
-  [[nodiscard]] Status tick(const Before& before, double instant, const After& after, TickRecord& record) noexcept {
-    if (const Status status = react(record); status != Status::ok) return status;
-    record.person = before(record.time, record.pose, record.twist);
-    return device_.advance(before, instant, after);
-  }
+  [[nodiscard]] Status tick(const Load& before, double instant, const Load& after, TickRecord& record) noexcept;
 
   /// The haptic tick, and what the device told and was told at the last one. Realtime: yes.
   const HapticTick& hapticTick() const noexcept { return tick_; }

@@ -14,12 +14,14 @@
 
 namespace enamel {
 
-/// A renderer to be judged, with the plant that it runs on.
+/// A renderer to be judged, with the mechanism that it runs on and takes its plant for.
 struct StudyColumn {
   std::string name;
   std::shared_ptr<const Mechanism> plant;
   /// Makes the renderer for a query point; called from any thread.
   std::function<std::unique_ptr<Renderer>(std::size_t point)> make;
+  /// Makes the plant of a run where it is not the closed form of `plant`; called from any thread.
+  std::function<std::unique_ptr<Plant>(std::uint32_t stream)> makePlant = {};
 };
 
 /// Everything that determines a study. Runs are numbered scenario by scenario, column by column, point by point.

@@ -1,0 +1,29 @@
+#include "enamel/sim/plant.hpp"
+
+namespace enamel {
+
+Status ClosedFormPlant::start(const Pose& pose) {
+  Kinematics kinematics;
+  if (const Status status = mechanism().reach(pose, Vec6::Zero(), false, kinematics); status != Status::ok)
+    return status;
+  state_ = DeviceState();
+  state_.position = pose.position;
+  state_.orientation = pose.rotation;
+  return Status::ok;
+}
+
+Status ClosedFormPlant::advance(double time, double duration, const JointVector& torque, const Load& load) noexcept {
+  const double step = duration / substeps_;
+  DeviceState state = state_;
+  for (int i = 0; i < substeps_; ++i) {
+    if (const Status s = stepMotion(integrator_, mechanism(), time + i * step, step, torque, load, state);
+        s != Status::ok)
+      return s;
+    if (!(state.twist.head<3>().norm() <= kFastest && state.twist.tail<3>().norm() <= kFastestTurn))
+      return Status::outOfRange;
+  }
+  state_ = state;
+  return Status::ok;
+}
+
+}  // namespace enamel
