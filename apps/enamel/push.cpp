@@ -11,6 +11,7 @@
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/runtime/recorder.hpp"
+#include "plants.hpp"
 #include "plugin_folder.hpp"
 #include "push_report.hpp"
 #include "recorded.hpp"
@@ -22,7 +23,7 @@ namespace {
 struct PushOptions {
   std::string device, scene, gain, output, record;
   std::vector<std::string> renderers = {kPositionControl};
-  std::string delay = "none";
+  std::string delay = "none", plant = kClosedForm;
   bool guide = true, encoders = false, insideTick = false, json = false;
   PositionControlOptions servo;
   std::string rates;
@@ -127,7 +128,8 @@ void run(const PushOptions& options) {
   const std::shared_ptr<const Mechanism> device = makeMechanism(parameters);
   addDamping(parameters, options.deviceDamping * Vec6::Unit(2));
   const std::shared_ptr<const Mechanism> plant = makeMechanism(parameters);
-  const PushSetup setup = setupOf(options);
+  PushSetup setup = setupOf(options);
+  const MakePlant makePlant = makerOf(options.plant, parameters, setup);
   const std::vector<RendererSource> sources = sourcesOf(options);
   const PluginSetup plugin{options.device, "", options.scene, "", parseParameters(options.set)};
   const double damping = dampingAlong(*plant, setup.start, setup.person.normal);
@@ -159,16 +161,18 @@ void run(const PushOptions& options) {
       if (!recording.empty()) nameRenderer(name, library ? library->path() : "", values, setup.scene, header);
       std::optional<Recorder> recorder;
       MetricsCollector collector(setup, limit, plant->limits().torque);
-      const PushResult result =
-          runPush(std::make_unique<ClosedFormPlant>(*plant, setup.integrator, setup.substeps), *plant, *renderer, setup,
-                  [&](const TickRecord& tick, const VirtualLoop& loop) {
-                    collector.add(tick);
-                    if (file) file->write(tick);
-                    if (recording.empty()) return;
-                    if (!recorder) recorder.emplace(recording, header, loop.hapticTick());
-                    recorder->makeRoom();
-                    recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
-                  });
+      std::unique_ptr<Plant> own = makePlant
+                                       ? makePlant(setup.run)
+                                       : std::make_unique<ClosedFormPlant>(*plant, setup.integrator, setup.substeps);
+      const auto perTick = [&](const TickRecord& tick, const VirtualLoop& loop) {
+        collector.add(tick);
+        if (file) file->write(tick);
+        if (recording.empty()) return;
+        if (!recorder) recorder.emplace(recording, header, loop.hapticTick());
+        recorder->makeRoom();
+        recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
+      };
+      const PushResult result = runPush(std::move(own), *plant, *renderer, setup, perTick);
       if (file) file->close();
       if (recorder) {
         const RecordingResult recorded = recorder->close();
@@ -198,10 +202,12 @@ void run(const PushOptions& options) {
     const Vec3 start_mm = 1e3 * setup.start.position;
     fmt::print(
         "{}: scenario {}, {} N after {} N at ({:.4g}, {:.4g}, {:.4g}) mm against ({:.3g}, {:.3g}, {:.3g}), noise {} N, "
-        "guide {}, delay {}, seed {}\nplant of every renderer: mechanical damping {:.4g} N s/m along the normal{}\n",
+        "guide {}, delay {}, seed {}\nplant of every renderer: {}, mechanical damping {:.4g} N s/m along the "
+        "normal{}\n",
         device->name(), person.scenario, person.force, person.preload, start_mm.x(), start_mm.y(), start_mm.z(),
         person.normal.x(), person.normal.y(), person.normal.z(), person.noise, options.guide ? "on" : "off",
-        options.delay, setup.seed, damping, owner.empty() ? "" : "; servo of " + owner + ": " + options.gain);
+        options.delay, setup.seed, options.plant, damping,
+        owner.empty() ? "" : "; servo of " + owner + ": " + options.gain);
     fmt::print("{}", tableOf(outcomes, person.scenario));
     for (const std::string& file : files) fmt::print("every tick: {}\n", file);
     for (const std::string& file : recordings) fmt::print("recording: {}\n", file);
@@ -252,6 +258,7 @@ void addPush(CLI::App& app) {
                    "paper's spring has 4)")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
+  command->add_option("--plant", options->plant, kPlantHelp)->check(CLI::IsMember(plantNames()))->capture_default_str();
   command->add_option("--scenario", options->setup.person.scenario, "1: step of force at 1 s; 2: a hand moves in")
       ->capture_default_str();
   auto* scene = command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0");

@@ -129,6 +129,29 @@ TEST_CASE("a bad device file is refused with file, line, key, value and limit", 
                  "device.toml:3: chain: occurs 4 times, a TAU has exactly 3 chains");
 }
 
+TEST_CASE("imperfections are read, and refused beyond their range", "[device_file]") {
+  const std::string motor = "encoder_counts = 163840\n";
+  const auto with = [&](const std::string& keys) { return motor + "[imperfections]\n" + keys; };
+  CHECK(parseTau(edited("", ""), "f").imperfections.cableStiffness == 0.0);
+  const Imperfections read =
+      parseTau(edited(motor, with("cable_stiffness = 200\nbacklash = 1e-4\njitter = 0.1\n")), "f").imperfections;
+  CHECK(read.cableStiffness == 200.0);
+  CHECK(read.backlash == 1e-4);
+  CHECK(read.jitter == 0.1);
+  requireRefused(motor, with("backlash = 1e-4\n"),
+                 "device.toml:30: imperfections.backlash: needs a cable_stiffness greater than 0");
+  requireRefused(motor, with("mass_error = 0.5\n"),
+                 "device.toml:30: imperfections.mass_error: is 0.5, must be in 0 to 0.2 of the mass");
+  requireRefused(motor, with("coulomb_friction = -1\n"),
+                 "device.toml:30: imperfections.coulomb_friction: is -1, must be in 0 to 10 N m");
+  requireRefused(motor, with("springs = 1\n"), "device.toml:30: imperfections.springs: is not a known key");
+  TauParameters device = test::nominal();
+  device.imperfections.cableStiffness = 200.0;
+  CHECK_NOTHROW(checkTau(device));
+  device.motor.rotorInertia = 0.0;
+  CHECK_THROWS_WITH(checkTau(device), Catch::Contains("motor.rotor_inertia greater than 0"));
+}
+
 TEST_CASE("malformed TOML and unreadable files are refused", "[device_file]") {
   try {
     parseTau("name = \"a\"\ngravity = [0, 1\n", "broken.toml");

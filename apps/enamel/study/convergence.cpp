@@ -49,6 +49,8 @@ RunRecord recordRun(const StudyPlan& study, const StudyRun& run, const Integrati
   StudyPlan plan = study;
   plan.setup.integrator = method.integrator;
   plan.setup.substeps = method.substeps;
+  plan.setup.jitter = plan.setup.lostSamples = 0.0;
+  for (StudyColumn& column : plan.columns) column.makePlant = {};  // it is the closed form's
   RunRecord record;
   const double begun = processorSeconds();
   record.result = performRun(plan, run, [&](const TickRecord& t) { record.positions.push_back(t.pose.position); });

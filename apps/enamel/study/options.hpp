@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plants.hpp"
 #include "renderers.hpp"
 
 namespace enamel::app {
@@ -13,7 +14,7 @@ namespace enamel::app {
 inline constexpr const char* kScheduled = "hold-scheduled";
 
 struct StudyOptions {
-  std::string device, designDevice, gain, output, delay = "none";
+  std::string device, designDevice, gain, output, delay = "none", plant = kClosedForm;
   std::vector<std::string> set;                              ///< parameters of plugins
   std::vector<std::string> deviceDamping = {"impedance=4"};  ///< B, or NAME=B ...; the paper's baseline has 4 N s/m
   std::vector<int> scenarios = {1, 2};

@@ -85,9 +85,9 @@ class DampingOption {
   std::map<std::string, double> values_, unused_;
 };
 
-std::shared_ptr<const Mechanism> withDamping(DeviceParameters device, double damping) {
+DeviceParameters withDamping(DeviceParameters device, double damping) {
   addDamping(device, damping * Vec6::Unit(2));
-  return makeMechanism(device);
+  return device;
 }
 
 ColumnKind kindOf(const std::string& linked) {
@@ -161,7 +161,9 @@ Study prepareStudy(const StudyOptions& options) {
     for (const StudyColumn& other : plan.columns)
       if (other.name == name) throw Error("--renderers names " + name + " twice");
     const double more = damping.of(source.name);
-    plan.columns.push_back({name, more > 0.0 ? withDamping(study.device, more) : study.mechanism, {}});
+    const DeviceParameters damped = withDamping(study.device, more);
+    plan.columns.push_back({name, more > 0.0 ? makeMechanism(damped) : study.mechanism, {}});
+    plan.columns.back().makePlant = makerOf(options.plant, damped, plan.setup);
     // To the nanonewton: what is left of the file's zero is rounding.
     const double whole =
         1e-9 * std::nearbyint(1e9 * dampingAlong(*plan.columns.back().plant, plan.setup.start, Vec3::UnitZ()));
@@ -254,6 +256,7 @@ Study prepareStudy(const StudyOptions& options) {
   m["grid"] = plan.grid;
   m["runs"] = plan.runs;
   m["seed"] = setup.seed;
+  m["plant"] = options.plant;
   m["delay [ticks]"] = {setup.delay.low, setup.delay.high};
   m["encoders"] = setup.encoders.quantised;
   m["rates"] = kRateNames[static_cast<int>(setup.encoders.rates)];

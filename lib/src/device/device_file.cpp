@@ -60,6 +60,13 @@ const std::string& nameOf(const DeviceParameters& parameters) noexcept {
   return std::visit([](const auto& p) -> const std::string& { return p.name; }, parameters);
 }
 
+const Imperfections& imperfectionsOf(const DeviceParameters& parameters) noexcept {
+  static const Imperfections none;
+  if (const auto* tau = std::get_if<TauParameters>(&parameters)) return tau->imperfections;
+  if (const auto* delta = std::get_if<DeltaParameters>(&parameters)) return delta->imperfections;
+  return none;
+}
+
 void addDamping(DeviceParameters& parameters, const Vec6& damping) { std::visit(AddDamping{damping}, parameters); }
 
 void addFriction(DeviceParameters& parameters, double friction) { std::visit(AddFriction{friction}, parameters); }

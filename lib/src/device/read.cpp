@@ -56,6 +56,50 @@ void checkMotor(const MotorParameters& motor, const Fail& fail) {
   requireNotNegative(motor.viscousFriction, "motor.viscous_friction", "N m s/rad", fail);
 }
 
+namespace {
+
+constexpr double kMostError = 0.2;  // relative
+
+// The table's keys, with the largest value that has a meaning.
+struct Imperfection {
+  const char* key;
+  const char* unit;
+  double Imperfections::*value;
+  double most;
+};
+constexpr Imperfection kImperfections[] = {
+    {"current_bandwidth", "Hz", &Imperfections::currentBandwidth, 1e6},
+    {"torque_step", "N m", &Imperfections::torqueStep, 1.0},
+    {"torque_ripple", "of the torque", &Imperfections::torqueRipple, 1.0},
+    {"cogging", "N m", &Imperfections::cogging, 10.0},
+    {"periods", "a turn", &Imperfections::periods, 1e5},
+    {"coulomb_friction", "N m", &Imperfections::coulombFriction, 10.0},
+    {"cable_stiffness", "N m/rad", &Imperfections::cableStiffness, 1e6},
+    {"cable_damping", "N m s/rad", &Imperfections::cableDamping, 1e3},
+    {"backlash", "rad", &Imperfections::backlash, 0.1},
+    {"encoder_offset", "rad", &Imperfections::encoderOffset, 0.1},
+    {"length_error", "of the length", &Imperfections::lengthError, kMostError},
+    {"mass_error", "of the mass", &Imperfections::massError, kMostError},
+    {"jitter", "of the period", &Imperfections::jitter, 1.0},
+    {"lost_samples", "of the ticks", &Imperfections::lostSamples, 0.5},
+};
+
+}  // namespace
+
+void checkImperfections(const Imperfections& imperfections, const MotorParameters& motor, const Fail& fail) {
+  const auto refuse = [&fail](const std::string& key, const std::string& problem) {
+    fail("imperfections." + key, problem);
+  };
+  for (const Imperfection& i : kImperfections)
+    if (const double value = imperfections.*i.value; !(value >= 0.0 && value <= i.most))
+      refuse(i.key, "is " + formatNumber(value) + ", must be in 0 to " + formatNumber(i.most) + " " + i.unit);
+  const bool isRigid = imperfections.cableStiffness == 0.0;
+  if (isRigid && imperfections.backlash > 0.0) refuse("backlash", "needs a cable_stiffness greater than 0");
+  if (isRigid && imperfections.cableDamping > 0.0) refuse("cable_damping", "needs a cable_stiffness greater than 0");
+  if (!isRigid && !(motor.rotorInertia > 0.0))
+    refuse("cable_stiffness", "needs a motor.rotor_inertia greater than 0: the cable is between rotor and link");
+}
+
 std::string kindOf(TomlTable& root) { return root.has("kind") ? root.text("kind") : "tau"; }
 
 void requireKind(TomlTable& root, const std::string& kind) {
@@ -83,6 +127,16 @@ MotorParameters readMotor(TomlTable& root) {
   if (table.has("viscous_friction")) motor.viscousFriction = table.number("viscous_friction");
   table.finish();
   return motor;
+}
+
+Imperfections readImperfections(TomlTable& root) {
+  Imperfections imperfections;
+  if (!root.has("imperfections")) return imperfections;
+  TomlTable table = root.table("imperfections");
+  for (const Imperfection& i : kImperfections)
+    if (table.has(i.key)) imperfections.*i.value = table.number(i.key);
+  table.finish();
+  return imperfections;
 }
 
 }  // namespace enamel

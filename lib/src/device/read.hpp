@@ -21,15 +21,17 @@ void requireNotNegative(double value, const std::string& key, const std::string&
 void checkInertia(const Mat3& inertia, const std::string& key, const Fail& fail);
 void checkPlatform(const PlatformParameters& platform, const Fail& fail);
 void checkMotor(const MotorParameters& motor, const Fail& fail);
+void checkImperfections(const Imperfections& imperfections, const MotorParameters& motor, const Fail& fail);
 
 /// `kind` of a device file, "tau" where it has none.
 std::string kindOf(TomlTable& root);
 /// Refuses a file of another kind.
 void requireKind(TomlTable& root, const std::string& kind);
 
-/// The tables [platform] and [motor].
+/// The tables [platform] and [motor], and [imperfections], which may be absent.
 PlatformParameters readPlatform(TomlTable& root);
 MotorParameters readMotor(TomlTable& root);
+Imperfections readImperfections(TomlTable& root);
 
 /// A whole file of each kind, checked.
 TauParameters readTau(TomlTable& root);

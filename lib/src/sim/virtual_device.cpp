@@ -74,6 +74,10 @@ void checkVirtualDevice(const VirtualDeviceSetup& setup) {
   require(0 <= setup.delay.low && setup.delay.low <= setup.delay.high && setup.delay.high <= kMaxDelay,
           "delay is " + std::to_string(setup.delay.low) + ".." + std::to_string(setup.delay.high) +
               ", must be in 0 to " + std::to_string(kMaxDelay) + " ticks, low first");
+  require(setup.jitter >= 0.0 && setup.jitter <= 1.0,
+          "jitter is " + formatNumber(setup.jitter) + ", must be in 0 to 1 of the period");
+  require(setup.lostSamples >= 0.0 && setup.lostSamples <= 0.5,
+          "lost samples are " + formatNumber(setup.lostSamples) + ", must be in 0 to 0.5 of the ticks");
   require(setup.encoders.cutoff > 0.0 && std::isfinite(setup.encoders.cutoff),
           "cutoff of the rate filter is " + formatNumber(setup.encoders.cutoff) + ", must be greater than 0 Hz");
 }
@@ -94,6 +98,8 @@ Status VirtualDevice::measure(Measurement& measurement) noexcept {
   const DeviceState& state = plant_->state();
   const Status status = plant_->mechanism().reach(state.pose(), state.twist, false, kinematics_);
   if (status != Status::ok) return status;
+  if (setup_.lostSamples > 0.0 && tick_ > 0 && random_.uniform(RandomStream::Purpose::loss, tick_) < setup_.lostSamples)
+    return Status::stale;
   measurement.time = time();
   measurement.applied = torque_;
   JointVector q, rates;
@@ -107,15 +113,25 @@ Status VirtualDevice::actuate(const Command& command) noexcept {
   return Status::ok;
 }
 
+double VirtualDevice::timeOf(std::uint64_t tick) const noexcept {
+  const double late = setup_.jitter > 0.0 ? setup_.jitter * random_.uniform(RandomStream::Purpose::jitter, tick) : 0.0;
+  return (static_cast<double>(tick) + late) * setup_.period;
+}
+
+double VirtualDevice::duration() const noexcept {
+  return setup_.jitter > 0.0 ? timeOf(tick_ + 1) - timeOf(tick_) : setup_.period;
+}
+
 Status VirtualDevice::advance(const Load& load) noexcept {
-  const Status status = plant_->advance(time(), setup_.period, torque_, load);
+  const Status status = plant_->advance(time(), duration(), torque_, load);
   if (status == Status::ok) ++tick_;
   return status;
 }
 
 Status VirtualDevice::advance(const Load& before, double instant, const Load& after) noexcept {
-  Status status = plant_->advance(time(), instant, torque_, before);
-  if (status == Status::ok) status = plant_->advance(time() + instant, setup_.period - instant, torque_, after);
+  const double whole = duration(), first = std::min(instant, whole);
+  Status status = plant_->advance(time(), first, torque_, before);
+  if (status == Status::ok) status = plant_->advance(time() + first, whole - first, torque_, after);
   if (status == Status::ok) ++tick_;
   return status;
 }

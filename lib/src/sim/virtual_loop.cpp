@@ -46,13 +46,14 @@ Status VirtualLoop::tick(const Load& before, double instant, const Load& after, 
 
 // Everything up to the torque that acts during this tick.
 Status VirtualLoop::react(TickRecord& record) noexcept {
-  if (const Status status = device_.measure(measurement_); status != Status::ok) return status;
-  record.status = tick_(measurement_, command_);
+  const Status measured = device_.measure(measurement_);
+  if (measured != Status::ok && measured != Status::stale) return measured;
+  record.status = measured == Status::ok ? tick_(measurement_, command_) : measured;  // nothing came: as before
   if (const Status status = device_.actuate(command_); status != Status::ok) return status;
 
   const Kinematics& truth = device_.kinematics();
   record.tick = device_.tick();
-  record.time = measurement_.time;
+  record.time = device_.time();
   record.pose = truth.pose;
   record.twist = truth.twist;
   record.q = measurement_.q;

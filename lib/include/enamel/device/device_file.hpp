@@ -38,4 +38,7 @@ void addDamping(DeviceParameters& parameters, const Vec6& damping);
 void addFriction(DeviceParameters& parameters, double friction);
 void addMass(DeviceParameters& parameters, double mass);
 
+/// What the device's file says about real ones; all zero for a Cartesian device, whose drives are its vendor's.
+const Imperfections& imperfectionsOf(const DeviceParameters& parameters) noexcept;
+
 }  // namespace enamel

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "enamel/core/types.hpp"
+#include "enamel/device/imperfections.hpp"
 
 namespace enamel {
 

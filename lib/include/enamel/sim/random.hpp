@@ -11,7 +11,7 @@ namespace enamel {
 class RandomStream {
  public:
   /// What a number is for; numbers for different purposes are independent.
-  enum class Purpose : std::uint32_t { force, noise, delay, test, instant };
+  enum class Purpose : std::uint32_t { force, noise, delay, test, instant, build, encoder, jitter, loss };
 
   RandomStream(std::uint64_t seed, std::uint32_t stream) noexcept : seed_(seed), stream_(stream) {}
 

@@ -77,13 +77,15 @@ struct VirtualDeviceSetup {
   double period = 1e-3;  ///< Ts, s
   int substeps = 1;      ///< integration steps a tick
   Integrator integrator = Integrator::rungeKutta4;
+  double jitter = 0.0;       ///< each tick is late by a uniform share of the period up to this, in 0 to 1
+  double lostSamples = 0.0;  ///< share of the ticks at which measure() is stale, in 0 to 0.5; never the first
   std::uint64_t seed = 1;
   std::uint32_t run = 0;  ///< number of the random stream
 };
 
 /// Checks a setup. Throws Error: substeps outside 1 to 1000; a period outside 1e-5 to 0.1 s; delays outside 0 to
-/// kMaxDelay ticks or low > high; a cutoff that is not positive; a start pose that is not finite or no rotation.
-/// Realtime: no.
+/// kMaxDelay ticks or low > high; jitter or lost samples outside their range; a cutoff that is not positive; a start
+/// pose that is not finite or no rotation. Realtime: no.
 void checkVirtualDevice(const VirtualDeviceSetup& setup);
 
 /// A device that lives in steps of one period: measure(), actuate(), advance(), and again. It tells the torque that
@@ -97,7 +99,8 @@ class VirtualDevice final : public HapticDevice {
   /// Error: there is no plant.
   VirtualDevice(std::unique_ptr<Plant> plant, const VirtualDeviceSetup& setup);
 
-  /// ok, or the status of the configuration that the mechanism could not leave. Realtime: yes.
+  /// ok; stale where the sample was lost; or the status of the configuration that the mechanism could not leave.
+  /// Realtime: yes.
   [[nodiscard]] Status measure(Measurement& measurement) noexcept override;
   /// Always ok. Realtime: yes.
   [[nodiscard]] Status actuate(const Command& command) noexcept override;
@@ -110,7 +113,7 @@ class VirtualDevice final : public HapticDevice {
 
   /// Number and time (s) of the tick that comes next or is under way. Realtime: yes.
   std::uint64_t tick() const noexcept { return tick_; }
-  double time() const noexcept { return static_cast<double>(tick_) * setup_.period; }
+  double time() const noexcept { return timeOf(tick_); }
 
   const Plant& plant() const noexcept { return *plant_; }
 
@@ -121,6 +124,9 @@ class VirtualDevice final : public HapticDevice {
   const JointVector& torque() const noexcept { return torque_; }
 
  private:
+  double timeOf(std::uint64_t tick) const noexcept;
+  double duration() const noexcept;  // of the tick under way, s
+
   VirtualDeviceSetup setup_;
   std::unique_ptr<Plant> plant_;
   RandomStream random_;

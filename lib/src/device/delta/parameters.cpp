@@ -53,6 +53,7 @@ void check(const DeltaParameters& device, const Fail& fail) {
   for (int i = 0; i < 3; ++i)
     requireNotNegative(device.platform.damping[i], "platform.damping[" + std::to_string(i) + "]", "N s/m", fail);
   checkMotor(device.motor, fail);
+  checkImperfections(device.imperfections, device.motor, fail);
   checkLegs(device, fail);
 }
 
@@ -95,6 +96,7 @@ DeltaParameters readDelta(TomlTable& root) {
   platform.finish();
 
   device.motor = readMotor(root);
+  device.imperfections = readImperfections(root);
   root.finish();
 
   check(device, [&root](const std::string& key, const std::string& problem) { root.fail(key, problem); });

@@ -63,6 +63,7 @@ void check(const TauParameters& device, const Fail& fail) {
 
   checkPlatform(device.platform, fail);
   checkMotor(device.motor, fail);
+  checkImperfections(device.imperfections, device.motor, fail);
 }
 
 LinkParameters readLink(TomlTable& chain, const char* key) {
@@ -117,6 +118,7 @@ TauParameters readTau(TomlTable& root) {
 
   device.platform = readPlatform(root);
   device.motor = readMotor(root);
+  device.imperfections = readImperfections(root);
   root.finish();
 
   check(device, [&root](const std::string& key, const std::string& problem) { root.fail(key, problem); });

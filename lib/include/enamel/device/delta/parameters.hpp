@@ -56,6 +56,7 @@ struct DeltaParameters {
   BarParameters bar;
   DeltaPlatformParameters platform;
   MotorParameters motor;
+  Imperfections imperfections;
 };
 
 /// Reads a file of `kind = "delta"`. Throws ConfigurationError, with file, line, key, value and limit, on a file that

@@ -39,6 +39,7 @@ struct TauParameters {
   std::array<ChainParameters, 3> chain;
   PlatformParameters platform;
   MotorParameters motor;
+  Imperfections imperfections;
 };
 
 /// Reads the file of a TAU (also without `kind`). Throws ConfigurationError, with file, line, key, value and limit, on a file that cannot

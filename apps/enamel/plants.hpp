@@ -1,0 +1,32 @@
+// The option --plant of push and study.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "enamel/device/device_file.hpp"
+#include "enamel/sim/virtual_device.hpp"
+
+namespace enamel::app {
+
+inline constexpr const char* kClosedForm = "closed-form";
+inline constexpr const char* kReal = "real";
+
+/// What --plant can be.
+std::vector<std::string> plantNames();
+
+/// Its help.
+inline constexpr const char* kPlantHelp =
+    "closed-form: the mechanism's own dynamics; real: with the [imperfections] of its file, for every run another "
+    "device within its tolerances";
+
+/// Makes the plant of a run by the number of its random stream; any thread.
+using MakePlant = std::function<std::unique_ptr<Plant>(std::uint32_t stream)>;
+
+/// Null for the closed form, which needs none. Ticks that come late or not at all belong to a real plant: they are put
+/// into the setup. Throws Error: as makeRealDevice().
+MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup);
+
+}  // namespace enamel::app

@@ -1,0 +1,71 @@
+// A device that is not ideal: what its file's [imperfections] put between command and motion, and between motion and
+// measurement.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "enamel/device/device_file.hpp"
+#include "enamel/sim/plant.hpp"
+
+namespace enamel {
+
+/// One of the devices that a file's tolerances allow. Immutable; may be shared between threads.
+struct RealDevice {
+  Imperfections imperfections;
+  std::shared_ptr<const Mechanism> mechanism;  ///< as built, without rotors where cables hold them
+  double rotorInertia = 0.0;                   ///< as built, kg m^2
+  JointVector offset;                          ///< of the encoders, rad
+};
+
+/// Draws the device of a number and a seed: lengths, masses, the offset of each encoder. The encoders are set at home,
+/// where they tell what `parameters` expect there but for their offset. Throws ConfigurationError: as makeMechanism()
+/// of what was drawn; Error: a Cartesian device, of whose drives nothing is known. Realtime: no.
+RealDevice makeRealDevice(const DeviceParameters& parameters, std::uint64_t seed, std::uint32_t number = 0);
+
+/// A rotor behind every joint. With c the command, m the motor's torque, th and w the rotor's angle and speed, J its
+/// inertia, q the joint and T the torque on it:
+///   m' = 2 pi f (round(c) - m)                               amplifier and current loop
+///   J w' = m (1 + r sin N th) + a sin N th - F - T           ripple and cogging
+///   F = F_c z / z_c,  z' = w - |w| z / z_c                   Coulomb friction (P. Dahl, "A solid friction model",
+///   1968) T = k (th - q -+ b/2) + d (w - q'), 0 within the play b  cable and backlash
+/// A rigid transmission has th = q, and its rotors are in the mechanism. The encoders are on the rotors.
+class RealPlant final : public Plant {
+ public:
+  /// Integrated in steps of at most `step` s: half of it current and friction, exactly at constant speed, then the
+  /// motion by RK4, then their other half (Strang 1968).
+  explicit RealPlant(RealDevice device, double step = 5e-5) noexcept
+      : Plant(*device.mechanism), device_(std::move(device)), step_(step) {}
+
+  [[nodiscard]] Status start(const Pose& pose) override;
+  /// Realtime: yes, if the load is.
+  [[nodiscard]] Status advance(double time, double duration, const JointVector& torque,
+                               const Load& load) noexcept override;
+  void read(const Kinematics& truth, JointVector& q, JointVector& rates) const noexcept override;
+
+ private:
+  struct State {
+    DeviceState link;
+    JointVector angle, speed;         // of the rotors
+    JointVector current, presliding;  // m, z
+  };
+  struct Slope {
+    DeviceSlope link;
+    JointVector acceleration;  // of the rotors
+  };
+
+  bool isRigid() const noexcept { return device_.imperfections.cableStiffness == 0.0; }
+  Status step(double time, double h, const JointVector& command, const Load& load, State& state) const noexcept;
+  void relax(double h, const JointVector& command, State& state) const noexcept;
+  Status moveRigidly(double time, double h, const Load& load, State& state) const noexcept;
+  Status move(double time, double h, const Load& load, State& state) const noexcept;
+  Status slopeAt(double time, const State& state, const Load& load, Slope& slope) const noexcept;
+  JointVector torqueOf(const State& state) const noexcept;
+
+  RealDevice device_;
+  double step_;
+  JointVector angle_, speed_, current_, presliding_;
+};
+
+}  // namespace enamel
