@@ -56,7 +56,7 @@ Violation violationOf(const ContactProblem& p, const ContactSolution& s) {
   };
   for (int i = 0; i < n; ++i) {
     bound(Eigen::VectorXd::Unit(n, i), 0.0);
-    bound(-Eigen::VectorXd::Unit(n, i), -ContactProblem::kMost);
+    bound(-Eigen::VectorXd::Unit(n, i), -p.most);
   }
   for (int m = 0; m < p.motors; ++m) {
     const Eigen::VectorXd row = Eigen::Map<const Eigen::VectorXd>(p.motor[m], n);
@@ -100,7 +100,7 @@ TEST_CASE("dependent contacts share, and none is inverted blindly", "[contact_fo
     const ContactProblem p = randomProblem(random, contacts, 1 + i % std::min(contacts - 1, 3));
     const ContactSolution s = solveContacts(p);
     CHECK(violationOf(p, s).bound < 1e-9);  // whether or not the search came to its end
-    for (int k = 0; k < contacts; ++k) CHECK((s.force[k] >= 0.0 && s.force[k] <= ContactProblem::kMost));
+    for (int k = 0; k < contacts; ++k) CHECK((s.force[k] >= 0.0 && s.force[k] <= p.most));
   }
   // The same contact twice: half each.
   ContactProblem p;

@@ -220,6 +220,30 @@ TEST_CASE("a surface that is lowered is followed, one that vanishes has no force
   CHECK(output.mode == RenderMode::free);
 }
 
+TEST_CASE("walls that face each other too near by micrometres do not hold the tool", "[surface_servo]") {
+  const auto device = tau();
+  Scene scene;
+  for (const double side : {-1.0, 1.0}) {
+    Obstacle wall =
+        halfSpace(side > 0.0 ? "right" : "left", Vec3(-side * (1e-3 - 2e-6), 0.0, 0.0), side * Vec3::UnitX());
+    wall.material.friction = wall.material.sliding = 0.3;
+    scene.add(wall);
+  }
+  LoopSetup setup = loopWith(scene, 0);
+  setup.tool.parts[0].radius = 1e-3;
+  SurfaceServoRenderer servo(optionsFor(*device, 0));
+  VirtualLoop loop(*device, *device, servo, setup);
+  TickRecord tick;
+  double largest = 0.0;
+  for (int i = 0; i < 300; ++i) {  // drawn out between the walls with 2 N
+    REQUIRE(loop.tick(Hand{{0.0, 0.0, i < 200 ? 0.0 : 2.0}}, tick) == Status::ok);
+    largest = std::max(largest, tick.normalForce);
+  }
+  CHECK(largest > 0.0);
+  CHECK(largest < 10.0);  // it was some 200 N, and the tool stuck
+  CHECK(tick.pose.position.z() > 5e-3);
+}
+
 TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[surface_servo]") {
   const auto device = tau();
   SurfaceServoRenderer servo(optionsFor(*device, 2)), copy(optionsFor(*device, 2));

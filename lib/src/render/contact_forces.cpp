@@ -36,7 +36,7 @@ Constraint constraint(const ContactProblem& p, int number) noexcept {
     c.normal[number] = 1.0;
   } else if (number < 2 * p.contacts) {
     c.normal[number - p.contacts] = -1.0;
-    c.bound = -ContactProblem::kMost;
+    c.bound = -p.most;
   } else {
     const int motor = (number - 2 * p.contacts) / 2;
     const bool upper = number % 2 == 1;
@@ -64,7 +64,7 @@ int mostViolated(const ContactProblem& p, const Vector& x) noexcept {
 }
 
 ContactSolution solveOne(const ContactProblem& p) noexcept {
-  double most = ContactProblem::kMost;
+  double most = p.most;
   for (int i = 0; i < p.motors; ++i) {
     const double t = p.motor[i][0];
     if (t > 0.0) most = std::min(most, p.high[i] / t);
@@ -79,7 +79,7 @@ ContactSolution solveOne(const ContactProblem& p) noexcept {
 
 // Forces back into their bounds: each cut, then all made smaller together.
 void makeFeasible(const ContactProblem& p, Vector& x) noexcept {
-  for (int k = 0; k < p.contacts; ++k) x[k] = std::max(0.0, std::min(x[k], ContactProblem::kMost));
+  for (int k = 0; k < p.contacts; ++k) x[k] = std::max(0.0, std::min(x[k], p.most));
   double share = 1.0;
   for (int i = 0; i < p.motors; ++i) {
     const double t = dot(p.motor[i], x, p.contacts);

@@ -7,9 +7,8 @@ namespace enamel {
 
 /// min 1/2 x^T G x - r^T x over the forces x, N, subject to 0 <= x_k <= most and low_i <= (motor_i)^T x <= high_i.
 struct ContactProblem {
-  static constexpr double kMost = 1e3;  ///< largest force of a contact, N
-
   int contacts = 0;
+  double most = 1e3;                               ///< largest force of a contact, N
   double G[kMaxServoContacts][kMaxServoContacts];  ///< symmetric, positive definite
   double r[kMaxServoContacts];
   int motors = 0;

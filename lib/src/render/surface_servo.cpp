@@ -14,8 +14,12 @@ namespace {
 
 constexpr double kNear = 2e-5;            // a contact that stays this far outside for a tick carries no force, m
 constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inertia
-constexpr double kAstray = 1e4;           // an innovation that no push explains, counts
-constexpr int kBlind = 3;                 // ticks after a jump in which no other is looked for
+// Largest force of a contact, of what all would need if each were alone: walls that face each other and are too near by
+// a micrometre would push each other with hundreds of newtons, and hold the tool by friction. In a wedge of 30 deg it
+// is 3.7.
+constexpr double kMostShare = 5.0;
+constexpr double kAstray = 1e4;  // an innovation that no push explains, counts
+constexpr int kBlind = 3;        // ticks after a jump in which no other is looked for
 // Every jump makes the next one need to be larger by this share, which fades by the other a tick: a loop with delay
 // whose model is wrong would else take its own answers for jumps for ever, and nothing is learnt near a jump.
 constexpr double kHabit = 0.5, kHabitKept = 0.98;
@@ -359,6 +363,7 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
 
   Pushing pushing;
   ContactProblem& p = pushing.problem;
+  double alone = 0.0;  // of each contact as if there were no other, their sum, N
   for (int c = 0; c < input.contacts.count && p.contacts < kMaxServoContacts; ++c) {
     const Contact& contact = input.contacts.contacts[c];
     const Row& row = normals.row[c];
@@ -376,7 +381,9 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     const double rigid = (1.0 + kRegularisation) * p.G[m][m];
     p.G[m][m] = rigid + k1 / contact.material.stiffness;
     p.r[m] = std::min(-k1 * gap - k2 * speed - pushed, (outward - speed - pushed) * p.G[m][m] / rigid);
+    alone += std::max(0.0, p.r[m] / p.G[m][m]);
   }
+  if (alone > 0.0) p.most = std::min(p.most, kMostShare * alone);
   p.motors = n;
   for (int i = 0; i < n; ++i) {
     for (int m = 0; m < p.contacts; ++m) p.motor[i][m] = normals.row[pushing.contact[m]][i];
