@@ -30,6 +30,7 @@ const std::vector<ActionRow>& actionRows() {
       {Action::nextCamera, "next-camera", "]", "next view", GLFW_KEY_RIGHT_BRACKET, false},
       {Action::previousCamera, "previous-camera", "[", "previous view", GLFW_KEY_LEFT_BRACKET, false},
       {Action::cutAway, "cut-away", "C", "a solid cut open where the tool is", GLFW_KEY_C, false},
+      {Action::sound, "sound", "M", "the bur is heard, or not", GLFW_KEY_M, false, Source::live},
       {Action::help, "help", "F1", "this help", GLFW_KEY_F1, false},
       {Action::panels, "panels", "F2", "panels", GLFW_KEY_F2, false},
       {Action::timing, "timing", "F3", "timing of the haptic loop", GLFW_KEY_F3, false},

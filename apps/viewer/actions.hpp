@@ -29,6 +29,7 @@ enum class Action : std::uint8_t {
   nextCamera,
   previousCamera,
   cutAway,
+  sound,
   help,
   panels,
   timing,

@@ -225,6 +225,8 @@ void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, f
     if (toggle("undo", false, third)) ask(Action::undo);
     ImGui::SameLine(0, 6 * s);
     if (toggle("cut open", input.isCutOpen, third)) ask(Action::cutAway);
+    if (bool sound = state.sound; ImGui::Checkbox("sound  (M)", &sound)) ask(Action::sound);
+    if (state.sound && !state.soundTrouble.empty()) remark(state.soundTrouble, kVermilion);
   }
 
   heading("Device");

@@ -23,6 +23,8 @@ struct OverlayState {
   std::vector<Action> actions;  ///< asked for by buttons
   int sceneAsked = -1, rendererAsked = -1;
   std::optional<bool> spinAsked;  ///< of the bur
+  bool sound = false;             ///< is wanted
+  std::string soundTrouble;       ///< why there is none all the same, or empty
   int insetStep = 4;              ///< of the magnification, with hysteresis
   int insetPatience = 0;
 };

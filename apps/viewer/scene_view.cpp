@@ -135,6 +135,21 @@ void drawBox(const Box& box, const Pose& pose, Drawing& drawing) {
     }
 }
 
+// They tumble, and become smaller as they age.
+void drawChips(const Chips& chips, Shards& shards) {
+  constexpr double size = 0.4, tumble = 25.0;  // mm, rad/s
+  bool any = false;
+  for (std::size_t i = 0; i < Chips::kPool; ++i) {
+    const Chips::Chip& chip = chips.chips()[i];
+    const double left = std::max(0.0, 1.0 - chip.age / Chips::kLife), number = static_cast<double>(i);
+    const Vec3 axis = Vec3(std::sin(2.4 * number), std::cos(2.4 * number), std::sin(1.7 * number)).normalized();
+    const Mat3 turned = Eigen::AngleAxisd(number + tumble * chip.age, axis).toRotationMatrix();
+    shards.place(i, chip.position, turned.col(0), turned.col(1), size * std::sqrt(left), layerColour(chip.layer));
+    any = any || left > 0.0;
+  }
+  shards.show(any);
+}
+
 }  // namespace
 
 struct SceneView::Parts {
@@ -168,6 +183,7 @@ struct SceneView::Parts {
   Ball hand;
   std::vector<Rod> normals;
   std::vector<Ball> contacts;
+  std::optional<Shards> chips;
 };
 
 SceneView::Parts::DrawnTool::DrawnTool(vtkRenderer* renderer, const Tool& tool, const Bur* cutting, unsigned body,
@@ -238,6 +254,7 @@ SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::ve
     contacts.emplace_back(above, 2.2, Finish{kVermilion, 1.0, 0.1});
   }
   addColumn(renderer, bases);
+  if (scene.bur) chips.emplace(renderer, Chips::kPool);
 }
 
 SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(renderer), above_(above) {
@@ -350,6 +367,8 @@ void SceneView::update(const SceneState& state) {
     p.hand.place(*state.hand + grip);
     p.pull.place(pose.position + grip, *state.hand + grip);
   }
+
+  if (p.chips && state.chips != nullptr) drawChips(*state.chips, *p.chips);
 
   const double size = std::min(1.0, state.distance / kMarkedFrom);
   for (std::size_t i = 0; i < kShownContacts; ++i) {

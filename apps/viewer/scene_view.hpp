@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "camera.hpp"
+#include "chips.hpp"
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/device/mechanism.hpp"
@@ -24,8 +25,9 @@ struct SceneState {
   std::optional<Pose> ghost;  ///< reference pose
   std::optional<Vec3> hand;   ///< where the hand pulls the TCP to
   std::vector<Contact> touching;
-  double distance = 0.0;      ///< of the camera, mm: close to it marks become smaller
-  double burAngle = 0.0;      ///< that the bur has turned, rad
+  double distance = 0.0;  ///< of the camera, mm: close to it marks become smaller
+  double burAngle = 0.0;  ///< that the bur has turned, rad
+  const Chips* chips = nullptr;
   Vec3 force = Vec3::Zero();  ///< of the motors on the tool beyond gravity, N: what stands for the wall
 };
 

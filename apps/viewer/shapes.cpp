@@ -3,17 +3,14 @@
 #include <vtkCellArray.h>
 #include <vtkConeSource.h>
 #include <vtkCylinderSource.h>
-#include <vtkFloatArray.h>
 #include <vtkLight.h>
 #include <vtkMatrix4x4.h>
 #include <vtkPointData.h>
-#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkSphereSource.h>
 #include <vtkTrivialProducer.h>
-#include <vtkUnsignedCharArray.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -185,6 +182,50 @@ void FlutedBur::place(const Vec3& from, const Mat3& frame, double angle) {
     matrix->SetElement(i, 3, kMillimetres * from[i]);
   }
   actor_->Modified();
+}
+
+Shards::Shards(vtkRenderer* renderer, std::size_t count) {
+  const auto corners = static_cast<vtkIdType>(3 * count);
+  normals_->SetNumberOfComponents(3);
+  colours_->SetNumberOfComponents(3);
+  points_->SetNumberOfPoints(corners);
+  normals_->SetNumberOfTuples(corners);
+  colours_->SetNumberOfTuples(corners);
+  vtkNew<vtkCellArray> cells;
+  for (vtkIdType i = 0; i < corners; i += 3) cells->InsertNextCell({i, i + 1, i + 2});
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points_);
+  data->SetPolys(cells);
+  data->GetPointData()->SetNormals(normals_);
+  data->GetPointData()->SetScalars(colours_);
+  actor_ = addData(renderer, data, {0xFFFFFF, 1.0, 0.1});
+  actor_->GetMapper()->ScalarVisibilityOn();
+  actor_->GetMapper()->SetColorModeToDirectScalars();
+  actor_->GetProperty()->SetAmbient(0.75);  // chips in the shade would be specks
+  actor_->GetProperty()->SetDiffuse(0.25);
+  actor_->VisibilityOff();
+}
+
+void Shards::place(std::size_t shard, const Vec3& centre, const Vec3& across, const Vec3& up, double size,
+                   unsigned colour) {
+  const Vec3 normal = across.cross(up), middle = kMillimetres * centre;
+  const Vec3 corners[] = {middle + size * up, middle - 0.5 * size * (across + up),
+                          middle + 0.5 * size * (across - 0.4 * up)};
+  for (vtkIdType i = 0; i < 3; ++i) {
+    const vtkIdType corner = 3 * static_cast<vtkIdType>(shard) + i;
+    points_->SetPoint(corner, corners[i].data());
+    normals_->SetTuple(corner, normal.data());
+    for (int c = 0; c < 3; ++c)
+      colours_->SetTypedComponent(corner, c, static_cast<unsigned char>(colour >> (16 - 8 * c) & 255));
+  }
+}
+
+void Shards::show(bool visible) {
+  actor_->SetVisibility(visible);
+  if (!visible) return;
+  points_->Modified();
+  normals_->Modified();
+  colours_->Modified();
 }
 
 vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,

@@ -3,10 +3,13 @@
 
 #include <vtkActor.h>
 #include <vtkAlgorithmOutput.h>
+#include <vtkFloatArray.h>
 #include <vtkNew.h>
+#include <vtkPoints.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <array>
 #include <vector>
@@ -72,6 +75,22 @@ class FlutedBur {
   void place(const Vec3& from, const Mat3& frame, double angle);
 
  private:
+  vtkSmartPointer<vtkActor> actor_;
+};
+
+/// Small flat triangles, as one actor.
+class Shards {
+ public:
+  Shards(vtkRenderer* renderer, std::size_t count);
+  /// A shard at `centre` (m) in the plane of two unit vectors; of size 0 (mm) nothing is seen of it.
+  void place(std::size_t shard, const Vec3& centre, const Vec3& across, const Vec3& up, double size, unsigned colour);
+  /// After all were placed.
+  void show(bool visible);
+
+ private:
+  vtkNew<vtkPoints> points_;
+  vtkNew<vtkFloatArray> normals_;
+  vtkNew<vtkUnsignedCharArray> colours_;
   vtkSmartPointer<vtkActor> actor_;
 };
 

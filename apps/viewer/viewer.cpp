@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <utility>
 
@@ -62,7 +63,8 @@ double steadySeconds() {
 }
 
 Viewer::Viewer(const Options& options, Surface& surface)
-    : surface_(surface),
+    : isHeadless_(options.headless),
+      surface_(surface),
       player_(options.play.empty() ? nullptr : std::make_unique<Player>(options.play)),
       device_(deviceOf(player_.get(), options)),
       rendererNames_(viewer::rendererNames(options.plugin.get())),
@@ -80,6 +82,8 @@ Viewer::Viewer(const Options& options, Surface& surface)
               player_ ? player_->header().guard.period : kPeriod, player_ != nullptr) {
   kinematics_ = plant_->home();
   shown_.bars = plant_->bars(kinematics_.pose);
+  shown_.chips = &chips_;
+  overlay_.sound = !options.headless && options.script.empty();
   selectCamera(0);
   if (player_) {
     if (!player_->notes().empty()) notify(player_->notes().front());
@@ -178,6 +182,7 @@ void Viewer::loadScene(const std::string& path) {
     workpiece_ = std::make_shared<Workpiece>(scene_);
     solids_ = copiesOf(scene_);
     plane_.reset();
+    sound_.reset();
     for (const std::string& note : scene_.notes) notify(note);
     builtScale_ = 0.0f;
     startAgain();
@@ -227,6 +232,11 @@ void Viewer::act(Action action) {
         send(RunnerCommand::Kind::undo, 0);
       break;
     case Action::cutAway: cutOpen(); break;
+    case Action::sound:
+      if (isHeadless_) return notify("There is sound only in a window.");
+      overlay_.sound = !overlay_.sound;
+      notify(overlay_.sound ? "The bur is heard." : "The bur is not heard.");
+      break;
     case Action::nextScene:
       if (!sceneFiles_.empty()) {
         sceneIndex_ = (sceneIndex_ + 1) % static_cast<int>(sceneFiles_.size());
@@ -330,17 +340,75 @@ void Viewer::takeChanges() {
   }
 }
 
-double Viewer::burDepth() const {
-  double depth = 0.0;
-  for (std::size_t i = 0; scene_.bur && i < solids_.size(); ++i) {
-    if (!solids_[i].uncut) continue;
-    const ToolPart& part = scene_.tool.parts[static_cast<std::size_t>(scene_.bur->part)];
-    const Pose &tool = frame_.record.pose, &solid = scene_.scene.obstacles()[i].pose;
-    const Vec3 tip = tool.position + tool.rotation * part.a;
-    const Vec3 inSolid = solid.rotation.transpose() * (tip - solid.position);
-    depth = std::max(depth, part.radius - signedDistance(*solids_[i].uncut, inSolid).distance);
+// What happened since the last frame: the bur turns, chips fly, and one hears it.
+void Viewer::takeCut() {
+  constexpr double shownTurns = 1.7;  // a second: those of a bur are too fast to be seen
+  const Drilled& drilled = frame_.drilled;
+  if (frame_.record.time < burTime_) chips_ = Chips();
+  const double passed = std::max(0.0, frame_.record.time - burTime_);
+  burTime_ = frame_.record.time;
+  if (drilled.spins) shown_.burAngle += 6.283185307179586 * shownTurns * passed;
+  RemovedVolume cut{};
+  for (std::size_t i = 0; i < cut.size(); ++i) cut[i] = std::max(0.0, drilled.removed[i] - burRemoved_[i]);
+  burRemoved_ = drilled.removed;
+  // Out of a hole chips come at its mouth.
+  const Vec3 axis = frame_.record.pose.rotation.col(2);
+  const double radius = scene_.tool.parts[static_cast<std::size_t>(scene_.bur->part)].radius;
+  Vec3 mouth = burTip();
+  for (int i = 0; cut != RemovedVolume{} && i < 20; ++i) {
+    const double left = 0.5 * radius - uncutDistance(mouth);
+    if (left <= 0.0) break;
+    mouth += std::max(0.1 * radius, left) * axis;
   }
-  return depth;
+  chips_.advance(passed, cut, mouth, axis, radius);
+
+  if (overlay_.sound && !sound_) sound_.emplace();
+  if (!sound_ || (passed == 0.0 && !frame_.paused)) return;  // in slow motion it goes on
+  BurLoad load;
+  if (const auto* layers = this->layers(); overlay_.sound && drilled.spins && !frame_.paused && layers != nullptr) {
+    load.turns = scene_.bur->turns;
+    double power = 0.0;
+    for (std::size_t i = 0; i < layers->size(); ++i) {
+      load.removal += cut[i] / passed;
+      power += (*layers)[i].hardness * cut[i] / passed;
+    }
+    if (power > 0.0) load.hardness = power / load.removal;
+  }
+  sound_->set(load);
+  if (const char* trouble = sound_->trouble(); trouble != nullptr && overlay_.soundTrouble.empty()) {
+    overlay_.soundTrouble = std::string("No sound: ") + trouble + ".";
+    std::fprintf(stderr, "enamel-viewer: no sound: %s\n", trouble);
+  }
+}
+
+// Of the first solid, or nullptr.
+const std::vector<SolidLayer>* Viewer::layers() const {
+  for (const SolidCopy& solid : solids_)
+    if (solid.uncut) return &solid.uncut->layers();
+  return nullptr;
+}
+
+// From the nearest solid as it was before anything was cut, m; none is far.
+double Viewer::uncutDistance(const Vec3& point) const {
+  double distance = 1.0;
+  for (std::size_t i = 0; i < solids_.size(); ++i) {
+    if (!solids_[i].uncut) continue;
+    const Pose& solid = scene_.scene.obstacles()[i].pose;
+    const Vec3 inSolid = solid.rotation.transpose() * (point - solid.position);
+    distance = std::min(distance, signedDistance(*solids_[i].uncut, inSolid).distance);
+  }
+  return distance;
+}
+
+// Of its tip's centre.
+Vec3 Viewer::burTip() const {
+  const Pose& tool = frame_.record.pose;
+  return tool.position + tool.rotation * scene_.tool.parts[static_cast<std::size_t>(scene_.bur->part)].a;
+}
+
+double Viewer::burDepth() const {
+  if (!scene_.bur) return 0.0;
+  return std::max(0.0, scene_.tool.parts[static_cast<std::size_t>(scene_.bur->part)].radius - uncutDistance(burTip()));
 }
 
 void Viewer::seek(double share) { player_->seek(share * static_cast<double>(player_->size() - 1) + 0.5); }
@@ -390,10 +458,7 @@ void Viewer::takeRun() {
   runner_->collect();
   frame_ = runner_->frame();
   takeChanges();
-  constexpr double shownTurns = 1.7;  // a second: those of a bur are too fast to be seen
-  if (frame_.drilled.spins)
-    shown_.burAngle += 6.283185307179586 * shownTurns * std::max(0.0, frame_.record.time - burTime_);
-  burTime_ = frame_.record.time;
+  if (scene_.bur) takeCut();
   for (Sample sample; runner_->nextSample(sample);) {
     charts_.add(sample);
     trail_.push_back(sample.position);
@@ -490,9 +555,7 @@ void Viewer::draw(bool picture) {
   shown_.distance = camera_.distance;
   view_.update(shown_);
   view_.look(camera_);
-  const std::vector<SolidLayer>* layers = nullptr;
-  for (const SolidCopy& solid : solids_)
-    if (solid.uncut && layers == nullptr) layers = &solid.uncut->layers();
+  const std::vector<SolidLayer>* const layers = this->layers();
   const OverlayInput input{frame_,
                            player_.get(),
                            scene_.name,

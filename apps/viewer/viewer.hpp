@@ -15,6 +15,7 @@
 #include "scene_view.hpp"
 #include "script.hpp"
 #include "servo_gain.hpp"
+#include "sound_output.hpp"
 #include "stage.hpp"
 #include "surface.hpp"
 
@@ -77,10 +78,15 @@ class Viewer final : public Driven {
   void notify(const std::string& text);
   void select(RendererSlot slot);
   void takeChanges();
+  void takeCut();
   void cutOpen();
+  double uncutDistance(const Vec3& point) const;
+  Vec3 burTip() const;
   double burDepth() const;
+  const std::vector<SolidLayer>* layers() const;
   void selectCamera(int preset);
 
+  bool isHeadless_;
   Surface& surface_;
   std::unique_ptr<Player> player_;  // or nullptr
   ServoedDevice device_;
@@ -96,8 +102,11 @@ class Viewer final : public Driven {
   std::vector<SolidCopy> solids_;  // by obstacle
   std::optional<CutPlane> plane_;
   bool spins_ = false;
-  double burTime_ = 0.0;            // of the last frame, s
-  std::unique_ptr<Runner> runner_;  // where there is no player
+  double burTime_ = 0.0;        // of the last frame, s
+  RemovedVolume burRemoved_{};  // then, m^3
+  Chips chips_;
+  std::optional<SoundOutput> sound_;  // since it was first wanted
+  std::unique_ptr<Runner> runner_;    // where there is no player
   Stage stage_;
   SceneView view_;
   Charts charts_;

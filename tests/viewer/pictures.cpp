@@ -375,16 +375,20 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
                   "/data/meshes/molar.ply\"\nunit = \"mm\"\nscale = 1.2\nposition = [0, 0, -0.0057]\ncell = 0.0002\n"
                   "[[obstacle.layer]]\nname = \"enamel\"\nhardness = 3.4e9\n[[obstacle.layer]]\nname = \"dentine\"\n"
                   "hardness = 0.6e9\ndepth = 0.0006\n");
-  const std::string away = "hand 0 0 6 over 0.2\n";
+  const std::string away = "hand 0 0 6 over 0.2\n", front = "view 0 0 -3 20 -20 62\n", side = "view 0 0 -3 75 -10 62\n";
   test::writeFile(folder / "script.txt",
-                  "0 panels\n0 charts\n0 view 0 0 -3 20 -20 62\n0.1 " + away +
-                      "0.6 picture before\n0.7 spin on\n0.7 hand 0 0 -12 over 0.3\n2.2 spin off\n2.2 " + away +
-                      "2.7 picture drilled\n2.8 cut-away\n2.8 picture open\n2.9 cut-away\n2.9 undo\n3.0 picture "
-                      "undone\n3.1 undo\n3.2 picture nothing\n3.2 end\n");
-  const auto result = test::viewer("'" + folder / "tooth.toml' --headless --script '" + folder / "script.txt" +
-                                   "' --size 640x360 --record '" + folder / "out'");
-  INFO(result.output);
-  REQUIRE(result.status == 0);
+                  "0 panels\n0 charts\n0 " + side + "0.1 " + away + "0.6 picture whole\n0.6 " + front +
+                      "0.7 picture before\n0.7 spin on\n0.7 hand 0 0 -12 over 0.3\n1.2 " + side +
+                      "1.3 picture flying\n1.3 pause\n1.5 picture paused\n1.5 pause\n2.3 " + front +
+                      "2.4 spin off\n2.4 " + away +
+                      "2.9 picture drilled\n3.0 cut-away\n3.0 picture open\n3.1 cut-away\n3.1 undo\n3.2 picture "
+                      "undone\n3.3 undo\n3.4 picture nothing\n3.4 end\n");
+  for (const std::string out : {"out", "again"}) {
+    const auto result = test::viewer("'" + folder / "tooth.toml' --headless --script '" + folder / "script.txt" +
+                                     "' --size 640x360 --record '" + folder / out + "'");
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+  }
   // Within the tooth: beside the card on the left, whose key has the colours too, and the numbers.
   const auto count = [&](const std::string& name, unsigned colour) {
     return patchOf(Pixels(folder / ("out/" + name + ".png")), colour, {240, 60}, {480, 340}, 0.04).count;
@@ -393,6 +397,10 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
   CHECK(count("before", dentine) < 20);
   CHECK(count("drilled", dentine) > count("before", dentine) + 60);
   CHECK(count("open", dentine) > count("drilled", dentine) + 500);
+  // Chips of dentine: the same ones every time, and they stand still in the air while time does.
+  CHECK(count("flying", dentine) > count("whole", dentine) + 60);
+  CHECK(count("paused", dentine) == count("flying", dentine));
+  CHECK(test::readFile(folder / "out/flying.png") == test::readFile(folder / "again/flying.png"));
   CHECK(count("undone", dentine) < 20);
   CHECK(count("undone", layerColour(0)) > 1000);
   // A refusal stands on a dark ground in the middle.
@@ -410,6 +418,19 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
             .status == 0);
   CHECK_FALSE(isRefused("quiet"));
   CHECK(isRefused("refused"));
+  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
+  // A script is silent unless it asks for sound; without a device that is said once.
+  const auto said = [&](const std::string& sound) {
+    test::writeFile(folder / "script.txt", sound + "0.1 spin on\n0.8 end\n");
+    const auto heard = test::viewer("'" + folder / "tooth.toml' --script '" + folder / "script.txt'",
+                                    "env ALSOFT_DRIVERS=none " + test::kXvfb);
+    INFO(heard.output);
+    CHECK(heard.status == 0);
+    const std::size_t at = heard.output.find("no sound: ");
+    return at == std::string::npos ? 0 : at == heard.output.rfind("no sound: ") ? 1 : 2;
+  };
+  CHECK(said("") == 0);
+  CHECK(said("0 sound\n") == 1);
 }
 
 }  // namespace enamel::viewer::test_pictures

@@ -1,0 +1,54 @@
+#include "bur_sound.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace enamel::viewer {
+namespace {
+
+constexpr double kMostPower = 20.0;                                        // W, of the turbine
+constexpr double kRotor = 0.08, kGrain = 0.02;                             // s, that speed and noise take to follow
+constexpr double kFullTurns = 1000.0;                                      // a second: from here on at full strength
+constexpr double kHalfRemoval = 1e-8;                                      // m^3/s
+constexpr double kTone = 0.12, kNoise = 0.12;                              // of full scale
+constexpr double kDullest = 100.0, kBrightest = 8e3, kBrightness = 2.5e3;  // Hz; the last for 1 GPa
+struct Partial {
+  double multiple, strength;
+};
+constexpr Partial kPartials[] = {{1, 0.5}, {2, 0.3}, {3, 0.1}, {8, 0.15}, {16, 0.05}};  // of 8 blades
+
+}  // namespace
+
+double turnsUnder(const BurLoad& load) noexcept {
+  const double share = std::clamp(load.hardness * load.removal / kMostPower, 0.0, 1.0);
+  return 0.5 * load.turns * (1.0 + std::sqrt(1.0 - share));
+}
+
+void BurSound::next(const BurLoad& load, std::int16_t* samples, int count) noexcept {
+  constexpr double step = 1.0 / kRate, pi = 3.14159265358979323846;
+  const double turns = turnsUnder(load), rotor = step / kRotor, grain = step / kGrain;
+  const double corner = std::clamp(kBrightness * std::sqrt(1e-9 * load.hardness), kDullest, kBrightest);
+  const double brightness = 1.0 - std::exp(-2.0 * pi * corner * step);
+  for (int i = 0; i < count; ++i) {
+    turns_ += rotor * (turns - turns_);
+    removal_ += grain * (std::max(0.0, load.removal) - removal_);
+    brightness_ += grain * (brightness - brightness_);
+    phase_ = std::fmod(phase_ + 2.0 * pi * turns_ * step, 2.0 * pi);
+    double tone = 0.0;
+    for (const Partial& partial : kPartials) {  // none that would be heard as another one
+      const double heard = std::clamp(20.0 * (0.45 - partial.multiple * turns_ * step), 0.0, 1.0);
+      tone += heard * partial.strength * std::sin(partial.multiple * phase_);
+    }
+    random_ ^= random_ << 13;  // Marsaglia, "Xorshift RNGs", 2003
+    random_ ^= random_ >> 17;
+    random_ ^= random_ << 5;
+    const double white = 2.0 * random_ / 4294967296.0 - 1.0;
+    noise_ += brightness_ * (white - noise_);
+    const double level = std::sqrt(removal_ / (removal_ + kHalfRemoval) * 3.0 * (2.0 - brightness_) / brightness_);
+    const double rough = level * noise_ * (1.0 + 0.5 * std::sin(phase_));
+    const double sum = std::min(1.0, turns_ / kFullTurns) * (kTone * tone + kNoise * rough);
+    samples[i] = static_cast<std::int16_t>(std::lround(32767.0 * std::clamp(sum, -1.0, 1.0)));
+  }
+}
+
+}  // namespace enamel::viewer
