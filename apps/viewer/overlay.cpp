@@ -220,12 +220,15 @@ void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, f
 
   if (input.bur != nullptr) {
     heading("Bur");
+    ImGui::SameLine(whole - third);
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 0});  // no higher than the heading
+    if (bool sound = state.sound; ImGui::Checkbox("sound  (M)", &sound)) ask(Action::sound);
+    ImGui::PopStyleVar();
     if (toggle("spin  (F)", frame.drilled.spins, third, kGreen)) state.spinAsked = !frame.drilled.spins;
     ImGui::SameLine(0, 6 * s);
     if (toggle("undo", false, third)) ask(Action::undo);
     ImGui::SameLine(0, 6 * s);
     if (toggle("cut open", input.isCutOpen, third)) ask(Action::cutAway);
-    if (bool sound = state.sound; ImGui::Checkbox("sound  (M)", &sound)) ask(Action::sound);
     if (state.sound && !state.soundTrouble.empty()) remark(state.soundTrouble, kVermilion);
   }
 

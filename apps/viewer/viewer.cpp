@@ -378,6 +378,7 @@ void Viewer::takeCut() {
   if (const char* trouble = sound_->trouble(); trouble != nullptr && overlay_.soundTrouble.empty()) {
     overlay_.soundTrouble = std::string("No sound: ") + trouble + ".";
     std::fprintf(stderr, "enamel-viewer: no sound: %s\n", trouble);
+    notify(overlay_.soundTrouble);
   }
 }
 
