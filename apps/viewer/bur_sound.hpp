@@ -14,7 +14,7 @@ struct BurLoad {
 
 /// Turns a second under a load, which takes hardness times removal (W). The torque of a turbine falls linearly with its
 /// speed (Dyson and Darvell, "Torque, power and efficiency characterization of dental air turbine handpieces", 1999);
-/// it gives 20 W at most, at half its free speed. What is simulated does not slow down. Realtime: yes.
+/// it gives 20 W at most, at half its free speed. What is simulated does not slow down.
 double turnsUnder(const BurLoad& load) noexcept;
 
 /// Samples of mono sound: harmonics of the rotation and of the blades, and noise that is louder where more is cut and
@@ -24,7 +24,7 @@ class BurSound {
  public:
   static constexpr int kRate = 44100;  // samples a second
 
-  /// The next `count` samples. Realtime: yes.
+  /// The next `count` samples.
   void next(const BurLoad& load, std::int16_t* samples, int count) noexcept;
 
  private:

@@ -25,7 +25,7 @@ class Chips {
   };
 
   /// `seconds` pass, in which a bur of this radius (m) cuts these volumes by layer (m^3); its chips leave around
-  /// `mouth`, across and along `axis`, which points out of the material. Realtime: yes.
+  /// `mouth`, across and along `axis`, which points out of the material.
   void advance(double seconds, const RemovedVolume& cut, const Vec3& mouth, const Vec3& axis, double radius) noexcept;
 
   const std::array<Chip, kPool>& chips() const noexcept { return chips_; }

@@ -18,7 +18,7 @@ class SoundOutput {
   SoundOutput(const SoundOutput&) = delete;
   SoundOutput& operator=(const SoundOutput&) = delete;
 
-  /// What is heard from now on: some 50 ms later. Of one thread. Realtime: yes.
+  /// What is heard from now on: some 50 ms later. Of one thread.
   void set(const BurLoad& load) noexcept;
   /// Why nothing is heard, or nullptr.
   const char* trouble() const noexcept { return trouble_.load(std::memory_order_relaxed); }
