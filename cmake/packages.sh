@@ -5,6 +5,7 @@ packages="g++ cmake ninja-build libeigen3-dev libopenmesh-dev libtomlplusplus-de
 viewer_packages="libglfw3-dev libglm-dev libglew-dev libimgui-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri \
 pkg-config fonts-roboto-unhinted xvfb xauth"
 vtk_packages="libvtk9-dev"
+multibody_packages="libsimbody-dev"  # a second engine: enamel push --plant multibody
 sound_packages="libopenal-dev"
 
 is_installed() { dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'install ok installed'; }
@@ -40,5 +41,6 @@ install_packages() {
   CMAKE_GENERATOR=${CMAKE_GENERATOR:-Ninja}
   export CMAKE_GENERATOR
   { install_step $viewer_packages && install_step $vtk_packages; } || echo "== going on without the viewer" >&2
+  install_step $multibody_packages || echo "== going on without Simbody" >&2
   install_step $sound_packages || echo "== going on without sound" >&2
 }

@@ -12,6 +12,7 @@
 namespace enamel::app {
 
 inline constexpr const char* kClosedForm = "closed-form";
+inline constexpr const char* kMultibody = "multibody";
 inline constexpr const char* kReal = "real";
 
 /// What --plant can be.
@@ -19,14 +20,15 @@ std::vector<std::string> plantNames();
 
 /// Its help.
 inline constexpr const char* kPlantHelp =
-    "closed-form: the mechanism's own dynamics; real: with the [imperfections] of its file, for every run another "
+    "closed-form: the mechanism's own dynamics; multibody: the same device in Simbody, some 200 times slower; real: with the [imperfections] of its file, for every run another "
     "device within its tolerances";
 
 /// Makes the plant of a run by the number of its random stream; any thread.
 using MakePlant = std::function<std::unique_ptr<Plant>(std::uint32_t stream)>;
 
 /// Null for the closed form, which needs none. Ticks that come late or not at all belong to a real plant: they are put
-/// into the setup. Throws Error: as makeRealDevice().
+/// into the setup. Throws Error: as makeRealDevice() and
+/// MultibodyPlant; multibody where Enamel was built without Simbody.
 MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup);
 
 }  // namespace enamel::app
