@@ -77,6 +77,26 @@ TEST_CASE("push reproduces the reference runs, with a gain designed from the dev
   }
 }
 
+TEST_CASE("push: plants by name", "[push_command]") {
+  const std::string device = "push --device '" + test::deviceFile("tau-detailed.toml") +
+                             "' --renderer impedance --device-damping 4 --json --plant ";
+  const auto stiffness = [&](const std::string& plant) {
+    const auto result = run(device + plant);
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return nlohmann::json::parse(result.output).at("impedance").at("K_z1 [N/m]").get<double>();
+  };
+  const double closed = stiffness("closed-form"), real = stiffness("real");
+  CHECK(real != closed);
+  CHECK(real == Approx(closed).epsilon(0.2));
+  CHECK(stiffness("real --seed 2") != real);
+  CHECK(run(device + "ideal").status != 0);
+  const auto cartesian =
+      run("push --device '" + test::deviceFile("cartesian-6.toml") + "' --renderer impedance --plant real");
+  CHECK(cartesian.status == 1);
+  CHECK_THAT(cartesian.output, Contains("nothing is known of the drives of a Cartesian device"));
+}
+
 TEST_CASE("push: metrics under one name each as a table and as JSON, all renderers beside each other",
           "[push_command]") {
   const test::TemporaryFolder folder;
