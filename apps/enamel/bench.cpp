@@ -41,7 +41,7 @@ void addBench(CLI::App& app) {
   CLI::App* command = app.add_subcommand("bench", "Speed against error: one row a measurement, times in microseconds");
   command->add_option(
       "--filter", options->filter,
-      "only rows whose name contains this text; a group first (device, control, tick, collision, solid) "
+      "only rows whose name contains this text; a group first (device, control, tick, collision, solid, plant) "
       "measures only that one");
   command->add_option("--scale", options->scale, "multiplies the number of batches")
       ->check(CLI::Range(0.01, 100.0))

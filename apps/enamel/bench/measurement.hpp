@@ -88,5 +88,6 @@ std::vector<Measurement> measureControl(double scale);
 std::vector<Measurement> measureTick(double scale);
 std::vector<Measurement> measureCollision(double scale);
 std::vector<Measurement> measureSolid(double scale);
+std::vector<Measurement> measurePlant(double scale);
 
 }  // namespace enamel::bench

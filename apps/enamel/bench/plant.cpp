@@ -1,0 +1,60 @@
+// What a simulated second costs on each plant.
+#include <stdexcept>
+
+#include "bench/measurement.hpp"
+#include "bench/nominal_device.hpp"
+#include "enamel/device/device_file.hpp"
+#include "enamel/sim/real_plant.hpp"
+#ifdef ENAMEL_SIMBODY
+#include "enamel/multibody/multibody_plant.hpp"
+#endif
+
+namespace enamel::bench {
+namespace {
+
+constexpr double kPeriod = 1e-3;  // s
+
+// Where a second of 1 kHz ticks ends, on a spring in the workspace.
+DeviceState secondOf(Plant& plant) {
+  const auto spring = [](double, const Pose& pose, const Vec6& twist) {
+    Vec6 wrench = Vec6::Zero();
+    wrench.head<3>() = -300.0 * (pose.position - Vec3(0.003, -0.002, 0.004)) - 3.0 * twist.head<3>();
+    wrench.tail<3>() = -0.5 * rotationVector(pose.rotation) - 0.01 * twist.tail<3>();
+    return wrench;
+  };
+  Status status = plant.start(Pose());
+  for (int tick = 0; tick < 1000 && status == Status::ok; ++tick)
+    status = plant.advance(tick * kPeriod, kPeriod, plant.mechanism().home().gravity, spring);
+  if (status != Status::ok) throw std::logic_error("the plant left its workspace");
+  return plant.state();
+}
+
+}  // namespace
+
+std::vector<Measurement> measurePlant(double scale) {
+  const DeviceParameters device = nominalDevice();
+  const std::shared_ptr<const Mechanism> mechanism = makeMechanism(device);
+  ClosedFormPlant closed(*mechanism), fine(*mechanism, Integrator::rungeKutta4, 16);
+  const Vec3 end = secondOf(fine).position;
+  std::vector<Measurement> rows;
+  const auto add = [&](const std::string& name, Plant& plant, int calls) {
+    Measurement row;
+    row.name = name;
+    row.error = (secondOf(plant).position - end).norm();
+    row.errorOf = "last position, m, against 16 substeps";
+    const Timing timing = timeEachCall(std::max(3, static_cast<int>(calls * scale)), 1, [&](int) { secondOf(plant); });
+    row.median_us = timing.median_us;
+    row.p99_us = timing.p99_us;
+    rows.push_back(row);
+  };
+  add("a second, closed form", closed, 100);
+  RealPlant real(makeRealDevice(device, 1));
+  add("a second, real, without imperfections", real, 20);
+#ifdef ENAMEL_SIMBODY
+  MultibodyPlant multibody(device);
+  add("a second, multibody", multibody, 10);
+#endif
+  return rows;
+}
+
+}  // namespace enamel::bench
