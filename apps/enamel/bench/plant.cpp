@@ -12,7 +12,7 @@
 namespace enamel::bench {
 namespace {
 
-constexpr double kPeriod = 1e-3;  // s
+constexpr double kPlantPeriod = 1e-3;  // s
 
 // Where a second of 1 kHz ticks ends, on a spring in the workspace.
 DeviceState secondOf(Plant& plant) {
@@ -24,7 +24,7 @@ DeviceState secondOf(Plant& plant) {
   };
   Status status = plant.start(Pose());
   for (int tick = 0; tick < 1000 && status == Status::ok; ++tick)
-    status = plant.advance(tick * kPeriod, kPeriod, plant.mechanism().home().gravity, spring);
+    status = plant.advance(tick * kPlantPeriod, kPlantPeriod, plant.mechanism().home().gravity, spring);
   if (status != Status::ok) throw std::logic_error("the plant left its workspace");
   return plant.state();
 }
