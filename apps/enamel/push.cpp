@@ -24,7 +24,7 @@ struct PushOptions {
   std::string device, scene, gain, output, record;
   std::vector<std::string> renderers = {kPositionControl};
   std::string delay = "none", plant = kClosedForm;
-  bool guide = true, encoders = false, insideTick = false, json = false;
+  bool guide = true, arm = false, encoders = false, insideTick = false, json = false;
   PositionControlOptions servo;
   std::string rates;
   std::vector<std::string> set;
@@ -61,6 +61,7 @@ PushSetup setupOf(const PushOptions& options) {
     setup.person.normal = nearest.normal;
   }
   setup.person.guide = options.guide;
+  if (options.arm) setup.person.arm = kArm;
   if (options.insideTick) setup.person.instant = randomInstant(setup.seed, setup.run);
   setup.delay = parseDelay(options.delay);
   setup.encoders.quantised = options.encoders;
@@ -273,6 +274,7 @@ void addPush(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--inside-tick", options->insideTick,
                     "the step comes at a random instant inside its tick, not at its beginning");
+  command->add_flag("--arm", options->arm, "scenario 1 pushes through the mass of an arm and a grip (kArm, hand.hpp)");
   command->add_option("--noise", options->setup.person.noise, "standard deviation of the person's force, N")
       ->capture_default_str();
   flag("--guard", options->setup.guarded, "off: every torque passes, and loops are judged to their end");

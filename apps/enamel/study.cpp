@@ -50,6 +50,7 @@ void addStudy(CLI::App& app) {
   command
       ->add_option("--preload", options->preload, "pressed with this until the step of scenario 1, with the noise, N")
       ->capture_default_str();
+  command->add_flag("--arm", options->arm, "scenario 1 pushes through the mass of an arm and a grip (kArm, hand.hpp)");
   command->add_flag("--inside-tick", options->insideTick,
                     "every step of scenario 1 comes at a random instant inside its tick, not at its beginning");
   command->add_option("--guard", options->guard, "off: every torque passes, and loops are judged to their end")

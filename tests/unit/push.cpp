@@ -48,6 +48,35 @@ TEST_CASE("the wall's metrics at home are those of the specification", "[push]")
   CHECK(servo.metrics().faults == 0);
 }
 
+TEST_CASE("an arm brings its push late, and what its own stiffness leaves of it", "[push]") {
+  // Against a tool that does not move, in ticks and in steps a thousandth as long.
+  MovingArm arm(kArm), fine(kArm);
+  double late = 0.0;
+  for (int tick = 0; tick < 3000; ++tick) {
+    arm.move(12.0, 0.0, 0.0, 1e-3);
+    for (int i = 0; i < 1000; ++i) fine.move(12.0, 0.0, 0.0, 1e-6);
+    if (tick == 5) CHECK(arm.push(0.0, 0.0) < 6.0);
+    if (tick < 100) late = std::max(late, std::abs(arm.push(0.0, 0.0) - fine.push(0.0, 0.0)));
+  }
+  CHECK(late < 0.03 * 12.0);  // half a tick of its fastest turn, 60 rad/s
+  const double rest = 12.0 * kArm.grip.stiffness / (kArm.grip.stiffness + kArm.stiffness);
+  CHECK(arm.push(0.0, 0.0) == Approx(rest).epsilon(1e-9));
+
+  PushSetup setup;
+  setup.person.arm = kArm;
+  setup.person.noise = 0.0;
+  const TauMechanism device(test::nominal());
+  PositionControlRenderer hold = test::positionControl(test::asInThePaper());
+  const auto ticks = test::recordPush(device, hold, setup);
+  CHECK(-ticks[1003].person[2] < 3.0);
+  CHECK(-ticks.back().person[2] == Approx(rest).epsilon(1e-3));
+  setup.person.scenario = 2;
+  CHECK_THROWS_WITH(checkPush(setup), "an arm pushes in scenario 1 only");
+  setup.person.scenario = 1;
+  setup.person.arm->mass = 0.0;
+  CHECK_THROWS_WITH(checkPush(setup), Catch::Contains("the arm's mass is 0"));
+}
+
 TEST_CASE("scenario 2: the hand arrives where its force is F_c", "[push]") {
   // Positions and velocities are continuous, and the acceleration is the paper's in every phase.
   const double force = 11.0, a = force / 9.9;

@@ -22,6 +22,7 @@ struct StudyOptions {
   int runs = 20, grid = 11, threads = 0;
   std::uint64_t seed = 1;
   double preload = 0.0;     ///< N
+  bool arm = false;         ///< scenario 1 pushes through an arm
   bool insideTick = false;  ///< the step comes at a random instant of its tick
   bool encoders = false, resume = false;
   bool convergence = true, whole = true;  ///< what is done: speed against error of the integration, all else

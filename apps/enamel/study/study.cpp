@@ -143,6 +143,7 @@ Study prepareStudy(const StudyOptions& options) {
   plan.setup.seed = options.seed;
   plan.insideTick = options.insideTick;
   plan.setup.person.preload = options.preload;
+  if (options.arm) plan.setup.person.arm = kArm;
   plan.setup.delay = parseDelay(options.delay);
   plan.setup.guarded = options.guard;
   plan.setup.encoders.quantised = options.encoders;
@@ -264,6 +265,7 @@ Study prepareStudy(const StudyOptions& options) {
   m["duration [s]"] = setup.duration;
   m["noise [N]"] = setup.person.noise;
   m["preload [N]"] = setup.person.preload;
+  m["arm"] = options.arm;
   m["step inside its tick"] = plan.insideTick;
   m["release"] = options.release;
   m["guard"] = options.guard;

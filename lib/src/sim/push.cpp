@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "core/message.hpp"
-#include "enamel/sim/hand.hpp"
 
 namespace enamel {
 namespace {
@@ -16,18 +16,26 @@ constexpr double kLongestRun = 3600.0;            // s
 // The wrench of the person on the platform at the TCP.
 class PersonLoad {
  public:
-  PersonLoad(const Person& person, const Pose& start) noexcept : person_(person), start_(start) {}
+  PersonLoad(const Person& person, const Pose& start) noexcept : person_(person), start_(start) {
+    if (person.arm) arm_.emplace(*person.arm);
+  }
 
   /// Sets the parts that are held over a tick.
   void hold(double stepForce, double noise) noexcept { held_ = stepForce + noise; }
 
   /// Force against the normal.
   double force(double time, const Pose& pose, const Vec6& twist) const noexcept {
+    if (arm_) return arm_->push(way(pose), speed(twist));
     if (person_.scenario == 1) return held_;
     const HandMotion hand = handMotion(person_.force, time);
     const Vec3& n = person_.normal;
     const double spring = kPaperGrip.stiffness * (hand.position - n.dot(pose.position - start_.position));
     return held_ - spring - kPaperGrip.damping * (hand.velocity - n.dot(twist.head<3>()));
+  }
+
+  /// The arm, if any, after a tick that began so.
+  void moveArm(const Pose& pose, const Vec6& twist, double period) noexcept {
+    if (arm_) arm_->move(held_, way(pose), speed(twist), period);
   }
 
   Vec6 operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
@@ -38,9 +46,14 @@ class PersonLoad {
   }
 
  private:
+  // Against the normal.
+  double way(const Pose& pose) const noexcept { return -person_.normal.dot(pose.position - start_.position); }
+  double speed(const Vec6& twist) const noexcept { return -person_.normal.dot(twist.head<3>()); }
+
   Person person_;
   Pose start_;
   double held_ = 0.0;  // N
+  std::optional<MovingArm> arm_;
 };
 
 }  // namespace
@@ -74,6 +87,15 @@ void checkPush(const PushSetup& setup) {
   checkLoop(setup);
   const Person& p = setup.person;
   require(p.scenario == 1 || p.scenario == 2, "scenario is " + std::to_string(p.scenario) + ", must be 1 or 2");
+  if (p.arm) {
+    const Arm& a = *p.arm;
+    require(p.scenario == 1, "an arm pushes in scenario 1 only");
+    require(a.mass > 0.0 && std::isfinite(a.mass),
+            "the arm's mass is " + formatNumber(a.mass) + ", must be above 0 kg");
+    for (const double value : {a.damping, a.stiffness, a.grip.stiffness, a.grip.damping})
+      require(value >= 0.0 && std::isfinite(value),
+              "damping or stiffness of the arm is " + formatNumber(value) + ", must be at least 0");
+  }
   require(std::abs(p.normal.norm() - 1.0) <= 1e-6,
           "the normal of the push has the length " + formatNumber(p.normal.norm()) + ", must be 1");
   require(p.force >= 0.0 && p.force <= 1e3, "force is " + formatNumber(p.force) + ", must be in 0 to 1000 N");
@@ -105,7 +127,8 @@ PushResult runPush(std::unique_ptr<Plant> plant, const Mechanism& model, Rendere
     const double noise =
         pressed || i >= times.steady ? setup.person.noise * random.normal(RandomStream::Purpose::noise, i) : 0.0;
     const double before = pressed ? setup.person.preload : 0.0, after = setup.person.force;
-    const bool steps = setup.person.scenario == 1 && setup.person.instant > 0.0 && i == times.onset;
+    const bool steps =
+        setup.person.scenario == 1 && setup.person.instant > 0.0 && i == times.onset && !setup.person.arm;
     person.hold(setup.person.scenario == 1 ? (i >= times.onset && !steps ? after : before) : 0.0, noise);
     if (steps) {
       PersonLoad stepped = person;
@@ -115,6 +138,7 @@ PushResult runPush(std::unique_ptr<Plant> plant, const Mechanism& model, Rendere
       result.status = loop.tick(person, tick);
     }
     if (result.status != Status::ok) break;
+    person.moveArm(tick.pose, tick.twist, setup.period);
     ++result.ticks;
     record(tick, loop);
     if (isFault(tick.guard)) {

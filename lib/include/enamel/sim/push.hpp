@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
+#include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 
 namespace enamel {
@@ -21,6 +23,7 @@ struct Person {
   /// at rest on it, N. Scenario 1.
   double preload = 0.0;
   double instant = 0.0;         ///< of scenario 1's step, as a share of the tick in which it comes, in [0, 1)
+  std::optional<Arm> arm;       ///< through which scenario 1 pushes; none: the force is on the tool at once
   Vec3 normal = Vec3::UnitZ();  ///< n, outward, unit length, in W
   /// Keeps the TCP across n (100 N/m, 3.6 N s/m) and its orientation (0.5 N m/rad, 0.014 N m s/rad) about the start
   /// pose, as a hand does; without it the five free directions drift.
@@ -53,8 +56,8 @@ struct PushResult {
 };
 
 /// Checks a setup. Throws Error: as checkLoop(); a preload outside 0 to 1000 N; an instant outside [0, 1); a scenario
-/// other than 1 and 2; a normal not of unit length to 1e-6; a force or noise outside 0 to 1000 N; a duration outside 0
-/// to 1 h. Realtime: no.
+/// other than 1 and 2; an arm in scenario 2, or one whose mass is not positive or whose other numbers are negative; a
+/// normal not of unit length to 1e-6; a force or noise outside 0 to 1000 N; a duration outside 0 to 1 h. Realtime: no.
 void checkPush(const PushSetup& setup);
 
 /// Runs a push on a VirtualLoop, `record` once a tick, until its end or until the guard latches a fault. The renderer
