@@ -168,7 +168,7 @@ void run(const PushOptions& options) {
       const auto perTick = [&](const TickRecord& tick, const VirtualLoop& loop) {
         collector.add(tick);
         if (file) file->write(tick);
-        if (recording.empty()) return;
+        if (recording.empty() || tick.status == Status::stale) return;  // nothing came, nothing was computed
         if (!recorder) recorder.emplace(recording, header, loop.hapticTick());
         recorder->makeRoom();
         recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);

@@ -91,6 +91,10 @@ TEST_CASE("push: plants by name", "[push_command]") {
   CHECK(real == Approx(closed).epsilon(0.2));
   CHECK(stiffness("real --seed 2") != real);
   CHECK(run(device + "ideal").status != 0);
+  // Ticks at which nothing came from the device are none of a recording.
+  const test::TemporaryFolder folder;
+  REQUIRE(run(device + "real --record '" + (folder / "real.rec") + "'").status == 0);
+  CHECK_THAT(run("replay '" + (folder / "real.rec") + "'").output, Contains("equal, bit for bit"));
   const auto cartesian =
       run("push --device '" + test::deviceFile("cartesian-6.toml") + "' --renderer impedance --plant real");
   CHECK(cartesian.status == 1);
