@@ -52,7 +52,7 @@ std::vector<Measurement> measurePlant(double scale) {
   add("a second, real, without imperfections", real, 20);
 #ifdef ENAMEL_SIMBODY
   MultibodyPlant multibody(device);
-  add("a second, multibody", multibody, 10);
+  add("a second, multibody", multibody, 3);
 #endif
   return rows;
 }
