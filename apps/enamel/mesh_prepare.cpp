@@ -5,6 +5,7 @@
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
