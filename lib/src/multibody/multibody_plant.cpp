@@ -258,13 +258,13 @@ struct MultibodyPlant::Model {
     platform.setUToFitVelocity(state, SimTK::SpatialVec(~F.R() * turn, ~F.R() * way));
   }
 
-  DeviceState platform() const {
-    system.realize(state, SimTK::Stage::Velocity);
-    const SimTK::Transform& at = acting.platform.getBodyTransform(state);
+  DeviceState platformOf(const SimTK::State& moving) const {
+    system.realize(moving, SimTK::Stage::Velocity);
+    const SimTK::Transform& at = acting.platform.getBodyTransform(moving);
     DeviceState now;
     now.position = fromSim(at.p());
     now.orientation = Eigen::Quaternion<double>(fromSim(at.R()));
-    now.twist = fromSpatial(acting.platform.getBodyVelocity(state));
+    now.twist = fromSpatial(acting.platform.getBodyVelocity(moving));
     return now;
   }
 };
@@ -280,7 +280,7 @@ Status MultibodyPlant::start(const Pose& pose) {
   Kinematics k;
   if (const Status status = mechanism().reach(pose, Vec6::Zero(), false, k); status != Status::ok) return status;
   model_->set(k);
-  state_ = model_->platform();
+  state_ = model_->platformOf(model_->state);
   return Status::ok;
 }
 
@@ -298,14 +298,9 @@ Status MultibodyPlant::advance(double time, double duration, const JointVector& 
     m.integrator->initialize(m.state);
     while (m.integrator->getTime() < end)  // never beyond the tick, whose torque it knows
       if (m.integrator->stepTo(end, end) == SimTK::Integrator::EndOfSimulation) return Status::notConverged;
-    const SimTK::State before = m.state;
+    if (!isSlowEnough(m.platformOf(m.integrator->getAdvancedState()))) return Status::outOfRange;
     m.state = m.integrator->getAdvancedState();
-    const DeviceState now = m.platform();
-    if (!(now.twist.head<3>().norm() <= kFastest && now.twist.tail<3>().norm() <= kFastestTurn)) {
-      m.state = before;
-      return Status::outOfRange;
-    }
-    state_ = now;
+    state_ = m.platformOf(m.state);
   } catch (...) {  // Simbody's own exceptions, of steps that became too short
     return Status::notConverged;
   }
@@ -333,7 +328,7 @@ Status MultibodyPlant::accelerate(const Pose& pose, const Vec6& twist, const Joi
   m.acting.load = &load;
   m.system.realize(m.state, SimTK::Stage::Acceleration);
   acceleration = fromSpatial(m.acting.platform.getBodyAcceleration(m.state));
-  state_ = m.platform();
+  state_ = m.platformOf(m.state);
   return Status::ok;
 }
 

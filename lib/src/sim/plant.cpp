@@ -2,14 +2,22 @@
 
 namespace enamel {
 
-Status ClosedFormPlant::start(const Pose& pose) {
-  Kinematics kinematics;
-  if (const Status status = mechanism().reach(pose, Vec6::Zero(), false, kinematics); status != Status::ok)
-    return status;
+Status Plant::rest(const Pose& pose, Kinematics& kinematics) noexcept {
+  const Status status = mechanism_.reach(pose, Vec6::Zero(), false, kinematics);
+  if (status != Status::ok) return status;
   state_ = DeviceState();
   state_.position = pose.position;
   state_.orientation = pose.rotation;
   return Status::ok;
+}
+
+bool isSlowEnough(const DeviceState& state) noexcept {
+  return state.twist.head<3>().norm() <= kFastest && state.twist.tail<3>().norm() <= kFastestTurn;
+}
+
+Status ClosedFormPlant::start(const Pose& pose) {
+  Kinematics kinematics;
+  return rest(pose, kinematics);
 }
 
 Status ClosedFormPlant::advance(double time, double duration, const JointVector& torque, const Load& load) noexcept {
@@ -19,8 +27,7 @@ Status ClosedFormPlant::advance(double time, double duration, const JointVector&
     if (const Status s = stepMotion(integrator_, mechanism(), time + i * step, step, torque, load, state);
         s != Status::ok)
       return s;
-    if (!(state.twist.head<3>().norm() <= kFastest && state.twist.tail<3>().norm() <= kFastestTurn))
-      return Status::outOfRange;
+    if (!isSlowEnough(state)) return Status::outOfRange;
   }
   state_ = state;
   return Status::ok;

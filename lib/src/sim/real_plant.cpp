@@ -114,107 +114,94 @@ RealDevice makeRealDevice(const DeviceParameters& parameters, std::uint64_t seed
   return device;
 }
 
+RealPlant::State moved(const RealPlant::State& state, const RealPlant::Slope& slope, double h) noexcept {
+  RealPlant::State s = state;
+  s.link = detail::moved(state.link, slope.link, h);
+  s.rotors.angle += h * slope.speed;
+  s.rotors.speed += h * slope.acceleration;
+  return s;
+}
+
+RealPlant::Slope weighted(const RealPlant::Slope& k1, const RealPlant::Slope& k2, const RealPlant::Slope& k3,
+                          const RealPlant::Slope& k4) noexcept {
+  return {detail::weighted(k1.link, k2.link, k3.link, k4.link), k1.speed + 2.0 * (k2.speed + k3.speed) + k4.speed,
+          k1.acceleration + 2.0 * (k2.acceleration + k3.acceleration) + k4.acceleration};
+}
+
 Status RealPlant::start(const Pose& pose) {
   Kinematics kinematics;
-  if (const Status status = mechanism().reach(pose, Vec6::Zero(), false, kinematics); status != Status::ok)
-    return status;
-  state_ = DeviceState();
-  state_.position = pose.position;
-  state_.orientation = pose.rotation;
-  angle_ = kinematics.q + windUp(device_.imperfections, kinematics.gravity);
-  speed_ = presliding_ = JointVector::Zero(angle_.size());
-  current_ = kinematics.gravity;
+  if (const Status status = rest(pose, kinematics); status != Status::ok) return status;
+  rotors_.angle = kinematics.q + windUp(device_.imperfections, kinematics.gravity);
+  rotors_.speed = rotors_.presliding = JointVector::Zero(kinematics.q.size());
+  rotors_.current = kinematics.gravity;
   return Status::ok;
 }
 
 void RealPlant::read(const Kinematics&, JointVector& q, JointVector& rates) const noexcept {
-  q = angle_ + device_.offset;
-  rates = speed_;
+  q = rotors_.angle + device_.offset;
+  rates = rotors_.speed;
 }
 
 Status RealPlant::advance(double time, double duration, const JointVector& torque, const Load& load) noexcept {
   if (!(duration > 0.0)) return Status::ok;
   const double steps = std::ceil(duration / step_ - 1e-9), h = duration / steps;
-  State state{state_, angle_, speed_, current_, presliding_};
+  State state{state_, rotors_};
   for (int i = 0; i < steps; ++i) {
     if (const Status s = step(time + i * h, h, torque, load, state); s != Status::ok) return s;
-    if (!(state.link.twist.head<3>().norm() <= kFastest && state.link.twist.tail<3>().norm() <= kFastestTurn))
-      return Status::outOfRange;
+    if (!isSlowEnough(state.link)) return Status::outOfRange;
   }
   state_ = state.link;
-  angle_ = state.angle;
-  speed_ = state.speed;
-  current_ = state.current;
-  presliding_ = state.presliding;
+  rotors_ = state.rotors;
   return Status::ok;
 }
 
 // Current and friction after h at constant speeds.
-void RealPlant::relax(double h, const JointVector& command, State& state) const noexcept {
+void RealPlant::relax(double h, const JointVector& command, Rotors& rotors) const noexcept {
   const Imperfections& e = device_.imperfections;
   const double lag = e.currentBandwidth > 0.0 ? -std::expm1(-2.0 * M_PI * e.currentBandwidth * h) : 1.0;
   for (Eigen::Index i = 0; i < command.size(); ++i) {
     const double asked = e.torqueStep > 0.0 ? e.torqueStep * std::nearbyint(command[i] / e.torqueStep) : command[i];
-    state.current[i] += lag * (asked - state.current[i]);
-    const double limit = std::copysign(kPresliding, state.speed[i]);
-    state.presliding[i] = limit + (state.presliding[i] - limit) * std::exp(-std::abs(state.speed[i]) * h / kPresliding);
+    rotors.current[i] += lag * (asked - rotors.current[i]);
+    const double limit = std::copysign(kPresliding, rotors.speed[i]);
+    rotors.presliding[i] =
+        limit + (rotors.presliding[i] - limit) * std::exp(-std::abs(rotors.speed[i]) * h / kPresliding);
   }
 }
 
 // Of the motors, less friction.
-JointVector RealPlant::torqueOf(const State& state) const noexcept {
+JointVector RealPlant::torqueOf(const Rotors& rotors) const noexcept {
   const Imperfections& e = device_.imperfections;
-  JointVector torque = state.current;
+  JointVector torque = rotors.current;
   for (Eigen::Index i = 0; i < torque.size(); ++i)
-    torque[i] += (e.torqueRipple * torque[i] + e.cogging) * std::sin(e.periods * state.angle[i]) -
-                 e.coulombFriction * state.presliding[i] / kPresliding;
+    torque[i] += (e.torqueRipple * torque[i] + e.cogging) * std::sin(e.periods * rotors.angle[i]) -
+                 e.coulombFriction * rotors.presliding[i] / kPresliding;
   return torque;
 }
 
 Status RealPlant::step(double time, double h, const JointVector& command, const Load& load,
                        State& state) const noexcept {
-  relax(0.5 * h, command, state);
+  relax(0.5 * h, command, state.rotors);
   const Status status = isRigid() ? moveRigidly(time, h, load, state) : move(time, h, load, state);
-  relax(0.5 * h, command, state);
+  relax(0.5 * h, command, state.rotors);
   return status;
 }
 
 Status RealPlant::moveRigidly(double time, double h, const Load& load, State& state) const noexcept {
-  if (const Status s = stepRungeKutta4(mechanism(), time, h, torqueOf(state), load, state.link); s != Status::ok)
+  if (const Status s = stepRungeKutta4(mechanism(), time, h, torqueOf(state.rotors), load, state.link); s != Status::ok)
     return s;
   Kinematics kinematics;
   if (const Status s = mechanism().reach(state.link.pose(), state.link.twist, false, kinematics); s != Status::ok)
     return s;
-  state.angle = kinematics.q;
-  state.speed = kinematics.rates;
+  state.rotors.angle = kinematics.q;
+  state.rotors.speed = kinematics.rates;
   return Status::ok;
 }
 
 Status RealPlant::move(double time, double h, const Load& load, State& state) const noexcept {
-  const auto moved = [&state](const State& at, const Slope& slope, double by) {
-    State s = state;
-    s.link = detail::moved(state.link, slope.link, by);
-    s.angle += by * at.speed;
-    s.speed += by * slope.acceleration;
-    return s;
-  };
-  Slope k1, k2, k3, k4;
-  if (const Status s = slopeAt(time, state, load, k1); s != Status::ok) return s;
-  const State s2 = moved(state, k1, 0.5 * h);
-  if (const Status s = slopeAt(time + 0.5 * h, s2, load, k2); s != Status::ok) return s;
-  const State s3 = moved(s2, k2, 0.5 * h);
-  if (const Status s = slopeAt(time + 0.5 * h, s3, load, k3); s != Status::ok) return s;
-  const State s4 = moved(s3, k3, h);
-  if (const Status s = slopeAt(time + h, s4, load, k4); s != Status::ok) return s;
-  const double sixth = h / 6.0;
-  state.link.position += sixth * (k1.link.position + 2.0 * (k2.link.position + k3.link.position) + k4.link.position);
-  state.link.orientation.coeffs() +=
-      sixth * (k1.link.orientation + 2.0 * (k2.link.orientation + k3.link.orientation) + k4.link.orientation);
-  state.link.orientation.normalize();
-  state.link.twist += sixth * (k1.link.twist + 2.0 * (k2.link.twist + k3.link.twist) + k4.link.twist);
-  state.angle += sixth * (state.speed + 2.0 * (s2.speed + s3.speed) + s4.speed);
-  state.speed += sixth * (k1.acceleration + 2.0 * (k2.acceleration + k3.acceleration) + k4.acceleration);
-  return Status::ok;
+  const auto slopeAt = [&](double t, const State& s, Slope& slope) { return this->slopeAt(t, s, load, slope); };
+  const Status status = detail::rungeKutta4<Slope>(time, h, slopeAt, state);
+  if (status == Status::ok) state.link.orientation.normalize();
+  return status;
 }
 
 Status RealPlant::slopeAt(double time, const State& state, const Load& load, Slope& slope) const noexcept {
@@ -223,9 +210,10 @@ Status RealPlant::slopeAt(double time, const State& state, const Load& load, Slo
   if (const Status s = mechanism().reach(pose, state.link.twist, false, kinematics); s != Status::ok) return s;
   JointVector cable = kinematics.q;
   for (Eigen::Index i = 0; i < cable.size(); ++i)
-    cable[i] =
-        cableTorque(device_.imperfections, state.angle[i] - kinematics.q[i], state.speed[i] - kinematics.rates[i]);
-  slope.acceleration = (torqueOf(state) - cable) / device_.rotorInertia;
+    cable[i] = cableTorque(device_.imperfections, state.rotors.angle[i] - kinematics.q[i],
+                           state.rotors.speed[i] - kinematics.rates[i]);
+  slope.speed = state.rotors.speed;
+  slope.acceleration = (torqueOf(state.rotors) - cable) / device_.rotorInertia;
   return detail::slopeAt(mechanism(), time, state.link, cable, load, slope.link);
 }
 

@@ -14,16 +14,11 @@ const VirtualDeviceSetup& checked(const VirtualDeviceSetup& setup) {
   return setup;
 }
 
-std::unique_ptr<Plant> started(std::unique_ptr<Plant> plant, const Pose& start) {
+Kinematics started(Plant* plant, const Pose& start) {
   require(plant != nullptr, "a virtual device needs a plant");
-  const Status status = plant->start(start);
-  require(status == Status::ok, std::string("the start pose is ") + toString(status));
-  return plant;
-}
-
-Kinematics kinematicsOf(const Plant& plant) {
   Kinematics kinematics;
-  const Status status = plant.mechanism().reach(plant.state().pose(), Vec6::Zero(), false, kinematics);
+  Status status = plant->start(start);
+  if (status == Status::ok) status = plant->mechanism().reach(start, Vec6::Zero(), false, kinematics);
   require(status == Status::ok, std::string("the start pose is ") + toString(status));
   return kinematics;
 }
@@ -87,9 +82,9 @@ VirtualDevice::VirtualDevice(const Mechanism& mechanism, const VirtualDeviceSetu
 
 VirtualDevice::VirtualDevice(std::unique_ptr<Plant> plant, const VirtualDeviceSetup& setup)
     : setup_(checked(setup)),
-      plant_(started(std::move(plant), setup.start)),
+      plant_(std::move(plant)),
       random_(setup.seed, setup.run),
-      kinematics_(kinematicsOf(*plant_)),
+      kinematics_(started(plant_.get(), setup.start)),
       encoders_(setup.encoders, plant_->mechanism().limits().count, setup.period),
       motors_(setup.delay, kinematics_.gravity),
       torque_(kinematics_.gravity) {}

@@ -2,8 +2,6 @@
 // in a Mechanism; simulations of a real device take it (sim/real_plant.hpp).
 #pragma once
 
-#include <cstdint>
-
 namespace enamel {
 
 /// The table [imperfections] of a device file. Zero, the default, is ideal. Everything at the joint's side and the same

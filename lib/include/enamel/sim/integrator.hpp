@@ -56,6 +56,25 @@ inline DeviceState moved(const DeviceState& state, const DeviceSlope& slope, dou
   return s;
 }
 
+inline DeviceSlope weighted(const DeviceSlope& k1, const DeviceSlope& k2, const DeviceSlope& k3,
+                            const DeviceSlope& k4) noexcept {
+  return {k1.position + 2.0 * (k2.position + k3.position) + k4.position,
+          k1.orientation + 2.0 * (k2.orientation + k3.orientation) + k4.orientation,
+          k1.twist + 2.0 * (k2.twist + k3.twist) + k4.twist};
+}
+
+// Kutta's step for any state that moved() and weighted() are there for; `state` is unchanged where a slope has none.
+template <typename Slope, typename State, typename SlopeAt>
+Status rungeKutta4(double time, double dt, const SlopeAt& slopeAt, State& state) noexcept {
+  Slope k1, k2, k3, k4;
+  if (const Status s = slopeAt(time, state, k1); s != Status::ok) return s;
+  if (const Status s = slopeAt(time + 0.5 * dt, moved(state, k1, 0.5 * dt), k2); s != Status::ok) return s;
+  if (const Status s = slopeAt(time + 0.5 * dt, moved(state, k2, 0.5 * dt), k3); s != Status::ok) return s;
+  if (const Status s = slopeAt(time + dt, moved(state, k3, dt), k4); s != Status::ok) return s;
+  state = moved(state, weighted(k1, k2, k3, k4), dt / 6.0);
+  return Status::ok;
+}
+
 }  // namespace detail
 
 /// One step of the classical fourth-order Runge-Kutta method under constant joint torques (N m or N) and the wrench
@@ -69,18 +88,9 @@ template <typename Load>
   const auto slopeAt = [&](double t, const DeviceState& s, DeviceSlope& slope) {
     return detail::slopeAt(mechanism, t, s, torque, load, slope);
   };
-  const auto moved = [&state](const DeviceSlope& slope, double h) { return detail::moved(state, slope, h); };
-  DeviceSlope k1, k2, k3, k4;
-  if (const Status s = slopeAt(time, state, k1); s != Status::ok) return s;
-  if (const Status s = slopeAt(time + 0.5 * dt, moved(k1, 0.5 * dt), k2); s != Status::ok) return s;
-  if (const Status s = slopeAt(time + 0.5 * dt, moved(k2, 0.5 * dt), k3); s != Status::ok) return s;
-  if (const Status s = slopeAt(time + dt, moved(k3, dt), k4); s != Status::ok) return s;
-  const double sixth = dt / 6.0;
-  state.position += sixth * (k1.position + 2.0 * (k2.position + k3.position) + k4.position);
-  state.orientation.coeffs() += sixth * (k1.orientation + 2.0 * (k2.orientation + k3.orientation) + k4.orientation);
-  state.orientation.normalize();
-  state.twist += sixth * (k1.twist + 2.0 * (k2.twist + k3.twist) + k4.twist);
-  return Status::ok;
+  const Status status = detail::rungeKutta4<DeviceSlope>(time, dt, slopeAt, state);
+  if (status == Status::ok) state.orientation.normalize();
+  return status;
 }
 
 /// One step of the midpoint method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.

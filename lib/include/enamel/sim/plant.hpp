@@ -59,11 +59,17 @@ class Plant {
   const DeviceState& state() const noexcept { return state_; }
 
  protected:
+  /// state() at rest at a pose, and the mechanism there. Statuses of Mechanism::reach(); nothing is then changed.
+  [[nodiscard]] Status rest(const Pose& pose, Kinematics& kinematics) noexcept;
+
   DeviceState state_;
 
  private:
   const Mechanism& mechanism_;
 };
+
+/// Whether a state is within kFastest and kFastestTurn. Realtime: yes.
+bool isSlowEnough(const DeviceState& state) noexcept;
 
 /// The mechanism's own dynamics (Mechanism::accelerate()), integrated in pose and twist. Realtime: yes, if the load is.
 class ClosedFormPlant final : public Plant {

@@ -45,27 +45,32 @@ class RealPlant final : public Plant {
   void read(const Kinematics& truth, JointVector& q, JointVector& rates) const noexcept override;
 
  private:
+  struct Rotors {
+    JointVector angle, speed;         // th, w
+    JointVector current, presliding;  // m, z
+  };
   struct State {
     DeviceState link;
-    JointVector angle, speed;         // of the rotors
-    JointVector current, presliding;  // m, z
+    Rotors rotors;
   };
   struct Slope {
     DeviceSlope link;
-    JointVector acceleration;  // of the rotors
+    JointVector speed, acceleration;  // of the rotors
   };
+  friend State moved(const State& state, const Slope& slope, double h) noexcept;
+  friend Slope weighted(const Slope& k1, const Slope& k2, const Slope& k3, const Slope& k4) noexcept;
 
   bool isRigid() const noexcept { return device_.imperfections.cableStiffness == 0.0; }
   Status step(double time, double h, const JointVector& command, const Load& load, State& state) const noexcept;
-  void relax(double h, const JointVector& command, State& state) const noexcept;
+  void relax(double h, const JointVector& command, Rotors& rotors) const noexcept;
   Status moveRigidly(double time, double h, const Load& load, State& state) const noexcept;
   Status move(double time, double h, const Load& load, State& state) const noexcept;
   Status slopeAt(double time, const State& state, const Load& load, Slope& slope) const noexcept;
-  JointVector torqueOf(const State& state) const noexcept;
+  JointVector torqueOf(const Rotors& rotors) const noexcept;
 
   RealDevice device_;
   double step_;
-  JointVector angle_, speed_, current_, presliding_;
+  Rotors rotors_;
 };
 
 }  // namespace enamel
