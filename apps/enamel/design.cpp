@@ -26,7 +26,7 @@ struct DesignOptions {
   double rate = 1000.0;
   ServoWeights weights;
   std::vector<double> at{0.0, 0.0, 0.0};
-  bool tune = false, surface = false;
+  bool tune = false, surface = false, rivals = false;
   std::string delay = "0";
   SurfaceDesignOptions search;
   TuneRequirements required;
@@ -184,12 +184,12 @@ void writeImpedanceMap(const DesignOptions& options, const Device& device) {
 void run(DesignOptions options) {
   const bool bare = options.delay.find_first_not_of("0123456789") == std::string::npos;
   const Delay delay = parseDelay(bare ? "constant:" + options.delay : options.delay);
-  if (options.surface) {
+  if (options.surface || options.rivals) {
     SurfaceDesignOptions& search = options.search;
     search.device = options.device;
     search.period = 1.0 / options.rate;
     search.delay = delay;
-    const std::string file = designSurface(search);
+    const std::string file = options.surface ? designSurface(search) : designRivals(search);
     if (!options.output.empty()) writeFile(options.output, file);
     return;
   }
@@ -257,6 +257,11 @@ void addDesign(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--surface", options->surface,
                     "the contact-space servo instead, found by simulation of its loop (minutes)");
+  command
+      ->add_flag("--rivals", options->rivals,
+                 "the laws that the servo is compared with, by the same search at every delay (an hour);\n"
+                 "--output writes the values for --laws of study")
+      ->excludes("--surface");
   command
       ->add_option("--inertia-error", options->search.inertiaError,
                    "--surface: the model's inertia may be wrong by this share")

@@ -6,8 +6,8 @@
 
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/surface_file.hpp"
+#include "enamel/study/laws.hpp"
 #include "enamel/study/parallel.hpp"
-#include "enamel/study/surface_design.hpp"
 
 namespace enamel::app {
 namespace {
@@ -19,18 +19,15 @@ void printHead() {
              "chatter", "bounce um", "impact um", "ramp um", "deepest um", "lost");
 }
 
-void printScore(const std::string& name, const SurfaceScore& s) {
+void printScore(const std::string& name, const WallScore& s) {
   fmt::print("{:<12} {:>9.0f} {:>8.1f} {:>8.1f} {:>9.4f} {:>10.0f} {:>10.0f} {:>8.0f} {:>10.0f} {:>5}\n", name,
              s.stiffness, 100.0 * s.share, 100.0 * s.lowestShare, s.chatter, 1e6 * s.bounce, 1e6 * s.impact,
              1e6 * s.ramp, 1e6 * s.deepest, s.lost);
   std::fflush(stdout);
 }
 
-}  // namespace
-
-std::string designSurface(const SurfaceDesignOptions& options) {
-  const int threads = options.threads > 0 ? options.threads : availableThreads();
-  SurfaceDesignSetup setup;
+WallDesignSetup setupOf(const SurfaceDesignOptions& options) {
+  WallDesignSetup setup;
   setup.plant = makeMechanism(loadDevice(options.device));
   setup.period = options.period;
   setup.delay = options.delay;
@@ -38,39 +35,102 @@ std::string designSurface(const SurfaceDesignOptions& options) {
   setup.halfWidth = options.halfWidth;
   setup.chatter = options.chatter > 0.0 ? options.chatter : 0.025 * setup.plant->limits().torque.minCoeff();
   setup.seed = options.seed;
-  setup = withinMotors(setup);
-  const SurfaceServoOptions start =
-      surfaceServoFor(setup.plant->limits().count, options.period, options.delay.low, options.delay.high);
+  return withinMotors(setup);
+}
 
-  fmt::print("surface servo for {}: delay {}..{} ticks of {:.6g} s, inertia wrong by up to {:.0f} %\n",
-             setup.plant->name(), options.delay.low, options.delay.high, options.period, 100.0 * options.inertiaError);
+int threadsOf(const SurfaceDesignOptions& options) {
+  return options.threads > 0 ? options.threads : availableThreads();
+}
+
+void printTask(const WallDesignSetup& setup) {
   fmt::print(
       "pushes of {:.4g} to {:.4g} N inside a tick after {:.4g} N, at the wall's centre and corners; encoders, noise "
       "{:.4g} N\n'% limit': K_z1 as a share of what physics allows, lowest of the points' means; '% worst': lowest "
       "run\n\n",
       setup.lowestForce, setup.highestForce, setup.preload, setup.noise);
   printHead();
-  const SurfaceServoOptions best =
-      designSurfaceServo(setup, start, options.generations, threads, [](int generation, const SurfaceScore& score) {
+}
+
+std::string ticksText(const Delay& delay) {
+  return delay.low == delay.high ? fmt::format("{}", delay.low) : fmt::format("{}..{}", delay.low, delay.high);
+}
+
+}  // namespace
+
+std::string designSurface(const SurfaceDesignOptions& options) {
+  const int threads = threadsOf(options);
+  const WallDesignSetup setup = setupOf(options);
+  const SurfaceServoOptions start =
+      surfaceServoFor(setup.plant->limits().count, options.period, options.delay.low, options.delay.high);
+
+  fmt::print("surface servo for {}: delay {}..{} ticks of {:.6g} s, inertia wrong by up to {:.0f} %\n",
+             setup.plant->name(), options.delay.low, options.delay.high, options.period, 100.0 * options.inertiaError);
+  printTask(setup);
+  const Law law = surfaceServoLaw(start);
+  const auto servo = [&law, &setup](const std::vector<double>& values) {
+    return law.with({setup.plant, setup.period, setup.delay}, values);
+  };
+  std::vector<double> first;
+  for (const LawParameter& p : law.parameters) first.push_back(p.start);
+  const std::vector<double> found =
+      designLaw(setup, law, first, options.generations, threads, [](int generation, const WallScore& score) {
         if (generation % 10 == 0) printScore(fmt::format("search {}", generation), score);
       });
+  const SurfaceServoOptions best = surfaceServoWith(start, found);
 
   // The trade-off: stiffer or quieter by the observer's trust in the push's constancy.
-  SurfaceDesignSetup judged = setup;
+  WallDesignSetup judged = setup;
   judged.runs = 3 * setup.runs;
   fmt::print("\non new random numbers, and with another `wander` (what the observer expects of the push):\n");
   printHead();
   for (const double factor : {0.25, 0.5, 2.0, 4.0}) {
-    SurfaceServoOptions other = best;
-    other.wander *= factor;
-    printScore(fmt::format("wander x {}", factor), judgeSurfaceServo(judged, other, kFinalTrial, threads));
+    std::vector<double> other = found;
+    for (std::size_t i = 0; i < other.size(); ++i)
+      if (law.parameters[i].name == "wander") other[i] *= factor;
+    printScore(fmt::format("wander x {}", factor), judgeWall(judged, servo(other), kFinalTrial, threads));
   }
-  printScore("start", judgeSurfaceServo(judged, start, kFinalTrial, threads));
-  printScore("this servo", judgeSurfaceServo(judged, best, kFinalTrial, threads));
+  printScore("start", judgeWall(judged, servo(first), kFinalTrial, threads));
+  printScore("this servo", judgeWall(judged, servo(found), kFinalTrial, threads));
   fmt::print("\n");
   for (const SurfaceServoParameter& p : surfaceServoParameters())
     fmt::print("{:<17} {:.6g}{}\n", p.name, best.*p.value, p.unit);
   return surfaceServoText({std::filesystem::path(options.device).filename().string(), best});
+}
+
+std::string designRivals(const SurfaceDesignOptions& options) {
+  const int threads = threadsOf(options);
+  WallDesignSetup setup = setupOf(options);
+  fmt::print("rivals on {}, each at its best after {} generations, on new random numbers\n", setup.plant->name(),
+             options.generations);
+  printTask(setup);
+  std::vector<LawValues> found;
+  for (const Delay& delay : {Delay{0, 0}, Delay{1, 1}, Delay{2, 2}, Delay{3, 3}, Delay{0, 3}}) {
+    setup.delay = delay;
+    fmt::print("delay {}\n", ticksText(delay));
+    const auto print = [&](const std::string& name, const MakeRenderer& make) {
+      WallDesignSetup judged = setup;
+      judged.runs = 3 * setup.runs;
+      printScore(name, judgeWall(judged, make, kFinalTrial, threads));
+    };
+    for (const Law& law : rivalLaws()) {
+      std::vector<double> start;
+      for (const LawParameter& p : law.parameters) start.push_back(p.start);
+      LawValues values{law.name, delay.low, delay.high, {}};
+      values.values = designLaw(setup, law, start, options.generations, threads, {});
+      print(law.name, law.with({setup.plant, setup.period, delay}, values.values));
+      std::string text;
+      for (std::size_t i = 0; i < start.size(); ++i)
+        text += fmt::format("  {} {:.4g} {}", law.parameters[i].name, values.values[i], law.parameters[i].unit);
+      fmt::print("            {}\n", text);
+      found.push_back(std::move(values));
+    }
+    const Law servo =
+        surfaceServoLaw(surfaceServoFor(setup.plant->limits().count, options.period, delay.low, delay.high));
+    std::vector<double> shipped;
+    for (const LawParameter& p : servo.parameters) shipped.push_back(p.start);
+    print(servo.name, servo.with({setup.plant, setup.period, delay}, shipped));
+  }
+  return lawsText(std::filesystem::path(options.device).filename().string(), found);
 }
 
 }  // namespace enamel::app

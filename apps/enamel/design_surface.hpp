@@ -1,4 +1,5 @@
-// `enamel design --surface`: the contact-space servo, found by simulation of the loop that it runs in.
+// `enamel design --surface` and `--rivals`: the contact-space servo and the laws it is compared with, each found by
+// the same simulation of the loop that it runs in.
 #pragma once
 
 #include <cstdint>
@@ -20,5 +21,9 @@ struct SurfaceDesignOptions {
 
 /// Searches, prints the trade-off and how the servo does on new random numbers; returns the servo's file. Throws Error.
 std::string designSurface(const SurfaceDesignOptions& options);
+
+/// The same for every rivalLaws() and delays of 0, 1, 2, 3 and 0..3 ticks (`delay` is not read); returns the file of
+/// their values. Throws Error.
+std::string designRivals(const SurfaceDesignOptions& options);
 
 }  // namespace enamel::app

@@ -8,7 +8,7 @@
 
 namespace enamel::app {
 
-std::vector<std::string> plantNames() { return {kClosedForm, kMultibody, kReal}; }
+std::vector<std::string> plantNames() { return {kClosedForm, kMultibody, kReal, kRealStiff}; }
 
 MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
   if (plant == kMultibody) {
@@ -18,13 +18,15 @@ MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, 
     throw Error("--plant multibody: this enamel was built without Simbody (Debian: libsimbody-dev)");
 #endif
   }
-  if (plant != kReal) return {};
-  (void)makeRealDevice(parameters, setup.seed);  // refuses what it cannot be made of
-  const Imperfections& imperfections = imperfectionsOf(parameters);
+  if (plant != kReal && plant != kRealStiff) return {};
+  DeviceParameters real = parameters;
+  if (plant == kRealStiff) stiffenCables(real);
+  const Imperfections& imperfections = imperfectionsOf(real);
+  (void)makeRealDevice(real, setup.seed);  // refuses what it cannot be made of
   setup.jitter = imperfections.jitter;
   setup.lostSamples = imperfections.lostSamples;
-  return [parameters, seed = setup.seed](std::uint32_t stream) {
-    return std::make_unique<RealPlant>(makeRealDevice(parameters, seed, stream));
+  return [real, seed = setup.seed](std::uint32_t stream) {
+    return std::make_unique<RealPlant>(makeRealDevice(real, seed, stream));
   };
 }
 

@@ -14,14 +14,16 @@ namespace enamel::app {
 inline constexpr const char* kClosedForm = "closed-form";
 inline constexpr const char* kMultibody = "multibody";
 inline constexpr const char* kReal = "real";
+inline constexpr const char* kRealStiff = "real-stiff";
 
 /// What --plant can be.
 std::vector<std::string> plantNames();
 
 /// Its help.
 inline constexpr const char* kPlantHelp =
-    "closed-form: the mechanism's own dynamics; multibody: the same device in Simbody, some 200 times slower; real: with the [imperfections] of its file, for every run another "
-    "device within its tolerances";
+    "closed-form: the mechanism's own dynamics; multibody: the same device in Simbody, some 200 times slower; real: "
+    "with the [imperfections] of its file, for every run another "
+    "device within its tolerances; real-stiff: the same, but its cables do not give";
 
 /// Makes the plant of a run by the number of its random stream; any thread.
 using MakePlant = std::function<std::unique_ptr<Plant>(std::uint32_t stream)>;

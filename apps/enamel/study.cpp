@@ -1,10 +1,44 @@
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
 #include <memory>
+#include <tuple>
 
 #include "commands.hpp"
+#include "enamel/core/error.hpp"
 #include "study/options.hpp"
 
 namespace enamel::app {
+namespace {
+
+std::pair<int, int> parsePart(const std::string& text) {
+  int part = 0, parts = 0, end = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%n", &part, &parts, &end) != 2 || end != static_cast<int>(text.size()) ||
+      part < 1 || part > parts || parts > 100000)
+    throw Error("--part is \"" + text + "\", must be I/N with I in 1 to N");
+  return {part, parts};
+}
+
+// What --judge takes where nothing else is said.
+void prepareJudge(const CLI::App& command, StudyOptions& options) {
+  const auto unless = [&command](const char* name, auto& value, auto otherwise) {
+    if (command.count(name) == 0) value = otherwise;
+  };
+  unless("--grid", options.grid, 3);
+  unless("--runs", options.runs, 10);
+  unless("--preload", options.preload, 1.0);
+  unless("--renderers", options.renderers,
+         std::vector<std::string>{kPositionControl, kHold, "tuned:hold", "tuned:hold-delay", "tuned:virtual-coupling",
+                                  "tuned:passivity", "tuned:impedance", kEdge, kImpedance});
+  unless("--device-damping", options.deviceDamping, std::vector<std::string>{"impedance=4", std::string(kEdge) + "=4"});
+  options.encoders = options.insideTick = true;
+  for (const char* name : {"--plant", "--delay"})
+    if (command.count(name) > 0) throw Error(std::string(name) + " is not for --judge: " + name + "s is");
+}
+
+}  // namespace
 
 void addStudy(CLI::App& app) {
   auto options = std::make_shared<StudyOptions>();
@@ -21,7 +55,8 @@ void addStudy(CLI::App& app) {
       ->add_option(
           "--renderers", options->renderers,
           "separated by commas; passivity: impedance under a time-domain passivity controller; hold-scheduled: hold "
-          "with a servo designed at every query point; also names and paths of plugins")
+          "with a servo designed at every query point; tuned:LAW: a rival with the values of --laws; impedance-edge: a "
+          "spring at four times the rate, as stiff as eq. 16 allows; also names and paths of plugins")
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("--set", options->set, "parameter of the plugins that have it, KEY=VALUE; may be given again")
@@ -42,6 +77,7 @@ void addStudy(CLI::App& app) {
   command->add_option("--gain", options->gain,
                       "file of a servo for every query point: of enamel design --surface for position-control, of "
                       "enamel design for hold; without it, as found for the TAU and as designed at home");
+  command->add_option("--laws", options->laws, "file of enamel design --rivals, for tuned:LAW");
   command
       ->add_option("--delay", options->delay,
                    "of the command, ticks: none, constant:D or random:A..B; position-control is told")
@@ -60,6 +96,25 @@ void addStudy(CLI::App& app) {
                     "the hold ends when the wall would pull, as in enamel push; without it never, as in the paper");
   command->add_option("--seed", options->seed, "of everything random")->capture_default_str();
   command->add_option("--threads", options->threads, "without it, one a core; the result does not depend on it");
+  command->add_option_function<std::string>(
+      "--part", [options](const std::string& text) { std::tie(options->part, options->parts) = parsePart(text); },
+      "I/N: performs the I-th of N parts of the runs; the process that ends last joins them. Under Open MPI "
+      "(mpirun -n N enamel study ...) every process takes its own");
+  auto* judge = command->add_flag("--judge", options->judge,
+                                  "every law and rival on every plant at every delay, with encoders, a preload of 1 N, "
+                                  "steps inside the tick, on 3 x "
+                                  "3 points x 10 runs unless said otherwise: one page that ranks them");
+  command
+      ->add_option("--plants", options->plants,
+                   "--judge: closed-form,real-stiff,real unless given; multibody takes hours")
+      ->delimiter(',')
+      ->check(CLI::IsMember(plantNames()))
+      ->needs(judge);
+  command
+      ->add_option("--delays", options->delays,
+                   "--judge: none,constant:1,constant:2,constant:3,random:0..3 unless given")
+      ->delimiter(',')
+      ->needs(judge);
   CLI::Option* only =
       command->add_flag("--convergence{false}", options->whole, "measure speed against error of the integration only");
   command
@@ -68,7 +123,13 @@ void addStudy(CLI::App& app) {
       ->excludes(only);
   command->add_flag("--resume", options->resume, "continue the study in the folder");
   command->add_option("--output", options->output, "folder for the results")->required();
-  command->callback([options] { runStudy(*options); });
+  command->callback([options, command] {
+    if (options->judge) prepareJudge(*command, *options);
+    if (const char* size = std::getenv("OMPI_COMM_WORLD_SIZE"); size != nullptr && command->count("--part") == 0)
+      std::tie(options->part, options->parts) =
+          parsePart(fmt::format("{}/{}", 1 + std::atoi(std::getenv("OMPI_COMM_WORLD_RANK")), size));
+    runStudy(*options);
+  });
 }
 
 }  // namespace enamel::app

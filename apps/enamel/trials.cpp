@@ -9,7 +9,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/study/parallel.hpp"
-#include "enamel/study/surface_design.hpp"
+#include "enamel/study/wall_design.hpp"
 #include "enamel/study/wall_trials.hpp"
 #include "plugin_folder.hpp"
 #include "renderers.hpp"

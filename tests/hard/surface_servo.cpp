@@ -15,7 +15,7 @@
 #include "enamel/render/impedance.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
-#include "enamel/study/surface_design.hpp"
+#include "enamel/study/wall_design.hpp"
 #include "enamel/study/wall_trials.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"

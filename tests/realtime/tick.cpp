@@ -2,6 +2,7 @@
 #include "enamel/render/tick.hpp"
 
 #include "enamel/render/passivity.hpp"
+#include "enamel/render/virtual_coupling.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 #include "support/allocation_counter.hpp"
@@ -32,10 +33,15 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
   ImpedanceRenderer spring({6000.0, 0.0});
   PassivityRenderer passive(std::make_unique<ImpedanceRenderer>(ImpedanceOptions{6000.0, 0.0}));
   SurfaceServoRenderer servo = test::surfaceServo(device, 0, 3);
+  VirtualCouplingRenderer coupling({3000.0, 2.0, 0.02});
+  PositionControlOptions late;
+  late.commandGain = Eigen::MatrixXd::Constant(6, 12, 1e-3);
+  PositionControlRenderer foreseeing = test::positionControl(late);
   Heavy heavy;
   for (Renderer* renderer :
        {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring),
-        static_cast<Renderer*>(&passive), static_cast<Renderer*>(&heavy)}) {
+        static_cast<Renderer*>(&passive), static_cast<Renderer*>(&coupling), static_cast<Renderer*>(&foreseeing),
+        static_cast<Renderer*>(&heavy)}) {
     HapticTick tick(device, wall, Tool(), *renderer, 1e-3);
     Encoders encoders({true, RateSource::lowPass, 100.0}, device.limits().count, 1e-3);
     const RandomStream stream(1, 0);

@@ -2,6 +2,7 @@
 
 #include "enamel/control/discretise.hpp"
 #include "enamel/control/margins.hpp"
+#include "enamel/control/riccati.hpp"
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
 #include "support/control_systems.hpp"
@@ -43,6 +44,31 @@ TEST_CASE("a common factor of all weights changes nothing") {
   const ServoDesign one = designServo(referencePlant(), 1e-3, ServoWeights{});
   const ServoDesign other = designServo(referencePlant(), 1e-3, {1e-5, 1e-2, 1e2, 1e-5});
   CHECK(relativeError(other.K, one.K) < 1e-12);
+}
+
+TEST_CASE("the servo for a delay is the optimal one of the plant with the commands under way") {
+  const StateSpace plant{(Eigen::Matrix2d() << -0.5, -40.0, 1.0, 0.0).finished(), Eigen::Vector2d(2.0, 0.0)};
+  const ServoDesign design = designServo(plant, 1e-2, {1.0, 1e2, 1e3, 1.0});
+  for (const int delay : {1, 2, 3}) {
+    // x(j + 1) = A x + B c_d, c_(i + 1) (j + 1) = c_i, c_1 (j + 1) = u.
+    const Eigen::Index n = 3 + delay;
+    MatrixXd A = MatrixXd::Zero(n, n), B = MatrixXd::Zero(n, 1);
+    A.topLeftCorner(3, 3) = design.augmented.A;
+    A.block(0, n - 1, 3, 1) = design.augmented.B;
+    for (Eigen::Index i = 4; i < n; ++i) A(i, i - 1) = 1.0;
+    B(3, 0) = 1.0;
+    VectorXd q = VectorXd::Zero(n);
+    q.head(3) << 1.0, 1e2, 1e3;
+    const MatrixXd optimal = solveRiccati(A, B, q.asDiagonal(), MatrixXd::Identity(1, 1)).K;
+    const DelayedServo servo = servoForDelay(design, delay);
+    MatrixXd K(1, n);
+    K << servo.K, servo.commandGain;
+    CHECK(relativeError(K, optimal) < 1e-9);  // of two solutions of Riccati's equation
+    CHECK(spectralRadius(A - B * K) < 1.0);
+  }
+  CHECK(servoForDelay(design, 0).K == design.K);
+  CHECK(servoForDelay(design, 0).commandGain.size() == 0);
+  CHECK_THROWS_AS(servoForDelay(design, -1), DesignError);
 }
 
 TEST_CASE("integrals: xi' = -q, and the running loop updates them as a tick does") {

@@ -15,6 +15,7 @@ namespace enamel::test_study_command {
 
 namespace {
 
+using Catch::Matchers::Contains;
 using test::runAlone;
 
 const bool kLong = std::getenv("ENAMEL_LONG") != nullptr;
@@ -441,6 +442,81 @@ TEST_CASE("study: convergence finds the default", "[study_command]") {
   const std::string table = file(folder, "speed", "convergence.csv");
   CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 3 * 4);
   CHECK(file(folder, "speed", "convergence.html").find("Speed against error") != std::string::npos);
+}
+
+TEST_CASE("study: parts in any order, also interrupted, give the bytes of the whole", "[study_command]") {
+  const test::TemporaryFolder folder;
+  const std::string small = "--renderers impedance,hold --scenario 1,2 --grid 2 --runs 3 --delay random:0..2 ";
+  REQUIRE(runAlone(study(folder, "whole", small)).status == 0);
+  for (const int part : {3, 1}) {
+    const auto result = runAlone(study(folder, "parts", small + "--part " + std::to_string(part) + "/3"));
+    REQUIRE(result.status == 0);
+    CHECK_THAT(result.output, Contains("part " + std::to_string(part) + " of 3 is done"));
+    CHECK_FALSE(std::filesystem::exists(folder / "parts/runs.csv"));
+  }
+  // What a killed process leaves: a part of a line.
+  const std::string first = folder / "parts/runs-1-of-3.csv";
+  const std::string lines = test::readFile(first);
+  test::writeFile(first, lines.substr(0, lines.size() / 2));
+  CHECK_THAT(runAlone(study(folder, "parts", small + "--part 2/3")).output, Contains("part 2 of 3 is done"));
+  CHECK_FALSE(std::filesystem::exists(folder / "parts/runs.csv"));
+  REQUIRE(runAlone(study(folder, "parts", small + "--part 1/3")).status == 0);
+  CHECK(test::readFile(first) == lines);
+  for (const char* which : {"runs.csv", "points.csv", "summary.json", "study.json", "report.html"})
+    CHECK(file(folder, "parts", which) == file(folder, "whole", which));
+
+  CHECK_THAT(runAlone(study(folder, "parts", small + "--seed 2 --part 1/3")).output, Contains("another study"));
+  for (const char* bad : {"0/3", "4/3", "1", "1/3x"})
+    CHECK_THAT(runAlone(study(folder, "bad", small + "--part " + bad)).output, Contains("--part"));
+  // Under Open MPI a process takes the part of its rank.
+  const auto ranked = test::runCommand("OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=1 '" ENAMEL_TOOL "' " +
+                                       study(folder, "ranked", small));
+  CHECK_THAT(ranked.output, Contains("part 2 of 2 is done"));
+}
+
+TEST_CASE("study --judge: ranks computed from the runs, the same bytes in parts", "[study_command]") {
+  const test::TemporaryFolder folder;
+  const std::string laws = folder / "laws.json";
+  test::writeFile(laws, R"({"model": "tau", "laws": [
+    {"law": "impedance", "delay": [0, 0], "stiffness": 10000, "damping": 100},
+    {"law": "hold-delay", "delay": [2, 2], "rate weight": 1, "position weight": 1000, "integral weight": 1e7},
+    {"law": "impedance", "delay": [2, 2], "stiffness": 800, "damping": 20},
+    {"law": "hold-delay", "delay": [0, 0], "rate weight": 1, "position weight": 1000, "integral weight": 1e7}]})");
+  const std::string small = "study --judge --device '" + test::deviceFile("tau-detailed.toml") + "' --laws '" + laws +
+                            "' --plants closed-form,real-stiff --delays none,constant:2 --grid 1 --runs 2 --scenario 1 "
+                            "--renderers position-control,tuned:impedance,tuned:hold-delay,impedance-edge,impedance ";
+  const auto judge = [&](const std::string& name, const std::string& more) {
+    return runAlone(small + "--output '" + (folder / name) + "' " + more);
+  };
+  const auto whole = judge("whole", "");
+  INFO(whole.output);
+  REQUIRE(whole.status == 0);
+  CHECK_THAT(whole.output, Contains("On the ideal device: position control ranks first at 2 of 2 delays"));
+  const std::string table = file(folder, "whole", "judge.csv"), page = file(folder, "whole", "judge.html");
+  CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 2 * 2 * 5);
+  std::istringstream lines(table);
+  std::string line;
+  std::getline(lines, line);
+  double ranks = 0.0;
+  while (std::getline(lines, line)) ranks += std::stod(line.substr(line.rfind(',') + 1));
+  CHECK(ranks == Approx(2 * 2 * 15.0));  // 1 + 2 + 3 + 4 + 5 at every plant and delay, whatever is equal
+  for (const char* part : {"<svg", "Welch", "Table IV", "hold that foresees the delay", "at the edge of eq. 16"})
+    CHECK_THAT(page, Contains(part));
+  CHECK_THAT(page, !Contains("nan") && !Contains("inf,"));
+  REQUIRE(judge("parts", "--part 2/2").status == 0);
+  CHECK_FALSE(std::filesystem::exists(folder / "parts/judge.html"));
+  REQUIRE(judge("parts", "--part 1/2 --threads 1").status == 0);
+  CHECK(file(folder, "parts", "judge.html") == page);
+  CHECK(file(folder, "parts", "judge.csv") == table);
+
+  const auto refused = [&](const std::string& more, const std::string& why) {
+    const auto result = judge("bad", more);
+    CHECK(result.status != 0);
+    CHECK_THAT(result.output, Contains(why));
+  };
+  refused("--delays constant:1", "has no impedance for a delay of 1 to 1 ticks");
+  refused("--plant real", "--plants");
+  refused("--device-damping impedance=4", "impedance-edge needs device damping");
 }
 
 }  // namespace enamel::test_study_command

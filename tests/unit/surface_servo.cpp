@@ -9,7 +9,7 @@
 #include "enamel/render/surface_file.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
-#include "enamel/study/surface_design.hpp"
+#include "enamel/study/laws.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/mechanisms.hpp"
@@ -65,17 +65,18 @@ struct FirmHand {
   }
 };
 
-SurfaceDesignSetup judged(int delayLow, int delayHigh) {
-  SurfaceDesignSetup setup;
+WallDesignSetup judged(int delayLow, int delayHigh) {
+  WallDesignSetup setup;
   setup.plant = tau();
   setup.delay = {delayLow, delayHigh};
   setup.runs = test::count(9, 60);
   return setup;
 }
 
-SurfaceScore judge(const SurfaceDesignSetup& setup) {
-  return judgeSurfaceServo(
-      setup, surfaceServoFor(setup.plant->limits().count, kPeriod, setup.delay.low, setup.delay.high), 7, 2);
+WallScore judge(const WallDesignSetup& setup) {
+  const auto options = surfaceServoFor(setup.plant->limits().count, kPeriod, setup.delay.low, setup.delay.high);
+  return judgeWall(
+      setup, [options] { return std::make_unique<SurfaceServoRenderer>(options); }, 7, 2);
 }
 
 }  // namespace
@@ -86,9 +87,9 @@ TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[
   const double stiffness[] = {200e3, 70e3, 34e3, 18e3}, ramp[] = {30e-6, 75e-6, 140e-6, 250e-6};
   for (int delay = 0; delay <= 3; ++delay)
     for (const double error : {0.0, 0.3}) {
-      SurfaceDesignSetup setup = judged(delay, delay);
+      WallDesignSetup setup = judged(delay, delay);
       setup.inertiaError = error;
-      const SurfaceScore s = judge(setup);
+      const WallScore s = judge(setup);
       INFO("delay " << delay << ", inertia wrong by " << error << ": " << s.stiffness << " N/m, chatter " << s.chatter
                     << ", bounce " << s.bounce << ", ramp " << s.ramp);
       CHECK(s.lost == 0);
@@ -101,7 +102,7 @@ TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[
 }
 
 TEST_CASE("a random delay loses no run", "[surface_servo]") {
-  const SurfaceScore s = judge(judged(0, 3));
+  const WallScore s = judge(judged(0, 3));
   CHECK(s.lost == 0);
   CHECK(s.deepest < 1.1e-3);  // the paper's largest
 }
@@ -330,20 +331,21 @@ TEST_CASE("the servo's file is read as it was written, and refused with its key"
 }
 
 TEST_CASE("a designed servo does not depend on the number of threads", "[surface_servo]") {
-  SurfaceDesignSetup setup = judged(0, 0);
+  WallDesignSetup setup = judged(0, 0);
   setup.runs = 1;
-  const SurfaceServoOptions start = optionsFor(*setup.plant, 0);
-  std::vector<double> first;
+  const Law law = surfaceServoLaw(optionsFor(*setup.plant, 0));
+  std::vector<double> start, first;
+  for (const LawParameter& p : law.parameters) start.push_back(p.start);
   for (const int threads : {1, 3}) {
     std::vector<double> seen;
-    const SurfaceServoOptions best = designSurfaceServo(
-        setup, start, 2, threads, [&](int, const SurfaceScore& score) { seen.push_back(score.value); });
-    for (const SurfaceServoParameter& p : surfaceServoParameters()) seen.push_back(best.*p.value);
+    const std::vector<double> best =
+        designLaw(setup, law, start, 2, threads, [&](int, const WallScore& score) { seen.push_back(score.value); });
+    seen.insert(seen.end(), best.begin(), best.end());
     if (first.empty()) first = seen;
     CHECK(seen == first);
   }
   setup.plant = nullptr;
-  CHECK_THROWS_AS(judgeSurfaceServo(setup, start, 0, 1), Error);
+  CHECK_THROWS_AS(designLaw(setup, law, start, 1, 1, {}), Error);
 }
 
 }  // namespace enamel::test_surface_servo

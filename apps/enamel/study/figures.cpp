@@ -35,6 +35,8 @@ const char* colourOf(ColumnKind kind) {
     case ColumnKind::impedance: return kVermilion;
     case ColumnKind::passivity: return kMuted;
     case ColumnKind::scheduled: return kOrange;
+    case ColumnKind::edge:
+    case ColumnKind::rival:
     case ColumnKind::plugin: break;
   }
   return kPurple;

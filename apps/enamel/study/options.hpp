@@ -12,9 +12,13 @@ namespace enamel::app {
 
 /// Hold with a servo designed at every query point instead of once at home (gain scheduling).
 inline constexpr const char* kScheduled = "hold-scheduled";
+/// A spring whose ticks are a quarter as long, as stiff as eq. 16 allows: K = 0.95 * 2 b / T for a device damping b.
+inline constexpr const char* kEdge = "impedance-edge";
+/// "tuned:NAME": a rival law (rivalLaws()) with the values that --laws has for the delay.
+inline constexpr const char* kTuned = "tuned:";
 
 struct StudyOptions {
-  std::string device, designDevice, gain, output, delay = "none", plant = kClosedForm;
+  std::string device, designDevice, gain, laws, output, delay = "none", plant = kClosedForm;
   std::vector<std::string> set;                              ///< parameters of plugins
   std::vector<std::string> deviceDamping = {"impedance=4"};  ///< B, or NAME=B ...; the paper's baseline has 4 N s/m
   std::vector<int> scenarios = {1, 2};
@@ -25,9 +29,12 @@ struct StudyOptions {
   bool arm = false;         ///< scenario 1 pushes through an arm
   bool insideTick = false;  ///< the step comes at a random instant of its tick
   bool encoders = false, resume = false;
-  bool convergence = true, whole = true;  ///< what is done: speed against error of the integration, all else
-  bool guard = true;                      ///< in the loop
-  bool release = false;                   ///< the hold ends when the wall would pull; the paper's never does
+  int part = 1, parts = 1;                  ///< which of how many parts of the runs
+  bool judge = false;                       ///< every law on every plant at every delay, as --judge
+  std::vector<std::string> plants, delays;  ///< of the judge; empty: its defaults
+  bool convergence = true, whole = true;    ///< what is done: speed against error of the integration, all else
+  bool guard = true;                        ///< in the loop
+  bool release = false;                     ///< the hold ends when the wall would pull; the paper's never does
 };
 
 /// Performs the study and writes its folder. Throws Error, Exit where a signal ended it.

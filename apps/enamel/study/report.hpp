@@ -5,9 +5,6 @@
 
 namespace enamel::app {
 
-/// Base64 of bytes (RFC 4648).
-std::string base64(const std::string& bytes);
-
 /// The report. Figures are read from `folder` as NAME.png; `withoutFigures` says why there are none, or is empty.
 std::string reportOf(const Study& study, const Findings& findings, const std::vector<Figure>& figures,
                      const std::string& folder, const std::string& withoutFigures);

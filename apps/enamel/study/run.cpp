@@ -18,6 +18,7 @@
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
 #include "program.hpp"
+#include "study/judge.hpp"
 #include "study/report.hpp"
 
 namespace enamel::app {
@@ -91,9 +92,11 @@ class Progress {
 // Keeps other studies out of a folder while it lives.
 class FolderLock {
  public:
-  explicit FolderLock(const std::string& folder) : number_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  /// `waits`: until they are done with it; otherwise that is an error.
+  FolderLock(const std::string& folder, bool waits)
+      : number_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
     if (number_ < 0) throw Error(folder + ": cannot open the folder: " + std::strerror(errno));
-    if (flock(number_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    if (flock(number_, waits ? LOCK_EX : LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
       throw Error(folder + ": another study writes into the folder");
   }
   ~FolderLock() { close(number_); }
@@ -143,6 +146,15 @@ std::size_t runsOf(const Json& m) {
   return runs;
 }
 
+// The same for one of several parts: whoever comes first writes the manifest, and what is there goes on.
+void claimPart(const Study& study) {
+  const std::string path = study.path("study.json");
+  if (!std::filesystem::exists(path)) return writeFile(path, study.manifest);
+  const Json there = Json::parse(readJson(path), nullptr, false), here = Json::parse(study.manifest);
+  if (there != here)
+    throw Error(fmt::format("{}: holds another study: {}", study.options.output, differenceOf(there, here)));
+}
+
 // study.json says what the runs depend on; runs.csv is continued only by the same study, and only a finished one is
 // begun anew.
 void claimFolder(const Study& study) {
@@ -175,8 +187,10 @@ void claimFolder(const Study& study) {
 // ---- the command -------------------------------------------------------------------------------------------------
 
 void perform(const Study& study) {
-  RunFile file(study.plan, study.path("runs.csv"), study.options.resume);
-  const std::size_t first = file.finished(), count = study.plan.size();
+  const RunRange range = study.range();
+  const std::string path = study.runsPath(study.options.part);
+  RunFile file(study.plan, path, study.options.resume || study.options.parts > 1, range);
+  const std::size_t first = file.finished(), count = range.count;
   if (first > 0) fmt::print(stderr, "{} of {} runs are there already\n", first, count);
   Progress progress(first, count);
   std::vector<StudyResult> results(count);
@@ -184,7 +198,7 @@ void perform(const Study& study) {
   interrupted = 0;
   const std::size_t finished = parallelInOrder(
       first, count, study.options.threads,
-      [&](std::size_t i) { results[i] = performRun(study.plan, runAt(study.plan, i)); },
+      [&](std::size_t i) { results[i] = performRun(study.plan, runAt(study.plan, range.first + i)); },
       [&](std::size_t i) {
         file.append(results[i]);
         progress.report(i + 1);
@@ -195,8 +209,24 @@ void perform(const Study& study) {
     throw Exit(128 + static_cast<int>(interrupted),
                fmt::format("interrupted after {} of {} runs, which are in {}: continue with the same command and "
                            "--resume",
-                           finished, count, study.path("runs.csv")));
+                           finished, count, path));
   }
+}
+
+// Joins the parts to runs.csv, where all are there; false: some are not.
+bool joinParts(const Study& study) {
+  const std::string path = study.path("runs.csv");
+  if (std::filesystem::exists(path)) return true;
+  std::string text = runHeader() + '\n';
+  for (int part = 1; part <= study.options.parts; ++part) {
+    const RunRange range = partOf(study.plan, part, study.options.parts);
+    if (!std::filesystem::exists(study.runsPath(part))) return false;
+    const std::vector<StudyResult> runs = readRuns(study.plan, study.runsPath(part), range);
+    if (runs.size() < range.count) return false;
+    for (const StudyResult& run : runs) text += runLine(study.plan, run) + '\n';
+  }
+  writeFile(path, text);
+  return true;
 }
 
 void printSummary(const Study& study, const std::vector<WallSummary>& walls, const std::vector<Claim>& claims) {
@@ -255,8 +285,22 @@ void writeReport(const Study& study, const Findings& findings) {
 
 }  // namespace
 
+bool completeRuns(const Study& study) {
+  prepareFolder(study);
+  if (study.options.parts == 1) {
+    claimFolder(study);
+    perform(study);
+    return true;
+  }
+  claimPart(study);
+  if (!std::filesystem::exists(study.path("runs.csv"))) perform(study);
+  const FolderLock lock(study.options.output, true);
+  return joinParts(study);
+}
+
 void runStudy(StudyOptions options) {
   if (options.threads == 0) options.threads = availableThreads();
+  if (options.judge) return runJudge(options);
   const Study study = prepareStudy(options);
   if (const std::size_t spring = study.column(ColumnKind::impedance); spring < study.labels.size())
     if (const std::string warning =
@@ -264,12 +308,16 @@ void runStudy(StudyOptions options) {
         !warning.empty())
       fmt::print(stderr, "enamel: warning: {}\n", warning);
   prepareFolder(study);
-  const FolderLock lock(options.output);
+  std::optional<FolderLock> lock;
+  if (options.parts == 1) lock.emplace(options.output, false);
   Findings findings;
   findings.whole = options.whole;
   if (findings.whole) {
-    claimFolder(study);
-    perform(study);
+    if (!completeRuns(study)) {
+      fmt::print("part {} of {} is done; the last one writes the report\n", options.part, options.parts);
+      return;
+    }
+    if (!lock) lock.emplace(options.output, true);
     // From the file, so that an interrupted study ends with the same bytes.
     findings.points = pointStatistics(study.plan, readRuns(study.plan, study.path("runs.csv")));
     findings.walls = summarise(study.plan, findings.points);

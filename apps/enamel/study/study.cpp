@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +14,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/render/surface_file.hpp"
+#include "enamel/study/laws.hpp"
 #include "enamel/study/parallel.hpp"
 #include "json_matrices.hpp"
 #include "plugin_folder.hpp"
@@ -44,11 +46,16 @@ std::string hashOf(const std::string& text) {
   return fmt::format("{:016x}", hash);
 }
 
-std::string hashOf(const std::vector<ServoGain>& gains) {
+std::string hashOf(const std::vector<double>& values) {
   std::string text;
-  for (const ServoGain& gain : gains)
-    for (Eigen::Index i = 0; i < gain.size(); ++i) text += fmt::format("{} ", gain.data()[i]);
+  for (const double value : values) text += fmt::format("{} ", value);
   return hashOf(text);
+}
+
+std::string hashOf(const std::vector<ServoGain>& gains) {
+  std::vector<double> values;
+  for (const ServoGain& gain : gains) values.insert(values.end(), gain.data(), gain.data() + gain.size());
+  return hashOf(values);
 }
 
 // --device-damping: B for every column, or NAME=B for some and 0 for the others.
@@ -90,8 +97,12 @@ DeviceParameters withDamping(DeviceParameters device, double damping) {
   return device;
 }
 
+bool isTuned(const std::string& name) { return name.rfind(kTuned, 0) == 0; }
+
 ColumnKind kindOf(const std::string& linked) {
-  return linked == kImpedance   ? ColumnKind::impedance
+  return isTuned(linked)        ? ColumnKind::rival
+         : linked == kEdge      ? ColumnKind::edge
+         : linked == kImpedance ? ColumnKind::impedance
          : linked == kPassivity ? ColumnKind::passivity
          : linked == kScheduled ? ColumnKind::scheduled
          : linked == kHold      ? ColumnKind::hold
@@ -102,8 +113,17 @@ const char* titleOf(ColumnKind kind) {
   return kind == ColumnKind::impedance   ? "impedance"
          : kind == ColumnKind::passivity ? "impedance with passivity control"
          : kind == ColumnKind::scheduled ? "scheduled hold"
+         : kind == ColumnKind::edge      ? "impedance at the edge of eq. 16"
          : kind == ColumnKind::hold      ? "hold"
                                          : "position control";
+}
+
+// The values that a file has for a law and a delay.
+std::vector<double> valuesFor(const std::string& path, const std::string& law, const Delay& delay) {
+  if (path.empty()) throw Error(std::string("--renderers names ") + kTuned + law + ": --laws is needed");
+  for (const LawValues& found : loadLaws(path))
+    if (found.law == law && found.delayLow == delay.low && found.delayHigh == delay.high) return found.values;
+  throw Error(fmt::format("{}: has no {} for a delay of {} to {} ticks", path, law, delay.low, delay.high));
 }
 
 // A null where a number does not exist: neither 0 nor infinite.
@@ -120,6 +140,10 @@ std::string perForce(const MetricMember& depth) { return fmt::format("{} [N/m]",
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 }  // namespace
+
+std::string Study::runsPath(int part) const {
+  return path(options.parts == 1 ? "runs.csv" : fmt::format("runs-{}-of-{}.csv", part, options.parts));
+}
 
 std::size_t Study::column(ColumnKind kind) const {
   std::size_t i = 0;
@@ -157,7 +181,8 @@ Study prepareStudy(const StudyOptions& options) {
   DampingOption damping(options.deviceDamping);
   Json plugins = Json::object(), dampings = Json::object();
   for (const std::string& text : options.renderers) {
-    const RendererSource source = text == kScheduled ? RendererSource{text, nullptr} : findRenderer(text);
+    const bool own = text == kScheduled || text == kEdge || isTuned(text);
+    const RendererSource source = own ? RendererSource{text, nullptr} : findRenderer(text);
     const std::string name = source.name + (source.plugin ? " (plugin)" : "");
     for (const StudyColumn& other : plan.columns)
       if (other.name == name) throw Error("--renderers names " + name + " twice");
@@ -170,7 +195,9 @@ Study prepareStudy(const StudyOptions& options) {
         1e-9 * std::nearbyint(1e9 * dampingAlong(*plan.columns.back().plant, plan.setup.start, Vec3::UnitZ()));
     dampings[name] = more;
     if (!source.plugin) {
-      study.labels.push_back({kindOf(name), titleOf(kindOf(name)), whole});
+      const ColumnKind kind = kindOf(name);
+      study.labels.push_back(
+          {kind, kind == ColumnKind::rival ? rivalLaw(name.substr(std::strlen(kTuned))).title : titleOf(kind), whole});
       continue;
     }
     study.labels.push_back({ColumnKind::plugin, name, whole});
@@ -218,6 +245,23 @@ Study prepareStudy(const StudyOptions& options) {
       column.make = [impedance = study.impedance](std::size_t) {
         return std::make_unique<ImpedanceRenderer>(impedance);
       };
+      continue;
+    }
+    if (kind == ColumnKind::edge) {
+      constexpr double kRate = 4.0, kInside = 0.95;
+      const double available = study.labels[c].damping;
+      if (!(available > 0.0)) throw Error(std::string(kEdge) + " needs device damping: --device-damping " + kEdge + "=B");
+      column.period = period / kRate;
+      column.make = [wall = ImpedanceOptions{kInside * 2.0 * available / column.period, 0.0}](std::size_t) {
+        return std::make_unique<ImpedanceRenderer>(wall);
+      };
+      continue;
+    }
+    if (kind == ColumnKind::rival) {
+      const Law& law = rivalLaw(column.name.substr(std::strlen(kTuned)));
+      const std::vector<double> values = valuesFor(options.laws, law.name, plan.setup.delay);
+      gainHashes[column.name] = hashOf(values);
+      column.make = [make = law.with({study.design, period, plan.setup.delay}, values)](std::size_t) { return make(); };
       continue;
     }
     if (kind == ColumnKind::passivity) {

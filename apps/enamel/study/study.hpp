@@ -8,13 +8,13 @@
 
 #include "enamel/control/servo_design.hpp"
 #include "enamel/device/device_file.hpp"
-#include "enamel/study/monte_carlo.hpp"
+#include "enamel/study/run_file.hpp"
 #include "study/options.hpp"
 
 namespace enamel::app {
 
 /// What a column of the study is. A plugin is none of the linked renderers, whatever it calls itself.
-enum class ColumnKind { positionControl, hold, impedance, passivity, scheduled, plugin };
+enum class ColumnKind { positionControl, hold, impedance, passivity, scheduled, edge, rival, plugin };
 
 /// What tables and pictures say about a column of the plan.
 struct ColumnLabel {
@@ -36,6 +36,9 @@ struct Study {
   std::string manifest;             ///< everything that the runs depend on, JSON
 
   std::string path(const std::string& name) const { return options.output + '/' + name; }
+  /// The runs of this process, and their file.
+  RunRange range() const { return partOf(plan, options.part, options.parts); }
+  std::string runsPath(int part) const;
   /// Index of the column of a linked renderer; columns.size() where the study does not have it.
   std::size_t column(ColumnKind kind) const;
   bool isTau() const { return std::holds_alternative<TauParameters>(device); }
@@ -43,6 +46,10 @@ struct Study {
 
 /// Loads, designs and checks everything. Throws Error.
 Study prepareStudy(const StudyOptions& options);
+
+/// Performs the runs of a study, or of its part, and where all are there, leaves them in runs.csv; false: other parts
+/// are not done. Throws Error, Exit where a signal ended it.
+bool completeRuns(const Study& study);
 
 /// What section VI claims, on our device: each with its number at the worst query point.
 struct Claim {

@@ -52,12 +52,10 @@ Survey surveyWall(const Study& study) {
     const std::size_t point = i % plan.points();
     const StudyColumn& column = plan.columns[i / plan.points()];
     SurveyPoint& s = survey[i / plan.points()][point];
-    PushSetup setup = plan.setup;
-    setup.start.position = queryPoint(plan, point);
+    PushSetup setup = setupOf(plan, {1, i / plan.points(), point, 0, kSurveyForce, 0});
+    setup.person.instant = plan.setup.person.instant;
     setup.duration = kDuration;
-    setup.person.scenario = 1;
     setup.person.noise = 0.0;
-    setup.person.force = kSurveyForce;
     s.stiffness = stiffnessAt(column, setup, point);
     StudyColumn strong = column;
     strong.plant = std::make_shared<Strong>(column.plant);

@@ -44,6 +44,18 @@ ServoDesign designServo(const StateSpace& plant, double period, const ServoWeigh
   return design;
 }
 
+DelayedServo servoForDelay(const ServoDesign& design, int delay) {
+  if (delay < 0 || delay > 100)
+    throw DesignError("servo design: the delay is " + std::to_string(delay) + " samples, must be in 0 to 100");
+  const Index n = design.K.rows();
+  DelayedServo servo{design.K, MatrixXd(n, n * delay)};
+  for (Index i = 0; i < delay; ++i) {
+    servo.commandGain.middleCols(n * i, n) = servo.K * design.augmented.B;
+    servo.K = (servo.K * design.augmented.A).eval();
+  }
+  return servo;
+}
+
 StateSpace runningLoop(const ServoDesign& design) {
   const Index n = design.K.rows();
   if (n == 0 || design.K.cols() != 3 * n || design.augmented.A.rows() != 3 * n || design.augmented.A.cols() != 3 * n ||

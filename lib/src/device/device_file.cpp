@@ -67,6 +67,12 @@ const Imperfections& imperfectionsOf(const DeviceParameters& parameters) noexcep
   return none;
 }
 
+void stiffenCables(DeviceParameters& parameters) noexcept {
+  const auto stiffen = [](Imperfections& i) { i.cableStiffness = i.cableDamping = i.backlash = 0.0; };
+  if (auto* tau = std::get_if<TauParameters>(&parameters)) stiffen(tau->imperfections);
+  if (auto* delta = std::get_if<DeltaParameters>(&parameters)) stiffen(delta->imperfections);
+}
+
 void addDamping(DeviceParameters& parameters, const Vec6& damping) { std::visit(AddDamping{damping}, parameters); }
 
 void addFriction(DeviceParameters& parameters, double friction) { std::visit(AddFriction{friction}, parameters); }

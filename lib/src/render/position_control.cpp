@@ -17,7 +17,15 @@ PositionControlRenderer::PositionControlRenderer(const ServoGain& gain, double p
   require(
       options_.releaseForce >= 0.0 && std::isfinite(options_.releaseForce),
       "hold renderer: release force is " + formatNumber(options_.releaseForce) + ", must be at least 0 N and finite");
+  const Eigen::MatrixXd& commands = options_.commandGain;
+  require(commands.size() == 0 || (commands.rows() == joints_ && commands.cols() % joints_ == 0 &&
+                                   commands.cols() <= kMaxHoldDelay * joints_ && commands.allFinite()),
+          "hold renderer: the command gain is " + std::to_string(commands.rows()) + " x " +
+              std::to_string(commands.cols()) + ", must be n x dn for a delay d of at most " +
+              std::to_string(kMaxHoldDelay) + " ticks, and finite");
   gain_.setZero();
+  commandGain_.setZero();
+  commandGain_.topLeftCorner(commands.rows(), commands.cols()) = commands;
   gain_.topLeftCorner(gain.rows(), gain.cols()) = gain;
 }
 
@@ -49,6 +57,7 @@ Status PositionControlRenderer::render(const TickInput& input, TickOutput& outpu
     add(n + i, error[i]);
     add(2 * n + i, state_.integral[i]);
   }
+  for (Eigen::Index i = 0; i < options_.commandGain.cols(); ++i) answer -= state_.commands[i] * commandGain_.col(i);
   const JointVector servo = answer.head(n);
   const double normalForce = state_.normal.dot(wrenchOf(k, servo).head<3>());
   if (options_.release && normalForce < -options_.releaseForce) {
@@ -64,6 +73,10 @@ Status PositionControlRenderer::render(const TickInput& input, TickOutput& outpu
   output.saturated = cut;
   if (cut && output.torque.allFinite())
     output.torque = output.torque.cwiseMin(input.maxTorque).cwiseMax(-input.maxTorque);
+  if (const Eigen::Index late = options_.commandGain.cols(); late > 0) {
+    std::copy_backward(state_.commands.begin(), state_.commands.begin() + late - n, state_.commands.begin() + late);
+    for (Eigen::Index i = 0; i < n; ++i) state_.commands[i] = output.torque[i] - state_.feedForward[i];
+  }
   return Status::ok;
 }
 

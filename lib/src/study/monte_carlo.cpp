@@ -70,8 +70,7 @@ StudyRun runAt(const StudyPlan& plan, std::size_t index) {
   return run;
 }
 
-StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
-                       const std::function<void(const TickRecord&)>& record) {
+PushSetup setupOf(const StudyPlan& plan, const StudyRun& run) {
   require(run.column < plan.columns.size() && run.point < plan.points(),
           "column " + std::to_string(run.column) + " and point " + std::to_string(run.point) +
               " are asked for, the study has " + std::to_string(plan.columns.size()) + " and " +
@@ -82,6 +81,22 @@ StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
   setup.person.force = run.force;
   setup.run = run.stream;
   if (plan.insideTick) setup.person.instant = randomInstant(setup.seed, setup.run);
+  if (const double period = plan.columns[run.column].period; period > 0.0) {
+    const double ticks = std::nearbyint(setup.period / period);
+    require(ticks >= 1.0 && std::abs(ticks * period - setup.period) < 1e-9 * setup.period,
+            plan.columns[run.column].name + ": a period of " + formatNumber(setup.period) + " s is no multiple of " +
+                formatNumber(period) + " s");
+    setup.period = period;
+    setup.delay.low *= static_cast<int>(ticks);
+    setup.delay.high *= static_cast<int>(ticks);
+    setup.person.noise *= std::sqrt(ticks);
+  }
+  return setup;
+}
+
+StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
+                       const std::function<void(const TickRecord&)>& record) {
+  const PushSetup setup = setupOf(plan, run);
   const StudyColumn& column = plan.columns[run.column];
   const std::unique_ptr<Renderer> renderer = column.make(run.point);
   MetricsCollector collector(setup, largestStiffness(*column.plant, setup), column.plant->limits().torque);

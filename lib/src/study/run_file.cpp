@@ -50,7 +50,6 @@ FirstImpactVerdict verdictNamed(std::string_view name, const std::string& where)
 }
 
 StudyResult parseLine(const StudyPlan& plan, std::size_t index, std::string_view line, const std::string& where) {
-  if (index >= plan.size()) throw Error(where + ": more runs than this study has");
   StudyResult result;
   result.run = runAt(plan, index);
   const std::string expected = identity(plan, result.run);
@@ -92,7 +91,7 @@ struct Content {
   bool header = false;
 };
 
-Content readContent(const StudyPlan& plan, const std::string& path) {
+Content readContent(const StudyPlan& plan, const std::string& path, const RunRange& range) {
   const std::string all = readFile(path, kLargestRunFile);
   Content content;
   for (std::size_t begin = 0, end = 0; (end = all.find('\n', begin)) != std::string::npos; begin = end + 1) {
@@ -102,7 +101,8 @@ Content readContent(const StudyPlan& plan, const std::string& path) {
       if (line != runHeader()) throw Error(where + ": is not the head of a file of runs");
       content.header = true;
     } else {
-      content.results.push_back(parseLine(plan, content.results.size(), line, where));
+      if (content.results.size() >= range.count) throw Error(where + ": more runs than this study has");
+      content.results.push_back(parseLine(plan, range.first + content.results.size(), line, where));
       if (runLine(plan, content.results.back()) != line) throw Error(where + ": is not as a study writes it");
     }
     content.bytes = end + 1;
@@ -129,7 +129,16 @@ std::string runLine(const StudyPlan& plan, const StudyResult& result) {
   return line + ',' + (failed ? "" : std::to_string(result.metrics.faults));
 }
 
-RunFile::RunFile(const StudyPlan& plan, std::string path, bool resume)
+RunRange partOf(const StudyPlan& plan, int number, int parts) {
+  require(parts >= 1 && number >= 1 && number <= parts,
+          "part " + std::to_string(number) + " of " + std::to_string(parts) + ", must be 1 to their number");
+  const auto begin = [&](int part) {
+    return plan.size() * static_cast<std::size_t>(part) / static_cast<std::size_t>(parts);
+  };
+  return {begin(number - 1), begin(number) - begin(number - 1)};
+}
+
+RunFile::RunFile(const StudyPlan& plan, std::string path, bool resume, const RunRange& range)
     : plan_(plan), path_(std::move(path)), file_(nullptr, &std::fclose) {
   constexpr std::size_t kLongestLine = 400;  // with room: numbers of 17 digits for every metric
   if (plan.size() > kLargestRunFile / kLongestLine)
@@ -141,7 +150,7 @@ RunFile::RunFile(const StudyPlan& plan, std::string path, bool resume)
   if (!file_) throw Error(path_ + ": cannot write the file: " + std::strerror(errno));
   if (flock(fileno(file_.get()), LOCK_EX | LOCK_NB) != 0)
     throw Error(path_ + ": cannot lock the file (does another study write it?): " + std::strerror(errno));
-  const Content content = resume ? readContent(plan, path_) : Content{};
+  const Content content = resume ? readContent(plan, path_, range) : Content{};
   if (ftruncate(fileno(file_.get()), static_cast<off_t>(content.bytes)) != 0)
     throw Error(path_ + ": cannot write the file: " + std::strerror(errno));
   finished_ = content.results.size();
@@ -159,8 +168,8 @@ void RunFile::write(const std::string& line) {
     throw Error(path_ + ": cannot write the file: " + std::strerror(errno));
 }
 
-std::vector<StudyResult> readRuns(const StudyPlan& plan, const std::string& path) {
-  return readContent(plan, path).results;
+std::vector<StudyResult> readRuns(const StudyPlan& plan, const std::string& path, const RunRange& range) {
+  return readContent(plan, path, range).results;
 }
 
 }  // namespace enamel

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/message.hpp"
 #include "enamel/control/first_impact.hpp"
@@ -40,7 +41,8 @@ int ticks(const Context& c, double time) { return static_cast<int>(std::lround(t
 // What the hand does: a force at every tick, held through it, that may jump at an instant inside one.
 struct Hand {
   Vec3 normal = Vec3::UnitZ();
-  double height = 0.0;  // of the start above the wall, m
+  std::optional<Vec3> second;  // normal of another wall through the same point
+  double height = 0.0;         // of the start above the wall, m
   double duration = 1.0;
   int jump = -1;                                                             // its tick
   double instant = 0.0;                                                      // share of that tick
@@ -53,6 +55,7 @@ bool perform(const Context& c, const Hand& hand, const std::function<bool(int, c
   LoopSetup loopSetup;
   loopSetup.scene = Scene();
   loopSetup.scene.add(halfSpace("wall", Vec3::Zero(), hand.normal));
+  if (hand.second) loopSetup.scene.add(halfSpace("second wall", Vec3::Zero(), *hand.second));
   loopSetup.start.position = hand.height * hand.normal;
   loopSetup.encoders = {true, RateSource::difference};
   loopSetup.delay = s.delay;
@@ -61,7 +64,9 @@ bool perform(const Context& c, const Hand& hand, const std::function<bool(int, c
   loopSetup.run = static_cast<std::uint32_t>(c.run);
   loopSetup.guarded = false;
   const std::unique_ptr<Renderer> renderer = s.renderer();
-  VirtualLoop loop(*s.plant, *s.model, *renderer, loopSetup);
+  VirtualLoop loop(s.makePlant ? s.makePlant(loopSetup.run)
+                               : std::make_unique<ClosedFormPlant>(*s.plant, loopSetup.integrator, loopSetup.substeps),
+                   *s.model, *renderer, loopSetup);
   TickRecord tick;
   tick.pose = loopSetup.start;
   for (int i = 0; i < ticks(c, hand.duration); ++i) {
@@ -228,6 +233,29 @@ bool slide(const Context& c, Figures& figures) {
   return stayed;
 }
 
+bool corner(const Context& c, Figures& figures) {
+  Hand hand;
+  const double turn = 2.0 * M_PI / 10.0 * (c.run % 10);
+  const Vec3 side(std::cos(turn), std::sin(turn), 0.0);
+  hand.normal = (Vec3::UnitZ() + side).normalized();
+  hand.second = (Vec3::UnitZ() - side).normalized();
+  hand.duration = 1.0;
+  hand.force = [&](int i, bool, const TickRecord&) {
+    return along(-10.0 * c.share * std::min(1.0, i * c.setup.period / 0.05));
+  };
+  const int settled = ticks(c, 0.5);
+  std::vector<JointVector> commands;
+  figures = {0.0, kUnseen, kUnseen};
+  const bool stayed = perform(c, hand, [&](int i, const TickRecord& tick) {
+    if (i < settled) return true;
+    figures[0] = std::max(figures[0], -tick.nearest.gap);
+    commands.push_back(tick.command);
+    return true;
+  });
+  figures[1] = chatterOf(commands);
+  return stayed;
+}
+
 bool pulse(const Context& c, Figures& figures) {
   const int begin = ticks(c, 0.6), end = ticks(c, 0.61);
   Hand hand;
@@ -286,6 +314,7 @@ const std::vector<Kind>& kinds() {
       {"impact 0.5 m/s", fastImpact, impactFigures},
       {"release", release, {{"speed over the unavoidable", "", 1.0}, {"pull", "N", 1.0}}},
       {"slide", slide, {{"tangential force", "%", 100.0}, {"rms depth", "um", 1e6}}},
+      {"corner", corner, {{"depth", "um", 1e6}, {"chatter", "N m", 1.0}}},
       {"pulse", pulse, {{"torque of the limit", "%", 100.0}, {"turned", "deg", 180.0 / M_PI}}},
       {"overload", overload, {{"bounce", "um", 1e6}}},
   };

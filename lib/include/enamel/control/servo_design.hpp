@@ -34,6 +34,17 @@ StateSpace augmentWithIntegrals(const StateSpace& plant);
 /// positive). Realtime: no.
 ServoDesign designServo(const StateSpace& plant, double period, const ServoWeights& weights);
 
+/// A servo whose commands act `delay` samples after their measurement: u = -K [q'; q - q_op; xi] - K_d [u of the last
+/// `delay` samples, the latest first]. K n x 3n, K_d n x (delay n).
+struct DelayedServo {
+  Eigen::MatrixXd K, commandGain;
+};
+
+/// The optimal servo of the same weights for the plant augmented with the commands under way: the gain without delay on
+/// the state that they lead to, x(j + d) = A^d x(j) + sum_(i = 1..d) A^(i-1) B u(j - i). Throws DesignError: a delay that
+/// is negative or above 100. Realtime: no.
+DelayedServo servoForDelay(const ServoDesign& design, int delay);
+
 /// The loop as it runs, not as it was designed: states [q'; q - q_op; xi] of the held plant with the integrators that a
 /// tick updates by xi[j+1] = xi[j] + Ts (r[j] - q[j]); input u. Realtime: no.
 StateSpace runningLoop(const ServoDesign& design);

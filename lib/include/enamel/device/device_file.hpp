@@ -41,4 +41,7 @@ void addMass(DeviceParameters& parameters, double mass);
 /// What the device's file says about real ones; all zero for a Cartesian device, whose drives are its vendor's.
 const Imperfections& imperfectionsOf(const DeviceParameters& parameters) noexcept;
 
+/// Makes its cables rigid, without backlash. Realtime: no.
+void stiffenCables(DeviceParameters& parameters) noexcept;
+
 }  // namespace enamel

@@ -2,6 +2,8 @@
 // once the tool touches, a servo holds it there, and the contact force is what the servo needs.
 #pragma once
 
+#include <array>
+
 #include "enamel/render/renderer.hpp"
 
 namespace enamel {
@@ -18,13 +20,19 @@ struct PositionControlOptions {
   bool release = true;
   double releaseForce = 0.3;  ///< pull along the contact's normal beyond which the hold ends, N
   bool antiWindup = false;    ///< stops the integrators while a motor is saturated; off in the paper
+  /// Gain on the servo's torques of the last d <= kMaxHoldDelay ticks, the latest first, n x dn, beside a gain that
+  /// foresees their effect: both of servoForDelay(). Empty: none.
+  Eigen::MatrixXd commandGain;
 };
 
+/// Largest delay that a hold can foresee, ticks.
+inline constexpr int kMaxHoldDelay = 4;
+
 /// u = g - (K_c | K_i) [q'; q - q_ref; xi], then xi += Ts (q_ref - q), u cut at +-maxTorque (eq. 11 with the reference
-/// held); g is the gravity torque at first touch. Without contact u = g(q). A tool touches when a gap is at most
-/// kTouchGap and, where the hold was released inside the wall, when it also moves inwards. The reference moves with the
-/// obstacle that was touched. Every motor's torque is cut for itself, as in the paper. On any mechanism with the gain's
-/// number of joints.
+/// held); g is the gravity torque at first touch. With a command gain u has -K_d [u - g of the last ticks] too. Without
+/// contact u = g(q). A tool touches when a gap is at most kTouchGap and, where the hold was released inside the wall,
+/// when it also moves inwards. The reference moves with the obstacle that was touched. Every motor's torque is cut for
+/// itself, as in the paper. On any mechanism with the gain's number of joints.
 class PositionControlRenderer final : public Renderer {
  public:
   /// A gap at which the tool touches, m: above rounding, below anything that can be felt.
@@ -33,8 +41,9 @@ class PositionControlRenderer final : public Renderer {
   /// How far a reference moves back to the surface at once, m, and how fast it goes the rest of the way, m/s.
   static constexpr double kLargestStep = 1e-3, kWalk = 0.02;
 
-  /// `gain` was designed for ticks of `period` s. Throws Error: a gain that is not n x 3n or not finite; a release
-  /// force that is negative or not finite; at activate(), a period other than `period`.
+  /// `gain` was designed for ticks of `period` s. Throws Error: a gain that is not n x 3n or not finite; a command gain
+  /// that is neither empty nor n x dn and finite; a release force that is negative or not finite; at activate(), a
+  /// period other than `period`.
   PositionControlRenderer(const ServoGain& gain, double period, const PositionControlOptions& options);
 
   /// Whether the servo holds, and at which joint coordinates q_ref, rad or m. Realtime: yes.
@@ -44,15 +53,17 @@ class PositionControlRenderer final : public Renderer {
  private:
   using Stored = Eigen::Matrix<double, kMaxJoints, 1>;  // zero beyond n
   struct State {
-    Stored reference = Stored::Zero();    // q_ref
-    Stored feedForward = Stored::Zero();  // g
-    Stored integral = Stored::Zero();     // xi
-    Vec3 normal = Vec3::Zero();           // of the contact that is held, W
-    double phase = 0.0;                   // one of the three below; a double, so that the block has no padding
-    double left = 0.0;                    // that the reference has still to go back along the normal, m
-    double obstacle = -1.0;               // that is held
+    Stored reference = Stored::Zero();                          // q_ref
+    Stored feedForward = Stored::Zero();                        // g
+    Stored integral = Stored::Zero();                           // xi
+    std::array<double, kMaxHoldDelay * kMaxJoints> commands{};  // u - g, the latest first
+    Vec3 normal = Vec3::Zero();                                 // of the contact that is held, W
+    double phase = 0.0;      // one of the three below; a double, so that the block has no padding
+    double left = 0.0;       // that the reference has still to go back along the normal, m
+    double obstacle = -1.0;  // that is held
   };
-  static_assert(sizeof(State) == (3 * kMaxJoints + 6) * sizeof(double), "the state is compared byte by byte");
+  static_assert(sizeof(State) == ((3 + kMaxHoldDelay) * kMaxJoints + 6) * sizeof(double),
+                "the state is compared byte by byte");
   static constexpr double kFree = 0.0;      // no contact
   static constexpr double kHolding = 1.0;   // the servo holds
   static constexpr double kReleased = 2.0;  // released inside the wall, and not yet out of it
@@ -69,6 +80,7 @@ class PositionControlRenderer final : public Renderer {
 
   static constexpr int kRows = kMaxJoints + 1;         // even: columns of whole SIMD registers
   Eigen::Matrix<double, kRows, 3 * kMaxJoints> gain_;  // zero beyond n x 3n
+  Eigen::Matrix<double, kRows, kMaxHoldDelay * kMaxJoints> commandGain_;
   Eigen::Index joints_;
   double period_;
   PositionControlOptions options_;

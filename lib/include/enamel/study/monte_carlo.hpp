@@ -22,6 +22,9 @@ struct StudyColumn {
   std::function<std::unique_ptr<Renderer>(std::size_t point)> make;
   /// Makes the plant of a run where it is not the closed form of `plant`; called from any thread.
   std::function<std::unique_ptr<Plant>(std::uint32_t stream)> makePlant = {};
+  /// Its ticks where they are shorter than the study's, s: a whole number of them is one of the study's. A delay stays
+  /// as long, and the hand's noise as dense. 0: the study's.
+  double period = 0.0;
 };
 
 /// Everything that determines a study. Runs are numbered scenario by scenario, column by column, point by point.
@@ -68,6 +71,9 @@ struct StudyResult {
   Status status = Status::ok;
   PushMetrics metrics;
 };
+
+/// The push of a run. Throws Error: a column or point that the plan does not have.
+PushSetup setupOf(const StudyPlan& plan, const StudyRun& run);
 
 /// Performs a run; `record`, if any, sees every tick. Throws Error: as runPush(); a column or
 /// point that the plan does not have. Realtime: no; any thread.

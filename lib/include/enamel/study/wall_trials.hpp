@@ -19,10 +19,12 @@ struct WallTrialSetup {
   std::shared_ptr<const Mechanism> plant;
   std::shared_ptr<const Mechanism> model;               ///< what the renderer takes the plant for
   std::function<std::unique_ptr<Renderer>()> renderer;  ///< a new one; may be called from several threads at once
-  Delay delay;                                          ///< ticks
-  double period = 1e-3;                                 ///< s
-  double noise = 0.5;                                   ///< standard deviation of the person's force, N
-  int runs = 20;                                        ///< with other noise, forces and instants
+  /// Makes the plant of a run where it is not the closed form of `plant`; likewise.
+  std::function<std::unique_ptr<Plant>(std::uint32_t stream)> makePlant = {};
+  Delay delay;           ///< ticks
+  double period = 1e-3;  ///< s
+  double noise = 0.5;    ///< standard deviation of the person's force, N
+  int runs = 20;         ///< with other noise, forces and instants
   std::uint64_t seed = 1;
 };
 
@@ -49,6 +51,7 @@ double forceShare(const Mechanism& plant);
 ///   lets go t1 after a step at a sample; strongest pull of the wall.
 /// - slide: over walls tilted in ten directions at 0.1 m/s under 10 N without friction. Tangential over normal force
 ///   (means), rms depth.
+/// - corner: two walls at a right angle, pressed into with 10 N. Deepest once at rest, chatter.
 /// - pulse: 1.5 times what the motors can hold, for 10 ms. Torque over its limit, angle of the commanded force to the
 ///   normal.
 /// - overload: 45 N, falling to 10 N over 20 ms after 1 s. Farthest above the wall.

@@ -1,8 +1,10 @@
-// Design of a surface servo by simulation of the loop that it will run in.
+// Design of renderers by simulation of the loop that they will run in: the same search under the same limits for every
+// law.
 #pragma once
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "enamel/render/surface_servo.hpp"
@@ -10,8 +12,8 @@
 
 namespace enamel {
 
-/// What a servo is designed for: pushes against the wall z = 0 at five points, encoders rounded, rates differenced.
-struct SurfaceDesignSetup {
+/// What a renderer is designed for: pushes against the wall z = 0 at five points, encoders rounded, rates differenced.
+struct WallDesignSetup {
   std::shared_ptr<const Mechanism> plant;
   double period = 1e-3;                           ///< s
   Delay delay;                                    ///< ticks; random where low < high
@@ -32,11 +34,11 @@ struct SurfaceDesignSetup {
 std::shared_ptr<const Mechanism> withInertia(std::shared_ptr<const Mechanism> mechanism, double factor);
 
 /// The same with forces that the motors can answer: all are made smaller together until the largest push is 0.3 of what
-/// the motors can give at the worst of the points. Throws Error: as judgeSurfaceServo(). Realtime: no.
-SurfaceDesignSetup withinMotors(SurfaceDesignSetup setup);
+/// the motors can give at the worst of the points. Throws Error: as judgeWall(). Realtime: no.
+WallDesignSetup withinMotors(WallDesignSetup setup);
 
-/// How a servo did.
-struct SurfaceScore {
+/// How a renderer did.
+struct WallScore {
   double stiffness = 0.0;    ///< K_z1, lowest of the points' means, N/m
   double share = 0.0;        ///< of the physical limit, lowest of the points' means
   double lowestShare = 0.0;  ///< of all runs
@@ -50,16 +52,40 @@ struct SurfaceScore {
   double value = 0.0;        ///< what the design maximises
 };
 
-/// Throws Error: no plant; the points cannot be reached; what SurfaceServoRenderer refuses; runs below 1.
-/// `threads` do not change a bit of it. `trial`: which random numbers. Realtime: no.
-SurfaceScore judgeSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& options, std::uint32_t trial,
-                               int threads);
+/// Makes a renderer; may be called from several threads at once.
+using MakeRenderer = std::function<std::unique_ptr<Renderer>()>;
 
-/// The best servo that an evolution strategy finds (one parent, eight children a generation, all judged by the same new
-/// random numbers), from `start` on. `progress`, if any, sees how the best of every generation did.
-/// Throws Error: as judgeSurfaceServo(). Realtime: no.
-SurfaceServoOptions designSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& start,
-                                       int generations, int threads,
-                                       const std::function<void(int, const SurfaceScore&)>& progress);
+/// Judges a renderer. Throws Error: no plant or renderer; the points cannot be reached; runs outside 1 to 10 000.
+/// `threads` do not change a bit of it. `trial`: which random numbers. Realtime: no.
+WallScore judgeWall(const WallDesignSetup& setup, const MakeRenderer& make, std::uint32_t trial, int threads);
+
+/// A number that a law leaves open, and how the search varies it.
+struct LawParameter {
+  std::string name, unit;
+  double start, low, high;  ///< where the search begins, and within what it stays
+  double step;              ///< of the number, or of its logarithm
+  bool logarithmic;
+};
+
+/// What a law is used on.
+struct LawUse {
+  std::shared_ptr<const Mechanism> device;  ///< as the renderer has it
+  double period = 1e-3;                     ///< s
+  Delay delay;                              ///< ticks
+};
+
+/// A control law with its numbers open.
+struct Law {
+  std::string name, title;  ///< as commands and as tables have it
+  std::vector<LawParameter> parameters;
+  /// The law with these values, one a parameter. Throws Error: where there is no such renderer.
+  std::function<MakeRenderer(const LawUse& use, const std::vector<double>& values)> with;
+};
+
+/// The values that an evolution strategy finds (one parent, eight children a generation, all judged by the same new
+/// random numbers), from `start` on, one a parameter. `progress`, if any, sees how the best of every generation did.
+/// Throws Error: as judgeWall(); where `start` has no renderer. Realtime: no.
+std::vector<double> designLaw(const WallDesignSetup& setup, const Law& law, const std::vector<double>& start,
+                              int generations, int threads, const std::function<void(int, const WallScore&)>& progress);
 
 }  // namespace enamel

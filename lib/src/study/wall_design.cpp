@@ -1,4 +1,4 @@
-#include "enamel/study/surface_design.hpp"
+#include "enamel/study/wall_design.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace enamel {
 namespace {
 
-constexpr const char* kNoPlant = "surface servo: no device to design for";
+constexpr const char* kNoPlant = "wall design: no device to design for";
 constexpr int kPoints = 5, kChildren = 8;
 constexpr double kSettling = 0.5, kAfter = 0.4, kRampTime = 0.05;  // s
 constexpr double kQuiet = 0.25;                                    // s at the end of either part, for the chatter
@@ -78,28 +78,28 @@ struct Pressing {
   }
 };
 
-Pose pointOf(const SurfaceDesignSetup& setup, int point) {
+Pose pointOf(const WallDesignSetup& setup, int point) {
   static constexpr double x[kPoints] = {0, 1, -1, 1, -1}, y[kPoints] = {0, 1, 1, -1, -1};
   Pose pose;
   pose.position = setup.halfWidth * Vec3(x[point], y[point], 0.0);
   return pose;
 }
 
-Kinematics kinematicsAt(const SurfaceDesignSetup& setup, const Pose& pose) {
+Kinematics kinematicsAt(const WallDesignSetup& setup, const Pose& pose) {
   Kinematics k = setup.plant->home();
   require(setup.plant->reach(pose, Vec6::Zero(), true, k) == Status::ok,
-          "surface servo: the device cannot reach a corner of the wall; make its half width of " +
+          "wall design: the device cannot reach a corner of the wall; make its half width of " +
               formatNumber(setup.halfWidth) + " m smaller");
   return k;
 }
 
-double limitAt(const SurfaceDesignSetup& setup, const Pose& pose, double force) {
+double limitAt(const WallDesignSetup& setup, const Pose& pose, double force) {
   const Kinematics k = kinematicsAt(setup, pose);
   return firstImpactLimit(effectiveMass(k, pose.position, Vec3::UnitZ()), setup.period, setup.delay.high, force,
                           largestForce(k, setup.plant->limits().torque, Vec3::UnitZ()), setup.preload);
 }
 
-TrialResult perform(const SurfaceDesignSetup& setup, const Mechanism& model, const SurfaceServoOptions& options,
+TrialResult perform(const WallDesignSetup& setup, const Mechanism& model, const MakeRenderer& make,
                     const Trial& trial) {
   LoopSetup loopSetup;
   loopSetup.start = pointOf(setup, trial.point);
@@ -109,8 +109,8 @@ TrialResult perform(const SurfaceDesignSetup& setup, const Mechanism& model, con
   loopSetup.seed = setup.seed;
   loopSetup.run = trial.stream;
   loopSetup.guarded = false;  // laws are judged to the end
-  SurfaceServoRenderer servo(options);
-  VirtualLoop loop(*setup.plant, model, servo, loopSetup);
+  const std::unique_ptr<Renderer> renderer = make();
+  VirtualLoop loop(*setup.plant, model, *renderer, loopSetup);
   const RandomStream random(setup.seed, trial.stream);
 
   const auto ticks = [&](double time) { return static_cast<int>(std::lround(time / setup.period)); };
@@ -157,11 +157,16 @@ TrialResult perform(const SurfaceDesignSetup& setup, const Mechanism& model, con
   return result;
 }
 
-double beyond(double value, double limit) { return std::max(0.0, value / limit - 1.0); }
+// How far a value is beyond a limit, as a share of it; from twice the limit on by its logarithm, so that what a law
+// cannot do at all does not drown the rest.
+double beyond(double value, double limit) {
+  const double excess = std::max(0.0, value / limit - 1.0);
+  return excess > 1.0 ? 1.0 + std::log(excess) : excess;
+}
 
 // Constant delay: the share of the limit at the worst point, a little of the worst run, less what is beyond a limit;
 // a little is kept clear of each limit. Random delay: no run deeper than need be, and quiet.
-double valueOf(const SurfaceDesignSetup& setup, const SurfaceScore& s) {
+double valueOf(const WallDesignSetup& setup, const WallScore& s) {
   constexpr double kClear = 0.93;
   const Kinematics& home = setup.plant->home();
   const double mass = effectiveMass(home, home.pose.position, Vec3::UnitZ()), T = setup.period;
@@ -178,42 +183,23 @@ double valueOf(const SurfaceDesignSetup& setup, const SurfaceScore& s) {
          0.02 * s.unmeasured;
 }
 
-// How a number is varied: by `step` (of its logarithm where `logarithmic`), within what makes sense.
-struct Variation {
-  double low, high, step;
-  bool logarithmic;
-};
-constexpr std::array<Variation, 12> kVariations = {{
-    {0.1, 0.9, 0.05, false},    // pole
-    {0.5, 1.8, 0.1, false},     // damping
-    {0.05, 0.9, 0.05, false},   // jump pole
-    {0.0, 20.0, 1.5, false},    // jump ticks
-    {0.001, 0.02, 0.3, true},   // outward speed: faster ones bounce off after an impact
-    {5e-6, 3e-4, 0.3, true},    // outward distance
-    {0.05, 3.0, 0.3, true},     // tremor
-    {0.01, 3.0, 0.3, true},     // wander
-    {3.0, 20.0, 0.15, true},    // jump threshold
-    {0.05, 0.95, 0.12, false},  // jump age
-    {3.0, 200.0, 0.4, true},    // jump size
-    {0.0, 1.0, 0.07, false},    // jump share
-}};
-
-SurfaceServoOptions varied(const SurfaceServoOptions& parent, double sigma, const RandomStream& random) {
-  SurfaceServoOptions child = parent;
-  for (std::size_t i = 0; i < kVariations.size(); ++i) {
+std::vector<double> varied(const Law& law, const std::vector<double>& parent, double sigma,
+                           const RandomStream& random) {
+  std::vector<double> child = parent;
+  for (std::size_t i = 0; i < child.size(); ++i) {
     if (random.uniform(RandomStream::Purpose::test, 2 * i) > 0.35) continue;
-    const Variation& v = kVariations[i];
-    double& value = child.*surfaceServoParameters()[i].value;
-    const double step = sigma * v.step * random.normal(RandomStream::Purpose::test, 2 * i + 1);
-    value = std::clamp(v.logarithmic ? value * std::exp(step) : value + step, v.low, v.high);
+    const LawParameter& p = law.parameters[i];
+    const double step = sigma * p.step * random.normal(RandomStream::Purpose::test, 2 * i + 1);
+    child[i] = std::clamp(p.logarithmic ? child[i] * std::exp(step) : child[i] + step, p.low, p.high);
   }
   return child;
 }
 
-std::vector<SurfaceScore> judgeAll(const SurfaceDesignSetup& setup, const std::vector<SurfaceServoOptions>& candidates,
-                                   std::uint32_t trialNumber, int threads) {
+// A candidate may be empty: there is no such renderer.
+std::vector<WallScore> judgeAll(const WallDesignSetup& setup, const std::vector<MakeRenderer>& candidates,
+                                std::uint32_t trialNumber, int threads) {
   require(setup.plant != nullptr, kNoPlant);
-  require(setup.runs >= 1 && setup.runs <= 10000, "surface servo: the runs must be in 1 to 10000");
+  require(setup.runs >= 1 && setup.runs <= 10000, "wall design: the runs must be in 1 to 10000");
   std::vector<std::shared_ptr<const Mechanism>> models = {setup.plant};
   if (setup.inertiaError > 0.0)
     for (const double sign : {-1.0, 1.0}) models.push_back(withInertia(setup.plant, 1.0 + sign * setup.inertiaError));
@@ -238,12 +224,18 @@ std::vector<SurfaceScore> judgeAll(const SurfaceDesignSetup& setup, const std::v
   std::vector<TrialResult> results(trials.size() * candidates.size());
   parallelFor(results.size(), threads, [&](std::size_t i) {
     const Trial& trial = trials[i % trials.size()];
-    results[i] = perform(setup, *models[trial.model], candidates[i / trials.size()], trial);
+    const MakeRenderer& make = candidates[i / trials.size()];
+    if (make) results[i] = perform(setup, *models[trial.model], make, trial);
   });
 
-  std::vector<SurfaceScore> scores;
+  std::vector<WallScore> scores;
   for (std::size_t c = 0; c < candidates.size(); ++c) {
-    SurfaceScore score;
+    WallScore score;
+    if (!candidates[c]) {
+      score.value = -std::numeric_limits<double>::infinity();
+      scores.push_back(score);
+      continue;
+    }
     score.stiffness = score.share = score.lowestShare = std::numeric_limits<double>::infinity();
     double stiffness[kPoints] = {}, share[kPoints] = {};
     int measured[kPoints] = {};
@@ -273,7 +265,7 @@ std::vector<SurfaceScore> judgeAll(const SurfaceDesignSetup& setup, const std::v
     score.lowestShare = std::min(score.lowestShare, score.share);
     WallTrialSetup impacts;
     impacts.plant = impacts.model = setup.plant;
-    impacts.renderer = [&options = candidates[c]] { return std::make_unique<SurfaceServoRenderer>(options); };
+    impacts.renderer = candidates[c];
     impacts.delay = setup.delay;
     impacts.period = setup.period;
     impacts.runs = ramps;
@@ -297,7 +289,7 @@ std::shared_ptr<const Mechanism> withInertia(std::shared_ptr<const Mechanism> me
   return std::make_shared<WrongInertia>(std::move(mechanism), factor);
 }
 
-SurfaceDesignSetup withinMotors(SurfaceDesignSetup setup) {
+WallDesignSetup withinMotors(WallDesignSetup setup) {
   require(setup.plant != nullptr, kNoPlant);
   constexpr double kShare = 0.3;
   double share = 1.0;
@@ -311,22 +303,36 @@ SurfaceDesignSetup withinMotors(SurfaceDesignSetup setup) {
   return setup;
 }
 
-SurfaceScore judgeSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& options, std::uint32_t trial,
-                               int threads) {
-  return judgeAll(setup, {options}, trial, threads).front();
+WallScore judgeWall(const WallDesignSetup& setup, const MakeRenderer& make, std::uint32_t trial, int threads) {
+  require(make != nullptr, "wall design: no renderer to judge");
+  return judgeAll(setup, {make}, trial, threads).front();
 }
 
-SurfaceServoOptions designSurfaceServo(const SurfaceDesignSetup& setup, const SurfaceServoOptions& start,
-                                       int generations, int threads,
-                                       const std::function<void(int, const SurfaceScore&)>& progress) {
-  SurfaceServoOptions parent = start;
+std::vector<double> designLaw(const WallDesignSetup& setup, const Law& law, const std::vector<double>& start,
+                              int generations, int threads,
+                              const std::function<void(int, const WallScore&)>& progress) {
+  require(start.size() == law.parameters.size(), "wall design: " + law.name + " has " +
+                                                     std::to_string(law.parameters.size()) + " numbers, " +
+                                                     std::to_string(start.size()) + " are given");
+  const LawUse use{setup.plant, setup.period, setup.delay};
+  (void)law.with(use, start);  // refuses here
+  const auto made = [&](const std::vector<double>& values) -> MakeRenderer {
+    try {
+      return law.with(use, values);
+    } catch (const Error&) {  // numbers that no servo has
+      return {};
+    }
+  };
+  std::vector<double> parent = start;
   double sigma = 1.0;
   for (int generation = 0; generation < generations; ++generation) {
     const auto number = static_cast<std::uint32_t>(generation);
-    std::vector<SurfaceServoOptions> family = {parent};
+    std::vector<std::vector<double>> family = {parent};
     for (std::uint32_t child = 0; child < kChildren; ++child)
-      family.push_back(varied(parent, sigma, RandomStream(setup.seed, number * kChildren + child)));
-    const std::vector<SurfaceScore> scores = judgeAll(setup, family, number, threads);
+      family.push_back(varied(law, parent, sigma, RandomStream(setup.seed, number * kChildren + child)));
+    std::vector<MakeRenderer> candidates(family.size());
+    parallelFor(family.size(), threads, [&](std::size_t i) { candidates[i] = made(family[i]); });
+    const std::vector<WallScore> scores = judgeAll(setup, candidates, number, threads);
     std::size_t best = 0;
     for (std::size_t i = 1; i < family.size(); ++i)
       if (scores[i].value > scores[best].value) best = i;

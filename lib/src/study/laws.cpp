@@ -1,0 +1,178 @@
+#include "enamel/study/laws.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/message.hpp"
+#include "enamel/control/device_plant.hpp"
+#include "enamel/core/file.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/render/passivity.hpp"
+#include "enamel/render/position_control.hpp"
+#include "enamel/render/virtual_coupling.hpp"
+
+namespace enamel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Values = std::vector<double>;
+
+// How the search varies each of surfaceServoParameters().
+struct Variation {
+  double low, high, step;
+  bool logarithmic;
+};
+constexpr std::array<Variation, 12> kServoVariations = {{
+    {0.1, 0.9, 0.05, false},    // pole
+    {0.5, 1.8, 0.1, false},     // damping
+    {0.05, 0.9, 0.05, false},   // jump pole
+    {0.0, 20.0, 1.5, false},    // jump ticks
+    {0.001, 0.02, 0.3, true},   // outward speed: faster ones bounce off after an impact
+    {5e-6, 3e-4, 0.3, true},    // outward distance
+    {0.05, 3.0, 0.3, true},     // tremor
+    {0.01, 3.0, 0.3, true},     // wander
+    {3.0, 20.0, 0.15, true},    // jump threshold
+    {0.05, 0.95, 0.12, false},  // jump age
+    {3.0, 200.0, 0.4, true},    // jump size
+    {0.0, 1.0, 0.07, false},    // jump share
+}};
+
+const LawParameter kStiffness{"stiffness", "N/m", 1000.0, 50.0, 2e5, 0.3, true};
+const LawParameter kDamping{"damping", "N s/m", 3.0, 1e-3, 200.0, 0.4, true};
+const std::vector<LawParameter> kWeights = {{"rate weight", "", 0.02, 1e-8, 1e6, 1.0, true},
+                                            {"position weight", "", 300.0, 1e-4, 1e8, 1.0, true},
+                                            {"integral weight", "", 1e6, 1e-2, 1e12, 1.0, true}};
+
+MakeRenderer impedance(const LawUse&, const Values& v) {
+  return [wall = ImpedanceOptions{v[0], v[1]}] { return std::make_unique<ImpedanceRenderer>(wall); };
+}
+
+MakeRenderer passivity(const LawUse&, const Values& v) {
+  return [wall = ImpedanceOptions{v[0], v[1]}] {
+    return std::make_unique<PassivityRenderer>(std::make_unique<ImpedanceRenderer>(wall));
+  };
+}
+
+MakeRenderer virtualCoupling(const LawUse&, const Values& v) {
+  return [coupling = VirtualCouplingOptions{v[0], v[1], v[2]}] {
+    return std::make_unique<VirtualCouplingRenderer>(coupling);
+  };
+}
+
+MakeRenderer holdWith(const LawUse& use, const Values& v, int foreseen) {
+  const ServoDesign design = designServo(use.device, Pose{}, use.period, {v[0], v[1], v[2], 1.0});
+  const DelayedServo servo = servoForDelay(design, foreseen);
+  PositionControlOptions options;
+  options.antiWindup = true;
+  options.commandGain = servo.commandGain;
+  return [gain = ServoGain(servo.K), period = use.period, options] {
+    return std::make_unique<PositionControlRenderer>(gain, period, options);
+  };
+}
+
+MakeRenderer hold(const LawUse& use, const Values& v) { return holdWith(use, v, 0); }
+MakeRenderer holdDelay(const LawUse& use, const Values& v) {
+  return holdWith(use, v, (use.delay.low + use.delay.high + 1) / 2);
+}
+
+}  // namespace
+
+SurfaceServoOptions surfaceServoWith(const SurfaceServoOptions& start, const Values& values) {
+  const auto& parameters = surfaceServoParameters();
+  require(values.size() == parameters.size(),
+          "surface servo: " + std::to_string(values.size()) + " numbers, must be " + std::to_string(parameters.size()));
+  SurfaceServoOptions options = start;
+  for (std::size_t i = 0; i < values.size(); ++i) options.*parameters[i].value = values[i];
+  return options;
+}
+
+Law surfaceServoLaw(const SurfaceServoOptions& start) {
+  Law law{"position-control", "position control", {}, [start](const LawUse&, const Values& values) -> MakeRenderer {
+            const SurfaceServoOptions options = surfaceServoWith(start, values);
+            return [options] { return std::make_unique<SurfaceServoRenderer>(options); };
+          }};
+  for (std::size_t i = 0; i < kServoVariations.size(); ++i) {
+    const SurfaceServoParameter& p = surfaceServoParameters()[i];
+    const Variation& v = kServoVariations[i];
+    law.parameters.push_back({p.name, p.unit, start.*p.value, v.low, v.high, v.step, v.logarithmic});
+  }
+  return law;
+}
+
+const std::vector<Law>& rivalLaws() {
+  static const std::vector<Law> laws = {
+      {"impedance", "spring", {kStiffness, kDamping}, impedance},
+      {"passivity", "spring with passivity control", {kStiffness, kDamping}, passivity},
+      {"virtual-coupling",
+       "virtual coupling",
+       {kStiffness, kDamping, {"mass", "kg", 0.02, 1e-3, 1.0, 0.4, true}},
+       virtualCoupling},
+      {"hold", "hold, retuned", kWeights, hold},
+      {"hold-delay", "hold that foresees the delay", kWeights, holdDelay},
+  };
+  return laws;
+}
+
+const Law& rivalLaw(const std::string& name) {
+  std::string names;
+  for (const Law& law : rivalLaws()) {
+    if (law.name == name) return law;
+    names += (names.empty() ? "" : ", ") + law.name;
+  }
+  throw Error("there is no law \"" + name + "\": " + names);
+}
+
+std::vector<LawValues> loadLaws(const std::string& path) {
+  const auto refuse = [&path](const std::string& key, const std::string& problem) {
+    throw ConfigurationError(path, 0, key, problem);
+  };
+  const Json file = Json::parse(readJson(path), nullptr, false);
+  if (!file.is_object() || !file.contains("laws") || !file["laws"].is_array()) refuse("", "has no list \"laws\"");
+  std::vector<LawValues> laws;
+  for (std::size_t i = 0; i < file["laws"].size(); ++i) {
+    const Json& entry = file["laws"][i];
+    const std::string at = "laws[" + std::to_string(i) + "]";
+    if (!entry.is_object() || !entry.contains("law") || !entry["law"].is_string()) refuse(at + ".law", "is missing");
+    LawValues read;
+    read.law = entry["law"].get<std::string>();
+    const Law* law = nullptr;
+    try {
+      law = &rivalLaw(read.law);
+    } catch (const Error& error) {
+      refuse(at + ".law", error.what());
+    }
+    const Json delay = entry.value("delay", Json());
+    if (!delay.is_array() || delay.size() != 2 || !delay[0].is_number_unsigned() || !delay[1].is_number_unsigned() ||
+        delay[0] > delay[1] || delay[1] > 1000)
+      refuse(at + ".delay", "must be the smallest and the largest delay in whole ticks");
+    read.delayLow = delay[0].get<int>();
+    read.delayHigh = delay[1].get<int>();
+    for (const LawParameter& p : law->parameters) {
+      const Json value = entry.value(p.name, Json());
+      if (!value.is_number() || !(value.get<double>() >= p.low && value.get<double>() <= p.high))
+        refuse(at + "." + p.name, "must be a number in " + formatNumber(p.low) + " to " + formatNumber(p.high) +
+                                      (p.unit.empty() ? "" : " " + p.unit));
+      read.values.push_back(value.get<double>());
+    }
+    laws.push_back(std::move(read));
+  }
+  return laws;
+}
+
+std::string lawsText(const std::string& model, const std::vector<LawValues>& laws) {
+  Json file;
+  file["model"] = model;
+  file["laws"] = Json::array();
+  for (const LawValues& found : laws) {
+    const Law& law = rivalLaw(found.law);
+    require(found.values.size() == law.parameters.size(), "laws: " + found.law + " has another number of values");
+    Json entry;
+    entry["law"] = found.law;
+    entry["delay"] = {found.delayLow, found.delayHigh};
+    for (std::size_t i = 0; i < found.values.size(); ++i) entry[law.parameters[i].name] = found.values[i];
+    file["laws"].push_back(entry);
+  }
+  return file.dump(1) + "\n";
+}
+
+}  // namespace enamel
