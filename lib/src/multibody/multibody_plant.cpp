@@ -105,6 +105,7 @@ struct MultibodyPlant::Model {
   std::vector<MobilizedBody> hinges;  // of all chains in turn, from the base
   std::unique_ptr<SimTK::RungeKuttaMersonIntegrator> integrator;
   SimTK::State state;
+  bool goesOn = false;  // the integrator stands where the state does, and need not begin anew
 
   Model(const DeviceParameters& given, double accuracy) : parameters(given), mechanism(makeMechanism(given)) {
     require(accuracy >= 1e-13 && accuracy <= 1e-2,
@@ -242,6 +243,7 @@ struct MultibodyPlant::Model {
   }
 
   void set(const Kinematics& k) {
+    goesOn = false;
     state.setTime(0.0);
     std::visit([&](const auto& device) { setHinges(device, k); }, parameters);
     // The platform's joint: from frame F of its parent to frame M of its own.
@@ -289,18 +291,25 @@ Status MultibodyPlant::advance(double time, double duration, const JointVector& 
   if (!torque.allFinite()) return Status::notFinite;
   if (!(duration > 0.0)) return Status::ok;
   Model& m = *model_;
-  const double end = m.state.getTime() + duration;
   m.acting.torque = torque;
   m.acting.load = &load;
-  m.acting.timeAhead = time - m.state.getTime();
   try {
-    m.integrator->setInitialStepSize(duration);
-    m.integrator->initialize(m.state);
+    if (!m.goesOn) m.integrator->initialize(m.state);
+    m.goesOn = false;  // until the tick is done
+    const double end = m.integrator->getTime() + duration;
+    m.acting.timeAhead = time - m.integrator->getTime();
+    m.integrator->updAdvancedState().invalidateAllCacheAtOrAbove(SimTK::Stage::Dynamics);  // another torque and load
+    m.integrator->reinitialize(SimTK::Stage::Dynamics, false);
     while (m.integrator->getTime() < end)  // never beyond the tick, whose torque it knows
       if (m.integrator->stepTo(end, end) == SimTK::Integrator::EndOfSimulation) return Status::notConverged;
-    if (!isSlowEnough(m.platformOf(m.integrator->getAdvancedState()))) return Status::outOfRange;
-    m.state = m.integrator->getAdvancedState();
-    state_ = m.platformOf(m.state);
+    const SimTK::State& moved = m.integrator->getAdvancedState();
+    const DeviceState now = m.platformOf(moved);
+    if (!isSlowEnough(now)) return Status::outOfRange;
+    m.state.updQ() = moved.getQ();
+    m.state.updU() = moved.getU();
+    m.state.setTime(moved.getTime());
+    m.goesOn = true;
+    state_ = now;
   } catch (...) {  // Simbody's own exceptions, of steps that became too short
     return Status::notConverged;
   }
@@ -334,6 +343,7 @@ Status MultibodyPlant::accelerate(const Pose& pose, const Vec6& twist, const Joi
 
 double MultibodyPlant::closureError() const noexcept {
   double largest = 0.0;
+  model_->system.realize(model_->state, SimTK::Stage::Position);
   const SimTK::Vector& errors = model_->state.getQErr();
   for (int i = 0; i < errors.size(); ++i) largest = std::max(largest, std::abs(errors[i]));
   return largest;
