@@ -14,6 +14,7 @@
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/study/parallel.hpp"
+#include "plants.hpp"
 #include "renderers.hpp"
 
 namespace enamel::app {
@@ -262,21 +263,29 @@ void addDesign(CLI::App& app) {
                  "the laws that the servo is compared with, by the same search at every delay (an hour);\n"
                  "--output writes the values for --laws of study")
       ->excludes("--surface");
+  options->search.plant = kClosedForm;
+  command->add_option("--plant", options->search.plant, std::string("--surface, --rivals: ") + kPlantHelp)
+      ->check(CLI::IsMember(plantNames()))
+      ->capture_default_str();
   command
       ->add_option("--inertia-error", options->search.inertiaError,
                    "--surface: the model's inertia may be wrong by this share")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  command->add_option("--half-width", options->search.halfWidth, "--surface: of the wall, m")
+  command->add_option("--half-width", options->search.halfWidth, "--surface, --rivals: of the wall, m")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  command->add_option("--generations", options->search.generations, "--surface: of the search, 8 servos each")
+  command->add_option("--generations", options->search.generations, "--surface, --rivals: of the search, 8 servos each")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  command->add_option("--threads", options->search.threads, "--surface: 0 means all; the result is the same")
+  command->add_option("--runs", options->search.runs, "--surface, --rivals: steps of force a point that judge a servo")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--threads", options->search.threads, "--surface, --rivals: 0 means all; the result is the same")
       ->check(CLI::Range(0, kMaxThreads))
       ->capture_default_str();
-  command->add_option("--seed", options->search.seed, "--surface: of the random numbers")->capture_default_str();
+  command->add_option("--seed", options->search.seed, "--surface, --rivals: of the random numbers")
+      ->capture_default_str();
   command->add_flag("--step-response", options->required.stepResponse,
                     "--tune: the servo to write meets the step-reference rows of Table II");
   command->add_option("--impedance-map", options->impedanceMap, "where the stability map goes (CSV)");

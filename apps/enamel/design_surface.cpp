@@ -8,6 +8,7 @@
 #include "enamel/render/surface_file.hpp"
 #include "enamel/study/laws.hpp"
 #include "enamel/study/parallel.hpp"
+#include "plants.hpp"
 
 namespace enamel::app {
 namespace {
@@ -28,12 +29,19 @@ void printScore(const std::string& name, const WallScore& s) {
 
 WallDesignSetup setupOf(const SurfaceDesignOptions& options) {
   WallDesignSetup setup;
-  setup.plant = makeMechanism(loadDevice(options.device));
+  const DeviceParameters parameters = loadDevice(options.device);
+  setup.plant = makeMechanism(parameters);
+  VirtualDeviceSetup device;
+  device.seed = options.seed;
+  setup.makePlant = makerOf(options.plant, parameters, device);
+  setup.jitter = device.jitter;
+  setup.lostSamples = device.lostSamples;
   setup.period = options.period;
   setup.delay = options.delay;
   setup.inertiaError = options.inertiaError;
   setup.halfWidth = options.halfWidth;
   setup.chatter = options.chatter > 0.0 ? options.chatter : 0.025 * setup.plant->limits().torque.minCoeff();
+  setup.runs = options.runs;
   setup.seed = options.seed;
   return withinMotors(setup);
 }

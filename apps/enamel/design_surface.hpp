@@ -11,11 +11,11 @@ namespace enamel::app {
 
 /// What the command was asked for.
 struct SurfaceDesignOptions {
-  std::string device;
-  double period = 1e-3;  ///< s
+  std::string device, plant;  ///< --plant
+  double period = 1e-3;       ///< s
   Delay delay;
   double inertiaError = 0.0, halfWidth = 0.025, chatter = 0.0;  ///< share; m; N m or N, 0: 2.5 % of the weakest motor
-  int generations = 60, threads = 0;                            ///< 0: all
+  int generations = 60, runs = 24, threads = 0;                 ///< 0: all
   std::uint64_t seed = 1;
 };
 

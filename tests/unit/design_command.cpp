@@ -126,6 +126,20 @@ TEST_CASE("design writes the stability map of the impedance wall", "[design]") {
   CHECK_THAT(result.output, Catch::Matchers::Contains("mechanical damping 4 N s/m"));
 }
 
+TEST_CASE("design --rivals tunes every law at every delay, and study takes its file", "[design]") {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "rivals.json";
+  const auto result = test::run("design --rivals --device '" + test::deviceFile("tau-nominal.toml") +
+                                "' --generations 0 --runs 1 --output '" + path + "'");
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  for (const char* text : {"delay 0..3", "virtual-coupling", "hold-delay", "position-control"})
+    CHECK_THAT(result.output, Catch::Contains(text));
+  const nlohmann::json file = nlohmann::json::parse(test::readFile(path));
+  CHECK(file.at("laws").size() == 5 * 5);
+  CHECK_THAT(test::run("design --rivals --surface --device x").output, Catch::Contains("--surface"));
+}
+
 TEST_CASE("design says in one line what is wrong", "[design]") {
   const test::TemporaryFolder folder;
   const std::string output = " --output '" + (folder / "servo.json") + "'";

@@ -381,4 +381,42 @@ TEST_CASE("plans that cannot be run are refused", "[monte_carlo]") {
   CHECK_NOTHROW(checkStudy(smallPlan(3, 1)));
 }
 
+TEST_CASE("a column may have shorter ticks: delay and density of the noise stay", "[monte_carlo]") {
+  StudyPlan plan = smallPlan(1, 1);
+  plan.setup.delay = {0, 3};
+  plan.setup.duration = 1.3;
+  plan.columns[1].period = 0.25e-3;
+  plan.columns[1].make = [](std::size_t) { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{1e3, 0.0}); };
+  const StudyRun run = runAt(plan, 1);
+  REQUIRE(run.column == 1);
+  const PushSetup fast = setupOf(plan, run), slow = setupOf(plan, runAt(plan, 0));
+  CHECK(slow.period == plan.setup.period);
+  CHECK(fast.period == 0.25e-3);
+  CHECK(fast.delay.high == 12);
+  CHECK(fast.person.noise == 2.0 * slow.person.noise);  // a quarter of the time a sample, the same power per hertz
+  std::size_t ticks = 0;
+  REQUIRE(performRun(plan, run, [&](const TickRecord&) { ++ticks; }).status == Status::ok);
+  CHECK(ticks == 5200);
+  plan.columns[1].period = 0.3e-3;
+  CHECK_THROWS_WITH(setupOf(plan, run), Catch::Contains("no multiple"));
+}
+
+TEST_CASE("parts of a study are the whole, once", "[monte_carlo]") {
+  const StudyPlan plan = smallPlan(3, 7);
+  for (const int parts : {1, 2, 5, 1000}) {
+    std::size_t next = 0, least = plan.size(), most = 0;
+    for (int part = 1; part <= parts; ++part) {
+      const RunRange range = partOf(plan, part, parts);
+      CHECK(range.first == next);
+      next += range.count;
+      least = std::min(least, range.count);
+      most = std::max(most, range.count);
+    }
+    CHECK(next == plan.size());
+    CHECK(most <= least + 1);
+  }
+  CHECK_THROWS_AS(partOf(plan, 0, 2), Error);
+  CHECK_THROWS_AS(partOf(plan, 3, 2), Error);
+}
+
 }  // namespace enamel::test_monte_carlo

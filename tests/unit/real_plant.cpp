@@ -243,6 +243,19 @@ TEST_CASE("real plant: devices differ by their seed within the tolerances", "[re
                     Catch::Contains("drives of a Cartesian device"));
 }
 
+TEST_CASE("real plant: stiffened cables leave every other imperfection") {
+  DeviceParameters device = test::detailed();
+  const Imperfections before = imperfectionsOf(device);
+  REQUIRE(before.cableStiffness > 0.0);
+  stiffenCables(device);
+  const Imperfections after = imperfectionsOf(device);
+  CHECK(after.cableStiffness == 0.0);
+  CHECK(after.cableDamping == 0.0);
+  CHECK(after.backlash == 0.0);
+  CHECK(after.coulombFriction == before.coulombFriction);
+  CHECK(after.massError == before.massError);
+}
+
 TEST_CASE("real plant: steps converge, and what fails changes nothing", "[real_plant]") {
   const RealDevice device = makeRealDevice(test::detailed(), 3);
   const auto end = [&](double step) {

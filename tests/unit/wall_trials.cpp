@@ -71,6 +71,31 @@ TEST_CASE("trials are the same on any number of threads, and filtered ones the s
   CHECK(runWallTrials(setup, "wish", 1).empty());
 }
 
+TEST_CASE("in a corner a spring goes as deep as its stiffness says, a servo does not", "[wall_trials]") {
+  WallTrialSetup setup = setupFor("tau-nominal.toml", 0);
+  const auto servo = runWallTrials(setup, "corner", 2);
+  setup.renderer = [] { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{5000.0, 50.0}); };
+  const auto spring = runWallTrials(setup, "corner", 2);
+  // Two walls at 45 deg carry 10 N: sqrt(1/2) of it each, and each is as deep as its force over its stiffness.
+  CHECK(figure(spring, "corner", "depth") ==
+        Approx(1e6 * 10.0 * std::sqrt(0.5) / 5000.0).epsilon(0.2));  // and the noise
+  CHECK(figure(servo, "corner", "depth") < 100.0);
+  for (const WallFigure& f : servo) CHECK(f.lost == 0);
+}
+
+TEST_CASE("trials run on the plant that is made for them", "[wall_trials]") {
+  WallTrialSetup setup = setupFor("tau-nominal.toml", 0);
+  const auto ideal = runWallTrials(setup, "release", 2);
+  DeviceParameters heavy = loadDevice(test::deviceFile("tau-nominal.toml"));
+  addMass(heavy, 0.5);
+  const auto mechanism = makeMechanism(heavy);
+  setup.makePlant = [&mechanism](std::uint32_t) {
+    return std::make_unique<ClosedFormPlant>(*mechanism, Integrator::rungeKutta4, 1);
+  };
+  const double speed = figure(runWallTrials(setup, "release", 2), "release", "speed over the unavoidable");
+  CHECK(speed < 0.8 * figure(ideal, "release", "speed over the unavoidable"));
+}
+
 TEST_CASE("forces become what a weaker device can answer", "[wall_trials]") {
   const auto tau = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml"))),
              delta = makeMechanism(loadDevice(test::deviceFile("delta.toml")));
@@ -98,7 +123,7 @@ TEST_CASE("enamel trials prints a column a renderer and names what it cannot do"
   for (const auto& [arguments, message] : {std::pair{"--filter wish", "no trial matches --filter wish"},
                                            {"--renderers wish", "wish"},
                                            {"--gain missing.json", "missing.json"},
-                                                                              {"--set a=b", "--set is for plugins, and --renderers names none"},
+                                           {"--set a=b", "--set is for plugins, and --renderers names none"},
                                            {"--delay later", "--delay is \"later\""}}) {
     INFO(arguments);
     const auto refused = test::run(device + arguments);

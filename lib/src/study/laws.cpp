@@ -101,14 +101,14 @@ Law surfaceServoLaw(const SurfaceServoOptions& start) {
 
 const std::vector<Law>& rivalLaws() {
   static const std::vector<Law> laws = {
-      {"impedance", "spring", {kStiffness, kDamping}, impedance},
-      {"passivity", "spring with passivity control", {kStiffness, kDamping}, passivity},
+      {"impedance", "spring, tuned", {kStiffness, kDamping}, impedance},
+      {"passivity", "spring under passivity control, tuned", {kStiffness, kDamping}, passivity},
       {"virtual-coupling",
-       "virtual coupling",
+       "virtual coupling, tuned",
        {kStiffness, kDamping, {"mass", "kg", 0.02, 1e-3, 1.0, 0.4, true}},
        virtualCoupling},
-      {"hold", "hold, retuned", kWeights, hold},
-      {"hold-delay", "hold that foresees the delay", kWeights, holdDelay},
+      {"hold", "hold, tuned", kWeights, hold},
+      {"hold-delay", "hold that foresees the delay, tuned", kWeights, holdDelay},
   };
   return laws;
 }

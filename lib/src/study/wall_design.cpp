@@ -110,7 +110,12 @@ TrialResult perform(const WallDesignSetup& setup, const Mechanism& model, const 
   loopSetup.run = trial.stream;
   loopSetup.guarded = false;  // laws are judged to the end
   const std::unique_ptr<Renderer> renderer = make();
-  VirtualLoop loop(*setup.plant, model, *renderer, loopSetup);
+  loopSetup.jitter = setup.jitter;
+  loopSetup.lostSamples = setup.lostSamples;
+  VirtualLoop loop(setup.makePlant
+                       ? setup.makePlant(trial.stream)
+                       : std::make_unique<ClosedFormPlant>(*setup.plant, loopSetup.integrator, loopSetup.substeps),
+                   model, *renderer, loopSetup);
   const RandomStream random(setup.seed, trial.stream);
 
   const auto ticks = [&](double time) { return static_cast<int>(std::lround(time / setup.period)); };
@@ -265,6 +270,7 @@ std::vector<WallScore> judgeAll(const WallDesignSetup& setup, const std::vector<
     score.lowestShare = std::min(score.lowestShare, score.share);
     WallTrialSetup impacts;
     impacts.plant = impacts.model = setup.plant;
+    impacts.makePlant = setup.makePlant;
     impacts.renderer = candidates[c];
     impacts.delay = setup.delay;
     impacts.period = setup.period;

@@ -15,6 +15,9 @@ namespace enamel {
 /// What a renderer is designed for: pushes against the wall z = 0 at five points, encoders rounded, rates differenced.
 struct WallDesignSetup {
   std::shared_ptr<const Mechanism> plant;
+  /// Makes the plant of a run where it is not the closed form of `plant`; may be called from several threads at once.
+  std::function<std::unique_ptr<Plant>(std::uint32_t stream)> makePlant = {};
+  double jitter = 0.0, lostSamples = 0.0;         ///< as in VirtualDeviceSetup
   double period = 1e-3;                           ///< s
   Delay delay;                                    ///< ticks; random where low < high
   double inertiaError = 0.0;                      ///< the model's inertia is exact, or wrong by this share either way
