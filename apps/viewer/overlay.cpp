@@ -547,7 +547,7 @@ void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& s
     if (fill != 0) brush.list->AddCircleFilled(centre, radius, fill, kCircleSides);
     if (outline != 0) brush.list->AddCircle(centre, radius, outline, kCircleSides, 1.5f * s);
   };
-  drawTool(tip, ink(view.tool, 0.88), 0);
+  drawTool(tip, ink(view.tool, view.half ? 1.0 : 0.88), 0);
   if (view.ghost) {
     const ImVec2 rest = at(reference);
     const unsigned outline = view.half ? kInk : kBlue;

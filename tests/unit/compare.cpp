@@ -188,7 +188,8 @@ TEST_CASE("a test push steps on both in the same tick, also where one needs long
   // Then it is one hand again.
   send(*runner, RunnerCommand::Kind::handBy, {0.001, 0.0, 0.0});
   runner->period();
-  CHECK(isSame(runner->frame().hand, runner->secondFrame()->hand));
+  const Frame& one = runner->frame();
+  CHECK(isSame(one.hand, runner->secondFrame()->hand));
   CHECK_FALSE(runner->secondFrame()->testing);
 }
 
