@@ -8,6 +8,7 @@ namespace enamel::viewer {
 const std::vector<ActionRow>& actionRows() {
   static const std::vector<ActionRow> rows{
       {Action::swapRenderers, "swap", "Tab", "the renderer before, and back", GLFW_KEY_TAB, false, Source::live},
+      {Action::split, "split", "V", "split screen: two renderers, one hand", GLFW_KEY_V, false, Source::live},
       {Action::testPush, "push", "P", "test push: a step of 12 N on the surface", GLFW_KEY_P, false, Source::live},
       {Action::grip, "grip", "G", "firm grip 400 N/m, or the paper's 40 N/m", GLFW_KEY_G, false, Source::live},
       {Action::home, "home", "H", "hand back to the start", GLFW_KEY_H, false, Source::live},

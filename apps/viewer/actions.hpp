@@ -9,6 +9,7 @@ namespace enamel::viewer {
 
 enum class Action : std::uint8_t {
   swapRenderers,
+  split,
   testPush,
   grip,
   home,

@@ -9,9 +9,9 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr double kTestPreload = 0.5;               // N, of the hand on the surface before the step
-constexpr int kApproachLimit = 3000, kRest = 300;  // ticks
-constexpr int kPushTicks = 750;                    // for as long as a first impact is judged
+constexpr double kTestPreload = 0.5;  // N, of the hand on the surface before the step
+constexpr int kApproachLimit = 3000;  // ticks
+constexpr int kPushTicks = 750;       // for as long as a first impact is judged
 constexpr int kRestWatched = static_cast<int>(ImpactWatch::kRestWindow / kPeriod + 0.5);
 constexpr std::array<const char*, kLinkedRenderers> kLinkedNames{"position-control", "impedance", "hold", "passivity"};
 constexpr double kAtRest = 3e-5;  // m from where the rest began: more than encoders of whole counts let it tremble
@@ -155,7 +155,7 @@ void Experiment::startTestPush() noexcept {
 }
 
 // Brings the tool to rest on the surface under a small preload, then lets go of a step of force.
-void Experiment::advanceTestPush() noexcept {
+void Experiment::advanceTestPush(bool mayStep) noexcept {
   if (phase_ == Phase::none) return;
   ++phaseTicks_;
   const Vec3 perNewton = testNormal_.cwiseQuotient(stiffnessOf(frame_.hand.grip));
@@ -171,7 +171,7 @@ void Experiment::advanceTestPush() noexcept {
     restStart_ = tool;
     impact_ = ImpactWatch(kPeriod);
   }
-  if (restTicks_ >= kRest) {
+  if (restTicks_ >= kRest && mayStep) {
     phase_ = Phase::push;
     phaseTicks_ = 0;
     testStart_ = frame_.record.pose.position;
@@ -204,9 +204,35 @@ void Experiment::endTestPush(FirstImpactVerdict verdict) noexcept {
 
 void Experiment::tick() noexcept {
   if (frame_.plant != Status::ok) return;
-  advanceTestPush();
+  advanceTestPush(true);
+  keepWithinReach(frame_.hand, frame_.record.pose.position);
+  moveHand(frame_.hand, kPeriod);
+  tickHeld();
+}
+
+void Experiment::tickTogether(Experiment& left, Experiment& right) noexcept {
+  if (left.frame_.plant != Status::ok || right.frame_.plant != Status::ok) return;
+  if (left.phase_ != Phase::none || right.phase_ != Phase::none) {
+    const bool waits = left.phase_ == Phase::approach && right.phase_ == Phase::approach;
+    const bool mayStep = !waits || (left.restsForStep() && right.restsForStep());
+    for (Experiment* const one : {&left, &right}) {
+      one->advanceTestPush(mayStep);
+      keepWithinReach(one->frame_.hand, one->frame_.record.pose.position);
+      moveHand(one->frame_.hand, kPeriod);
+    }
+  } else {
+    Hand& hand = left.frame_.hand;
+    for (const Experiment* const one : {&left, &right}) keepWithinReach(hand, one->frame_.record.pose.position);
+    moveHand(hand, kPeriod);
+    right.frame_.hand = hand;
+  }
+  left.tickHeld();
+  right.tickHeld();
+}
+
+// One tick with the hand where it is now.
+void Experiment::tickHeld() noexcept {
   TickRecord& record = frame_.record;
-  moveHand(frame_.hand, record.pose.position, kPeriod);
   const Vec3 normal = phase_ == Phase::push ? testNormal_ : record.nearest.normal;
   double pressed = phase_ == Phase::push ? kTestForce : 0.0;
   if (noise_ > 0.0) pressed += noise_ * random_.normal(RandomStream::Purpose::noise, record.tick + 1);

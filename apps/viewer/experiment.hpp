@@ -105,6 +105,11 @@ class Experiment {
   /// One tick; nothing happens once the plant has failed. Realtime: yes.
   void tick() noexcept;
 
+  /// One tick of two under one hand, that of `left`, whose target stays within reach of both tools: the same springs to
+  /// the same point. In a test push each has a hand of its own, and both get their steps of force in the same tick,
+  /// or one whose other has given up. Realtime: yes.
+  static void tickTogether(Experiment& left, Experiment& right) noexcept;
+
   /// Changes between ticks; select() also goes on after the guard has stopped. Realtime: yes.
   void select(RendererSlot slot) noexcept;
   void moveHandTo(const Vec3& target) noexcept { frame_.hand.target = target; }
@@ -144,9 +149,12 @@ class Experiment {
     std::uint8_t selected_ = 0;
   };
 
+  static constexpr int kRest = 300;  // ticks, before a test push's step
   enum class Phase : std::uint8_t { none, approach, push };
 
-  void advanceTestPush() noexcept;
+  void tickHeld() noexcept;
+  bool restsForStep() const noexcept { return phase_ == Phase::approach && restTicks_ >= kRest; }
+  void advanceTestPush(bool mayStep) noexcept;
   void watchTestPush() noexcept;
   void endTestPush(FirstImpactVerdict verdict) noexcept;
   void fillDrilled() noexcept;

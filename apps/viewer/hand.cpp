@@ -20,10 +20,13 @@ Vec3 dampingOf(const Grip& grip) noexcept {
   return {across, across, grip.damping};
 }
 
-void moveHand(Hand& hand, const Vec3& tool, double dt) noexcept {
+void keepWithinReach(Hand& hand, const Vec3& tool) noexcept {
   const Vec3 stretch = hand.target - tool;
   const double force = stiffnessOf(hand.grip).cwiseProduct(stretch).norm();
   if (force > kLargestHandForce) hand.target = tool + (kLargestHandForce / force) * stretch;
+}
+
+void moveHand(Hand& hand, double dt) noexcept {
   const Vec3 acceleration = kHandRate * kHandRate * (hand.target - hand.position) - 2.0 * kHandRate * hand.velocity;
   hand.velocity += dt * acceleration;
   hand.position += dt * hand.velocity;

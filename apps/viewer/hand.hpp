@@ -27,9 +27,11 @@ struct Hand {
 Vec3 stiffnessOf(const Grip& grip) noexcept;
 Vec3 dampingOf(const Grip& grip) noexcept;
 
-/// Moves the hand towards its target for `dt` s; the target stays within reach of the tool's point: where the springs
-/// give kLargestHandForce. Realtime: yes.
-void moveHand(Hand& hand, const Vec3& tool, double dt) noexcept;
+/// Brings the target within reach of the tool's point: where the springs give kLargestHandForce. Realtime: yes.
+void keepWithinReach(Hand& hand, const Vec3& tool) noexcept;
+
+/// Moves the hand towards its target for `dt` s. Realtime: yes.
+void moveHand(Hand& hand, double dt) noexcept;
 
 /// Wrench on the platform at the TCP: of the hand (its point moving on from time `since`), of a held force, and of the
 /// mechanical stops (3 kN/m, 20 N s/m outside the cube of kStop). A load for VirtualLoop::tick(). Realtime: yes.

@@ -35,7 +35,8 @@ void Input::cursor(const glm::dvec2& place) {
   cursor_ = place;
   if (dragged_ < 0) return;
   if (seeks_) return driven_.seek(shareOf(driven_.layout().bar, place.x));
-  const Area& area = driven_.layout().scene;
+  const Layout& layout = driven_.layout();
+  const Area& area = layout.isSplit() && place.x >= layout.right.x ? layout.right : layout.scene;
   const glm::dvec2 size(std::max(1.0f, area.width), std::max(1.0f, area.height)), corner(area.x, area.y);
   Camera& camera = driven_.camera();
   const glm::dvec3 like = driven_.tool();

@@ -36,4 +36,25 @@ Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int
   return layout;
 }
 
+Layout layOutSplit(const glm::ivec2& size, float scale, bool panels) {
+  Layout layout;
+  layout.scale = scale;
+  layout.size = size;
+  const float w = static_cast<float>(size.x), h = static_cast<float>(size.y);
+  const float panel = panels && w >= (248 + 2 * 300) * scale ? 248 * scale : 0.0f;
+  // Smaller, what compares and what is magnified leave their places to the scenes.
+  const float compare = h >= 420 * scale ? std::clamp(0.29f * h, 150 * scale, 230 * scale) : 0.0f;
+  const float upper = h - compare, inset = upper >= 260 * scale ? 0.58f * upper : 0.0f, scene = upper - inset;
+  const float half = 0.5f * (w - panel);
+  layout.panel = {0, 0, panel, h};
+  layout.scene = {panel, 0, half, scene};
+  layout.right = {panel + half, 0, half, scene};
+  if (inset > 0) {
+    layout.inset = {panel, scene, half, inset};
+    layout.rightInset = {panel + half, scene, half, inset};
+  }
+  layout.compare = {panel, upper, w - panel, compare};
+  return layout;
+}
+
 }  // namespace enamel::viewer

@@ -18,6 +18,7 @@ ImFont* gText = nullptr;  // ImGui keeps fonts for the life of its context, of w
 ImFont* gSmall = nullptr;
 ImFont* gBold = nullptr;
 ImFont* gLarge = nullptr;
+ImFont* gHuge = nullptr;  // digits
 
 ImU32 ink(unsigned rgb, double alpha = 1.0) {
   return IM_COL32(rgb >> 16 & 255, rgb >> 8 & 255, rgb & 255, static_cast<int>(255.0 * alpha));
@@ -36,6 +37,7 @@ std::string format(const char* pattern, ...) {
 }
 
 constexpr unsigned kSlotColour[kMaxRenderers] = {kBlue, kOrange, kPurple, kGreen, kSky};
+constexpr unsigned kSideColour[] = {kBlue, kPurple};  // of the split screen
 constexpr const char* kLinkedTitle[kLinkedRenderers] = {"Position control", "Spring", "Hold (paper)", "Passive spring"};
 
 // ---- drawing primitives ------------------------------------------------------------------------------------------
@@ -119,6 +121,12 @@ bool isPlugin(const OverlayInput& input, std::size_t slot) {
   return input.plugin != nullptr && indexOf(slotOf(*input.plugin)) == slot;
 }
 
+// Whether a tool that is shown has that renderer, linked.
+bool shows(const OverlayInput& input, RendererSlot slot) {
+  return (input.frame.selected == slot || (input.right != nullptr && input.right->selected == slot)) &&
+         !isPlugin(input, indexOf(slot));
+}
+
 std::size_t rendererCount(const OverlayInput& input) {
   return isPlugin(input, indexOf(RendererSlot::plugin)) ? kMaxRenderers : kLinkedRenderers;
 }
@@ -177,17 +185,38 @@ void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, f
   const auto ask = [&state](Action action) { state.actions.push_back(action); };
   Settings& settings = state.settings;
 
-  heading("Renderer");
-  for (std::size_t slot = 0; slot < rendererCount(input); ++slot) {
-    if (slot % 2 == 1) ImGui::SameLine(0, 6 * s);
-    const std::string label = isPlugin(input, slot) ? input.plugin->description().name : kLinkedTitle[slot];
-    if (toggle(label.c_str(), indexOf(frame.selected) == slot, half, kSlotColour[slot]))
-      state.rendererAsked = static_cast<int>(slot);
+  const bool split = input.right != nullptr;
+  const auto choose = [&](RendererSlot selected, unsigned side, int& asked) {
+    ImGui::PushID(&asked);
+    for (std::size_t slot = 0; slot < rendererCount(input); ++slot) {
+      if (slot % 2 == 1) ImGui::SameLine(0, 6 * s);
+      const std::string label = isPlugin(input, slot) ? input.plugin->description().name : kLinkedTitle[slot];
+      if (toggle(label.c_str(), indexOf(selected) == slot, half, split ? side : kSlotColour[slot]))
+        asked = static_cast<int>(slot);
+    }
+    ImGui::PopID();
+  };
+  heading(split ? "Left tool" : "Renderer");
+  if (input.bur == nullptr) {
+    ImGui::SameLine(whole - third);
+    ImGui::PushFont(gSmall);
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, s});  // no higher than the heading
+    if (toggle("split  (V)", split, third)) ask(Action::split);
+    ImGui::PopStyleVar();
+    ImGui::PopFont();
   }
-  if (isPlugin(input, indexOf(frame.selected))) {
+  choose(frame.selected, kSideColour[0], state.rendererAsked);
+  if (split) {
+    heading("Right tool");
+    choose(input.right->selected, kSideColour[1], state.rightAsked);
+  }
+  const bool spring = shows(input, RendererSlot::impedance) || shows(input, RendererSlot::passivity);
+  if (split) {
+    if (spring) state.settingsChanged |= slider("stiffness", "%.0f N/m", settings.spring.stiffness, 200, 20000);
+  } else if (isPlugin(input, indexOf(frame.selected))) {
     const EnamelDescription& plugin = input.plugin->description();
     remark(format("Plugin %s %s: %s", plugin.name, plugin.version, plugin.summary));
-  } else if (frame.selected == RendererSlot::impedance || frame.selected == RendererSlot::passivity) {
+  } else if (spring) {
     state.settingsChanged |= slider("stiffness", "%.0f N/m", settings.spring.stiffness, 200, 20000);
     state.settingsChanged |= slider("wall damping", "%.1f N s/m", settings.spring.damping, 0, 20);
     const double required = requiredDamping(settings.spring, kPeriod);
@@ -298,6 +327,27 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
 
 double handForce(const Frame& frame) { return -frame.record.nearest.normal.dot(frame.record.person.head<3>()); }
 
+// What the tool is doing, in a word.
+void drawChip(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush) {
+  const float s = brush.s;
+  const Player* const player = input.player;
+  const bool contact = frame.record.nearest.gap <= 0.0 || frame.record.mode == RenderMode::contact;
+  std::string chip = contact ? "contact" : "free";
+  unsigned fill = contact ? kVermilion : kMuted;
+  if (frame.testing) chip = "test push", fill = kGreen;
+  if (frame.record.status != Status::ok) chip = std::string("fault: ") + toString(frame.record.status), fill = kInk;
+  if (frame.record.guard != GuardReason::none)
+    chip = std::string("guard: ") + toString(frame.record.guard) +
+           (isFault(frame.record.guard) && player == nullptr ? ": select again" : ""),
+    fill = kInk;
+  if (player != nullptr && player->gap() > 0)
+    chip = format("%llu ticks missing here", static_cast<unsigned long long>(player->gap())), fill = kInk;
+  if (frame.plant != Status::ok) chip = std::string("stopped: ") + toString(frame.plant), fill = kInk;
+  const float chipWidth = Brush::width(gBold, chip) + 20 * s;
+  brush.list->AddRectFilled({right - chipWidth, y}, {right, y + 24 * s}, ink(fill), 12 * s);
+  brush.text(gBold, right - chipWidth + 10 * s, y + 4 * s, 0xFFFFFF, chip);
+}
+
 void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const Frame& frame = input.frame;
@@ -314,21 +364,7 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(player != nullptr ? kInk : kSlotColour[slot]));
   brush.text(gText, x + 16 * s, y, kMuted, who);
 
-  const bool contact = frame.record.nearest.gap <= 0.0 || frame.record.mode == RenderMode::contact;
-  std::string chip = contact ? "contact" : "free";
-  unsigned fill = contact ? kVermilion : kMuted;
-  if (frame.testing) chip = "test push", fill = kGreen;
-  if (frame.record.status != Status::ok) chip = std::string("fault: ") + toString(frame.record.status), fill = kInk;
-  if (frame.record.guard != GuardReason::none)
-    chip = std::string("guard: ") + toString(frame.record.guard) +
-           (isFault(frame.record.guard) && player == nullptr ? ": select again" : ""),
-    fill = kInk;
-  if (player != nullptr && player->gap() > 0)
-    chip = format("%llu ticks missing here", static_cast<unsigned long long>(player->gap())), fill = kInk;
-  if (frame.plant != Status::ok) chip = std::string("stopped: ") + toString(frame.plant), fill = kInk;
-  const float chipWidth = Brush::width(gBold, chip) + 20 * s;
-  brush.list->AddRectFilled({right - chipWidth, area.y + 16 * s}, {right, area.y + 40 * s}, ink(fill), 12 * s);
-  brush.text(gBold, right - chipWidth + 10 * s, area.y + 20 * s, 0xFFFFFF, chip);
+  drawChip(right, area.y + 16 * s, input, frame, brush);
   if (player != nullptr) return;  // its time stands at the bar
   std::string time = format("%.3f s", input.simulated);
   if (frame.paused) time += "   paused";
@@ -415,38 +451,57 @@ std::string materialText(const Material& material) {
   return text;
 }
 
+// What an inset shows.
+struct InsetView {
+  const Area& area;
+  const Frame& frame;
+  bool ghost;
+  Vec3 ghostPosition;
+  const std::vector<Vec3>& trail;
+  bool half;      // of the split screen: at one fixed scale, and its head says whose it is
+  unsigned tool;  // its colour
+};
+
 // The contacts, seen along the walls, magnified: the deepest one's wall below, the tool above, whatever the normal.
-void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
+void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& state, const Brush& brush) {
+  constexpr int kHalfStep = 6;  // of the split screen: what a spring of 6 kN/m sinks under 12 N fills its half
   constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // mm a bar
   constexpr int kSteps = 9, kCircleSides = 256;
-  const float s = layout.scale;
-  const Area& area = layout.inset;
-  const Frame& frame = input.frame;
+  const float s = brush.s;
+  const Area& area = view.area;
+  const Frame& frame = view.frame;
   const Contact& contact = frame.record.nearest;
   const Vec3 n = contact.normal;
   const Vec3 across = insetAcross(n, frame.contacts);
   // Everything is shown where the tool's nearest point is, not its TCP.
   const Vec3 tool = contact.point, fromTcp = tool - frame.record.pose.position;
-  const Vec3 reference = input.ghostPosition + fromTcp;
+  const Vec3 reference = view.ghostPosition + fromTcp;
   const Vec3 surface = tool - contact.gap * n;
-  const Vec3 origin = input.ghost ? reference - n * n.dot(reference - surface) : surface;
+  const Vec3 origin = view.ghost ? reference - n * n.dot(reference - surface) : surface;
   const float bar = 46 * s;
 
   const Vec3 offset = tool - origin;
   const double reach = 1e3 * std::max(std::abs(n.dot(offset)), 0.6 * std::abs(across.dot(offset)));
-  int wanted = 0;
-  while (wanted < kSteps - 1 && reach * bar / steps[wanted] > 70 * s) ++wanted;
-  state.insetPatience = wanted < state.insetStep ? state.insetPatience + 1 : 0;
-  if (wanted > state.insetStep || state.insetPatience > 20) state.insetStep = wanted;
-  const double perMillimetre = static_cast<double>(bar) / steps[state.insetStep];
+  int step = kHalfStep;
+  if (!view.half) {
+    int wanted = 0;
+    while (wanted < kSteps - 1 && reach * bar / steps[wanted] > 70 * s) ++wanted;
+    state.insetPatience = wanted < state.insetStep ? state.insetPatience + 1 : 0;
+    if (wanted > state.insetStep || state.insetPatience > 20) state.insetStep = wanted;
+    step = state.insetStep;
+  }
+  const double perMillimetre = static_cast<double>(bar) / steps[step];
 
-  const float cx = area.x + 0.5f * area.width, cy = area.y + 0.56f * area.height;
+  const float cx = area.x + 0.5f * area.width, cy = area.y + (view.half ? 0.45f : 0.56f) * area.height;
   const auto at = [&](const Vec3& point) {
     const Vec3 d = 1e3 * (point - origin);
     return ImVec2(cx + static_cast<float>(std::clamp(perMillimetre * across.dot(d), -1e4, 1e4)),
                   cy - static_cast<float>(std::clamp(perMillimetre * n.dot(d), -1e4, 1e4)));
   };
-  brush.card(area, 1.0);
+  if (view.half)
+    brush.list->AddRectFilled({area.x, area.y}, {area.x + area.width, area.y + area.height}, ink(kPaper));
+  else
+    brush.card(area, 1.0);
   const float top = area.y + 26 * s, bottom = area.y + area.height - s;
   brush.list->PushClipRect({area.x + s, top}, {area.x + area.width - s, bottom}, true);
   // The wall, with a grid of one bar.
@@ -482,9 +537,9 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     }
   };
   const ImVec2 tip = at(tool);
-  for (std::size_t i = 1; i < input.trail.size(); ++i)
-    brush.list->AddLine(at(input.trail[i - 1] + fromTcp), at(input.trail[i] + fromTcp),
-                        ink(kBlue, static_cast<double>(i) / static_cast<double>(input.trail.size())), 1.5f * s);
+  for (std::size_t i = 1; i < view.trail.size(); ++i)
+    brush.list->AddLine(at(view.trail[i - 1] + fromTcp), at(view.trail[i] + fromTcp),
+                        ink(kBlue, static_cast<double>(i) / static_cast<double>(view.trail.size())), 1.5f * s);
   const auto drawTool = [&](ImVec2 lowest, ImU32 fill, ImU32 outline) {
     if (input.toolRadius == 0.0) return wedge(lowest, fill, outline);
     const float radius = static_cast<float>(1e3 * input.toolRadius * perMillimetre);
@@ -492,11 +547,12 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
     if (fill != 0) brush.list->AddCircleFilled(centre, radius, fill, kCircleSides);
     if (outline != 0) brush.list->AddCircle(centre, radius, outline, kCircleSides, 1.5f * s);
   };
-  drawTool(tip, ink(kNeedle, 0.88), 0);
-  if (input.ghost) {
+  drawTool(tip, ink(view.tool, view.half ? 1.0 : 0.88), 0);
+  if (view.ghost) {
     const ImVec2 rest = at(reference);
-    drawTool(rest, 0, ink(kBlue));
-    brush.list->AddCircle(rest, 4 * s, ink(kBlue), 0, 1.5f * s);
+    const unsigned outline = view.half ? kInk : kBlue;
+    drawTool(rest, 0, ink(outline));
+    brush.list->AddCircle(rest, 4 * s, ink(outline), 0, 1.5f * s);
   }
   const float forceLength = static_cast<float>(std::clamp(4.0 * frame.record.normalForce, 0.0, 80.0)) * s;
   if (frame.record.normalForce > 0.05)
@@ -534,14 +590,14 @@ void drawInset(const Layout& layout, const OverlayInput& input, OverlayState& st
   }
   brush.list->PopClipRect();
 
-  brush.text(gBold, area.x + 10 * s, area.y + 6 * s, kInk,
-             input.frame.contacts.count > 1 && input.frame.contacts.contacts[1].gap <= 0.0 ? "Contacts, magnified"
-                                                                                           : "Contact, magnified");
+  brush.text(
+      gBold, area.x + 10 * s, area.y + 6 * s, kInk,
+      frame.contacts.count > 1 && frame.contacts.contacts[1].gap <= 0.0 ? "Contacts, magnified" : "Contact, magnified");
   const float bx = area.x + 12 * s, by = area.y + area.height - 12 * s;
   brush.list->AddLine({bx, by}, {bx + bar, by}, ink(kInk), 2 * s);
   brush.list->AddLine({bx, by - 4 * s}, {bx, by + 4 * s}, ink(kInk), 1.5f * s);
   brush.list->AddLine({bx + bar, by - 4 * s}, {bx + bar, by + 4 * s}, ink(kInk), 1.5f * s);
-  brush.text(gSmall, bx, by - 19 * s, kInk, format("%g mm", steps[state.insetStep]));
+  brush.text(gSmall, bx, by - 19 * s, kInk, format("%g mm", steps[step]));
   const std::string material = materialText(contact.material);
   const float right = area.x + area.width - 10 * s, left = right - Brush::width(gSmall, material);
   brush.list->AddRectFilled({left - 4 * s, by - 7 * s}, {right + 4 * s, by + 9 * s}, ink(kEnamel, 0.9));
@@ -635,6 +691,178 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
       brush.list->AddCircleFilled(centre, 8 * s, ink(0xFFFFFF));
       brush.list->AddCircleFilled(centre, 6.5f * s, ink(kSlotColour[i]));
     }
+}
+
+// ---- split screen ------------------------------------------------------------------------------------------------
+
+// Two axes from 0 on, and what stands at a value on each. The vertical one begins at `low`, at most 0.
+struct Plot {
+  Area area;
+  double low, right, top;
+  ImVec2 at(double x, double y) const {
+    return {area.x + area.width * static_cast<float>(x / right),
+            area.y + area.height * static_cast<float>((top - y) / (top - low))};
+  }
+};
+
+// The smallest of 1, 2, 5 times a power of ten of which five reach so far.
+double stepFor(double far) {
+  const double raw = 0.2 * far, power = std::pow(10.0, std::floor(std::log10(raw)));
+  return power * (raw <= power ? 1.0 : raw <= 2.0 * power ? 2.0 : raw <= 5.0 * power ? 5.0 : 10.0);
+}
+
+// The first step's end at or beyond a value.
+double endFor(double value, double least) {
+  const double far = std::max(1.04 * value, least), step = stepFor(far);
+  return step * std::ceil(far / step - 1e-9);
+}
+
+void drawAxes(const Plot& plot, const char* name, const Brush& brush) {
+  const float s = brush.s;
+  const Area& a = plot.area;
+  brush.text(gBold, a.x - 34 * s, a.y - 24 * s, kInk, name);
+  const double step = stepFor(plot.top);
+  for (int i = static_cast<int>(std::ceil(plot.low / step)); i * step <= plot.top * (1 + 1e-9); ++i) {
+    const float y = plot.at(0.0, i * step).y;
+    brush.list->AddLine({a.x, y}, {a.x + a.width, y}, ink(i == 0 ? kCubeLine : kLine), s);
+    brush.textRight(gSmall, a.x - 6 * s, y - 8 * s, kMuted, format("%g", i * step));
+  }
+}
+
+void drawLine(const std::vector<ImVec2>& points, unsigned rgb, const Brush& brush) {
+  for (std::size_t i = 1; i < points.size(); ++i)  // a polyline loses turns by half a circle
+    brush.list->AddLine(points[i - 1], points[i], ink(rgb), 1.8f * brush.s);
+}
+
+void drawDepths(const Area& area, const Comparison& both, const Brush& brush) {
+  constexpr double window = Comparison::kBins * Comparison::kBinTicks * kPeriod;  // s
+  float largest = 0.0f;
+  for (std::size_t side = 0; side < 2; ++side)
+    for (int bin = 0; bin < Comparison::kBins; ++bin) largest = std::max(largest, both.depth(side, bin).high);
+  const Plot plot{area, 0.0, window, endFor(1e3 * static_cast<double>(largest), 0.05)};
+  drawAxes(plot, "Depth, mm", brush);
+  const std::string from = format("-%g s", window);
+  brush.text(gSmall, area.x, area.y + area.height + 3 * brush.s, kMuted, from);
+  brush.textRight(gSmall, area.x + area.width, area.y + area.height + 3 * brush.s, kMuted, "now");
+  for (const std::size_t side : {1u, 0u}) {
+    std::vector<ImVec2> points;
+    for (int bin = 0; bin < Comparison::kBins; ++bin) {
+      const Comparison::Band band = both.depth(side, bin);
+      const double time = window * (bin + 0.5) / Comparison::kBins;
+      points.push_back(plot.at(time, 1e3 * static_cast<double>(band.low)));
+      if (band.high > band.low) points.push_back(plot.at(time, 1e3 * static_cast<double>(band.high)));
+    }
+    drawLine(points, kSideColour[side], brush);
+  }
+}
+
+void drawCurves(const Area& area, const Comparison& both, const Brush& brush) {
+  float lowest = 0.0f;
+  for (std::size_t side = 0; side < 2; ++side)
+    for (const Comparison::Point& point : both.curve(side)) lowest = std::min(lowest, point.force);
+  const double deepest = 1e3 * std::max(both.deepest(0), both.deepest(1));
+  Plot plot{area, 0.0, endFor(deepest, 0.05), endFor(std::max(both.strongest(0), both.strongest(1)), 5.0)};
+  if (lowest < -0.05f * static_cast<float>(plot.top)) plot.low = 1.05 * static_cast<double>(lowest);
+  drawAxes(plot, "Force over depth, N", brush);
+  const double step = stepFor(plot.right);
+  for (int i = 0; i * step <= plot.right * (1 + 1e-9); ++i) {
+    const float x = plot.at(i * step, 0.0).x;
+    const std::string text = format(i * step > 0.999 * plot.right ? "%g mm" : "%g", i * step);
+    brush.list->AddLine({x, area.y}, {x, area.y + area.height}, ink(kLine), brush.s);
+    brush.text(gSmall, x - 0.5f * Brush::width(gSmall, text), area.y + area.height + 3 * brush.s, kMuted, text);
+  }
+  brush.list->PushClipRect({area.x - 1, area.y}, {area.x + area.width, area.y + area.height + 1}, true);
+  for (const std::size_t side : {1u, 0u}) {
+    std::vector<ImVec2> points;
+    for (const Comparison::Point& p : both.curve(side))
+      points.push_back(plot.at(1e3 * std::max(0.0, static_cast<double>(p.depth)), static_cast<double>(p.force)));
+    drawLine(points, kSideColour[side], brush);
+  }
+  brush.list->PopClipRect();
+}
+
+std::string timesText(const Comparison::Ratio& ratio) {
+  const bool above = ratio.atLeast || ratio.times > 9999.0;
+  return std::string(above ? "> " : "") +
+         format(ratio.times >= 9.95 ? "%.0f\u00d7" : "%.1f\u00d7", std::min(ratio.times, 9999.0));
+}
+
+// How many times as deep the one went as the other.
+void drawRatio(const Area& area, const OverlayInput& input, const Brush& brush) {
+  const float s = brush.s, x = area.x;
+  const Comparison& both = input.comparison;
+  const Frame* const frames[] = {&input.frame, input.right};
+  const auto titled = [&](float y, std::size_t side, const char* before) {
+    const float at = x + Brush::width(gText, before);
+    brush.text(gText, x, y, kInk, before);
+    brush.list->AddCircleFilled({at + 5 * s, y + 9 * s}, 5 * s, ink(kSideColour[side]));
+    brush.text(gBold, at + 15 * s, y, kInk, titleOf(input, indexOf(frames[side]->selected)));
+  };
+  const std::optional<Comparison::Ratio> ratio = both.ratio();
+  float y = area.y + 10 * s;
+  if (!ratio) {
+    brush.text(gBold, x, y, kInk, "Which one is stiffer?");
+    brush.text(gText, x, y + 24 * s, kMuted, "Press both into the wall with");
+    brush.text(gText, x, y + 43 * s, kMuted, "1 N or more, or P: test push.");
+    return;
+  }
+  titled(y, ratio->deeper, "");
+  brush.text(gText, x, y + 18 * s, kMuted, "sinks");
+  brush.text(gHuge, x, y + 28 * s, kInk, timesText(*ratio));
+  titled(y + 82 * s, 1 - ratio->deeper, "as deep as ");
+  y += 103 * s;
+  const auto depth = [&](std::size_t side) {
+    return both.deepest(side) < Comparison::kLeast ? format("< %g", 1e3 * Comparison::kLeast)
+                                                   : format("%.3f", 1e3 * both.deepest(side));
+  };
+  brush.text(gSmall, x, y, kMuted, format("deepest of this press: %s and %s mm", depth(0).c_str(), depth(1).c_str()));
+  const TestPush* tests[2];
+  for (std::size_t i = 0; i < 2; ++i) tests[i] = &frames[i]->tests[indexOf(frames[i]->selected)];
+  if (!tests[0]->made && !tests[1]->made) return;
+  const auto result = [](const TestPush& test) {
+    return test.verdict == FirstImpactVerdict::measured ? stiffnessText(test.stiffness)
+           : test.made                                  ? verdictText(test.verdict)
+                                                        : std::string("not measured");
+  };
+  brush.text(gSmall, x, y + 17 * s, kMuted,
+             format("K_z1: %s and %s", result(*tests[0]).c_str(), result(*tests[1]).c_str()));
+}
+
+void drawHalves(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
+  static const std::vector<Vec3> noTrail;
+  const float s = layout.scale;
+  const Frame* const frames[] = {&input.frame, input.right};
+  const Area* const scenes[] = {&layout.scene, &layout.right};
+  const Area* const insets[] = {&layout.inset, &layout.rightInset};
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Frame& frame = *frames[side];
+    const Area& scene = *scenes[side];
+    const bool ghost = side == 0 ? input.ghost : input.rightGhost;
+    if (insets[side]->width > 0)
+      drawInset({*insets[side], frame, ghost, side == 0 ? input.ghostPosition : input.rightGhostPosition, noTrail, true,
+                 kSideColour[side]},
+                input, state, brush);
+    const std::string title = titleOf(input, indexOf(frame.selected));
+    const float x = scene.x + 14 * s, y = scene.y + 10 * s, right = scene.x + scene.width - 14 * s;
+    brush.list->PushClipRect({scene.x, scene.y}, {scene.x + scene.width, scene.y + scene.height}, true);
+    brush.clear(x, y, Brush::width(gLarge, title) + 24 * s, 32 * s);
+    brush.list->AddCircleFilled({x + 8 * s, y + 16 * s}, 8 * s, ink(kSideColour[side]));
+    brush.text(gLarge, x + 24 * s, y + 1 * s, kInk, title);
+    drawChip(right, y, input, frame, brush);
+    brush.list->PopClipRect();
+  }
+  const Area& a = layout.compare;
+  brush.list->AddLine({layout.right.x, 0}, {layout.right.x, a.y}, ink(kCubeLine), 2 * s);
+  if (a.height <= 0) return;
+  brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper));
+  brush.list->AddLine({a.x, a.y}, {a.x + a.width, a.y}, ink(kCubeLine), 2 * s);
+  const float card = std::min(250 * s, 0.4f * a.width), top = a.y + 34 * s, high = a.height - 34 * s - 26 * s;
+  const float plots = a.width - card - 14 * s;
+  const float share = plots >= 480 * s ? 0.5f : 1.0f;  // else one plot
+  drawDepths({a.x + 48 * s, top, share * plots - 74 * s, high}, input.comparison, brush);
+  if (share < 1.0f)
+    drawCurves({a.x + share * plots + 48 * s, top, share * plots - 80 * s, high}, input.comparison, brush);
+  drawRatio({a.x + a.width - card, a.y, card, a.height}, input, brush);
 }
 
 void drawBar(const Layout& layout, const OverlayInput& input, const Brush& brush) {
@@ -786,9 +1014,11 @@ std::string stiffnessText(double stiffness) {
 void setUpOverlay(const std::string& font, const std::string& boldFont, float scale) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
-  const auto load = [&io, scale](const std::string& file, float size) {
+  static constexpr ImWchar kDigits[] = {' ', '>', 0xD7, 0xD7, 0};
+  const auto load = [&io, scale](const std::string& file, float size, const ImWchar* only = nullptr) {
     if (!file.empty())
-      if (ImFont* loaded = io.Fonts->AddFontFromFileTTF(file.c_str(), std::round(size * scale))) return loaded;
+      if (ImFont* loaded = io.Fonts->AddFontFromFileTTF(file.c_str(), std::round(size * scale), nullptr, only))
+        return loaded;
     ImFontConfig config;
     config.SizePixels = std::round(size * scale);
     return io.Fonts->AddFontDefault(&config);
@@ -797,6 +1027,7 @@ void setUpOverlay(const std::string& font, const std::string& boldFont, float sc
   gSmall = load(font, 13.0f);
   gBold = load(boldFont, 15.0f);
   gLarge = load(boldFont, 26.0f);
+  gHuge = load(boldFont, 52.0f, kDigits);
   io.Fonts->Build();
 
   ImGui::GetStyle() = ImGuiStyle();
@@ -834,9 +1065,15 @@ void setUpOverlay(const std::string& font, const std::string& boldFont, float sc
 void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& state) {
   if (layout.panel.width > 0) drawPanel(layout, input, state);
   const Brush brush{ImGui::GetBackgroundDrawList(), layout.scale};
-  drawHeader(layout, input, brush);
-  drawNumbers(layout, input, brush);
-  if (layout.inset.width > 0) drawInset(layout, input, state, brush);
+  if (layout.isSplit() && input.right != nullptr) {
+    drawHalves(layout, input, state, brush);
+  } else {
+    drawHeader(layout, input, brush);
+    drawNumbers(layout, input, brush);
+    if (layout.inset.width > 0)
+      drawInset({layout.inset, input.frame, input.ghost, input.ghostPosition, input.trail, false, kNeedle}, input,
+                state, brush);
+  }
   if (layout.charts.width > 0) {
     drawChartTitles(layout, input, brush);
     if (layout.gauge.height > 0) drawGauge(layout, input, brush);

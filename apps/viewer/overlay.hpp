@@ -21,7 +21,7 @@ struct OverlayState {
   std::string notice;  ///< one line at the bottom, for a while
   bool settingsChanged = false;
   std::vector<Action> actions;  ///< asked for by buttons
-  int sceneAsked = -1, rendererAsked = -1;
+  int sceneAsked = -1, rendererAsked = -1, rightAsked = -1;
   std::optional<bool> spinAsked;  ///< of the bur
   bool sound = false;             ///< is wanted
   std::string soundTrouble;       ///< why there is none all the same, or empty
@@ -60,6 +60,10 @@ struct OverlayInput {
   const std::vector<SolidLayer>* layers;
   double burDepth;  ///< of its tip's lowest point below the uncut surface, m
   bool isCutOpen;
+  const Frame* right;  ///< of the split screen's right tool, or nullptr: none; then also:
+  bool rightGhost;
+  Vec3 rightGhostPosition;
+  const Comparison& comparison;
 };
 
 /// Loads the font at a scale; call again when the scale changes. `font`: a TrueType file, or empty for the built-in.

@@ -4,9 +4,16 @@
 
 namespace enamel::viewer {
 
+PairSample pairOf(const TickRecord& left, const TickRecord& right) noexcept {
+  const auto sideOf = [](const TickRecord& record) -> PairSample::Side {
+    return {-record.nearest.gap, record.nearest.normal.dot(record.rendered.head<3>())};
+  };
+  return {{sideOf(left), sideOf(right)}};
+}
+
 Runner::Runner(std::unique_ptr<Experiment> experiment) : experiment_(experiment.release()) {
   experiment_->look();
-  frames_.next() = experiment_->frame();
+  frames_.next().first = experiment_->frame();
   frames_.publish();
 }
 
@@ -14,15 +21,22 @@ Runner::Runner(std::unique_ptr<Experiment> experiment) : experiment_(experiment.
 Runner::~Runner() {
   collect();
   RunnerCommand command;
-  while (commands_.pop(command)) delete command.experiment;
+  while (commands_.pop(command)) {
+    delete command.experiment;
+    delete command.second;
+  }
   delete experiment_;
+  delete second_;
 }
 
-void Runner::replace(std::unique_ptr<Experiment> experiment) {
+void Runner::replace(std::unique_ptr<Experiment> experiment, std::unique_ptr<Experiment> second) {
   collect();
   RunnerCommand command{RunnerCommand::Kind::replace};
   command.experiment = experiment.get();
-  if (commands_.push(command)) experiment.release();
+  command.second = second.get();
+  if (!commands_.push(command)) return;
+  experiment.release();
+  second.release();
 }
 
 void Runner::collect() noexcept {
@@ -31,7 +45,7 @@ void Runner::collect() noexcept {
 
 const Frame& Runner::frame() noexcept {
   frames_.refresh();
-  return frames_.latest();
+  return frames_.latest().first;
 }
 
 void Runner::obey(const RunnerCommand& command) noexcept {
@@ -39,8 +53,14 @@ void Runner::obey(const RunnerCommand& command) noexcept {
     case RunnerCommand::Kind::handTo: experiment_->moveHandTo(command.target); break;
     case RunnerCommand::Kind::handBy: experiment_->moveHandBy(command.target); break;
     case RunnerCommand::Kind::select: experiment_->select(static_cast<RendererSlot>(command.number)); break;
+    case RunnerCommand::Kind::selectRight:
+      if (second_ != nullptr) second_->select(static_cast<RendererSlot>(command.number));
+      break;
     case RunnerCommand::Kind::grip: experiment_->setGrip(command.grip); break;
-    case RunnerCommand::Kind::testPush: experiment_->startTestPush(); break;
+    case RunnerCommand::Kind::testPush:
+      experiment_->startTestPush();
+      if (second_ != nullptr) second_->startTestPush();
+      break;
     case RunnerCommand::Kind::spin: experiment_->spin(command.number != 0); break;
     case RunnerCommand::Kind::undo: experiment_->undo(); break;
     case RunnerCommand::Kind::restore: experiment_->restore(); break;
@@ -49,18 +69,28 @@ void Runner::obey(const RunnerCommand& command) noexcept {
     case RunnerCommand::Kind::step: steps_ += command.number; break;
     case RunnerCommand::Kind::slowdown: slowdown_ = std::clamp(command.number, 1, 1000); break;
     case RunnerCommand::Kind::replace: {
-      // There is room: replace() empties this ring, which holds as many as that of the commands.
+      // There is room: replace() empties this ring, which holds twice as many as that of the commands.
       (void)retired_.push(experiment_);
+      if (second_ != nullptr) (void)retired_.push(second_);
       experiment_ = command.experiment;
+      second_ = command.second;
       experiment_->look();
+      if (second_ != nullptr) second_->look();
       break;
     }
   }
 }
 
 void Runner::tick() noexcept {
-  experiment_->tick();
+  if (second_ != nullptr)
+    Experiment::tickTogether(*experiment_, *second_);
+  else
+    experiment_->tick();
   if (experiment_->frame().plant != Status::ok) return;
+  if (second_ != nullptr) {
+    if (second_->frame().plant != Status::ok) return;
+    if (!pairs_.push(pairOf(experiment_->frame().record, second_->frame().record))) ++dropped_;
+  }
   if (!samples_.push(sampleOf(experiment_->frame().record))) ++dropped_;
 }
 
@@ -76,7 +106,10 @@ void Runner::period() noexcept {
     }
   }
   experiment_->publish();
-  Frame& frame = frames_.next();
+  Frames& frames = frames_.next();
+  frames.pair = second_ != nullptr;
+  if (second_ != nullptr) frames.second = second_->frame();
+  Frame& frame = frames.first;
   frame = experiment_->frame();
   frame.paused = paused_;
   frame.slowdown = slowdown_;

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "compare.hpp"
 #include "enamel/core/spsc_ring.hpp"
 #include "enamel/runtime/periodic_thread.hpp"
 #include "enamel/runtime/triple_buffer.hpp"
@@ -21,12 +22,16 @@ inline Sample sampleOf(const TickRecord& record) noexcept {
   return {record.pose.position, record.nearest.gap, record.normalForce, record.torque};
 }
 
+/// Of two experiments under one hand.
+PairSample pairOf(const TickRecord& left, const TickRecord& right) noexcept;
+
 /// A change between two ticks.
 struct RunnerCommand {
   enum class Kind : std::uint8_t {
     handTo,
     handBy,
     select,
+    selectRight,
     grip,
     testPush,
     spin,
@@ -38,10 +43,11 @@ struct RunnerCommand {
     slowdown,
     replace
   } kind;
-  Vec3 target = Vec3::Zero();        ///< of handTo and, relative, of handBy, m
-  int number = 0;                    ///< RendererSlot of select, 1 or 0 of spin, ticks of step, factor of slowdown
-  Grip grip = kFirmGrip;             ///< of grip
-  Experiment* experiment = nullptr;  ///< of replace; owned by the runner from here on
+  Vec3 target = Vec3::Zero();  ///< of handTo and, relative, of handBy, m
+  int number = 0;         ///< RendererSlot of select and selectRight, 1 or 0 of spin, ticks of step, factor of slowdown
+  Grip grip = kFirmGrip;  ///< of grip
+  /// Of replace; owned by the runner from here on. The second one, or nullptr: the right tool under the same hand.
+  Experiment *experiment = nullptr, *second = nullptr;
 };
 
 /// The haptic side is period(), called once per kPeriod of wall time by a PeriodicThread, or by a loop on simulated
@@ -59,26 +65,37 @@ class Runner {
   /// False if the queue is full (the haptic side stands still). Realtime: yes.
   bool send(const RunnerCommand& command) noexcept { return commands_.push(command); }
 
-  /// Replaces the experiment between two ticks; the old one is destroyed by collect(). Realtime: no.
-  void replace(std::unique_ptr<Experiment> experiment);
+  /// Replaces the experiments between two ticks; the old ones are destroyed by collect(). With a `second` one, both are
+  /// ticked together, Experiment::tickTogether(): commands of the hand go to the first, test pushes to both. Realtime:
+  /// no.
+  void replace(std::unique_ptr<Experiment> experiment, std::unique_ptr<Experiment> second = nullptr);
   void collect() noexcept;
 
-  /// The newest frame, and the samples since the last call.
+  /// The newest frame, that of the second experiment in the same tick, or nullptr, and the samples since the last call.
   const Frame& frame() noexcept;
+  const Frame* secondFrame() const noexcept { return frames_.latest().pair ? &frames_.latest().second : nullptr; }
   bool nextSample(Sample& sample) noexcept { return samples_.pop(sample); }
+  bool nextPair(PairSample& sample) noexcept { return pairs_.pop(sample); }
 
  private:
   void obey(const RunnerCommand& command) noexcept;
   void tick() noexcept;
 
-  Experiment* experiment_;  // of the haptic side
+  struct Frames {
+    Frame first, second;
+    bool pair = false;
+  };
+
+  Experiment* experiment_;        // of the haptic side
+  Experiment* second_ = nullptr;  // under the same hand, or nullptr
   bool paused_ = false;
   int steps_ = 0, slowdown_ = 1, waited_ = 0;
   std::uint64_t dropped_ = 0;
   SpscRing<RunnerCommand, 256> commands_;
-  SpscRing<Experiment*, 256> retired_;
+  SpscRing<Experiment*, 512> retired_;
   SpscRing<Sample, 8192> samples_;
-  TripleBuffer<Frame> frames_;
+  SpscRing<PairSample, 8192> pairs_;
+  TripleBuffer<Frames> frames_;
 };
 
 }  // namespace enamel::viewer

@@ -108,16 +108,16 @@ ScriptStep parseStep(Line& line, const std::string& file, const std::vector<std:
     step.view.azimuth = glm::radians(line.number("azimuth", -180.0, 180.0));
     step.view.elevation = glm::radians(line.number("elevation", -88.0, 88.0));
     step.view.distance = line.number("distance", 60.0, 2000.0);
-  } else if (command == "renderer") {
+  } else if (command == "renderer" || command == "right") {
     isOf(Source::live);
-    step.kind = Kind::renderer;
-    const std::string name = line.word("renderer");
+    step.kind = command == "right" ? Kind::right : Kind::renderer;
+    const std::string name = line.word(command.c_str());
     const auto found = std::find(renderers.begin(), renderers.end(), name);
     if (found == renderers.end()) {
       std::string known;
       for (const std::string& one : renderers)
         known += (one == renderers.back() ? " or " : known.empty() ? "" : ", ") + one;
-      line.fail("renderer", "is \"" + name + "\", must be " + known);
+      line.fail(command, "is \"" + name + "\", must be " + known);
     }
     step.number = static_cast<int>(found - renderers.begin());
   } else if (command == "set") {

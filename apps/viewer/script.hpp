@@ -20,6 +20,7 @@ struct ScriptStep {
     spin,
     view,
     renderer,
+    right,
     set,
     scene,
     slowdown,
@@ -34,7 +35,7 @@ struct ScriptStep {
   glm::dvec3 target{0.0};  ///< of hand, mm
   Camera view;             ///< of view
   double over = 0.0;       ///< of hand: moves there in so many seconds
-  int number = 0;          ///< of renderer (RendererSlot), spin (0 or 1), slowdown, frames (a second)
+  int number = 0;          ///< of renderer and right (RendererSlot), spin (0 or 1), slowdown, frames (a second)
   glm::ivec2 size{0};
   double value = 0.0;  ///< of set; of seek, s
   std::string name;    ///< of picture and scene
@@ -43,10 +44,11 @@ struct ScriptStep {
 /// Reads a script: one step a line, "TIME COMMAND", with times that do not decrease and # before remarks. Commands:
 /// the actions' names (see the help); `hand X Y Z [over S]` [mm]; `spin on` and `spin off`, of the bur; `view X Y Z
 /// AZIMUTH ELEVATION DISTANCE` (the camera looks at a point [mm], from there [deg, mm]); `renderer NAME` (one of
-/// `renderers`); `scene FILE` (relative to the script's folder); `slow N` (1:N); `seek S` (to a time of the recording,
-/// s); `size WxH`; `frames FPS` (records every frame from here on; 0 ends it); `picture NAME`; `set NAME VALUE` with a
-/// name of settingRows(); `end`, which must be the last. With a recording there is no hand, no spin, no renderer, no
-/// `set` and no `scene`: `renderers` is empty then. Throws ConfigurationError. Realtime: no.
+/// `renderers`), in the split screen the left tool's; `right NAME`, the right tool's; `scene FILE` (relative to the
+/// script's folder); `slow N` (1:N); `seek S` (to a time of the recording, s); `size WxH`; `frames FPS` (records every
+/// frame from here on; 0 ends it); `picture NAME`; `set NAME VALUE` with a name of settingRows(); `end`, which must be
+/// the last. With a recording there is no hand, no spin, no renderer, no `set` and no `scene`: `renderers` is empty
+/// then. Throws ConfigurationError. Realtime: no.
 std::vector<ScriptStep> loadScript(const std::string& path, const std::vector<std::string>& renderers);
 std::vector<ScriptStep> parseScript(std::string_view text, const std::string& file,
                                     const std::vector<std::string>& renderers);

@@ -19,10 +19,9 @@ Stage::Stage(Surface& surface, const std::string& font, const std::string& boldF
   for (const char* software : {"llvmpipe", "softpipe", "swrast"})
     software_ = software_ || (drawnBy != nullptr && std::strstr(drawnBy, software) != nullptr);
   window_->SetNumberOfLayers(2);
-  above_->SetLayer(1);
-  window_->AddRenderer(scene_);
-  window_->AddRenderer(above_);
-  window_->AddRenderer(charts_);
+  for (vtkRenderer* above : {above_.Get(), aboveRight_.Get()}) above->SetLayer(1);
+  for (vtkRenderer* one : {scene_.Get(), above_.Get(), right_.Get(), aboveRight_.Get(), charts_.Get()})
+    window_->AddRenderer(one);
 
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
@@ -42,7 +41,7 @@ Stage::~Stage() {
 void Stage::draw(const Layout& layout, const std::function<void()>& overlay, bool picture) {
   surface_.makeCurrent();
   // Smooth edges in both layers, of which this one is drawn last. In software they cost a third of the frames.
-  above_->SetUseFXAA(picture || !software_);
+  for (vtkRenderer* above : {above_.Get(), aboveRight_.Get()}) above->SetUseFXAA(picture || !software_);
   if (layout.scale != fontScale_) {
     fontScale_ = layout.scale;
     setUpOverlay(font_, boldFont_, layout.scale);
@@ -57,6 +56,8 @@ void Stage::draw(const Layout& layout, const std::function<void()>& overlay, boo
   };
   place(scene_, layout.scene);
   place(above_, layout.scene);
+  place(right_, layout.right);
+  place(aboveRight_, layout.right);
   place(charts_, layout.charts);
   glBindFramebuffer(GL_FRAMEBUFFER, surface_.framebuffer());
   if (window_->GetSize()[0] != layout.size.x || window_->GetSize()[1] != layout.size.y)

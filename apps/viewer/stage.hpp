@@ -33,6 +33,8 @@ class Stage {
 
   vtkRenderer* scene() { return scene_; }
   vtkRenderer* above() { return above_; }  ///< a layer over the scene
+  vtkRenderer* right() { return right_; }  ///< the scene of the split screen's right half, and the layer over it
+  vtkRenderer* aboveRight() { return aboveRight_; }
   vtkRenderer* charts() { return charts_; }
 
   /// Draws VTK's part, then what `overlay` gives to ImGui, into the surface; does not present. A `picture` has smooth
@@ -50,7 +52,7 @@ class Stage {
   float fontScale_ = 0.0f;
   bool software_ = false;
   vtkSmartPointer<vtkGenericOpenGLRenderWindow> window_;
-  vtkNew<vtkRenderer> scene_, above_, charts_;
+  vtkNew<vtkRenderer> scene_, above_, right_, aboveRight_, charts_;
   std::uint64_t errors_ = 0;
 };
 

@@ -73,6 +73,7 @@ Viewer::Viewer(const Options& options, Surface& surface)
       scene_(player_ ? player_->scene() : enamel::loadScene(options.scene)),
       selected_(options.begin),
       before_(selected_ == RendererSlot::impedance ? RendererSlot::positionControl : RendererSlot::impedance),
+      right_(before_),
       workpiece_(std::make_shared<Workpiece>(scene_)),
       solids_(copiesOf(scene_)),
       runner_(player_ ? nullptr : firstRunner(device_, scene_, selected_, workpiece_)),
@@ -80,8 +81,8 @@ Viewer::Viewer(const Options& options, Surface& surface)
       view_(stage_.scene(), stage_.above()),
       charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), torques_,
               player_ ? player_->header().guard.period : kPeriod, player_ != nullptr) {
-  kinematics_ = plant_->home();
-  shown_.bars = plant_->bars(kinematics_.pose);
+  kinematics_ = rightKinematics_ = plant_->home();
+  shown_.bars = rightShown_.bars = plant_->bars(kinematics_.pose);
   shown_.chips = &chips_;
   overlay_.sound = !options.headless && options.script.empty();
   selectCamera(0);
@@ -149,7 +150,35 @@ void Viewer::select(RendererSlot slot) {
   if (slot == selected_) return;
   before_ = selected_;
   selected_ = slot;
+  comparison_.clear();
   send(RunnerCommand::Kind::select, static_cast<int>(slot));
+}
+
+void Viewer::selectRight(RendererSlot slot) {
+  if (slot == right_) return;
+  right_ = slot;
+  comparison_.clear();
+  send(RunnerCommand::Kind::selectRight, static_cast<int>(slot));
+}
+
+// Both tools begin where the one is; the left one goes on alone.
+void Viewer::toggleSplit() {
+  if (!split_ && scene_.bur) return notify("Two tools cannot cut one solid: choose a scene without a bur.");
+  split_ = !split_;
+  builtScale_ = 0.0f;
+  comparison_.clear();
+  if (split_) {
+    cameraBefore_ = camera_;
+    presetBefore_ = preset_;
+    selectCamera(3);
+    rightView_.emplace(stage_.right(), stage_.aboveRight());
+    if (right_ == selected_) right_ = before_;
+  } else {
+    camera_ = cameraBefore_;
+    preset_ = presetBefore_;
+    rightView_.reset();
+  }
+  rebuild(frame_.record.pose, frame_.hand);
 }
 
 void Viewer::selectCamera(int preset) {
@@ -161,8 +190,10 @@ void Viewer::selectCamera(int preset) {
 void Viewer::rebuild(const Pose& start, const Hand& hand) {
   try {
     plant_ = makeMechanism(changed(device_.parameters, overlay_.settings));
-    runner_->replace(
-        std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, selected_, workpiece_));
+    const auto make = [&](RendererSlot slot, std::shared_ptr<Workpiece> workpiece) {
+      return std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, slot, std::move(workpiece));
+    };
+    runner_->replace(make(selected_, workpiece_), split_ ? make(right_, nullptr) : nullptr);
     if (spins_ && scene_.bur) send(RunnerCommand::Kind::spin, 1);
   } catch (const Error& error) {
     notify(error.what());
@@ -185,6 +216,8 @@ void Viewer::loadScene(const std::string& path) {
     sound_.reset();
     for (const std::string& note : scene_.notes) notify(note);
     builtScale_ = 0.0f;
+    if (split_ && scene_.bur) toggleSplit();
+    comparison_.clear();
     startAgain();
   } catch (const Error& error) {
     notify(error.what());
@@ -202,7 +235,16 @@ void Viewer::act(Action action) {
   if (player_ && actOnRecording(action)) return;
   constexpr int speeds[] = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000};
   switch (action) {
-    case Action::swapRenderers: select(before_); break;
+    case Action::swapRenderers:
+      if (split_) {
+        const RendererSlot left = selected_;
+        select(right_);
+        selectRight(left);
+      } else {
+        select(before_);
+      }
+      break;
+    case Action::split: toggleSplit(); break;
     case Action::testPush:
       path_.reset();
       send(RunnerCommand::Kind::testPush, 0);
@@ -426,6 +468,7 @@ void Viewer::follow(const ScriptStep& step, double now) {
     case ScriptStep::Kind::spin: spin(step.number != 0); break;
     case ScriptStep::Kind::view: camera_ = step.view; break;
     case ScriptStep::Kind::renderer: select(static_cast<RendererSlot>(step.number)); break;
+    case ScriptStep::Kind::right: selectRight(static_cast<RendererSlot>(step.number)); break;
     case ScriptStep::Kind::set:
       for (const SettingRow& row : settingRows())
         if (step.name == row.name) row.apply(overlay_.settings, step.value);
@@ -458,6 +501,8 @@ void Viewer::takeRun() {
   }
   runner_->collect();
   frame_ = runner_->frame();
+  if (const Frame* right = runner_->secondFrame(); right != nullptr) rightFrame_ = *right;
+  for (PairSample sample; runner_->nextPair(sample);) comparison_.add(sample);
   takeChanges();
   if (scene_.bur) takeCut();
   for (Sample sample; runner_->nextSample(sample);) {
@@ -466,7 +511,8 @@ void Viewer::takeRun() {
     simulated_ += kPeriod;
   }
   if (trail_.size() > kTrail) trail_.erase(trail_.begin(), trail_.end() - static_cast<std::ptrdiff_t>(kTrail));
-  if (frame_.plant != Status::ok) {
+  const bool lost = runner_->secondFrame() != nullptr && rightFrame_.plant != Status::ok;
+  if (frame_.plant != Status::ok || lost) {
     notify("The tool left the reach of the device: back to the start.");
     startAgain();
   }
@@ -488,6 +534,29 @@ void Viewer::takeRecording(double passed) {
       trail_.push_back(position);
 }
 
+void Viewer::fillShown(const Frame& frame, Kinematics& kinematics, SceneState& shown) const {
+  const Contact& contact = frame.record.nearest;
+  if (plant_->reach(frame.record.pose, Vec6::Zero(), true, kinematics) == Status::ok)
+    shown.bars = plant_->bars(kinematics.pose);
+  shown.pose = kinematics.pose;
+  if (!player_) shown.hand = frame.hand.position;  // which no recording knows
+  shown.force = frame.record.rendered.head<3>();
+  shown.touching.clear();
+  for (int i = 0; i < frame.contacts.count; ++i) {
+    const bool held = i == 0 && frame.record.mode == RenderMode::contact;
+    if (frame.drilled.spins) break;  // they would hide the work
+    if (held || frame.contacts.contacts[i].gap <= 0.0) shown.touching.push_back(frame.contacts.contacts[i]);
+  }
+  shown.ghost.reset();
+  if (frame.holding) {
+    Kinematics reference = kinematics;
+    const JointVector atRest = JointVector::Zero(plant_->joints());
+    if (plant_->track(frame.reference, atRest, false, reference) == Status::ok) shown.ghost = reference.pose;
+  } else if (contact.gap < 0.0 && !frame.drilled.spins) {
+    shown.ghost = Pose{frame.record.pose.position - contact.gap * contact.normal, frame.record.pose.rotation};
+  }
+}
+
 void Viewer::update(double now, const TimingNumbers& timing) {
   const double passed = now - updated_;
   now_ = updated_ = now;
@@ -507,37 +576,22 @@ void Viewer::update(double now, const TimingNumbers& timing) {
     loadScene(sceneFiles_[static_cast<std::size_t>(sceneIndex_)]);
   }
   if (overlay_.rendererAsked >= 0) select(static_cast<RendererSlot>(std::exchange(overlay_.rendererAsked, -1)));
+  if (overlay_.rightAsked >= 0) selectRight(static_cast<RendererSlot>(std::exchange(overlay_.rightAsked, -1)));
   if (overlay_.spinAsked) spin(*std::exchange(overlay_.spinAsked, std::nullopt));
   std::vector<Action> actions;
   actions.swap(overlay_.actions);
   for (const Action action : actions) act(action);
   if (now > noticeEnd_) overlay_.notice.clear();
 
-  const Contact& contact = frame_.record.nearest;
-  if (plant_->reach(frame_.record.pose, Vec6::Zero(), true, kinematics_) == Status::ok)
-    shown_.bars = plant_->bars(kinematics_.pose);
-  shown_.pose = kinematics_.pose;
-  if (!player_) shown_.hand = frame_.hand.position;  // which no recording knows
-  shown_.force = frame_.record.rendered.head<3>();
-  shown_.touching.clear();
-  for (int i = 0; i < frame_.contacts.count; ++i) {
-    const bool held = i == 0 && frame_.record.mode == RenderMode::contact;
-    if (frame_.drilled.spins) break;  // they would hide the work
-    if (held || frame_.contacts.contacts[i].gap <= 0.0) shown_.touching.push_back(frame_.contacts.contacts[i]);
-  }
-  shown_.ghost.reset();
-  if (frame_.holding) {
-    Kinematics reference = kinematics_;
-    const JointVector atRest = JointVector::Zero(plant_->joints());
-    if (plant_->track(frame_.reference, atRest, false, reference) == Status::ok) shown_.ghost = reference.pose;
-  } else if (contact.gap < 0.0 && !frame_.drilled.spins) {
-    shown_.ghost = Pose{frame_.record.pose.position - contact.gap * contact.normal, frame_.record.pose.rotation};
-  }
+  fillShown(frame_, kinematics_, shown_);
+  if (split_) fillShown(rightFrame_, rightKinematics_, rightShown_);
   const double preload = frame_.tests[indexOf(frame_.selected)].preload;
-  limit_ = stiffnessLimit(kinematics_, plant_->limits().torque, contact.normal, preload, overlay_.settings.delay);
+  limit_ = stiffnessLimit(kinematics_, plant_->limits().torque, frame_.record.nearest.normal, preload,
+                          overlay_.settings.delay);
 
-  layout_ = layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts,
-                   player_ ? 0 : static_cast<int>(rendererNames_.size()));
+  layout_ = split_ ? layOutSplit(surface_.size(), surface_.scale(), overlay_.panels)
+                   : layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts,
+                            player_ ? 0 : static_cast<int>(rendererNames_.size()));
   std::array<ChartPlace, kCharts> places;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Area& a = layout_.chart[i];
@@ -551,11 +605,22 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 void Viewer::draw(bool picture) {
   if (builtScale_ != layout_.scale) {
     view_.build(shown_.bars, scene_, solids_, plane_, layout_.scale);
+    if (rightView_) rightView_->build(rightShown_.bars, scene_, solids_, plane_, layout_.scale);
     builtScale_ = layout_.scale;
   }
   shown_.distance = camera_.distance;
-  view_.update(shown_);
+  // There, blue is the left tool's.
+  const auto shownIn = [this](SceneState shown) {
+    if (split_) shown.ghost.reset();
+    return shown;
+  };
+  view_.update(shownIn(shown_));
   view_.look(camera_);
+  if (rightView_) {
+    rightShown_.distance = camera_.distance;
+    rightView_->update(shownIn(rightShown_));
+    rightView_->look(camera_);
+  }
   const std::vector<SolidLayer>* const layers = this->layers();
   const OverlayInput input{frame_,
                            player_.get(),
@@ -577,7 +642,11 @@ void Viewer::draw(bool picture) {
                            !player_ && scene_.bur && layers != nullptr ? &*scene_.bur : nullptr,
                            layers,
                            burDepth(),
-                           plane_.has_value()};
+                           plane_.has_value(),
+                           split_ ? &rightFrame_ : nullptr,
+                           rightShown_.ghost.has_value(),
+                           rightShown_.ghost ? rightShown_.ghost->position : Vec3::Zero(),
+                           comparison_};
   stage_.draw(
       layout_, [&] { drawOverlay(layout_, input, overlay_); }, picture);
 }

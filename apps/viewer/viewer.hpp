@@ -77,6 +77,9 @@ class Viewer final : public Driven {
   void startAgain();
   void notify(const std::string& text);
   void select(RendererSlot slot);
+  void selectRight(RendererSlot slot);
+  void toggleSplit();
+  void fillShown(const Frame& frame, Kinematics& kinematics, SceneState& shown) const;
   void takeChanges();
   void takeCut();
   void cutOpen();
@@ -98,6 +101,10 @@ class Viewer final : public Driven {
   SceneFile scene_;
   OverlayState overlay_;
   RendererSlot selected_, before_;  // for Tab
+  RendererSlot right_;              // of the split screen's right tool
+  bool split_ = false;
+  Camera cameraBefore_;  // of the split screen
+  int presetBefore_ = 0;
   std::shared_ptr<Workpiece> workpiece_;
   std::vector<SolidCopy> solids_;  // by obstacle
   std::optional<CutPlane> plane_;
@@ -109,6 +116,7 @@ class Viewer final : public Driven {
   std::unique_ptr<Runner> runner_;    // where there is no player
   Stage stage_;
   SceneView view_;
+  std::optional<SceneView> rightView_;  // in the split screen
   Charts charts_;
   Camera camera_;
   int preset_ = 0;
@@ -118,6 +126,10 @@ class Viewer final : public Driven {
   Frame frame_;
   Kinematics kinematics_;  // of the plant, with inertia
   SceneState shown_;
+  Frame rightFrame_;  // in the split screen, with:
+  Kinematics rightKinematics_;
+  SceneState rightShown_;
+  Comparison comparison_;
   std::vector<Vec3> trail_;
   StiffnessLimit limit_{};
   TimingNumbers timing_;

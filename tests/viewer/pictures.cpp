@@ -367,6 +367,99 @@ TEST_CASE("camera: unproject inverts project", "[viewer]") {
   }
 }
 
+namespace {
+
+// The split screen's tools, which have their sides' colours there, or the arrow of the force at their tips: how far the
+// lowest point is below the wall's line, at the magnification's 46 units a millimetre.
+double depthOf(const Pixels& pixels, const Area& inset, unsigned colour, float scale) {
+  const int wall = static_cast<int>(inset.y + 0.45f * inset.height);
+  int lowest = wall;
+  for (int y = wall; y < static_cast<int>(inset.y + inset.height); ++y)
+    for (int x = static_cast<int>(inset.x); x < static_cast<int>(inset.x + inset.width); ++x)
+      if (hasHue(pixels.at(x, y), colour, 0.08) || hasHue(pixels.at(x, y), kVermilion)) lowest = y;
+  return (lowest - wall) / (46.0 * static_cast<double>(scale));
+}
+
+}  // namespace
+
+TEST_CASE("the split screen shows two tools under one hand: depths at one scale, both curves, one ratio", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "script.txt",
+                  "0 renderer position-control\n0 split\n0 right impedance\n0.1 picture before\n0.1 hand 0 0 -26 over "
+                  "0.7\n2.4 picture pressed\n2.5 swap\n2.6 home\n3.4 hand 0 0 -26 over 0.7\n5.4 picture swapped\n5.4 "
+                  "home\n6.4 picture kept\n6.5 split\n6.6 picture single\n6.6 end\n");
+  for (const auto& [size, scale] : {std::pair{glm::ivec2(1280, 720), 1}, {{2560, 1440}, 2}, {{800, 600}, 1}}) {
+    const std::string out = folder / (std::to_string(size.x) + "x" + std::to_string(size.y));
+    const auto result = test::viewer("--headless --script '" + folder / "script.txt" + "' --size " +
+                                     std::to_string(size.x) + "x" + std::to_string(size.y) + " --scale " +
+                                     std::to_string(scale) + " --record '" + out + "' --report '" + out + ".json'");
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    CHECK(nlohmann::json::parse(test::readFile(out + ".json")).at("opengl_errors") == 0);
+    const auto s = static_cast<float>(scale);
+    const Layout layout = layOutSplit(size, s, true);
+    const auto picture = [&out](const char* name) { return Pixels(out + "/" + name + ".png"); };
+    const Pixels before = picture("before"), pressed = picture("pressed"), swapped = picture("swapped"),
+                 kept = picture("kept"), single = picture("single");
+    // Both halves have the scene.
+    for (const Area* half : {&layout.scene, &layout.right}) CHECK(distinctColours(before, *half) > 100);
+    // 26 mm of hand at 400 N/m against 6 kN/m; position control does not give way. Then they change sides.
+    const double sunk = 26.0 * 400.0 / (400.0 + 6000.0);
+    CHECK(depthOf(pressed, layout.rightInset, kPurple, s) == Approx(sunk).margin(0.06));
+    CHECK(depthOf(pressed, layout.inset, kBlue, s) < 0.06);
+    CHECK(depthOf(swapped, layout.inset, kBlue, s) == Approx(sunk).margin(0.06));
+    CHECK(depthOf(swapped, layout.rightInset, kPurple, s) < 0.06);
+    // Curves of both: none before, and kept after the hand has gone.
+    const auto curves = [&](const Pixels& pixels, unsigned colour) {
+      const Area& a = layout.compare;
+      return patchOf(pixels, colour, glm::ivec2(a.x + 0.4f * a.width, a.y + 30 * s),
+                     glm::ivec2(a.x + 0.77f * a.width - 20 * s, a.y + a.height - 28 * s))
+          .count;
+    };
+    if (size.x >= 1280) {
+      CHECK(curves(before, kPurple) < 0.2 * curves(pressed, kPurple));
+      CHECK(curves(pressed, kPurple) > 100);
+      CHECK(curves(kept, kBlue) > 100);
+      CHECK(curves(kept, kPurple) > 30);
+    }
+    // The ratio: large dark figures where there were none.
+    const auto figures = [&](const Pixels& pixels) {
+      const Area& a = layout.compare;
+      int dark = 0;
+      for (int y = static_cast<int>(a.y + 44 * s); y < static_cast<int>(a.y + 88 * s); ++y)
+        for (int x = static_cast<int>(a.x + a.width - std::min(250 * s, 0.4f * a.width));
+             x < static_cast<int>(a.x + a.width); ++x)
+          dark += pixels.at(x, y).g < 60;
+      return dark / (scale * scale);
+    };
+    CHECK(figures(before) < 150);
+    CHECK(figures(pressed) > 600);
+    CHECK(figures(kept) > 600);
+    // And back: the single view with its charts.
+    if (size.x >= 1280) CHECK(distinctColours(single, layOut(size, s, true, true).charts) > 20);
+  }
+}
+
+TEST_CASE("two tools do not share a bur", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "script.txt", "0 picture before\n0.1 split\n0.2 picture after\n0.2 end\n");
+  const auto result = test::viewer(test::shippedScene("drill.toml") + " --headless --script '" + folder / "script.txt" +
+                                   "' --record '" + folder / "out'");
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  const Pixels before(folder / "out/before.png"), after(folder / "out/after.png");
+  const Area scene = layOut({1280, 720}, 1.0f, true, true).scene;
+  // A word of why, on a dark ground; the panel is as it was.
+  const int x = static_cast<int>(scene.x + 0.5f * scene.width);
+  int dark = 0;
+  for (int y = 78; y < 102; ++y) dark += after.at(x, y).g < 90 && before.at(x, y).g >= 90;
+  CHECK(dark > 8);
+  int moved = 0;
+  for (int y = 0; y < 720; ++y)
+    for (int px = 0; px < 248; ++px) moved += before.at(px, y) != after.at(px, y);
+  CHECK(moved == 0);
+}
+
 TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other scenes have no bur", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "tooth.toml",

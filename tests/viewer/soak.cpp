@@ -20,10 +20,28 @@ const std::string kOneThread = "env LP_NUM_THREADS=0 ";
 
 std::string randomScript(std::uint64_t seed, double seconds) {
   test::Random random(seed);
-  const char* const actions[] = {
-      "swap",   "push",   "grip",        "home",        "reset",      "next-scene",   "pause",       "step",
-      "faster", "slower", "camera-user", "camera-side", "camera-top", "camera-close", "next-camera", "previous-camera",
-      "help",   "panels", "timing",      "charts",      "full-screen"};
+  const char* const actions[] = {"split",
+                                 "swap",
+                                 "push",
+                                 "grip",
+                                 "home",
+                                 "reset",
+                                 "next-scene",
+                                 "pause",
+                                 "step",
+                                 "faster",
+                                 "slower",
+                                 "camera-user",
+                                 "camera-side",
+                                 "camera-top",
+                                 "camera-close",
+                                 "next-camera",
+                                 "previous-camera",
+                                 "help",
+                                 "panels",
+                                 "timing",
+                                 "charts",
+                                 "full-screen"};
   struct Setting {
     const char* name;
     int low, high;
@@ -67,11 +85,11 @@ std::string randomScript(std::uint64_t seed, double seconds) {
     } else if (draw < 0.64) {
       script << "slow " << (pick(3.0) == 0 ? 100 : 1);
     } else {
-      const std::string action = actions[pick(21.0)];
+      const std::string action = actions[pick(22.0)];
       script << action;
       if (action == "step")
         switches["pause"] = true;
-      else if (action == "pause" || action == "help" || action == "panels" || action == "timing" ||
+      else if (action == "pause" || action == "split" || action == "help" || action == "panels" || action == "timing" ||
                action == "charts" || action == "full-screen")
         switches[action] = !switches[action];
     }

@@ -1,0 +1,219 @@
+// What the split screen compares: presses, depths, ratios; and that both tools are under one hand.
+#include "compare.hpp"
+
+#include <cstring>
+
+#include "enamel/collision/scene_file.hpp"
+#include "runner.hpp"
+#include "servo_gain.hpp"
+#include "support/catch.hpp"
+#include "support/devices.hpp"
+
+namespace enamel::viewer::test_compare {
+
+namespace {
+
+PairSample pairAt(double leftDepth, double leftForce, double rightDepth, double rightForce) {
+  return {{{{leftDepth, leftForce}, {rightDepth, rightForce}}}};
+}
+
+void addFor(Comparison& both, const PairSample& sample, int ticks) {
+  for (int i = 0; i < ticks; ++i) both.add(sample);
+}
+
+const PairSample kOut = pairAt(-1e-3, 0.0, -1e-3, 0.0);
+
+// A runner with two tools on the flat wall.
+std::unique_ptr<Runner> pairRunner(RendererSlot left, RendererSlot right, const Settings& settings = {}) {
+  static const ServoedDevice device = loadServoedDevice(test::deviceFile("tau-nominal.toml"));
+  const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/flat-wall.toml");
+  Pose start;
+  start.position = scene.start;
+  Hand hand;
+  hand.target = hand.position = scene.start;
+  const auto make = [&](RendererSlot slot) {
+    return std::make_unique<Experiment>(device, settings, scene, start, hand, slot);
+  };
+  auto runner = std::make_unique<Runner>(make(left));
+  runner->replace(make(left), make(right));
+  return runner;
+}
+
+void send(Runner& runner, RunnerCommand::Kind kind, const Vec3& target = Vec3::Zero()) {
+  RunnerCommand command{kind};
+  command.target = target;
+  REQUIRE(runner.send(command));
+}
+
+bool isSame(const Hand& a, const Hand& b) {
+  return a.target == b.target && a.position == b.position && a.velocity == b.velocity &&
+         a.grip.stiffness == b.grip.stiffness;
+}
+
+}  // namespace
+
+TEST_CASE("a ratio is of the deepest points of one press, and kept until the next one", "[compare]") {
+  Comparison both;
+  CHECK_FALSE(both.ratio());
+  addFor(both, kOut, 500);
+  CHECK_FALSE(both.ratio());
+  addFor(both, pairAt(1e-5, 5.0, 1e-3, 4.0), 10);
+  addFor(both, pairAt(4e-5, 8.0, 2e-3, 12.0), 10);
+  addFor(both, pairAt(1e-5, 5.0, 1e-3, 4.0), 10);
+  REQUIRE(both.ratio());
+  CHECK(both.ratio()->deeper == 1);
+  CHECK(both.ratio()->times == Approx(50.0));
+  CHECK_FALSE(both.ratio()->atLeast);
+  CHECK(both.strongest(0) == 8.0);
+  CHECK(both.strongest(1) == 12.0);
+  // It bounces out and in again: the same press.
+  addFor(both, kOut, Comparison::kApart - 1);
+  addFor(both, pairAt(5e-5, 8.0, 1e-3, 4.0), 10);
+  CHECK(both.ratio()->times == Approx(40.0));
+  // Out for long, it is kept; the next touch begins anew, here with the left tool the deeper one.
+  addFor(both, kOut, 5 * Comparison::kApart);
+  CHECK(both.ratio()->times == Approx(40.0));
+  addFor(both, pairAt(3e-3, 8.0, 1e-3, 4.0), 2);
+  CHECK(both.ratio()->deeper == 0);
+  CHECK(both.ratio()->times == Approx(3.0));
+  CHECK(both.curve(0).size() == 2);
+}
+
+TEST_CASE("no ratio of a tool that is not pressed; one that does not sink gives a bound", "[compare]") {
+  Comparison both;
+  addFor(both, pairAt(-1e-3, 0.0, 2e-3, 12.0), 10);
+  CHECK_FALSE(both.ratio());  // the left one is in the air
+  addFor(both, pairAt(-1e-7, 12.0, 2e-3, 12.0), 10);
+  REQUIRE(both.ratio());
+  CHECK(both.ratio()->atLeast);
+  CHECK(both.ratio()->times == Approx(2e-3 / Comparison::kLeast));
+  both.clear();
+  addFor(both, pairAt(1e-6, 12.0, 1.5e-6, 12.0), 10);
+  CHECK_FALSE(both.ratio());  // neither depth can be told
+  both.clear();
+  addFor(both, pairAt(1e-4, 0.9, 2e-3, 12.0), 10);
+  CHECK_FALSE(both.ratio());
+}
+
+TEST_CASE("curves keep a long press whole in a bounded number of points", "[compare]") {
+  Comparison both;
+  constexpr int ticks = 60'000;
+  for (int i = 1; i <= ticks; ++i) {
+    const double share = static_cast<double>(i) / ticks;
+    both.add(pairAt(1e-4 * share, 10.0 * share, 2e-3 * share, 12.0 * share));
+  }
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto& curve = both.curve(side);
+    CHECK(curve.size() <= static_cast<std::size_t>(Comparison::kCurve));
+    CHECK(curve.size() >= static_cast<std::size_t>(Comparison::kCurve) / 2);
+    // Even steps from near the beginning to near the end.
+    const double step = 1.0 / static_cast<double>(curve.size()), end = side == 0 ? 1e-4 : 2e-3;
+    CHECK(curve.front().depth < 2.0 * step * end);
+    CHECK(curve.back().depth > (1.0 - 2.0 * step) * end);
+    for (std::size_t i = 1; i < curve.size(); ++i) CHECK(curve[i].depth > curve[i - 1].depth);
+  }
+  // The last bin over time is complete and has the newest depths.
+  CHECK(both.depth(1, Comparison::kBins - 1).high == Approx(2e-3).epsilon(1e-3));
+  CHECK(both.depth(1, 0).high < both.depth(1, Comparison::kBins - 1).low);
+}
+
+TEST_CASE("two tools are under one hand, tick for tick, and each has the force of its own depth", "[compare]") {
+  const auto runner = pairRunner(RendererSlot::positionControl, RendererSlot::impedance);
+  Comparison both;
+  test::Random random(711);
+  for (int move = 0; move < 8; ++move) {
+    send(*runner, RunnerCommand::Kind::handTo,
+         move < 7 ? Vec3(random.uniform(-0.01, 0.01), random.uniform(-0.01, 0.01), random.uniform(-0.06, 0.01))
+                  : Vec3(0.0, 0.0, -0.02));
+    for (int i = 0; i < 1500; ++i) {
+      runner->period();
+      const Frame& left = runner->frame();
+      REQUIRE(runner->secondFrame() != nullptr);
+      const Frame& right = *runner->secondFrame();
+      REQUIRE(left.record.tick == right.record.tick);
+      REQUIRE(isSame(left.hand, right.hand));
+      // Neither is beyond the reach of the hand by more than the tools move in a tick.
+      for (const Frame* frame : {&left, &right}) {
+        const Vec3 stretch = frame->hand.target - frame->record.pose.position;
+        REQUIRE(stiffnessOf(frame->hand.grip).cwiseProduct(stretch).norm() < kLargestHandForce + 1.5);
+      }
+      for (PairSample sample; runner->nextPair(sample);) both.add(sample);
+    }
+  }
+  const Frame &left = runner->frame(), &right = *runner->secondFrame();
+  // At rest: 20 mm of hand at 400 N/m against a wall that does not give way, and one of 6 kN/m.
+  const double sunk = 0.02 * 400.0 / (400.0 + 6000.0);
+  CHECK(-right.record.nearest.gap == Approx(sunk).epsilon(0.02));
+  CHECK(std::abs(left.record.nearest.gap) < 2e-5);
+  const PairSample last = pairOf(left.record, right.record);
+  CHECK(last.side[0].force == Approx(8.0).epsilon(0.03));
+  CHECK(last.side[1].force == Approx(6000.0 * sunk).epsilon(0.03));
+  REQUIRE(both.ratio());
+  CHECK(both.ratio()->deeper == 1);
+  CHECK(both.ratio()->times > 10.0);
+}
+
+TEST_CASE("the left tool of a pair moves as it does alone where the other one does not hold the hand back",
+          "[compare]") {
+  const auto pair = pairRunner(RendererSlot::impedance, RendererSlot::positionControl);
+  const auto alone = pairRunner(RendererSlot::impedance, RendererSlot::impedance);
+  for (Runner* runner : {pair.get(), alone.get()}) send(*runner, RunnerCommand::Kind::handTo, {0.004, 0.002, -0.015});
+  for (int i = 0; i < 1500; ++i) {
+    pair->period();
+    alone->period();
+    REQUIRE(pair->frame().record.pose.position == alone->frame().record.pose.position);
+  }
+  // Two of the same are the same.
+  CHECK(alone->frame().record.pose.position == alone->secondFrame()->record.pose.position);
+}
+
+TEST_CASE("a test push steps on both in the same tick, also where one needs longer to come to rest", "[compare]") {
+  const auto runner = pairRunner(RendererSlot::positionControl, RendererSlot::impedance);
+  send(*runner, RunnerCommand::Kind::testPush);
+  int jumped[2] = {-1, -1};
+  for (int i = 0; i < 6000; ++i) {
+    runner->period();
+    const Frame* const frames[] = {&runner->frame(), runner->secondFrame()};
+    for (int side = 0; side < 2; ++side)
+      if (jumped[side] < 0 && frames[side]->testing && -frames[side]->record.person.z() > 10.0) jumped[side] = i;
+    if (i > 10 && !frames[0]->testing && !frames[1]->testing) break;
+  }
+  CHECK(jumped[0] > 0);
+  CHECK(jumped[0] == jumped[1]);
+  const TestPush left = runner->frame().tests[indexOf(RendererSlot::positionControl)],
+                 right = runner->secondFrame()->tests[indexOf(RendererSlot::impedance)];
+  CHECK(left.verdict == FirstImpactVerdict::measured);
+  CHECK(right.verdict == FirstImpactVerdict::measured);
+  CHECK(left.stiffness > 20.0 * right.stiffness);
+  // Then it is one hand again.
+  send(*runner, RunnerCommand::Kind::handBy, {0.001, 0.0, 0.0});
+  runner->period();
+  const Frame& one = runner->frame();
+  CHECK(isSame(one.hand, runner->secondFrame()->hand));
+  CHECK_FALSE(runner->secondFrame()->testing);
+}
+
+TEST_CASE("a pair is replaced by one, and one by a pair; the right renderer is chosen by its own command",
+          "[compare]") {
+  const auto runner = pairRunner(RendererSlot::positionControl, RendererSlot::impedance);
+  runner->period();
+  RunnerCommand command{RunnerCommand::Kind::selectRight};
+  command.number = static_cast<int>(indexOf(RendererSlot::hold));
+  REQUIRE(runner->send(command));
+  runner->period();
+  CHECK(runner->frame().selected == RendererSlot::positionControl);
+  CHECK(runner->secondFrame()->selected == RendererSlot::hold);
+  const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/flat-wall.toml");
+  Pose start;
+  start.position = scene.start;
+  runner->replace(std::make_unique<Experiment>(loadServoedDevice(test::deviceFile("tau-nominal.toml")), Settings{},
+                                               scene, start, runner->frame().hand, RendererSlot::impedance));
+  runner->period();
+  runner->frame();
+  CHECK(runner->secondFrame() == nullptr);
+  REQUIRE(runner->send(command));  // of nobody now
+  runner->period();
+  CHECK(runner->frame().selected == RendererSlot::impedance);
+}
+
+}  // namespace enamel::viewer::test_compare
