@@ -24,7 +24,7 @@ const std::vector<Law>& rivalLaws();
 /// A rival by its name. Throws Error, with the names that there are. Realtime: no.
 const Law& rivalLaw(const std::string& name);
 
-/// Values of laws that were found for a device: what `enamel design --law` writes and `enamel study --laws` reads.
+/// Values of laws that were found for a device: what `enamel design --rivals` writes and `enamel study --laws` reads.
 struct LawValues {
   std::string law;
   int delayLow = 0, delayHigh = 0;  ///< ticks
