@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "palette.hpp"
+#include "tour.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -828,6 +829,24 @@ void drawRatio(const Area& area, const OverlayInput& input, const Brush& brush) 
              format("K_z1: %s and %s", result(*tests[0]).c_str(), result(*tests[1]).c_str()));
 }
 
+// What the tour says, and how far it is: between the tools, above the magnifications' scales.
+void drawTour(const Layout& layout, double time, const Brush& brush) {
+  const float s = layout.scale, whole = 2 * layout.scene.width, pad = 14 * s, high = 76 * s;
+  const std::size_t part = Tour::part(time);
+  const Tour::Words& words = Tour::words(part);
+  const float wide = std::max(Brush::width(gText, words.sentence), 320 * s) + 2 * pad;
+  const Area& above = layout.inset.width > 0 ? layout.inset : layout.scene;
+  const float x = layout.scene.x + 0.5f * (whole - wide), left = x + pad, right = x + wide - pad;
+  const float y = std::max(0.0f, above.y + above.height - 38 * s - high);
+  brush.list->AddRectFilled({x, y}, {x + wide, y + high}, ink(kInk, 0.93), 8 * s);
+  brush.text(gLarge, left, y + 6 * s, 0xFFFFFF, words.title);
+  brush.textRight(gSmall, right, y + 15 * s, kLine, format("%zu of %zu   Esc: skip", part + 1, Tour::kParts));
+  brush.text(gText, left, y + 40 * s, 0xFFFFFF, words.sentence);
+  const float done = (right - left) * static_cast<float>(std::min(1.0, time / Tour::kLength));
+  brush.list->AddRectFilled({left, y + 66 * s}, {right, y + 69 * s}, ink(kMuted));
+  brush.list->AddRectFilled({left, y + 66 * s}, {left + done, y + 69 * s}, ink(0xFFFFFF));
+}
+
 void drawHalves(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
   static const std::vector<Vec3> noTrail;
   const float s = layout.scale;
@@ -1067,6 +1086,7 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
   const Brush brush{ImGui::GetBackgroundDrawList(), layout.scale};
   if (layout.isSplit() && input.right != nullptr) {
     drawHalves(layout, input, state, brush);
+    if (input.tour >= 0.0) drawTour(layout, input.tour, brush);
   } else {
     drawHeader(layout, input, brush);
     drawNumbers(layout, input, brush);
@@ -1083,7 +1103,8 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
   if (state.timing) drawTiming(layout, input, brush);
   if (!state.notice.empty()) {
     const float s = layout.scale, wide = Brush::width(gText, state.notice) + 24 * s;
-    const float x = layout.scene.x + 0.5f * (layout.scene.width - wide), y = layout.scene.y + 76 * s;
+    const float whole = (layout.isSplit() ? 2 : 1) * layout.scene.width;
+    const float x = layout.scene.x + 0.5f * (whole - wide), y = layout.scene.y + 76 * s;
     brush.list->AddRectFilled({x, y}, {x + wide, y + 28 * s}, ink(kInk, 0.85), 14 * s);
     brush.text(gText, x + 12 * s, y + 5 * s, 0xFFFFFF, state.notice);
   }
