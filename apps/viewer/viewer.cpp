@@ -178,7 +178,7 @@ void Viewer::toggleSplit() {
     preset_ = presetBefore_;
     rightView_.reset();
   }
-  rebuild(frame_.record.pose, frame_.hand);
+  rebuild(frame_.record.pose, frame_.hand, true);
 }
 
 // From the start, at rest, with position control and the spring.
@@ -211,13 +211,22 @@ void Viewer::selectCamera(int preset) {
 }
 
 // A replaced experiment begins at rest where the tool is.
-void Viewer::rebuild(const Pose& start, const Hand& hand) {
+void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests) {
   try {
     plant_ = makeMechanism(changed(device_.parameters, overlay_.settings));
     const auto make = [&](RendererSlot slot, std::shared_ptr<Workpiece> workpiece) {
       return std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, slot, std::move(workpiece));
     };
-    runner_->replace(make(selected_, workpiece_), split_ ? make(right_, nullptr) : nullptr);
+    auto left = make(selected_, workpiece_), right = split_ ? make(right_, nullptr) : nullptr;
+    if (keepTests) {
+      // What is known of a renderer, whichever side it was on.
+      auto tests = frame_.tests;
+      for (std::size_t i = 0; i < tests.size(); ++i)
+        if (!tests[i].made) tests[i] = rightFrame_.tests[i];
+      left->keepTests(tests);
+      if (right) right->keepTests(tests);
+    }
+    runner_->replace(std::move(left), std::move(right));
     if (spins_ && scene_.bur) send(RunnerCommand::Kind::spin, 1);
   } catch (const Error& error) {
     notify(error.what());
@@ -228,7 +237,8 @@ void Viewer::startAgain() {
   Pose start;
   start.position = scene_.start;
   path_.reset();
-  rebuild(start, handAt(scene_.start, overlay_.grip));
+  rightFrame_ = Frame();
+  rebuild(start, handAt(scene_.start, overlay_.grip), false);
 }
 
 void Viewer::loadScene(const std::string& path) {
@@ -616,7 +626,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 
   if (overlay_.settingsChanged) {
     overlay_.settingsChanged = false;
-    rebuild(frame_.record.pose, frame_.hand);
+    rebuild(frame_.record.pose, frame_.hand, true);
   }
   if (overlay_.sceneAsked >= 0) {
     sceneIndex_ = overlay_.sceneAsked;

@@ -76,7 +76,7 @@ class Viewer final : public Driven {
   void takeRecording(double passed);
   void send(RunnerCommand::Kind kind, int number);
   void loadScene(const std::string& path);
-  void rebuild(const Pose& start, const Hand& hand);
+  void rebuild(const Pose& start, const Hand& hand, bool keepTests);
   void startAgain();
   void notify(const std::string& text);
   void select(RendererSlot slot);
