@@ -9,6 +9,7 @@ const std::vector<ActionRow>& actionRows() {
   static const std::vector<ActionRow> rows{
       {Action::swapRenderers, "swap", "Tab", "the renderer before, and back", GLFW_KEY_TAB, false, Source::live},
       {Action::split, "split", "V", "split screen: two renderers, one hand", GLFW_KEY_V, false, Source::live},
+      {Action::tour, "tour", "T", "tour of the split screen, 20 s", GLFW_KEY_T, false, Source::live},
       {Action::testPush, "push", "P", "test push: a step of 12 N on the surface", GLFW_KEY_P, false, Source::live},
       {Action::grip, "grip", "G", "firm grip 400 N/m, or the paper's 40 N/m", GLFW_KEY_G, false, Source::live},
       {Action::home, "home", "H", "hand back to the start", GLFW_KEY_H, false, Source::live},
@@ -38,7 +39,7 @@ const std::vector<ActionRow>& actionRows() {
       {Action::charts, "charts", "F4", "charts", GLFW_KEY_F4, false},
       {Action::fullScreen, "full-screen", "F5", "full screen", GLFW_KEY_F5, false},
       {Action::screenshot, "screenshot", "Ctrl+P", "picture (PNG) into the working folder", GLFW_KEY_P, true},
-      {Action::quit, "quit", "Esc", "close the help, or the viewer", GLFW_KEY_ESCAPE, false},
+      {Action::quit, "quit", "Esc", "end the tour, the help, or the viewer", GLFW_KEY_ESCAPE, false},
   };
   return rows;
 }

@@ -10,6 +10,7 @@ namespace enamel::viewer {
 enum class Action : std::uint8_t {
   swapRenderers,
   split,
+  tour,
   testPush,
   grip,
   home,

@@ -192,12 +192,14 @@ void Charts::add(const Sample& sample) {
 
 void Charts::update(const std::array<ChartPlace, kCharts>& places, float scale, double forceLimit) {
   std::array<double, kMaxSignals> largest{};
+  double lowestForce = 0.0;
   for (int b = 0; b < kBins; ++b) {
     // The oldest complete bin first; the current one is still filling.
     const Bin& bin = bins_[(current_ + 1 + static_cast<std::size_t>(b)) % bins_.size()];
     for (std::size_t s = 0; s < signals_; ++s) {
       values_[s]->SetValue(2 * b, bin.lowFirst[s] ? bin.low[s] : bin.high[s]);
       values_[s]->SetValue(2 * b + 1, bin.lowFirst[s] ? bin.high[s] : bin.low[s]);
+      if (s == 1) lowestForce = std::min(lowestForce, static_cast<double>(bin.low[s]));
       largest[s] = std::max(largest[s], static_cast<double>(std::max(bin.high[s], -bin.low[s])));
     }
   }
@@ -219,9 +221,12 @@ void Charts::update(const std::array<ChartPlace, kCharts>& places, float scale, 
     shrink_[i] = wanted[i] < ranges_[i] ? shrink_[i] + 1 : 0;
     if (wanted[i] > ranges_[i] || shrink_[i] > 30) ranges_[i] = wanted[i];
     vtkAxis* axis = charts_[i]->GetAxis(vtkAxis::LEFT);
-    if (ranges_[i] != drawnRanges_[i]) {
+    // A force that pulls is drawn below the line.
+    double low = i == kTorqueChart ? -1.1 * torques_.limit : -0.03 * ranges_[i];
+    if (i == 1 && lowestForce < low) low = -niceAbove(-1.08 * lowestForce, 0.1 * ranges_[i]);
+    if (ranges_[i] != drawnRanges_[i] || low != drawnLows_[i]) {
       drawnRanges_[i] = ranges_[i];
-      const double low = i == kTorqueChart ? -1.1 * torques_.limit : -0.03 * ranges_[i];
+      drawnLows_[i] = low;
       axis->SetRange(low, ranges_[i]);
       setTicks(axis, low, i == kTorqueChart ? torques_.limit : ranges_[i]);
     }

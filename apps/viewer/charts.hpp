@@ -68,7 +68,7 @@ class Charts {
   TorqueStyle torques_;
   std::size_t signals_;
   std::array<double, kCharts> ranges_{0.1, 5.0, 2.0};
-  std::array<double, kCharts> drawnRanges_{};
+  std::array<double, kCharts> drawnRanges_{}, drawnLows_{};
   std::array<int, kCharts> shrink_{};  // frames since a smaller range would do
 };
 

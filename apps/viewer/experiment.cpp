@@ -30,6 +30,12 @@ LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose
 
 }  // namespace
 
+Delivered deliveredOf(const TickRecord& record) noexcept {
+  const Vec3 force = record.rendered.head<3>();
+  const double normal = record.nearest.normal.dot(force);
+  return {normal, (force - normal * record.nearest.normal).norm(), force.norm()};
+}
+
 DeviceParameters changed(DeviceParameters device, const Settings& settings) {
   addMass(device, settings.extraMass);
   addFriction(device, settings.friction);
@@ -70,7 +76,8 @@ StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTor
 
 Experiment::Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
                        const Hand& hand, RendererSlot slot, std::shared_ptr<Workpiece> workpiece)
-    : model_(makeMechanism(device.parameters)),
+    : settings_(settings),
+      model_(makeMechanism(device.parameters)),
       plant_(makeMechanism(changed(device.parameters, settings))),
       noise_(settings.noise),
       random_(1, 0),
@@ -193,11 +200,70 @@ void Experiment::watchTestPush() noexcept {
     impact_.rest(tick);
 }
 
+void Experiment::watchConditions() noexcept {
+  constexpr double chatters = 0.25;  // of a torque's limit, standard deviation, as ImpactWatch judges
+  const TickRecord& record = frame_.record;
+  const JointVector shares = record.torque.cwiseQuotient(plant_->limits().torque);
+  const double force = deliveredOf(record).normal;
+  const Vec3& tool = record.pose.position;
+  if (block_.ticks == 0) {
+    block_.lowForce = block_.highForce = force;
+    block_.low = block_.high = tool;
+    block_.sum = block_.squares = JointVector::Zero(shares.size());
+    block_.touching = 0;
+  }
+  block_.touching += record.nearest.gap <= 0.0;
+  block_.lowForce = std::min(block_.lowForce, force);
+  block_.highForce = std::max(block_.highForce, force);
+  block_.low = block_.low.cwiseMin(tool);
+  block_.high = block_.high.cwiseMax(tool);
+  block_.sum += shares;
+  block_.squares += shares.cwiseAbs2();
+  bool unstable = record.guard == GuardReason::oscillation || record.guard == GuardReason::energy;
+  if (++block_.ticks == kBlock) {
+    const JointVector mean = block_.sum / kBlock;
+    const bool now = (block_.squares / kBlock - mean.cwiseAbs2()).maxCoeff() > chatters * chatters;
+    unstable = unstable || (now && chattered_);  // one block may be a single blow
+    chattered_ = now;
+    complete_ = block_;
+    block_.ticks = 0;
+  }
+  const Vec3 speed = record.twist.head<3>(), normal = record.nearest.normal;
+  const bool isOnWall = record.mode == RenderMode::contact && record.nearest.material.friction > 0.0;
+  const bool now[] = {record.saturated || shares.cwiseAbs().maxCoeff() > 1.0 - 1e-6, unstable,
+                      isOnWall && (speed - normal.dot(speed) * normal).norm() > Conditions::kSlip,
+                      tool.cwiseAbs().maxCoeff() >= kStop};
+  bool* const shown[] = {&frame_.conditions.saturated, &frame_.conditions.unstable, &frame_.conditions.slipped,
+                         &frame_.conditions.edge};
+  for (std::size_t i = 0; i < shownFor_.size(); ++i) {
+    shownFor_[i] = now[i] ? Conditions::kShown : std::max(0, shownFor_[i] - 1);
+    *shown[i] = shownFor_[i] > 0;
+  }
+}
+
 void Experiment::endTestPush(FirstImpactVerdict verdict) noexcept {
+  constexpr double chatter = 1.0;  // N: more than the preload can make by itself
   TestPush& test = frame_.tests[indexOf(frame_.selected)];
-  test = {true, verdict};
-  if (verdict == FirstImpactVerdict::measured)
-    test = {true, verdict, impact_.stiffness(), impact_.depth(), impact_.force(), impact_.preload()};
+  test = TestPush();
+  test.made = true;
+  test.verdict = verdict;
+  test.settings = settings_;
+  Kinematics inertia = loop_.device().kinematics();
+  if (plant_->reach(frame_.record.pose, Vec6::Zero(), true, inertia) == Status::ok)
+    test.limit =
+        stiffnessLimit(inertia, plant_->limits().torque, testNormal_, impact_.preload(), settings_.delay).stiffness;
+  if (verdict == FirstImpactVerdict::measured) {
+    test.stiffness = impact_.stiffness();
+    test.depth = impact_.depth();
+    test.force = impact_.force();
+    test.preload = impact_.preload();
+  } else if (verdict == FirstImpactVerdict::slips) {
+    test.amount = testDrift_;
+  } else if (verdict == FirstImpactVerdict::noStep) {
+    const double force = 0.5 * (complete_.highForce - complete_.lowForce);
+    test.unrest = complete_.touching == 0 ? Unrest::noWall : force > chatter ? Unrest::chatters : Unrest::moves;
+    test.amount = test.unrest == Unrest::chatters ? force : (complete_.high - complete_.low).norm();
+  }
   phase_ = Phase::none;
   setGrip(gripBefore_);
 }
@@ -247,6 +313,7 @@ void Experiment::tickHeld() noexcept {
     fillDrilled();
   }
   watchTestPush();
+  watchConditions();
   if (phase_ != Phase::none && isFault(record.guard)) endTestPush(FirstImpactVerdict::unstable);
   frame_.testing = phase_ != Phase::none;
 }

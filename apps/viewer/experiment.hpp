@@ -61,10 +61,36 @@ RendererSlot slotOf(const PluginLibrary& plugin) noexcept;
 inline constexpr double kPeriod = 1e-3;     // s, of the haptic loop
 inline constexpr double kTestForce = 12.0;  // N, of a test push's step
 
-/// What a test push measured (ImpactWatch): a step of kTestForce on the tool at rest on the surface.
+/// Force of the motors on the tool beyond gravity, as delivered during a tick, N: along the nearest contact's normal
+/// (negative: into the wall), across it, and in all. Realtime: yes.
+struct Delivered {
+  double normal, tangential, total;
+};
+Delivered deliveredOf(const TickRecord& record) noexcept;
+
+/// What happens to the tool, each for kShown ticks longer than it does.
+struct Conditions {
+  bool saturated = false;  ///< a motor is at its limit
+  bool unstable = false;   ///< torques alternate by more than a quarter of their limits for an eighth of a second
+  bool slipped = false;    ///< it slides, faster than kSlip, on a wall with friction
+  bool edge = false;       ///< of the workspace: at a mechanical stop
+
+  static constexpr int kShown = 400;
+  static constexpr double kSlip = 2e-3;  // m/s
+};
+
+/// Why a tool did not come to rest on a wall: it never touched one, was thrown about by the renderer, or moved on.
+enum class Unrest : std::uint8_t { none, noWall, chatters, moves };
+
+/// What a test push measured (ImpactWatch): a step of kTestForce on the tool at rest on the surface. It and what it was
+/// made with stay as they are until the next one.
 struct TestPush {
   bool made = false;
-  FirstImpactVerdict verdict = FirstImpactVerdict::noStep;  ///< noStep: the tool did not come to rest on a wall
+  FirstImpactVerdict verdict = FirstImpactVerdict::noStep;  ///< noStep: the tool did not come to rest on a wall, for:
+  Unrest unrest = Unrest::none;
+  double amount = 0.0;  ///< half the force's range where it chatters, N; path where it moves, or slipped, m
+  Settings settings;    ///< that it was made with
+  double limit = 0.0;   ///< stiffnessLimit() then, N/m
   // Where it is `measured`:
   double stiffness = 0.0;  ///< K_z1, N/m
   double depth = 0.0;      ///< D_z1, m
@@ -78,11 +104,12 @@ struct Frame {
   ContactSnapshot contacts;  ///< that the renderer saw, within kContactMargin
   Hand hand;
   RendererSlot selected = RendererSlot::positionControl;
-  double inertiaScale = 1.0;                  ///< of position control, with
-  double jumps = 0.0;                         ///< jumps of the push that it has seen
-  bool holding = false;                       ///< the paper's law holds, at
-  JointVector reference;                      ///< these joint coordinates, rad or m
-  bool testing = false;                       ///< a test push is under way
+  double inertiaScale = 1.0;  ///< of position control, with
+  double jumps = 0.0;         ///< jumps of the push that it has seen
+  bool holding = false;       ///< the paper's law holds, at
+  JointVector reference;      ///< these joint coordinates, rad or m
+  bool testing = false;       ///< a test push is under way
+  Conditions conditions;
   Drilled drilled;                            ///< where the scene has a bur
   std::array<TestPush, kMaxRenderers> tests;  ///< the last of each renderer
   Status plant = Status::ok;                  ///< any other: the loop stands still until it is replaced
@@ -116,6 +143,8 @@ class Experiment {
   void moveHandBy(const Vec3& displacement) noexcept { frame_.hand.target += displacement; }
   void setGrip(const Grip& grip) noexcept;
   void startTestPush() noexcept;
+  /// Results of an experiment before, which are shown on.
+  void keepTests(const std::array<TestPush, kMaxRenderers>& tests) noexcept { frame_.tests = tests; }
   /// Of the bur: its pedal; takes back the last stroke, or all. Without one nothing happens.
   void spin(bool on) noexcept;
   void undo() noexcept;
@@ -156,9 +185,20 @@ class Experiment {
   bool restsForStep() const noexcept { return phase_ == Phase::approach && restTicks_ >= kRest; }
   void advanceTestPush(bool mayStep) noexcept;
   void watchTestPush() noexcept;
+  void watchConditions() noexcept;
   void endTestPush(FirstImpactVerdict verdict) noexcept;
   void fillDrilled() noexcept;
 
+  // Extremes over kBlock ticks of an approach; shares of the torques' limits, summed over as many.
+  struct Block {
+    int ticks = 0, touching = 0;
+    double lowForce = 0.0, highForce = 0.0;
+    Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+    JointVector sum, squares;
+  };
+  static constexpr int kBlock = 125;
+
+  Settings settings_;
   std::shared_ptr<const Mechanism> model_, plant_;  // what the haptic tick knows, and what is there
   double noise_;
   RandomStream random_;
@@ -180,6 +220,9 @@ class Experiment {
   double testDrift_ = 0.0;         // across the normal since then
   ImpactWatch impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;
+  Block block_, complete_;
+  bool chattered_ = false;         // in the block before
+  std::array<int, 4> shownFor_{};  // ticks, of the conditions
 };
 
 /// The parameters of a device with a person's changes to it.

@@ -24,6 +24,11 @@ void keepWithinReach(Hand& hand, const Vec3& tool) noexcept {
   const Vec3 stretch = hand.target - tool;
   const double force = stiffnessOf(hand.grip).cwiseProduct(stretch).norm();
   if (force > kLargestHandForce) hand.target = tool + (kLargestHandForce / force) * stretch;
+  constexpr double end = kStop + kBeyondStop;
+  for (int i = 0; i < 3; ++i) {
+    if (tool[i] >= kStop) hand.target[i] = std::min(hand.target[i], end);
+    if (tool[i] <= -kStop) hand.target[i] = std::max(hand.target[i], -end);
+  }
 }
 
 void moveHand(Hand& hand, double dt) noexcept {

@@ -27,7 +27,11 @@ struct Hand {
 Vec3 stiffnessOf(const Grip& grip) noexcept;
 Vec3 dampingOf(const Grip& grip) noexcept;
 
-/// Brings the target within reach of the tool's point: where the springs give kLargestHandForce. Realtime: yes.
+/// How far beyond a mechanical stop the hand's target goes, m: it does not wind up where the tool cannot follow.
+inline constexpr double kBeyondStop = 0.005;
+
+/// Brings the target within reach of the tool's point: where the springs give kLargestHandForce, and across a stop at
+/// which the tool is, kBeyondStop. Realtime: yes.
 void keepWithinReach(Hand& hand, const Vec3& tool) noexcept;
 
 /// Moves the hand towards its target for `dt` s. Realtime: yes.

@@ -17,7 +17,8 @@ constexpr const char* kProgram = "enamel-viewer";
 void runViewer(int argc, char** argv) {
   const double started = steadySeconds();
   CLI::App app{
-      "Push the tool of a virtual TAU against a wall and see what stiff means. F1 in the window lists every key.\n"
+      "Push the tool of a virtual TAU against a wall and see what stiff means. F1 in the window lists every key;\n"
+      "V shows two renderers under one hand, T a tour of that, which the first start shows by itself.\n"
       "Lengths in scripts are mm; W has x right, y up, z from the wall to the user."};
   Options options;
   options.scene = dataFolder() + "/scenes/flat-wall.toml";

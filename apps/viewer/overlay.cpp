@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "palette.hpp"
+#include "tour.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -35,6 +36,9 @@ std::string format(const char* pattern, ...) {
   va_end(arguments);
   return text;
 }
+
+// Never "-0.0".
+std::string tenths(double value) { return format("%.1f", std::abs(value) < 0.05 ? 0.0 : value); }
 
 constexpr unsigned kSlotColour[kMaxRenderers] = {kBlue, kOrange, kPurple, kGreen, kSky};
 constexpr unsigned kSideColour[] = {kBlue, kPurple};  // of the split screen
@@ -216,6 +220,10 @@ void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, f
   } else if (isPlugin(input, indexOf(frame.selected))) {
     const EnamelDescription& plugin = input.plugin->description();
     remark(format("Plugin %s %s: %s", plugin.name, plugin.version, plugin.summary));
+    const double given = deliveredOf(frame.record).normal, told = frame.record.normalForce;
+    const bool silent = told == 0.0 && std::abs(given) > 0.5;
+    if (frame.record.guard == GuardReason::none)
+      remark("Its own word of the normal force: " + (silent ? "not reported" : tenths(told) + " N") + ".");
   } else if (spring) {
     state.settingsChanged |= slider("stiffness", "%.0f N/m", settings.spring.stiffness, 200, 20000);
     state.settingsChanged |= slider("wall damping", "%.1f N s/m", settings.spring.damping, 0, 20);
@@ -348,6 +356,21 @@ void drawChip(float right, float y, const OverlayInput& input, const Frame& fram
   brush.text(gBold, right - chipWidth + 10 * s, y + 4 * s, 0xFFFFFF, chip);
 }
 
+// What is wrong, each in its pill, from the right.
+void drawBadges(float right, float y, const Frame& frame, const Brush& brush) {
+  const float s = brush.s;
+  const Conditions& c = frame.conditions;
+  const std::pair<bool, const char*> badges[] = {
+      {c.unstable, "unstable"}, {c.saturated, "saturated"}, {c.slipped, "slipped"}, {c.edge, "edge of workspace"}};
+  for (const auto& [on, name] : badges) {
+    if (!on) continue;
+    const float wide = Brush::width(gSmall, name) + 16 * s;
+    brush.list->AddRectFilled({right - wide, y}, {right, y + 20 * s}, ink(kInk), 10 * s);
+    brush.text(gSmall, right - wide + 8 * s, y + 3 * s, 0xFFFFFF, name);
+    right -= wide + 6 * s;
+  }
+}
+
 void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const Frame& frame = input.frame;
@@ -365,6 +388,7 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   brush.text(gText, x + 16 * s, y, kMuted, who);
 
   drawChip(right, area.y + 16 * s, input, frame, brush);
+  drawBadges(right, area.y + 72 * s, frame, brush);
   if (player != nullptr) return;  // its time stands at the bar
   std::string time = format("%.3f s", input.simulated);
   if (frame.paused) time += "   paused";
@@ -372,9 +396,6 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   brush.clear(right - Brush::width(gText, time), y - 3 * s, Brush::width(gText, time), 24 * s);
   brush.textRight(gText, right, y, kMuted, time);
 }
-
-// Never "-0.0".
-std::string tenths(double value) { return format("%.1f", std::abs(value) < 0.05 ? 0.0 : value); }
 
 void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
@@ -384,9 +405,10 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   struct Number {
     std::string value;
     const char* unit;
-    const char* name;
+    std::string name;
     unsigned colour;
   };
+  const Delivered force = deliveredOf(frame.record);
   const double now = handForce(frame) / std::max(1e-9, -frame.record.nearest.gap);
   const bool inside = depth > 1e-3;
   const Number numbers[] = {
@@ -394,7 +416,9 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
        : depth > -0.1  ? format("%.3f", -depth)
                        : format("%.1f", -depth),
        "mm", depth > -0.0005 ? "penetration" : "to the wall", kBlue},
-      {tenths(frame.record.normalForce), "N", "force of the wall", kVermilion},
+      {tenths(force.normal), "N",
+       format("normal; tangential %s N, total %s N", tenths(force.tangential).c_str(), tenths(force.total).c_str()),
+       kVermilion},
       {tenths(handForce(frame)), "N", "force of the hand", kOrange},
       {!inside     ? "-"
        : now < 1e6 ? format("%.1f", 1e-3 * now)
@@ -404,7 +428,9 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   const int count = input.player != nullptr ? 2 : 4;  // a recording does not know the hand
   float y = area.y + area.height - static_cast<float>(count) * 46 * s - 14 * s;
   const float x = area.x + 18 * s;
-  brush.clear(x, y - 3 * s, 134 * s, area.y + area.height - 5 * s - y);
+  float wide = 0.0f;
+  for (int i = 0; i < count; ++i) wide = std::max(wide, 12 * s + Brush::width(gSmall, numbers[i].name));
+  brush.clear(x, y - 3 * s, wide, area.y + area.height - 5 * s - y);
   for (int i = 0; i < count; ++i) {
     const Number& n = numbers[i];
     brush.list->AddRectFilled({x, y + 3 * s}, {x + 3 * s, y + 38 * s}, ink(n.colour));
@@ -554,9 +580,11 @@ void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& s
     drawTool(rest, 0, ink(outline));
     brush.list->AddCircle(rest, 4 * s, ink(outline), 0, 1.5f * s);
   }
-  const float forceLength = static_cast<float>(std::clamp(4.0 * frame.record.normalForce, 0.0, 80.0)) * s;
-  if (frame.record.normalForce > 0.05)
-    brush.arrow({tip.x, tip.y}, {tip.x, tip.y - forceLength - 8 * s}, kVermilion, 3 * s);
+  // Away from the wall, or, where the motors pull, into it.
+  const double force = deliveredOf(frame.record).normal, out = force > 0.0 ? 1.0 : -1.0;
+  const auto forceLength = static_cast<float>(out * (std::min(4.0 * std::abs(force), 80.0) + 8.0)) * s;
+  if (std::abs(force) > 0.05 && (frame.record.mode == RenderMode::contact || contact.gap <= 0.0))
+    brush.arrow({tip.x, tip.y}, {tip.x, tip.y - forceLength}, kVermilion, 3 * s);
   const double pressed = handForce(frame);
   if (pressed > 0.05) {
     const float from = std::max(top, tip.y - 118 * s);
@@ -609,12 +637,12 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
   const TickRecord& record = input.frame.record;
   const TorqueStyle& torques = input.torques;
   const std::string values[] = {format("%.3f mm", std::max(0.0, -1e3 * record.nearest.gap)),
-                                tenths(record.normalForce) + " N",
+                                tenths(deliveredOf(record).normal) + " N",
                                 format(torques.shares ? "%.0f %%" : "%.2f N m",
                                        record.torque.cwiseProduct(torques.factor).cwiseAbs().maxCoeff())};
   const std::string limits[] = {"paper's bound 1 mm", format("motors allow %.0f N", input.limit.largestForce),
                                 torques.shares ? "share of each joint's limit" : format("limit %g N m", torques.limit)};
-  const char* names[] = {"Penetration", "Force of the wall", "Joint torques"};
+  const char* names[] = {"Penetration", "Normal force", "Joint torques"};
   for (std::size_t i = 0; i < kCharts; ++i) {
     const Area& a = layout.chart[i];
     const float x = a.x + 14 * s;
@@ -638,11 +666,42 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
   if (dashed) brush.text(gSmall, x, y, kMuted, torques.perChain > 0 ? "second dashed" : "from 4 on dashed");
 }
 
-std::string verdictText(FirstImpactVerdict verdict) {
-  return verdict == FirstImpactVerdict::noStep ? "not at rest on a wall" : format("none: %s", toString(verdict));
+// Why a test push gave no stiffness.
+std::string verdictText(const TestPush& test) {
+  switch (test.unrest) {
+    case Unrest::noWall: return "no wall was reached";
+    case Unrest::chatters: return format("chattering at \u00b1%.1f N", test.amount);
+    case Unrest::moves: return format("not at rest: %.2g mm", 1e3 * test.amount);
+    case Unrest::none: break;
+  }
+  if (test.verdict == FirstImpactVerdict::slips) return format("slipped by %.2g mm", 1e3 * test.amount);
+  return format("none: %s", toString(test.verdict));
 }
 
-void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+// What a test push was made with and is no longer so, or nothing.
+std::string conditionsText(const TestPush& test, std::size_t slot, const Settings& now) {
+  const Settings& then = test.settings;
+  std::string text;
+  const auto add = [&text](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  if (then.delay.low != now.delay.low || then.delay.high != now.delay.high)
+    add(then.delay.low == then.delay.high ? format("delay %d", then.delay.high)
+                                          : format("delay %d-%d", then.delay.low, then.delay.high));
+  if (then.extraMass != now.extraMass) add(format("+%.0f g", 1e3 * then.extraMass));
+  if (then.toolDamping != now.toolDamping) add(format("%.1f N s/m", then.toolDamping));
+  if (then.friction != now.friction) add("other friction");
+  if (then.noise != now.noise) add(format("tremor %.1f N", then.noise));
+  if (then.encoders.quantised != now.encoders.quantised || then.encoders.rates != now.encoders.rates)
+    add("other encoders");
+  const bool spring = slot == indexOf(RendererSlot::impedance) || slot == indexOf(RendererSlot::passivity);
+  if (spring && (then.spring.stiffness != now.spring.stiffness || then.spring.damping != now.spring.damping))
+    add(format("spring %.1f kN/m", 1e-3 * then.spring.stiffness));
+  if (slot == indexOf(RendererSlot::hold) &&
+      (then.hold.release != now.hold.release || then.hold.antiWindup != now.hold.antiWindup))
+    add("other hold");
+  return text.empty() ? text : "at " + text;
+}
+
+void drawGauge(const Layout& layout, const OverlayInput& input, const OverlayState& state, const Brush& brush) {
   const float s = layout.scale;
   const Area& a = layout.gauge;
   const float x = a.x + 14 * s, right = a.x + a.width - 14 * s;
@@ -659,10 +718,15 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const Brush& bru
     brush.text(active ? gBold : gText, x + 17 * s, y, kInk, titleOf(input, i));
     if (test.verdict == FirstImpactVerdict::measured) {
       brush.text(gBold, x + 150 * s, y, kInk, stiffnessText(test.stiffness));
-      brush.textRight(gText, right, y, kMuted,
-                      format("%.1f %% of the limit", 100.0 * test.stiffness / input.limit.stiffness));
+      const std::string then = conditionsText(test, i, state.settings);
+      const std::string share = format("%.1f %% of the limit", 100.0 * test.stiffness / test.limit);
+      // In what room there is; a longer one ends in dots.
+      std::string shown = then.empty() ? share : then;
+      const float room = right - x - 158 * s - Brush::width(gBold, stiffnessText(test.stiffness));
+      while (shown.size() > 4 && Brush::width(gText, shown) > room) shown = shown.substr(0, shown.size() - 4) + "...";
+      brush.textRight(gText, right, y, kMuted, shown);
     } else {
-      brush.text(gText, x + 150 * s, y, kMuted, test.made ? verdictText(test.verdict) : "press P to measure");
+      brush.text(gText, x + 150 * s, y, kMuted, test.made ? verdictText(test) : "press P to measure");
     }
     y += kGaugeRow * s;
   }
@@ -821,11 +885,47 @@ void drawRatio(const Area& area, const OverlayInput& input, const Brush& brush) 
   if (!tests[0]->made && !tests[1]->made) return;
   const auto result = [](const TestPush& test) {
     return test.verdict == FirstImpactVerdict::measured ? stiffnessText(test.stiffness)
-           : test.made                                  ? verdictText(test.verdict)
+           : test.made                                  ? verdictText(test)
                                                         : std::string("not measured");
   };
   brush.text(gSmall, x, y + 17 * s, kMuted,
              format("K_z1: %s and %s", result(*tests[0]).c_str(), result(*tests[1]).c_str()));
+}
+
+// What the tour says, and how far it is: between the tools, above the magnifications' scales.
+void drawTour(const Layout& layout, double time, const Brush& brush) {
+  const float s = layout.scale, whole = 2 * layout.scene.width, pad = 14 * s, high = 76 * s;
+  const std::size_t part = Tour::part(time);
+  const Tour::Words& words = Tour::words(part);
+  const float wide = std::max(Brush::width(gText, words.sentence), 320 * s) + 2 * pad;
+  const Area& above = layout.inset.width > 0 ? layout.inset : layout.scene;
+  const float x = layout.scene.x + 0.5f * (whole - wide), left = x + pad, right = x + wide - pad;
+  const float y = std::max(0.0f, above.y + above.height - 38 * s - high);
+  brush.list->AddRectFilled({x, y}, {x + wide, y + high}, ink(kInk, 0.93), 8 * s);
+  brush.text(gLarge, left, y + 6 * s, 0xFFFFFF, words.title);
+  brush.textRight(gSmall, right, y + 15 * s, kLine, format("%zu of %zu   Esc: skip", part + 1, Tour::kParts));
+  brush.text(gText, left, y + 40 * s, 0xFFFFFF, words.sentence);
+  const float done = (right - left) * static_cast<float>(std::min(1.0, time / Tour::kLength));
+  brush.list->AddRectFilled({left, y + 66 * s}, {right, y + 69 * s}, ink(kMuted));
+  brush.list->AddRectFilled({left, y + 66 * s}, {left + done, y + 69 * s}, ink(0xFFFFFF));
+}
+
+// Of a half: where the tool is, and the motors' force on it as delivered.
+void drawForces(const Area& inset, const Frame& frame, const Brush& brush) {
+  const float s = brush.s, x = inset.x + 10 * s;
+  const Delivered force = deliveredOf(frame.record);
+  const double depth = -1e3 * frame.record.nearest.gap;
+  const std::pair<const char*, std::string> rows[] = {
+      {depth >= 0.0 ? "depth" : "to the wall", format(std::abs(depth) < 10.0 ? "%.3f mm" : "%.1f mm", std::abs(depth))},
+      {"normal", tenths(force.normal) + " N"},
+      {"tangential", tenths(force.tangential) + " N"},
+      {"total", tenths(force.total) + " N"}};
+  float y = inset.y + 28 * s;
+  for (const auto& [name, value] : rows) {
+    brush.text(gSmall, x, y, kMuted, name);
+    brush.textRight(gSmall, x + 134 * s, y, kInk, value);
+    y += 17 * s;
+  }
 }
 
 void drawHalves(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
@@ -842,6 +942,7 @@ void drawHalves(const Layout& layout, const OverlayInput& input, OverlayState& s
       drawInset({*insets[side], frame, ghost, side == 0 ? input.ghostPosition : input.rightGhostPosition, noTrail, true,
                  kSideColour[side]},
                 input, state, brush);
+    if (insets[side]->width > 0) drawForces(*insets[side], frame, brush);
     const std::string title = titleOf(input, indexOf(frame.selected));
     const float x = scene.x + 14 * s, y = scene.y + 10 * s, right = scene.x + scene.width - 14 * s;
     brush.list->PushClipRect({scene.x, scene.y}, {scene.x + scene.width, scene.y + scene.height}, true);
@@ -849,6 +950,7 @@ void drawHalves(const Layout& layout, const OverlayInput& input, OverlayState& s
     brush.list->AddCircleFilled({x + 8 * s, y + 16 * s}, 8 * s, ink(kSideColour[side]));
     brush.text(gLarge, x + 24 * s, y + 1 * s, kInk, title);
     drawChip(right, y, input, frame, brush);
+    drawBadges(right, y + 32 * s, frame, brush);
     brush.list->PopClipRect();
   }
   const Area& a = layout.compare;
@@ -1067,6 +1169,7 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
   const Brush brush{ImGui::GetBackgroundDrawList(), layout.scale};
   if (layout.isSplit() && input.right != nullptr) {
     drawHalves(layout, input, state, brush);
+    if (input.tour >= 0.0) drawTour(layout, input.tour, brush);
   } else {
     drawHeader(layout, input, brush);
     drawNumbers(layout, input, brush);
@@ -1076,14 +1179,15 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
   }
   if (layout.charts.width > 0) {
     drawChartTitles(layout, input, brush);
-    if (layout.gauge.height > 0) drawGauge(layout, input, brush);
+    if (layout.gauge.height > 0) drawGauge(layout, input, state, brush);
   }
   if (layout.bar.width > 0) drawBar(layout, input, brush);
   if (input.bur != nullptr && layout.scene.height >= 420 * layout.scale) drawDrill(layout, input, brush);
   if (state.timing) drawTiming(layout, input, brush);
   if (!state.notice.empty()) {
     const float s = layout.scale, wide = Brush::width(gText, state.notice) + 24 * s;
-    const float x = layout.scene.x + 0.5f * (layout.scene.width - wide), y = layout.scene.y + 76 * s;
+    const float whole = (layout.isSplit() ? 2 : 1) * layout.scene.width;
+    const float x = layout.scene.x + 0.5f * (whole - wide), y = layout.scene.y + 76 * s;
     brush.list->AddRectFilled({x, y}, {x + wide, y + 28 * s}, ink(kInk, 0.85), 14 * s);
     brush.text(gText, x + 12 * s, y + 5 * s, 0xFFFFFF, state.notice);
   }

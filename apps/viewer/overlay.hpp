@@ -64,6 +64,7 @@ struct OverlayInput {
   bool rightGhost;
   Vec3 rightGhostPosition;
   const Comparison& comparison;
+  double tour;  ///< s since a tour began; negative: there is none
 };
 
 /// Loads the font at a scale; call again when the scale changes. `font`: a TrueType file, or empty for the built-in.

@@ -131,6 +131,7 @@ class Report {
     json["size"] = {viewer.layout().size.x, viewer.layout().size.y};
     json["frames_per_second"] = seconds > 0.0 ? static_cast<double>(frames_) / seconds : 0.0;
     json["first_frame_s"] = firstFrame_;
+    json["touring"] = viewer.isTouring();
     json["opengl_errors"] = viewer.stage().errors();
     json["dropped_samples"] = viewer.frame().droppedSamples;
     json["test_pushes"] = testPushes(viewer);
@@ -229,6 +230,7 @@ int runInWindow(const Options& options, double started) {
   Report report(started);
   const double begin = steadySeconds();
   double last = begin, rate = 0.0;
+  if (options.script.empty() && viewer.canSplit() && isFirstStart()) viewer.act(Action::tour);
   {
     std::optional<PeriodicThread> haptics;
     if (Runner* const runner = viewer.runner()) haptics.emplace(kPeriod, [runner] { runner->period(); });
@@ -265,6 +267,7 @@ int runInWindow(const Options& options, double started) {
   }
   if (signals.caught() != 0) return signals.caught();
   if (viewer.runner() == nullptr) return 0;
+  if (viewer.isTouring()) return 0;  // nobody's hand
   if (viewer.frame().record.nearest.gap < 0.0 || viewer.frame().record.mode == RenderMode::contact)
     throw Error("the window was closed while the tool was in contact: the wall was gone at once");
   return 0;

@@ -6,7 +6,7 @@ namespace enamel::viewer {
 
 PairSample pairOf(const TickRecord& left, const TickRecord& right) noexcept {
   const auto sideOf = [](const TickRecord& record) -> PairSample::Side {
-    return {-record.nearest.gap, record.nearest.normal.dot(record.rendered.head<3>())};
+    return {-record.nearest.gap, deliveredOf(record).normal};
   };
   return {{sideOf(left), sideOf(right)}};
 }

@@ -15,11 +15,11 @@ namespace enamel::viewer {
 struct Sample {
   Vec3 position = Vec3::Zero();  ///< of the TCP, m
   double gap = 0.0;              ///< m
-  double normalForce = 0.0;      ///< N
+  double normalForce = 0.0;      ///< deliveredOf(), N
   JointVector torque;            ///< N m or N
 };
 inline Sample sampleOf(const TickRecord& record) noexcept {
-  return {record.pose.position, record.nearest.gap, record.normalForce, record.torque};
+  return {record.pose.position, record.nearest.gap, deliveredOf(record).normal, record.torque};
 }
 
 /// Of two experiments under one hand.

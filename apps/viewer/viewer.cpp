@@ -178,7 +178,31 @@ void Viewer::toggleSplit() {
     preset_ = presetBefore_;
     rightView_.reset();
   }
-  rebuild(frame_.record.pose, frame_.hand);
+  rebuild(frame_.record.pose, frame_.hand, true);
+}
+
+// From the start, at rest, with position control and the spring.
+void Viewer::startTour() {
+  if (!split_) toggleSplit();
+  if (!split_) return;
+  if (paused_) act(Action::pause);
+  slowdown_ = 1;
+  send(RunnerCommand::Kind::slowdown, slowdown_);
+  selected_ = RendererSlot::positionControl;
+  right_ = RendererSlot::impedance;
+  comparison_.clear();
+  startAgain();
+  Pose start;
+  start.position = scene_.start;
+  tour_.emplace(scene_.start, nearestContact(scene_.scene, scene_.tool, start, nullptr), overlay_.grip);
+  tourBegin_ = now_;
+}
+
+// Then the hand is the person's.
+void Viewer::endTour(bool skipped) {
+  tour_.reset();
+  if (skipped) act(Action::home);
+  notify("The hand is yours: drag it, or press with the wheel. V: one tool.");
 }
 
 void Viewer::selectCamera(int preset) {
@@ -187,13 +211,22 @@ void Viewer::selectCamera(int preset) {
 }
 
 // A replaced experiment begins at rest where the tool is.
-void Viewer::rebuild(const Pose& start, const Hand& hand) {
+void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests) {
   try {
     plant_ = makeMechanism(changed(device_.parameters, overlay_.settings));
     const auto make = [&](RendererSlot slot, std::shared_ptr<Workpiece> workpiece) {
       return std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, slot, std::move(workpiece));
     };
-    runner_->replace(make(selected_, workpiece_), split_ ? make(right_, nullptr) : nullptr);
+    auto left = make(selected_, workpiece_), right = split_ ? make(right_, nullptr) : nullptr;
+    if (keepTests) {
+      // What is known of a renderer, whichever side it was on.
+      auto tests = frame_.tests;
+      for (std::size_t i = 0; i < tests.size(); ++i)
+        if (!tests[i].made) tests[i] = rightFrame_.tests[i];
+      left->keepTests(tests);
+      if (right) right->keepTests(tests);
+    }
+    runner_->replace(std::move(left), std::move(right));
     if (spins_ && scene_.bur) send(RunnerCommand::Kind::spin, 1);
   } catch (const Error& error) {
     notify(error.what());
@@ -204,11 +237,13 @@ void Viewer::startAgain() {
   Pose start;
   start.position = scene_.start;
   path_.reset();
-  rebuild(start, handAt(scene_.start, overlay_.grip));
+  rightFrame_ = Frame();
+  rebuild(start, handAt(scene_.start, overlay_.grip), false);
 }
 
 void Viewer::loadScene(const std::string& path) {
   try {
+    tour_.reset();
     scene_ = enamel::loadScene(path);
     workpiece_ = std::make_shared<Workpiece>(scene_);
     solids_ = copiesOf(scene_);
@@ -233,6 +268,19 @@ std::vector<std::string> Viewer::takePictures() {
 void Viewer::act(Action action) {
   if (isRefused(actionRows()[static_cast<std::size_t>(action)].source)) return;
   if (player_ && actOnRecording(action)) return;
+  if (tour_) {
+    switch (action) {
+      case Action::swapRenderers:
+      case Action::split:
+      case Action::testPush:
+      case Action::grip:
+      case Action::home:
+      case Action::reset:
+      case Action::nextScene: endTour(true); break;
+      case Action::quit: return endTour(true);
+      default: break;
+    }
+  }
   constexpr int speeds[] = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000};
   switch (action) {
     case Action::swapRenderers:
@@ -245,6 +293,7 @@ void Viewer::act(Action action) {
       }
       break;
     case Action::split: toggleSplit(); break;
+    case Action::tour: startTour(); break;
     case Action::testPush:
       path_.reset();
       send(RunnerCommand::Kind::testPush, 0);
@@ -333,6 +382,7 @@ void Viewer::act(Action action) {
 
 void Viewer::moveHandBy(const glm::dvec3& millimetres) {
   if (isRefused(Source::live)) return;
+  if (tour_) endTour(true);
   path_.reset();
   RunnerCommand command{RunnerCommand::Kind::handBy};
   command.target = metres(millimetres);
@@ -341,6 +391,7 @@ void Viewer::moveHandBy(const glm::dvec3& millimetres) {
 
 void Viewer::pressBy(double newtons) {
   if (isRefused(Source::live)) return;
+  if (tour_) endTour(true);
   path_.reset();
   RunnerCommand command{RunnerCommand::Kind::handBy};
   command.target = -newtons * frame_.record.nearest.normal.cwiseQuotient(stiffnessOf(overlay_.grip));
@@ -461,6 +512,7 @@ void Viewer::follow(const ScriptStep& step, double now) {
   switch (step.kind) {
     case ScriptStep::Kind::action: act(step.action); break;
     case ScriptStep::Kind::hand: {
+      if (tour_) endTour(true);
       const Vec3 from = kMillimetres * frame_.hand.target;
       path_ = Path{{from.x(), from.y(), from.z()}, step.target, now, step.over};
       break;
@@ -492,6 +544,12 @@ void Viewer::follow(const ScriptStep& step, double now) {
 }
 
 void Viewer::takeRun() {
+  if (tour_) {
+    RunnerCommand command{RunnerCommand::Kind::handTo};
+    command.target = tour_->hand(now_ - tourBegin_);
+    runner_->send(command);
+    if (now_ - tourBegin_ >= Tour::kLength) endTour(false);
+  }
   if (path_) {
     const double share = path_->over > 0.0 ? std::min(1.0, (now_ - path_->begin) / path_->over) : 1.0;
     RunnerCommand command{RunnerCommand::Kind::handTo};
@@ -568,7 +626,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 
   if (overlay_.settingsChanged) {
     overlay_.settingsChanged = false;
-    rebuild(frame_.record.pose, frame_.hand);
+    rebuild(frame_.record.pose, frame_.hand, true);
   }
   if (overlay_.sceneAsked >= 0) {
     sceneIndex_ = overlay_.sceneAsked;
@@ -646,7 +704,8 @@ void Viewer::draw(bool picture) {
                            split_ ? &rightFrame_ : nullptr,
                            rightShown_.ghost.has_value(),
                            rightShown_.ghost ? rightShown_.ghost->position : Vec3::Zero(),
-                           comparison_};
+                           comparison_,
+                           tour_ ? now_ - tourBegin_ : -1.0};
   stage_.draw(
       layout_, [&] { drawOverlay(layout_, input, overlay_); }, picture);
 }

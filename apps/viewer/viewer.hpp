@@ -18,6 +18,7 @@
 #include "sound_output.hpp"
 #include "stage.hpp"
 #include "surface.hpp"
+#include "tour.hpp"
 
 namespace enamel::viewer {
 
@@ -49,6 +50,8 @@ class Viewer final : public Driven {
   glm::dvec3 tool() const override;
   bool wantsToEnd() const { return end_; }
   bool fullScreen() const { return fullScreen_; }
+  bool isTouring() const { return tour_.has_value(); }
+  bool canSplit() const { return !player_ && !scene_.bur; }
   const std::vector<std::string>& rendererNames() const { return rendererNames_; }
   /// Names of pictures that were asked for since the last call; an empty name stands for the next free one.
   std::vector<std::string> takePictures();
@@ -73,12 +76,14 @@ class Viewer final : public Driven {
   void takeRecording(double passed);
   void send(RunnerCommand::Kind kind, int number);
   void loadScene(const std::string& path);
-  void rebuild(const Pose& start, const Hand& hand);
+  void rebuild(const Pose& start, const Hand& hand, bool keepTests);
   void startAgain();
   void notify(const std::string& text);
   void select(RendererSlot slot);
   void selectRight(RendererSlot slot);
   void toggleSplit();
+  void startTour();
+  void endTour(bool skipped);
   void fillShown(const Frame& frame, Kinematics& kinematics, SceneState& shown) const;
   void takeChanges();
   void takeCut();
@@ -142,7 +147,9 @@ class Viewer final : public Driven {
     glm::dvec3 from, to;
     double begin, over;
   };
-  std::optional<Path> path_;
+  std::optional<Path> path_;  // of a script's hand
+  std::optional<Tour> tour_;
+  double tourBegin_ = 0.0;
 };
 
 /// Runs in a window until it is closed, the script ends, or SIGINT or SIGTERM comes, and then writes the report.

@@ -8,6 +8,7 @@
 #include "servo_gain.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
+#include "tour.hpp"
 
 namespace enamel::viewer::test_compare {
 
@@ -191,6 +192,49 @@ TEST_CASE("a test push steps on both in the same tick, also where one needs long
   const Frame& one = runner->frame();
   CHECK(isSame(one.hand, runner->secondFrame()->hand));
   CHECK_FALSE(runner->secondFrame()->testing);
+}
+
+TEST_CASE("the tour ends where it begins, at a hand's speed, and shows what it says", "[compare]") {
+  const auto runner = pairRunner(RendererSlot::positionControl, RendererSlot::impedance);
+  const Frame first = runner->frame();
+  const Vec3 start = first.record.pose.position;
+  const Tour tour(start, first.record.nearest, kFirmGrip);
+  CHECK(tour.hand(0.0) == start);
+  CHECK(tour.hand(-1.0) == start);
+  CHECK(tour.hand(Tour::kLength) == start);
+  CHECK(tour.hand(2.0 * Tour::kLength) == start);
+  CHECK(Tour::part(0.0) == 0);
+  CHECK(Tour::part(Tour::kLength) == Tour::kParts - 1);
+  Comparison both;
+  std::array<Vec3, Tour::kParts> low, high;  // of where the tools touched
+  low.fill(Vec3::Constant(1.0));
+  high.fill(Vec3::Constant(-1.0));
+  std::array<double, Tour::kParts> deepest{};
+  for (int i = 0; i < static_cast<int>(Tour::kLength / kPeriod); ++i) {
+    const double time = i * kPeriod;
+    REQUIRE((tour.hand(time + kPeriod) - tour.hand(time)).norm() < 0.5 * kPeriod);  // m/s
+    send(*runner, RunnerCommand::Kind::handTo, tour.hand(time));
+    runner->period();
+    const Frame& left = runner->frame();
+    REQUIRE(left.plant == Status::ok);
+    REQUIRE(left.record.guard == GuardReason::none);
+    REQUIRE(runner->secondFrame()->record.guard == GuardReason::none);
+    const std::size_t part = Tour::part(time);
+    deepest[part] = std::max(deepest[part], -runner->secondFrame()->record.nearest.gap);
+    if (left.record.mode == RenderMode::contact) {
+      low[part] = low[part].cwiseMin(left.record.pose.position);
+      high[part] = high[part].cwiseMax(left.record.pose.position);
+    }
+    for (PairSample sample; runner->nextPair(sample);) both.add(sample);
+  }
+  // It presses in every part, and slides in the second one alone.
+  for (const double depth : deepest) CHECK(depth > 1e-3);
+  CHECK(high[0].x() - low[0].x() < 1e-3);
+  CHECK(high[1].x() - low[1].x() > 0.015);
+  REQUIRE(both.ratio());
+  CHECK(both.ratio()->deeper == 1);
+  CHECK(both.ratio()->times > 20.0);
+  CHECK(runner->frame().record.nearest.gap > 1e-3);
 }
 
 TEST_CASE("a pair is replaced by one, and one by a pair; the right renderer is chosen by its own command",

@@ -788,4 +788,133 @@ TEST_CASE("a thread that draws gets every brick that was cut, also over experime
   CHECK(copy == samplesOf(*file.solids[0]));
 }
 
+TEST_CASE(
+    "the force that is shown is what the motors deliver: never beyond what they allow, and negative where they pull",
+    "[experiment]") {
+  // A blow on a stiff spring asks for more than there is.
+  Settings stiff;
+  stiff.spring.stiffness = 20000.0;
+  stiff.toolDamping = 20.0;
+  ServoedDevice weak = nominal();
+  const auto e = experiment(shipped("flat-wall.toml"), RendererSlot::impedance, stiff, weak);
+  e->moveHandTo({0.0, 0.0, -0.037});
+  double largest = 0.0, reported = 0.0;
+  for (int i = 0; i < 1500; ++i) {
+    e->tick();
+    const TickRecord& record = e->frame().record;
+    const Delivered force = deliveredOf(record);
+    CHECK(force.total == Approx(record.rendered.head<3>().norm()));
+    CHECK(std::hypot(force.normal, force.tangential) == Approx(force.total).margin(1e-9));
+    largest = std::max(largest, force.normal);
+    reported = std::max(reported, record.normalForce);
+    CHECK(sampleOf(record).normalForce == force.normal);
+  }
+  CHECK(largest > 5.0);
+  // The hold that does not let go pulls back.
+  Settings sticky;
+  sticky.hold.release = false;
+  const auto hold = experiment(shipped("flat-wall.toml"), RendererSlot::hold, sticky);
+  hold->moveHandTo({0.0, 0.0, -0.02});
+  run(*hold, 1500);
+  CHECK(deliveredOf(hold->frame().record).normal == Approx(8.0).epsilon(0.05));
+  hold->moveHandTo({0.0, 0.0, 0.01});
+  run(*hold, 1000);
+  REQUIRE(hold->frame().holding);
+  CHECK(deliveredOf(hold->frame().record).normal == Approx(-4.0).epsilon(0.05));
+}
+
+TEST_CASE("the hand does not wind up beyond a mechanical stop, and is back at once", "[experiment]") {
+  for (const Grip& grip : {kFirmGrip, kPaperGrip}) {
+    const auto e = experiment(shipped("flat-wall.toml"), RendererSlot::positionControl);
+    e->setGrip(grip);
+    CHECK_FALSE(e->frame().conditions.edge);
+    e->moveHandTo({0.0, 0.0, 0.02});
+    run(*e, 1000);
+    for (int i = 0; i < 3000; ++i) {
+      e->moveHandBy({0.0, 0.0, 1e-4});  // a mouse that is dragged on for 300 mm
+      e->tick();
+    }
+    const Frame& frame = e->frame();
+    CHECK(frame.conditions.edge);
+    CHECK(frame.record.pose.position.z() > kStop);
+    CHECK(frame.hand.target.z() < kStop + kBeyondStop + 2e-4);
+    // 12 mm back are felt.
+    const double at = frame.record.pose.position.z();
+    e->moveHandBy({0.0, 0.0, -0.012});
+    run(*e, 1000);
+    CHECK(e->frame().record.pose.position.z() < at - 0.005);
+    CHECK_FALSE(e->frame().conditions.edge);
+  }
+}
+
+TEST_CASE(
+    "conditions: an unstable spring, motors at their limit, a slip on a wall with friction; a quiet press has none",
+    "[experiment]") {
+  const auto seen = [](Experiment& e, int ticks) {
+    Conditions all;
+    for (int i = 0; i < ticks; ++i) {
+      e.tick();
+      const Conditions& c = e.frame().conditions;
+      all = {all.saturated || c.saturated, all.unstable || c.unstable, all.slipped || c.slipped, all.edge || c.edge};
+    }
+    return all;
+  };
+  const auto quiet = experiment(shipped("flat-wall.toml"), RendererSlot::positionControl);
+  quiet->moveHandTo({0.01, 0.0, -0.02});
+  const Conditions none = seen(*quiet, 2000);
+  CHECK_FALSE((none.saturated || none.unstable || none.slipped || none.edge));
+
+  Settings stiff;
+  stiff.spring.stiffness = 20000.0;
+  stiff.delay = {2, 2};
+  stiff.toolDamping = 0.0;
+  const auto thrown = experiment(shipped("flat-wall.toml"), RendererSlot::impedance, stiff);
+  thrown->moveHandTo({0.0, 0.0, -0.02});
+  CHECK(seen(*thrown, 1500).unstable);
+
+  SceneFile rough = shipped("flat-wall.toml");
+  Scene scene;
+  for (Obstacle obstacle : rough.scene.obstacles()) {
+    obstacle.material.friction = obstacle.material.sliding = 0.2;
+    (void)scene.add(obstacle);
+  }
+  rough.scene = scene;
+  const auto slides = experiment(rough, RendererSlot::positionControl);
+  slides->moveHandTo({0.0, 0.0, -0.02});
+  CHECK_FALSE(seen(*slides, 1500).slipped);
+  slides->moveHandTo({0.02, 0.0, -0.02});
+  CHECK(seen(*slides, 500).slipped);
+  run(*slides, 3000);
+  CHECK_FALSE(slides->frame().conditions.slipped);
+}
+
+TEST_CASE("a test push that cannot be made says why; a result keeps its conditions and its limit", "[experiment]") {
+  const auto scene = shipped("flat-wall.toml");
+  Settings trembling;
+  trembling.noise = 2.0;
+  const auto moves = experiment(scene, RendererSlot::impedance, trembling);
+  const TestPush unrest = testPush(*moves);
+  CHECK(unrest.verdict == FirstImpactVerdict::noStep);
+  CHECK(unrest.unrest != Unrest::none);
+  CHECK(unrest.unrest != Unrest::noWall);
+  CHECK(unrest.amount > 0.0);
+
+  Settings settings;
+  settings.extraMass = 0.05;
+  const auto e = experiment(scene, RendererSlot::positionControl, settings);
+  const TestPush made = testPush(*e);
+  REQUIRE(made.verdict == FirstImpactVerdict::measured);
+  CHECK(made.unrest == Unrest::none);
+  CHECK(made.settings.extraMass == 0.05);
+  CHECK(made.limit > made.stiffness);
+  CHECK(made.limit < 1e6);
+  // Elsewhere and later, it is as it was.
+  e->moveHandTo({0.02, 0.02, -0.01});
+  run(*e, 1000);
+  CHECK(e->frame().tests[indexOf(RendererSlot::positionControl)].limit == made.limit);
+  const auto next = experiment(scene, RendererSlot::impedance);
+  next->keepTests(e->frame().tests);
+  CHECK(next->frame().tests[indexOf(RendererSlot::positionControl)].stiffness == made.stiffness);
+}
+
 }  // namespace enamel::viewer::test_experiment

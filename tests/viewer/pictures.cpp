@@ -440,6 +440,65 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
   }
 }
 
+TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at the first start only", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(
+      folder / "script.txt",
+      "0.1 tour\n3 picture push\n10 picture slide\n17 picture let-go\n20.5 picture end\n20.6 tour\n24 quit\n"
+      "24.1 picture skipped\n25.2 picture home\n25.3 end\n");
+  const auto result = test::viewer("--headless --script '" + folder / "script.txt" + "' --record '" + folder / "out'");
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  const Layout layout = layOutSplit({1280, 720}, 1.0f, true);
+  // The sentence stands in white on a dark ground over the border between the halves.
+  const glm::ivec2 middle(layout.right.x, layout.inset.y + layout.inset.height - 38 - 76);
+  const auto card = [&](const std::string& name) {
+    const Pixels pixels(folder / ("out/" + name + ".png"));
+    std::vector<bool> words;
+    int dark = 0;
+    for (int y = middle.y + 40; y < middle.y + 60; ++y)
+      for (int x = middle.x - 150; x < middle.x + 150; ++x) {
+        dark += pixels.at(x, y).g < 80;
+        words.push_back(pixels.at(x, y).g > 180);
+      }
+    return dark > 3000 ? words : std::vector<bool>{};
+  };
+  const auto push = card("push"), slide = card("slide"), letGo = card("let-go");
+  REQUIRE_FALSE(push.empty());
+  REQUIRE_FALSE(slide.empty());
+  REQUIRE_FALSE(letGo.empty());
+  CHECK(push != slide);
+  CHECK(slide != letGo);
+  CHECK(card("end").empty());
+  CHECK(card("skipped").empty());
+  // Pressed in the first two; after the end, and a second after it was skipped, the hand is back.
+  const auto depth = [&](const std::string& name) {
+    return depthOf(Pixels(folder / ("out/" + name + ".png")), layout.rightInset, kPurple, 1.0f);
+  };
+  CHECK(depth("push") > 0.5);
+  CHECK(depth("slide") == Approx(12.0 / 6.4).margin(0.06));
+  CHECK(depth("end") < 0.06);
+  CHECK(depth("home") < 0.06);
+  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
+  // Without a script, in a home of its own: the mark is left, and a person who closes the window meanwhile is not told
+  // of the wall. Where it was started before, nothing is.
+  const auto start = [&](const std::string& home) {
+    return test::runCommand("env HOME='" + folder / home + "' XDG_STATE_HOME= " + test::kXvfb + " timeout -s INT 6 '" +
+                            ENAMEL_VIEWER + "' --report '" + folder / (home + ".json'"));
+  };
+  std::filesystem::create_directory(folder / "first");
+  const auto first = start("first");
+  INFO(first.output);
+  const std::string mark = folder / "first/.local/state/enamel/viewer-was-started";
+  REQUIRE(std::filesystem::exists(mark));
+  const auto toured = [&] {
+    return nlohmann::json::parse(test::readFile(folder / "first.json")).at("touring").get<bool>();
+  };
+  CHECK(toured());
+  start("first");
+  CHECK_FALSE(toured());
+}
+
 TEST_CASE("two tools do not share a bur", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "script.txt", "0 picture before\n0.1 split\n0.2 picture after\n0.2 end\n");

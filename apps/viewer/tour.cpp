@@ -1,0 +1,82 @@
+#include "tour.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace enamel::viewer {
+namespace {
+
+constexpr double kSlide = 0.010;  // m, to either side
+
+// Where the hand is between start and pressed, and along the wall, both as shares.
+struct Knot {
+  double time;  // s
+  double pressed, along;
+};
+constexpr Knot kKnots[] = {
+    {0.0, 0.0, 0.0},  {1.5, 0.0, 0.0},  {3.5, 1.0, 0.0},   {5.0, 1.0, 0.0},  {5.5, 0.6, 0.0},  {6.0, 1.0, 0.0},
+    {7.0, 1.0, 0.0},  {9.0, 1.0, 1.0},  {12.0, 1.0, -1.0}, {13.5, 1.0, 0.0}, {15.0, 1.0, 0.0}, {15.1, 0.0, 0.0},
+    {17.0, 0.0, 0.0}, {18.0, 1.0, 0.0}, {18.5, 1.0, 0.0},  {18.6, 0.0, 0.0}, {20.0, 0.0, 0.0},
+};
+constexpr double kEnds[] = {7.0, 14.0, Tour::kLength};  // of the parts, s
+constexpr Tour::Words kWords[] = {
+    {"Push", "One hand presses both tools. A stiff wall does not give way."},
+    {"Slide", "Still pressed, the hand drags both tools along the wall."},
+    {"Let go", "The hand lifts off at once: see what each wall gives back."},
+};
+static_assert(std::size(kEnds) == Tour::kParts && std::size(kWords) == Tour::kParts);
+
+}  // namespace
+
+Tour::Tour(const Vec3& start, const Contact& nearest, const Grip& grip) noexcept : start_(start) {
+  const Vec3& n = nearest.normal;
+  const Vec3 stiffness = stiffnessOf(grip);
+  // The target that gives the force along the normal with the TCP where its tool touches.
+  pressed_ = start - nearest.gap * n - kForce * n.cwiseQuotient(stiffness);
+  const Vec3 sideways = Vec3(1.0, 0.0, 0.0) - n.x() * n;
+  along_ = kSlide * (sideways.norm() > 0.1 ? Vec3(sideways.normalized()) : Vec3(0.0, 1.0, 0.0));
+}
+
+Vec3 Tour::hand(double time) const noexcept {
+  const Knot* next =
+      std::find_if(std::begin(kKnots), std::end(kKnots) - 1, [time](const Knot& k) { return k.time >= time; });
+  const Knot* before = next == kKnots ? next : next - 1;
+  const double share = next == before ? 0.0 : std::clamp((time - before->time) / (next->time - before->time), 0.0, 1.0);
+  const double pressed = before->pressed + share * (next->pressed - before->pressed);
+  const double along = before->along + share * (next->along - before->along);
+  return start_ + pressed * (pressed_ - start_) + along * along_;
+}
+
+std::size_t Tour::part(double time) noexcept {
+  std::size_t part = 0;
+  while (part + 1 < kParts && time >= kEnds[part]) ++part;
+  return part;
+}
+
+const Tour::Words& Tour::words(std::size_t part) noexcept { return kWords[part]; }
+
+bool isFirstStart() {
+  namespace fs = std::filesystem;
+  const char* state = std::getenv("XDG_STATE_HOME");
+  const char* home = std::getenv("HOME");
+  fs::path folder;
+  if (state != nullptr && *state == '/')
+    folder = state;
+  else if (home != nullptr && *home == '/')
+    folder = fs::path(home) / ".local" / "state";
+  else
+    return false;
+  folder /= "enamel";
+  const fs::path file = folder / "viewer-was-started";
+  std::error_code error;
+  if (fs::exists(file, error) || error) return false;
+  fs::create_directories(folder, error);
+  std::ofstream mark(file);
+  mark << "The tour of enamel-viewer was shown; without this file it is shown again.\n";
+  return mark.flush().good();
+}
+
+}  // namespace enamel::viewer
