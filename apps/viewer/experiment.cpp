@@ -229,10 +229,12 @@ void Experiment::watchConditions() noexcept {
     block_.ticks = 0;
   }
   const Vec3 speed = record.twist.head<3>(), normal = record.nearest.normal;
-  const bool isOnWall = record.mode == RenderMode::contact && record.nearest.material.friction > 0.0;
+  const double across = (speed - normal.dot(speed) * normal).norm();
+  const bool slides =
+      record.mode == RenderMode::contact && record.nearest.material.friction > 0.0 && across > Conditions::kSlip;
+  slid_ = slides ? slid_ + kPeriod * across : 0.0;
   const bool now[] = {record.saturated || shares.cwiseAbs().maxCoeff() > 1.0 - 1e-6, unstable,
-                      isOnWall && (speed - normal.dot(speed) * normal).norm() > Conditions::kSlip,
-                      tool.cwiseAbs().maxCoeff() >= kStop};
+                      slid_ > Conditions::kSlipPath, tool.cwiseAbs().maxCoeff() >= kStop};
   bool* const shown[] = {&frame_.conditions.saturated, &frame_.conditions.unstable, &frame_.conditions.slipped,
                          &frame_.conditions.edge};
   for (std::size_t i = 0; i < shownFor_.size(); ++i) {

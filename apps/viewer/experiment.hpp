@@ -72,11 +72,11 @@ Delivered deliveredOf(const TickRecord& record) noexcept;
 struct Conditions {
   bool saturated = false;  ///< a motor is at its limit
   bool unstable = false;   ///< torques alternate by more than a quarter of their limits for an eighth of a second
-  bool slipped = false;    ///< it slides, faster than kSlip, on a wall with friction
+  bool slipped = false;    ///< it slid for kSlipPath, faster than kSlip, on a wall with friction
   bool edge = false;       ///< of the workspace: at a mechanical stop
 
   static constexpr int kShown = 400;
-  static constexpr double kSlip = 2e-3;  // m/s
+  static constexpr double kSlip = 2e-3, kSlipPath = 2e-4;  // m/s, m
 };
 
 /// Why a tool did not come to rest on a wall: it never touched one, was thrown about by the renderer, or moved on.
@@ -221,6 +221,7 @@ class Experiment {
   ImpactWatch impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;
   Block block_, complete_;
+  double slid_ = 0.0;              // m, without a rest
   bool chattered_ = false;         // in the block before
   std::array<int, 4> shownFor_{};  // ticks, of the conditions
 };

@@ -410,15 +410,18 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   };
   const Delivered force = deliveredOf(frame.record);
   const double now = handForce(frame) / std::max(1e-9, -frame.record.nearest.gap);
-  const bool inside = depth > 1e-3;
+  const bool inside = depth > 1e-3 && handForce(frame) > 0.0;
+  // Beside the inset, as much as there is room for.
+  const float room = layout.inset.width > 0 ? layout.inset.x - area.x - 36 * s : area.width;
+  const std::string across = tenths(force.tangential), total = tenths(force.total);
+  std::string forces = format("normal; tangential %s N, total %s N", across.c_str(), total.c_str());
+  if (Brush::width(gSmall, forces) > room) forces = format("tang. %s, total %s N", across.c_str(), total.c_str());
   const Number numbers[] = {
       {depth > -0.0005 ? format("%.3f", std::max(0.0, depth))
        : depth > -0.1  ? format("%.3f", -depth)
                        : format("%.1f", -depth),
        "mm", depth > -0.0005 ? "penetration" : "to the wall", kBlue},
-      {tenths(force.normal), "N",
-       format("normal; tangential %s N, total %s N", tenths(force.tangential).c_str(), tenths(force.total).c_str()),
-       kVermilion},
+      {tenths(force.normal), "N", forces, kVermilion},
       {tenths(handForce(frame)), "N", "force of the hand", kOrange},
       {!inside     ? "-"
        : now < 1e6 ? format("%.1f", 1e-3 * now)

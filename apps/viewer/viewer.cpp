@@ -171,12 +171,11 @@ void Viewer::toggleSplit() {
     cameraBefore_ = camera_;
     presetBefore_ = preset_;
     selectCamera(3);
-    rightView_.emplace(stage_.right(), stage_.aboveRight());
+    if (!rightView_) rightView_.emplace(stage_.right(), stage_.aboveRight());
     if (right_ == selected_) right_ = before_;
   } else {
     camera_ = cameraBefore_;
     preset_ = presetBefore_;
-    rightView_.reset();
   }
   rebuild(frame_.record.pose, frame_.hand, true);
 }
@@ -663,7 +662,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 void Viewer::draw(bool picture) {
   if (builtScale_ != layout_.scale) {
     view_.build(shown_.bars, scene_, solids_, plane_, layout_.scale);
-    if (rightView_) rightView_->build(rightShown_.bars, scene_, solids_, plane_, layout_.scale);
+    if (split_) rightView_->build(rightShown_.bars, scene_, solids_, plane_, layout_.scale);
     builtScale_ = layout_.scale;
   }
   shown_.distance = camera_.distance;
@@ -674,7 +673,7 @@ void Viewer::draw(bool picture) {
   };
   view_.update(shownIn(shown_));
   view_.look(camera_);
-  if (rightView_) {
+  if (split_) {
     rightShown_.distance = camera_.distance;
     rightView_->update(shownIn(rightShown_));
     rightView_->look(camera_);

@@ -121,7 +121,7 @@ class Viewer final : public Driven {
   std::unique_ptr<Runner> runner_;    // where there is no player
   Stage stage_;
   SceneView view_;
-  std::optional<SceneView> rightView_;  // in the split screen
+  std::optional<SceneView> rightView_;  // since the first split screen
   Charts charts_;
   Camera camera_;
   int preset_ = 0;
