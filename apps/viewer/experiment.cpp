@@ -79,7 +79,6 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
     : settings_(settings),
       model_(makeMechanism(device.parameters)),
       plant_(makeMechanism(changed(device.parameters, settings))),
-      noise_(settings.noise),
       random_(1, 0),
       servo_(surfaceOptions(device, *model_, settings.delay)),
       hold_(device.gain, kPeriod, settings.hold),
@@ -303,7 +302,7 @@ void Experiment::tickHeld() noexcept {
   TickRecord& record = frame_.record;
   const Vec3 normal = phase_ == Phase::push ? testNormal_ : record.nearest.normal;
   double pressed = phase_ == Phase::push ? kTestForce : 0.0;
-  if (noise_ > 0.0) pressed += noise_ * random_.normal(RandomStream::Purpose::noise, record.tick + 1);
+  if (settings_.noise > 0.0) pressed += settings_.noise * random_.normal(RandomStream::Purpose::noise, record.tick + 1);
   frame_.plant = loop_.tick(HandLoad(frame_.hand, loop_.device().time(), -pressed * normal), record);
   frame_.contacts = loop_.input().contacts;
   frame_.inertiaScale = servo_.inertiaScale();

@@ -71,9 +71,10 @@ Delivered deliveredOf(const TickRecord& record) noexcept;
 /// What happens to the tool, each for kShown ticks longer than it does.
 struct Conditions {
   bool saturated = false;  ///< a motor is at its limit
-  bool unstable = false;   ///< torques alternate by more than a quarter of their limits for an eighth of a second
-  bool slipped = false;    ///< it slid for kSlipPath, faster than kSlip, on a wall with friction
-  bool edge = false;       ///< of the workspace: at a mechanical stop
+  bool unstable = false;   ///< torques alternate by more than a quarter of their limits for two eighths of a second, or
+                          ///< the guard says so
+  bool slipped = false;  ///< it slid for kSlipPath, faster than kSlip, on a wall with friction
+  bool edge = false;     ///< of the workspace: at a mechanical stop
 
   static constexpr int kShown = 400;
   static constexpr double kSlip = 2e-3, kSlipPath = 2e-4;  // m/s, m
@@ -200,7 +201,6 @@ class Experiment {
 
   Settings settings_;
   std::shared_ptr<const Mechanism> model_, plant_;  // what the haptic tick knows, and what is there
-  double noise_;
   RandomStream random_;
   SurfaceServoRenderer servo_;
   PositionControlRenderer hold_;

@@ -218,13 +218,14 @@ void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests) {
     };
     auto left = make(selected_, workpiece_), right = split_ ? make(right_, nullptr) : nullptr;
     if (keepTests) {
-      // What is known of a renderer, whichever side it was on.
+      // What is known of the renderers, that of the right one from its own side.
       auto tests = frame_.tests;
-      for (std::size_t i = 0; i < tests.size(); ++i)
-        if (!tests[i].made) tests[i] = rightFrame_.tests[i];
+      if (const TestPush& test = rightFrame_.tests[indexOf(rightFrame_.selected)]; test.made)
+        tests[indexOf(rightFrame_.selected)] = test;
       left->keepTests(tests);
       if (right) right->keepTests(tests);
     }
+    if (!split_) rightFrame_ = Frame();
     runner_->replace(std::move(left), std::move(right));
     if (spins_ && scene_.bur) send(RunnerCommand::Kind::spin, 1);
   } catch (const Error& error) {

@@ -9,10 +9,16 @@
 
 namespace enamel::viewer::test_experiment {
 
-TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
+TEST_CASE("a tick of the viewer's experiment, or of two under one hand, allocates nothing", "[realtime]") {
   const ServoedDevice device = loadServoedDevice(test::deviceFile("tau-nominal.toml"));
-  for (const char* name :
-       {"flat-wall.toml", "oblique-wall.toml", "corner.toml", "box.toml", "molar.toml", "jaw.toml"}) {
+  for (const auto& [name, pair] : {std::pair{"flat-wall.toml", false},
+                                   {"oblique-wall.toml", false},
+                                   {"corner.toml", false},
+                                   {"box.toml", false},
+                                   {"molar.toml", false},
+                                   {"jaw.toml", false},
+                                   {"flat-wall.toml", true},
+                                   {"jaw.toml", true}}) {
     const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + std::string(name));
     Pose start;
     start.position = scene.start;
@@ -22,7 +28,14 @@ TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
     settings.delay = {0, 1};
     settings.encoders = {true, RateSource::lowPass, 100.0};
     settings.noise = 0.2;
-    Runner runner(std::make_unique<Experiment>(device, settings, scene, start, hand, RendererSlot::impedance));
+    const auto make = [&] {
+      return std::make_unique<Experiment>(device, settings, scene, start, hand, RendererSlot::impedance);
+    };
+    Runner runner(make());
+    if (pair) {
+      runner.replace(make(), make());
+      runner.period();
+    }
     test::Random random(82);
     int contact = 0, tested = 0;
     Sample sample;
@@ -36,6 +49,9 @@ TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
       if (i % 700 == 0) {
         command.kind = RunnerCommand::Kind::select;
         command.number = i / 700 % static_cast<int>(kLinkedRenderers);
+        runner.send(command);
+        command.kind = RunnerCommand::Kind::selectRight;
+        command.number = (i / 700 + 1) % static_cast<int>(kLinkedRenderers);
         runner.send(command);
       }
       if (i % 1500 == 0) {
@@ -51,11 +67,12 @@ TEST_CASE("a tick of the viewer's experiment allocates nothing", "[realtime]") {
       if (i < 3000) runner.nextSample(sample);
     }
     const long allocated = test::allocationCount() - before;
-    INFO(name);
+    INFO(name << (pair ? ", two" : ""));
     CHECK(allocated == 0);
     CHECK(contact > 500);
     CHECK(tested > 100);
     CHECK(runner.frame().plant == Status::ok);
+    CHECK((runner.secondFrame() != nullptr) == pair);
   }
 }
 

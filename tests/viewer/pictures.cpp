@@ -387,7 +387,7 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
   test::writeFile(folder / "script.txt",
                   "0 renderer position-control\n0 split\n0 right impedance\n0.1 picture before\n0.1 hand 0 0 -26 over "
                   "0.7\n2.4 picture pressed\n2.5 swap\n2.6 home\n3.4 hand 0 0 -26 over 0.7\n5.4 picture swapped\n5.4 "
-                  "home\n6.4 picture kept\n6.5 split\n6.6 picture single\n6.6 end\n");
+                  "home\n6.4 picture kept\n6.5 split\n6.6 picture single\n6.7 split\n6.8 picture again\n6.8 end\n");
   for (const auto& [size, scale] : {std::pair{glm::ivec2(1280, 720), 1}, {{2560, 1440}, 2}, {{800, 600}, 1}}) {
     const std::string out = folder / (std::to_string(size.x) + "x" + std::to_string(size.y));
     const auto result = test::viewer("--headless --script '" + folder / "script.txt" + "' --size " +
@@ -435,6 +435,16 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
     CHECK(figures(before) < 150);
     CHECK(figures(pressed) > 600);
     CHECK(figures(kept) > 600);
+    // Shown again, both halves have the same light: at the same poses they differ in their heads alone.
+    const Pixels again = picture("again");
+    int differing = 0, all = 0;
+    for (int y = static_cast<int>(60 * s); y < static_cast<int>(layout.scene.height); ++y)
+      for (int x = 4; x < static_cast<int>(layout.scene.width) - 4; ++x, ++all) {
+        const glm::ivec3 left = again.at(static_cast<int>(layout.scene.x) + x, y),
+                         right = again.at(static_cast<int>(layout.right.x) + x, y);
+        differing += glm::distance(glm::dvec3(left), glm::dvec3(right)) > 24.0;
+      }
+    CHECK(differing < 0.02 * all);
     // And back: the single view with its charts.
     if (size.x >= 1280) CHECK(distinctColours(single, layOut(size, s, true, true).charts) > 20);
   }
