@@ -102,8 +102,8 @@ void addStudy(CLI::App& app) {
       "(mpirun -n N enamel study ...) every process takes its own");
   auto* judge = command->add_flag("--judge", options->judge,
                                   "every law and rival on every plant at every delay, with encoders, a preload of 1 N, "
-                                  "steps inside the tick, on 3 x "
-                                  "3 points x 10 runs unless said otherwise: one page that ranks them");
+                                  "steps inside the tick, on 3 x 3 "
+                                  "points x 10 runs unless said otherwise: one page that ranks them");
   command
       ->add_option("--plants", options->plants,
                    "--judge: closed-form,real-stiff,real unless given; multibody takes hours")
@@ -125,9 +125,9 @@ void addStudy(CLI::App& app) {
   command->add_option("--output", options->output, "folder for the results")->required();
   command->callback([options, command] {
     if (options->judge) prepareJudge(*command, *options);
-    if (const char* size = std::getenv("OMPI_COMM_WORLD_SIZE"); size != nullptr && command->count("--part") == 0)
-      std::tie(options->part, options->parts) =
-          parsePart(fmt::format("{}/{}", 1 + std::atoi(std::getenv("OMPI_COMM_WORLD_RANK")), size));
+    const char *size = std::getenv("OMPI_COMM_WORLD_SIZE"), *rank = std::getenv("OMPI_COMM_WORLD_RANK");
+    if (size != nullptr && rank != nullptr && command->count("--part") == 0)
+      std::tie(options->part, options->parts) = parsePart(fmt::format("{}/{}", 1 + std::atoi(rank), size));
     runStudy(*options);
   });
 }
