@@ -72,9 +72,9 @@ Delivered deliveredOf(const TickRecord& record) noexcept;
 struct Conditions {
   bool saturated = false;  ///< a motor is at its limit
   bool unstable = false;   ///< torques alternate by more than a quarter of their limits for two eighths of a second, or
-                          ///< the guard says so
-  bool slipped = false;  ///< it slid for kSlipPath, faster than kSlip, on a wall with friction
-  bool edge = false;     ///< of the workspace: at a mechanical stop
+                           ///< the guard says so
+  bool slipped = false;    ///< it slid for kSlipPath, faster than kSlip, on a wall with friction
+  bool edge = false;       ///< of the workspace: at a mechanical stop
 
   static constexpr int kShown = 400;
   static constexpr double kSlip = 2e-3, kSlipPath = 2e-4;  // m/s, m

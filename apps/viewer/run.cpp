@@ -230,7 +230,7 @@ int runInWindow(const Options& options, double started) {
   Report report(started);
   const double begin = steadySeconds();
   double last = begin, rate = 0.0;
-  if (options.script.empty() && viewer.canSplit() && isFirstStart()) viewer.act(Action::tour);
+  if (options.script.empty() && viewer.canTour() && isFirstStart()) viewer.act(Action::tour);
   {
     std::optional<PeriodicThread> haptics;
     if (Runner* const runner = viewer.runner()) haptics.emplace(kPeriod, [runner] { runner->period(); });

@@ -180,10 +180,16 @@ void Viewer::toggleSplit() {
   rebuild(frame_.record.pose, frame_.hand, true);
 }
 
+// On anything else the hand would slide off.
+bool Viewer::canTour() const {
+  const auto& obstacles = scene_.scene.obstacles();
+  return !player_ && !scene_.bur && obstacles.size() == 1 && std::holds_alternative<HalfSpace>(obstacles[0].shape);
+}
+
 // From the start, at rest, with position control and the spring.
 void Viewer::startTour() {
+  if (!canTour()) return notify("The tour is for scenes that are one wall, as flat-wall is.");
   if (!split_) toggleSplit();
-  if (!split_) return;
   if (paused_) act(Action::pause);
   slowdown_ = 1;
   send(RunnerCommand::Kind::slowdown, slowdown_);

@@ -51,7 +51,7 @@ class Viewer final : public Driven {
   bool wantsToEnd() const { return end_; }
   bool fullScreen() const { return fullScreen_; }
   bool isTouring() const { return tour_.has_value(); }
-  bool canSplit() const { return !player_ && !scene_.bur; }
+  bool canTour() const;
   const std::vector<std::string>& rendererNames() const { return rendererNames_; }
   /// Names of pictures that were asked for since the last call; an empty name stands for the next free one.
   std::vector<std::string> takePictures();

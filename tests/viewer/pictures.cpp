@@ -481,6 +481,16 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   CHECK(slide != letGo);
   CHECK(card("end").empty());
   CHECK(card("skipped").empty());
+  // A scene that is more than a wall has none.
+  test::writeFile(folder / "other.txt", "0 tour\n0.5 end\n");
+  for (const auto& [scene, tours] :
+       {std::pair{"oblique-wall.toml", true}, {"corner.toml", false}, {"jaw.toml", false}}) {
+    INFO(scene);
+    REQUIRE(test::viewer(test::shippedScene(scene) + " --headless --script '" + folder / "other.txt" + "' --report '" +
+                         folder / "other.json'")
+                .status == 0);
+    CHECK(nlohmann::json::parse(test::readFile(folder / "other.json")).at("touring").get<bool>() == tours);
+  }
   // Pressed in the first two; after the end, and a second after it was skipped, the hand is back.
   const auto depth = [&](const std::string& name) {
     return depthOf(Pixels(folder / ("out/" + name + ".png")), layout.rightInset, kPurple, 1.0f);
