@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 namespace enamel::bench {
 
@@ -11,9 +12,11 @@ double percentile(const std::vector<double>& times_us, double part) {
   const double rank = part * static_cast<double>(times_us.size() - 1);
   const double time_us = times_us[static_cast<std::size_t>(rank)];
   const auto [first, last] = std::equal_range(times_us.begin(), times_us.end(), time_us);
-  const double step_us = last == times_us.end() ? 0.0 : *last - time_us;
+  // Within half of the way to the next values on either side, so that a larger part never gives less.
+  const double low_us = first == times_us.begin() ? time_us : 0.5 * (*std::prev(first) + time_us),
+               high_us = last == times_us.end() ? time_us : 0.5 * (time_us + *last);
   const double place = (rank - static_cast<double>(first - times_us.begin()) + 0.5) / static_cast<double>(last - first);
-  return time_us + (place - 0.5) * step_us;
+  return low_us + std::min(place, 1.0) * (high_us - low_us);
 }
 
 double relativeError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference) {
