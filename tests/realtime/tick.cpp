@@ -32,6 +32,8 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
   PositionControlRenderer hold = test::positionControl();
   ImpedanceRenderer spring({6000.0, 0.0});
   PassivityRenderer passive(std::make_unique<ImpedanceRenderer>(ImpedanceOptions{6000.0, 0.0}));
+  PassivityRenderer remembering(std::make_unique<ImpedanceRenderer>(ImpedanceOptions{6000.0, 0.0}),
+                                PassivityBound::memory);
   SurfaceServoRenderer servo = test::surfaceServo(device, 0, 3);
   VirtualCouplingRenderer coupling({3000.0, 2.0, 0.02});
   PositionControlOptions late;
@@ -40,8 +42,8 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
   Heavy heavy;
   for (Renderer* renderer :
        {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring),
-        static_cast<Renderer*>(&passive), static_cast<Renderer*>(&coupling), static_cast<Renderer*>(&foreseeing),
-        static_cast<Renderer*>(&heavy)}) {
+        static_cast<Renderer*>(&passive), static_cast<Renderer*>(&remembering), static_cast<Renderer*>(&coupling),
+        static_cast<Renderer*>(&foreseeing), static_cast<Renderer*>(&heavy)}) {
     HapticTick tick(device, wall, Tool(), *renderer, 1e-3);
     Encoders encoders({true, RateSource::lowPass, 100.0}, device.limits().count, 1e-3);
     const RandomStream stream(1, 0);

@@ -4,18 +4,40 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "core/message.hpp"
 
 namespace enamel {
 namespace {
 
+constexpr std::size_t kLayers = 128;
+constexpr double kThickness = 40e-6;  // m: a few counts of an encoder
+
 // Doubles only.
 struct Port {
-  double energy = 0.0;  // J
+  std::array<double, kLayers> energy{};  // J; all of it in the first one where there is no memory
+  double depth = 0.0;                    // m
   double started = 0.0;
   std::array<double, kMaxJoints> q{}, torque{};  // of the last tick; the torque beyond gravity
 };
+
+std::size_t layerAt(double depth) noexcept {
+  return static_cast<std::size_t>(std::clamp(depth / kThickness, 0.0, kLayers - 1.0));
+}
+
+// Calls each(layer, share) for the layers between two depths, with their share of the way.
+template <typename Each>
+void alongLayers(double from, double to, const Each& each) noexcept {
+  const double low = std::min(from, to), high = std::max(from, to);
+  const std::size_t first = layerAt(low), last = layerAt(high);
+  if (first == last) return each(first, 1.0);
+  for (std::size_t i = first; i <= last; ++i) {
+    const double top = i == first ? low : static_cast<double>(i) * kThickness;
+    const double bottom = i == last ? high : static_cast<double>(i + 1) * kThickness;
+    each(i, (bottom - top) / (high - low));
+  }
+}
 
 Port portOf(const std::vector<unsigned char>& state) noexcept {
   Port port;
@@ -25,12 +47,16 @@ Port portOf(const std::vector<unsigned char>& state) noexcept {
 
 }  // namespace
 
-PassivityRenderer::PassivityRenderer(std::unique_ptr<Renderer> wall) : wall_(std::move(wall)) {
+PassivityRenderer::PassivityRenderer(std::unique_ptr<Renderer> wall, PassivityBound bound)
+    : wall_(std::move(wall)), bound_(bound) {
   require(wall_ != nullptr, "passivity: there is no wall");
   state_.resize(sizeof(Port));
 }
 
-double PassivityRenderer::energy() const noexcept { return portOf(state_).energy; }
+double PassivityRenderer::energy() const noexcept {
+  const auto layers = portOf(state_).energy;
+  return std::accumulate(layers.begin(), layers.end(), 0.0);
+}
 
 void PassivityRenderer::prepare(double period) {
   wall_->activate(period);
@@ -61,18 +87,36 @@ Status PassivityRenderer::render(const TickInput& input, TickOutput& output) noe
   Port port = portOf(state_);
   // The motion at the deepest contact that is the obstacle's is no work of the wall.
   Vec6 carried = Vec6::Zero();
-  if (input.contacts.count > 0) carried.head<3>() = input.contacts.contacts[0].obstacleVelocity;
+  double depth = 0.0, inward = 0.0;  // m, m/s; without memory all is one layer
+  if (input.contacts.count > 0) {
+    const Contact& deepest = input.contacts.contacts[0];
+    carried.head<3>() = deepest.obstacleVelocity;
+    if (bound_ == PassivityBound::memory) {
+      depth = std::max(0.0, -deepest.gap);
+      inward = -deepest.normal.dot(contactVelocity(k, deepest));
+    }
+  }
   const JointVector carriedRates = k.inverseTransposed.transpose() * carried;
-  if (port.started != 0.0)
+  if (port.started != 0.0) {
+    double taken = 0.0;
     for (Eigen::Index i = 0; i < n; ++i) {
       const double acted = input.applied.size() == n ? input.applied[i] - k.gravity[i] : port.torque[i];
-      port.energy -= acted * (k.q[i] - port.q[i] - period_ * carriedRates[i]);
+      taken -= acted * (k.q[i] - port.q[i] - period_ * carriedRates[i]);
     }
+    alongLayers(port.depth, depth, [&](std::size_t i, double share) { port.energy[i] += share * taken; });
+  }
+  // Forgotten: what is left where the tool is no longer.
+  const std::size_t present = output.mode == RenderMode::contact ? layerAt(depth) + 1 : 0;
+  for (std::size_t i = present; i < kLayers; ++i) port.energy[i] = std::min(port.energy[i], 0.0);
   port.started = 1.0;
-  if (output.mode != RenderMode::contact) port.energy = std::min(port.energy, 0.0);
+  port.depth = depth;
   const JointVector rendered = output.torque - k.gravity;
   const double given = period_ * rendered.dot(k.rates - carriedRates);
-  const double share = given > 0.0 ? std::clamp(port.energy / given, 0.0, 1.0) : 1.0;
+  double share = 1.0;
+  if (given > 0.0)
+    alongLayers(depth, std::max(0.0, depth + period_ * inward), [&](std::size_t i, double part) {
+      if (part > 0.0) share = std::min(share, std::max(0.0, port.energy[i]) / (part * given));
+    });
   output.torque = k.gravity + share * rendered;
   output.normalForce *= share;
   for (Eigen::Index i = 0; i < n; ++i) {

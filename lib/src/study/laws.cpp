@@ -47,9 +47,10 @@ MakeRenderer impedance(const LawUse&, const Values& v) {
   return [wall = ImpedanceOptions{v[0], v[1]}] { return std::make_unique<ImpedanceRenderer>(wall); };
 }
 
+template <PassivityBound bound>
 MakeRenderer passivity(const LawUse&, const Values& v) {
   return [wall = ImpedanceOptions{v[0], v[1]}] {
-    return std::make_unique<PassivityRenderer>(std::make_unique<ImpedanceRenderer>(wall));
+    return std::make_unique<PassivityRenderer>(std::make_unique<ImpedanceRenderer>(wall), bound);
   };
 }
 
@@ -102,7 +103,11 @@ Law surfaceServoLaw(const SurfaceServoOptions& start) {
 const std::vector<Law>& rivalLaws() {
   static const std::vector<Law> laws = {
       {"impedance", "spring, tuned", {kStiffness, kDamping}, impedance},
-      {"passivity", "spring under passivity control, tuned", {kStiffness, kDamping}, passivity},
+      {"passivity", "spring under passivity control, tuned", {kStiffness, kDamping}, passivity<PassivityBound::energy>},
+      {"passivity-memory",
+       "spring under memory-based passivity control, tuned",
+       {kStiffness, kDamping},
+       passivity<PassivityBound::memory>},
       {"virtual-coupling",
        "virtual coupling, tuned",
        {kStiffness, kDamping, {"mass", "kg", 0.02, 1e-3, 1.0, 0.4, true}},

@@ -1,11 +1,18 @@
 // A wall that never gives more energy than it took, whatever its law: passivity in the time domain.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "enamel/render/renderer.hpp"
 
 namespace enamel {
+
+/// What a wall may give.
+enum class PassivityBound : std::uint8_t {
+  energy,  ///< what it has taken, anywhere
+  memory,  ///< at a depth what it has taken at that depth
+};
 
 /// Passivity observer and controller (Hannaford and Ryu 2002, eq. 6 and 12) around another renderer, at the port
 /// between its torques and the joints:
@@ -16,16 +23,22 @@ namespace enamel {
 /// of the controller along the force, no firmer than the force, so that the wall neither turns nor pulls. Off the wall
 /// what it took is forgotten, what it gave too much is not: the next contact owes it.
 ///
+/// With PassivityBound::memory, E is kept in layers of 40 um of the deepest contact's depth (the idea of Ryu and Yoon
+/// 2014, who remember the force over the depth on the way in and stay below it on the way out; here the energy of a
+/// layer, so that a wall that turns within one is counted exactly). On the way out the factor is that of the layer that
+/// has least for its part of the next tick's motion; what a layer has left when the tool is out of it is forgotten,
+/// what it owes is not. All deeper than 5.1 mm is one layer.
+///
 /// Without delay no contact gives energy. With one, a wall sees what a late torque gave when it is done: it then gives
 /// nothing until the debt is paid, which bounds the energy and no more.
 class PassivityRenderer final : public Renderer {
  public:
   /// Throws Error: no wall.
-  explicit PassivityRenderer(std::unique_ptr<Renderer> wall);
+  explicit PassivityRenderer(std::unique_ptr<Renderer> wall, PassivityBound bound = PassivityBound::energy);
 
   bool needsInertia() const noexcept override { return wall_->needsInertia(); }
 
-  /// E, J. Realtime: yes.
+  /// E, with memory the sum over the layers, J. Realtime: yes.
   double energy() const noexcept;
 
  private:
@@ -36,6 +49,7 @@ class PassivityRenderer final : public Renderer {
   void stateLoaded() noexcept override;
 
   std::unique_ptr<Renderer> wall_;
+  PassivityBound bound_;
   double period_ = 0.0;
   std::vector<unsigned char> state_;   // the port's, then the wall's
   std::vector<unsigned char> loaded_;  // the wall's, as it took it

@@ -14,6 +14,7 @@ SurfaceServoOptions surfaceServoWith(const SurfaceServoOptions& start, const std
 /// The rivals:
 /// - impedance: a spring and a damper on the depth (ImpedanceRenderer); stiffness, damping.
 /// - passivity: the same under a time-domain passivity controller (PassivityRenderer).
+/// - passivity-memory: the same where a depth gives back only what it has taken (PassivityBound::memory).
 /// - virtual-coupling: VirtualCouplingRenderer; stiffness, damping, mass.
 /// - hold: the paper's position control, its weights retuned, with release and anti-windup; weights of rate, position
 ///   and integral, the torque's is 1.
