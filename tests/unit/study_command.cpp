@@ -500,7 +500,7 @@ TEST_CASE("study --judge: ranks computed from the runs, the same bytes in parts"
   double ranks = 0.0;
   while (std::getline(lines, line)) ranks += std::stod(line.substr(line.rfind(',') + 1));
   CHECK(ranks == Approx(2 * 2 * 15.0));  // 1 + 2 + 3 + 4 + 5 at every plant and delay, whatever is equal
-  for (const char* part : {"<svg", "Welch", "Table IV", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
+  for (const char* part : {"<svg", "Welch", "Table III", "Table IV", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
     CHECK_THAT(page, Contains(part));
   CHECK_THAT(page, !Contains("nan") && !Contains("inf,"));
   REQUIRE(judge("parts", "--part 2/2").status == 0);
