@@ -1,4 +1,6 @@
 // No query or update of the collision module allocates: counted by interposition, with good and with bad input.
+#include <malloc.h>
+
 #include "enamel/collision/mesh_update.hpp"
 #include "enamel/collision/solid_changes.hpp"
 #include "enamel/collision/sweep.hpp"
@@ -8,6 +10,23 @@
 #include "support/meshes.hpp"
 
 namespace enamel::test_collision {
+
+TEST_CASE("a scene of planes and boxes pays for no mesh", "[realtime]") {
+  const auto mesh = std::make_shared<const MeshModel>(test::ball(3, 0.1));
+  Scene walls, meshes;
+  for (const char* name : {"a", "b", "c", "d"}) {
+    walls.add({name, HalfSpace{}, Pose(), Vec6::Zero(), {}});
+    meshes.add({name, mesh, Pose(), Vec6::Zero(), {}});
+  }
+  walls.add({"box", Box{}, Pose(), Vec6::Zero(), {}});
+  const auto bytesOf = [](const Scene& scene) {
+    const std::size_t before = mallinfo2().uordblks;
+    const ToolTrack track = makeToolTrack(scene, Tool());
+    return mallinfo2().uordblks - before;
+  };
+  CHECK(bytesOf(walls) < 2000);
+  CHECK(bytesOf(meshes) > 4 * 10000);  // the lists of near triangles
+}
 
 TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
   const auto mesh = std::make_shared<MeshModel>(test::ball(5, 0.1), SpareCapacity{1000, 1000});

@@ -394,7 +394,7 @@ Status forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, doubl
       out.pair.part = k;
       out.nextRadius = k + 1 < tool.count && tool.parts[k + 1].a == part.b ? tool.parts[k + 1].radius + out.pad : 0.0;
       const Segment axis = axisOf(part, pose, obstacles[i]);
-      PartCache* known = PartCache::of(cache, i, k, tool);
+      PartCache* known = PartCache::of(cache, i, k);
       visit(obstacles[i], axis, part.radius + out.pad, known, out);
     }
   }
@@ -460,7 +460,13 @@ ToolCache makeToolCache(const Scene& scene, const Tool& tool) {
                 ": it must have 0 to " + std::to_string(kMaxToolParts) +
                 " parts, their ends within 1 m of the TCP along every axis, their radius in 0 to 1 m");
   ToolCache cache;
-  cache.parts_.resize(scene.obstacles().size() * static_cast<std::size_t>(tool.count));
+  int parts = 0;
+  for (const Obstacle& obstacle : scene.obstacles()) {
+    const bool isMesh = std::holds_alternative<std::shared_ptr<const MeshModel>>(obstacle.shape);
+    cache.first_.push_back(isMesh ? parts : -1);
+    if (isMesh) parts += tool.count;
+  }
+  cache.parts_.resize(static_cast<std::size_t>(parts));
   return cache;
 }
 

@@ -23,9 +23,9 @@ struct PartCache {
   int nearest = -1;  ///< triangle that was nearest to the axis
 
   /// Null where there is none.
-  static PartCache* of(ToolCache* cache, std::size_t obstacle, int part, const Tool& tool) noexcept {
-    if (cache == nullptr) return nullptr;
-    const std::size_t i = obstacle * static_cast<std::size_t>(tool.count) + static_cast<std::size_t>(part);
+  static PartCache* of(ToolCache* cache, std::size_t obstacle, int part) noexcept {
+    if (cache == nullptr || obstacle >= cache->first_.size() || cache->first_[obstacle] < 0) return nullptr;
+    const auto i = static_cast<std::size_t>(cache->first_[obstacle] + part);
     return i < cache->parts_.size() ? &cache->parts_[i] : nullptr;
   }
 };

@@ -105,7 +105,7 @@ ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, cons
     for (int k = 0; k < tool.count; ++k) {
       const ToolPart& part = tool.parts[k];
       const Segment first = axisOf(part, from, obstacle), last = axisOf(part, to, obstacle);
-      PartCache* known = PartCache::of(cache, i, k, tool);
+      PartCache* known = PartCache::of(cache, i, k);
       const SweepHit hit = kernel::sweepPart(obstacle, first, last, part.radius + pad, kMostAdvances, known);
       if (!hit.hit || (result.hit && !(hit.time < result.time))) continue;
       result.hit = true;

@@ -32,10 +32,11 @@ class ToolCache {
  private:
   friend struct kernel::PartCache;
   friend ToolCache makeToolCache(const Scene& scene, const Tool& tool);
-  std::vector<kernel::PartCache> parts_;  // one for each part and obstacle
+  std::vector<int> first_;                // by obstacle: the first of its parts; -1: it is no mesh
+  std::vector<kernel::PartCache> parts_;  // one for each part and mesh
 };
 
-/// Cache for `tool` in `scene` as it is now: 19 KB for each part and obstacle. Throws Error: checkTool() refuses the
+/// Cache for `tool` in `scene` as it is now: 19 KB for each part and mesh, nothing for other shapes. Throws Error: checkTool() refuses the
 /// tool. Realtime: no.
 ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 
