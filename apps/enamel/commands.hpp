@@ -17,6 +17,7 @@ void addTrials(CLI::App& app);
 void addDevice(CLI::App& app);
 void addBench(CLI::App& app);
 void addMesh(CLI::App& app);
+void addScene(CLI::App& app);
 void addPlugins(CLI::App& app);
 
 }  // namespace enamel::app

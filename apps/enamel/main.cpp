@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     enamel::app::addTrials(app);
     enamel::app::addDevice(app);
     enamel::app::addMesh(app);
+    enamel::app::addScene(app);
     enamel::app::addPlugins(app);
     enamel::app::addBench(app);
     enamel::app::parse(app, "enamel", argc, argv);

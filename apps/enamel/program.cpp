@@ -14,6 +14,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "enamel/plugin/abi.h"
+
 namespace enamel::app {
 namespace {
 
@@ -79,8 +81,14 @@ int runProgram(const std::string& name, const std::function<void()>& body) noexc
   return status == 0 ? 1 : status;
 }
 
+const char* buildText() noexcept {
+  static_assert(ENAMEL_ABI_VERSION == 2u);
+  return ENAMEL_BUILD ", plugin ABI 2";
+}
+
 bool parse(CLI::App& app, const std::string& name, int argc, char** argv) {
   requireDecimalNumbers(app);
+  app.set_version_flag("--version", name + " " + buildText() + "\n");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

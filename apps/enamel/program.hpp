@@ -30,8 +30,11 @@ int runProgram(const std::string& name, const std::function<void()>& body) noexc
 /// Tells an error as runProgram() does.
 void tell(const std::string& name, const std::string& reason) noexcept;
 
+/// Version, compiler, options and libraries of this build, in one line: what --version says behind the name.
+const char* buildText() noexcept;
+
 /// Parses a command line and runs its callbacks. Numbers are finite and decimal. Throws Exit with 2 where it cannot be
-/// read; false where help was asked for.
+/// read; false where help or the version was asked for.
 bool parse(CLI::App& app, const std::string& name, int argc, char** argv);
 
 }  // namespace enamel::app

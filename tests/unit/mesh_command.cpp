@@ -31,6 +31,44 @@ TEST_CASE("a file that cannot be used is refused in one line", "[unit]") {
   }
 }
 
+TEST_CASE("a scene says what it is made of and what a tick of it costs, a broken one why it is none") {
+  const std::string scenes = std::string(ENAMEL_SOURCE_DIR) + "/data/scenes/";
+  const test::CommandResult wall = test::run("scene " + scenes + "flat-wall.toml --explain");
+  INFO(wall.output);
+  CHECK(wall.status == 0);
+  CHECK_THAT(wall.output, Contains("a plane, nothing is built") && Contains("0 of them with a mesh: 0 KB"));
+  const test::CommandResult jaw = test::run("scene " + scenes + "jaw.toml --explain");
+  CHECK_THAT(jaw.output, Contains("mesh of 79200 triangles") && Contains("2 pairs of part and obstacle, 2 of them"));
+  // The last line: median, p99, p99.9, contacts at once, share of the ticks that touch.
+  std::istringstream last(jaw.output.substr(jaw.output.find("the scene ") + 10));
+  double median = 0.0, p99 = 0.0, p999 = 0.0, most = 0.0, touching = 0.0;
+  last >> median >> p99 >> p999 >> most >> touching;
+  CHECK(median > 0.0);
+  CHECK(median <= p99);
+  CHECK(p99 <= p999);
+  CHECK(most >= 1);
+  CHECK(touching > 50);
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "none.toml", "name = \"none\"\nstart = [0, 0, 0]\n");
+  const test::CommandResult none = test::run("scene " + (folder / "none.toml"));
+  CHECK(none.status == 1);
+  CHECK_THAT(none.output, Contains("none.toml") && Contains("obstacle"));
+}
+
+TEST_CASE("bench writes its table as a page, and every program says what it was built with") {
+  const test::TemporaryFolder folder;
+  const std::string page = folder / "bench.md";
+  const test::CommandResult bench = test::run("bench --filter 'scene plane' --scale 0.01 --report " + page);
+  INFO(bench.output);
+  CHECK(bench.status == 0);
+  const std::string text = test::readFile(page);
+  CHECK_THAT(text, Contains("## scene\n") && Contains("\n| plane | ") && Contains("gap, against its formula"));
+  const test::CommandResult version = test::run("--version");
+  CHECK(version.status == 0);
+  CHECK_THAT(version.output, Contains("enamel 0.") && Contains("Eigen 3.") && Contains("plugin ABI 2"));
+  CHECK_THAT(text, Contains(version.output.substr(7, 10)));
+}
+
 namespace {
 
 // As a scanner gives it: the upper part of the molar with an opening below, holes, a triangle twice, one against the

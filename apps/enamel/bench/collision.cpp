@@ -7,6 +7,7 @@
 #include <random>
 
 #include "bench/measurement.hpp"
+#include "bench/scene_cost.hpp"
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/mesh_update.hpp"
 #include "enamel/collision/sweep.hpp"
@@ -26,25 +27,6 @@ namespace {
 
 constexpr double kTick = 50e-6;  // m: 50 mm/s at 1 kHz
 constexpr double kTurn = 0.02;   // rad: 20 rad/s at 1 kHz
-
-// The plain formula over all triangles: foot point in the plane, else the nearest edge.
-double exhaustiveDistance(const TriangleMesh& mesh, const Vec3& p) {
-  double least = 1e300;
-  for (const auto& t : mesh.triangles) {
-    const std::array<Vec3, 3> v = {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-    const Vec3 normal = (v[1] - v[0]).cross(v[2] - v[0]);
-    bool inside = normal.squaredNorm() > 0.0;
-    for (int i = 0; i < 3; ++i) {
-      const Vec3 edge = v[(i + 1) % 3] - v[i], way = p - v[i];
-      inside = inside && normal.cross(edge).dot(way) >= 0.0;
-      const double length = edge.squaredNorm();
-      const double s = length > 0.0 ? std::min(std::max(way.dot(edge) / length, 0.0), 1.0) : 0.0;
-      least = std::min(least, (way - s * edge).norm());
-    }
-    if (inside) least = std::min(least, std::abs(normal.dot(p - v[0])) / normal.norm());
-  }
-  return least;
-}
 
 // A walk along the surface, 0.5 mm inside to 2 mm outside of it, one tick's way from point to point.
 std::vector<Vec3> hapticPath(const MeshModel& model, int count) {

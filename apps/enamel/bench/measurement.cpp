@@ -79,7 +79,8 @@ Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run)
 std::vector<Measurement> measureAll(const std::string& filter, double scale) {
   const std::pair<std::string, std::vector<Measurement> (*)(double)> groups[] = {
       {"device", &measureDevice},       {"control", &measureControl}, {"tick", &measureTick},
-      {"collision", &measureCollision}, {"solid", &measureSolid},     {"plant", &measurePlant}};
+      {"collision", &measureCollision}, {"scene", &measureScene},     {"solid", &measureSolid},
+      {"plant", &measurePlant}};
   // A text that begins with the name of a group measures only that one; any other measures all. Both keep what fits.
   const std::string first = filter.substr(0, filter.find(' '));
   const bool isGroup =

@@ -1,0 +1,102 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+
+#include "bench/scene_cost.hpp"
+#include "commands.hpp"
+#include "enamel/collision/scene_file.hpp"
+#include "enamel/core/error.hpp"
+
+namespace enamel::app {
+namespace {
+
+struct SceneOptions {
+  std::string file;
+  bool explain = false;
+};
+
+// What lib/docs/collision.md and contacts.hpp say.
+constexpr double kBytesOfTriangle = 244.0, kBytesOfCache = 19e3;
+
+std::string whatIs(const HalfSpace&) { return "half space: a plane, nothing is built"; }
+std::string whatIs(const Box&) { return "box: a formula, nothing is built"; }
+std::string whatIs(const Sphere&) { return "sphere: a formula, nothing is built"; }
+std::string whatIs(const Capsule&) { return "capsule: a formula, nothing is built"; }
+std::string whatIs(const std::shared_ptr<const MeshModel>& mesh) {
+  const auto triangles = mesh->mesh().triangles.size();
+  return fmt::format("mesh of {} triangles, {:.2g} MB: {}", triangles,
+                     1e-6 * kBytesOfTriangle * static_cast<double>(triangles), describe(*mesh));
+}
+std::string whatIs(const std::shared_ptr<const Solid>& solid) {
+  std::string layers;
+  for (const SolidLayer& layer : solid->layers()) layers += (layers.empty() ? "" : ", ") + layer.name;
+  return fmt::format("solid of {} bricks, cells of {:.3g} mm, {:.2g} MB{}{}", solid->bricks(), 1e3 * solid->cell(),
+                     1e-6 * static_cast<double>(solid->bytes()), layers.empty() ? "" : ": ", layers);
+}
+
+std::string count(int number, const char* what) { return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s"); }
+
+std::string materialText(const Material& m) {
+  std::string text = std::isinf(m.stiffness) ? "rigid" : fmt::format("{:.4g} N/m", m.stiffness);
+  text += m.friction > 0.0 ? fmt::format(", friction {:.3g}", m.friction) : ", without friction";
+  return m.viscosity > 0.0 ? text + fmt::format(", {:.3g} N s/m", m.viscosity) : text;
+}
+
+void printCost(const std::string& name, const Scene& scene, const SceneFile& file) {
+  constexpr int kTicks = 5000;
+  constexpr double kReach = 5e-3;  // m
+  const std::vector<Pose> poses = bench::slideOver(scene, file.tool, file.start, kTicks, kReach);
+  const bench::SceneCost cost = bench::costOf(scene, file.tool, poses);
+  fmt::print("{:<24} {:>10.3g} {:>10.3g} {:>10.3g} {:>9} {:>9.0f}\n", name, cost.contacts.median_us,
+             cost.contacts.p99_us, cost.p999_us, cost.most, 100.0 * cost.touching);
+}
+
+void explain(const SceneFile& file, double seconds) {
+  int meshes = 0;
+  for (const auto& mesh : file.meshes) meshes += mesh != nullptr;
+  const auto obstacles = static_cast<int>(file.scene.obstacles().size());
+  fmt::print("\nread and built in {:.3g} s\n", seconds);
+  fmt::print("a tick asks {} of part and obstacle, {} of them with a mesh: {:.3g} KB of lists of near triangles\n",
+             count(file.tool.count * obstacles, "pair"), file.tool.count * meshes,
+             1e-3 * kBytesOfCache * meshes * file.tool.count);
+  fmt::print("\nthe tool slides over it at 30 mm/s; contacts of a tick, us:\n");
+  fmt::print("{:<24} {:>10} {:>10} {:>10} {:>9} {:>9}\n", "", "median", "p99", "p99.9", "at once", "touching %");
+  if (obstacles > 1)
+    for (const Obstacle& obstacle : file.scene.obstacles()) {
+      Scene alone;
+      alone.add(obstacle);
+      printCost(obstacle.name + " alone", alone, file);
+    }
+  printCost("the scene", file.scene, file);
+}
+
+void run(const SceneOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const SceneFile file = loadScene(options.file);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  fmt::print("{}: the tool has {}, its TCP begins at {:.4g} {:.4g} {:.4g} m\n", file.name,
+             count(file.tool.count, "part"), file.start.x(), file.start.y(), file.start.z());
+  for (const Obstacle& obstacle : file.scene.obstacles()) {
+    fmt::print("{:<12} {}\n", obstacle.name,
+               std::visit([](const auto& shape) { return whatIs(shape); }, obstacle.shape));
+    if (!std::holds_alternative<std::shared_ptr<const Solid>>(obstacle.shape))
+      fmt::print("{:<12} {}\n", "", materialText(obstacle.material));
+  }
+  if (file.bur) fmt::print("{:<12} part {} of the tool cuts\n", "bur", file.bur->part);
+  for (const std::string& note : file.notes) fmt::print("note: {}\n", note);
+  if (options.explain) explain(file, seconds);
+}
+
+}  // namespace
+
+void addScene(CLI::App& app) {
+  auto options = std::make_shared<SceneOptions>();
+  CLI::App* command = app.add_subcommand("scene", "Checks a scene file and says what it is made of");
+  command->add_option("file", options->file, "scene file (TOML)")->required();
+  command->add_flag("--explain", options->explain, "what it makes a program build, and what a tick of it costs here");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace enamel::app
