@@ -1,5 +1,5 @@
-# Installs the build into a fresh prefix, then configures, builds and runs an outside project against it; plugins and hosts
-# also across compilers, where Clang is installed.
+# Unpacks the build's packages (without dpkg: installs it) into a fresh prefix, then configures, builds and runs an outside
+# project against it; plugins and hosts also across compilers, where Clang is installed.
 file(REMOVE_RECURSE ${WORK_DIR})
 set(prefix ${WORK_DIR}/prefix)
 set(plugins ${prefix}/${LIBDIR}/enamel/plugins)
@@ -16,7 +16,21 @@ function(build_outside folder c cxx)
   run(${CMAKE_COMMAND} --build ${WORK_DIR}/${folder} --target ${ARGN})
 endfunction()
 
-run(${CMAKE_COMMAND} --install ${BUILD_DIR} --config ${CONFIG} --prefix ${prefix})
+find_program(DPKG_DEB dpkg-deb)
+find_program(SHLIBDEPS dpkg-shlibdeps)
+if(DPKG_DEB AND SHLIBDEPS)
+  run(${CMAKE_CPACK_COMMAND} --config ${BUILD_DIR}/CPackConfig.cmake -C ${CONFIG} -B ${WORK_DIR}/packages
+    -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip)
+  file(GLOB packages ${WORK_DIR}/packages/*.deb)
+  foreach(package ${packages})
+    run(${DPKG_DEB} -x ${package} ${WORK_DIR}/root)
+    execute_process(COMMAND ${DPKG_DEB} -f ${package} Package Depends COMMAND_ECHO NONE)
+  endforeach()
+  file(RENAME ${WORK_DIR}/root/usr ${prefix})
+else()
+  message(STATUS "dpkg-dev is not installed: no packages are made")
+  run(${CMAKE_COMMAND} --install ${BUILD_DIR} --config ${CONFIG} --prefix ${prefix})
+endif()
 set(options -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON -DCORE_ONLY=ON)
 build_outside(core ${C_COMPILER} ${CXX_COMPILER} core)
 run(${WORK_DIR}/core/core)
@@ -32,6 +46,21 @@ foreach(plugin enamel_impedance.so enamel_position_control.so)
   run(${WORK_DIR}/build/host ${plugins}/${plugin} ${device})
 endforeach()
 run(${WORK_DIR}/build/host ${WORK_DIR}/build/my_wall.so ${device})
+
+# Without CMake.
+find_program(PKG_CONFIG pkg-config)
+if(PKG_CONFIG)
+  set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
+  execute_process(COMMAND ${PKG_CONFIG} --cflags --libs enamel-collision OUTPUT_VARIABLE flags
+    OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  run(${CXX_COMPILER} -DENAMEL_DATA_DIR="${prefix}/share/enamel" ${CMAKE_CURRENT_LIST_DIR}/consumer.cpp ${flags}
+    -o ${WORK_DIR}/by_pkg_config)
+  run(${WORK_DIR}/by_pkg_config)
+  run(${PKG_CONFIG} --exists --print-errors enamel-study)
+else()
+  message(STATUS "pkg-config is not installed: its files are not tried")
+endif()
 
 find_program(CLANG clang)
 find_program(CLANGXX clang++)
