@@ -31,7 +31,8 @@ if(ENAMEL_BUILD_APPS)
   enamel_package(enamel "Stiff contact on haptic devices: the tool and the plugins" SHARED_LIBRARIES
     DEPENDS "enamel-data ${same}")
   if(TARGET enamel-viewer)
-    enamel_package(enamel-viewer "Stiff contact on haptic devices: the viewer" SHARED_LIBRARIES DEPENDS "enamel ${same}")
+    enamel_package(enamel-viewer "Stiff contact on haptic devices: the viewer" SHARED_LIBRARIES DEPENDS "enamel ${same}"
+    RECOMMENDS "fonts-roboto-unhinted, libegl-mesa0, libgl1-mesa-dri")
   endif()
 endif()
 set(CPACK_DEBIAN_ENAMEL-DATA_PACKAGE_ARCHITECTURE all)
