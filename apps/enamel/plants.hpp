@@ -1,4 +1,4 @@
-// The option --plant of push and study.
+// The options --plant and --tip of push and study.
 #pragma once
 
 #include <functional>
@@ -24,6 +24,9 @@ inline constexpr const char* kPlantHelp =
     "closed-form: the mechanism's own dynamics; multibody: the same device in Simbody, some 200 times slower; real: "
     "with the [imperfections] of its file, for every run another "
     "device within its tolerances; real-stiff: the same, but its cables do not give";
+
+inline constexpr const char* kTipHelp =
+    "where the tool touches and the hand holds it, from the TCP, X,Y,Z in mm (0,0,0); the wall is level with it";
 
 /// Makes the plant of a run by the number of its random stream; any thread.
 using MakePlant = std::function<std::unique_ptr<Plant>(std::uint32_t stream)>;

@@ -28,6 +28,7 @@ struct PushOptions {
   PositionControlOptions servo;
   std::string rates;
   std::vector<std::string> set;
+  std::vector<double> tip_mm{0.0, 0.0, 0.0};
   double x_mm = 0.0, y_mm = 0.0, lowPass_Hz = 100.0, deviceDamping = 0.0;
   ImpedanceOptions impedance;
   PushSetup setup;
@@ -45,6 +46,8 @@ std::string outputFor(const PushOptions& options, const std::string& file, const
 PushSetup setupOf(const PushOptions& options) {
   PushSetup setup = options.setup;
   setup.start.position = Vec3(1e-3 * options.x_mm, 1e-3 * options.y_mm, 0.0);
+  if (const Vec3 tip(options.tip_mm[0], options.tip_mm[1], options.tip_mm[2]); tip != Vec3::Zero())
+    holdAt(1e-3 * tip, setup);
   if (!options.scene.empty()) {
     SceneFile file = loadScene(options.scene);
     setup.scene = std::move(file.scene);
@@ -267,6 +270,7 @@ void addPush(CLI::App& app) {
     command->add_option(name, *value, "of the query point on the wall z = 0, mm")
         ->capture_default_str()
         ->excludes(scene);
+  command->add_option("--tip", options->tip_mm, kTipHelp)->delimiter(',')->expected(3)->excludes(scene);
   command->add_option("--force", options->setup.person.force, "F_c, N")->capture_default_str();
   command
       ->add_option("--preload", options->setup.person.preload,

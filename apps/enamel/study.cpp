@@ -31,7 +31,7 @@ void prepareJudge(const CLI::App& command, StudyOptions& options) {
   unless("--preload", options.preload, 1.0);
   unless("--renderers", options.renderers,
          std::vector<std::string>{kPositionControl, kHold, "tuned:hold", "tuned:hold-delay", "tuned:virtual-coupling",
-                                  "tuned:passivity", "tuned:impedance", kEdge, kImpedance});
+                                  "tuned:passivity", "tuned:passivity-memory", "tuned:impedance", kEdge, kImpedance});
   unless("--device-damping", options.deviceDamping, std::vector<std::string>{"impedance=4", std::string(kEdge) + "=4"});
   options.encoders = options.insideTick = true;
   for (const char* name : {"--plant", "--delay"})
@@ -86,6 +86,7 @@ void addStudy(CLI::App& app) {
   command
       ->add_option("--preload", options->preload, "pressed with this until the step of scenario 1, with the noise, N")
       ->capture_default_str();
+  command->add_option("--tip", options->tip_mm, kTipHelp)->delimiter(',')->expected(3);
   command->add_flag("--arm", options->arm, "scenario 1 pushes through the mass of an arm and a grip (kArm, hand.hpp)");
   command->add_flag("--inside-tick", options->insideTick,
                     "every step of scenario 1 comes at a random instant inside its tick, not at its beginning");

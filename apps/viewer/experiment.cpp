@@ -70,7 +70,7 @@ SurfaceServoOptions surfaceOptions(const ServoedDevice& device, const Mechanism&
 StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTorque, const Vec3& normal, double preload,
                               const Delay& delay) noexcept {
   const double mass = effectiveMass(plant, plant.pose.position, normal);
-  const double largest = largestForce(plant, maxTorque, normal);
+  const double largest = largestForce(plant, maxTorque, plant.pose.position, normal);
   return {firstImpactLimit(mass, kPeriod, delay.high, preload + kTestForce, largest, preload), largest};
 }
 

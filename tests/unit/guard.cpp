@@ -88,7 +88,7 @@ TEST_CASE("guard: a force is cut without being turned, gravity stays", "[guard]"
 
   Bench bench;
   bench.ask(Vec6::Zero());
-  const double most = largestForce(bench.k, bench.device.limits().torque, Vec3::UnitY());
+  const double most = largestForce(bench.k, bench.device.limits().torque, bench.k.pose.position, Vec3::UnitY());
   const GuardedCommand saturated = bench.ask(force(0.0, 3.0 * most, 0.0));
   CHECK(saturated.reason == GuardReason::torque);
   CHECK((bench.rendered(saturated) - force(0.0, most, 0.0)).norm() < 1e-6);

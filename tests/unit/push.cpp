@@ -392,7 +392,7 @@ TEST_CASE("the limit of a push: its force, preload, largest delay and pose", "[p
   const TauMechanism device(test::nominal());
   const Kinematics& home = device.home();
   const double mass = effectiveMass(home, Vec3::Zero(), Vec3::UnitZ()),
-               motors = largestForce(home, device.limits().torque, Vec3::UnitZ());
+               motors = largestForce(home, device.limits().torque, home.pose.position, Vec3::UnitZ());
   PushSetup setup;
   CHECK(largestStiffness(device, setup) == Approx(2.0 * mass * (motors - 12.0) / motors / 1e-6));
   setup.delay = {0, 2};
@@ -412,6 +412,40 @@ TEST_CASE("the limit of a push: its force, preload, largest delay and pose", "[p
   CHECK(largestStiffness(device, setup) == 0.0);
 }
 
+TEST_CASE("a tool that is held and touches 60 mm from the TCP", "[push]") {
+  const TauMechanism device(test::nominal());
+  for (const Vec3& tip : {Vec3(0.0, 0.0, 0.0), Vec3(0.06, 0.0, 0.0), Vec3(0.03, -0.04, -0.03)}) {
+    INFO("tip " << tip.transpose());
+    PushSetup setup;
+    holdAt(tip, setup);
+    setup.person.noise = 0.0;
+    setup.guarded = false;
+    const auto metricsOf = [&](Renderer& renderer) {
+      MetricsCollector collector(setup, largestStiffness(device, setup), device.limits().torque);
+      TickRecord last;
+      REQUIRE(runPush(device, renderer, setup, [&](const TickRecord& t) {
+                collector.add(t);
+                last = t;
+              }).status == Status::ok);
+      // The hand's force is along the normal; its moment about the TCP that of the tip's lever.
+      const Vec3 lever = last.pose.rotation * tip, moment = last.person.tail<3>() - lever.cross(last.person.head<3>());
+      CHECK(-last.person[2] == Approx(setup.person.force).margin(1e-9));
+      CHECK((moment - holdingMoment(last.pose.rotation, Mat3::Identity(), last.twist.tail<3>())).norm() < 1e-12);
+      return collector.metrics();
+    };
+    ImpedanceRenderer spring({3000.0, 30.0});
+    CHECK(metricsOf(spring).steadyDepth == Approx(12.0 / 3000.0).epsilon(0.02));  // the mean over 2 s, the way in too
+    SurfaceServoRenderer servo = test::surfaceServo(device, 0, 0);
+    const PushMetrics metrics = metricsOf(servo);
+    CHECK(metrics.verdict == FirstImpactVerdict::measured);
+    CHECK(metrics.largestDepth < 0.2e-3);
+    REQUIRE(metrics.limitShare);
+    CHECK(*metrics.limitShare > 0.3);
+    // The hand damps turns, with 4 N s/m at the tip, which the limit does not know: some 6 % of 0.03 kg in a tick.
+    CHECK(*metrics.limitShare < 1.1);
+  }
+}
+
 TEST_CASE("bad setups are refused before anything runs", "[push]") {
   const TauMechanism device(test::nominal());
   PositionControlRenderer renderer = test::positionControl();
@@ -423,6 +457,7 @@ TEST_CASE("bad setups are refused before anything runs", "[push]") {
     CHECK(ticks == 0);
   };
   refuse([](PushSetup& s) { s.person.scenario = 3; }, "scenario is 3, must be 1 or 2");
+  refuse([](PushSetup& s) { s.person.grip.x() = 2; }, "the grip is 2 m from the TCP, must be within 1 m");
   refuse([](PushSetup& s) { s.person.force = -1; }, "force is -1, must be in 0 to 1000 N");
   refuse([](PushSetup& s) { s.person.noise = std::nan(""); }, "noise is nan, must be in 0 to 1000 N");
   refuse([](PushSetup& s) { s.person.preload = -1; }, "preload is -1, must be in 0 to 1000 N");

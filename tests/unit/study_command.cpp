@@ -268,6 +268,22 @@ TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
         std::string::npos);
 }
 
+TEST_CASE("study: a tool that touches 60 mm from the TCP has less mass behind it", "[study_command]") {
+  const test::TemporaryFolder folder;
+  const std::string tiny = "--scenario 1 --grid 1 --runs 2 --renderers position-control --encoders --preload 1 ";
+  const auto lowest = [&](const std::string& name, const std::string& more) {
+    const auto result = runAlone(study(folder, name, tiny + more));
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    const auto summary = nlohmann::json::parse(file(folder, name, "summary.json"));
+    CHECK(nlohmann::json::parse(file(folder, name, "study.json")).at("tip [mm]").size() == 3);
+    return summary.at("walls").at(0).at("K_z1 lowest [N/m]").get<double>();
+  };
+  const double here = lowest("here", ""), there = lowest("there", "--tip 60,0,0");
+  CHECK(there < 0.6 * here);
+  CHECK(there > 30e3);
+}
+
 TEST_CASE("study: a plugin is called a plugin, and is judged as the linked renderer is", "[study_command]") {
   const test::TemporaryFolder folder;
   const std::string plugin = ENAMEL_PLUGINS "/enamel_impedance.so";

@@ -101,7 +101,7 @@ TEST_CASE("forces become what a weaker device can answer", "[wall_trials]") {
              delta = makeMechanism(loadDevice(test::deviceFile("delta.toml")));
   CHECK(forceShare(*tau) == 1.0);
   CHECK(15.0 * forceShare(*delta) ==
-        Approx(0.3 * largestForce(delta->home(), delta->limits().torque, Vec3::UnitZ())).epsilon(1e-6));
+        Approx(0.3 * largestForce(delta->home(), delta->limits().torque, Vec3::Zero(), Vec3::UnitZ())).epsilon(1e-6));
 }
 
 TEST_CASE("trials refuse what cannot be run", "[wall_trials]") {

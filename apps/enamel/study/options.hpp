@@ -25,6 +25,7 @@ struct StudyOptions {
   std::vector<std::string> renderers = {kPositionControl, kHold, kImpedance};
   int runs = 20, grid = 11, threads = 0;
   std::uint64_t seed = 1;
+  std::vector<double> tip_mm{0.0, 0.0, 0.0};
   double preload = 0.0;     ///< N
   bool arm = false;         ///< scenario 1 pushes through an arm
   bool insideTick = false;  ///< the step comes at a random instant of its tick

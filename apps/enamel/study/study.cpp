@@ -168,6 +168,8 @@ Study prepareStudy(const StudyOptions& options) {
   plan.insideTick = options.insideTick;
   plan.setup.person.preload = options.preload;
   if (options.arm) plan.setup.person.arm = kArm;
+  const Vec3 tip = 1e-3 * Vec3(options.tip_mm[0], options.tip_mm[1], options.tip_mm[2]);
+  if (tip != Vec3::Zero()) holdAt(tip, plan.setup);
   plan.setup.delay = parseDelay(options.delay);
   plan.setup.guarded = options.guard;
   plan.setup.encoders.quantised = options.encoders;
@@ -250,7 +252,8 @@ Study prepareStudy(const StudyOptions& options) {
     if (kind == ColumnKind::edge) {
       constexpr double kRate = 4.0, kInside = 0.95;
       const double available = study.labels[c].damping;
-      if (!(available > 0.0)) throw Error(std::string(kEdge) + " needs device damping: --device-damping " + kEdge + "=B");
+      if (!(available > 0.0))
+        throw Error(std::string(kEdge) + " needs device damping: --device-damping " + kEdge + "=B");
       column.period = period / kRate;
       column.make = [wall = ImpedanceOptions{kInside * 2.0 * available / column.period, 0.0}](std::size_t) {
         return std::make_unique<ImpedanceRenderer>(wall);
@@ -310,6 +313,7 @@ Study prepareStudy(const StudyOptions& options) {
   m["noise [N]"] = setup.person.noise;
   m["preload [N]"] = setup.person.preload;
   m["arm"] = options.arm;
+  m["tip [mm]"] = options.tip_mm;
   m["step inside its tick"] = plan.insideTick;
   m["release"] = options.release;
   m["guard"] = options.guard;

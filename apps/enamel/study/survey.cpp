@@ -74,7 +74,7 @@ Survey surveyWall(const Study& study) {
     s.gravity = there.gravity;
     s.mass = effectiveMass(there, setup.start.position, Vec3::UnitZ());
     s.lever = there.jacobian.row(2).norm();
-    s.forceLimit = largestForce(there, limit, Vec3::UnitZ());
+    s.forceLimit = largestForce(there, limit, setup.start.position, Vec3::UnitZ());
   });
   return survey;
 }

@@ -46,9 +46,10 @@ double effectiveMass(const Kinematics& kinematics, const Vec3& point, const Vec3
   return 1.0 / b.dot(acceleration);
 }
 
-double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, const Vec3& direction) noexcept {
+double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, const Vec3& point,
+                    const Vec3& direction) noexcept {
   Vec6 push;
-  push << direction, Vec3::Zero();
+  push << direction, (point - kinematics.pose.position).cross(direction);
   const JointVector torquePerForce = torqueOf(kinematics.jacobian, push);
   double force = std::numeric_limits<double>::infinity();
   for (int i = 0; i < torquePerForce.size(); ++i) {

@@ -107,7 +107,7 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   double force = kUnlimited;
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0})
-      force = std::min(force, largestForce(home, o.torque, sign * Vec3::Unit(axis)));
+      force = std::min(force, largestForce(home, o.torque, home.pose.position, sign * Vec3::Unit(axis)));
   o.energy = 7e-4 * force;
   o.power = 1e-3 * force;
   return o;

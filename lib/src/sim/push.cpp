@@ -16,14 +16,38 @@ constexpr double kLongestRun = 3600.0;            // s
 // The wrench of the person on the platform at the TCP.
 class PersonLoad {
  public:
-  PersonLoad(const Person& person, const Pose& start) noexcept : person_(person), start_(start) {
+  PersonLoad(const Person& person, const Pose& start) noexcept : person_(person), start_(gripOf(start)) {
     if (person.arm) arm_.emplace(*person.arm);
   }
 
   /// Sets the parts that are held over a tick.
   void hold(double stepForce, double noise) noexcept { held_ = stepForce + noise; }
 
-  /// Force against the normal.
+  /// The arm, if any, after a tick that began so.
+  void moveArm(const Pose& pose, const Vec6& twist, double period) noexcept {
+    if (arm_) arm_->move(held_, way(gripOf(pose)), speed(gripOf(pose, twist)), period);
+  }
+
+  Vec6 operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
+    const Pose grip = gripOf(pose);
+    const Vec6 motion = gripOf(pose, twist);
+    Vec6 wrench = Vec6::Zero();
+    if (person_.guide) wrench = guidingWrench(grip, motion, start_, person_.normal);
+    wrench.head<3>() -= force(time, grip, motion) * person_.normal;
+    wrench.tail<3>() += (grip.position - pose.position).cross(wrench.head<3>());
+    return wrench;
+  }
+
+ private:
+  // Pose and twist of the platform at the grip.
+  Pose gripOf(const Pose& pose) const noexcept { return {pose.position + pose.rotation * person_.grip, pose.rotation}; }
+  Vec6 gripOf(const Pose& pose, const Vec6& twist) const noexcept {
+    Vec6 motion = twist;
+    motion.head<3>() = translationAt(twist, pose.rotation * person_.grip);
+    return motion;
+  }
+
+  // Against the normal, all at the grip.
   double force(double time, const Pose& pose, const Vec6& twist) const noexcept {
     if (arm_) return arm_->push(way(pose), speed(twist));
     if (person_.scenario == 1) return held_;
@@ -33,20 +57,6 @@ class PersonLoad {
     return held_ - spring - kPaperGrip.damping * (hand.velocity - n.dot(twist.head<3>()));
   }
 
-  /// The arm, if any, after a tick that began so.
-  void moveArm(const Pose& pose, const Vec6& twist, double period) noexcept {
-    if (arm_) arm_->move(held_, way(pose), speed(twist), period);
-  }
-
-  Vec6 operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
-    Vec6 wrench = Vec6::Zero();
-    if (person_.guide) wrench = guidingWrench(pose, twist, start_, person_.normal);
-    wrench.head<3>() -= force(time, pose, twist) * person_.normal;
-    return wrench;
-  }
-
- private:
-  // Against the normal.
   double way(const Pose& pose) const noexcept { return -person_.normal.dot(pose.position - start_.position); }
   double speed(const Vec6& twist) const noexcept { return -person_.normal.dot(twist.head<3>()); }
 
@@ -83,6 +93,13 @@ PushTimes timesOf(const PushSetup& setup) noexcept {
           tickAt(setup.duration)};
 }
 
+void holdAt(const Vec3& tip, PushSetup& setup) {
+  setup.tool = Tool();
+  setup.tool.parts[0].a = setup.tool.parts[0].b = tip;
+  setup.person.grip = tip;
+  setup.scene = flatWall(setup.start.position + setup.start.rotation * tip, setup.person.normal);
+}
+
 void checkPush(const PushSetup& setup) {
   checkLoop(setup);
   const Person& p = setup.person;
@@ -98,6 +115,8 @@ void checkPush(const PushSetup& setup) {
   }
   require(std::abs(p.normal.norm() - 1.0) <= 1e-6,
           "the normal of the push has the length " + formatNumber(p.normal.norm()) + ", must be 1");
+  require(p.grip.squaredNorm() <= 1.0,
+          "the grip is " + formatNumber(p.grip.norm()) + " m from the TCP, must be within 1 m");
   require(p.force >= 0.0 && p.force <= 1e3, "force is " + formatNumber(p.force) + ", must be in 0 to 1000 N");
   require(p.preload >= 0.0 && p.preload <= 1e3, "preload is " + formatNumber(p.preload) + ", must be in 0 to 1000 N");
   require(p.instant >= 0.0 && p.instant < 1.0,

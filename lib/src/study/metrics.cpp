@@ -48,8 +48,9 @@ double largestStiffness(const Mechanism& plant, const PushSetup& setup) {
   const Person& person = setup.person;
   Kinematics there;
   if (person.scenario != 1 || plant.reach(setup.start, Vec6::Zero(), true, there) != Status::ok) return 0.0;
-  return firstImpactLimit(effectiveMass(there, setup.start.position, person.normal), setup.period, setup.delay.high,
-                          person.force, largestForce(there, plant.limits().torque, person.normal), person.preload);
+  const Vec3 grip = setup.start.position + setup.start.rotation * person.grip;
+  return firstImpactLimit(effectiveMass(there, grip, person.normal), setup.period, setup.delay.high, person.force,
+                          largestForce(there, plant.limits().torque, grip, person.normal), person.preload);
 }
 
 MetricsCollector::MetricsCollector(const PushSetup& setup, double limit, JointVector maxTorque)
@@ -67,7 +68,8 @@ void MetricsCollector::add(const TickRecord& tick) {
     tangentialSquares_ += (force - normal.dot(force) * normal).squaredNorm();
   }
   if (tick.tick >= times_.lastSecond) torques_.push_back(tick.torque);
-  const Vec3 moved = tick.pose.position - setup_.start.position;
+  const Vec3 moved = tick.pose.position + tick.pose.rotation * setup_.person.grip - setup_.start.position -
+                     setup_.start.rotation * setup_.person.grip;
   running_.drift = std::max(running_.drift, (moved - normal.dot(moved) * normal).norm());
   running_.largestDepth = std::max(running_.largestDepth, depth);
   running_.work += setup_.period * tick.rendered.dot(tick.twist);

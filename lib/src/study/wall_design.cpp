@@ -96,7 +96,7 @@ Kinematics kinematicsAt(const WallDesignSetup& setup, const Pose& pose) {
 double limitAt(const WallDesignSetup& setup, const Pose& pose, double force) {
   const Kinematics k = kinematicsAt(setup, pose);
   return firstImpactLimit(effectiveMass(k, pose.position, Vec3::UnitZ()), setup.period, setup.delay.high, force,
-                          largestForce(k, setup.plant->limits().torque, Vec3::UnitZ()), setup.preload);
+                          largestForce(k, setup.plant->limits().torque, pose.position, Vec3::UnitZ()), setup.preload);
 }
 
 TrialResult perform(const WallDesignSetup& setup, const Mechanism& model, const MakeRenderer& make,
@@ -300,8 +300,8 @@ WallDesignSetup withinMotors(WallDesignSetup setup) {
   constexpr double kShare = 0.3;
   double share = 1.0;
   for (int point = 0; point < kPoints; ++point) {
-    const double most =
-        largestForce(kinematicsAt(setup, pointOf(setup, point)), setup.plant->limits().torque, Vec3::UnitZ());
+    const Kinematics k = kinematicsAt(setup, pointOf(setup, point));
+    const double most = largestForce(k, setup.plant->limits().torque, k.pose.position, Vec3::UnitZ());
     share = std::min(share, kShare * most / setup.highestForce);
   }
   for (double* force : {&setup.preload, &setup.lowestForce, &setup.highestForce, &setup.noise, &setup.ramp})

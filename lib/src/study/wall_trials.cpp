@@ -326,7 +326,7 @@ const std::vector<Kind>& kinds() {
 double forceShare(const Mechanism& plant) {
   Kinematics k = plant.home();
   require(plant.reach(k.pose, Vec6::Zero(), true, k) == Status::ok, "wall trials: the home pose cannot be reached");
-  return std::min(1.0, 0.3 * largestForce(k, plant.limits().torque, Vec3::UnitZ()) / 15.0);
+  return std::min(1.0, 0.3 * largestForce(k, plant.limits().torque, k.pose.position, Vec3::UnitZ()) / 15.0);
 }
 
 std::vector<WallFigure> runWallTrials(const WallTrialSetup& setup, const std::string& filter, int threads) {
@@ -337,7 +337,7 @@ std::vector<WallFigure> runWallTrials(const WallTrialSetup& setup, const std::st
   Kinematics home = setup.plant->home();
   require(setup.plant->reach(home.pose, Vec6::Zero(), true, home) == Status::ok, "wall trials: no home");
   const double mass = effectiveMass(home, home.pose.position, Vec3::UnitZ()),
-               most = largestForce(home, setup.plant->limits().torque, Vec3::UnitZ()),
+               most = largestForce(home, setup.plant->limits().torque, home.pose.position, Vec3::UnitZ()),
                late = (setup.delay.high + 1) * setup.period;
 
   std::vector<const Kind*> chosen;

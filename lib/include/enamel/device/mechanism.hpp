@@ -43,9 +43,10 @@ Vec6 wrenchOf(const Kinematics& kinematics, const JointVector& torque) noexcept;
 /// have its inertia. Realtime: yes.
 double effectiveMass(const Kinematics& kinematics, const Vec3& point, const Vec3& direction) noexcept;
 
-/// Largest force, N, that the motors can put on the platform at the TCP along the unit vector `direction` beyond
-/// gravity: min over the joints of (limit -+ gravity) / |(J^T n)_i|. Realtime: yes.
-double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, const Vec3& direction) noexcept;
+/// Largest force, N, that the motors can put on the platform at `point` (W, m) along the unit vector `direction` beyond
+/// gravity: min over the joints of (limit -+ gravity) / |(J^T n)_i|, n as in effectiveMass(). Realtime: yes.
+double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, const Vec3& point,
+                    const Vec3& direction) noexcept;
 
 /// What the motors and encoders of each joint can do.
 struct JointLimits {

@@ -25,7 +25,8 @@ struct Person {
   double instant = 0.0;         ///< of scenario 1's step, as a share of the tick in which it comes, in [0, 1)
   std::optional<Arm> arm;       ///< through which scenario 1 pushes; none: the force is on the tool at once
   Vec3 normal = Vec3::UnitZ();  ///< n, outward, unit length, in W
-  /// Keeps the TCP across n (100 N/m, 3.6 N s/m) and its orientation (0.5 N m/rad, 0.014 N m s/rad) about the start
+  Vec3 grip = Vec3::Zero();     ///< where the hand holds the tool and pushes it, in the platform's frame, m
+  /// Keeps the grip across n (100 N/m, 3.6 N s/m) and the orientation (0.5 N m/rad, 0.014 N m s/rad) about the start
   /// pose, as a hand does; without it the five free directions drift.
   bool guide = true;
 };
@@ -35,6 +36,10 @@ struct PushSetup : LoopSetup {
   Person person;
   double duration = 3.0;  ///< s
 };
+
+/// Makes the tool a point at `tip` (m, in the platform's frame), where the hand holds it as well, and the scene a wall
+/// through it that is level with the start pose. Throws Error: no wall can be there. Realtime: no.
+void holdAt(const Vec3& tip, PushSetup& setup);
 
 /// A random instant inside its tick for the step of a run, uniform in [0, 1). Realtime: yes.
 double randomInstant(std::uint64_t seed, std::uint32_t run) noexcept;
@@ -57,7 +62,7 @@ struct PushResult {
 
 /// Checks a setup. Throws Error: as checkLoop(); a preload outside 0 to 1000 N; an instant outside [0, 1); a scenario
 /// other than 1 and 2; an arm in scenario 2, or one whose mass is not positive or whose other numbers are negative; a
-/// normal not of unit length to 1e-6; a force or noise outside 0 to 1000 N; a duration outside 0 to 1 h. Realtime: no.
+/// normal not of unit length to 1e-6; a grip farther than 1 m from the TCP; a force or noise outside 0 to 1000 N; a duration outside 0 to 1 h. Realtime: no.
 void checkPush(const PushSetup& setup);
 
 /// Runs a push on a VirtualLoop, `record` once a tick, until its end or until the guard latches a fault. The renderer
