@@ -12,7 +12,7 @@ endfunction()
 # build_outside(<folder> <C compiler> <C++ compiler> <targets>...)
 function(build_outside folder c cxx)
   run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/${folder} -DCMAKE_BUILD_TYPE=Release
-    -DCMAKE_C_COMPILER=${c} -DCMAKE_CXX_COMPILER=${cxx} -DCMAKE_PREFIX_PATH=${prefix} -DHOST_SOURCE=${HOST_SOURCE} -DAUTHORS_PAGE=${SOURCE_DIR}/plugins/AUTHORS.md -DREADME_PAGE=${SOURCE_DIR}/README.md ${options})
+    -DCMAKE_C_COMPILER=${c} -DCMAKE_CXX_COMPILER=${cxx} -DCMAKE_PREFIX_PATH=${prefix} -DEXAMPLES=${SOURCE_DIR}/apps/examples -DREADME_PAGE=${SOURCE_DIR}/README.md ${options})
   run(${CMAKE_COMMAND} --build ${WORK_DIR}/${folder} --target ${ARGN})
 endfunction()
 
