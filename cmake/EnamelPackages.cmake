@@ -1,6 +1,7 @@
 # `cpack` in a build folder makes Debian packages, one an install component: who builds programs takes enamel-dev, who
-# pushes and judges takes enamel, who looks takes enamel-viewer, who reads takes enamel-doc. The libraries are static: a program keeps the version
-# that it was tested with, and the only binary interface is that of plugins (enamel/plugin/abi.h).
+# pushes and judges takes enamel, who looks takes enamel-viewer, who reads takes enamel-doc. The libraries are static: a
+# program keeps the version that it was tested with, and the only binary interface is that of plugins
+# (enamel/plugin/abi.h).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME enamel)
 set(CPACK_PACKAGE_CONTACT "The authors of Enamel")
