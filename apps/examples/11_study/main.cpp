@@ -2,12 +2,15 @@
 // numbers. The renderer is a spring with a damper; put yours in its place.
 //
 //   study tau-nominal.toml
+#include <algorithm>
 #include <cstdio>
 #include <enamel/core/error.hpp>
 #include <enamel/device/device_file.hpp>
 #include <enamel/render/surface_servo.hpp>
 #include <enamel/study/monte_carlo.hpp>
 #include <enamel/study/parallel.hpp>
+#include <memory>
+#include <vector>
 
 using namespace enamel;
 
