@@ -1,6 +1,7 @@
 # `cpack` in a build folder makes Debian packages, one an install component: who builds programs takes enamel-dev, who
-# pushes and judges takes enamel, who looks takes enamel-viewer. The libraries are static: a program keeps the version
-# that it was tested with, and the only binary interface is that of plugins (enamel/plugin/abi.h).
+# pushes and judges takes enamel, who looks takes enamel-viewer, who reads takes enamel-doc. The libraries are static: a
+# program keeps the version that it was tested with, and the only binary interface is that of plugins
+# (enamel/plugin/abi.h).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME enamel)
 set(CPACK_PACKAGE_CONTACT "The authors of Enamel")
@@ -25,8 +26,9 @@ function(enamel_package component description)
 endfunction()
 set(same "(= ${PROJECT_VERSION})")
 enamel_package(enamel-data "Devices, scenes, meshes and servos of Enamel")
+enamel_package(enamel-doc "Pages and examples of Enamel")
 enamel_package(enamel-dev "Stiff contact on haptic devices: headers, static libraries, CMake and pkg-config files"
-  DEPENDS "enamel-data ${same}, libeigen3-dev" RECOMMENDS "libtbb-dev, libopenmesh-dev, libsimbody-dev")
+  DEPENDS "enamel-data ${same}, libeigen3-dev" RECOMMENDS "enamel-doc, libtbb-dev, libopenmesh-dev, libsimbody-dev")
 if(ENAMEL_BUILD_APPS)
   enamel_package(enamel "Stiff contact on haptic devices: the tool and the plugins" SHARED_LIBRARIES
     DEPENDS "enamel-data ${same}")
@@ -36,6 +38,7 @@ if(ENAMEL_BUILD_APPS)
   endif()
 endif()
 set(CPACK_DEBIAN_ENAMEL-DATA_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_ENAMEL-DOC_PACKAGE_ARCHITECTURE all)
 include(CPack)
 
 # pkg-config, for who builds without CMake: one file a component, relocatable with its folder.

@@ -5,6 +5,7 @@ set(prefix ${WORK_DIR}/prefix)
 set(plugins ${prefix}/${LIBDIR}/enamel/plugins)
 set(device ${prefix}/share/enamel/devices/cartesian-3.toml)
 set(tau ${prefix}/share/enamel/devices/tau-nominal.toml)
+set(examples ${prefix}/share/doc/enamel/apps/examples)
 function(run)
   execute_process(COMMAND ${ARGV} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
@@ -12,7 +13,7 @@ endfunction()
 # build_outside(<folder> <C compiler> <C++ compiler> <targets>...)
 function(build_outside folder c cxx)
   run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/${folder} -DCMAKE_BUILD_TYPE=Release
-    -DCMAKE_C_COMPILER=${c} -DCMAKE_CXX_COMPILER=${cxx} -DCMAKE_PREFIX_PATH=${prefix} -DHOST_SOURCE=${HOST_SOURCE} -DAUTHORS_PAGE=${SOURCE_DIR}/plugins/AUTHORS.md -DREADME_PAGE=${SOURCE_DIR}/README.md ${options})
+    -DCMAKE_C_COMPILER=${c} -DCMAKE_CXX_COMPILER=${cxx} -DCMAKE_PREFIX_PATH=${prefix} -DEXAMPLES=${examples} -DREADME_PAGE=${prefix}/share/doc/enamel/README.md ${options})
   run(${CMAKE_COMMAND} --build ${WORK_DIR}/${folder} --target ${ARGN})
 endfunction()
 
@@ -61,6 +62,12 @@ if(PKG_CONFIG)
 else()
   message(STATUS "pkg-config is not installed: its files are not tried")
 endif()
+
+# The examples are a project of their own. One of them is enough here: all are built with the library.
+run(${CMAKE_COMMAND} -S ${examples} -B ${WORK_DIR}/examples -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_COMPILER=${C_COMPILER}
+  -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_COMMAND} --build ${WORK_DIR}/examples --target own_tooth)
+run(${WORK_DIR}/examples/own_tooth ${prefix}/share/enamel/meshes/molar.ply)
 
 find_program(CLANG clang)
 find_program(CLANGXX clang++)

@@ -9,10 +9,8 @@
 #include <enamel/plugin/abi.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
-static const double kMass = 0.3, kDamping = 4.0, kPush = 12.0, kPeriod = 1e-3; /* kg, N s/m, N, s */
-static const double kLargestForce = 30.0;                                      /* N */
+static const double kMass = 0.3, kDamping = 4.0, kPush = 12.0, kPeriod = 1e-3, kLargestForce = 30.0; /* SI */
 
 static int fail(const char* what, const char* why) {
   fprintf(stderr, "c_host: %s: %s\n", what, why);
@@ -22,7 +20,7 @@ static int fail(const char* what, const char* why) {
 int main(int argc, char** argv) {
   if (argc != 3) return fail("usage", "c_host PLUGIN.so DEVICE.toml");
   void* library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
-  if (library == NULL) return fail(argv[1], dlerror());
+  if (library == NULL) return fail("dlopen()", dlerror());
   const EnamelPlugin* (*entry)(void);
   *(void**)&entry = dlsym(library, ENAMEL_PLUGIN_SYMBOL);
   if (entry == NULL) return fail(argv[1], "does not export " ENAMEL_PLUGIN_SYMBOL "()");
@@ -30,13 +28,9 @@ int main(int argc, char** argv) {
   if (plugin->abi_version != ENAMEL_ABI_VERSION || plugin->plugin_size != sizeof(EnamelPlugin) ||
       plugin->input_size != sizeof(EnamelTickInput) || plugin->output_size != sizeof(EnamelTickOutput))
     return fail(argv[1], "is made for another version of the boundary");
-
-  /* Setup. */
   char why[256] = "";
   const EnamelMessage message = {why, sizeof why};
-  EnamelConfiguration configuration;
-  memset(&configuration, 0, sizeof configuration);
-  configuration.device_path = argv[2];
+  const EnamelConfiguration configuration = {.device_path = argv[2]};
   void* wall = plugin->create();
   if (wall == NULL) return fail(argv[1], "create() failed");
   if (plugin->configure(wall, &configuration, message) != ENAMEL_OK) return fail("configure()", why);
@@ -46,9 +40,8 @@ int main(int argc, char** argv) {
   double z = 0.0, v = 0.0, force = 0.0, deepest = 0.0;
   int tick, axis, failed = 0;
   for (tick = 0; tick < 1000 && !failed; ++tick) {
-    EnamelTickInput input;
+    EnamelTickInput input = {0};
     EnamelTickOutput output;
-    memset(&input, 0, sizeof input);
     input.time = kPeriod * (tick + 1);
     input.joint_count = 3;
     input.q[2] = input.position[2] = z;
@@ -56,8 +49,7 @@ int main(int argc, char** argv) {
     input.rotation[0] = input.rotation[4] = input.rotation[8] = 1.0;
     for (axis = 0; axis < 3; ++axis) {
       input.jacobian[axis][axis] = input.inverse[axis][axis] = 1.0;
-      input.inertia[axis][axis] = kMass;
-      input.max_torque[axis] = kLargestForce;
+      input.inertia[axis][axis] = kMass, input.max_torque[axis] = kLargestForce;
     }
     input.applied[2] = force;
     input.applied_known = 1;

@@ -7,7 +7,7 @@
 
 namespace enamel {
 
-/// A text as it may stand in a message: one line, control characters as \xNN, the middle of more than 2000 bytes left
+/// A text as it may stand in a message: one line, control characters as `\xNN`, the middle of more than 2000 bytes left
 /// out.
 std::string printable(std::string_view text);
 

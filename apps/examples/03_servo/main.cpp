@@ -1,0 +1,69 @@
+// Design a servo for a device and use it: the paper's chain from the device file to a gain, how far the loop is from
+// instability, and how deep a push of 12 N then goes into the wall; beside it a spring and the servo in contact space.
+//
+//   servo tau-nominal.toml
+#include <algorithm>
+#include <cstdio>
+#include <enamel/control/device_plant.hpp>
+#include <enamel/control/margins.hpp>
+#include <enamel/core/error.hpp>
+#include <enamel/device/device_file.hpp>
+#include <enamel/render/impedance.hpp>
+#include <enamel/render/position_control.hpp>
+#include <enamel/render/surface_servo.hpp>
+#include <enamel/sim/push.hpp>
+
+using namespace enamel;
+
+namespace {
+
+constexpr double kPeriod = 1e-3;  // s
+
+// Deepest point of a push against the wall z = 0, m.
+double depthOf(const Mechanism& device, Renderer& renderer, const char* name) {
+  PushSetup push;  // a step of 12 N at 1 s
+  push.period = kPeriod;
+  push.person.force = std::min(12.0, 0.3 * largestForce(device.home(), device.limits().torque, Vec3::UnitZ()));
+  push.person.noise = 0.0;
+  double deepest = 0.0, last = 0.0;
+  const PushResult result = runPush(device, renderer, push, [&](const TickRecord& tick) {
+    deepest = std::max(deepest, -tick.nearest.gap);
+    last = -tick.nearest.gap;
+  });
+  std::printf("%-6s %8.3f mm deep, %8.4f mm at rest%s%s\n", name, 1e3 * deepest, 1e3 * last,
+              result.status == Status::ok ? "" : ": stopped, ",
+              result.status == Status::ok ? "" : toString(result.guard));
+  return deepest;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return std::fprintf(stderr, "usage: servo DEVICE.toml\n"), 2;
+  try {
+    DeviceParameters parameters = loadDevice(argv[1]);
+    addDamping(parameters, Vec6::Constant(4.0).cwiseProduct((Vec6() << 1, 1, 1, 0, 0, 0).finished()));  // N s/m
+    const auto device = makeMechanism(parameters);
+
+    std::printf("weight  disk margin  bears a delay of\n");
+    double softest = 0.0, stiffest = 0.0;
+    for (const double weight : {1e2, 1e4, 1e6}) {
+      ServoWeights weights;  // the paper's, but for one
+      weights.position = weight;
+      const ServoDesign design = designServo(device, Pose{}, kPeriod, weights);
+      const Margins margins = measureMargins(runningLoop(design), design.K, kPeriod);
+      std::printf("%.0e         %.2f  %d ticks           ", weight, margins.disk, margins.toleratedDelay);
+      PositionControlRenderer hold(design.K, kPeriod, PositionControlOptions{});
+      stiffest = depthOf(*device, hold, "hold");
+      if (softest == 0.0) softest = stiffest;
+    }
+    ImpedanceRenderer spring({6000.0, 0.0});  // N/m, N s/m
+    const double conventional = depthOf(*device, spring, "                                    spring");
+    SurfaceServoRenderer servo(surfaceServoFor(device->limits().count, kPeriod, 0, 0));
+    const double best = depthOf(*device, servo, "                          in contact space");
+    return stiffest < softest && best < stiffest && stiffest < conventional ? 0 : 1;
+  } catch (const Error& error) {
+    std::fprintf(stderr, "servo: %s\n", error.what());
+    return 1;
+  }
+}
