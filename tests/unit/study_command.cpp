@@ -277,7 +277,7 @@ TEST_CASE("study: a tool that touches 60 mm from the TCP has less mass behind it
     REQUIRE(result.status == 0);
     const auto summary = nlohmann::json::parse(file(folder, name, "summary.json"));
     CHECK(nlohmann::json::parse(file(folder, name, "study.json")).at("tip [mm]").size() == 3);
-    return summary.at("walls").at(0).at("K_z1 lowest [N/m]").get<double>();
+    return summary.at("walls").at(0).at("lowest K_z1 [N/m]").at("value").get<double>();
   };
   const double here = lowest("here", ""), there = lowest("there", "--tip 60,0,0");
   CHECK(there < 0.6 * here);

@@ -33,12 +33,13 @@ int main(int argc, char** argv) {
       if (device->track(wanted.q, JointVector::Zero(device->joints()), true, solved) != Status::ok) return 1;
       worst = std::max(worst, (solved.pose.position - pose.position).norm());
       std::printf("%5.0f %5.0f %5.0f      ", 1e3 * pose.position.x(), 1e3 * pose.position.y(), 1e3 * pose.position.z());
+      const Vec3& there = solved.pose.position;
       for (int k = 0; k < 3; ++k)  // an effective mass: what a push there has to move, joints and motors included
-        std::printf("%6.3f", effectiveMass(solved, solved.pose.position, Vec3::Unit(k)));
+        std::printf("%6.3f", effectiveMass(solved, there, Vec3::Unit(k)));
       std::printf("          ");
       for (int k = 0; k < 3; ++k)  // the weaker of the two directions
-        std::printf("%6.1f", std::min(largestForce(solved, device->limits().torque, Vec3::Unit(k)),
-                                      largestForce(solved, device->limits().torque, -Vec3::Unit(k))));
+        std::printf("%6.1f", std::min(largestForce(solved, device->limits().torque, there, Vec3::Unit(k)),
+                                      largestForce(solved, device->limits().torque, there, -Vec3::Unit(k))));
       std::printf("\n");
     }
     std::printf("there and back: %.1e m at most; %d of 27 places out of reach\n", worst, outside);
