@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "study/numbers.hpp"
 #include "study/svg.hpp"
@@ -72,6 +73,7 @@ Figure deviceFigure(const Study& study) {
     svg.disc(front.at(1e3 * at.x(), 1e3 * at.y()), radius, colour);
     svg.disc(side.at(1e3 * at.z(), 1e3 * at.y()), radius, colour);
   };
+  std::vector<std::tuple<Place, std::string, Anchor>> labels;
   for (const Bar& bar : bars) {
     if (bar.chain < 0) continue;
     const int link = links[static_cast<std::size_t>(bar.chain)]++;
@@ -88,7 +90,7 @@ Figure deviceFigure(const Study& study) {
     const bool aside = std::abs(bar.from.x()) > study.plan.halfWidth;
     const Place at =
         aside ? front.at(1e3 * bar.from.x(), 1e3 * bar.from.y()) : side.at(1e3 * bar.from.z(), 1e3 * bar.from.y());
-    svg.text({at.x, at.y - 12.0}, text, aside && bar.from.x() > 0.0 ? Anchor::end : Anchor::start, kMuted);
+    labels.emplace_back(Place{at.x, at.y - 12.0}, text, aside && bar.from.x() > 0.0 ? Anchor::end : Anchor::start);
   }
   for (const Vec3& tip : tips) rod(tip, Vec3(0.0, 0.0, 0.010), {"#6c7785", 3.0});
   rod(Vec3(0.0, 0.0, 0.004), handle, {"#2f6f73", 8.0});
@@ -96,6 +98,9 @@ Figure deviceFigure(const Study& study) {
     const Vec3 at = 1e3 * queryPoint(study.plan, p);
     svg.disc(front.at(at.x(), at.y()), std::min(2.2, 18.0 / study.plan.grid), kVermilion);
   }
+  svg.openGroup("paint-order=\"stroke\" stroke=\"#fff\" stroke-width=\"3\"");  // readable over anything
+  for (const auto& [at, text, anchor] : labels) svg.text(at, text, anchor, kMuted);
+  svg.closeGroup();
   return {
       "fig06-device", svg.whole("the device and the query points", kTop + scale * size.y() + 46.0),
       fmt::format("The device at home, to scale, and the {} query points (red) on the wall z = 0 (yellowish; after the "
@@ -116,6 +121,7 @@ Figure responseFigure(const Study& study, int scenario) {
     std::string title, colour;
     std::vector<double> times, values;
     Extent extent;
+    bool lost = false;
   };
   Curve force{"", kInk, {}, {}, {}};
   std::vector<Curve> depths;
@@ -127,7 +133,7 @@ Figure responseFigure(const Study& study, int scenario) {
       if (run.scenario == scenario && run.column == c && run.point == middle) break;
     }
     Curve depth{study.labels[c].title, colourOf(study, c), {}, {}, {}};
-    (void)performRun(plan, run, [&](const TickRecord& t) {
+    const StudyResult result = performRun(plan, run, [&](const TickRecord& t) {
       if (t.time < from) return;
       depth.times.push_back(t.time);
       depth.values.push_back(1e3 * t.pose.position.z());
@@ -138,6 +144,7 @@ Figure responseFigure(const Study& study, int scenario) {
       force.values.push_back(-t.person[2]);
       force.extent.see(-t.person[2]);
     });
+    depth.lost = result.status != Status::ok;
     depths.push_back(depth);
   }
 
@@ -178,7 +185,8 @@ Figure responseFigure(const Study& study, int scenario) {
       for (double& value : depth.values) value *= 1e3;
     panel.curve(depth.times, depth.values, {depth.colour, step ? 1.6 : 1.0});
     entries.push_back({depth.title, {depth.colour, 2.5}});
-    deepest.push_back(fmt::format("{} mm ({})", numberText(std::max(0.0, -depth.extent.low), 2), escape(depth.title)));
+    deepest.push_back(fmt::format("{} mm ({}{})", numberText(-depth.extent.low, 2), escape(depth.title),
+                                  depth.lost ? ": the run was lost there" : ""));
   }
   panel.level(0.0, {kMuted, 1.0, true});
   top += 2.0 * kHigh + 46.0;

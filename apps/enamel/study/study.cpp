@@ -478,8 +478,10 @@ std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistic
              below == count && servo.stable()});
       }
       claims.push_back({fmt::format("scenario {}: the largest penetration of {} is below 1 mm", scenario, title),
-                        fmt::format("{:.3f} mm{}", 1e3 * servo.largestDepth,
-                                    servo.failed > 0 ? ", and " + lostText(servo) : std::string()),
+                        !anyFinished(study, servo)
+                            ? lostText(servo)
+                            : fmt::format("{:.3f} mm{}", 1e3 * servo.largestDepth,
+                                          servo.failed > 0 ? ", and " + lostText(servo) : std::string()),
                         servo.largestDepth < 1e-3 && servo.stable()});
     }
   }

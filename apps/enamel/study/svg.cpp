@@ -197,7 +197,7 @@ Axis Extent::axis(const std::string& title, double margin, bool logarithmic) con
     const double factor = high > low ? std::pow(high / low, margin) : 1.05;
     return {title, low / factor, high * factor, true};
   }
-  const double more = high > low ? margin * (high - low) : 0.05 * std::max(1e-3, std::abs(high));
+  const double more = high > low ? margin * (high - low) : high == 0.0 ? 1.0 : 0.05 * std::abs(high);
   return {title, low - more, high + more};
 }
 
