@@ -646,12 +646,17 @@ TEST_CASE("study --judge: ranks computed from the runs, the same bytes in parts"
   double ranks = 0.0;
   while (std::getline(lines, line)) ranks += std::stod(line.substr(line.rfind(',') + 1));
   CHECK(ranks == Approx(2 * 2 * 15.0));  // 1 + 2 + 3 + 4 + 5 at every plant and delay, whatever is equal
-  for (const char* part : {"<svg", "Welch", "Table III", "Table IV", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
+  for (const char* part :
+       {"<svg", "Welch", "Table III", "Table IV", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
     CHECK_THAT(page, Contains(part));
   CHECK_THAT(page, !Contains("nan") && !Contains("inf,"));
   CHECK(test::xmlProblem(page) == "");
   // Two plants with two figures each: a box or "none" for each of five laws at two delays.
   CHECK(count(page, "fill-opacity=\"0.35\"") + count(page, ">none</text>") == 2 * 2 * 5 * 2);
+  // Stiffness on one scale for both plants, depth on another.
+  const auto y = captures(page, "data-y=\"([^\"]*)\"");
+  REQUIRE(y.size() == 4);
+  CHECK((y[0] == y[2] && y[1] == y[3] && y[0] != y[1]));
   REQUIRE(judge("parts", "--part 2/2").status == 0);
   CHECK_FALSE(std::filesystem::exists(folder / "parts/judge.html"));
   REQUIRE(judge("parts", "--part 1/2 --threads 1").status == 0);

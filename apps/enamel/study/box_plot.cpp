@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "study/svg.hpp"
-
 namespace enamel::app {
 namespace {
 
@@ -34,7 +32,7 @@ std::vector<double> drawable(const std::vector<double>& values) {
 
 std::string svgOf(const BoxPlot& plot) {
   constexpr double kLeft = 70.0, kHeight = 300.0, kGap = 24.0, kWidth = Svg::kWidth - kLeft - 4.0;
-  Extent extent;
+  Extent extent = plot.extent;
   if (plot.line > 0.0) extent.see(plot.line);
   for (const auto& group : plot.values)
     for (const auto& values : group)

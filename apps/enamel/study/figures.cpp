@@ -101,13 +101,12 @@ Figure deviceFigure(const Study& study) {
   svg.openGroup("paint-order=\"stroke\" stroke=\"#fff\" stroke-width=\"3\"");  // readable over anything
   for (const auto& [at, text, anchor] : labels) svg.text(at, text, anchor, kMuted);
   svg.closeGroup();
-  return {
-      "fig06-device", svg.whole("the device and the query points", kTop + scale * size.y() + 46.0),
-      fmt::format("The device at home, to scale, and the {} query points (red) on the wall z = 0 (yellowish; after the "
-                  "paper's Fig. 6). Dark: the first link of each chain with its motors' joints q; light: the second; "
-                  "green: the tool's handle. The person pushes the tool to the left in the view from the side. To "
-                  "see: every push begins on the wall, and the points cover x and y from {} to {} mm.",
-                  study.plan.points(), givenText(-edgeOf(study)), givenText(edgeOf(study)))};
+  return {"fig06-device", svg.whole("the device and the query points", kTop + scale * size.y() + 46.0),
+          fmt::format("The device at home, to scale, and the {} query points (red) on the wall z = 0 (yellowish; after "
+                      "the paper's Fig. 6). Dark: the first link of each chain with its motors' joints q; light: the "
+                      "second; green: the tool's handle. The person pushes the tool to the left in the view from the "
+                      "side. To see: every push begins on the wall, and the points cover x and y from {} to {} mm.",
+                      study.plan.points(), givenText(-edgeOf(study)), givenText(edgeOf(study)))};
 }
 
 // ---- Fig. 8, 9: typical responses ----------------------------------------------------------------------------------
@@ -291,10 +290,9 @@ Figure firstImpactMap(const Study& study, const Findings& findings) {
       "fig10-first-impact", svg.whole("first impact stiffness over the wall", end),
       fmt::format(
           "Scenario 1: mean of K_z1 at each query point, over those of its {} runs that have one (after the paper's "
-          "Fig. 10). Top: one logarithmic colour scale for all renderers; bottom: the difference from each "
-          "renderer's mean over the wall, one scale for all. To see: {}; and whether a map has a slope. The 95 % "
-          "interval of no mean is wider than ± {} % of it (grey: no run has a K_z1); each is shown where the mouse "
-          "rests.",
+          "Fig. 10). Top: one logarithmic colour scale for all renderers; bottom: the difference from each renderer's "
+          "mean over the wall, one scale for all. To see: {}; and whether a map has a slope. The 95 % interval of no "
+          "mean is wider than ± {} % of it (grey: no run has a K_z1); each is shown where the mouse rests.",
           study.plan.runs, join(ranges, ", "), numberText(100.0 * widest, 2))};
 }
 
@@ -326,8 +324,8 @@ Figure steadyMap(const Study& study, const Findings& findings, int scenario) {
       fmt::format("Scenario {}: K_zs = 1 / |mean C_zs| at each query point (after the paper's Fig. {}), one "
                   "logarithmic colour scale; each is shown with its 95 % interval where the mouse rests. To see: {}.{}",
                   scenario, scenario == 1 ? 12 : 13, join(ranges, ", "),
-                  unresolved > 0 ? fmt::format(" Grey: not resolved, {} of the {} points shown: the mean compliance is "
-                                               "below two standard errors, so the stiffness may be infinite.",
+                  unresolved > 0 ? fmt::format(" Grey: not resolved, {} of the {} points shown: the mean compliance "
+                                               "is below two standard errors, so the stiffness may be infinite.",
                                                unresolved, study.labels.size() * study.plan.points())
                                  : "")};
 }
@@ -448,8 +446,8 @@ Figure torqueFigure(const Study& study) {
   return {"fig11-torque", svg.whole("torque at two query points", top + kHigh + 46.0),
           fmt::format(
               "Torque of joint {} under a step of {:.0f} N at 1 s with {}, at two query points with the same noise "
-              "(after the paper's Fig. 11). To see: at which of them the joint works harder; the motor's limit "
-              "is {} N m.",
+              "(after the paper's Fig. 11). To see: at which of them the joint works harder; the motor's limit is {} "
+              "N m.",
               last + 1, kForce, escape(study.labels[hold].title), givenText(study.mechanism->limits().torque[last]))};
 }
 
@@ -520,10 +518,10 @@ Figure stabilityFigure(const Study& study) {
       "impedance-stability", svg.whole("stability of a spring-damper wall", 52.0 + 2.0 * kHigh + 34.0 + 46.0),
       fmt::format(
           "Where a wall that is rendered as a spring K with a damper B is stable on this device (simulated: the "
-          "motion after a push of 12 N dies out within 3 s; effective mass {} kg, mechanical damping {} N s/m, "
-          "ticks of {} ms), and the bound of eq. 16, left of and below which a wall is passive. To see: how much "
-          "beyond the bound is stable, and what delay, of which eq. 16 says nothing, leaves of it: the "
-          "stiffest stable K of all is {} kN/m at 0, 1, 2 and 3 ticks.",
+          "motion after a push of 12 N dies out within 3 s; effective mass {} kg, mechanical damping {} N s/m, ticks "
+          "of {} ms), and the bound of eq. 16, left of and below which a wall is passive. To see: how much beyond the "
+          "bound is stable, and what delay, of which eq. 16 says nothing, leaves of it: the stiffest stable K of all "
+          "is {} kN/m at 0, 1, 2 and 3 ticks.",
           numberText(device.mass), givenText(device.damping), givenText(1e3 * device.period), join(stiffest, ", "))};
 }
 
@@ -567,9 +565,9 @@ Figure convergenceFigure(const Convergence& c) {
   return {
       "convergence", svg.whole("speed against error", top + kHigh + 46.0),
       fmt::format(
-          "Speed against error of the integration: 1, 2, 4 and 8 steps a tick from left to right, against {} "
-          "with {} steps; a method that misses an event is not drawn. Dashed: the error that is allowed, {} %. To see: "
-          "which method is the fastest below it.",
+          "Speed against error of the integration: 1, 2, 4 and 8 steps a tick from left to right, against {} with {} "
+          "steps; a method that misses an event is not drawn. Dashed: the error that is allowed, {} %. To see: which "
+          "method is the fastest below it.",
           nameOf(c.reference.integrator), c.reference.substeps, givenText(100.0 * c.allowed))};
 }
 

@@ -169,23 +169,9 @@ std::size_t bestOf(const std::vector<Score>& scores) {
   return static_cast<std::size_t>(best - scores.begin());
 }
 
-// To three digits, "–" for what is not there.
-std::string number(double value) {
-  if (std::isnan(value)) return "–";
-  if (std::isinf(value)) return "lost";
-  return std::abs(value) >= 1000.0 ? fmt::format("{:.0f}", std::round(value / 10.0) * 10.0)
-                                   : fmt::format("{:.3g}", value);
-}
+std::string number(double value) { return std::isinf(value) ? "lost" : numberText(value); }
 
 std::string pText(double p) { return std::isnan(p) ? "–" : p < 1e-4 ? "&lt; 0.0001" : fmt::format("{:.4f}", p); }
-
-std::string delayText(const std::string& delay) {
-  const Delay d = parseDelay(delay);
-  return d.high == 0      ? "no delay"
-         : d.low < d.high ? fmt::format("{}..{} ticks", d.low, d.high)
-         : d.high == 1    ? "1 tick"
-                          : fmt::format("{} ticks", d.high);
-}
 
 const std::string& titleOf(const Condition& condition, std::size_t column) {
   return condition.study.labels[column].title;
@@ -272,7 +258,7 @@ void addFeel(Page& page, const Condition& condition) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < condition.scores.size(); ++i) {
     const Score& s = condition.scores[i];
-    std::vector<std::string> row{titleOf(condition, i), meanText(spreadOf(s.stiffness), 1.0)};
+    std::vector<std::string> row{titleOf(condition, i), meanText(spreadOf(s.stiffness))};
     for (const Criterion& c : kCriteria) row.push_back(number(c.scale * c.value(s)));
     row.push_back(number(s.figure("impact 0.2 m/s", "bounce")));
     row.push_back(number(s.figure("corner", "depth")));
@@ -282,7 +268,8 @@ void addFeel(Page& page, const Condition& condition) {
   page.table(head, rows);
 }
 
-void addBoxes(Page& page, const std::vector<const Condition*>& conditions) {
+// `all`: what has the same axes.
+void addBoxes(Page& page, const std::vector<const Condition*>& conditions, const std::vector<Condition>& all) {
   const Condition& any = *conditions.front();
   BoxPlot stiffness, depth;
   stiffness.yLabel = "K_z1, kN/m";
@@ -302,6 +289,13 @@ void addBoxes(Page& page, const std::vector<const Condition*>& conditions) {
     }
   }
   depth.groups = stiffness.groups;
+  for (const Condition& c : all)
+    for (const Score& s : c.scores) {
+      for (const double value : s.stiffness)
+        if (value > 0.0) stiffness.extent.see(1e-3 * value);
+      for (const double value : s.depth)
+        if (value > 0.0) depth.extent.see(1e3 * value);
+    }
   const std::string& where = plantTitles().at(any.plant);
   page.figure(svgOf(stiffness),
               fmt::format("First impact stiffness on {}, scenario 1: higher is better. Boxes: quartiles "
@@ -433,8 +427,8 @@ void addClaims(Page& page, const std::vector<Condition>& conditions) {
     items.push_back(fmt::format(
         "“Position control is stiffer than impedance” on {}, {}: {} against {} N/m (p {}), "
         "{} against {} runs lost: <b>{}</b>.",
-        plantTitles().at(c.plant), delayText(c.delay), meanText(spreadOf(c.scores[ours].stiffness), 1.0),
-        meanText(spreadOf(c.scores[spring].stiffness), 1.0), pText(t.p), c.scores[ours].lost, c.scores[spring].lost,
+        plantTitles().at(c.plant), delayText(c.delay), meanText(spreadOf(c.scores[ours].stiffness)),
+        meanText(spreadOf(c.scores[spring].stiffness)), pText(t.p), c.scores[ours].lost, c.scores[spring].lost,
         !(t.t > 0.0 && t.p < 0.05) ? "does not hold"
         : c.scores[ours].lost == 0 ? "holds"
                                    : "stiffer, but runs are lost"));
@@ -476,7 +470,7 @@ std::string pageOf(const StudyOptions& options, const std::vector<Condition>& co
     name[0] = static_cast<char>(std::toupper(name[0]));
     page.heading(name);
     addRanks(page, here);
-    addBoxes(page, here);
+    addBoxes(page, here, conditions);
     for (const Condition* c : here) addFeel(page, *c);
   }
   page.note(

@@ -7,12 +7,12 @@ namespace enamel::app {
 namespace {
 
 constexpr const char* kStyle = R"(
-body { font: 16px/1.5 sans-serif; color: #1f262e; max-width: 52rem; margin: 2rem auto; padding: 0 1rem; }
+body { font: 16px/1.5 sans-serif; color: #1f262e; max-width: 58rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.7rem; line-height: 1.25; margin-bottom: 0.2rem; } h2 { font-size: 1.25rem; margin-top: 2.4rem; }
 table { border-collapse: collapse; width: 100%; margin: 0.8rem 0; font-size: 0.875rem; line-height: 1.35; }
 caption { text-align: left; color: #4a535e; padding-bottom: 0.4rem; }
 th, td { padding: 0.3rem 0.8rem 0.3rem 0; border-bottom: 1px solid #d3d9e0; text-align: right; vertical-align: top; }
-th:first-child, td:first-child { text-align: left; min-width: 9rem; } th { border-bottom: 2px solid #66707c; font-weight: 600; }
+th:first-child, td:first-child { text-align: left; min-width: 7rem; } th { border-bottom: 2px solid #66707c; font-weight: 600; }
 td { overflow-wrap: break-word; } td small { display: block; color: #4a535e; font-size: 0.8rem; }
 code { font: inherit; font-style: italic; white-space: nowrap; } sub { line-height: 0; }
 td.yes { color: #00684d; } td.no { color: #a84300; font-weight: 600; }

@@ -27,12 +27,11 @@ std::string definitionOf(const Study& study, std::size_t column) {
   const std::string wall = fmt::format("a spring of {} N/m", givenText(spring.stiffness));
   switch (study.labels[column].kind) {
     case ColumnKind::positionControl:
-      return "Enamel's own: a servo in contact space. It holds the tool on the wall's surface along the normal, pushes "
-             "and never pulls, and lets the tool slide.";
+      return "Enamel's own: a servo in contact space. It holds the tool on the wall's surface along the normal, "
+             "pushes and never pulls, and lets the tool slide.";
     case ColumnKind::hold:
       return "the paper's proposal: a linear-quadratic servo with integrators, designed once at home, holds every "
-             "joint "
-             "where it was at the touch.";
+             "joint where it was at the touch.";
     case ColumnKind::scheduled: return "hold with a servo designed at every query point instead of once at home.";
     case ColumnKind::impedance:
       return "the paper's baseline: " + wall +
@@ -55,10 +54,8 @@ void addTerms(Page& page, const Study& study) {
       "A haptic device is a small robot that a person holds by its <b>tool</b>. Its <b>renderer</b> is the law that "
       "commands the motors at every <b>tick</b> ({} ms) so that the tool stops where it touches something that is not "
       "there: here <b>the wall</b>, the plane z = 0, with the person above it. At each of {} <b>query points</b> on "
-      "the "
-      "wall a person was simulated who pushes the tool into it, {} times with other forces and other noise, the same "
-      "for "
-      "every renderer.",
+      "the wall a person was simulated who pushes the tool into it, {} times with other forces and other noise, the "
+      "same for every renderer.",
       givenText(1e3 * setup.period), plan.points(), plan.runs));
   std::vector<std::pair<std::string, std::string>> terms;
   for (std::size_t c = 0; c < study.labels.size(); ++c)
@@ -67,17 +64,15 @@ void addTerms(Page& page, const Study& study) {
   if (has(1))
     terms.emplace_back(
         "Scenario 1",
-        fmt::format("a step: at 1 s the person's force jumps to F_c, drawn evenly from {} to {} "
-                    "N for each run, and stays, with white noise of {} N (standard "
-                    "deviation), to the end at {} s.",
+        fmt::format("a step: at 1 s the person's force jumps to F_c, drawn evenly from {} to {} N for each run, and "
+                    "stays, with white noise of {} N (standard deviation), to the end at {} s.",
                     givenText(plan.lowestForce), givenText(plan.highestForce), noise, givenText(setup.duration)));
   if (has(2))
     terms.emplace_back(
         "Scenario 2",
         fmt::format(
-            "a hand: through a spring of {} N/m and a damper of {} N s/m its movement "
-            "brings a force that rises smoothly from 1 s to 2 s to F_c{}; white "
-            "noise of {} N from 2 s to the end at {} s.",
+            "a hand: through a spring of {} N/m and a damper of {} N s/m its movement brings a force that rises "
+            "smoothly from 1 s to 2 s to F_c{}; white noise of {} N from 2 s to the end at {} s.",
             givenText(kPaperGrip.stiffness), givenText(kPaperGrip.damping),
             has(1) ? "" : fmt::format(" ({} to {} N)", givenText(plan.lowestForce), givenText(plan.highestForce)),
             noise, givenText(setup.duration)));
@@ -87,34 +82,41 @@ void addTerms(Page& page, const Study& study) {
         "First impact: D_z1 and K_z1",
         "D_z1 is the deepest point of the continuous motion, between ticks too, up to its first return, from the mean "
         "depth in the 0.1 s before the step; the stiffness K_z1 is the force then over D_z1. A push that rings, slips "
-        "or "
-        "never returns has none.");
+        "or never returns has none.");
     terms.emplace_back(
         "Share of the limit",
-        "K_z1 over the largest that physics allows without a force sensor, for the push's force, preload "
-        "and largest delay, and a step at the beginning of a tick; a shorter delay or a step inside a tick "
-        "can exceed it.");
+        "K_z1 over the largest that physics allows without a force sensor, for the push's force, preload and largest "
+        "delay, and a step at the beginning of a tick; a shorter delay or a step inside a tick can exceed it.");
   }
   terms.emplace_back(
       "Steady state: D_zs, C_zs and K_zs",
-      fmt::format("D_zs is the mean depth {}, signed; the compliance C_zs is D_zs over F_c; the stiffness "
-                  "K_zs is 1 over the magnitude of the mean C_zs of a point's runs. That mean can be "
-                  "zero: a K_zs is resolved, and given, only where it exceeds two standard errors.",
+      fmt::format("D_zs is the mean depth {}, signed; the compliance C_zs is D_zs over F_c; the stiffness K_zs is 1 "
+                  "over the magnitude of the mean C_zs of a point's runs. That mean can be zero: a K_zs is resolved, "
+                  "and given, only where it exceeds two standard errors.",
                   has(1) && has(2) ? "from 1 s (scenario 1) or 2 s (scenario 2) to the end"
                   : has(1)         ? "from 1 s to the end"
                                    : "from 2 s to the end"));
   terms.emplace_back(
       "Eq. 16 of the paper",
-      "a rendered spring K_r with a damper B_r is passive, and so stable, where b_m &gt; K_r T_s / 2 + |B_r|: "
-      "b_m is the device's own damping along the wall's normal, T_s the tick.");
+      "a rendered spring K_r with a damper B_r is passive, and so stable, where b_m &gt; K_r T_s / 2 + |B_r|: b_m is "
+      "the device's own damping along the wall's normal, T_s the tick.");
   terms.emplace_back(
       "a ± b",
       fmt::format(
-          "a mean over the runs of a query point and its 95 % interval by Student's t, both rounded to the "
-          "interval's second digit; “a (b to c)” is an interval with unequal arms. The lowest or highest "
-          "of the {} points has the interval of its own mean, which does not count that it was chosen. What has "
-          "no interval is no mean: the largest of all runs, or one simulation without noise.",
+          "a mean over the runs of a query point and its 95 % interval by Student's t, both rounded to the interval's "
+          "second digit; “a (b to c)” is an interval with unequal arms. The lowest or highest of the {} points has "
+          "the interval of its own mean, which does not count that it was chosen. What has no interval is no mean: "
+          "the largest of all runs, or one simulation without noise.",
           plan.points()));
+  terms.emplace_back(
+      "Conditions",
+      fmt::format("the delay from a measurement to the torque that answers it: {}; the person leans on the wall with "
+                  "{} N before the push (preload); joint angles are {}; the random numbers are those of seed {}. Home "
+                  "is the pose in the middle of the workspace, with the tool's centre at x = y = z = 0. A motor "
+                  "saturates where it is asked for more than its limit. The guard stops a renderer that becomes "
+                  "unsafe.",
+                  delayText(study.options.delay), givenText(study.options.preload),
+                  study.options.encoders ? "read in the steps of the encoders" : "known exactly", setup.seed));
   page.terms(terms);
 }
 
@@ -251,8 +253,8 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
     for (const WallSummary* w : walls) lost.push_back(w->failed == 0 ? "0" : lostText(*w));
     rows.push_back(lost);
     page.table(head, rows,
-               fmt::format("Scenario {}: the worst query point's mean, or where it says so the largest of all "
-                           "runs; a run is lost where the device leaves its workspace or the guard stops it.",
+               fmt::format("Scenario {}: the worst query point's mean, or where it says so the largest of all runs; a "
+                           "run is lost where the device leaves its workspace or the guard stops it.",
                            scenario));
   }
 }
@@ -307,27 +309,24 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
                                      study.plan.points());
     const double limit = study.mechanism->limits().torque[most];
     items.push_back(fmt::format(
-        "<b>K_z1 along y.</b> The paper's rises with y. Here K_z1 of hold (no noise, {:.0f} N, means over x) {} from y "
-        "= {} to {} mm: {} to {} kN/m.",
+        "<b>K_z1 along y.</b> The paper's rises with y. Here K_z1 of hold (no noise, {:.0f} N, means over x) {} from "
+        "y = {} to {} mm: {} to {} kN/m.",
         kSurveyForce, trend(k.front(), k.back()), givenText(-1e3 * study.plan.halfWidth),
         givenText(1e3 * study.plan.halfWidth), numberText(1e-3 * k.front()), numberText(1e-3 * k.back())));
     Eigen::Index heaviest = 0;
     gravity.maxCoeff(&heaviest);
     items.push_back(fmt::format(
         "<b>Saturation.</b> {}Under {:.0f} N {}; the most loaded is joint {} with at most {:.2f} of {:.3g} N m. "
-        "Gravity "
-        "takes at most {:.3f} N m (joint {}{}). With motors that never saturate K_z1 changes by at most "
-        "{:.2g} "
-        "%: saturation {} the reason for the trend.",
+        "Gravity takes at most {:.3f} N m (joint {}{}). With motors that never saturate K_z1 changes by at most "
+        "{:.2g} %: saturation {} the reason for the trend.",
         study.isTau() ? "The paper suspects joint 6, which carries most of its device's weight. " : "", kHardForce,
         saturatedText.empty() ? "no joint saturates" : "motors saturate (" + saturatedText + ")", most + 1, peak[most],
         limit, gravity[heaviest], heaviest + 1, study.isTau() ? fmt::format("; joint 6: {:.3f}", gravity[5]) : "",
         100.0 * unlimitedDifference, unlimitedDifference < 0.01 ? "is not" : "is part of"));
     // A correlation says which way, not why: the reason is given where the numbers are those that it predicts.
     std::string reason = fmt::format(
-        "<b>Reason.</b> Over the wall K_z1 is correlated by {:.2f} with the device's effective mass along "
-        "the "
-        "normal and by {:.2f} with the inverse of the lever |dz/dq| of the joints{}.",
+        "<b>Reason.</b> Over the wall K_z1 is correlated by {:.2f} with the device's effective mass (what a force "
+        "along the normal has to move) and by {:.2f} with the inverse of the lever |dz/dq| of the joints{}.",
         withMass, withLever,
         withMass > 0.7 && withLever > 0.7
             ? ": the servo is stiff in the joints, and the same joint stiffness holds less where the joints move the "
@@ -338,8 +337,7 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
       const double gone = (s.back() / s.front() - 1.0) / (k.back() / k.front() - 1.0);
       reason += fmt::format(
           " A servo designed at every query point {} by {} instead of {}: {:.0f} % of the trend is the device's, the "
-          "rest "
-          "comes from a servo that was designed at home.",
+          "rest comes from a servo that was designed at home.",
           s.back() > s.front() ? "rises" : "falls", percent(std::abs(s.back() / s.front() - 1.0)),
           percent(std::abs(k.back() / k.front() - 1.0)), 100.0 * gone);
     }
@@ -347,8 +345,8 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
     const auto low = rowMeans(study, over(points, [&](const SurveyPoint& p) { return p.peak[joints - 1]; }));
     if (study.isTau())
       items.push_back(fmt::format(
-          "<b>Joint 6.</b> {}: its largest torque under {:.0f} N is {:.3f} N m at the lowest y and {:.3f} N "
-          "m at the highest.",
+          "<b>Joint 6.</b> {}: its largest torque under {:.0f} N is {:.3f} N m at the lowest y and {:.3f} N m at the "
+          "highest.",
           low.front() > low.back() ? "As in the paper, it works harder at the bottom"
                                    : "Other than in the paper, it works harder at the top",
           kHardForce, low.front(), low.back()));
@@ -356,9 +354,8 @@ void addDifferences(Page& page, const Study& study, const Findings& findings) {
   if (spring < none) {
     const std::vector<double> k = row(spring, stiffness);
     items.push_back(
-        fmt::format("<b>Impedance.</b> {}: uniformity {} without noise; the first impact "
-                    "reaches {} of the "
-                    "{:.0f} N/m that are rendered.",
+        fmt::format("<b>Impedance.</b> {}: uniformity {} without noise; the first impact reaches {} of the {:.0f} N/m "
+                    "that are rendered.",
                     uniformityOf(findings.survey[spring]) < 0.05 ? "As in the paper the map is flat"
                                                                  : "Other than in the paper the map is not flat",
                     percent(uniformityOf(findings.survey[spring])),
@@ -464,8 +461,8 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
           fmt::format("The servo of hold {}, on its linear model at home: steps of 0.01 rad, of 10 N and of 0.1 N m.",
                       study.gainFor != kHold ? "with the paper's weights, designed at home" : "from --gain"));
       page.note(fmt::format(
-          "The limits do not fit each other (0.001 rad at a lever of 0.1 m is 0.1 mm, not 1 mm){}: <code>enamel design "
-          "--tune</code> finds what ours can do.",
+          "The limits do not fit each other (0.001 rad at a lever of 0.1 m is 0.1 mm, not 1 mm){}: <code>enamel "
+          "design --tune</code> finds what ours can do.",
           study.gainFor != kHold ? ", and these weights were found for another device" : ""));
     }
 
@@ -503,12 +500,10 @@ std::string reportOf(const Study& study, const Findings& findings, const std::ve
   for (const ColumnLabel& label : study.labels) title += (title.empty() ? "" : ", ") + label.title;
   return page.whole(
       findings.whole ? "On a stiff wall: " + escape(title) : "Speed against error of the integration",
-      fmt::format(
-          "{}; {} query points, {} runs each, preload {} N, delay {}, encoders {}, seed {}. After “A "
-          "Position-Control Based Approach to Haptic Rendering of Stiff Objects” (“the paper”), sections V and VI; "
-          "the copy that Enamel follows names neither its authors nor its year or DOI.",
-          escape(nameOf(study.device)), study.plan.points(), study.plan.runs, givenText(study.options.preload),
-          escape(study.options.delay), study.options.encoders ? "on" : "off", study.plan.setup.seed));
+      fmt::format("{}; {} query points, {} runs each. After “A Position-Control Based Approach to Haptic Rendering of "
+                  "Stiff Objects” (“the paper”), sections V and VI; the copy that Enamel follows names neither its "
+                  "authors nor its year or DOI.",
+                  escape(nameOf(study.device)), study.plan.points(), study.plan.runs));
 }
 
 }  // namespace enamel::app

@@ -335,6 +335,14 @@ std::string pointText(const Study& study, std::size_t point) {
   return fmt::format("({:.4g}, {:.4g})", p.x(), p.y());
 }
 
+std::string delayText(const std::string& delay) {
+  const Delay d = parseDelay(delay);
+  return d.high == 0      ? "no delay"
+         : d.low < d.high ? fmt::format("{}..{} ticks", d.low, d.high)
+         : d.high == 1    ? "1 tick"
+                          : fmt::format("{} ticks", d.high);
+}
+
 std::string withoutFirstText(const WallSummary& wall) {
   std::string text;
   for (const FirstImpactVerdict verdict : kWithoutFirst)
