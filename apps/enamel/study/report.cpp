@@ -58,6 +58,15 @@ void addTerms(Page& page, const Study& study) {
       "same for every renderer.",
       givenText(1e3 * setup.period), plan.points(), plan.runs));
   std::vector<std::pair<std::string, std::string>> terms;
+  terms.emplace_back(
+      "Conditions",
+      fmt::format("the delay from a measurement to the torque that answers it: {}; the person leans on the wall with "
+                  "{} N before the push (preload); joint angles are {}; the random numbers are those of seed {}. Home "
+                  "is the pose in the middle of the workspace, with the tool's centre at x = y = z = 0. A motor "
+                  "saturates where it is asked for more than its limit. The guard stops a renderer that becomes "
+                  "unsafe.",
+                  delayText(study.options.delay), givenText(study.options.preload),
+                  study.options.encoders ? "read in the steps of the encoders" : "known exactly", setup.seed));
   for (std::size_t c = 0; c < study.labels.size(); ++c)
     terms.emplace_back("Renderer: " + escape(study.labels[c].title), definitionOf(study, c));
   const std::string noise = givenText(setup.person.noise);
@@ -98,8 +107,8 @@ void addTerms(Page& page, const Study& study) {
                                    : "from 2 s to the end"));
   terms.emplace_back(
       "Eq. 16 of the paper",
-      "a rendered spring K_r with a damper B_r is passive, and so stable, where b_m &gt; K_r T_s / 2 + |B_r|: b_m is "
-      "the device's own damping along the wall's normal, T_s the tick.");
+      "a rendered spring K_r with a damper B_r is passive (gives no energy that it has not received), and so stable, "
+      "where b_m &gt; K_r T_s / 2 + |B_r|: b_m is the device's own damping along the wall's normal, T_s the tick.");
   terms.emplace_back(
       "a ± b",
       fmt::format(
@@ -108,15 +117,6 @@ void addTerms(Page& page, const Study& study) {
           "the interval of its own mean, which does not count that it was chosen. What has no interval is no mean: "
           "the largest of all runs, or one simulation without noise.",
           plan.points()));
-  terms.emplace_back(
-      "Conditions",
-      fmt::format("the delay from a measurement to the torque that answers it: {}; the person leans on the wall with "
-                  "{} N before the push (preload); joint angles are {}; the random numbers are those of seed {}. Home "
-                  "is the pose in the middle of the workspace, with the tool's centre at x = y = z = 0. A motor "
-                  "saturates where it is asked for more than its limit. The guard stops a renderer that becomes "
-                  "unsafe.",
-                  delayText(study.options.delay), givenText(study.options.preload),
-                  study.options.encoders ? "read in the steps of the encoders" : "known exactly", setup.seed));
   page.terms(terms);
 }
 
