@@ -147,10 +147,9 @@ TEST_CASE("a small study through plugins writes the same runs as the linked rend
   const test::TemporaryFolder folder;
   const std::string common =
       "study --no-convergence --grid 2 --runs 2 --scenario 1,2 --delay random:0..1 --seed 3 --output '";
-  REQUIRE(test::runAlone(common + (folder / "linked") + "' --renderers position-control,impedance").status == 0);
-  REQUIRE(test::runAlone(common + (folder / "plugins") +
-                         "' --renderers " ENAMEL_PLUGINS "/enamel_position_control.so," +
-                         ENAMEL_PLUGINS "/enamel_impedance.so --set delay-high=1")
+  REQUIRE(test::run(common + (folder / "linked") + "' --renderers position-control,impedance").status == 0);
+  REQUIRE(test::run(common + (folder / "plugins") + "' --renderers " ENAMEL_PLUGINS "/enamel_position_control.so," +
+                    ENAMEL_PLUGINS "/enamel_impedance.so --set delay-high=1")
               .status == 0);
   CHECK_THAT(test::run(common + (folder / "typo") + "' --renderers template --set relase=off").output,
              Contains("relase, which no plugin"));

@@ -51,14 +51,6 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// run(), but away from the program that draws: figures take most of the time of a small study.
-inline CommandResult runAlone(const std::string& arguments) {
-  static const TemporaryFolder folder;
-  const std::string tool = folder / "enamel";
-  if (!std::filesystem::exists(tool)) std::filesystem::copy_file(ENAMEL_TOOL, tool);
-  return runCommand("'" + tool + "' " + arguments);
-}
-
 inline void writeFile(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
 
 inline std::string readFile(const std::string& path) {

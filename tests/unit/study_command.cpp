@@ -4,19 +4,22 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 #include <sstream>
 
 #include "enamel/study/metrics.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/xml.hpp"
 
 namespace enamel::test_study_command {
 
 namespace {
 
 using Catch::Matchers::Contains;
-using test::runAlone;
+using test::run;
 
 const bool kLong = std::getenv("ENAMEL_LONG") != nullptr;
 
@@ -32,9 +35,31 @@ std::string file(const test::TemporaryFolder& folder, const std::string& name, c
   return test::readFile(folder / (name + "/" + which));
 }
 
-// A metric as the head of a column of the report.
-std::string headOf(const Metric& metric) {
-  return "<th>" + std::string(metric.symbol) + ", " + metric.displayUnit + "</th>";
+int count(const std::string& text, const std::string& part) {
+  int found = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size()) ++found;
+  return found;
+}
+
+// What the group of a pattern matches, every time.
+std::vector<std::string> captures(const std::string& text, const std::string& pattern) {
+  const std::regex regex(pattern);
+  std::vector<std::string> found;
+  for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it) found.push_back((*it)[1]);
+  return found;
+}
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream text(line);
+  for (std::string cell; std::getline(text, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+// A page as one reads it: spaces are spaces, indices are "_".
+std::string readable(std::string page) {
+  page = std::regex_replace(page, std::regex("<sub>([a-z0-9]*)</sub>"), "_$1");
+  return std::regex_replace(page, std::regex("\u00a0"), " ");
 }
 
 // Small, but with more runs than are under way at once.
@@ -52,7 +77,7 @@ test::CommandResult interrupted(const std::string& arguments, const std::string&
 
 TEST_CASE("study: the same bytes with one thread and two, interrupted and killed", "[study_command]") {
   const test::TemporaryFolder folder;
-  REQUIRE(runAlone(study(folder, "one", kSmall + "--threads 1")).status == 0);
+  REQUIRE(run(study(folder, "one", kSmall + "--threads 1")).status == 0);
   CHECK_FALSE(std::filesystem::exists(folder / "one/convergence.csv"));
   CHECK(file(folder, "one", "report.html").find("Speed against error") == std::string::npos);
   const std::string runs = file(folder, "one", "runs.csv");
@@ -62,14 +87,14 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
     CHECK(file(folder, name, "points.csv") == file(folder, "one", "points.csv"));
     CHECK(file(folder, name, "summary.json") == file(folder, "one", "summary.json"));
   };
-  REQUIRE(runAlone(study(folder, "two", kSmall + "--threads 2")).status == 0);
+  REQUIRE(run(study(folder, "two", kSmall + "--threads 2")).status == 0);
   same("two");
-  REQUIRE(runAlone(study(folder, "other", kSmall + "--seed 2")).status == 0);
+  REQUIRE(run(study(folder, "other", kSmall + "--seed 2")).status == 0);
   CHECK(file(folder, "other", "runs.csv") != runs);
 
   // Long enough that the signal arrives before the end on any machine.
   const std::string longer = "--renderers position-control --scenario 1 --grid 3 --runs 8";
-  REQUIRE(runAlone(study(folder, "whole", longer)).status == 0);
+  REQUIRE(run(study(folder, "whole", longer)).status == 0);
   const std::string whole = file(folder, "whole", "runs.csv");
   for (const char* signal : {"INT", "TERM", "KILL"}) {
     const std::string name = std::string("cut-") + signal;
@@ -85,25 +110,25 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
       CHECK(left.back() == '\n');
     }
     // Forgetting --resume throws nothing away.
-    const auto forgotten = runAlone(study(folder, name, longer));
+    const auto forgotten = run(study(folder, name, longer));
     CHECK(forgotten.status == 1);
     CHECK(forgotten.output.find("holds an unfinished study") != std::string::npos);
     CHECK(file(folder, name, "runs.csv") == left);
     // Nor does another study go on in its place.
-    const auto mixed = runAlone(study(folder, name, longer + " --resume --seed 9"));
+    const auto mixed = run(study(folder, name, longer + " --resume --seed 9"));
     CHECK(mixed.status == 1);
     CHECK(mixed.output.find("holds another study: its seed is 1, here it is 9") != std::string::npos);
     CHECK(file(folder, name, "runs.csv") == left);
     // A torn line is cut off.
     test::writeFile(folder / (name + "/runs.csv"), left + "1,position-con");
-    REQUIRE(runAlone(study(folder, name, longer + " --resume --threads 1")).status == 0);
+    REQUIRE(run(study(folder, name, longer + " --resume --threads 1")).status == 0);
     CHECK(file(folder, name, "runs.csv") == whole);
     CHECK(std::filesystem::exists(folder / (name + "/report.html")));
   }
   // A finished one may be resumed, or done again.
-  REQUIRE(runAlone(study(folder, "two", kSmall + "--resume")).status == 0);
+  REQUIRE(run(study(folder, "two", kSmall + "--resume")).status == 0);
   same("two");
-  REQUIRE(runAlone(study(folder, "two", kSmall)).status == 0);
+  REQUIRE(run(study(folder, "two", kSmall)).status == 0);
   same("two");
 }
 
@@ -138,8 +163,8 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
     CHECK(text.find("nan") == std::string::npos);
   }
   // The report stands alone.
-  const std::string report = file(folder, "all", "report.html");
-  CHECK(report.find("http") == std::string::npos);
+  const std::string report = readable(file(folder, "all", "report.html"));
+  CHECK(std::regex_replace(report, std::regex("xmlns=\"[^\"]*\""), "").find("http") == std::string::npos);
   CHECK(report.find("17 174") != std::string::npos);
   CHECK(report.find("not met") != std::string::npos);
   CHECK(report.find("no joint saturates") != std::string::npos);
@@ -147,9 +172,9 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
   CHECK(report.find("it is the default") != std::string::npos);
   CHECK(report.find("the deepest point of the continuous motion, between ticks too") != std::string::npos);
   CHECK(report.find("<h1>On a stiff wall: position control, hold, impedance</h1>") != std::string::npos);
-  CHECK(report.find(
-            "<th>Enamel, as in the paper (hold, impedance)</th><th>Enamel, position control in contact space</th>") !=
-        std::string::npos);
+  CHECK(
+      report.find("<th>here, as in the paper (hold, impedance)</th><th>here, position control in contact space</th>") !=
+      std::string::npos);
   // One name for a metric everywhere.
   const std::string runs = file(folder, "all", "runs.csv"), points = file(folder, "all", "points.csv");
   const std::string runHead = runs.substr(0, runs.find('\n')), pointHead = points.substr(0, points.find('\n'));
@@ -168,7 +193,7 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
     REQUIRE(metric != allMetrics().end());
     CHECK(summaryText.find(keyOf(*metric) + '"') != std::string::npos);
     if (symbol != std::string("K_z1") && symbol != std::string("share of limit"))
-      CHECK(report.find(headOf(*metric)) != std::string::npos);
+      CHECK(report.find(std::string(symbol) + ", " + metric->displayUnit) != std::string::npos);
   }
 }
 
@@ -176,7 +201,7 @@ TEST_CASE("study: damping is the plant's, whatever the renderer", "[study_comman
   const test::TemporaryFolder folder;
   const std::string tiny = "--scenario 1 --grid 1 --runs 2 --renderers ";
   const auto both = [&](const std::string& name, const std::string& arguments) {
-    const auto result = runAlone(study(folder, name, tiny + "position-control,impedance " + arguments));
+    const auto result = run(study(folder, name, tiny + "position-control,impedance " + arguments));
     INFO(result.output);
     REQUIRE(result.status == 0);
     return nlohmann::json::parse(file(folder, name, "summary.json"));
@@ -205,14 +230,14 @@ TEST_CASE("study: damping is the plant's, whatever the renderer", "[study_comman
   CHECK(dampings(both("other", "--device-damping position-control=2.5,impedance=6")) == std::vector<double>{2.5, 6.0});
   CHECK(file(folder, "other", "report.html").find("<td>2.5</td>") != std::string::npos);
   // Without it the wall breaks eq. 16: said on the terminal and in the report.
-  const auto none = runAlone(study(folder, "none", tiny + "impedance --device-damping 0"));
+  const auto none = run(study(folder, "none", tiny + "impedance --device-damping 0"));
   CHECK(none.status == 0);
   CHECK(none.output.find("need more than 3 N s/m of device damping") != std::string::npos);
   CHECK(lines("none", "impedance") != lines("default", "impedance"));
-  CHECK(file(folder, "none", "report.html").find("needs more than 3 N s/m (eq. 16); its plant has 0 N s/m") !=
-        std::string::npos);
+  CHECK_THAT(readable(file(folder, "none", "report.html")),
+             Contains("needs more than 3 N s/m (eq. 16); its plant has 0 N s/m"));
   // The default's name may be missing from --renderers, a given one may not.
-  CHECK(runAlone(study(folder, "alone", tiny + "position-control")).status == 0);
+  CHECK(run(study(folder, "alone", tiny + "position-control")).status == 0);
 }
 
 TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
@@ -221,7 +246,7 @@ TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
   // The reference design has another author than ours and agrees with it to 1e-9 and better.
   auto servo = nlohmann::json::parse(test::readFile(ENAMEL_SOURCE_DIR "/data/reference/servo-nominal.json"));
   const auto firstStiffness = [&](const std::string& name, const std::string& arguments) {
-    const auto result = runAlone(study(folder, name, tiny + arguments));
+    const auto result = run(study(folder, name, tiny + arguments));
     INFO(result.output);
     REQUIRE(result.status == 0);
     return nlohmann::json::parse(file(folder, name, "summary.json"))
@@ -244,12 +269,12 @@ TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
   CHECK(firstStiffness("half", gainFile("half.json")) < 0.8 * designed);
   CHECK(file(folder, "half", "study.json") != file(folder, "same", "study.json"));
   // Another gain is another study.
-  const auto mixed = runAlone(study(folder, "half", tiny + gainFile("half.json") + " --resume --seed 1"));
+  const auto mixed = run(study(folder, "half", tiny + gainFile("half.json") + " --resume --seed 1"));
   CHECK(mixed.status == 0);
-  CHECK(runAlone(study(folder, "half", tiny + "--resume")).output.find("holds another study") != std::string::npos);
+  CHECK(run(study(folder, "half", tiny + "--resume")).output.find("holds another study") != std::string::npos);
 
   const auto refused = [&](const std::string& name, const std::string& message) {
-    const auto result = runAlone(study(folder, "refused", tiny + gainFile(name)));
+    const auto result = run(study(folder, "refused", tiny + gainFile(name)));
     INFO(result.output);
     CHECK(result.status == 1);
     CHECK(result.output.find(message) != std::string::npos);
@@ -262,8 +287,8 @@ TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
   servo["K"] = nlohmann::json::array();
   for (int i = 0; i < 3; ++i) servo["K"].push_back(std::vector<double>(9, 1.0));
   refused("three.json", "the servo is for 3 joints, the device has 6");
-  CHECK(runAlone("study --renderers impedance --grid 1 --runs 1 --output '" + (folder / "spring") + "' --gain '" +
-                 (folder / "same.json") + "'")
+  CHECK(run("study --renderers impedance --grid 1 --runs 1 --output '" + (folder / "spring") + "' --gain '" +
+            (folder / "same.json") + "'")
             .output.find("same.json: is an LQR design, for hold, which --renderers does not name") !=
         std::string::npos);
 }
@@ -288,7 +313,7 @@ TEST_CASE("study: a plugin is called a plugin, and is judged as the linked rende
   const test::TemporaryFolder folder;
   const std::string plugin = ENAMEL_PLUGINS "/enamel_impedance.so";
   const std::string tiny = "--scenario 1 --grid 1 --runs 2 --renderers ";
-  REQUIRE(runAlone(study(folder, "both", tiny + "'impedance," + plugin + "' --set stiffness=6000")).status == 0);
+  REQUIRE(run(study(folder, "both", tiny + "'impedance," + plugin + "' --set stiffness=6000")).status == 0);
   std::string linked, plugged;
   std::istringstream text(file(folder, "both", "runs.csv"));
   for (std::string line; std::getline(text, line);) {
@@ -301,15 +326,15 @@ TEST_CASE("study: a plugin is called a plugin, and is judged as the linked rende
   CHECK(plugged == linked);
   // Alone, even one that calls itself "position-control" is none.
   const std::string servo = ENAMEL_PLUGINS "/enamel_position_control.so";
-  REQUIRE(runAlone(study(folder, "servo", tiny + "'" + servo + "'")).status == 0);
+  REQUIRE(run(study(folder, "servo", tiny + "'" + servo + "'")).status == 0);
   const std::string report = file(folder, "servo", "report.html");
   CHECK(report.find("<h1>On a stiff wall: position-control (plugin)</h1>") != std::string::npos);
   CHECK(report.find("position control<") == std::string::npos);
-  CHECK(report.find("Enamel, as in the paper") == std::string::npos);
+  CHECK(report.find("here, as in the paper") == std::string::npos);
   CHECK(nlohmann::json::parse(file(folder, "servo", "summary.json")).at("claims").empty());
   // One value a --set: the next argument is not eaten.
-  CHECK(runAlone(study(folder, "set", tiny + "'" + plugin + "' --set stiffness=6000 --set damping=1")).status == 0);
-  const auto eaten = runAlone(study(folder, "eaten", tiny + "'" + plugin + "' --set stiffness=6000 damping=1"));
+  CHECK(run(study(folder, "set", tiny + "'" + plugin + "' --set stiffness=6000 --set damping=1")).status == 0);
+  const auto eaten = run(study(folder, "eaten", tiny + "'" + plugin + "' --set stiffness=6000 damping=1"));
   CHECK(eaten.status == 2);
   CHECK(eaten.output.find("damping=1") != std::string::npos);
 }
@@ -317,7 +342,7 @@ TEST_CASE("study: a plugin is called a plugin, and is judged as the linked rende
 TEST_CASE("study: a device of three joints", "[study_command]") {
   const test::TemporaryFolder folder;
   const auto result =
-      runAlone(study(folder, "delta", "--device '" + test::deviceFile("delta.toml") + "' --grid 3 --runs 3"));
+      run(study(folder, "delta", "--device '" + test::deviceFile("delta.toml") + "' --grid 3 --runs 3"));
   INFO(result.output);
   REQUIRE(result.status == 0);
   const auto summary = nlohmann::json::parse(file(folder, "delta", "summary.json"));
@@ -328,35 +353,33 @@ TEST_CASE("study: a device of three joints", "[study_command]") {
     CHECK(wall.at("faults") == 0);
   }
   const std::string report = file(folder, "delta", "report.html");
-  CHECK(report.find("Requirements on the servo (Table II)") != std::string::npos);
+  CHECK(report.find("Requirements on the servo") != std::string::npos);
   CHECK(report.find("joint 6") == std::string::npos);
 }
 
 TEST_CASE("study: encoders, delay and a design on another device make other studies", "[study_command]") {
   const test::TemporaryFolder folder;
   const std::string tiny = "--renderers hold --scenario 1 --grid 1 --runs 2 ";
-  REQUIRE(runAlone(study(folder, "plain", tiny)).status == 0);
+  REQUIRE(run(study(folder, "plain", tiny)).status == 0);
   const std::string detailed = test::deviceFile("tau-detailed.toml");
   for (const std::string& other :
        {std::string("--encoders"), std::string("--delay constant:1"), std::string("--preload 2"),
         std::string("--inside-tick"), "--design-device '" + detailed + "'", "--device '" + detailed + "'"}) {
     const std::string name = "other" + std::to_string(other.size());
     INFO(other);
-    REQUIRE(runAlone(study(folder, name, tiny + other)).status == 0);
+    REQUIRE(run(study(folder, name, tiny + other)).status == 0);
     CHECK(file(folder, name, "runs.csv") != file(folder, "plain", "runs.csv"));
     CHECK(file(folder, name, "study.json") != file(folder, "plain", "study.json"));
   }
   // The built-in device is the shipped one.
-  REQUIRE(runAlone(study(folder, "named", tiny + "--device '" + test::deviceFile("tau-nominal.toml") + "'")).status ==
-          0);
+  REQUIRE(run(study(folder, "named", tiny + "--device '" + test::deviceFile("tau-nominal.toml") + "'")).status == 0);
   CHECK(file(folder, "named", "runs.csv") == file(folder, "plain", "runs.csv"));
 }
 
 TEST_CASE("study: runs that the plant cannot finish are lost, not numbers", "[study_command]") {
   const test::TemporaryFolder folder;
   // The paper's gains are unstable at a constant delay of 8 ticks.
-  const auto result =
-      runAlone(study(folder, "late", "--renderers hold --scenario 1 --grid 1 --runs 2 --delay constant:8"));
+  const auto result = run(study(folder, "late", "--renderers hold --scenario 1 --grid 1 --runs 2 --delay constant:8"));
   INFO(result.output);
   REQUIRE(result.status == 0);
   const auto summary = nlohmann::json::parse(file(folder, "late", "summary.json"));
@@ -406,7 +429,7 @@ TEST_CASE("study: errors are one line, before any run", "[study_command]") {
                                        "--output '" + (folder / "plain-file") + "'",
                                        "--output '" + (folder / "plain-file") + "/below'",
                                        std::string("--output /proc/no-such-folder")}) {
-    const auto result = runAlone("study " + arguments);
+    const auto result = run("study " + arguments);
     INFO(arguments << "\n" << result.output);
     CHECK(result.status != 0);
     CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
@@ -416,13 +439,13 @@ TEST_CASE("study: errors are one line, before any run", "[study_command]") {
   if (geteuid() != 0) {  // root may write anywhere
     std::filesystem::create_directory(folder / "locked");
     std::filesystem::permissions(folder / "locked", std::filesystem::perms::owner_read);
-    CHECK(runAlone(study(folder, "locked", kSmall)).output.find("cannot write into the folder") != std::string::npos);
+    CHECK(run(study(folder, "locked", kSmall)).output.find("cannot write into the folder") != std::string::npos);
   }
 }
 
 TEST_CASE("study: a full disk ends it with one line, and it can go on", "[study_command]") {
   const test::TemporaryFolder folder;
-  REQUIRE(runAlone(study(folder, "whole", kSmall)).status == 0);
+  REQUIRE(run(study(folder, "whole", kSmall)).status == 0);
   // A limit on the size of files stands for the disk: 8 blocks of 512 bytes, or of 1024 where sh is bash.
   const auto full = test::runCommand("ulimit -f 8; '" ENAMEL_TOOL "' " + study(folder, "full", kSmall));
   INFO(full.output);
@@ -431,26 +454,149 @@ TEST_CASE("study: a full disk ends it with one line, and it can go on", "[study_
   const std::string left = file(folder, "full", "runs.csv"), whole = file(folder, "whole", "runs.csv");
   CHECK(left.size() <= 8192);
   CHECK(left == whole.substr(0, left.size()));
-  REQUIRE(runAlone(study(folder, "full", kSmall + "--resume")).status == 0);
+  REQUIRE(run(study(folder, "full", kSmall + "--resume")).status == 0);
   CHECK(file(folder, "full", "runs.csv") == whole);
 }
 
-TEST_CASE("study: without the program that draws, the report has no figures and says so", "[study_command]") {
+TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_command]") {
   const test::TemporaryFolder folder;
-  const auto result =
-      runAlone(convergingStudy(folder, "bare", "--renderers position-control --scenario 1 --grid 1 --runs 1"));
+  const auto result = run(convergingStudy(folder, "drawn", "--grid 3 --runs 3"));
   INFO(result.output);
-  CHECK(result.status == 0);
-  CHECK(result.output.find("the report is without figures: enamel-figures is not there") != std::string::npos);
-  const std::string report = file(folder, "bare", "report.html");
-  CHECK(report.find("Without figures: enamel-figures is not there") != std::string::npos);
-  CHECK(report.find("<img") == std::string::npos);
+  REQUIRE(result.status == 0);
+  const auto figure = [&](const std::string& name) { return file(folder, "drawn", "figures/" + name + ".svg"); };
+  const std::string report = file(folder, "drawn", "report.html");
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "drawn/figures")) {
+    const std::string name = entry.path().stem(), svg = figure(name);
+    INFO(name);
+    names.insert(name);
+    CHECK(test::xmlProblem(svg) == "");
+    CHECK_THAT(svg, !Contains("nan") && !Contains("inf\"") && !Contains("inf,"));
+    CHECK_THAT(svg, Contains("</text>"));
+  }
+  CHECK(names == std::set<std::string>{"fig06-device", "fig08-response-1", "fig09-response-2", "fig10-first-impact",
+                                       "along-y", "fig11-torque", "fig12-steady-1", "fig13-steady-2",
+                                       "impedance-stability", "convergence"});
+  CHECK(test::xmlProblem(report) == "");
+  CHECK(count(report, "<figure>") == static_cast<int>(names.size()));
+  CHECK_THAT(report, Contains("Figure 10. ") && !Contains("Figure 11. ") && !Contains("<img"));
+
+  // The query points; a tick a point; a mark a method whose error is finite.
+  CHECK(count(figure("fig06-device"), "r=\"2.2\"") == 9);
+  for (const char* name : {"fig08-response-1", "fig09-response-2"}) {
+    INFO(name);
+    const std::string svg = figure(name);
+    std::vector<int> sizes;
+    for (std::size_t at = 0; (at = svg.find("<path d=\"", at)) != std::string::npos; ++at)
+      sizes.push_back(count(svg.substr(at, svg.find("\" ", at + 9) - at), ","));
+    // The force, each renderer, and each again close up: 0.9 s to 3 s at 1 kHz.
+    CHECK(sizes == std::vector<int>(7, 2100));
+    // Position control, hold and impedance on one scale; at the step close up, too.
+    const auto y = captures(svg, "data-y=\"([^\"]*)\"");
+    REQUIRE(y.size() == 5);
+    CHECK(y[1] == y[2]);
+    CHECK(y[1] == y[3]);
+    CHECK((y[1] == y[4]) == (name == std::string("fig08-response-1")));
+    CHECK(y[0] != y[1]);
+  }
+  int finite = 0;
+  std::istringstream table(file(folder, "drawn", "convergence.csv"));
+  for (std::string line; std::getline(table, line);)
+    finite += std::isdigit(static_cast<unsigned char>(line.back())) != 0 && line.find("inf") == std::string::npos;
+  CHECK(finite > 6);
+  CHECK(count(figure("convergence"), "<circle") == 2 * finite);
+
+  // Maps: every point's mean and interval, as points.csv has them; equal axes for what is compared.
+  std::istringstream points(file(folder, "drawn", "points.csv"));
+  std::string line;
+  std::getline(points, line);
+  const std::vector<std::string> head = split(line);
+  const auto column = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(head.begin(), head.end(), name) - head.begin());
+  };
+  std::vector<std::vector<std::string>> first, second;
+  while (std::getline(points, line)) (line[0] == '1' ? first : second).push_back(split(line));
+  const std::string map = figure("fig10-first-impact");
+  const auto titles = captures(map, "<title>([^<]*)</title>");
+  REQUIRE(titles.size() == first.size());
+  REQUIRE(first.size() == 27);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    double x = 0.0, y = 0.0, mean = 0.0, half = 0.0;
+    INFO(titles[i]);
+    REQUIRE(std::sscanf(titles[i].c_str(), "(%lf, %lf) mm: %lf ± %lf kN/m", &x, &y, &mean, &half) == 4);
+    CHECK(x == Approx(1e3 * std::stod(first[i][column("x [m]")])).margin(1e-9));
+    CHECK(y == Approx(1e3 * std::stod(first[i][column("y [m]")])).margin(1e-9));
+    // Student's t of two degrees of freedom.
+    const double exact = 1e-3 * 4.30265 / std::sqrt(3.0) * std::stod(first[i][column("deviation K_z1 [N/m]")]);
+    CHECK(half == Approx(exact).epsilon(0.05));
+    CHECK(mean == Approx(1e-3 * std::stod(first[i][column("mean K_z1 [N/m]")])).margin(0.05 * half));
+  }
+  for (const char* name : {"fig10-first-impact", "fig12-steady-1", "fig13-steady-2", "impedance-stability"}) {
+    INFO(name);
+    const std::string svg = figure(name);
+    for (const char* axis : {"data-x=\"([^\"]*)\"", "data-y=\"([^\"]*)\""}) {
+      const auto ranges = captures(svg, axis);
+      CHECK(ranges.size() >= 3);
+      CHECK(std::set<std::string>(ranges.begin(), ranges.end()).size() == 1);
+    }
+  }
+  CHECK(count(map, "#bdbdbd") == 0);  // every point has a K_z1
+  int unresolved = 0;
+  for (const auto& row : second) unresolved += row[column("K_zs [N/m]")] == "unresolved";
+  CHECK(count(figure("fig13-steady-2"), "#bdbdbd") == unresolved);
+
+  // Of one point there is no row along y; of three joints there are all the figures.
+  REQUIRE(run(study(folder, "point", "--renderers position-control --scenario 1 --grid 1 --runs 2")).status == 0);
+  CHECK_FALSE(std::filesystem::exists(folder / "point/figures/along-y.svg"));
+  CHECK(test::xmlProblem(file(folder, "point", "report.html")) == "");
+}
+
+TEST_CASE("study: numbers of the report are rounded to their intervals, and no line breaks inside", "[study_command]") {
+  const test::TemporaryFolder folder;
+  REQUIRE(run(study(folder, "numbers", "--grid 2 --runs 4")).status == 0);
+  const std::string report = file(folder, "numbers", "report.html");
+  const std::string tables = report.substr(report.find("<table>"));
+  const std::regex pair("([0-9\u00a0]+)(\\.([0-9]+))?\u00a0±\u00a0([0-9\u00a0]+)(\\.([0-9]+))?");
+  int pairs = 0;
+  for (std::sregex_iterator it(tables.begin(), tables.end(), pair), end; it != end; ++it, ++pairs) {
+    INFO(it->str());
+    CHECK((*it)[3].length() == (*it)[6].length());
+    std::string digits;
+    for (const char c : (*it)[4].str() + (*it)[6].str())
+      if (std::isdigit(static_cast<unsigned char>(c)) != 0 && (c != '0' || !digits.empty())) digits += c;
+    CHECK(digits.size() >= 2);
+    CHECK(digits.find_first_not_of('0', 2) == std::string::npos);
+  }
+  CHECK(pairs > 20);
+  // Outside of tags and settings, a breaking space is nowhere between digits, or before a unit, or by a sign.
+  std::string text;
+  bool tag = false;
+  const std::size_t body = report.find("<body>");
+  for (const char c : report.substr(body, report.find("<h2>Settings") - body)) {
+    tag = tag || c == '<';
+    text += tag ? '|' : c;
+    tag = tag && c != '>';
+  }
+  for (const char* bad : {"[0-9] [0-9]", "[0-9] (N|mm|s|ms|kN/m|N/m|%)[^a-zA-Z]", "± ", " ±", "[^a-z]N (m|s/m)",
+                          "[^0-9a-zA-Z-]-[0-9]", "[KDCF]_"}) {
+    INFO(bad);
+    std::smatch found;
+    const bool has = std::regex_search(text, found, std::regex(bad));
+    INFO((has ? std::string(found.prefix()).substr(std::max<std::ptrdiff_t>(0, found.position() - 40)) + found.str()
+              : ""));
+    CHECK_FALSE(has);
+  }
+  // Terms stand before their first use.
+  for (const auto& [term, use] : {std::pair("<dt>First impact", "<figure>"), std::pair("<dt>Scenario 2", "Figure 1."),
+                                  std::pair("query points</b>", "<table>")})
+    CHECK(report.find(term) < report.find(use));
+  CHECK(report.find("<dt>First impact") != std::string::npos);
 }
 
 TEST_CASE("study: convergence finds the default", "[study_command]") {
   const test::TemporaryFolder folder;
   const auto result =
-      runAlone(convergingStudy(folder, "speed", "--convergence --renderers position-control,hold,impedance --grid 3"));
+      run(convergingStudy(folder, "speed", "--convergence --renderers position-control,hold,impedance --grid 3"));
   INFO(result.output);
   REQUIRE(result.status == 0);
   CHECK(result.output.find("is Runge-Kutta 4 with 1 step a tick") != std::string::npos);
@@ -463,9 +609,9 @@ TEST_CASE("study: convergence finds the default", "[study_command]") {
 TEST_CASE("study: parts in any order, also interrupted, give the bytes of the whole", "[study_command]") {
   const test::TemporaryFolder folder;
   const std::string small = "--renderers impedance,hold --scenario 1,2 --grid 2 --runs 3 --delay random:0..2 ";
-  REQUIRE(runAlone(study(folder, "whole", small)).status == 0);
+  REQUIRE(run(study(folder, "whole", small)).status == 0);
   for (const int part : {3, 1}) {
-    const auto result = runAlone(study(folder, "parts", small + "--part " + std::to_string(part) + "/3"));
+    const auto result = run(study(folder, "parts", small + "--part " + std::to_string(part) + "/3"));
     REQUIRE(result.status == 0);
     CHECK_THAT(result.output, Contains("part " + std::to_string(part) + " of 3 is done"));
     CHECK_FALSE(std::filesystem::exists(folder / "parts/runs.csv"));
@@ -474,16 +620,16 @@ TEST_CASE("study: parts in any order, also interrupted, give the bytes of the wh
   const std::string first = folder / "parts/runs-1-of-3.csv";
   const std::string lines = test::readFile(first);
   test::writeFile(first, lines.substr(0, lines.size() / 2));
-  CHECK_THAT(runAlone(study(folder, "parts", small + "--part 2/3")).output, Contains("part 2 of 3 is done"));
+  CHECK_THAT(run(study(folder, "parts", small + "--part 2/3")).output, Contains("part 2 of 3 is done"));
   CHECK_FALSE(std::filesystem::exists(folder / "parts/runs.csv"));
-  REQUIRE(runAlone(study(folder, "parts", small + "--part 1/3")).status == 0);
+  REQUIRE(run(study(folder, "parts", small + "--part 1/3")).status == 0);
   CHECK(test::readFile(first) == lines);
   for (const char* which : {"runs.csv", "points.csv", "summary.json", "study.json", "report.html"})
     CHECK(file(folder, "parts", which) == file(folder, "whole", which));
 
-  CHECK_THAT(runAlone(study(folder, "parts", small + "--seed 2 --part 1/3")).output, Contains("another study"));
+  CHECK_THAT(run(study(folder, "parts", small + "--seed 2 --part 1/3")).output, Contains("another study"));
   for (const char* bad : {"0/3", "4/3", "1", "1/3x"})
-    CHECK_THAT(runAlone(study(folder, "bad", small + "--part " + bad)).output, Contains("--part"));
+    CHECK_THAT(run(study(folder, "bad", small + "--part " + bad)).output, Contains("--part"));
   // Under Open MPI a process takes the part of its rank.
   const auto ranked = test::runCommand("OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=1 '" ENAMEL_TOOL "' " +
                                        study(folder, "ranked", small));
@@ -502,7 +648,7 @@ TEST_CASE("study --judge: ranks computed from the runs, the same bytes in parts"
                             "' --plants closed-form,real-stiff --delays none,constant:2 --grid 1 --runs 2 --scenario 1 "
                             "--renderers position-control,tuned:impedance,tuned:hold-delay,impedance-edge,impedance ";
   const auto judge = [&](const std::string& name, const std::string& more) {
-    return runAlone(small + "--output '" + (folder / name) + "' " + more);
+    return run(small + "--output '" + (folder / name) + "' " + more);
   };
   const auto whole = judge("whole", "");
   INFO(whole.output);
@@ -516,9 +662,17 @@ TEST_CASE("study --judge: ranks computed from the runs, the same bytes in parts"
   double ranks = 0.0;
   while (std::getline(lines, line)) ranks += std::stod(line.substr(line.rfind(',') + 1));
   CHECK(ranks == Approx(2 * 2 * 15.0));  // 1 + 2 + 3 + 4 + 5 at every plant and delay, whatever is equal
-  for (const char* part : {"<svg", "Welch", "Table III", "Table IV", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
+  for (const char* part :
+       {"<svg", "Welch", "Table III", "Table IV", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
     CHECK_THAT(page, Contains(part));
   CHECK_THAT(page, !Contains("nan") && !Contains("inf,"));
+  CHECK(test::xmlProblem(page) == "");
+  // Two plants with two figures each: a box or "none" for each of five laws at two delays.
+  CHECK(count(page, "fill-opacity=\"0.35\"") + count(page, ">none</text>") == 2 * 2 * 5 * 2);
+  // Stiffness on one scale for both plants, depth on another.
+  const auto y = captures(page, "data-y=\"([^\"]*)\"");
+  REQUIRE(y.size() == 4);
+  CHECK((y[0] == y[2] && y[1] == y[3] && y[0] != y[1]));
   REQUIRE(judge("parts", "--part 2/2").status == 0);
   CHECK_FALSE(std::filesystem::exists(folder / "parts/judge.html"));
   REQUIRE(judge("parts", "--part 1/2 --threads 1").status == 0);

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "study/svg.hpp"
+
 namespace enamel::app {
 
 struct BoxPlot {
@@ -13,6 +15,7 @@ struct BoxPlot {
   /// values[group][series]; those that are not finite or not positive are left out.
   std::vector<std::vector<std::vector<double>>> values;
   double line = 0.0;  ///< drawn across, in the unit of y; 0: none
+  Extent extent;      ///< what the axis reaches over at least
 };
 
 /// Median, quartiles, whiskers to the farthest value within 1.5 times their distance, everything beyond as points

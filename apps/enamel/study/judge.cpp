@@ -16,6 +16,7 @@
 #include "enamel/study/welch.hpp"
 #include "json_matrices.hpp"
 #include "study/box_plot.hpp"
+#include "study/numbers.hpp"
 #include "study/page.hpp"
 #include "study/study.hpp"
 
@@ -168,32 +169,9 @@ std::size_t bestOf(const std::vector<Score>& scores) {
   return static_cast<std::size_t>(best - scores.begin());
 }
 
-// To three digits, "–" for what is not there.
-std::string number(double value) {
-  if (std::isnan(value)) return "–";
-  if (std::isinf(value)) return "lost";
-  return std::abs(value) >= 1000.0 ? fmt::format("{:.0f}", std::round(value / 10.0) * 10.0)
-                                   : fmt::format("{:.3g}", value);
-}
+std::string number(double value) { return std::isinf(value) ? "lost" : numberText(value); }
 
 std::string pText(double p) { return std::isnan(p) ? "–" : p < 1e-4 ? "&lt; 0.0001" : fmt::format("{:.4f}", p); }
-
-// Mean and its 95 % interval, from Student's t by its normal limit for the dozens of runs here.
-std::string meanText(const std::vector<double>& values, double scale) {
-  const Spread s = spreadOf(values);
-  if (s.count == 0) return "–";
-  const double half = 1.96 * s.deviation / std::sqrt(s.count);
-  return std::isfinite(half) ? fmt::format("{} ± {:.1g}", number(scale * s.mean), scale * half)
-                             : number(scale * s.mean);
-}
-
-std::string delayText(const std::string& delay) {
-  const Delay d = parseDelay(delay);
-  return d.high == 0      ? "no delay"
-         : d.low < d.high ? fmt::format("{}..{} ticks", d.low, d.high)
-         : d.high == 1    ? "1 tick"
-                          : fmt::format("{} ticks", d.high);
-}
 
 const std::string& titleOf(const Condition& condition, std::size_t column) {
   return condition.study.labels[column].title;
@@ -274,13 +252,13 @@ void addRanks(Page& page, const std::vector<const Condition*>& conditions) {
 }
 
 void addFeel(Page& page, const Condition& condition) {
-  std::vector<std::string> head{delayText(condition.delay), "K<sub>z1</sub>, N/m"};
+  std::vector<std::string> head{delayText(condition.delay), "K_z1, N/m"};
   for (const Criterion& c : kCriteria) head.push_back(fmt::format("{}, {}", c.name, c.unit));
   head.insert(head.end(), {"impact 0.2 m/s: bounce, µm", "corner: depth, µm", "lost"});
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < condition.scores.size(); ++i) {
     const Score& s = condition.scores[i];
-    std::vector<std::string> row{titleOf(condition, i), meanText(s.stiffness, 1.0)};
+    std::vector<std::string> row{titleOf(condition, i), meanText(spreadOf(s.stiffness))};
     for (const Criterion& c : kCriteria) row.push_back(number(c.scale * c.value(s)));
     row.push_back(number(s.figure("impact 0.2 m/s", "bounce")));
     row.push_back(number(s.figure("corner", "depth")));
@@ -290,7 +268,8 @@ void addFeel(Page& page, const Condition& condition) {
   page.table(head, rows);
 }
 
-void addBoxes(Page& page, const std::vector<const Condition*>& conditions, int& figure) {
+// `all`: what has the same axes.
+void addBoxes(Page& page, const std::vector<const Condition*>& conditions, const std::vector<Condition>& all) {
   const Condition& any = *conditions.front();
   BoxPlot stiffness, depth;
   stiffness.yLabel = "K_z1, kN/m";
@@ -310,13 +289,22 @@ void addBoxes(Page& page, const std::vector<const Condition*>& conditions, int& 
     }
   }
   depth.groups = stiffness.groups;
+  for (const Condition& c : all)
+    for (const Score& s : c.scores) {
+      for (const double value : s.stiffness)
+        if (value > 0.0) stiffness.extent.see(1e-3 * value);
+      for (const double value : s.depth)
+        if (value > 0.0) depth.extent.see(1e3 * value);
+    }
   const std::string& where = plantTitles().at(any.plant);
-  page.drawing(svgOf(stiffness), fmt::format("Figure {}. First impact stiffness on {}, scenario 1: higher is better. "
-                                             "Boxes: quartiles of the runs that have one.",
-                                             figure++, where));
-  page.drawing(svgOf(depth), fmt::format("Figure {}. Largest penetration of a run on {}, scenario 1 (the form of the "
-                                         "paper's Fig. 15): lower is better; dashed: the 1 mm of Table II.",
-                                         figure++, where));
+  page.figure(svgOf(stiffness),
+              fmt::format("First impact stiffness on {}, scenario 1: higher is better. Boxes: quartiles "
+                          "of the runs that have one.",
+                          where));
+  page.figure(svgOf(depth),
+              fmt::format("Largest penetration of a run on {}, scenario 1 (the form of the paper's Fig. 15): "
+                          "lower is better; dashed: the 1 mm of Table II.",
+                          where));
 }
 
 void addTests(Page& page, const std::vector<const Condition*>& conditions) {
@@ -327,8 +315,9 @@ void addTests(Page& page, const std::vector<const Condition*>& conditions) {
     for (std::size_t i = 0; i < c->scores.size(); ++i) {
       if (i == ours) continue;
       const WelchTest t = welchTest(spreadOf(c->scores[ours].depth), spreadOf(c->scores[i].depth));
-      rows.push_back({titleOf(*c, i), delayText(c->delay), meanText(c->scores[ours].depth, 1e6),
-                      meanText(c->scores[i].depth, 1e6), number(t.t), number(t.freedom), pText(t.p), number(t.effect)});
+      rows.push_back({titleOf(*c, i), delayText(c->delay), meanText(spreadOf(c->scores[ours].depth), 1e6),
+                      meanText(spreadOf(c->scores[i].depth), 1e6), number(t.t), number(t.freedom), pText(t.p),
+                      number(t.effect)});
     }
   }
   page.table({"position control against", "delay", "its depth, µm", "the rival's, µm", "t", "degrees of freedom", "p",
@@ -402,8 +391,8 @@ void addTableFour(Page& page, const std::vector<Condition>& conditions) {
                         because});
       }
     }
-  page.table({"servo", "plant", "delay", "scenario", "its lowest K<sub>z1</sub>, N/m", "impedance's highest",
-              "its lowest K<sub>zs</sub>, N/m", "impedance's highest", "order", "because"},
+  page.table({"servo", "plant", "delay", "scenario", "its lowest K_z1, N/m", "impedance's highest",
+              "its lowest K_zs, N/m", "impedance's highest", "order", "because"},
              rows);
 }
 
@@ -435,14 +424,14 @@ void addClaims(Page& page, const std::vector<Condition>& conditions) {
     if (spring == c.scores.size()) spring = columnNamed(c, kImpedance);
     if (c.plant == kClosedForm || ours == c.scores.size() || spring == c.scores.size()) continue;
     const WelchTest t = welchTest(spreadOf(c.scores[ours].stiffness), spreadOf(c.scores[spring].stiffness));
-    items.push_back(
-        fmt::format("“Position control is stiffer than impedance” on {}, {}: {} against {} N/m (p {}), "
-                    "{} against {} runs lost: <b>{}</b>.",
-                    plantTitles().at(c.plant), delayText(c.delay), meanText(c.scores[ours].stiffness, 1.0),
-                    meanText(c.scores[spring].stiffness, 1.0), pText(t.p), c.scores[ours].lost, c.scores[spring].lost,
-                    !(t.t > 0.0 && t.p < 0.05) ? "does not hold"
-                    : c.scores[ours].lost == 0 ? "holds"
-                                               : "stiffer, but runs are lost"));
+    items.push_back(fmt::format(
+        "“Position control is stiffer than impedance” on {}, {}: {} against {} N/m (p {}), "
+        "{} against {} runs lost: <b>{}</b>.",
+        plantTitles().at(c.plant), delayText(c.delay), meanText(spreadOf(c.scores[ours].stiffness)),
+        meanText(spreadOf(c.scores[spring].stiffness)), pText(t.p), c.scores[ours].lost, c.scores[spring].lost,
+        !(t.t > 0.0 && t.p < 0.05) ? "does not hold"
+        : c.scores[ours].lost == 0 ? "holds"
+                                   : "stiffer, but runs are lost"));
   }
   page.list(items);
 }
@@ -475,18 +464,17 @@ std::string pageOf(const StudyOptions& options, const std::vector<Condition>& co
       "stiffness that physics allows it reaches. A law that loses runs stands behind those that lose fewer. What a "
       "hand does not feel is as good as none: chatter below "
       "0.05 N m, drag below 3.5 %, a pull below 0.1 N, energy below 1 mJ.");
-  int figure = 1;
   for (const std::string& plant : options.plants) {
     const std::vector<const Condition*> here = onPlant(conditions, plant);
     std::string name = plantTitles().at(plant);
     name[0] = static_cast<char>(std::toupper(name[0]));
     page.heading(name);
     addRanks(page, here);
-    addBoxes(page, here, figure);
+    addBoxes(page, here, conditions);
     for (const Condition* c : here) addFeel(page, *c);
   }
   page.note(
-      "K<sub>z1</sub>, depth, energy and share are of scenario 1, each with the 95 % interval of its mean where it has "
+      "K_z1, depth, energy and share are of scenario 1, each with the 95 % interval of its mean where it has "
       "one; "
       "drag is the tangential over the normal force while a hand slides at 0.1 m/s, pull the strongest while a push of "
       "12 "
@@ -506,8 +494,8 @@ std::string pageOf(const StudyOptions& options, const std::vector<Condition>& co
   page.paragraph(
       "Table IV: the lowest of the servo over the wall against the highest of the paper's spring of 6000 N/m. The "
       "paper: "
-      "K<sub>z1</sub> 17 174 against 3 112.6, in co-simulation 16 743 (13 367 with a random delay) against 5 360.2; "
-      "K<sub>zs</sub> 92 387 against 6 180.5, in co-simulation 34 306 (54 634) against 6 302.2.");
+      "K_z1 17 174 against 3 112.6, in co-simulation 16 743 (13 367 with a random delay) against 5 360.2; "
+      "K_zs 92 387 against 6 180.5, in co-simulation 34 306 (54 634) against 6 302.2.");
   addTableFour(page, conditions);
   page.heading("The laws at their best");
   page.paragraph("Found by <code>enamel design --rivals</code>: the same search under the same limits for each.");

@@ -269,17 +269,11 @@ void printConvergence(const Convergence& convergence) {
 }
 
 void writeReport(const Study& study, const Findings& findings) {
-  const std::string folder = study.path("figures"),
-                    path = study.path(findings.whole ? "report.html" : "convergence.html");
-  std::filesystem::create_directories(folder);
-  std::vector<Figure> figures;
-  std::string missing = missingProgram();
-  if (missing.empty()) {
-    figures = figuresOf(study, findings);
-    missing = drawFigures(figures, folder);
-  }
-  if (!missing.empty()) fmt::print(stderr, "enamel: the report is without figures: {}\n", missing);
-  writeFile(path, reportOf(study, findings, figures, folder, missing));
+  const std::string path = study.path(findings.whole ? "report.html" : "convergence.html");
+  std::filesystem::create_directories(study.path("figures"));
+  const std::vector<Figure> figures = figuresOf(study, findings);
+  for (const Figure& figure : figures) writeFile(study.path("figures/" + figure.name + ".svg"), figure.svg);
+  writeFile(path, reportOf(study, findings, figures));
   fmt::print("report: {}\n", path);
 }
 

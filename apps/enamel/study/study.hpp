@@ -66,6 +66,9 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
 /// A query point in mm, as "(-25, 10)".
 std::string pointText(const Study& study, std::size_t point);
 
+/// "no delay", "1 tick", "0..3 ticks", of --delay.
+std::string delayText(const std::string& delay);
+
 /// Why runs have no first impact stiffness, as "2 rings, 1 slipped"; empty where all have one.
 std::string withoutFirstText(const WallSummary& wall);
 
