@@ -297,7 +297,7 @@ TEST_CASE("study: a tool that touches 60 mm from the TCP has less mass behind it
   const test::TemporaryFolder folder;
   const std::string tiny = "--scenario 1 --grid 1 --runs 2 --renderers position-control --encoders --preload 1 ";
   const auto lowest = [&](const std::string& name, const std::string& more) {
-    const auto result = runAlone(study(folder, name, tiny + more));
+    const auto result = test::run(study(folder, name, tiny + more));
     INFO(result.output);
     REQUIRE(result.status == 0);
     const auto summary = nlohmann::json::parse(file(folder, name, "summary.json"));

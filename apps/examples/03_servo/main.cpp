@@ -23,7 +23,8 @@ constexpr double kPeriod = 1e-3;  // s
 double depthOf(const Mechanism& device, Renderer& renderer, const char* name) {
   PushSetup push;  // a step of 12 N at 1 s
   push.period = kPeriod;
-  push.person.force = std::min(12.0, 0.3 * largestForce(device.home(), device.limits().torque, Vec3::UnitZ()));
+  push.person.force =
+      std::min(12.0, 0.3 * largestForce(device.home(), device.limits().torque, Vec3::Zero(), Vec3::UnitZ()));
   push.person.noise = 0.0;
   double deepest = 0.0, last = 0.0;
   const PushResult result = runPush(device, renderer, push, [&](const TickRecord& tick) {
