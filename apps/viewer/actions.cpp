@@ -30,7 +30,7 @@ const std::vector<ActionRow>& actionRows() {
       {Action::camera2, "camera-side", "2", "view: side", GLFW_KEY_2, false},
       {Action::camera3, "camera-top", "3", "view: top", GLFW_KEY_3, false},
       {Action::camera4, "camera-close", "4", "view: close to the contact", GLFW_KEY_4, false},
-      {Action::follow, "follow", "5", "view: goes with the contact, or no longer", GLFW_KEY_5, false},
+      {Action::follow, "follow", "5", "view: follows the contact, or not", GLFW_KEY_5, false},
       {Action::nextCamera, "next-camera", "]", "next view", GLFW_KEY_RIGHT_BRACKET, false},
       {Action::previousCamera, "previous-camera", "[", "previous view", GLFW_KEY_LEFT_BRACKET, false},
       {Action::cutAway, "cut-away", "C", "a solid cut open where the tool is", GLFW_KEY_C, false},

@@ -150,7 +150,7 @@ void drawRatio(const Area& area, const OverlayInput& input, const Brush& brush) 
 
 // Of a half: where the tool is, and the motors' force on it as delivered.
 void drawForces(const Area& inset, const Frame& frame, const Brush& brush) {
-  const float s = brush.s, x = inset.x + 10 * s;
+  const float s = brush.s, x = inset.x + 10 * s, wall = inset.y + kWallShare * inset.height;
   const Delivered force = deliveredOf(frame.record);
   const double depth = -1e3 * frame.record.nearest.gap;
   const std::pair<const char*, std::string> rows[] = {
@@ -159,9 +159,11 @@ void drawForces(const Area& inset, const Frame& frame, const Brush& brush) {
       {"tangential", tenths(force.tangential) + " N"},
       {"total", tenths(force.total) + " N"}};
   float y = inset.y + 28 * s;
+  const float right = x + std::min(134 * s, 0.5f * inset.width - 50 * s);
   for (const auto& [name, value] : rows) {
+    if (y + 15 * s > wall) break;  // as many as stand above the wall
     brush.text(gFonts.small, x, y, kMuted, name);
-    brush.textRight(gFonts.small, x + 134 * s, y, kInk, value);
+    brush.textRight(gFonts.small, right, y, kInk, value);
     y += 17 * s;
   }
 }

@@ -80,7 +80,7 @@ void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& s
   }
   const double perMillimetre = static_cast<double>(bar) / steps[step];
 
-  const float cx = area.x + 0.5f * area.width, cy = area.y + (view.half ? 0.45f : 0.56f) * area.height;
+  const float cx = area.x + 0.5f * area.width, cy = area.y + (view.half ? kWallShare : 0.56f) * area.height;
   const auto at = [&](const Vec3& point) {
     const Vec3 d = 1e3 * (point - origin);
     return ImVec2(cx + static_cast<float>(std::clamp(perMillimetre * across.dot(d), -1e4, 1e4)),

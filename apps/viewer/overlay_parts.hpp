@@ -33,6 +33,9 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
 void drawChip(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush);
 void drawBadges(float right, float y, const Frame& frame, const Brush& brush);
 
+/// Where the wall's line stands in an inset of the split screen, share of its height.
+inline constexpr float kWallShare = 0.45f;
+
 /// inset.cpp: what an inset shows.
 struct InsetView {
   const Area& area;

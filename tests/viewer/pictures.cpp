@@ -544,6 +544,37 @@ TEST_CASE("the followed contact is in the middle, and links that hide it shine t
   CHECK(marked("preset") < 20);
 }
 
+TEST_CASE("teeth are ivory with dark fissures, in pink gum; the tool slides over a molar's cusps", "[viewer]") {
+  const test::TemporaryFolder folder;
+  const auto run = [&](const std::string& scene, const std::string& script) {
+    const auto result = test::viewer(test::shippedScene(scene) + " --headless --script '" + script + "' --record '" +
+                                     folder / "out' --report '" + folder / "report.json'");
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return nlohmann::json::parse(test::readFile(folder / "report.json"));
+  };
+  // Of the scene between its words and the magnification.
+  const auto count = [&](const std::string& name, unsigned colour) {
+    return patchOf(Pixels(folder / ("out/" + name + ".png")), colour, {480, 80}, {900, 460}, 0.025).count;
+  };
+  constexpr unsigned fissure = 0x8A7050;
+  const auto shown = run("cusps.toml", ENAMEL_SOURCE_DIR "/data/scripts/explore.txt").at("shown");
+  CHECK(shown.at("badges") == nlohmann::json{"slipped"});
+  CHECK(shown.at("deepest [m]") < 20e-6);
+  CHECK(count("explore-cusp", kEnamel) > 8000);
+  CHECK(count("explore-cusp", kGum) > 20000);
+  CHECK(count("explore-cusp", fissure) > 300);
+  // The wall of flat-wall has neither.
+  test::writeFile(folder / "flat.txt", "0 follow\n1 picture flat\n1 end\n");
+  run("flat-wall.toml", folder / "flat.txt");
+  CHECK(count("flat", kGum) < 200);
+  // An arch: teeth and gum in one mesh.
+  test::writeFile(folder / "jaw.txt", "0 panels\n0 charts\n0 view 0 0 -6 20 20 230\n0.1 picture jaw\n0.1 end\n");
+  run("jaw.toml", folder / "jaw.txt");
+  CHECK(count("jaw", kEnamel) > 3000);
+  CHECK(count("jaw", kGum) > 3000);
+}
+
 TEST_CASE("two tools do not share a bur", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "script.txt", "0 picture before\n0.1 split\n0.2 picture after\n0.2 end\n");
