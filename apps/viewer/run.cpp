@@ -137,6 +137,7 @@ class Report {
     json["touring"] = viewer.isTouring();
     const Seen& seen = viewer.seen();
     json["shown"] = {{"scenes", seen.scenes},
+                     {"choice of scenes", viewer.sceneNames()},
                      {"renderers", seen.renderers},
                      {"notices", seen.notices},
                      {"badges", seen.badges},

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "data_folder.hpp"
-#include "enamel/collision/proximity.hpp"
 #include "enamel/core/error.hpp"
 #include "scan.hpp"
 
@@ -55,14 +54,6 @@ std::unique_ptr<Runner> firstRunner(const ServoedDevice& device, const SceneFile
   start.position = scene.start;
   return std::make_unique<Runner>(
       std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot, workpiece));
-}
-
-// What is known of its meshes.
-std::vector<std::string> notesOf(const SceneFile& scene) {
-  std::vector<std::string> notes = scene.notes;
-  for (std::size_t i = 0; i < scene.meshes.size() && notes.empty(); ++i)
-    if (scene.meshes[i]) notes.push_back(scene.scene.obstacles()[i].name + ": " + describe(*scene.meshes[i]));
-  return notes;
 }
 
 Vec3 metres(const glm::dvec3& millimetres) { return Vec3(millimetres.x, millimetres.y, millimetres.z) / kMillimetres; }
@@ -113,7 +104,7 @@ Viewer::Viewer(const Options& options, Surface& surface)
     for (const std::string& path : found) addScene(path);
   }
   addScene(options.scene);
-  overlay_.sceneNotes = notesOf(scene_);
+  overlay_.sceneNotes = scene_.notes;
 }
 
 // Makes it the chosen one; a file that is in the list already stays where it is.
@@ -303,12 +294,11 @@ bool Viewer::loadScene(const std::string& path) {
   try {
     scene_ = isScan(path) ? sceneOfScan(path) : enamel::loadScene(path);
     tour_.reset();
-    overlay_.sceneNotes = notesOf(scene_);
+    overlay_.sceneNotes = scene_.notes;
     workpiece_ = std::make_shared<Workpiece>(scene_);
     solids_ = copiesOf(scene_);
     plane_.reset();
     sound_.reset();
-    if (isScan(path)) notify(overlay_.sceneNotes.front());
     for (const std::string& note : scene_.notes) notify(note);
     builtScale_ = 0.0f;
     if (split_ && scene_.bur) toggleSplit();

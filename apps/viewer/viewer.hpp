@@ -53,6 +53,7 @@ class Viewer final : public Driven {
   bool wantsToEnd() const { return end_; }
   bool fullScreen() const { return fullScreen_; }
   const Seen& seen() const { return seen_; }
+  const std::vector<std::string>& sceneNames() const { return sceneNames_; }
   const OverlayState& overlay() const { return overlay_; }
   bool isTouring() const { return tour_.has_value(); }
   bool canTour() const;

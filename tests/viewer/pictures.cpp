@@ -575,6 +575,30 @@ TEST_CASE("teeth are ivory with dark fissures, in pink gum; the tool slides over
   CHECK(count("jaw", kGum) > 3000);
 }
 
+TEST_CASE("own scenes stand beside the shipped ones, each once", "[viewer]") {
+  const test::TemporaryFolder folder;
+  const std::string wall =
+      "name = \"a\"\nstart = [0, 0, 0.008]\n[[obstacle]]\nname = \"w\"\nshape = \"half_space\"\npoint = [0, 0, 0]\n"
+      "normal = [0, 0, 1]\n";
+  test::writeFile(folder / "own.toml", wall);
+  test::writeFile(folder / "another.toml", wall);
+  test::writeFile(folder / "script.txt", "0.1 picture a\n0.1 end\n");
+  const auto choice = [&](const std::string& scene) {
+    const auto result = test::viewer(scene + " --headless --script '" + folder / "script.txt' --record '" +
+                                     folder / "out' --report '" + folder / "report.json'");
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return nlohmann::json::parse(test::readFile(folder / "report.json")).at("shown").at("choice of scenes");
+  };
+  nlohmann::json shipped = choice(test::shippedScene("jaw.toml"));
+  CHECK(shipped == choice(""));
+  CHECK(std::count(shipped.begin(), shipped.end(), "jaw") == 1);
+  CHECK(std::count(shipped.begin(), shipped.end(), "cusps") == 1);
+  shipped.push_back("another");
+  shipped.push_back("own");
+  CHECK(choice("'" + folder / "own.toml'") == shipped);
+}
+
 TEST_CASE("two tools do not share a bur", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "script.txt", "0 picture before\n0.1 split\n0.2 picture after\n0.2 end\n");
