@@ -7,6 +7,7 @@ pkg-config fonts-roboto-unhinted xvfb xauth"
 vtk_packages="libvtk9-dev"
 multibody_packages="libsimbody-dev"  # a second engine: enamel push --plant multibody
 sound_packages="libopenal-dev"
+person_packages="xdotool libx11-dev"  # tests: real keys and clicks, files that are dropped
 
 is_installed() { dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'install ok installed'; }
 
@@ -43,4 +44,5 @@ install_packages() {
   { install_step $viewer_packages && install_step $vtk_packages; } || echo "== going on without the viewer" >&2
   install_step $multibody_packages || echo "== going on without Simbody" >&2
   install_step $sound_packages || echo "== going on without sound" >&2
+  install_step $person_packages || echo "== going on without the tests of a person at the window" >&2
 }

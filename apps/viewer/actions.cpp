@@ -13,7 +13,8 @@ const std::vector<ActionRow>& actionRows() {
       {Action::testPush, "push", "P", "test push: a step of 12 N on the surface", GLFW_KEY_P, false, Source::live},
       {Action::grip, "grip", "G", "firm grip 400 N/m, or the paper's 40 N/m", GLFW_KEY_G, false, Source::live},
       {Action::home, "home", "H", "hand back to the start", GLFW_KEY_H, false, Source::live},
-      {Action::reset, "reset", "Backspace", "everything back to the start", GLFW_KEY_BACKSPACE, false},
+      {Action::reset, "reset", "Backspace", "settings, hand, teeth, time, view as at the start", GLFW_KEY_BACKSPACE,
+       false},
       {Action::nextScene, "next-scene", "N", "next scene", GLFW_KEY_N, false, Source::live},
       {Action::undo, "undo", "Ctrl+Z", "what the last stroke has drilled comes back", GLFW_KEY_Z, true, Source::live},
       {Action::pause, "pause", "Space", "pause or go on", GLFW_KEY_SPACE, false},
@@ -29,6 +30,7 @@ const std::vector<ActionRow>& actionRows() {
       {Action::camera2, "camera-side", "2", "view: side", GLFW_KEY_2, false},
       {Action::camera3, "camera-top", "3", "view: top", GLFW_KEY_3, false},
       {Action::camera4, "camera-close", "4", "view: close to the contact", GLFW_KEY_4, false},
+      {Action::follow, "follow", "5", "view: follows the contact, or not", GLFW_KEY_5, false},
       {Action::nextCamera, "next-camera", "]", "next view", GLFW_KEY_RIGHT_BRACKET, false},
       {Action::previousCamera, "previous-camera", "[", "previous view", GLFW_KEY_LEFT_BRACKET, false},
       {Action::cutAway, "cut-away", "C", "a solid cut open where the tool is", GLFW_KEY_C, false},
@@ -39,7 +41,8 @@ const std::vector<ActionRow>& actionRows() {
       {Action::charts, "charts", "F4", "charts", GLFW_KEY_F4, false},
       {Action::fullScreen, "full-screen", "F5", "full screen", GLFW_KEY_F5, false},
       {Action::screenshot, "screenshot", "Ctrl+P", "picture (PNG) into the working folder", GLFW_KEY_P, true},
-      {Action::quit, "quit", "Esc", "end the tour, the help, or the viewer", GLFW_KEY_ESCAPE, false},
+      {Action::cancel, "cancel", "Esc", "end the tour, the help or the typing", GLFW_KEY_ESCAPE, false},
+      {Action::quit, "quit", "Ctrl+Q", "end the viewer", GLFW_KEY_Q, true},
   };
   return rows;
 }
@@ -47,13 +50,14 @@ const std::vector<ActionRow>& actionRows() {
 const std::vector<HelpRow>& drivingRows() {
   static const std::vector<HelpRow> rows{
       {"Left drag", "the hand, across the view", Source::live},
+      {"Shift+drag", "the hand, along the nearest wall", Source::live},
       {"Wheel, E / Q", "the hand into the nearest wall, out of it", Source::live},
       {"A D W S", "the hand left, right, up, down", Source::live},
       {"F, held", "the pedal: the bur spins, and drills", Source::live},
       {"Drag the bar", "to any time", Source::recording},
       {"Right drag", "turn the view"},
       {"Middle drag", "shift the view"},
-      {"Ctrl+wheel", "nearer, farther"},
+      {"Ctrl+wheel", "nearer to what is at the cursor, or farther"},
   };
   return rows;
 }

@@ -28,6 +28,7 @@ enum class Action : std::uint8_t {
   camera2,
   camera3,
   camera4,
+  follow,
   nextCamera,
   previousCamera,
   cutAway,
@@ -38,6 +39,7 @@ enum class Action : std::uint8_t {
   charts,
   fullScreen,
   screenshot,
+  cancel,
   quit,
 };
 

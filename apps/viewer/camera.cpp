@@ -43,7 +43,14 @@ void pan(Camera& camera, double right, double up) {
   camera.focus = glm::clamp(camera.focus - right * across - up * upward, -300.0, 300.0);
 }
 
-void zoom(Camera& camera, double factor) { camera.distance = std::clamp(camera.distance * factor, 60.0, 2000.0); }
+void zoom(Camera& camera, double factor) { camera.distance = std::clamp(camera.distance * factor, kNearest, 2000.0); }
+
+void follow(Camera& camera, const glm::dvec3& point, double distance, double passed) {
+  constexpr double settling = 0.12;  // s
+  const double share = 1.0 - std::exp(-passed / settling);
+  camera.focus += share * (point - camera.focus);
+  camera.distance += share * (distance - camera.distance);
+}
 
 glm::dvec3 project(const Camera& camera, const glm::dvec2& size, const glm::dvec3& point) {
   const glm::dvec4 viewport(0.0, 0.0, size);

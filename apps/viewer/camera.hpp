@@ -27,10 +27,14 @@ struct CameraPreset {
 /// What the keys 1 to 4 show.
 const std::array<CameraPreset, 4>& cameraPresets();
 
+inline constexpr double kNearest = 30.0;  ///< distance of a camera, mm
+
 /// Turns by a drag of so many radians; moves the focus across the view by millimetres; nearer or farther by a factor.
 void orbit(Camera& camera, double right, double up);
 void pan(Camera& camera, double right, double up);
 void zoom(Camera& camera, double factor);
+/// Brings the focus to a point, mm, and the distance to `distance`, as far as `passed` s allow: nearly all in 0.5 s.
+void follow(Camera& camera, const glm::dvec3& point, double distance, double passed);
 
 /// A point of W, mm, in a picture of `size` pixels, from the top left; z is the depth in the picture, 0 to 1.
 glm::dvec3 project(const Camera& camera, const glm::dvec2& size, const glm::dvec3& point);

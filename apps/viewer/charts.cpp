@@ -127,8 +127,8 @@ Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle
   plotLimit(1, 1);
   plotLimit(kTorqueChart, 2);
   plotLimit(kTorqueChart, 3);
-  plotSignal(0, 0, kBlue, false);
-  plotSignal(1, 1, kVermilion, false);
+  plotSignal(0, 0, kDepth, false);
+  plotSignal(1, 1, kForce, false);
   for (int joint = 0; joint < torques_.joints; ++joint)
     plotSignal(kTorqueChart, 2 + joint, torques_.colourOf(joint), torques_.dashed(joint));
   clear();

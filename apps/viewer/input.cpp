@@ -5,12 +5,37 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace enamel::viewer {
 namespace {
 
+// The scene that is seen at a place, and its size.
+std::pair<Area, glm::dvec2> halfAt(const Layout& layout, const glm::dvec2& place) {
+  const Area& area = layout.isSplit() && place.x >= layout.right.x ? layout.right : layout.scene;
+  return {area, {std::max(1.0f, area.width), std::max(1.0f, area.height)}};
+}
+
 double shareOf(const Area& bar, double x) {
   return std::clamp((x - static_cast<double>(bar.x)) / static_cast<double>(bar.width), 0.0, 1.0);
+}
+
+// How far to go in the plane through `like` across `normal`, so that what is there goes with the cursor; seen almost
+// along the plane, as in the plane of the view without its part across.
+glm::dvec3 slid(const Camera& camera, const glm::dvec2& size, const glm::dvec2& from, const glm::dvec2& to,
+                const glm::dvec3& like, const glm::dvec3& normal) {
+  constexpr double leastSlope = 0.2;
+  const glm::dvec3 eye = camera.eye();
+  const auto onPlane = [&](const glm::dvec2& pixel, glm::dvec3& point) {
+    const glm::dvec3 ray = glm::normalize(unproject(camera, size, pixel, like) - eye);
+    const double slope = glm::dot(ray, normal);
+    point = eye + glm::dot(like - eye, normal) / slope * ray;
+    return std::abs(slope) > leastSlope;
+  };
+  glm::dvec3 a, b;
+  if (onPlane(from, a) && onPlane(to, b)) return b - a;
+  const glm::dvec3 moved = unproject(camera, size, to, like) - unproject(camera, size, from, like);
+  return moved - glm::dot(moved, normal) * normal;
 }
 
 }  // namespace
@@ -22,11 +47,12 @@ void Input::key(int key, int action, int modifiers) {
     driven_.act(row->action);
 }
 
-void Input::button(int button, int action) {
+void Input::button(int button, int action, int modifiers) {
   dragged_ = action == GLFW_RELEASE ? -1 : button;
   const Area& bar = driven_.layout().bar;
   seeks_ = dragged_ >= 0 && cursor_.x >= bar.x && cursor_.x < bar.x + bar.width && cursor_.y >= bar.y &&
            cursor_.y < bar.y + bar.height;
+  along_ = (modifiers & GLFW_MOD_SHIFT) != 0;
   if (seeks_) driven_.seek(shareOf(bar, cursor_.x));
 }
 
@@ -35,15 +61,14 @@ void Input::cursor(const glm::dvec2& place) {
   cursor_ = place;
   if (dragged_ < 0) return;
   if (seeks_) return driven_.seek(shareOf(driven_.layout().bar, place.x));
-  const Layout& layout = driven_.layout();
-  const Area& area = layout.isSplit() && place.x >= layout.right.x ? layout.right : layout.scene;
-  const glm::dvec2 size(std::max(1.0f, area.width), std::max(1.0f, area.height)), corner(area.x, area.y);
+  const auto [area, size] = halfAt(driven_.layout(), place);
+  const glm::dvec2 corner(area.x, area.y);
   Camera& camera = driven_.camera();
   const glm::dvec3 like = driven_.tool();
   const glm::dvec3 moved =
       unproject(camera, size, place - corner, like) - unproject(camera, size, before - corner, like);
   if (dragged_ == GLFW_MOUSE_BUTTON_LEFT)
-    driven_.moveHandBy(moved);
+    driven_.moveHandBy(along_ ? slid(camera, size, before - corner, place - corner, like, driven_.normal()) : moved);
   else if (dragged_ == GLFW_MOUSE_BUTTON_RIGHT)
     orbit(camera, 4.0 * (place.x - before.x) / size.y, 4.0 * (place.y - before.y) / size.y);
   else
@@ -51,10 +76,14 @@ void Input::cursor(const glm::dvec2& place) {
 }
 
 void Input::wheel(double notches, bool control) {
-  if (control)
-    zoom(driven_.camera(), std::pow(0.9, notches));
-  else
-    driven_.pressBy(0.4 * notches);
+  if (!control) return driven_.pressBy(0.4 * notches);
+  // What is seen at the cursor, as far away as the tool, stays there.
+  const auto [area, size] = halfAt(driven_.layout(), cursor_);
+  Camera& camera = driven_.camera();
+  const glm::dvec3 kept = unproject(camera, size, cursor_ - glm::dvec2(area.x, area.y), driven_.tool());
+  const double before = camera.distance;
+  zoom(camera, std::pow(0.9, notches));
+  camera.focus = kept + camera.distance / before * (camera.focus - kept);
 }
 
 void Input::hold(const std::function<bool(int key)>& isDown, double seconds) {

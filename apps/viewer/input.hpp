@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <glm/glm.hpp>
+#include <string>
+#include <vector>
 
 #include "actions.hpp"
 #include "camera.hpp"
@@ -16,12 +18,14 @@ class Driven {
   virtual ~Driven() = default;
   virtual void act(Action action) = 0;
   virtual void moveHandBy(const glm::dvec3& millimetres) = 0;
-  virtual void pressBy(double newtons) = 0;  ///< along the wall's normal, inwards
-  virtual void spin(bool on) = 0;            ///< of the bur
-  virtual void seek(double share) = 0;       ///< of a recording, 0 to 1
+  virtual void pressBy(double newtons) = 0;                      ///< along the wall's normal, inwards
+  virtual void spin(bool on) = 0;                                ///< of the bur
+  virtual void seek(double share) = 0;                           ///< of a recording, 0 to 1
+  virtual void drop(const std::vector<std::string>& paths) = 0;  ///< files on the window
   virtual Camera& camera() = 0;
   virtual const Layout& layout() const = 0;
-  virtual glm::dvec3 tool() const = 0;  ///< TCP, mm
+  virtual glm::dvec3 tool() const = 0;    ///< TCP, mm
+  virtual glm::dvec3 normal() const = 0;  ///< of the nearest wall, outwards
 };
 
 /// Translates events; keys, buttons and actions have GLFW's numbers, places are pixels from the top left. A caller
@@ -31,9 +35,10 @@ class Input {
   explicit Input(Driven& driven) : driven_(driven) {}
 
   void key(int key, int action, int modifiers);
-  void button(int button, int action);
+  void button(int button, int action, int modifiers = 0);
   void cursor(const glm::dvec2& place);
   void wheel(double notches, bool control);
+  void drop(const std::vector<std::string>& paths) { driven_.drop(paths); }
   /// Keys that act as long as they are down, for the seconds since the last call.
   void hold(const std::function<bool(int key)>& isDown, double seconds);
 
@@ -42,6 +47,7 @@ class Input {
   glm::dvec2 cursor_{0.0};
   int dragged_ = -1;    // mouse button
   bool seeks_ = false;  // it began on the time bar
+  bool along_ = false;  // or with Shift: along the wall
   bool pedal_ = false;
 };
 

@@ -1,11 +1,14 @@
 // What Dear ImGui draws over the scene: panels, numbers, the magnified contact, the gauge of stiffness, help.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "actions.hpp"
+#include "camera.hpp"
 #include "charts.hpp"
 #include "experiment.hpp"
 #include "layout.hpp"
@@ -18,14 +21,22 @@ struct OverlayState {
   bool panels = true, charts = true, help = false, timing = false;
   Settings settings;
   Grip grip = kFirmGrip;
-  std::string notice;  ///< one line at the bottom, for a while
+  std::string notice;  ///< for a while
   bool settingsChanged = false;
   std::vector<Action> actions;  ///< asked for by buttons
   int sceneAsked = -1, rendererAsked = -1, rightAsked = -1;
-  std::optional<bool> spinAsked;  ///< of the bur
-  bool sound = false;             ///< is wanted
-  std::string soundTrouble;       ///< why there is none all the same, or empty
-  int insetStep = 4;              ///< of the magnification, with hysteresis
+  std::optional<bool> spinAsked;        ///< of the bur
+  bool sound = false;                   ///< is wanted
+  std::string soundTrouble;             ///< why there is none all the same, or empty
+  std::vector<std::string> sceneNotes;  ///< of its meshes
+  std::string problem;                  ///< with what was typed, to be told, or empty
+  std::string typedInto;                ///< the slider whose value is being typed, or empty, and:
+  std::array<char, 24> typed{};
+  std::string tip;      ///< of what the mouse is on, or empty
+  double tipSince = 0;  ///< ImGui's time
+  bool tipSeen = false;
+  std::map<std::string, glm::vec2> controls;  ///< where they stand, pixels: for the report
+  int insetStep = 4;                          ///< of the magnification, with hysteresis
   int insetPatience = 0;
 };
 
@@ -64,6 +75,7 @@ struct OverlayInput {
   bool rightGhost;
   Vec3 rightGhostPosition;
   const Comparison& comparison;
+  const Camera& camera;
   double tour;  ///< s since a tour began; negative: there is none
 };
 
@@ -72,6 +84,9 @@ void setUpOverlay(const std::string& font, const std::string& boldFont, float sc
 
 /// Draws everything into the current ImGui frame.
 void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& state);
+
+/// What is wrong, in the order of their pills.
+std::array<std::pair<bool, const char*>, 4> badgesOf(const Frame& frame);
 
 /// A stiffness as people read it: "27.1 kN/m".
 std::string stiffnessText(double stiffness);

@@ -6,12 +6,14 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "enamel/core/file.hpp"
 #include "input.hpp"
@@ -117,6 +119,7 @@ class Report {
     if (frames_++ == 0) firstFrame_ = now - started_;
     if (now - lastMemory_ >= 1.0) {
       lastMemory_ = now;
+      memoryAt_.push_back(now - started_);
       memory_.push_back(residentKilobytes());
       const struct mallinfo2 heap = mallinfo2();
       heap_.push_back(static_cast<long>((heap.uordblks + heap.hblkhd) / 1024));
@@ -132,9 +135,22 @@ class Report {
     json["frames_per_second"] = seconds > 0.0 ? static_cast<double>(frames_) / seconds : 0.0;
     json["first_frame_s"] = firstFrame_;
     json["touring"] = viewer.isTouring();
+    const Seen& seen = viewer.seen();
+    json["shown"] = {{"scenes", seen.scenes},
+                     {"choice of scenes", viewer.sceneNames()},
+                     {"renderers", seen.renderers},
+                     {"notices", seen.notices},
+                     {"badges", seen.badges},
+                     {"tips", seen.tips},
+                     {"deepest [m]", seen.deepest},
+                     {"stiffnesses", seen.stiffnesses},
+                     {"stiffness [N/m]", viewer.overlay().settings.spring.stiffness},
+                     {"delay [ticks]", viewer.overlay().settings.delay.high}};
+    for (const auto& [name, at] : viewer.overlay().controls) json["controls"][name] = {at.x, at.y};
     json["opengl_errors"] = viewer.stage().errors();
     json["dropped_samples"] = viewer.frame().droppedSamples;
     json["test_pushes"] = testPushes(viewer);
+    json["memory_at_s"] = memoryAt_;
     json["resident_kB"] = memory_;
     json["heap_in_use_kB"] = heap_;
     if (timing.available)
@@ -152,6 +168,7 @@ class Report {
  private:
   double started_, firstFrame_ = 0.0, lastMemory_ = -1.0;
   std::uint64_t frames_ = 0;
+  std::vector<double> memoryAt_;     // s since the program began
   std::vector<long> memory_, heap_;  // once a second
 };
 
@@ -182,11 +199,13 @@ void onKey(GLFWwindow* window, int key, int, int action, int modifiers) {
   if (!ImGui::GetIO().WantTextInput) inputOf(window).key(key, action, modifiers);
 }
 
-void onButton(GLFWwindow* window, int button, int action, int) {
-  if (action == GLFW_RELEASE || !ImGui::GetIO().WantCaptureMouse) inputOf(window).button(button, action);
+void onButton(GLFWwindow* window, int button, int action, int modifiers) {
+  if (action == GLFW_RELEASE || !ImGui::GetIO().WantCaptureMouse) inputOf(window).button(button, action, modifiers);
 }
 
 void onCursor(GLFWwindow* window, double x, double y) { inputOf(window).cursor({x, y}); }
+
+void onDrop(GLFWwindow* window, int count, const char** paths) { inputOf(window).drop({paths, paths + count}); }
 
 bool isDown(GLFWwindow* window, int key) { return glfwGetKey(window, key) == GLFW_PRESS; }
 
@@ -202,12 +221,41 @@ void makeFolder(const std::string& path) {
   if (!std::filesystem::is_directory(path)) throw Error(path + ": cannot make the folder for pictures");
 }
 
-// Dear ImGui's part of a window; ends before the stage does.
-struct WindowInput {
-  explicit WindowInput(GLFWwindow* window) { ImGui_ImplGlfw_InitForOpenGL(window, true); }
+// Dear ImGui's part of a window; ends before the stage does. ImGui 1.86 looks at the keys once a picture: what was
+// pressed and released since the last one is released one picture later, or an Enter would be lost now and then.
+class WindowInput {
+ public:
+  explicit WindowInput(GLFWwindow* window) : window_(window) {
+    ImGui_ImplGlfw_InitForOpenGL(window, true);
+    behind_ = glfwSetKeyCallback(window, onAnyKey);
+  }
   ~WindowInput() { ImGui_ImplGlfw_Shutdown(); }
   WindowInput(const WindowInput&) = delete;
   WindowInput& operator=(const WindowInput&) = delete;
+
+  /// Before the events of a picture.
+  void begin() {
+    pressed_.clear();
+    for (const Key& key : std::exchange(released_, {}))
+      behind_(window_, key.key, key.scancode, GLFW_RELEASE, key.modifiers);
+  }
+
+ private:
+  struct Key {
+    int key, scancode, modifiers;
+  };
+  static void onAnyKey(GLFWwindow* window, int key, int scancode, int action, int modifiers) {
+    if (action == GLFW_PRESS) pressed_.push_back(key);
+    if (action == GLFW_RELEASE && std::find(pressed_.begin(), pressed_.end(), key) != pressed_.end())
+      released_.push_back({key, scancode, modifiers});
+    else
+      behind_(window, key, scancode, action, modifiers);
+  }
+
+  GLFWwindow* window_;
+  static inline GLFWkeyfun behind_ = nullptr;  // ImGui's, and then ours
+  static inline std::vector<int> pressed_;     // since begin()
+  static inline std::vector<Key> released_;    // to be told at the next one
 };
 
 }  // namespace
@@ -225,7 +273,8 @@ int runInWindow(const Options& options, double started) {
   glfwSetMouseButtonCallback(window, onButton);
   glfwSetCursorPosCallback(window, onCursor);
   glfwSetScrollCallback(window, onWheel);
-  const WindowInput imgui(window);
+  glfwSetDropCallback(window, onDrop);
+  WindowInput imgui(window);
 
   Report report(started);
   const double begin = steadySeconds();
@@ -236,6 +285,7 @@ int runInWindow(const Options& options, double started) {
     if (Runner* const runner = viewer.runner()) haptics.emplace(kPeriod, [runner] { runner->period(); });
     const auto timing = [&] { return haptics ? numbersOf(haptics->timing(), rate) : TimingNumbers{}; };
     while (glfwWindowShouldClose(window) == GLFW_FALSE && !viewer.wantsToEnd() && signals.caught() == 0) {
+      imgui.begin();
       glfwPollEvents();
       const double now = steadySeconds(), passed = now - last;
       last = now;

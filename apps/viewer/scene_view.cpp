@@ -7,13 +7,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "teeth.hpp"
+
 namespace enamel::viewer {
 namespace {
 
 // Sizes of drawn parts that no device file knows, m (radii in mm where a Rod takes them).
-constexpr double kMotorHeight = 0.030, kHub = 0.020, kNeedleLength = 0.032, kHandleEnd = 0.082;
+constexpr double kMotorHeight = 0.030, kHub = 0.020, kNeedleLength = 0.032;
 constexpr double kCube = 0.025, kPane = 0.028, kPaneDepth = 0.006, kGumDepth = 0.014, kGridStep = 0.005;
-constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010, kNormal = 0.040;  // m/N, m, m
+constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010, kNormal = 0.025;  // m/N, m, m
 constexpr double kMarkedFrom = 230.0;                         // mm: from nearer, marks of the contact are smaller
 constexpr double kSmallestForce = 0.1, kLargestForce = 40.0;  // N: that the arrow shows
 constexpr std::size_t kShownContacts = 3;
@@ -76,6 +78,24 @@ void addGrid(const Face& face, const std::vector<Wall>& others, const Vec3& lift
   }
 }
 
+// Its outline; its face in small pieces, for their shades.
+Polygon roundPane(const Vec3& middle, const Vec3& across, const Vec3& up, std::vector<Polygon>& faces) {
+  constexpr int around = 72, rings = 36;
+  constexpr double power = 0.55, turn = 6.283185307179586 / around;  // of a superellipse
+  const auto squared = [](double x) { return std::copysign(std::pow(std::abs(x), power), x); };
+  const auto at = [&](int i, int ring) {
+    const double share = static_cast<double>(ring) / rings;
+    return Vec3(middle + share * (squared(std::cos(i * turn)) * across + squared(std::sin(i * turn)) * up));
+  };
+  Polygon outline;
+  for (int i = 0; i < around; ++i) {
+    outline.push_back(at(i, rings));
+    for (int ring = 0; ring < rings; ++ring)
+      faces.push_back({at(i, ring + 1), at(i + 1, ring + 1), at(i + 1, ring), at(i, ring)});
+  }
+  return outline;
+}
+
 void drawWall(const Wall& wall, const std::vector<Wall>& others, Drawing& drawing) {
   const Vec3 n = wall.normal;
   const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
@@ -85,8 +105,9 @@ void drawWall(const Wall& wall, const std::vector<Wall>& others, Drawing& drawin
   const Face face{middle, kPane * across, kPane * up};
   Polygon pane{middle - face.across - face.up, middle + face.across - face.up, middle + face.across + face.up,
                middle - face.across + face.up};
+  if (wall.isGum) pane = roundPane(middle, face.across, face.up, drawing.faces);
   for (const Wall& other : others) pane = cut(pane, other.point, other.normal);
-  drawing.faces.push_back(pane);
+  if (!wall.isGum) drawing.faces.push_back(pane);
   addOutline(pane, drawing.edges);
   if (!wall.isGum) addGrid(face, others, 5e-5 * n, drawing);
   const double depth = wall.isGum ? kGumDepth : kPaneDepth;
@@ -225,11 +246,11 @@ void SceneView::Parts::DrawnTool::show(bool visible) {
 
 SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene)
     : tool(renderer, scene.tool, scene.bur ? &*scene.bur : nullptr, kPlatform, kHandle, kNeedle, 1.0, 1.0),
-      ghost(renderer, scene.tool, nullptr, kBlue, kBlue, kBlue, 0.25, 1.3),
-      arrow(above, 2.0, {kVermilion, 1.0, 0.1}),
-      arrowHead(above, 5.0, {kVermilion, 1.0, 0.1}, true),
-      pull(above, 1.0, {kOrange, 1.0, 0.0}),
-      hand(above, 6.0, {kOrange, 1.0, 0.2}) {
+      ghost(renderer, scene.tool, nullptr, kReference, kReference, kReference, 0.25, 1.3),
+      arrow(above, 1.5, {kForce, 1.0, 0.1}),
+      arrowHead(above, 3.8, {kForce, 1.0, 0.1}, true),
+      pull(above, 1.0, {kHand, 1.0, 0.0}),
+      hand(above, 6.0, {kHand, 1.0, 0.2}) {
   std::vector<Vec3> bases;
   const bool chains = hasChains(bars);
   for (std::size_t i = 0; i < bars.size(); ++i) {
@@ -251,7 +272,7 @@ SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::ve
   }
   for (std::size_t i = 0; i < kShownContacts; ++i) {
     normals.emplace_back(above, 0.5, Finish{kInk, 1.0, 0.0});
-    contacts.emplace_back(above, 2.2, Finish{kVermilion, 1.0, 0.1});
+    contacts.emplace_back(above, 2.2, Finish{kForce, 1.0, 0.1});
   }
   addColumn(renderer, bases);
   if (scene.bur) chips.emplace(renderer, Chips::kPool);
@@ -298,7 +319,8 @@ void SceneView::build(const std::vector<Bar>& bars, const SceneFile& file, const
       CapsuleSolid(renderer_, kMillimetres * capsule->radius, enamel).place(pose.position - half, pose.position + half);
     }
     if (const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape))
-      addMesh(renderer_, (*mesh)->mesh(), pose, enamel);
+      addMesh(renderer_, (*mesh)->mesh(), pose, {kEnamel, 1.0, 0.35},
+              toothColours((*mesh)->mesh(), obstacle.name == "arch" ? kGumLine : kNoGum));
   }
   solids_.clear();
   std::vector<CutPlane> hidden;
@@ -310,7 +332,19 @@ void SceneView::build(const std::vector<Bar>& bars, const SceneFile& file, const
     solids_.push_back(has ? std::make_unique<SolidView>(renderer_, solids[i], pose, plane, hidden, scale) : nullptr);
   }
   if (plane && !gum.faces.empty()) cutOpen(gum, *plane);
-  addFaces(renderer_, gum.faces, {kGum, 1.0, 0.2});
+  const auto toTeeth = [&](const Vec3& point) {
+    double nearest = 1.0;
+    for (std::size_t i = 0; i < scene.obstacles().size(); ++i) {
+      const Obstacle& obstacle = scene.obstacles()[i];
+      const Vec3 local = obstacle.pose.rotation.transpose() * (point - obstacle.pose.position);
+      if (const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape))
+        nearest = std::min(nearest, std::abs(signedDistance(**mesh, local).distance));
+      else if (i < solids.size() && solids[i].uncut)
+        nearest = std::min(nearest, std::abs(signedDistance(*solids[i].uncut, local).distance));
+    }
+    return nearest;
+  };
+  addFaces(renderer_, gum.faces, {kGum, 1.0, 0.3}, [&](const Vec3& corner) { return gumColour(toTeeth(corner)); });
   addFaces(renderer_, gum.backs, {kGumBack, 1.0, 0.0});
   addLines(renderer_, gum.edges, kGumEdge, 1.5f * scale);
   addFaces(renderer_, drawing.faces, enamel);
@@ -355,6 +389,13 @@ void SceneView::update(const SceneState& state) {
     }
   }
   p.tool.place(pose, state.burAngle);
+  for (Parts::Link& one : p.links) {
+    one.rod.fadeBefore(state.eye, state.watched);
+    one.joint.fadeBefore(state.eye, state.watched);
+  }
+  for (Parts::Arm& one : p.arms)
+    for (Rod* rod : {&one.arm, &one.post}) rod->fadeBefore(state.eye, state.watched);
+  for (Rod* rod : {&p.tool.handle, &p.tool.hub}) rod->fadeBefore(state.eye, state.watched);
   for (const auto& solid : solids_)
     if (solid) solid->update();
   p.ghost.show(state.ghost.has_value());
@@ -370,7 +411,7 @@ void SceneView::update(const SceneState& state) {
 
   if (p.chips && state.chips != nullptr) drawChips(*state.chips, *p.chips);
 
-  const double size = std::min(1.0, state.distance / kMarkedFrom);
+  const double size = std::pow(std::min(1.0, state.distance / kMarkedFrom), 1.4);
   for (std::size_t i = 0; i < kShownContacts; ++i) {
     const bool touching = i < state.touching.size();
     p.contacts[i].show(touching);

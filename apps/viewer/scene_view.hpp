@@ -18,6 +18,8 @@
 
 namespace enamel::viewer {
 
+inline constexpr double kHandleEnd = 0.082;  ///< along the tool, m: where the hand is
+
 /// What a frame shows. All in W, SI.
 struct SceneState {
   Pose pose;                  ///< of the platform
@@ -25,7 +27,9 @@ struct SceneState {
   std::optional<Pose> ghost;  ///< reference pose
   std::optional<Vec3> hand;   ///< where the hand pulls the TCP to
   std::vector<Contact> touching;
-  double distance = 0.0;  ///< of the camera, mm: close to it marks become smaller
+  double distance = 0.0;    ///< of the camera, mm: close to it marks become smaller
+  Vec3 eye = Vec3::Zero();  ///< of the camera: what hides `watched` from it shines through
+  Vec3 watched = Vec3::Zero();
   double burAngle = 0.0;  ///< that the bur has turned, rad
   const Chips* chips = nullptr;
   Vec3 force = Vec3::Zero();  ///< of the motors on the tool beyond gravity, N: what stands for the wall

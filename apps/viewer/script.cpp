@@ -107,7 +107,7 @@ ScriptStep parseStep(Line& line, const std::string& file, const std::vector<std:
     for (int i = 0; i < 3; ++i) step.view.focus[i] = line.number("view", -300.0, 300.0);
     step.view.azimuth = glm::radians(line.number("azimuth", -180.0, 180.0));
     step.view.elevation = glm::radians(line.number("elevation", -88.0, 88.0));
-    step.view.distance = line.number("distance", 60.0, 2000.0);
+    step.view.distance = line.number("distance", kNearest, 2000.0);
   } else if (command == "renderer" || command == "right") {
     isOf(Source::live);
     step.kind = command == "right" ? Kind::right : Kind::renderer;

@@ -13,6 +13,7 @@
 #include <vtkTrivialProducer.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace enamel::viewer {
@@ -32,6 +33,20 @@ void between(vtkMatrix4x4* matrix, const Vec3& from, const Vec3& to, double radi
   }
 }
 
+// How much is seen of what stands between `a` and `b` and is `radius` (mm) thick.
+double opacityBefore(const Vec3& eye, const Vec3& point, const Vec3& a, const Vec3& b, double radius) {
+  constexpr double before = 0.012, margin = 3.0, faded = 0.18;  // m, mm
+  const Vec3 end = point + before * (eye - point).normalized(), sight = end - eye, along = b - a, between = eye - a;
+  // Nearest points of two stretches (Ericson 2005, 5.1.9), one of which may be a point.
+  const double ss = sight.squaredNorm(), aa = along.squaredNorm(), sa = sight.dot(along), as = along.dot(between);
+  const double det = ss * aa - sa * sa;
+  double s = det > 1e-12 * ss * aa ? std::clamp((sa * as - sight.dot(between) * aa) / det, 0.0, 1.0) : 0.0;
+  const double t = aa > 0.0 ? std::clamp((sa * s + as) / aa, 0.0, 1.0) : 0.0;
+  s = std::clamp((sa * t - sight.dot(between)) / ss, 0.0, 1.0);
+  const double apart = kMillimetres * (between + s * sight - t * along).norm();
+  return faded + (1.0 - faded) * std::clamp((apart - radius - margin) / margin, 0.0, 1.0);
+}
+
 vtkSmartPointer<vtkActor> addData(vtkRenderer* renderer, vtkPolyData* data, const Finish& finish) {
   vtkNew<vtkTrivialProducer> producer;
   producer->SetOutput(data);
@@ -47,18 +62,36 @@ struct Polygons {
   vtkNew<vtkPoints> points;
   vtkNew<vtkCellArray> cells;
   vtkNew<vtkFloatArray> normals;
+  vtkNew<vtkUnsignedCharArray> colours;
 
-  Polygons() { normals->SetNumberOfComponents(3); }
+  Polygons() {
+    normals->SetNumberOfComponents(3);
+    colours->SetNumberOfComponents(3);
+  }
   vtkIdType append(const Vec3& point, const Vec3& normal) {
     normals->InsertNextTuple3(normal.x(), normal.y(), normal.z());
     return viewer::append(points, point);
+  }
+  // Of the point that was appended last.
+  void paint(const Vec3& rgb) {
+    for (const double c : rgb) colours->InsertNextValue(static_cast<unsigned char>(255.0 * c + 0.5));
   }
   vtkSmartPointer<vtkActor> addTo(vtkRenderer* renderer, const Finish& finish) {
     vtkNew<vtkPolyData> data;
     data->SetPoints(points);
     data->SetPolys(cells);
     data->GetPointData()->SetNormals(normals);
-    return addData(renderer, data, finish);
+    const bool painted = colours->GetNumberOfTuples() == points->GetNumberOfPoints();
+    if (painted) data->GetPointData()->SetScalars(colours);
+    vtkSmartPointer<vtkActor> actor = addData(renderer, data, finish);
+    if (!painted) return actor;
+    actor->GetMapper()->ScalarVisibilityOn();
+    actor->GetMapper()->SetColorModeToDirectScalars();
+    // More shade: what is painted has form.
+    actor->GetProperty()->SetAmbient(0.34);
+    actor->GetProperty()->SetDiffuse(0.64);
+    actor->GetProperty()->SetSpecularPower(40.0);
+    return actor;
   }
 };
 
@@ -106,13 +139,25 @@ Rod::Rod(vtkRenderer* renderer, double radius, const Finish& finish, bool sharp)
 }
 
 void Rod::place(const Vec3& from, const Vec3& to, double thickness) {
+  from_ = from;
+  to_ = to;
   between(actor_->GetUserMatrix(), from, to, thickness * radius_);
   actor_->Modified();
 }
 
 void Rod::show(bool visible) { actor_->SetVisibility(visible); }
 
-Ball::Ball(vtkRenderer* renderer, double radius, const Finish& finish) {
+void Rod::fadeBefore(const Vec3& eye, const Vec3& point) {
+  actor_->GetProperty()->SetOpacity(opacityBefore(eye, point, from_, to_, radius_));
+}
+
+void Ball::fadeBefore(const Vec3& eye, const Vec3& point) {
+  const double* const at = actor_->GetPosition();
+  const Vec3 centre = Vec3(at[0], at[1], at[2]) / kMillimetres;
+  actor_->GetProperty()->SetOpacity(opacityBefore(eye, point, centre, centre, radius_));
+}
+
+Ball::Ball(vtkRenderer* renderer, double radius, const Finish& finish) : radius_(radius) {
   vtkNew<vtkSphereSource> sphere;
   sphere->SetRadius(radius);
   sphere->SetThetaResolution(24);
@@ -146,8 +191,6 @@ FlutedBur::FlutedBur(vtkRenderer* renderer, double radius, double length) {
   constexpr int around = 96, rings = 25, flutes = 8;
   constexpr double pi = 3.14159265358979323846, twist = 0.5, depth = 0.14;  // of a flute, share of the radius
   Polygons polygons;
-  vtkNew<vtkUnsignedCharArray> colours;
-  colours->SetNumberOfComponents(3);
   for (int ring = 0; ring < rings; ++ring) {
     const double polar = pi * (1.0 - static_cast<double>(ring) / (rings - 1));  // from the tip, at -z
     const double lift = 2 * ring >= rings ? length : 0.0;
@@ -158,18 +201,14 @@ FlutedBur::FlutedBur(vtkRenderer* renderer, double radius, double length) {
       const double r = radius * (1.0 - depth * std::sin(polar) * (phase < 0.0 ? -phase : 0.0));
       polygons.append((r * out + lift * Vec3::UnitZ()) / kMillimetres, out);
       const unsigned rgb = phase < 0.0 ? kBurFlute : kBurSteel;
-      for (const int shift : {16, 8, 0}) colours->InsertNextValue(static_cast<unsigned char>(rgb >> shift & 255));
+      for (const int shift : {16, 8, 0})
+        polygons.colours->InsertNextValue(static_cast<unsigned char>(rgb >> shift & 255));
       if (ring + 1 == rings) continue;
       const vtkIdType here = ring * around + i, next = ring * around + (i + 1) % around;
       polygons.cells->InsertNextCell({here, here + around, next + around, next});
     }
   }
   actor_ = polygons.addTo(renderer, {kBurSteel, 1.0, 0.5});
-  auto* mapper = vtkPolyDataMapper::SafeDownCast(actor_->GetMapper());
-  mapper->Update();
-  mapper->GetInput()->GetPointData()->SetScalars(colours);
-  mapper->ScalarVisibilityOn();
-  mapper->SetColorModeToDirectScalars();
   vtkNew<vtkMatrix4x4> matrix;
   actor_->SetUserMatrix(matrix);
 }
@@ -229,7 +268,7 @@ void Shards::show(bool visible) {
 }
 
 vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,
-                                  const Finish& finish) {
+                                  const Finish& finish, const std::vector<Vec3>& colours) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());  // normals of the triangles, by area
   Polygons polygons;
   for (const auto& t : mesh.triangles) {
@@ -243,6 +282,7 @@ vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mes
   }
   for (std::size_t i = 0; i < sums.size(); ++i)
     polygons.append(pose.position + pose.rotation * mesh.vertices[i], pose.rotation * sums[i].normalized());
+  for (const Vec3& rgb : colours) polygons.paint(rgb);
   return polygons.addTo(renderer, finish);
 }
 
@@ -258,13 +298,17 @@ Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal) {
   return result;
 }
 
-vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish) {
+vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish,
+                                   const std::function<Vec3(const Vec3&)>& colourAt) {
   Polygons polygons;
   for (const Polygon& face : faces) {
     if (face.size() < 3) continue;
     const Vec3 normal = (face[1] - face[0]).cross(face[2] - face[0]).normalized();
     polygons.cells->InsertNextCell(static_cast<int>(face.size()));
-    for (const Vec3& corner : face) polygons.cells->InsertCellPoint(polygons.append(corner, normal));
+    for (const Vec3& corner : face) {
+      polygons.cells->InsertCellPoint(polygons.append(corner, normal));
+      if (colourAt) polygons.paint(colourAt(corner));
+    }
   }
   return polygons.addTo(renderer, finish);
 }

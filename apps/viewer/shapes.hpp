@@ -12,6 +12,7 @@
 #include <vtkUnsignedCharArray.h>
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "enamel/collision/mesh.hpp"
@@ -38,10 +39,13 @@ class Rod {
   Rod(vtkRenderer* renderer, double radius, const Finish& finish, bool sharp = false);
   void place(const Vec3& from, const Vec3& to, double thickness = 1.0);  ///< times its radius
   void show(bool visible);
+  /// Shines through where it is within 3 mm of the line of sight from `eye` to just before `point`, m.
+  void fadeBefore(const Vec3& eye, const Vec3& point);
 
  private:
   vtkSmartPointer<vtkActor> actor_;
   double radius_;
+  Vec3 from_ = Vec3::Zero(), to_ = Vec3::Zero();
 };
 
 /// A ball of radius `radius` (mm).
@@ -50,9 +54,11 @@ class Ball {
   Ball(vtkRenderer* renderer, double radius, const Finish& finish);
   void place(const Vec3& centre, double growth = 1.0);  ///< times its radius
   void show(bool visible) { actor_->SetVisibility(visible); }
+  void fadeBefore(const Vec3& eye, const Vec3& point);  ///< as a Rod
 
  private:
   vtkSmartPointer<vtkActor> actor_;
+  double radius_;
 };
 
 /// A rod with round ends.
@@ -94,16 +100,18 @@ class Shards {
   vtkSmartPointer<vtkActor> actor_;
 };
 
-/// A mesh with smooth shading, `pose` in W.
+/// A mesh with smooth shading, `pose` in W; `colours` (0 to 1) of its vertices, or empty: that of the finish.
 vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,
-                                  const Finish& finish);
+                                  const Finish& finish, const std::vector<Vec3>& colours = {});
 
 /// A convex polygon in W, m, and what is left of it outside the half space behind a plane.
 using Polygon = std::vector<Vec3>;
 Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal);
 
 /// Flat faces, with their corners anticlockwise as seen from outside, and lines, as one actor each.
-vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish);
+/// `colourAt`: of a corner; or empty, that of the finish.
+vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish,
+                                   const std::function<Vec3(const Vec3&)>& colourAt = {});
 vtkSmartPointer<vtkActor> addLines(vtkRenderer* renderer, const std::vector<std::array<Vec3, 2>>& lines,
                                    unsigned colour, float width);
 

@@ -19,8 +19,7 @@ TorqueStyle::TorqueStyle(const Mechanism& mechanism) : joints(mechanism.joints()
 }
 
 unsigned TorqueStyle::colourOf(int joint) const {
-  constexpr unsigned colours[] = {kBlue, kOrange, kGreen};
-  return colours[(perChain > 0 ? joint / perChain : joint) % 3];
+  return kJoints[(perChain > 0 ? joint / perChain : joint) % 3];
 }
 
 bool TorqueStyle::dashed(int joint) const { return perChain > 0 ? joint % perChain > 0 : joint / 3 % 2 > 0; }

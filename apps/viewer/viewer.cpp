@@ -7,13 +7,15 @@
 #include <filesystem>
 #include <utility>
 
+#include "data_folder.hpp"
 #include "enamel/core/error.hpp"
+#include "scan.hpp"
 
 namespace enamel::viewer {
 namespace {
 
-constexpr double kNotice = 4.0;      // s
-constexpr std::size_t kTrail = 150;  // ticks
+constexpr double kNotice = 3.0, kNoticeByte = 0.03;  // s, and for each letter
+constexpr std::size_t kTrail = 150;                  // ticks
 
 const std::string& existing(const std::string& file) {
   static const std::string none;
@@ -71,6 +73,7 @@ Viewer::Viewer(const Options& options, Surface& surface)
       plant_(makeMechanism(changed(device_.parameters, Settings{}))),
       torques_(*plant_),
       scene_(player_ ? player_->scene() : enamel::loadScene(options.scene)),
+      begin_(options.begin),
       selected_(options.begin),
       before_(selected_ == RendererSlot::impedance ? RendererSlot::positionControl : RendererSlot::impedance),
       right_(before_),
@@ -90,14 +93,38 @@ Viewer::Viewer(const Options& options, Surface& surface)
     if (!player_->notes().empty()) notify(player_->notes().front());
     return;
   }
-  const std::filesystem::path folder = std::filesystem::absolute(options.scene).parent_path();
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (entry.path().extension() == ".toml") sceneFiles_.push_back(entry.path().string());
-  std::sort(sceneFiles_.begin(), sceneFiles_.end());
-  const std::string own = std::filesystem::absolute(options.scene).string();
-  for (std::size_t i = 0; i < sceneFiles_.size(); ++i) {
-    if (std::filesystem::path(sceneFiles_[i]) == std::filesystem::path(own)) sceneIndex_ = static_cast<int>(i);
-    sceneNames_.push_back(std::filesystem::path(sceneFiles_[i]).stem().string());
+  std::error_code error;
+  const std::filesystem::path own(options.scene);
+  for (const std::filesystem::path& folder :
+       {std::filesystem::path(dataFolder()) / "scenes", std::filesystem::absolute(own).parent_path()}) {
+    std::vector<std::string> found;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+      if (entry.path().extension() == ".toml") found.push_back(entry.path().string());
+    std::sort(found.begin(), found.end());
+    for (const std::string& path : found) addScene(path);
+  }
+  addScene(options.scene);
+  overlay_.sceneNotes = scene_.notes;
+}
+
+// Makes it the chosen one; a file that is in the list already stays where it is.
+void Viewer::addScene(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(path, error);
+  const auto found = std::find(sceneFiles_.begin(), sceneFiles_.end(), whole.string());
+  sceneIndex_ = static_cast<int>(found - sceneFiles_.begin());
+  if (found != sceneFiles_.end()) return;
+  sceneFiles_.push_back(whole.string());
+  sceneNames_.push_back(whole.stem().string());
+}
+
+void Viewer::drop(const std::vector<std::string>& paths) {
+  if (isRefused(Source::live)) return;
+  bool shown = false;
+  for (const std::string& path : paths) {
+    if (shown || !loadScene(path)) continue;
+    shown = true;
+    addScene(path);
   }
 }
 
@@ -106,9 +133,15 @@ glm::dvec3 Viewer::tool() const {
   return {tool.x(), tool.y(), tool.z()};
 }
 
+glm::dvec3 Viewer::normal() const {
+  const Vec3& n = frame_.record.nearest.normal;
+  return {n.x(), n.y(), n.z()};
+}
+
 void Viewer::notify(const std::string& text) {
+  Seen::add(seen_.notices, text);
   overlay_.notice = text;
-  noticeEnd_ = now_ + kNotice;
+  noticeEnd_ = now_ + kNotice + kNoticeByte * static_cast<double>(text.size());
 }
 
 void Viewer::send(RunnerCommand::Kind kind, int number) {
@@ -212,7 +245,16 @@ void Viewer::endTour(bool skipped) {
 
 void Viewer::selectCamera(int preset) {
   preset_ = preset;
+  follows_ = false;
   camera_ = cameraPresets()[static_cast<std::size_t>(preset)].camera;
+}
+
+// Nearer at first; then the person's wheel says how near.
+void Viewer::followContact(double passed) {
+  constexpr double near = 120.0;  // mm
+  const Vec3 at = kMillimetres * frame_.record.nearest.point;
+  if (follows_ && at.allFinite())
+    viewer::follow(camera_, {at.x(), at.y(), at.z()}, now_ < followedNear_ ? near : camera_.distance, passed);
 }
 
 // A replaced experiment begins at rest where the tool is.
@@ -247,10 +289,12 @@ void Viewer::startAgain() {
   rebuild(start, handAt(scene_.start, overlay_.grip), false);
 }
 
-void Viewer::loadScene(const std::string& path) {
+// False, with a word of why: it stays as it was.
+bool Viewer::loadScene(const std::string& path) {
   try {
+    scene_ = isScan(path) ? sceneOfScan(path) : enamel::loadScene(path);
     tour_.reset();
-    scene_ = enamel::loadScene(path);
+    overlay_.sceneNotes = scene_.notes;
     workpiece_ = std::make_shared<Workpiece>(scene_);
     solids_ = copiesOf(scene_);
     plane_.reset();
@@ -260,9 +304,30 @@ void Viewer::loadScene(const std::string& path) {
     if (split_ && scene_.bur) toggleSplit();
     comparison_.clear();
     startAgain();
+    return true;
   } catch (const Error& error) {
     notify(error.what());
+    return false;
   }
+}
+
+// All but the scene and the size of the window.
+void Viewer::resetAll() {
+  overlay_.settings = Settings{};
+  overlay_.grip = kFirmGrip;
+  if (split_) toggleSplit();
+  selected_ = begin_;
+  before_ = selected_ == RendererSlot::impedance ? RendererSlot::positionControl : RendererSlot::impedance;
+  right_ = before_;
+  if (paused_) act(Action::pause);
+  slowdown_ = 1;
+  send(RunnerCommand::Kind::slowdown, slowdown_);
+  if (plane_) cutOpen();
+  spins_ = false;
+  selectCamera(0);
+  startAgain();
+  send(RunnerCommand::Kind::restore, 0);
+  notify("Settings, renderer, hand, teeth, time and view are as at the start.");
 }
 
 std::vector<std::string> Viewer::takePictures() {
@@ -283,7 +348,7 @@ void Viewer::act(Action action) {
       case Action::home:
       case Action::reset:
       case Action::nextScene: endTour(true); break;
-      case Action::quit: return endTour(true);
+      case Action::cancel: return endTour(true);
       default: break;
     }
   }
@@ -318,10 +383,7 @@ void Viewer::act(Action action) {
       runner_->send(command);
       break;
     }
-    case Action::reset:
-      startAgain();
-      send(RunnerCommand::Kind::restore, 0);
-      break;
+    case Action::reset: resetAll(); break;
     case Action::undo:
       if (frame_.drilled.strokes == 0)
         notify("There is no stroke of a bur to take back.");
@@ -371,6 +433,10 @@ void Viewer::act(Action action) {
     case Action::camera2:
     case Action::camera3:
     case Action::camera4: selectCamera(static_cast<int>(action) - static_cast<int>(Action::camera1)); break;
+    case Action::follow:
+      follows_ = !follows_;
+      followedNear_ = now_ + 0.6;
+      break;
     case Action::nextCamera: selectCamera((preset_ + 1) % 4); break;
     case Action::previousCamera: selectCamera((preset_ + 3) % 4); break;
     case Action::help: overlay_.help = !overlay_.help; break;
@@ -379,10 +445,11 @@ void Viewer::act(Action action) {
     case Action::charts: overlay_.charts = !overlay_.charts; break;
     case Action::fullScreen: fullScreen_ = !fullScreen_; break;
     case Action::screenshot: pictures_.emplace_back(); break;
-    case Action::quit:
-      end_ = !overlay_.help;
+    case Action::cancel:
+      if (!overlay_.help) notify("Ctrl+Q ends the viewer.");
       overlay_.help = false;
       break;
+    case Action::quit: end_ = true; break;
   }
 }
 
@@ -641,11 +708,14 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   }
   if (overlay_.rendererAsked >= 0) select(static_cast<RendererSlot>(std::exchange(overlay_.rendererAsked, -1)));
   if (overlay_.rightAsked >= 0) selectRight(static_cast<RendererSlot>(std::exchange(overlay_.rightAsked, -1)));
+  if (!overlay_.problem.empty()) notify(std::exchange(overlay_.problem, {}));
   if (overlay_.spinAsked) spin(*std::exchange(overlay_.spinAsked, std::nullopt));
   std::vector<Action> actions;
   actions.swap(overlay_.actions);
   for (const Action action : actions) act(action);
   if (now > noticeEnd_) overlay_.notice.clear();
+  followContact(passed);
+  watch();
 
   fillShown(frame_, kinematics_, shown_);
   if (split_) fillShown(rightFrame_, rightKinematics_, rightShown_);
@@ -666,13 +736,29 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   charts_.update(places, layout_.scale, limit_.largestForce);
 }
 
+void Viewer::watch() {
+  Seen::add(seen_.scenes, scene_.name);
+  if (!player_) Seen::add(seen_.renderers, rendererNames_[indexOf(frame_.selected)]);
+  for (const auto& [on, name] : badgesOf(frame_)) {
+    if (on) Seen::add(seen_.badges, name);
+  }
+  Seen::add(seen_.tips, overlay_.tip);
+  Seen::add(seen_.stiffnesses, stiffnessText(overlay_.settings.spring.stiffness));
+  seen_.deepest = std::max(seen_.deepest, -frame_.record.nearest.gap);
+}
+
 void Viewer::draw(bool picture) {
   if (builtScale_ != layout_.scale) {
     view_.build(shown_.bars, scene_, solids_, plane_, layout_.scale);
     if (split_) rightView_->build(rightShown_.bars, scene_, solids_, plane_, layout_.scale);
     builtScale_ = layout_.scale;
   }
-  shown_.distance = camera_.distance;
+  const auto seeFrom = [this](SceneState& shown, const Frame& frame) {
+    shown.distance = camera_.distance;
+    shown.eye = metres(camera_.eye());
+    shown.watched = frame.record.nearest.point;
+  };
+  seeFrom(shown_, frame_);
   // There, blue is the left tool's.
   const auto shownIn = [this](SceneState shown) {
     if (split_) shown.ghost.reset();
@@ -681,7 +767,7 @@ void Viewer::draw(bool picture) {
   view_.update(shownIn(shown_));
   view_.look(camera_);
   if (split_) {
-    rightShown_.distance = camera_.distance;
+    seeFrom(rightShown_, rightFrame_);
     rightView_->update(shownIn(rightShown_));
     rightView_->look(camera_);
   }
@@ -702,7 +788,7 @@ void Viewer::draw(bool picture) {
                            trail_,
                            timing_,
                            simulated_,
-                           cameraPresets()[static_cast<std::size_t>(preset_)].name,
+                           follows_ ? "follow" : cameraPresets()[static_cast<std::size_t>(preset_)].name,
                            !player_ && scene_.bur && layers != nullptr ? &*scene_.bur : nullptr,
                            layers,
                            burDepth(),
@@ -711,6 +797,7 @@ void Viewer::draw(bool picture) {
                            rightShown_.ghost.has_value(),
                            rightShown_.ghost ? rightShown_.ghost->position : Vec3::Zero(),
                            comparison_,
+                           camera_,
                            tour_ ? now_ - tourBegin_ : -1.0};
   stage_.draw(
       layout_, [&] { drawOverlay(layout_, input, overlay_); }, picture);

@@ -14,6 +14,7 @@
 #include "runner.hpp"
 #include "scene_view.hpp"
 #include "script.hpp"
+#include "seen.hpp"
 #include "servo_gain.hpp"
 #include "sound_output.hpp"
 #include "stage.hpp"
@@ -48,8 +49,12 @@ class Viewer final : public Driven {
   Camera& camera() override { return camera_; }
   const Layout& layout() const override { return layout_; }
   glm::dvec3 tool() const override;
+  glm::dvec3 normal() const override;
   bool wantsToEnd() const { return end_; }
   bool fullScreen() const { return fullScreen_; }
+  const Seen& seen() const { return seen_; }
+  const std::vector<std::string>& sceneNames() const { return sceneNames_; }
+  const OverlayState& overlay() const { return overlay_; }
   bool isTouring() const { return tour_.has_value(); }
   bool canTour() const;
   const std::vector<std::string>& rendererNames() const { return rendererNames_; }
@@ -61,6 +66,8 @@ class Viewer final : public Driven {
   void pressBy(double newtons) override;
   void spin(bool on) override;
   void seek(double share) override;
+  /// Files dropped on the window: scenes and scans, which join the list of scenes; the first one is shown.
+  void drop(const std::vector<std::string>& paths) override;
   /// One step of a script, at `now`, s.
   void follow(const ScriptStep& step, double now);
 
@@ -75,7 +82,9 @@ class Viewer final : public Driven {
   void takeRun();
   void takeRecording(double passed);
   void send(RunnerCommand::Kind kind, int number);
-  void loadScene(const std::string& path);
+  bool loadScene(const std::string& path);
+  void addScene(const std::string& path);
+  void resetAll();
   void rebuild(const Pose& start, const Hand& hand, bool keepTests);
   void startAgain();
   void notify(const std::string& text);
@@ -93,6 +102,8 @@ class Viewer final : public Driven {
   double burDepth() const;
   const std::vector<SolidLayer>* layers() const;
   void selectCamera(int preset);
+  void followContact(double passed);
+  void watch();
 
   bool isHeadless_;
   Surface& surface_;
@@ -101,10 +112,11 @@ class Viewer final : public Driven {
   std::vector<std::string> rendererNames_;
   std::shared_ptr<const Mechanism> plant_;  // with the person's changes
   TorqueStyle torques_;
-  std::vector<std::string> sceneFiles_, sceneNames_;
+  std::vector<std::string> sceneFiles_, sceneNames_;  // the shipped ones, and the person's own
   int sceneIndex_ = 0;
   SceneFile scene_;
   OverlayState overlay_;
+  RendererSlot begin_;              // with which the person began
   RendererSlot selected_, before_;  // for Tab
   RendererSlot right_;              // of the split screen's right tool
   bool split_ = false;
@@ -125,6 +137,8 @@ class Viewer final : public Driven {
   Charts charts_;
   Camera camera_;
   int preset_ = 0;
+  bool follows_ = false;       // the contact
+  double followedNear_ = 0.0;  // until then it also comes near
   float builtScale_ = 0.0f;
   Layout layout_;
 
@@ -142,6 +156,7 @@ class Viewer final : public Driven {
   bool paused_ = false, end_ = false, fullScreen_ = false;
   int slowdown_ = 1;
   std::vector<std::string> pictures_;
+  Seen seen_;
 
   struct Path {
     glm::dvec3 from, to;

@@ -468,7 +468,7 @@ std::string strokes(const TorqueStyle& style) {
   std::string text;
   for (int i = 0; i < style.joints; ++i) {
     const unsigned colour = style.colourOf(i);
-    text += colour == kBlue ? 'b' : colour == kOrange ? 'o' : 'g';
+    text += colour == kJoints[0] ? 'a' : colour == kJoints[1] ? 'b' : 'c';
     if (style.dashed(i)) text += '-';
   }
   return text;
@@ -478,22 +478,22 @@ std::string strokes(const TorqueStyle& style) {
 
 TEST_CASE("charts of any number of joints", "[experiment]") {
   const TorqueStyle tau(*makeMechanism(nominal().parameters));
-  CHECK(strokes(tau) == "bb-oo-gg-");
+  CHECK(strokes(tau) == "aa-bb-cc-");
   CHECK_FALSE(tau.shares);
   CHECK(tau.limit == 2.0);
   CHECK(tau.factor == JointVector::Ones(6));
   const TorqueStyle delta(SomeJoints(JointVector::Constant(3, 0.5), 3));
-  CHECK(strokes(delta) == "bog");
+  CHECK(strokes(delta) == "abc");
   CHECK_FALSE(delta.shares);
   CHECK(delta.limit == 0.5);
   // Axes: N and N m cannot share a scale.
   const TorqueStyle axes(SomeJoints(JointVector::Constant(6, 5.0), 0));
-  CHECK(strokes(axes) == "bogb-o-g-");
+  CHECK(strokes(axes) == "abca-b-c-");
   CHECK(axes.shares);
   JointVector limits(7);
   limits << 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 4.0;
   const TorqueStyle arm(SomeJoints(limits, 1));
-  CHECK(strokes(arm) == "bogb-o-g-b");
+  CHECK(strokes(arm) == "abca-b-c-a");
   CHECK(arm.shares);
   CHECK(arm.factor[6] * 4.0 == Approx(arm.limit));
 }

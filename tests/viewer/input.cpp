@@ -22,16 +22,20 @@ class Recorder final : public Driven {
   void pressBy(double newtons) override { pressed += newtons; }
   void spin(bool on) override { spins.push_back(on); }
   void seek(double share) override { shares.push_back(share); }
+  void drop(const std::vector<std::string>& paths) override { dropped = paths; }
   Camera& camera() override { return view; }
   const Layout& layout() const override { return place; }
   glm::dvec3 tool() const override { return {3.0, -2.0, 8.0}; }
+  glm::dvec3 normal() const override { return wall; }
 
   std::vector<Action> actions;
+  std::vector<std::string> dropped;
   std::vector<double> shares;
   std::vector<bool> spins;
   glm::dvec3 hand{0.0};
   int moves = 0;
   double pressed = 0.0;
+  glm::dvec3 wall{0.0, 0.0, 1.0};
   Camera view = cameraPresets()[0].camera;
   Layout place = layOut({1280, 720}, 1.0f, true, true);
 };
@@ -94,6 +98,104 @@ TEST_CASE("a left drag moves the hand as far as the cursor goes at the tool", "[
     CHECK(recorder.view.azimuth == before.azimuth);
     CHECK(recorder.view.focus == before.focus);
   }
+}
+
+TEST_CASE(
+    "with Shift a left drag moves the hand along the wall, under the cursor where the wall is seen from the front",
+    "[viewer]") {
+  test::Random random(613);
+  int under = 0;
+  for (int i = 0; i < 200; ++i) {
+    Recorder recorder;
+    const Vec3 n = random.vector(1.0).normalized();
+    recorder.wall = {n.x(), n.y(), n.z()};
+    const Camera& camera = recorder.view;
+    Input input(recorder);
+    const glm::dvec2 corner(recorder.place.scene.x, recorder.place.scene.y);
+    const glm::dvec2 size(recorder.place.scene.width, recorder.place.scene.height);
+    const glm::dvec2 from = corner + glm::dvec2(project(camera, size, recorder.tool()));
+    const glm::dvec2 to = from + glm::dvec2(random.uniform(-40.0, 40.0), random.uniform(-40.0, 40.0));
+    input.cursor(from);
+    input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS, GLFW_MOD_SHIFT);
+    input.cursor(to);
+    input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE);
+    CHECK(std::abs(glm::dot(recorder.hand, recorder.wall)) < 1e-9);  // mm
+    CHECK(glm::length(recorder.hand) < 200.0);                       // also where it is seen from the side
+    const glm::dvec3 ray = glm::normalize(recorder.tool() - camera.eye());
+    if (std::abs(glm::dot(ray, recorder.wall)) < 0.5) continue;
+    ++under;
+    const glm::dvec2 seen = corner + glm::dvec2(project(camera, size, recorder.tool() + recorder.hand));
+    CHECK(glm::distance(seen, to) < 1e-6);  // pixels
+  }
+  CHECK(under > 50);
+}
+
+TEST_CASE("from 640x480 to 4K every part is inside of the window, and none stands on another", "[viewer]") {
+  const auto inside = [](const Area& a, const Area& of) {
+    return a.x >= of.x && a.y >= of.y && a.x + a.width <= of.x + of.width + 0.01f &&
+           a.y + a.height <= of.y + of.height + 0.01f;
+  };
+  const auto apart = [](const Area& a, const Area& b) {
+    return a.x + a.width <= b.x + 0.01f || b.x + b.width <= a.x + 0.01f || a.y + a.height <= b.y + 0.01f ||
+           b.y + b.height <= a.y + 0.01f;
+  };
+  for (const glm::ivec2 size : {glm::ivec2(640, 480),
+                                {800, 600},
+                                {1024, 768},
+                                {1280, 720},
+                                {1366, 768},
+                                {1920, 1080},
+                                {2560, 1440},
+                                {3840, 2160},
+                                {480, 900}})
+    for (const float scale : {1.0f, 1.5f, 2.0f, 3.0f})
+      for (const int what : {0, 1, 2, 3}) {  // a run, a recording, one without panels, the split screen
+        if (static_cast<float>(size.x) < 480 * scale || static_cast<float>(size.y) < 480 * scale) continue;
+        INFO(size.x << "x" << size.y << " " << scale << " " << what);
+        const Layout l =
+            what == 3 ? layOutSplit(size, scale, true) : layOut(size, scale, what != 2, what != 2, what == 1 ? 0 : 5);
+        const Area window{0, 0, static_cast<float>(size.x), static_cast<float>(size.y)};
+        const Area* const parts[] = {&l.panel, &l.scene, &l.right, &l.charts, &l.gauge, &l.bar, &l.compare};
+        for (const Area* a : parts) {
+          CHECK(inside(*a, window));
+          for (const Area* b : parts)
+            if (a != b && a->width * a->height > 0 && b->width * b->height > 0) CHECK(apart(*a, *b));
+        }
+        CHECK(l.scene.width >= 230 * scale);
+        CHECK(l.scene.height >= 100 * scale);
+        if (what != 3 && l.inset.width > 0) CHECK(inside(l.inset, l.scene));
+        for (const Area& chart : l.chart)
+          if (l.charts.width * l.charts.height > 0) CHECK(inside(chart, l.charts));
+      }
+}
+
+TEST_CASE("zooming keeps what is under the cursor where it is", "[viewer]") {
+  Recorder recorder;
+  Input input(recorder);
+  const Area& area = recorder.place.scene;
+  const glm::dvec2 size(area.width, area.height), corner(area.x, area.y), cursor = corner + glm::dvec2(140.0, 90.0);
+  const Camera before = recorder.view;
+  const glm::dvec3 point = unproject(before, size, cursor - corner, recorder.tool());
+  input.cursor(cursor);
+  for (const double notches : {3.0, -1.0, 200.0}) {  // the last one as near as it goes
+    input.wheel(notches, true);
+    CHECK(glm::distance(corner + glm::dvec2(project(recorder.view, size, point)), cursor) < 1e-6);  // pixels
+  }
+  CHECK(recorder.view.distance == Approx(kNearest));
+  CHECK(recorder.view.azimuth == before.azimuth);
+  CHECK(recorder.pressed == 0.0);
+}
+
+TEST_CASE("a camera that follows is there after half a second, whatever the rate of pictures", "[viewer]") {
+  for (const double passed : {1.0 / 60.0, 0.1}) {
+    Camera camera = cameraPresets()[0].camera;
+    for (double time = 0.0; time < 0.6; time += passed) follow(camera, {5.0, 6.0, -7.0}, 120.0, passed);
+    CHECK(glm::distance(camera.focus, glm::dvec3(5.0, 6.0, -7.0)) < 0.5);
+    CHECK(camera.distance == Approx(120.0).margin(5.0));
+  }
+  Camera still = cameraPresets()[0].camera;
+  follow(still, {5.0, 6.0, -7.0}, 120.0, 0.0);
+  CHECK(still.focus == cameraPresets()[0].camera.focus);
 }
 
 TEST_CASE("the right button turns the view, the middle one shifts it, and the hand stays", "[viewer]") {

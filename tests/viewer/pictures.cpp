@@ -245,7 +245,7 @@ TEST_CASE("test pushes are reported by their renderers' names, with the study's 
     return patchOf(picture, colour, at - 4, at + 5).count;  // of 81
   };
   CHECK(dotAt(both[0].at(stiffness), kBlue) > 60);
-  CHECK(dotAt(both[1].at(stiffness), kOrange) > 60);
+  CHECK(dotAt(both[1].at(stiffness), kPurple) > 60);
   CHECK(dotAt(0.5 * both[0].at(stiffness).get<double>(), kBlue) < 20);
 
   const auto late = testPushes(folder, "0 set tremor 2\n0.1 push\n5.0 end\n", "");
@@ -454,7 +454,7 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   const test::TemporaryFolder folder;
   test::writeFile(
       folder / "script.txt",
-      "0.1 tour\n3 picture push\n10 picture slide\n17 picture let-go\n20.5 picture end\n20.6 tour\n24 quit\n"
+      "0.1 tour\n3 picture push\n10 picture slide\n17 picture let-go\n20.5 picture end\n20.6 tour\n24 cancel\n"
       "24.1 picture skipped\n25.2 picture home\n25.3 end\n");
   const auto result = test::viewer("--headless --script '" + folder / "script.txt" + "' --record '" + folder / "out'");
   INFO(result.output);
@@ -517,6 +517,86 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   CHECK(toured());
   start("first");
   CHECK_FALSE(toured());
+}
+
+TEST_CASE("the followed contact is in the middle, and links that hide it shine through", "[viewer]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "script.txt",
+                  "0 panels\n0 charts\n0 picture first\n0.1 hand 16 12 -20 over 0.4\n0.1 follow\n2 picture followed\n"
+                  "2 hand -16 -12 -20 over 0.4\n4 picture elsewhere\n4.1 camera-side\n4.2 picture preset\n4.2 end\n");
+  const auto result = test::viewer("--headless --script '" + folder / "script.txt" + "' --record '" + folder / "out'");
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  // At the start, from where the person looks, an arm of bluish steel stands 26 to 44 pixels above the tool's tip. One
+  // sees the warm wall through it.
+  const glm::ivec2 tip(project(cameraPresets()[0].camera, {1280, 720}, {0.0, 0.0, 8.0}));
+  int steel = 0, all = 0;
+  const Pixels first(folder / "out/first.png");
+  for (int y = tip.y - 44; y < tip.y - 26; ++y)
+    for (int x = tip.x; x < tip.x + 13; ++x, ++all) steel += first.at(x, y).z > first.at(x, y).x + 5;
+  CHECK(steel < 0.1 * all);
+  // The contact's mark and the arrow's foot are in the middle, wherever the tool is.
+  const auto marked = [&](const std::string& name) {
+    return patchOf(Pixels(folder / ("out/" + name + ".png")), kVermilion, {600, 320}, {680, 400}).count;
+  };
+  CHECK(marked("followed") > 60);
+  CHECK(marked("elsewhere") > 60);
+  CHECK(marked("preset") < 20);
+}
+
+TEST_CASE("teeth are ivory with dark fissures, in pink gum; the tool slides over a molar's cusps", "[viewer]") {
+  const test::TemporaryFolder folder;
+  const auto run = [&](const std::string& scene, const std::string& script) {
+    const auto result = test::viewer(test::shippedScene(scene) + " --headless --script '" + script + "' --record '" +
+                                     folder / "out' --report '" + folder / "report.json'");
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return nlohmann::json::parse(test::readFile(folder / "report.json"));
+  };
+  // Of the scene between its words and the magnification.
+  const auto count = [&](const std::string& name, unsigned colour) {
+    return patchOf(Pixels(folder / ("out/" + name + ".png")), colour, {480, 80}, {900, 460}, 0.025).count;
+  };
+  constexpr unsigned fissure = 0x8A7050;
+  const auto shown = run("cusps.toml", ENAMEL_SOURCE_DIR "/data/scripts/explore.txt").at("shown");
+  CHECK(shown.at("badges") == nlohmann::json{"slipped"});
+  CHECK(shown.at("deepest [m]") < 20e-6);
+  CHECK(count("explore-cusp", kEnamel) > 8000);
+  CHECK(count("explore-cusp", kGum) > 20000);
+  CHECK(count("explore-cusp", fissure) > 300);
+  // The wall of flat-wall has neither.
+  test::writeFile(folder / "flat.txt", "0 follow\n1 picture flat\n1 end\n");
+  run("flat-wall.toml", folder / "flat.txt");
+  CHECK(count("flat", kGum) < 200);
+  // An arch: teeth and gum in one mesh.
+  test::writeFile(folder / "jaw.txt", "0 panels\n0 charts\n0 view 0 0 -6 20 20 230\n0.1 picture jaw\n0.1 end\n");
+  run("jaw.toml", folder / "jaw.txt");
+  CHECK(count("jaw", kEnamel) > 3000);
+  CHECK(count("jaw", kGum) > 3000);
+}
+
+TEST_CASE("own scenes stand beside the shipped ones, each once", "[viewer]") {
+  const test::TemporaryFolder folder;
+  const std::string wall =
+      "name = \"a\"\nstart = [0, 0, 0.008]\n[[obstacle]]\nname = \"w\"\nshape = \"half_space\"\npoint = [0, 0, 0]\n"
+      "normal = [0, 0, 1]\n";
+  test::writeFile(folder / "own.toml", wall);
+  test::writeFile(folder / "another.toml", wall);
+  test::writeFile(folder / "script.txt", "0.1 picture a\n0.1 end\n");
+  const auto choice = [&](const std::string& scene) {
+    const auto result = test::viewer(scene + " --headless --script '" + folder / "script.txt' --record '" +
+                                     folder / "out' --report '" + folder / "report.json'");
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    return nlohmann::json::parse(test::readFile(folder / "report.json")).at("shown").at("choice of scenes");
+  };
+  nlohmann::json shipped = choice(test::shippedScene("jaw.toml"));
+  CHECK(shipped == choice(""));
+  CHECK(std::count(shipped.begin(), shipped.end(), "jaw") == 1);
+  CHECK(std::count(shipped.begin(), shipped.end(), "cusps") == 1);
+  shipped.push_back("another");
+  shipped.push_back("own");
+  CHECK(choice("'" + folder / "own.toml'") == shipped);
 }
 
 TEST_CASE("two tools do not share a bur", "[viewer]") {

@@ -21,6 +21,8 @@ const std::string kOneThread = "env LP_NUM_THREADS=0 ";
 std::string randomScript(std::uint64_t seed, double seconds) {
   test::Random random(seed);
   const char* const actions[] = {"split",
+                                 "follow",
+                                 "cancel",
                                  "swap",
                                  "push",
                                  "grip",
@@ -85,7 +87,7 @@ std::string randomScript(std::uint64_t seed, double seconds) {
     } else if (draw < 0.64) {
       script << "slow " << (pick(3.0) == 0 ? 100 : 1);
     } else {
-      const std::string action = actions[pick(22.0)];
+      const std::string action = actions[pick(24.0)];
       script << action;
       if (action == "step")
         switches["pause"] = true;

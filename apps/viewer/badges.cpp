@@ -1,0 +1,54 @@
+// What the tool is doing, and what is wrong.
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "overlay_parts.hpp"
+#include "palette.hpp"
+
+namespace enamel::viewer {
+
+double handForce(const Frame& frame) { return -frame.record.nearest.normal.dot(frame.record.person.head<3>()); }
+
+// What the tool is doing, in a word.
+void drawChip(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush) {
+  const float s = brush.s;
+  const Player* const player = input.player;
+  const bool contact = frame.record.nearest.gap <= 0.0 || frame.record.mode == RenderMode::contact;
+  std::string chip = contact ? "contact" : "free";
+  unsigned fill = contact ? kForce : kMuted;
+  if (frame.testing) chip = "test push", fill = kChosen;
+  if (frame.record.status != Status::ok) chip = std::string("fault: ") + toString(frame.record.status), fill = kInk;
+  if (frame.record.guard != GuardReason::none)
+    chip = std::string("guard: ") + toString(frame.record.guard) +
+           (isFault(frame.record.guard) && player == nullptr ? ": select again" : ""),
+    fill = kInk;
+  if (player != nullptr && player->gap() > 0)
+    chip = format("%llu ticks missing here", static_cast<unsigned long long>(player->gap())), fill = kInk;
+  if (frame.plant != Status::ok) chip = std::string("stopped: ") + toString(frame.plant), fill = kInk;
+  const float chipWidth = Brush::width(gFonts.bold, chip) + 20 * s;
+  brush.list->AddRectFilled({right - chipWidth, y}, {right, y + 24 * s}, ink(fill), 12 * s);
+  brush.text(gFonts.bold, right - chipWidth + 10 * s, y + 4 * s, 0xFFFFFF, chip);
+}
+
+// What is wrong, each in its pill, from the right.
+std::array<std::pair<bool, const char*>, 4> badgesOf(const Frame& frame) {
+  const Conditions& c = frame.conditions;
+  return {
+      {{c.unstable, "unstable"}, {c.saturated, "saturated"}, {c.slipped, "slipped"}, {c.edge, "edge of workspace"}}};
+}
+
+void drawBadges(float right, float y, const Frame& frame, const Brush& brush) {
+  const float s = brush.s;
+  for (const auto& [on, name] : badgesOf(frame)) {
+    if (!on) continue;
+    const float wide = Brush::width(gFonts.small, name) + 16 * s;
+    brush.list->AddRectFilled({right - wide, y}, {right, y + 20 * s}, ink(kInk), 10 * s);
+    brush.text(gFonts.small, right - wide + 8 * s, y + 3 * s, 0xFFFFFF, name);
+    right -= wide + 6 * s;
+  }
+}
+
+}  // namespace enamel::viewer

@@ -1,0 +1,67 @@
+// The parts of the overlay, a file each.
+#pragma once
+
+#include "brush.hpp"
+#include "overlay.hpp"
+
+namespace enamel::viewer {
+
+inline constexpr unsigned kSlotColour[kMaxRenderers] = {kBlue, kPurple, kSky, kGreen, 0x8C6BB1};
+inline constexpr unsigned kSideColour[] = {kBlue, kPurple};  // of the split screen
+inline constexpr const char* kLinkedTitle[kLinkedRenderers] = {"Position control", "Spring", "Hold (paper)",
+                                                               "Passive spring"};
+
+/// Of the renderers that can be chosen, where a plugin stands among them or in the place of a linked one.
+bool isPlugin(const OverlayInput& input, std::size_t slot);
+std::size_t rendererCount(const OverlayInput& input);
+std::string titleOf(const OverlayInput& input, std::size_t slot);
+
+/// Of the hand, into the nearest wall, N.
+double handForce(const Frame& frame);
+
+/// Why a test push gave no stiffness.
+std::string verdictText(const TestPush& test);
+
+/// names.cpp: what hand and tool are, beside them, where there is room in `scene` outside of `taken`.
+void drawNames(const Area& scene, const std::vector<Area>& taken, const Camera& camera, const Frame& frame, bool hand,
+               const Brush& brush);
+
+/// panel.cpp
+void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state);
+
+/// badges.cpp: what the tool is doing, in a word, and what is wrong, each in its pill; from the right.
+void drawChip(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush);
+void drawBadges(float right, float y, const Frame& frame, const Brush& brush);
+
+/// Where the wall's line stands in an inset of the split screen, share of its height.
+inline constexpr float kWallShare = 0.45f;
+
+/// inset.cpp: what an inset shows.
+struct InsetView {
+  const Area& area;
+  const Frame& frame;
+  bool ghost;
+  Vec3 ghostPosition;
+  const std::vector<Vec3>& trail;
+  bool half;      // of the split screen: at one fixed scale, and its head says whose it is
+  unsigned tool;  // its colour
+};
+/// The contacts, seen along the walls, magnified: the deepest one's wall below, the tool above, whatever the normal.
+void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& state, const Brush& brush);
+
+/// gauge.cpp: beside the scene, the charts' titles and the stiffnesses of the test pushes.
+void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush);
+void drawGauge(const Layout& layout, const OverlayInput& input, const OverlayState& state, const Brush& brush);
+
+/// halves.cpp: the split screen and its tour.
+void drawHalves(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush);
+void drawTour(const Layout& layout, double time, const Brush& brush);
+
+/// cards.cpp: over the scene, what the bur does, the timing, a recording's bar, the help.
+Area drillCard(const Layout& layout, const OverlayInput& input);  ///< width 0: there is none
+void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& brush);
+void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& brush);
+void drawBar(const Layout& layout, const OverlayInput& input, const Brush& brush);
+void drawHelp(const Layout& layout, bool recording, const Brush& brush);
+
+}  // namespace enamel::viewer

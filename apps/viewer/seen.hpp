@@ -1,0 +1,21 @@
+// What a person was shown, for the report: each once, in its order.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace enamel::viewer {
+
+struct Seen {
+  std::vector<std::string> scenes, renderers, notices, badges, tips, stiffnesses;
+  double deepest = 0.0;  ///< of the tool in a wall, m
+
+  static void add(std::vector<std::string>& list, const std::string& text) {
+    constexpr std::size_t most = 200;  // a run may last for hours
+    if (!text.empty() && list.size() < most && std::find(list.begin(), list.end(), text) == list.end())
+      list.push_back(text);
+  }
+};
+
+}  // namespace enamel::viewer
