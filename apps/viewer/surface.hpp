@@ -1,4 +1,4 @@
-// The window of the viewer, and the surface without a display that it shares with the figures.
+// The window of the viewer, and the surface without a display.
 #pragma once
 
 #include <memory>
