@@ -87,10 +87,10 @@ std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequir
     bool improved = true;
     while (improved) {
       improved = false;
-      for (int direction = 0; direction < 27; ++direction)  // diagonals too: the best servos lie on ridges
-        improved = improve({at[0] + step * (direction % 3 - 1), at[1] + step * (direction / 3 % 3 - 1),
-                            at[2] + step * (direction / 9 - 1)}) ||
-                   improved;
+      for (int direction = 0; direction < 27; ++direction) {  // diagonals too: the best servos lie on ridges
+        const int x = direction % 3 - 1, y = direction / 3 % 3 - 1, z = direction / 9 - 1;
+        improved = improve({at[0] + step * x, at[1] + step * y, at[2] + step * z}) || improved;
+      }
     }
   }
   return best;

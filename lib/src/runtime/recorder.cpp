@@ -2,7 +2,7 @@
 
 #include <fcntl.h>
 #include <pthread.h>
-#include <signal.h>  // sigset_t is not in <csignal>
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): sigset_t is not in <csignal>
 #include <sys/stat.h>
 #include <unistd.h>
 

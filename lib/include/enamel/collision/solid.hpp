@@ -106,7 +106,7 @@ class Solid {
   };
 
   std::int32_t brickAt(int x, int y, int z) const noexcept {
-    return index_[static_cast<std::size_t>((z * count_[1] + y) * count_[0] + x)];
+    return index_[(z * count_[1] + y) * count_[0] + x];
   }
   void fill(const MeshModel& surface, const std::vector<std::array<int, 3>>& places);
   void keep(Brick& brick) noexcept;
