@@ -9,8 +9,8 @@
 namespace enamel::app {
 namespace {
 
-constexpr std::array<const char*, 9> kColours = {kBlue, kVermilion, kGreen, kPurple, kOrange,
-                                                 kSky,  kBrown,     kMuted, kInk};
+constexpr std::array<const char*, 10> kColours = {kBlue, kVermilion, kGreen, kPurple, kOrange,
+                                                 kSky,  kBrown,     kMuted, kInk,    kRed};
 
 // A share of the way from one order statistic to the next.
 double quantile(const std::vector<double>& sorted, double share) {

@@ -9,7 +9,7 @@ namespace enamel::app {
 // Colours that the colour-blind tell apart too (M. Okabe, K. Ito 2002).
 inline constexpr const char *kBlue = "#0072b2", *kVermilion = "#d55e00", *kGreen = "#009e73", *kOrange = "#e69f00",
                             *kPurple = "#cc79a7", *kSky = "#56b4e9", *kBrown = "#8c6d1f", *kMuted = "#66707c",
-                            *kInk = "#1f262e", *kLine = "#d3d9e0", *kNoValue = "#bdbdbd";
+                            *kInk = "#1f262e", *kLine = "#d3d9e0", *kRed = "#9b2226", *kNoValue = "#bdbdbd";
 
 /// Text as XML.
 std::string escape(const std::string& text);

@@ -30,7 +30,7 @@ void requireWithin(const TomlTable& table, const char* key, const Vec3& value, d
 }
 
 Vec3 position(TomlTable& table, const char* key) {
-  const Vec3 value = table.vector3(key);
+  Vec3 value = table.vector3(key);
   requireWithin(table, key, value, -kLargestPosition, kLargestPosition, "m");
   return value;
 }
