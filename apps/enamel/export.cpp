@@ -1,4 +1,4 @@
-#include <fmt/core.h>
+#include <fmt/format.h>  // format_to: Clang does not find it in a libfmt that GCC built
 
 #include <CLI/CLI.hpp>
 #include <filesystem>

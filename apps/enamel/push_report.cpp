@@ -1,6 +1,6 @@
 #include "push_report.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>  // format_to: Clang does not find it in a libfmt that GCC built
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,7 @@
 #include "study/report.hpp"
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -408,7 +409,7 @@ void addConvergence(Page& page, const Study& study, const Convergence& c) {
 void addSettings(Page& page, const Study& study) {
   page.heading("Settings");
   std::vector<std::vector<std::string>> cells;
-  const Json manifest = Json::parse(study.manifest);
+  const auto manifest = nlohmann::ordered_json::parse(study.manifest);
   for (const auto& [key, value] : manifest.items())
     cells.push_back({escape(key), value.is_string() ? escape(value.get<std::string>()) : escape(value.dump())});
   page.table({"setting", "value"}, cells, "Everything that the numbers depend on.");

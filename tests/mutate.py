@@ -1,0 +1,198 @@
+#!/usr/bin/env python3
+"""Mutation of lib/src: changes one line, builds, runs the tests until one fails, restores the line, takes the next one.
+
+CONTRIBUTING.md has the commands. One line a mutant, tabs between: file, line, before, after, verdict: "caught by TEST",
+"caught by TEST (time)", "SURVIVED", or "does not compile", which does not count. The seed orders the mutants by a hash of
+their text, so changes of other lines do not change the order. Interrupted, it restores the file; after kill -9,
+`git checkout lib/src` does."""
+import argparse
+import concurrent.futures
+import contextlib
+import hashlib
+import json
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+RUNNERS = ["tests_unit", "tests_hard", "tests_realtime", "tests_plugin"]
+SWAPS = [(" + ", " - "), (" * ", " / "), (" += ", " -= "), (" *= ", " /= "), (" < ", " <= "), (" > ", " >= "), (" == ", " != "),
+         (" && ", " || "), ("++", "--"), ("true", "false"), ("std::min(", "std::max("), ("minCoeff", "maxCoeff"),
+         ("std::floor", "std::ceil"), ("break;", "continue;")]
+SWAPS += [(b, a) for a, b in SWAPS]
+NUMBER = re.compile(r"(?<![\w.'])\d+(\.\d*)?(e[-+]?\d+)?(?![\w.'])")
+MINUS = re.compile(r"(?:(?<=[(\[])|(?<=[=,?:] )|(?<=return ))-(?=[\w(])")
+# A call, an assignment without a declaration, a way out.
+STATEMENT = re.compile(r"\s*((if \(.*\)|else|for \(.*\)) )?([\w:.\[\]>()-]+(\(.*\)|\[.*\])? [-+*/|&]?= .*|[\w:.>-]+\(.*\)"
+                       r"|(\+\+|--)\w+|break|continue|return|throw .*);$")
+
+
+def mutations(line, before):
+    """What can be done to a line, by the line of code before it. From the first text on a line is a message."""
+    code = re.sub(r"'(\\.|[^'\\])'", lambda m: "'" * len(m[0]), line.split("//")[0]).split('"')[0]
+    if re.match(r"\s*(#|using |template|namespace |static_assert|/?\*)", line):
+        return []
+    result = []
+    for old, new in SWAPS:
+        word = r"(?<!\w)" + re.escape(old) + r"(?!\w)" if old[0].isalpha() else re.escape(old)
+        result += [line[:m.start()] + new + line[m.end():] for m in re.finditer(word, code)]
+    for m in NUMBER.finditer(code):
+        new = str(int(m[0]) + 1) if m[0].isdigit() else f"(2 * {m[0]})" if float(m[0]) != 0 else "1.0"
+        result.append(line[:m.start()] + new + line[m.end():])
+    result += [line[:m.start()] + line[m.end():] for m in MINUS.finditer(code)]
+    for m in re.finditer(r"\b(if|while) \(", code):
+        depth, end = 1, m.end()
+        while depth > 0 and end < len(code):
+            depth += {"(": 1, ")": -1}.get(code[end], 0)
+            end += 1
+        condition = line[m.end():end - 1]
+        if depth == 0 and not re.search(r"; | = ", condition):
+            result.append(line[:m.end()] + f"!({condition})" + line[end - 1:])
+    m = STATEMENT.match(line.split("//")[0].rstrip())
+    if m and line.count("(") == line.count(")") and re.search(r"([;{}:]|\)|else)$", before):
+        result.append(line[:m.start(3)] + ";")
+    return result
+
+
+def candidates(seed):
+    """(file, line number, before, after) of all lines that can be changed, one change each, in the order of the seed."""
+    result = []
+    for path in sorted((ROOT / "lib/src").rglob("*.[chi]*")):
+        name, seen, before = str(path.relative_to(ROOT)), {}, ""
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            seen[line] = seen.get(line, 0) + 1
+            digest = hashlib.sha256(f"{seed} {name} {seen[line]} {line}".encode()).digest()
+            choice = mutations(line, before)
+            if choice:
+                after = choice[int.from_bytes(digest[:8], "big") % len(choice)]
+                result.append((digest, name, number, line.strip(), after.strip()))
+            before = line.split("//")[0].strip() or before
+    return [c[1:] for c in sorted(result)]
+
+
+class Tests:
+    def __init__(self, options):
+        self.build, self.jobs = options.build.resolve(), options.jobs
+        if failure := self.make(RUNNERS):
+            sys.exit(failure)
+        listed = json.loads(subprocess.check_output(["ctest", "--show-only=json-v1"], cwd=self.build))["tests"]
+        self.entries = {t["name"]: t["command"] for t in listed if Path(t.get("command", [""])[0]).name in RUNNERS}
+        self.pool, self.running = concurrent.futures.ThreadPoolExecutor(self.jobs), set()
+        # How long each takes unchanged. What fails then is of no use; what takes longer than asked is left out.
+        file = self.build / "mutate_times.json"
+        self.times = json.loads(file.read_text()) if file.exists() else {}
+        new = sorted(self.entries.keys() - self.times.keys())
+        self.times.update(zip(new, self.pool.map(lambda n: self.duration(n, options.longest), new)))
+        file.write_text(json.dumps(self.times, indent=1))
+        left_out = [n for n in self.entries if self.times[n] is None or self.times[n] > options.longest]
+        print("left out:", ", ".join(left_out) or "no test", file=sys.stderr)
+        self.entries = {n: c for n, c in self.entries.items() if n not in left_out}
+
+    def duration(self, name, longest):
+        start = time.monotonic()
+        return None if self.run(name, longest) else time.monotonic() - start
+
+    def ordered(self, source):
+        """First those that are named like the file, then those with its header, with its module; of these the short first."""
+        module, stem, folder = source.split("/")[2], Path(source).stem, Path(source).parent.name
+
+        def rank(name):
+            path = ROOT / "tests" / (name.replace(".", "/", 1) + ".cpp")
+            text = path.read_text() if path.exists() else ""
+            includes = re.findall(r'#include "(?:enamel/)?(\w+)/(?:\w+/)*(\w+)\.', text)
+            return (name.split(".")[1] not in (stem, folder), (module, stem) not in includes, module not in dict(includes))
+        return sorted(self.entries, key=lambda n: (rank(n), self.times[n]))
+
+    def make(self, targets):
+        """What the compiler says if the targets cannot be built, else nothing."""
+        command = ["ninja", "-C", self.build, "-j", str(self.jobs), *targets]
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        return done.stdout if done.returncode != 0 else ""
+
+    def run(self, name, limit):
+        """None if the test passes, else what to say of it."""
+        folder = self.build / "mutate_tmp" / name
+        folder.mkdir(parents=True, exist_ok=True)
+        test = subprocess.Popen([*self.entries[name], "--abort"], cwd=folder, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL, start_new_session=True, env={**os.environ, "TMPDIR": str(folder)},
+                                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30)))
+        self.running.add(test)
+        try:
+            return None if test.wait(limit) in (0, 4) else name  # 4: skipped
+        except subprocess.TimeoutExpired:
+            return name + " (time)"
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(test.pid, signal.SIGKILL)
+            test.wait()
+            self.running.discard(test)
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def verdict(self, source):
+        built, names = set(), self.ordered(source)
+        limit = {name: 20 + 5 * self.times[name] for name in names}
+        for some in (names[i:i + self.jobs] for i in range(0, len(names), self.jobs)):
+            runners = {Path(self.entries[n][0]).name for n in some} - built
+            if runners and self.make(sorted(runners)):
+                return "does not compile"
+            built |= runners
+            for name, failed in zip(some, self.pool.map(self.run, some, map(limit.get, some))):
+                # Once more, so that a hiccup of the machine is no catch.
+                if failed and ("(time)" in failed or self.run(name, limit[name])):
+                    return "caught by " + failed
+        return "SURVIVED"
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=Path, required=True, help="a configured build folder of its own (Ninja)")
+    parser.add_argument("--count", type=int, default=100, help="mutants that compile")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=2, help="of the build, and tests at a time")
+    parser.add_argument("--output", type=Path, help="file of results (BUILD/mutants.tsv); what it has is not done again")
+    parser.add_argument("--again", action="store_true", help="the survivors of the file once more")
+    parser.add_argument("--longest", type=float, default=1200, help="leave tests out that take longer unchanged, s")
+    options = parser.parse_args()
+    output = options.output or options.build / "mutants.tsv"
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: sys.exit("stopped"))
+    done = {}
+    if output.exists():
+        rows = [line.split("\t") for line in output.read_text().splitlines()]
+        done = {(r[0], r[2], r[3]): r[4] for r in rows if len(r) == 5}
+    tests, verdicts = Tests(options), []
+    for source, number, before, after in candidates(options.seed):
+        if len(verdicts) >= options.count:
+            break
+        verdict = done.get((source, before, after))
+        if verdict is None or options.again and verdict == "SURVIVED":
+            path = ROOT / source
+            text = path.read_text()
+            lines = text.split("\n")
+            lines[number - 1] = lines[number - 1].replace(before, after)
+            try:
+                path.write_text("\n".join(lines))
+                verdict = tests.verdict(source)
+            except BaseException:
+                for test in list(tests.running):
+                    test.kill()
+                raise
+            finally:
+                path.write_text(text)  # with a new time: what was built of the mutant is built anew
+            row = "\t".join((source, str(number), before, after, verdict))
+            print(row, flush=True)
+            with output.open("a") as file:
+                file.write(row + "\n")
+        if verdict != "does not compile":
+            verdicts.append(verdict)
+    survived = verdicts.count("SURVIVED")
+    print(f"{len(verdicts)} mutants, {len(verdicts) - survived} caught, {survived} survived")
+
+
+if __name__ == "__main__":
+    main()
