@@ -1,6 +1,5 @@
 // No tick-time function of the device allocates: counted by interposition, with good and with bad input.
-#include <memory>
-#include <vector>
+#include <new>
 
 #include "enamel/device/tau/dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"
@@ -15,7 +14,10 @@ namespace enamel::test_device {
 
 TEST_CASE("the counter counts", "[realtime]") {
   const long before = test::allocationCount();
-  std::vector<double>(100).swap(*std::make_unique<std::vector<double>>(200));
+  for (int i = 0; i < 2; ++i) {
+    void* volatile kept = ::operator new(100);  // volatile: Clang leaves out what nobody sees
+    ::operator delete(kept);
+  }
   CHECK(test::allocationCount() >= before + 2);
 }
 

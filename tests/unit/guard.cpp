@@ -224,7 +224,7 @@ TEST_CASE("guard: a brake beyond the speed and the workspace, then a stop", "[gu
   CHECK(moveAt(beyond, Vec3(0.0, 0.016, 0.0), Vec3::Zero()).reason == GuardReason::workspace);
 }
 
-TEST_CASE("guard: the damping of the device is taken from its model", "[guard]") {
+TEST_CASE("guard: damping and the budget of energy are taken from the device's model", "[guard]") {
   CHECK(guardFor(TauMechanism(test::nominal()), 1e-3).damping.norm() < 1e-9);
   const Mat6 damping = guardFor(TauMechanism(test::dampedNominal()), 1e-3).damping;
   CHECK((damping - 4.0 * Vec6::Unit(2) * Vec6::Unit(2).transpose()).norm() < 1e-9);
@@ -232,7 +232,12 @@ TEST_CASE("guard: the damping of the device is taken from its model", "[guard]")
     const auto device = makeMechanism(loadDevice(test::deviceFile(name)));
     const GuardOptions options = guardFor(*device, 1e-3);
     CHECK_NOTHROW(Guard(*device, options));
-    CHECK(options.energy > 0.0);
+    double weakest = HUGE_VAL;  // the largest force at home in the direction where it is least
+    for (int axis = 0; axis < 3; ++axis)
+      for (const Vec3& way : {Vec3(Vec3::Unit(axis)), Vec3(-Vec3::Unit(axis))})
+        weakest = std::min(weakest, largestForce(device->home(), device->limits().torque, Vec3::Zero(), way));
+    CHECK(options.energy == Approx(0.7e-3 * weakest));
+    CHECK(options.power == Approx(1e-3 * weakest));
     CHECK(options.brake > 0.0);
   }
 }

@@ -401,6 +401,19 @@ TEST_CASE("a column may have shorter ticks: delay and density of the noise stay"
   CHECK_THROWS_WITH(setupOf(plan, run), Catch::Contains("no multiple"));
 }
 
+TEST_CASE("a run that the guard stops says so and is not measured", "[monte_carlo]") {
+  StudyPlan plan = smallPlan(1, 1);
+  plan.setup.delay = {8, 8};  // a stiff spring, late: it gives energy
+  plan.columns[1].plant = plan.columns[0].plant;
+  plan.columns[1].make = [](std::size_t) { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{5e4, 0.0}); };
+  std::size_t ticks = 0;
+  const StudyResult result = performRun(plan, runAt(plan, 1), [&](const TickRecord&) { ++ticks; });
+  CHECK(ticks > 0);
+  CHECK(ticks < 1100);
+  CHECK(result.status == Status::stopped);
+  CHECK(result.metrics.largestDepth == PushMetrics().largestDepth);
+}
+
 TEST_CASE("parts of a study are the whole, once", "[monte_carlo]") {
   const StudyPlan plan = smallPlan(3, 7);
   for (const int parts : {1, 2, 5, 1000}) {

@@ -468,6 +468,19 @@ TEST_CASE("bad setups are refused before anything runs", "[push]") {
   refuse([](PushSetup& s) { s.period = 0.0; }, "the period is 0, must be in 1e-05 to 0.1 s");
   refuse([](PushSetup& s) { s.encoders.cutoff = 0.0; }, "cutoff of the rate filter is 0, must be greater than 0 Hz");
   refuse([](PushSetup& s) { s.start.position.x() = 1.0; }, "the start pose is unreachable");
+
+  const auto allow = [](auto change) {
+    PushSetup setup;
+    change(setup);
+    CHECK_NOTHROW(checkPush(setup));
+  };
+  for (const double force : {0.0, 1000.0}) {
+    allow([&](PushSetup& s) { s.person.force = force; });
+    allow([&](PushSetup& s) { s.person.preload = force; });
+    allow([&](PushSetup& s) { s.person.noise = force; });
+  }
+  for (const double duration : {0.0, 3600.0}) allow([&](PushSetup& s) { s.duration = duration; });
+  allow([](PushSetup& s) { s.person.instant = 0.0; });
 }
 
 }  // namespace enamel::test_push

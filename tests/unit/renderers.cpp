@@ -231,6 +231,12 @@ TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the sta
     refuse(Status::notFinite, [](TickInput& in) { in.maxTorque[5] = std::nan(""); });
     refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.q[0] = 1e6; });
     refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.twist[1] = 1e3; });
+    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.twist[4] = 1001.0; });
+    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.rates[2] = 1001.0; });
+    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.pose.position.x() = 10.1; });
+    refuse(Status::outOfRange, [](TickInput& in) { in.contacts.contacts[0].point.y() = 10.1; });
+    refuse(Status::outOfRange, [](TickInput& in) { in.contacts.contacts[0].gap = 101.0; });
+    refuse(Status::outOfRange, [](TickInput& in) { in.contacts.contacts[0].obstacleVelocity.z() = 101.0; });
     refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.pose.rotation *= 1.1; });
     refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.pose.rotation.col(0) *= -1.0; });
     refuse(Status::outOfRange, [](TickInput& in) { in.contacts.contacts[0].normal *= 2.0; });

@@ -235,6 +235,17 @@ TEST_CASE("a file is written whole or not at all", "[slips]") {
   CHECK(std::filesystem::is_symlink(folder / "link"));
   CHECK(std::filesystem::status(path).permissions() == std::filesystem::perms(0640));
   CHECK(files() == 2);
+  // Links to a file that is not there yet, and links that lead nowhere.
+  std::filesystem::create_symlink("middle", folder / "first");
+  std::filesystem::create_symlink("later.json", folder / "middle");
+  writeFile(folder / "first", "later");
+  CHECK(test::readFile(folder / "later.json") == "later");
+  CHECK(std::filesystem::is_symlink(folder / "first"));
+  CHECK(std::filesystem::is_symlink(folder / "middle"));
+  std::filesystem::create_symlink("b", folder / "a");
+  std::filesystem::create_symlink("a", folder / "b");
+  writeFile(folder / "a", "ring");
+  CHECK(test::readFile(folder / "a") == "ring");
   CHECK_THROWS_WITH(writeFile("/dev/full", "x"), Contains("/dev/full: cannot write the file: No space left"));
   CHECK_THROWS_WITH(writeFile(folder / "", "x"), Contains("Is a directory"));
   CHECK_THROWS_WITH(writeFile(folder / "no/such/file", "x"), Contains("No such file or directory"));
