@@ -49,8 +49,9 @@ void printCost(const std::string& name, const Scene& scene, const SceneFile& fil
   constexpr double kReach = 5e-3;  // m
   const std::vector<Pose> poses = bench::slideOver(scene, file.tool, file.start, kTicks, kReach);
   const bench::SceneCost cost = bench::costOf(scene, file.tool, poses);
-  fmt::print("{:<24} {:>10.3g} {:>10.3g} {:>10.3g} {:>9} {:>9.0f}\n", name, cost.contacts.median_us,
-             cost.contacts.p99_us, cost.p999_us, cost.most, 100.0 * cost.touching);
+  fmt::print("{:<24} {:>10.3g} {:>10.3g} {:>10.3g} {:>9} {:>9.0f}\n", name, bench::percentile(cost.times_us, 0.5),
+             bench::percentile(cost.times_us, 0.99), bench::percentile(cost.times_us, 0.999), cost.most,
+             100.0 * cost.touching);
 }
 
 void explain(const SceneFile& file, double seconds) {

@@ -72,6 +72,18 @@ std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::fun
   return timings;
 }
 
+Measurement rowOf(const std::string& name, std::vector<double> times_us, double error, const std::string& errorOf) {
+  std::sort(times_us.begin(), times_us.end());
+  Measurement row;
+  row.name = name;
+  row.median_us = percentile(times_us, 0.5);
+  row.p99_us = percentile(times_us, 0.99);
+  row.p999_us = percentile(times_us, 0.999);
+  row.error = error;
+  row.errorOf = errorOf;
+  return row;
+}
+
 Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run) {
   return timeInTurns(calls, first, {run}).front();
 }

@@ -34,6 +34,9 @@ struct Timing {
 /// spread evenly over the step.
 double percentile(const std::vector<double>& times_us, double part);
 
+/// A row for single calls that were timed each: its median, p99 and p99.9.
+Measurement rowOf(const std::string& name, std::vector<double> times_us, double error, const std::string& errorOf);
+
 /// Times batches of calls: `run(first, count)` makes `count` calls, numbered from `first`. One warm-up batch first.
 Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int first, int count)>& run);
 

@@ -76,13 +76,8 @@ Measurement measure(const std::string& name, Scene& scene, const Vec3& start, in
     error = std::max(error, std::abs(contacts.contacts[0].gap + kBall - exact));
   };
   const SceneCost cost = costOf(scene, tool, poses, before, check);
-  Measurement row;
-  row.name = name;
-  row.median_us = cost.contacts.median_us;
-  row.p99_us = cost.contacts.p99_us;
-  row.p999_us = cost.p999_us;
-  row.error = failures > 0 || reference_us.empty() ? 1.0 : error;
-  row.errorOf = isReference ? "m, gap, against all triangles" : "m, gap, against its formula";
+  Measurement row = rowOf(name, cost.times_us, failures > 0 || reference_us.empty() ? 1.0 : error,
+                          isReference ? "m, gap, against all triangles" : "m, gap, against its formula");
   if (isReference && !reference_us.empty()) {
     std::sort(reference_us.begin(), reference_us.end());
     row.reference_us = percentile(reference_us, 0.5);
@@ -112,14 +107,8 @@ Measurement measureServo(const std::string& name, const Scene& scene, int ticks)
     times_us.push_back(timeOnce([&] { faults += tick(measured, command) != Status::ok; }));
     most = std::max(most, tick.input().contacts.count);
   }
-  std::sort(times_us.begin(), times_us.end());
-  Measurement row;
-  row.name = fmt::format("whole tick of position control, {} ({} contacts)", name, most);
-  row.median_us = percentile(times_us, 0.5);
-  row.p99_us = percentile(times_us, 0.99);
-  row.p999_us = percentile(times_us, 0.999);
-  row.error = faults;
-  row.errorOf = "ticks that were not ok";
+  Measurement row = rowOf(fmt::format("whole tick of position control, {} ({} contacts)", name, most), times_us, faults,
+                          "ticks that were not ok");
   row.goal_us = most > 1 ? 8.0 : 3.0;
   return row;
 }
@@ -175,18 +164,16 @@ SceneCost costOf(const Scene& scene, const Tool& tool, const std::vector<Pose>& 
                  const std::function<void(int, const ContactSnapshot&)>& after) {
   ToolTrack track = makeToolTrack(scene, tool);
   ContactSnapshot contacts;
-  std::vector<double> times_us;
   SceneCost cost;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (before) before(static_cast<int>(i));
-    times_us.push_back(timeOnce([&] { keep(followContacts(scene, tool, poses[i], kContactMargin, track, contacts)); }));
+    cost.times_us.push_back(
+        timeOnce([&] { keep(followContacts(scene, tool, poses[i], kContactMargin, track, contacts)); }));
     cost.most = std::max(cost.most, contacts.count);
     cost.touching += (contacts.count > 0 ? 1.0 : 0.0) / static_cast<double>(poses.size());
     if (after) after(static_cast<int>(i), contacts);
   }
-  std::sort(times_us.begin(), times_us.end());
-  cost.contacts = {percentile(times_us, 0.5), percentile(times_us, 0.99)};
-  cost.p999_us = percentile(times_us, 0.999);
+  std::sort(cost.times_us.begin(), cost.times_us.end());
   return cost;
 }
 

@@ -14,10 +14,9 @@ namespace enamel::bench {
 std::vector<Pose> slideOver(const Scene& scene, const Tool& tool, const Vec3& start, int ticks, double reach);
 
 struct SceneCost {
-  Timing contacts{};  // of followContacts()
-  double p999_us = 0.0;
-  int most = 0;           // contacts at once
-  double touching = 0.0;  // share of the ticks that have any
+  std::vector<double> times_us;  // of followContacts(), in rising order
+  int most = 0;                  // contacts at once
+  double touching = 0.0;         // share of the ticks that have any
 };
 
 /// Times followContacts() along the poses; before each `before(i)` is called, not timed, after it `after(i, contacts)`.

@@ -20,19 +20,6 @@ constexpr double kReach = 1e-3;                   // m
 
 double sum(const RemovedVolume& volume) { return std::accumulate(volume.begin(), volume.end(), 0.0); }
 
-void addRow(std::vector<Measurement>& rows, const std::string& name, std::vector<double> times_us, double error,
-            const std::string& errorOf) {
-  std::sort(times_us.begin(), times_us.end());
-  Measurement row;
-  row.name = name;
-  row.median_us = percentile(times_us, 0.5);
-  row.p99_us = percentile(times_us, 0.99);
-  row.p999_us = percentile(times_us, 0.999);
-  row.error = error;
-  row.errorOf = errorOf;
-  rows.push_back(row);
-}
-
 Tool ball() {
   Tool tool;
   tool.parts[0].radius = kRadius;
@@ -68,10 +55,10 @@ void measureQueries(const MeshModel& mesh, const std::shared_ptr<Solid>& solid, 
     const double gap = contacts.count > 0 ? contacts.contacts[0].gap : kReach;
     gapError = std::max(gapError, std::abs(gap - (exact.distance - kRadius)));
   }
-  addRow(rows, "signed distance, molar at 0.1 mm, haptic path", distances_us, error, "m, against the mesh");
+  rows.push_back(rowOf("signed distance, molar at 0.1 mm, haptic path", distances_us, error, "m, against the mesh"));
   std::sort(meshes_us.begin(), meshes_us.end());
   rows.back().reference_us = percentile(meshes_us, 0.5);
-  addRow(rows, "contacts of a 1 mm ball with it, followed", contacts_us, gapError, "m, gap against the mesh");
+  rows.push_back(rowOf("contacts of a 1 mm ball with it, followed", contacts_us, gapError, "m, gap against the mesh"));
 }
 
 // The ball is pressed with 2 N and goes to and fro; walls push it back.
@@ -114,10 +101,11 @@ void measureCutting(const std::shared_ptr<Solid>& solid, int calls, std::vector<
     }
   }
   const double gone = whole - sum(solid->volume());
-  addRow(rows, fmt::format("tick that cuts with a 1 mm ball ({} of {})", cuts_us.size(), calls), cuts_us,
-         std::abs(removed - gone) / gone, "volume that was said to be removed, relative");
+  rows.push_back(rowOf(fmt::format("tick that cuts with a 1 mm ball ({} of {})", cuts_us.size(), calls), cuts_us,
+                       std::abs(removed - gone) / gone, "volume that was said to be removed, relative"));
   rows.back().goal_us = 60.0;
-  addRow(rows, "surface of a brick that a tick changed", bricks_us, error, "m, a vertex from the surface of queries");
+  rows.push_back(
+      rowOf("surface of a brick that a tick changed", bricks_us, error, "m, a vertex from the surface of queries"));
 }
 
 }  // namespace

@@ -36,8 +36,8 @@ class ToolCache {
   std::vector<kernel::PartCache> parts_;  // one for each part and mesh
 };
 
-/// Cache for `tool` in `scene` as it is now: 19 KB for each part and mesh, nothing for other shapes. Throws Error: checkTool() refuses the
-/// tool. Realtime: no.
+/// Cache for `tool` in `scene` as it is now: 19 KB for each part and mesh, nothing for other shapes. Throws Error:
+/// checkTool() refuses the tool. Realtime: no.
 ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 
 /// All contacts whose gap is at most `margin`, the deepest first (then by obstacle), at most kMaxContacts.

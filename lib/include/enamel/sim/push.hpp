@@ -38,7 +38,7 @@ struct PushSetup : LoopSetup {
 };
 
 /// Makes the tool a point at `tip` (m, in the platform's frame), where the hand holds it as well, and the scene a wall
-/// through it that is level with the start pose. Throws Error: no wall can be there. Realtime: no.
+/// through it across the push. Throws Error: as Scene::add(). Realtime: no.
 void holdAt(const Vec3& tip, PushSetup& setup);
 
 /// A random instant inside its tick for the step of a run, uniform in [0, 1). Realtime: yes.
@@ -62,7 +62,8 @@ struct PushResult {
 
 /// Checks a setup. Throws Error: as checkLoop(); a preload outside 0 to 1000 N; an instant outside [0, 1); a scenario
 /// other than 1 and 2; an arm in scenario 2, or one whose mass is not positive or whose other numbers are negative; a
-/// normal not of unit length to 1e-6; a grip farther than 1 m from the TCP; a force or noise outside 0 to 1000 N; a duration outside 0 to 1 h. Realtime: no.
+/// normal not of unit length to 1e-6; a grip farther than 1 m from the TCP; a force or noise outside 0 to 1000 N; a
+/// duration outside 0 to 1 h. Realtime: no.
 void checkPush(const PushSetup& setup);
 
 /// Runs a push on a VirtualLoop, `record` once a tick, until its end or until the guard latches a fault. The renderer
