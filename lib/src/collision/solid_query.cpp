@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace enamel {
 
@@ -94,14 +93,11 @@ struct SolidQuery {
     }
 
     // Nothing of the patch is nearer, but for a smooth one by some hundredths of a cell: in a pit that fits the bur all
-    // places are about as near.
-    double least() const { return least(0.0f, 0.0f); }
-
-    // The same where q may be elsewhere: nearer to the plane by `rise`, its place on it by `slide`.
-    double least(float rise, float slide) const {
-      const float ahead = distance - rise - (flatness < kSmooth ? 0.1f * flatness : flatness);
+    // places are about as near. Where q may be elsewhere: nearer to the plane by `rise`, its place on it by `slide`.
+    float least(float rise, float slide) const {
+      const float ahead = std::max(distance - rise - (flatness < kSmooth ? 0.1f * flatness : flatness), 0.0f);
       const float aside = outside - slide - 0.5f - flatness;  // the cell begins so far beside the plane's nearest place
-      return aside > 0.0f && ahead > 0.0f ? std::sqrt(ahead * ahead + aside * aside) : ahead;
+      return aside > 0.0f ? std::sqrt(ahead * ahead + aside * aside) : ahead;
     }
   };
 
@@ -300,7 +296,7 @@ struct SolidQuery {
                   alongY = step.y() - rise * plane.gy * plane.perNorm,
                   alongZ = step.z() - rise * plane.gz * plane.perNorm;
       const float slide = std::max({std::abs(alongX), std::abs(alongY), std::abs(alongZ)});
-      if (plane.least(std::abs(rise), slide) < best.distance) search(low, samples, t, best);
+      if (static_cast<double>(plane.least(std::abs(rise), slide)) < best.distance) search(low, samples, t, best);
     });
   }
 
@@ -318,8 +314,9 @@ struct SolidQuery {
 
   static Seen seenFrom(const float* samples, const Vec3& low, const Vec3& q) {
     const Plane plane = planeOf(samples, q);
-    return {samples, low.cast<float>(), q.cast<float>(), plane,
-            static_cast<float>(std::max(plane.least(), q.norm() - kHalfCell))};
+    const Eigen::Vector3f toCentre = q.cast<float>();
+    return {samples, low.cast<float>(), toCentre, plane,
+            std::max(plane.least(0.0f, 0.0f), toCentre.norm() - static_cast<float>(kHalfCell))};
   }
 
   // About how near the surface is there where it is smooth and faces the point.
@@ -484,19 +481,28 @@ struct SolidQuery {
     }
   };
 
-  // The likely nearest first, so that those in the same direction need no closer look.
+  // The likely nearest first, by shares of the reach, so that those in the same direction need no closer look.
   void collect(const SeenCells& cells, double reach, Collected& found) const {
-    std::array<std::pair<float, int>, kMostSeen> waiting;  // a heap
-    int count = 0;
+    constexpr int kShares = 256;
+    std::array<int, kShares + 1> ends{};
+    std::array<std::int16_t, kMostSeen> share, order;
+    const float scale = kShares / std::max(static_cast<float>(reach), 1e-6f);
     for (int i = 0; i < cells.count; ++i) {
-      const Plane& plane = cells.all[i].plane;
-      if (plane.outside <= 0.75f + 4.0f * plane.flatness * plane.distance) waiting[count++] = {-cells.all[i].least, i};
+      const Seen& cell = cells.all[i];
+      const Plane& plane = cell.plane;
+      share[i] = -1;
+      if (!(plane.outside <= 0.75f + 4.0f * plane.flatness * plane.distance)) continue;
+      share[i] = static_cast<std::int16_t>(std::clamp(cell.least * scale, 0.0f, kShares - 1.0f));
+      ++ends[share[i] + 1];
     }
-    for (std::make_heap(waiting.begin(), waiting.begin() + count); count > 0; --count) {
-      const Seen& cell = cells.all[waiting[0].second];
-      std::pop_heap(waiting.begin(), waiting.begin() + count);
+    for (int k = 0; k < kShares; ++k) ends[k + 1] += ends[k];
+    const int count = ends[kShares];
+    for (int i = 0; i < cells.count; ++i)
+      if (share[i] >= 0) order[ends[share[i]]++] = static_cast<std::int16_t>(i);
+    for (int i = 0; i < count; ++i) {
+      const Seen& cell = cells.all[order[i]];
       const double least = static_cast<double>(cell.least);
-      if (found.count == kernel::kMaxSolidMinima && least >= found.all[found.count - 1].distance) return;
+      if (found.count == kernel::kMaxSolidMinima && least >= found.all[found.count - 1].distance) continue;
       const Vec3 toCentre = cell.toCentre.cast<double>(), low = cell.low.cast<double>(), q = a - low;
       if (found.has(a, toCentre, toCentre.norm(), static_cast<double>(cell.plane.distance) + kSameMinimum)) continue;
       Touch touch;
