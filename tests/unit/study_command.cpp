@@ -35,6 +35,16 @@ std::string file(const test::TemporaryFolder& folder, const std::string& name, c
   return test::readFile(folder / (name + "/" + which));
 }
 
+// A study of everything, in the folder's "all": run once.
+struct WholeStudy {
+  test::TemporaryFolder folder;
+  test::CommandResult result = run(convergingStudy(folder, "all", kLong ? "--grid 11 --runs 20" : "--grid 3 --runs 3"));
+};
+const WholeStudy& wholeStudy() {
+  static const WholeStudy study;
+  return study;
+}
+
 int count(const std::string& text, const std::string& part) {
   int found = 0;
   for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size()) ++found;
@@ -133,9 +143,8 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
 }
 
 TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_command]") {
-  const test::TemporaryFolder folder;
-  const std::string size = kLong ? "--grid 11 --runs 20" : "--grid 3 --runs 3";
-  const auto result = test::run(convergingStudy(folder, "all", size));
+  const test::TemporaryFolder& folder = wholeStudy().folder;
+  const test::CommandResult& result = wholeStudy().result;
   INFO(result.output);
   REQUIRE(result.status == 0);
   const auto summary = nlohmann::json::parse(file(folder, "all", "summary.json"));
@@ -459,14 +468,14 @@ TEST_CASE("study: a full disk ends it with one line, and it can go on", "[study_
 }
 
 TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_command]") {
-  const test::TemporaryFolder folder;
-  const auto result = run(convergingStudy(folder, "drawn", "--grid 3 --runs 3"));
+  const test::TemporaryFolder& folder = wholeStudy().folder;
+  const test::CommandResult& result = wholeStudy().result;
   INFO(result.output);
   REQUIRE(result.status == 0);
-  const auto figure = [&](const std::string& name) { return file(folder, "drawn", "figures/" + name + ".svg"); };
-  const std::string report = file(folder, "drawn", "report.html");
+  const auto figure = [&](const std::string& name) { return file(folder, "all", "figures/" + name + ".svg"); };
+  const std::string report = file(folder, "all", "report.html");
   std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "drawn/figures")) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "all/figures")) {
     const std::string name = entry.path().stem(), svg = figure(name);
     INFO(name);
     names.insert(name);
@@ -500,14 +509,14 @@ TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_comma
     CHECK(y[0] != y[1]);
   }
   int finite = 0;
-  std::istringstream table(file(folder, "drawn", "convergence.csv"));
+  std::istringstream table(file(folder, "all", "convergence.csv"));
   for (std::string line; std::getline(table, line);)
     finite += std::isdigit(static_cast<unsigned char>(line.back())) != 0 && line.find("inf") == std::string::npos;
   CHECK(finite > 6);
   CHECK(count(figure("convergence"), "<circle") == 2 * finite);
 
   // Maps: every point's mean and interval, as points.csv has them; equal axes for what is compared.
-  std::istringstream points(file(folder, "drawn", "points.csv"));
+  std::istringstream points(file(folder, "all", "points.csv"));
   std::string line;
   std::getline(points, line);
   const std::vector<std::string> head = split(line);
@@ -595,14 +604,13 @@ TEST_CASE("study: numbers of the report are rounded to their intervals, and no l
 
 TEST_CASE("study: convergence finds the default", "[study_command]") {
   const test::TemporaryFolder folder;
-  const auto result =
-      run(convergingStudy(folder, "speed", "--convergence --renderers position-control,hold,impedance --grid 3"));
+  const auto result = run(convergingStudy(folder, "speed", "--convergence --renderers hold,impedance --grid 3"));
   INFO(result.output);
   REQUIRE(result.status == 0);
   CHECK(result.output.find("is Runge-Kutta 4 with 1 step a tick") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(folder / "speed/runs.csv"));
   const std::string table = file(folder, "speed", "convergence.csv");
-  CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 3 * 4);
+  CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 2 * 4);
   CHECK(file(folder, "speed", "convergence.html").find("Speed against error") != std::string::npos);
 }
 

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kEnd = 0.01;      // share of an edge that no vertex is nearer to its ends
 constexpr double kSettled = 1e-3;  // cells
+constexpr double kOff = 0.25;      // cells: a triangle's middle that is farther from the surface is moved there
+constexpr double kWithin = 0.05;   // share of the triangle that each of the three parts has at least
 constexpr int kRounds = 8;
 constexpr int kCornersOfCube = 8;  // bits x, y, z
 
@@ -255,6 +257,29 @@ class Extraction {
   std::array<std::int32_t, std::tuple_size<BrickSamples>::value * kCornersOfCube> vertices_;  // by edge
 };
 
+// A triangle across a sharp edge leaves the surface between its corners: it gets a corner where the surface is, over
+// its middle, so that its edges stay and the mesh closed.
+void splitWhereOff(const Solid& solid, TriangleMesh& mesh) {
+  const std::size_t count = mesh.triangles.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto t = mesh.triangles[i];
+    const Vec3 &a = mesh.vertices[static_cast<std::size_t>(t[0])], &b = mesh.vertices[static_cast<std::size_t>(t[1])],
+               &c = mesh.vertices[static_cast<std::size_t>(t[2])];
+    const SolidPoint off = signedDistance(solid, (a + b + c) / 3.0, solid.cell());
+    if (!off.found || std::abs(off.distance) < kOff * solid.cell()) continue;
+    const Vec3 normal = (b - a).cross(c - a), top = off.point;
+    const auto share = [&](const Vec3& from, const Vec3& to) {
+      return (to - from).cross(top - from).dot(normal) / normal.squaredNorm();
+    };
+    if (!(std::min({share(a, b), share(b, c), share(c, a)}) > kWithin)) continue;
+    const int middle = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.push_back(top);
+    mesh.triangles[i] = {t[0], t[1], middle};
+    mesh.triangles.push_back({t[1], t[2], middle});
+    mesh.triangles.push_back({t[2], t[0], middle});
+  }
+}
+
 }  // namespace
 
 void SolidSurface::clear() noexcept {
@@ -287,6 +312,7 @@ TriangleMesh surfaceOf(const Solid& solid) {
   mesh.triangles = std::move(bricks.mesh.triangles);
   for (auto& triangle : mesh.triangles)
     for (int& v : triangle) v = place[static_cast<std::size_t>(v)];
+  splitWhereOff(solid, mesh);
   return mesh;
 }
 

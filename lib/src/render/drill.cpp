@@ -14,7 +14,10 @@ constexpr double kMostTurns = 1e4;
 constexpr double kFollow = 0.05;    // share of a tick in the means of force, hardness and feed
 constexpr double kMostFeed = 0.02;  // m/s
 constexpr double kMostOwed = 4.0;
-constexpr double kFacing = 0.1, kAhead = 0.7;  // cosines
+constexpr double kFacing = 0.1, kAhead = 0.7, kSide = 0.9;  // cosines
+// What a spinning bur leans on beside the force gives way. A servo that holds it there as stiffly as ahead holds it in
+// three directions, and encoders chatter in each.
+constexpr double kSideStiffness = 2e4;  // N/m
 
 }  // namespace
 
@@ -92,6 +95,8 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
 
   for (Contact* c = deepest; c != end; ++c) {
     if (c->obstacle == number && c->part == number_ && c->gap < 0.0) c->gap = std::min(c->gap + rough, 0.0);
+    if (c->obstacle == number && c->part == number_ && way.dot(c->normal) < kSide)
+      c->material.stiffness = std::min(c->material.stiffness, kSideStiffness);
     if (!faces(*c)) continue;
     const double along = way.dot(c->normal);
     c->gap = std::max(c->gap, std::min(-std::max(back, 0.0) * along, 0.0));

@@ -25,8 +25,9 @@ class Drill {
   void spin(bool on) noexcept { isOn_ = on; }
   bool spins() const noexcept { return isOn_; }
 
-  /// One tick: cuts, and corrects the contacts for it: gaps, and the velocity at which the surface recedes. `force`: of
-  /// the wall on the tool at the last tick, W, N; its mean over some 20 ticks counts. `period` of the ticks, s.
+  /// One tick: cuts, and corrects the contacts for it: gaps, the velocity at which the surface recedes, and a stiffness
+  /// of at most 20 N/mm more than 26 deg beside the force. `force`: of the wall on the tool at the last tick, W, N; its
+  /// mean over some 20 ticks counts. `period` of the ticks, s.
   /// Realtime: yes.
   void cut(const Scene& scene, const Pose& pose, const Vec3& force, double period, ContactSnapshot& contacts) noexcept;
 
