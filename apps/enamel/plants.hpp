@@ -1,4 +1,4 @@
-// The options --plant and --tip of push and study.
+// What begins a push: the options --plant and --tip of push and study, the start on the surface of a scene.
 #pragma once
 
 #include <functional>
@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "enamel/collision/scene_file.hpp"
 #include "enamel/device/device_file.hpp"
-#include "enamel/sim/virtual_device.hpp"
+#include "enamel/sim/push.hpp"
 
 namespace enamel::app {
 
@@ -35,5 +36,9 @@ using MakePlant = std::function<std::unique_ptr<Plant>(std::uint32_t stream)>;
 /// into the setup. Throws Error: as makeRealDevice() and
 /// MultibodyPlant; multibody where Enamel was built without Simbody.
 MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup);
+
+/// Scene, tool and limit of force of a scene file; the start is the place of the nearest surface, the push against its
+/// normal.
+void pushInto(SceneFile file, PushSetup& setup);
 
 }  // namespace enamel::app
