@@ -9,10 +9,29 @@
 #include "enamel/multibody/multibody_plant.hpp"
 #endif
 #include "enamel/sim/real_plant.hpp"
+#ifdef ENAMEL_FMI
+#include "plugins/fmi/import.hpp"
+#endif
 
 namespace enamel::app {
 
+namespace {
+
+bool isUnit(const std::string& plant) { return plant.size() > 4 && plant.compare(plant.size() - 4, 4, ".fmu") == 0; }
+
+}  // namespace
+
 std::vector<std::string> plantNames() { return {kClosedForm, kMultibody, kReal, kRealStiff}; }
+
+std::string checkPlant(const std::string& plant) {
+  if (isUnit(plant)) return "";
+  std::string names;
+  for (const std::string& name : plantNames()) {
+    if (plant == name) return "";
+    names += name + ", ";
+  }
+  return plant + " is not among " + names + "FILE.fmu";
+}
 
 MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
   if (plant == kMultibody) {
@@ -20,6 +39,13 @@ MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, 
     return [parameters](std::uint32_t) { return std::make_unique<MultibodyPlant>(parameters); };
 #else
     throw Error("--plant multibody: this enamel was built without Simbody (Debian: libsimbody-dev)");
+#endif
+  }
+  if (isUnit(plant)) {
+#ifdef ENAMEL_FMI
+    return fmi::plantsOf(plant, parameters);
+#else
+    throw Error("--plant " + plant + ": this enamel was built without FMI (Debian: libzip-dev, libpugixml-dev)");
 #endif
   }
   if (plant != kReal && plant != kRealStiff) return {};

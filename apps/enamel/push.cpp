@@ -252,7 +252,7 @@ void addPush(CLI::App& app) {
                    "paper's spring has 4)")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command->add_option("--plant", options->plant, kPlantHelp)->check(CLI::IsMember(plantNames()))->capture_default_str();
+  command->add_option("--plant", options->plant, kPlantHelp)->check(CLI::Validator(checkPlant, ""))->capture_default_str();
   command->add_option("--scenario", options->setup.person.scenario, "1: step of force at 1 s; 2: a hand moves in")
       ->capture_default_str();
   auto* scene = command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0");

@@ -95,7 +95,7 @@ py::array Table::finish() {
   py::list fields;
   std::size_t width = 0;
   for (const Column& c : columns_) {
-    fields.append(c.shape.empty() ? py::make_tuple(c.name, c.kind) : py::make_tuple(c.name, c.kind, py::tuple(py::cast(c.shape))));
+    fields.append(py::make_tuple(c.name, c.kind, py::tuple(py::cast(c.shape))));
     width += static_cast<std::size_t>(c.width);
   }
   auto kept = std::make_unique<std::vector<double>>(std::move(numbers_));
@@ -151,8 +151,7 @@ py::array contactsOf(const SceneFile& file, const Array& positions, const std::o
       const Status status = follow ? followContacts(file.scene, file.tool, pose, margin, track, contacts)
                                    : findContacts(file.scene, file.tool, pose, margin, &cache, contacts);
       if (status != Status::ok) require(status, "contacts of pose " + std::to_string(i));
-      for (int k = 0; k < contacts.count; ++k)
-        rows.push_back(rowOf(i, contacts.contacts[static_cast<std::size_t>(k)]));
+      for (int k = 0; k < contacts.count; ++k) rows.push_back(rowOf(i, contacts.contacts[static_cast<std::size_t>(k)]));
     }
   }
   return arrayOf(std::move(rows));
@@ -184,7 +183,7 @@ int addObstacle(SceneFile& file, const std::string& name, Shape shape, const Arr
 }
 
 std::shared_ptr<const MeshModel> modelOf(const Array& vertices,
-                                   const py::array_t<int, py::array::c_style | py::array::forcecast>& triangles) {
+                                         const py::array_t<int, py::array::c_style | py::array::forcecast>& triangles) {
   requireShape(vertices, "vertices", {-1, 3}, "m");
   if (triangles.ndim() != 2 || triangles.shape(1) != 3)
     throw py::value_error("triangles must have the shape (n, 3): numbers of vertices");
@@ -200,10 +199,9 @@ std::shared_ptr<const MeshModel> modelOf(const Array& vertices,
 
 const MeshModel& meshAt(const SceneFile& file, int obstacle) {
   const bool there = obstacle >= 0 && static_cast<std::size_t>(obstacle) < file.scene.obstacles().size();
-  const auto* const model =
-      there ? std::get_if<std::shared_ptr<const MeshModel>>(
-                  &file.scene.obstacles()[static_cast<std::size_t>(obstacle)].shape)
-            : nullptr;
+  const auto* const model = there ? std::get_if<std::shared_ptr<const MeshModel>>(
+                                        &file.scene.obstacles()[static_cast<std::size_t>(obstacle)].shape)
+                                  : nullptr;
   if (model == nullptr) throw Error("obstacle " + std::to_string(obstacle) + " is no mesh");
   return **model;
 }
@@ -245,16 +243,16 @@ void addDevice(py::module_& m) {
 
   py::class_<Device>(m, "Device",
                      "A mechanism: geometry and mass of a device. Immutable; may be shared between threads.")
-      .def(py::init([](const py::object& path) {
-             return deviceOf(loadDevice(py::str(path).cast<std::string>()));
-           }),
+      .def(py::init([](const py::object& path) { return deviceOf(loadDevice(py::str(path).cast<std::string>())); }),
            py::arg("path"),
            "Reads a device file (TOML). Raises ConfigurationError with file, line, key, value and limit.")
       .def_static(
           "parse", [](const std::string& text, const std::string& file) { return deviceOf(parseDevice(text, file)); },
           py::arg("text"), py::arg("file") = "text", "The same for text in memory; `file` stands in messages.")
-      .def_property_readonly("name", [](const Device& self) { return self.mechanism->name(); }, "As the file has it.")
-      .def_property_readonly("joints", [](const Device& self) { return self.mechanism->joints(); }, "n.")
+      .def_property_readonly(
+          "name", [](const Device& self) { return self.mechanism->name(); }, "As the file has it.")
+      .def_property_readonly(
+          "joints", [](const Device& self) { return self.mechanism->joints(); }, "n.")
       .def_property_readonly(
           "max_torque", [](const Device& self) { return self.mechanism->limits().torque; },
           "Largest torque of every motor, (n,), N m or N.")
@@ -283,10 +281,10 @@ void addDevice(py::module_& m) {
           [](const Device& self, const Array& position, const std::optional<Array>& rotation,
              const std::optional<Array>& twist) {
             Kinematics kinematics;
-            require(self.mechanism->reach(poseOf(position, rotation),
-                                          twist ? vec6(*twist, "twist", "m/s and rad/s") : Vec6::Zero(), true,
-                                          kinematics),
-                    "inverse kinematics");
+            require(
+                self.mechanism->reach(poseOf(position, rotation),
+                                      twist ? vec6(*twist, "twist", "m/s and rad/s") : Vec6::Zero(), true, kinematics),
+                "inverse kinematics");
             return kinematics;
           },
           py::arg("position"), py::arg("rotation") = py::none(), py::arg("twist") = py::none(),
@@ -339,9 +337,11 @@ void addScene(py::module_& m) {
            py::arg("path") = py::none(),
            "Reads a scene file (TOML); without one an empty scene, whose tool is a point at the TCP. Raises "
            "ConfigurationError with file, line, key, value and limit.")
-      .def_property_readonly("name", [](const SceneFile& self) { return self.name; }, "As the file has it.")
-      .def_property_readonly("notes", [](const SceneFile& self) { return self.notes; },
-                             "One line for each mesh whose inside is not certain.")
+      .def_property_readonly(
+          "name", [](const SceneFile& self) { return self.name; }, "As the file has it.")
+      .def_property_readonly(
+          "notes", [](const SceneFile& self) { return self.notes; },
+          "One line for each mesh whose inside is not certain.")
       .def_property_readonly(
           "obstacles",
           [](const SceneFile& self) {
@@ -355,7 +355,8 @@ void addScene(py::module_& m) {
           [](SceneFile& self, const Array& start) { self.start = vec3(start, "start", "m"); },
           "Of the TCP in W, (3,), m; the tool does not touch there.")
       .def("set_tool", &setTool, py::arg("parts"),
-           "Makes the tool of capsules: (end, end, radius), in the platform's frame, m; a sphere where both ends are the "
+           "Makes the tool of capsules: (end, end, radius), in the platform's frame, m; a sphere where both ends are "
+           "the "
            "same, a point where the radius is 0. Raises Error: more than 8 parts, an end or radius beyond 1 m.")
       .def(
           "add_half_space",
@@ -375,9 +376,7 @@ void addScene(py::module_& m) {
       .def(
           "add_sphere",
           [](SceneFile& self, const std::string& name, const Array& centre, double radius, double stiffness,
-             double friction) {
-            return addObstacle(self, name, Sphere{radius}, centre, {}, stiffness, friction);
-          },
+             double friction) { return addObstacle(self, name, Sphere{radius}, centre, {}, stiffness, friction); },
           py::arg("name"), py::arg("centre"), py::arg("radius"), py::arg("stiffness") = rigid,
           py::arg("friction") = 0.0, "Solid ball, m. Returns its number. Raises Error: a shape without size.")
       .def(
@@ -401,7 +400,8 @@ void addScene(py::module_& m) {
           py::arg("rotation") = py::none(), py::arg("stiffness") = rigid, py::arg("friction") = 0.0,
           py::arg("thickness") = 0.0,
           "Triangle mesh: vertices (n, 3), m, in the mesh's own frame; triangles (m, 3), numbers of vertices, "
-          "counterclockwise seen from outside; copied. Thickness above 0: the mesh is the middle of a sheet. Returns its "
+          "counterclockwise seen from outside; copied. Thickness above 0: the mesh is the middle of a sheet. Returns "
+          "its "
           "number. Raises Error with the number of the vertex or triangle.")
       .def(
           "mesh",
@@ -412,7 +412,8 @@ void addScene(py::module_& m) {
                 view(mesh.triangles.front().data(), {static_cast<py::ssize_t>(mesh.triangles.size()), 3}, self));
           },
           py::arg("obstacle"),
-          "Vertices (n, 3), m, and triangles (m, 3) of a mesh, without a copy; they cannot be written. Raises Error: the "
+          "Vertices (n, 3), m, and triangles (m, 3) of a mesh, without a copy; they cannot be written. Raises Error: "
+          "the "
           "obstacle is no mesh.")
       .def(
           "describe", [](const SceneFile& self, int obstacle) { return describe(meshAt(self, obstacle)); },
@@ -430,8 +431,10 @@ void addScene(py::module_& m) {
       .def("contacts", &contactsOf, py::arg("positions"), py::arg("rotations") = py::none(), py::arg("margin") = 1e-3,
            py::arg("follow") = false,
            "All contacts whose gap is at most `margin` (m) at each pose: positions (n, 3), m, rotations (n, 3, 3). A "
-           "structured array (contact_dtype), a row a contact: `pose` is the number of the pose; of one pose the deepest "
-           "comes first. With `follow` the tool moves from pose to pose and is let through no wall, however thin. Raises "
+           "structured array (contact_dtype), a row a contact: `pose` is the number of the pose; of one pose the "
+           "deepest "
+           "comes first. With `follow` the tool moves from pose to pose and is let through no wall, however thin. "
+           "Raises "
            "Error: a pose that is not finite. The GIL is released.")
       .def("nearest", &nearestOf, py::arg("positions"), py::arg("rotations") = py::none(),
            "The contact of smallest gap, near or far, at each pose: contact_dtype, (n,). The GIL is released.");
@@ -447,7 +450,8 @@ void addScene(py::module_& m) {
             view(kept.triangles.front().data(), {static_cast<py::ssize_t>(kept.triangles.size()), 3}, owner));
       },
       py::arg("path"), py::arg("scale") = 1.0,
-      "Reads a mesh file (.ply, .obj, .stl, .off): vertices (n, 3), m, and triangles (m, 3), without a copy. `scale`: m "
+      "Reads a mesh file (.ply, .obj, .stl, .off): vertices (n, 3), m, and triangles (m, 3), without a copy. `scale`: "
+      "m "
       "per unit of the file. Raises ConfigurationError with the file and the number of the vertex, face or line.");
 }
 

@@ -113,7 +113,8 @@ class ScriptedRenderer final : public Renderer {
 MakeRenderer makerOf(const py::object& renderer, const std::shared_ptr<Failure>& failure) {
   if (py::isinstance<RendererRecipe>(renderer)) return renderer.cast<const RendererRecipe&>().make;
   if (!PyCallable_Check(renderer.ptr()))
-    throw py::type_error("a renderer is what enamel.position_control() and its like return, or a callable that makes a PythonRenderer");
+    throw py::type_error(
+        "a renderer is what enamel.position_control() and its like return, or a callable that makes a PythonRenderer");
   return [make = shared(renderer), failure]() -> std::unique_ptr<Renderer> {
     const py::gil_scoped_acquire acquire;
     py::object made = (*make)();
@@ -202,12 +203,8 @@ RateSource ratesOf(const std::string& rates, bool encoders) {
 }
 
 app::MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
-  std::string names;
-  for (const std::string& name : app::plantNames()) {
-    if (plant == name) return app::makerOf(plant, parameters, setup);
-    names += (names.empty() ? "" : ", ") + name;
-  }
-  throw Error("plant is \"" + plant + "\", must be one of " + names);
+  if (const std::string problem = app::checkPlant(plant); !problem.empty()) throw Error("plant " + problem);
+  return app::makerOf(plant, parameters, setup);
 }
 
 class TickTable {
@@ -252,10 +249,11 @@ struct Push {
 };
 
 Push push(const Device& device, const py::object& renderer, const std::shared_ptr<SceneFile>& scene, int scenario,
-          double force, double preload, double noise, const std::optional<Array>& start, const std::optional<Array>& tip,
-          bool guard, double maxForce, bool guide, bool arm, const Delays& delay, bool encoders,
-          const std::string& rates, double lowPass, double period, int substeps, double duration, std::uint64_t seed,
-          std::uint32_t run, bool insideTick, const std::string& plant, const std::optional<Device>& model) {
+          double force, double preload, double noise, const std::optional<Array>& start,
+          const std::optional<Array>& tip, bool guard, double maxForce, bool guide, bool arm, const Delays& delay,
+          bool encoders, const std::string& rates, double lowPass, double period, int substeps, double duration,
+          std::uint64_t seed, std::uint32_t run, bool insideTick, const std::string& plant,
+          const std::optional<Device>& model) {
   PushSetup setup;
   setup.person.scenario = scenario;
   setup.person.force = force;
@@ -267,7 +265,8 @@ Push push(const Device& device, const py::object& renderer, const std::shared_pt
   if (tip) holdAt(vec3(*tip, "tip", "m"), setup);
   setup.force = maxForce;
   if (scene) {
-    if (start || tip) throw Error("a push into a scene has its own start and tool: start and tip are for the wall z = 0");
+    if (start || tip)
+      throw Error("a push into a scene has its own start and tool: start and tip are for the wall z = 0");
     if (scene->scene.obstacles().empty()) throw Error("the scene has no obstacle");
     app::pushInto(*scene, setup);
   }
@@ -297,9 +296,9 @@ Push push(const Device& device, const py::object& renderer, const std::shared_pt
       collector.add(tick);
       table.add(tick);
     };
-    result = runPush(makePlant ? makePlant(run)
-                               : std::make_unique<ClosedFormPlant>(mechanism, setup.integrator, setup.substeps),
-                     model ? *model->mechanism : mechanism, *own, setup, perTick);
+    result = runPush(
+        makePlant ? makePlant(run) : std::make_unique<ClosedFormPlant>(mechanism, setup.integrator, setup.substeps),
+        model ? *model->mechanism : mechanism, *own, setup, perTick);
     failure->rethrow();
     metrics = collector.metrics();
   }
@@ -318,10 +317,10 @@ struct Study {
   std::vector<StudyResult> results;
 };
 
-Study study(const Device& device, const std::map<std::string, py::object>& renderers,
-            const std::vector<int>& scenarios, int grid, double halfWidth, int runs, double lowestForce,
-            double highestForce, double preload, double noise, const Delays& delay, bool encoders, bool guard,
-            double period, std::uint64_t seed, bool insideTick, const std::string& plant, int threads) {
+Study study(const Device& device, const std::map<std::string, py::object>& renderers, const std::vector<int>& scenarios,
+            int grid, double halfWidth, int runs, double lowestForce, double highestForce, double preload, double noise,
+            const Delays& delay, bool encoders, bool guard, double period, std::uint64_t seed, bool insideTick,
+            const std::string& plant, int threads) {
   const auto failure = std::make_shared<Failure>();
   Study result;
   StudyPlan& plan = result.plan;
@@ -543,9 +542,8 @@ class Recording {
     const double nothing = std::numeric_limits<double>::quiet_NaN();
     table.add(found ? kinematics.pose.position : Vec3(Vec3::Constant(nothing)));
     table.add(found ? kinematics.pose.rotation : Mat3(Mat3::Constant(nothing)));
-    for (const int value :
-         {static_cast<int>(t.mode), static_cast<int>(t.saturated), static_cast<int>(t.status),
-          static_cast<int>(t.reason), static_cast<int>(m.enabled), static_cast<int>(t.reset)})
+    for (const int value : {static_cast<int>(t.mode), static_cast<int>(t.saturated), static_cast<int>(t.status),
+                            static_cast<int>(t.reason), static_cast<int>(m.enabled), static_cast<int>(t.reset)})
       table.add(static_cast<std::int64_t>(value));
   }
 
@@ -598,19 +596,23 @@ void addRuns(py::module_& m) {
       "The contact-space servo: it pushes and never pulls, lets the tool slide. `delay`: smallest and largest of the "
       "command, ticks; `file`: of enamel design --surface; any of its numbers by name. Raises Error: a number outside "
       "its range; a file for another device.");
-  m.def("hold", &hold, py::arg("device"), py::arg("period") = 1e-3, py::arg("gain") = py::none(),
-        py::arg("release") = true, py::arg("anti_windup") = false,
-        "The paper's law: once the tool touches, a servo holds it there. `gain`, (n, 3n): of design_servo(), by default "
-        "designed at home. Raises Error: a gain that is not n x 3n or not finite; DesignError.");
+  m.def(
+      "hold", &hold, py::arg("device"), py::arg("period") = 1e-3, py::arg("gain") = py::none(),
+      py::arg("release") = true, py::arg("anti_windup") = false,
+      "The paper's law: once the tool touches, a servo holds it there. `gain`, (n, 3n): of design_servo(), by default "
+      "designed at home. Raises Error: a gain that is not n x 3n or not finite; DesignError.");
   m.def("impedance", &impedance, py::arg("stiffness") = 6000.0, py::arg("damping") = 0.0,
-        "The conventional wall: a spring (N/m) and a damper (N s/m) along the contact's normal. Raises Error: one that is "
+        "The conventional wall: a spring (N/m) and a damper (N s/m) along the contact's normal. Raises Error: one that "
+        "is "
         "negative or not finite.");
-  m.def("passivity", &passivity, py::arg("stiffness") = 6000.0, py::arg("damping") = 0.0, py::arg("memory") = false,
-        "The impedance wall under a time-domain passivity controller; with `memory` a depth gives back only what it has "
-        "taken. Raises Error as impedance().");
+  m.def(
+      "passivity", &passivity, py::arg("stiffness") = 6000.0, py::arg("damping") = 0.0, py::arg("memory") = false,
+      "The impedance wall under a time-domain passivity controller; with `memory` a depth gives back only what it has "
+      "taken. Raises Error as impedance().");
   m.def("virtual_coupling", &virtualCoupling, py::arg("stiffness") = 3000.0, py::arg("damping") = 2.0,
         py::arg("mass") = 0.02,
-        "A tool of the program's own (kg) touches the wall, and a spring (N/m) and a damper (N s/m) tie the device to it. "
+        "A tool of the program's own (kg) touches the wall, and a spring (N/m) and a damper (N s/m) tie the device to "
+        "it. "
         "Raises Error: a number that is not positive or not finite.");
   m.def(
       "plugin",
@@ -643,34 +645,39 @@ void addRuns(py::module_& m) {
       py::arg("device"), py::arg("position") = py::none(), py::arg("period") = 1e-3, py::arg("velocity") = 1.0,
       py::arg("weight") = 1e3, py::arg("integral") = 1e7, py::arg("torque") = 1.0,
       "The paper's whole chain for a device at rest at a position (m; default: home): linearise, transform, augment, "
-      "hold, Riccati. The weights are those of rate, position, integral and torque. Raises DesignError: the pose is out "
+      "hold, Riccati. The weights are those of rate, position, integral and torque. Raises DesignError: the pose is "
+      "out "
       "of reach or singular, a weight is negative.");
   m.def(
-      "load_servo",
-      [](const py::object& path) { return loadServo(py::str(path).cast<std::string>()).gain; },
+      "load_servo", [](const py::object& path) { return loadServo(py::str(path).cast<std::string>()).gain; },
       py::arg("path"), "The gain, (n, 3n), of a file of enamel design. Raises ConfigurationError.");
 
   py::class_<Push>(m, "Push", "What happened in a push.")
-      .def_readonly("ticks", &Push::ticks,
-                    "A structured array, a row a tick, with units of SI: state and measurement before the tick's torque "
-                    "acts. modes, statuses and guard_reasons have the names of the numbers.")
-      .def_property_readonly("metrics", [](const Push& self) { return dictOf(self.metrics); },
-                             "By their symbols, SI; None where a push does not have one.")
-      .def_property_readonly("verdict", [](const Push& self) { return toString(self.metrics.verdict); },
-                             "Whether the push has a first impact stiffness, or why not.")
+      .def_readonly(
+          "ticks", &Push::ticks,
+          "A structured array, a row a tick, with units of SI: state and measurement before the tick's torque "
+          "acts. modes, statuses and guard_reasons have the names of the numbers.")
+      .def_property_readonly(
+          "metrics", [](const Push& self) { return dictOf(self.metrics); },
+          "By their symbols, SI; None where a push does not have one.")
+      .def_property_readonly(
+          "verdict", [](const Push& self) { return toString(self.metrics.verdict); },
+          "Whether the push has a first impact stiffness, or why not.")
       .def_readonly("stopped", &Push::stopped, "Why the guard stopped the renderer; None: it did not.");
-  m.def("push", &push, py::arg("device"), py::arg("renderer"), py::kw_only(), py::arg("scene") = nullptr,
-        py::arg("scenario") = 1, py::arg("force") = 12.0, py::arg("preload") = 0.0, py::arg("noise") = 0.5,
-        py::arg("start") = py::none(), py::arg("tip") = py::none(), py::arg("guard") = true,
-        py::arg("max_force") = kUnlimited, py::arg("guide") = true, py::arg("arm") = false, py::arg("delay") = none,
-        py::arg("encoders") = false, py::arg("rates") = "", py::arg("low_pass") = 100.0, py::arg("period") = 1e-3,
-        py::arg("substeps") = 1, py::arg("duration") = 3.0, py::arg("seed") = 1, py::arg("run") = 0,
-        py::arg("inside_tick") = false, py::arg("plant") = "closed-form", py::arg("model") = py::none(),
-        "One push of a tool against a wall on the virtual device: z = 0, or the obstacle of a scene that is nearest to "
-        "its start; as enamel push. Scenario 1: a step of `force` (N) at 1 s; 2: a hand moves in. `delay`: smallest and "
-        "largest of the command, ticks; `model`: the Device that the loop takes `device` for. The same arguments give the "
-        "same bits. Raises Error: a value outside its range, a device that left its workspace; what a PythonRenderer "
-        "raises ends the push. The GIL is released.");
+  m.def(
+      "push", &push, py::arg("device"), py::arg("renderer"), py::kw_only(), py::arg("scene") = nullptr,
+      py::arg("scenario") = 1, py::arg("force") = 12.0, py::arg("preload") = 0.0, py::arg("noise") = 0.5,
+      py::arg("start") = py::none(), py::arg("tip") = py::none(), py::arg("guard") = true,
+      py::arg("max_force") = kUnlimited, py::arg("guide") = true, py::arg("arm") = false, py::arg("delay") = none,
+      py::arg("encoders") = false, py::arg("rates") = "", py::arg("low_pass") = 100.0, py::arg("period") = 1e-3,
+      py::arg("substeps") = 1, py::arg("duration") = 3.0, py::arg("seed") = 1, py::arg("run") = 0,
+      py::arg("inside_tick") = false, py::arg("plant") = "closed-form", py::arg("model") = py::none(),
+      "One push of a tool against a wall on the virtual device: z = 0, or the obstacle of a scene that is nearest to "
+      "its start; as enamel push. Scenario 1: a step of `force` (N) at 1 s; 2: a hand moves in. `delay`: smallest and "
+      "largest of the command, ticks; `model`: the Device that the loop takes `device` for. The same arguments give "
+      "the "
+      "same bits. Raises Error: a value outside its range, a device that left its workspace; what a PythonRenderer "
+      "raises ends the push. The GIL is released.");
 
   py::class_<Study>(m, "Study", "The runs of a Monte Carlo study over a wall.")
       .def_property_readonly("runs", &runsOf,
@@ -684,11 +691,13 @@ void addRuns(py::module_& m) {
             return names;
           },
           "Their names, by number.")
-      .def_property_readonly("walls", &wallsOf,
-                             "What holds over the wall for each scenario and renderer; \"lowest\" and \"highest\" are of "
-                             "the points' means, SI.")
+      .def_property_readonly(
+          "walls", &wallsOf,
+          "What holds over the wall for each scenario and renderer; \"lowest\" and \"highest\" are of "
+          "the points' means, SI.")
       .def(
-          "point", [](const Study& self, std::size_t number) {
+          "point",
+          [](const Study& self, std::size_t number) {
             if (number >= self.plan.points()) throw py::index_error("the study has no such point");
             return queryPoint(self.plan, number);
           },
@@ -697,40 +706,45 @@ void addRuns(py::module_& m) {
         py::arg("scenarios") = std::vector<int>{1, 2}, py::arg("grid") = 11, py::arg("half_width") = 0.025,
         py::arg("runs") = 20, py::arg("lowest_force") = 8.0, py::arg("highest_force") = 15.0, py::arg("preload") = 0.0,
         py::arg("noise") = 0.5, py::arg("delay") = none, py::arg("encoders") = false, py::arg("guard") = true,
-        py::arg("period") = 1e-3, py::arg("seed") = 1, py::arg("inside_tick") = false,
-        py::arg("plant") = "closed-form", py::arg("threads") = 0,
+        py::arg("period") = 1e-3, py::arg("seed") = 1, py::arg("inside_tick") = false, py::arg("plant") = "closed-form",
+        py::arg("threads") = 0,
         "Monte Carlo over a wall: grid x grid points, `runs` a point, scenario by scenario. `renderers`: by name, a "
         "renderer or a pair of it and its own Device. The numbers do not depend on `threads` (0: all that there are). "
         "Raises Error: a value outside its range, a point that a device cannot reach. The GIL is released.");
-  m.def("judge", &judge, py::arg("device"), py::arg("renderer"), py::kw_only(), py::arg("runs") = 24,
-        py::arg("delay") = none, py::arg("inertia_error") = 0.0, py::arg("period") = 1e-3, py::arg("seed") = 1,
-        py::arg("threads") = 0,
-        "How a renderer does on pushes, ramps and impacts at five points of a wall, with encoders rounded and forces "
-        "within the motors': stiffness (N/m), shares of the physical limit, chatter (N m or N), bounce, ramp, impact and "
-        "deepest (m), runs that were lost or have no stiffness. Raises Error. The GIL is released.");
+  m.def(
+      "judge", &judge, py::arg("device"), py::arg("renderer"), py::kw_only(), py::arg("runs") = 24,
+      py::arg("delay") = none, py::arg("inertia_error") = 0.0, py::arg("period") = 1e-3, py::arg("seed") = 1,
+      py::arg("threads") = 0,
+      "How a renderer does on pushes, ramps and impacts at five points of a wall, with encoders rounded and forces "
+      "within the motors': stiffness (N/m), shares of the physical limit, chatter (N m or N), bounce, ramp, impact and "
+      "deepest (m), runs that were lost or have no stiffness. Raises Error. The GIL is released.");
   m.def("trials", &trials, py::arg("device"), py::arg("renderer"), py::kw_only(), py::arg("filter") = "",
         py::arg("runs") = 20, py::arg("delay") = none, py::arg("noise") = 0.5, py::arg("period") = 1e-3,
         py::arg("seed") = 1, py::arg("model") = py::none(), py::arg("threads") = 0,
         "What people do to a wall besides one push: step, ramp, impact, release, slide, corner, pulse, overload; those "
-        "whose name contains `filter`. A list of figures, each the worst of its runs. Raises Error. The GIL is released.");
+        "whose name contains `filter`. A list of figures, each the worst of its runs. Raises Error. The GIL is "
+        "released.");
 
   py::class_<Recording>(m, "Recording", "A recording of haptic ticks.")
-      .def(py::init([](const py::object& path) {
-             return std::make_unique<Recording>(py::str(path).cast<std::string>());
-           }),
+      .def(py::init(
+               [](const py::object& path) { return std::make_unique<Recording>(py::str(path).cast<std::string>()); }),
            py::arg("path"),
            "Opens it. Raises ConfigurationError: no recording, of another version, or its header is damaged.")
-      .def_property_readonly("device", [](const Recording& self) { return self.device(); }, "That it was made on.")
+      .def_property_readonly(
+          "device", [](const Recording& self) { return self.device(); }, "That it was made on.")
       .def_property_readonly("scene", &Recording::scene, "What the tool could touch.")
-      .def_property_readonly("renderer", [](const Recording& self) { return self.header().renderer; }, "Its name.")
-      .def_property_readonly("parameters", [](const Recording& self) { return self.header().parameters; },
-                             "Of the renderer.")
-      .def_property_readonly("period", [](const Recording& self) { return self.header().guard.period; }, "s.")
+      .def_property_readonly(
+          "renderer", [](const Recording& self) { return self.header().renderer; }, "Its name.")
+      .def_property_readonly(
+          "parameters", [](const Recording& self) { return self.header().parameters; }, "Of the renderer.")
+      .def_property_readonly(
+          "period", [](const Recording& self) { return self.header().guard.period; }, "s.")
       .def("ticks", &Recording::ticks,
            "All ticks as a structured array, a row a tick, SI; position and rotation by the device's kinematics, NaN "
            "where it cannot be there. What was lost is missing: see `tick`. Raises Error: a chunk is damaged.")
       .def("replay", &Recording::replayed, py::arg("renderer"),
-           "Runs another renderer, or the same, on what was measured, and compares all that it answers bit for bit: ticks "
+           "Runs another renderer, or the same, on what was measured, and compares all that it answers bit for bit: "
+           "ticks "
            "compared and different, largest differences of the torques (N m or N). Raises Error: as replay().");
 }
 
