@@ -50,9 +50,8 @@ TEST_CASE("timing: contact queries from Python beside those from C++", "[python]
     double own = 1e9;
     for (int round = 0; round < 5; ++round) {
       const Cost cost = costOf(scenes + name);
-      const auto there = test::runCommand(ENAMEL_PYTHON_COMMAND " " ENAMEL_SOURCE_DIR
-                                          "/tests/python/contact_cost.py '" +
-                                          scenes + name + "'");
+      const auto there = test::runCommand(
+          ENAMEL_PYTHON_COMMAND " " ENAMEL_SOURCE_DIR "/tests/python/contact_cost.py '" + scenes + name + "'");
       INFO(there.output);
       REQUIRE(there.status == 0);
       double time = 0.0;
