@@ -28,7 +28,7 @@ for python in "$@"; do
     cd "$folder/$ran-wheels" # nothing of the source is in the way
     "$folder/$ran/bin/python" module.py
     for script in scripts/*.py; do "$folder/$ran/bin/python" "$script"; done
-    "$folder/$ran/bin/mypy" --strict scripts/*.py
+    "$folder/$ran/bin/mypy" --strict --ignore-missing-imports scripts/*.py
   )
   ran=$((ran + 1))
 done

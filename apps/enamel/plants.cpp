@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "enamel/collision/contacts.hpp"
 #include "enamel/core/error.hpp"
@@ -15,11 +16,9 @@
 
 namespace enamel::app {
 
-namespace {
-
-bool isUnit(const std::string& plant) { return plant.size() > 4 && plant.compare(plant.size() - 4, 4, ".fmu") == 0; }
-
-}  // namespace
+bool isUnit(const std::string& plant) noexcept {
+  return plant.size() > 4 && std::string_view(plant).substr(plant.size() - 4) == ".fmu";
+}
 
 std::vector<std::string> plantNames() { return {kClosedForm, kMultibody, kReal, kRealStiff}; }
 

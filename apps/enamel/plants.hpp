@@ -20,8 +20,9 @@ inline constexpr const char* kRealStiff = "real-stiff";
 /// What --plant can be, beside the path of a unit (*.fmu).
 std::vector<std::string> plantNames();
 
-/// Whether it is one, for CLI11: "", or what is wrong.
+/// Whether it is one, for CLI11: "", or what is wrong; whether it is a unit.
 std::string checkPlant(const std::string& plant);
+bool isUnit(const std::string& plant) noexcept;
 
 /// Its help.
 inline constexpr const char* kPlantHelp =

@@ -66,7 +66,9 @@ void addStudy(CLI::App& app) {
   command->add_option("--device", options->device, "device file (TOML); without it, the nominal device");
   command->add_option("--design-device", options->designDevice,
                       "device file that the renderers are designed on; without it, --device");
-  command->add_option("--plant", options->plant, kPlantHelp)->check(CLI::Validator(checkPlant, ""))->capture_default_str();
+  command->add_option("--plant", options->plant, kPlantHelp)
+      ->check(CLI::Validator(checkPlant, ""))
+      ->capture_default_str();
   command
       ->add_option("--device-damping", options->deviceDamping,
                    "mechanical damping of the TCP along z beyond the device file's, N s/m: B for every renderer, or\n"
@@ -109,7 +111,7 @@ void addStudy(CLI::App& app) {
       ->add_option("--plants", options->plants,
                    "--judge: closed-form,real-stiff,real unless given; multibody takes hours")
       ->delimiter(',')
-      ->check(CLI::Validator(checkPlant, ""))
+      ->check(CLI::IsMember(plantNames()))
       ->needs(judge);
   command
       ->add_option("--delays", options->delays,

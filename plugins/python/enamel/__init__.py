@@ -12,6 +12,7 @@ Five lines plot a push:
     plt.show()
 """
 from pathlib import Path as _Path
+from typing import Callable as _Callable, Union as _Union
 
 from ._enamel import *  # noqa: F401,F403
 from ._enamel import __doc__ as _doc  # noqa: F401
@@ -39,3 +40,7 @@ class PythonRenderer:
     def render(self, tick):
         """The torque of every joint, (n,), N m or N, gravity included. What is beyond a motor's limit is cut."""
         raise NotImplementedError
+
+
+RendererLike = _Union[Renderer, _Callable[[], _Union[Renderer, PythonRenderer]]]  # noqa: F405
+"""What push(), study(), judge() and trials() take for a renderer."""

@@ -160,7 +160,7 @@ class Renderer:
     @property
     def name(self) -> str: ...
 
-_Renderer = Union[Renderer, Callable[[], Union[Renderer, PythonRenderer]]]
+RendererLike = Union[Renderer, Callable[[], Union[Renderer, PythonRenderer]]]
 
 def position_control(
     device: Device, period: float = ..., delay: _Delay = ..., file: Optional[_File] = ..., **numbers: float
@@ -212,7 +212,7 @@ class Push:
 
 def push(
     device: Device,
-    renderer: _Renderer,
+    renderer: RendererLike,
     *,
     scene: Optional[Scene] = ...,
     scenario: int = ...,
@@ -250,7 +250,7 @@ class Study:
 
 def study(
     device: Device,
-    renderers: Mapping[str, Union[_Renderer, Tuple[_Renderer, Device]]],
+    renderers: Mapping[str, Union[RendererLike, Tuple[RendererLike, Device]]],
     *,
     scenarios: Sequence[int] = ...,
     grid: int = ...,
@@ -271,7 +271,7 @@ def study(
 ) -> Study: ...
 def judge(
     device: Device,
-    renderer: _Renderer,
+    renderer: RendererLike,
     *,
     runs: int = ...,
     delay: _Delay = ...,
@@ -282,7 +282,7 @@ def judge(
 ) -> Mapping[str, Any]: ...
 def trials(
     device: Device,
-    renderer: _Renderer,
+    renderer: RendererLike,
     *,
     filter: str = ...,
     runs: int = ...,
@@ -307,4 +307,4 @@ class Recording:
     @property
     def period(self) -> float: ...
     def ticks(self) -> npt.NDArray[np.void]: ...
-    def replay(self, renderer: _Renderer) -> Mapping[str, Any]: ...
+    def replay(self, renderer: RendererLike) -> Mapping[str, Any]: ...

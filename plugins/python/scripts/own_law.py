@@ -1,5 +1,6 @@
 """Your own law, judged beside two others. A renderer in Python is for experiments, not for real time."""
 import numpy as np
+import numpy.typing as npt
 
 import enamel
 
@@ -10,7 +11,7 @@ class Nonlinear(enamel.PythonRenderer):
     def __init__(self, stiffness: float = 3000.0, growth: float = 2e6, damping: float = 4.0) -> None:
         self.stiffness, self.growth, self.damping = stiffness, growth, damping
 
-    def render(self, tick: enamel.Tick) -> np.ndarray:
+    def render(self, tick: enamel.Tick) -> npt.ArrayLike:
         k = tick.kinematics
         wrench = np.zeros(6)
         for contact in tick.contacts[tick.contacts["gap"] < 0.0]:
@@ -19,11 +20,16 @@ class Nonlinear(enamel.PythonRenderer):
             depth = -contact["gap"]
             force = self.stiffness * depth + self.growth * depth**2 + self.damping * max(0.0, -speed)
             wrench += force * np.concatenate([normal, np.cross(arm, normal)])
-        return k.gravity + k.jacobian.T @ wrench
+        torque: npt.NDArray[np.float64] = k.gravity + k.jacobian.T @ wrench
+        return torque
 
 
 device = enamel.Device(enamel.data / "devices/tau-nominal.toml").damped([0.0, 0.0, 4.0, 0.0, 0.0, 0.0])
-laws = {"own": Nonlinear, "spring": enamel.impedance(3000.0, 0.0), "position control": enamel.position_control(device)}
+laws: dict[str, enamel.RendererLike] = {
+    "own": Nonlinear,
+    "spring": enamel.impedance(3000.0),
+    "position control": enamel.position_control(device),
+}
 for name, law in laws.items():
     push = enamel.push(device, law, noise=0.0, duration=1.6)
     assert push.stopped is None
@@ -37,7 +43,7 @@ for name, law in laws.items():
 
 # What a law raises ends the push.
 class Broken(enamel.PythonRenderer):
-    def render(self, tick: enamel.Tick) -> np.ndarray:
+    def render(self, tick: enamel.Tick) -> npt.ArrayLike:
         raise ValueError(f"no idea at {tick.time} s")
 
 

@@ -22,12 +22,12 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 
-namespace enamel::test_fmi {
+namespace enamel::test_units {
 
 namespace {
 
 const std::string kDevices = ENAMEL_SOURCE_DIR "/data/devices/";
-const std::string kUnits = ENAMEL_FMI_FOLDER;
+const std::string kUnits = ENAMEL_PLUGINS "/../fmi";
 
 /// Writes a unit into a folder and returns its path.
 std::string unitOf(const test::TemporaryFolder& folder, const std::string& device, const std::string& renderer,
@@ -473,4 +473,4 @@ TEST_CASE("fmi: the command writes units and says what it cannot", "[fmi]") {
   }
 }
 
-}  // namespace enamel::test_fmi
+}  // namespace enamel::test_units
