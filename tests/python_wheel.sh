@@ -23,7 +23,7 @@ for python in "$@"; do
   "$folder/$ran/bin/pip" -q --disable-pip-version-check install "$folder/$ran-wheels"/enamel-*.whl mypy
   echo "== $("$python" --version): tests, scripts, types"
   (
-    unset PYTHONPATH
+    unset PYTHONPATH ENAMEL_TOOL
     cp -r plugins/python/scripts tests/python/module.py "$folder/$ran-wheels"
     cd "$folder/$ran-wheels" # nothing of the source is in the way
     "$folder/$ran/bin/python" module.py

@@ -9,7 +9,8 @@ import enamel
 for path in sys.argv[1:]:
     scene = enamel.Scene(path)
     low = scene.start.copy()
-    low[2] -= scene.nearest(low[None])["gap"][0] + 0.1e-3  # pressed in by 0.1 mm
+    for _ in range(100):  # down until it is 0.1 mm inside
+        low[2] -= min(1e-3, scene.nearest(low[None])["gap"][0] + 0.1e-3)
     places = low + np.arange(1000)[:, None] * np.array([1e-6, 0.0, 0.0])
     best = 1e9
     for _ in range(30):

@@ -22,7 +22,8 @@ Cost costOf(const std::string& path) {
   const SceneFile file = loadScene(path);
   Pose low;
   low.position = file.start;
-  low.position.z() -= nearestContact(file.scene, file.tool, low, nullptr).gap + 0.1e-3;
+  for (int i = 0; i < 100; ++i)  // down until it is 0.1 mm inside
+    low.position.z() -= std::min(1e-3, nearestContact(file.scene, file.tool, low, nullptr).gap + 0.1e-3);
   Cost cost;
   for (int batch = 0; batch < 30; ++batch) {
     const auto begin = std::chrono::steady_clock::now();
