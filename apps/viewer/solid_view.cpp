@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace enamel::viewer {
 namespace {
@@ -99,9 +100,25 @@ SolidView::SolidView(vtkRenderer* renderer, const SolidCopy& solid, const Pose& 
   }
 }
 
+template <typename Visit>
+void SolidView::forEachNeighbour(int brick, const Visit& visit) const {
+  const Solid& uncut = *solid_.uncut;
+  const Eigen::Array3i at =
+      ((uncut.lowOf(brick) - uncut.low()) / (kBrickCells * uncut.cell())).array().round().cast<int>();
+  for (int i = 0; i < 27; ++i) {
+    const Eigen::Array3i place = at + Eigen::Array3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    if ((place < 0).any() || place[0] >= count_[0] || place[1] >= count_[1] || place[2] >= count_[2]) continue;
+    const int other = brickAt_[static_cast<std::size_t>((place[2] * count_[1] + place[1]) * count_[0] + place[0])];
+    if (other >= 0) visit(i, other);
+  }
+}
+
 void SolidView::change(int brick) {
-  Group& group = groups_[static_cast<std::size_t>(groupOf_[static_cast<std::size_t>(brick)])];
-  group.isChanged = group.isCut = true;
+  Group& group = groupOf(brick);
+  group.isChanged = true;
+  if (!std::exchange(group.isCut, true))  // neighbours fit to the step of its bricks
+    for (const int one : group.bricks)
+      forEachNeighbour(one, [&](int, int other) { groupOf(other).isChanged |= groupOf(other).isCut; });
   isSectionChanged_ = true;
 }
 
@@ -114,8 +131,12 @@ void SolidView::update() {
 void SolidView::build(Group& group) {
   group.isChanged = false;
   surface_.clear();
-  for (const int brick : group.bricks)
-    appendSurface(*solid_.uncut, brick, solid_.samples[static_cast<std::size_t>(brick)], surface_, group.isCut ? 1 : 2);
+  for (const int brick : group.bricks) {
+    std::uint32_t coarser = 0;
+    if (group.isCut) forEachNeighbour(brick, [&](int i, int other) { coarser |= groupOf(other).isCut ? 0u : 1u << i; });
+    appendSurface(*solid_.uncut, brick, solid_.samples[static_cast<std::size_t>(brick)], surface_, group.isCut ? 1 : 2,
+                  coarser);
+  }
   if (group.actor) renderer_->RemoveActor(group.actor);
   group.actor = nullptr;
   if (surface_.mesh.triangles.empty()) return;

@@ -52,6 +52,9 @@ class SolidView {
     vtkSmartPointer<vtkActor> actor;  // or none
   };
 
+  Group& groupOf(int brick) { return groups_[static_cast<std::size_t>(groupOf_[static_cast<std::size_t>(brick)])]; }
+  template <typename Visit>
+  void forEachNeighbour(int brick, const Visit& visit) const;
   float at(const Vec3& p) const;  // of the field, cells
   void build(Group& group);
   void buildSection();

@@ -164,7 +164,7 @@ TEST_CASE("a tool of parts that meet has the same contacts with and without a ca
       ToolCache cache = makeToolCache(scene, tool);
       Vec3 p = test::queryPoint(mesh, size, random);
       if (p.norm() > 2.0 * size) p *= size / p.norm();
-      Eigen::Quaterniond turned(Eigen::AngleAxisd(random.uniform(0.0, M_PI), random.direction()));
+      Eigen::Quaterniond turned(random.rotation(M_PI));
       Vec3 way = random.direction();
       const double step = scale * std::pow(10.0, random.uniform(-3.0, 0.0));
       for (int i = 0; i < 60; ++i) {

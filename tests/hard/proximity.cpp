@@ -135,8 +135,10 @@ TEST_CASE("a tool that comes from far away misses nothing", "[hard]") {
     double speed = 0.0;
     for (int i = 0; i < test::count(60000, 1000000); ++i) {
       if (i % 300 == 0) speed = std::pow(10.0, random.uniform(-8.0, -2.0));
-      if (i % 101 == 0) p = at + std::pow(10.0, random.uniform(-9.0, i % 3 == 0 ? 150.0 : 3.0)) * random.direction();
-      if (i % 101 == 2) p = at + std::pow(10.0, random.uniform(-9.0, -2.0)) * random.direction();
+      if (i % 101 == 0 || i % 101 == 2) {
+        const double away = random.power(-9.0, i % 101 == 2 ? -2.0 : i % 3 == 0 ? 150.0 : 3.0);
+        p = at + away * random.direction();
+      }
       velocity = 0.9 * velocity + 0.3 * speed * random.direction();
       p += velocity;
       const SurfacePoint plain = signedDistance(model, p), cached = signedDistance(model, p, &cache);

@@ -82,8 +82,8 @@ int compare(const std::string& name, const TriangleMesh& mesh, int count, int se
     const Vec3 p = i % 2 == 0
                        ? test::queryPoint(mesh, size, random)
                        : Vec3(data.low + (data.high - data.low)
-                                             .cwiseProduct(Vec3(random.uniform(0.0, 1.0), random.uniform(0.0, 1.0),
-                                                                random.uniform(0.0, 1.0))));
+                                             .cwiseProduct(Vec3{random.uniform(0.0, 1.0), random.uniform(0.0, 1.0),
+                                                                random.uniform(0.0, 1.0)}));
     const SurfacePoint found = signedDistance(model, p);
     const double winding = test::windingNumber(mesh, p);
     if (std::abs(found.distance) > 1e-7 * data.size) {

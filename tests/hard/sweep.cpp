@@ -69,7 +69,8 @@ TEST_CASE("random sphere sweeps touch when the distance says so", "[hard]") {
     for (int i = 0; i < each; ++i) {
       Vec3 from = test::queryPoint(mesh, size, random);
       if ((from - mesh.vertices[mesh.triangles[0][0]]).norm() > 5.0 * size) continue;
-      const Vec3 to = from + random.direction() * size * std::pow(10.0, random.uniform(-3.0, 0.5));
+      const double way = size * random.power(-3.0, 0.5);
+      const Vec3 to = from + way * random.direction();
       double radius = random.uniform(0.0, 1.0) < 0.2 ? 0.0 : size * std::pow(10.0, random.uniform(-4.0, -0.5));
       if (i % 7 == 0) radius = distance(0.5 * (from + to));  // often grazing
       INFO(name << " sweep " << i << " from " << from.transpose() << " to " << to.transpose() << " radius " << radius);
@@ -114,9 +115,9 @@ TEST_CASE("a plate of 1 um is not passed at 10 m/s", "[hard]") {
   const MeshModel plate(test::boxMesh({0.02, 0.02, half}));
   for (int i = 0; i < test::count(2000, 100000); ++i) {
     const double radius = i % 3 == 0 ? 0.0 : random.uniform(1e-6, 5e-4);
-    const Vec3 from(random.uniform(-5e-3, 5e-3), random.uniform(-5e-3, 5e-3),
-                    radius + half + random.uniform(1e-7, 9e-3));
-    const Vec3 to = from + 0.01 * Vec3(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), -1.0);  // one tick
+    const Vec3 from{random.uniform(-5e-3, 5e-3), random.uniform(-5e-3, 5e-3),
+                    radius + half + random.uniform(1e-7, 9e-3)};
+    const Vec3 to = from + 0.01 * Vec3{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), -1.0};  // one tick
     const SweepHit hit = sweepSphere(plate, from, to, radius);
     REQUIRE(hit.hit);
     const double truth = (from.z() - radius - half) / 0.01;
@@ -146,13 +147,15 @@ TEST_CASE("segments are as near as brute force finds them, with any hint and on 
       const auto& t = mesh.triangles[static_cast<std::size_t>(random.uniform(0.0, count))];
       const Vec3 a = test::queryPoint(mesh, size, random);
       if ((a - mesh.vertices[t[0]]).norm() > 5.0 * size) continue;
-      Segment segment{a, a + random.direction() * size * std::pow(10.0, random.uniform(-3.0, 0.5))};
+      const double length = size * random.power(-3.0, 0.5);
+      Segment segment{a, a + length * random.direction()};
       const Vec3 edge = mesh.vertices[t[1]] - mesh.vertices[t[0]];
       if (i % 5 == 0) segment.b = segment.a;
       if (i % 5 == 1) segment.b = segment.a + random.uniform(-2.0, 2.0) * edge;  // parallel
-      if (i % 5 == 2)
-        segment.b =
-            segment.a + 2.0 * edge + random.direction() * edge.norm() * std::pow(10.0, random.uniform(-16.0, -1.0));
+      if (i % 5 == 2) {
+        const double aside = edge.norm() * random.power(-16.0, -1.0);
+        segment.b = segment.a + 2.0 * edge + aside * random.direction();
+      }
       if (i % 5 == 3) segment.a = mesh.vertices[t[2]] - (segment.b - mesh.vertices[t[2]]);  // through a corner
       long double truth = 1e300L;
       for (const auto& triangle : mesh.triangles)

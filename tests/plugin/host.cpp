@@ -174,7 +174,8 @@ TEST_CASE("the template's wrench becomes the torque of gravity and wall on any m
   test::Random random(17);
   int contact = 0;
   for (int i = 0; i < 500; ++i) {
-    TickInput input = test::inputAt(device, random.workspacePose(0.2), 1e-3 * (i + 1), random.vector6(0.1, 1.0));
+    const Pose pose = random.workspacePose(0.2);
+    TickInput input = test::inputAt(device, pose, 1e-3 * (i + 1), random.vector6(0.1, 1.0));
     // Several contacts with their obstacles in motion, the deepest first.
     input.contacts.count = i % 4;
     double gap = -2e-3;

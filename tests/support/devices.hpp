@@ -1,6 +1,7 @@
 // Devices for the tests: the shipped ones, and random ones with other lengths, elbow signs, asymmetric bases, full
 // inertia tensors, friction, damping and tilted gravity. Random numbers are made here from mt19937_64 (whose bits
-// the standard fixes), so that a seed means the same everywhere.
+// the standard fixes), so that a seed means the same everywhere. In one expression a compiler draws two numbers in the
+// order it likes: where several are needed, they are drawn here, in braces or in one statement each.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -28,6 +29,18 @@ class Random {
     Vec3 v = vector(1.0);
     while (!(v.norm() > 0.1 && v.norm() < 1.0)) v = vector(1.0);
     return v.normalized();
+  }
+  /// 10 to a power between the two.
+  double power(double low, double high) { return std::pow(10.0, uniform(low, high)); }
+  /// In any direction, of a length between the two.
+  Vec3 ofLength(double low, double high) {
+    const double length = uniform(low, high);
+    return length * direction();
+  }
+  /// About any axis.
+  Mat3 rotation(double largest) {
+    const Vec3 axis = direction();
+    return Eigen::AngleAxis<double>(uniform(0.0, largest), axis).toRotationMatrix();
   }
   Vec6 vector6(double linear, double angular) {
     Vec6 v;

@@ -21,7 +21,7 @@ struct Shipped {
   Pose pose(Random& random) const {
     Pose pose;
     pose.position = random.vector(cube);
-    if (turn > 0.0) pose.rotation = rotationAbout(random.direction(), random.uniform(0.0, turn));
+    if (turn > 0.0) pose.rotation = random.rotation(turn);
     return pose;
   }
   /// Up to 0.5 m/s and 3 rad/s.

@@ -298,7 +298,8 @@ inline Vec3 queryPoint(const TriangleMesh& mesh, double size, Random& random) {
   const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
   const Vec3 normal =
       (b - a).cross(c - a).normalized().allFinite() ? Vec3((b - a).cross(c - a).normalized()) : random.direction();
-  const double away = size * std::pow(10.0, random.uniform(-9.0, 0.0)) * (random.uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0);
+  double away = size * random.power(-9.0, 0.0);
+  if (random.uniform(0.0, 1.0) < 0.5) away = -away;
   switch (pick(8)) {
     case 0: return a;
     case 1: return 0.5 * (a + b);
@@ -309,7 +310,10 @@ inline Vec3 queryPoint(const TriangleMesh& mesh, double size, Random& random) {
       return a + u * (b - a) + v * (c - a) + away * normal;
     }
     case 5: return a + away * random.direction();
-    case 6: return a + size * std::pow(10.0, random.uniform(0.0, 6.0)) * random.direction();
+    case 6: {
+      const double far = size * random.power(0.0, 6.0);
+      return a + far * random.direction();
+    }
     default: return a + 1.5 * random.vector(size);
   }
 }

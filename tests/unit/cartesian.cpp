@@ -115,7 +115,9 @@ TEST_CASE("cartesian, 6 axes: rotation vectors of every size", "[cartesian]") {
     // Angles from 1e-12 to 2.49 rad evenly by their logarithm, so that every branch of the series is met.
     const double angle = 2.49 * std::pow(10.0, -random.uniform(0.0, 12.0));
     const Vec3 turn = angle * random.direction();
-    const JointVector q = joints(random.vector(0.06), turn), rates = joints(random.vector(0.5), random.vector(3.0));
+    const JointVector q = joints(random.vector(0.06), turn);
+    const Vec3 velocity = random.vector(0.5), rate = random.vector(3.0);
+    const JointVector rates = joints(velocity, rate);
     Kinematics k;
     REQUIRE(mechanism.track(q, rates, true, k) == Status::ok);
     CHECK((k.pose.rotation - rotationOf(turn)).cwiseAbs().maxCoeff() < 1e-15);  // a few roundings of numbers up to 1
@@ -141,7 +143,7 @@ TEST_CASE("cartesian, 6 axes: V = J q' is the motion of the pose", "[cartesian]"
   const CartesianMechanism mechanism(crooked(seed));
   test::Random random(seed);
   for (int i = 0; i < test::count(1000, 20000); ++i) {
-    const Vec3 turn = random.uniform(0.0, 2.4) * random.direction(), rate = random.vector(3.0);
+    const Vec3 turn = random.ofLength(0.0, 2.4), rate = random.vector(3.0);
     Kinematics k;
     REQUIRE(mechanism.track(joints(Vec3::Zero(), turn), joints(Vec3(0.1, 0.2, 0.3), rate), false, k) == Status::ok);
     CHECK(k.twist.head<3>() == Vec3(0.1, 0.2, 0.3));
@@ -161,9 +163,10 @@ TEST_CASE("cartesian, 6 axes: a body turns as Euler says", "[cartesian]") {
   for (int i = 0; i < test::count(500, 10000); ++i) {
     const CartesianParameters device = crooked(random.uniform(0.0, 1.0) < 0.5 ? 1 : 2);
     const CartesianMechanism mechanism(device);
-    Pose pose{random.vector(0.06), rotationOf(random.uniform(0.0, 2.4) * random.direction())};
+    Pose pose{random.vector(0.06), rotationOf(random.ofLength(0.0, 2.4))};
     const Vec6 twist = random.vector6(0.5, 5.0), wrench = random.vector6(10.0, 0.3);
-    const JointVector torque = joints(random.vector(10.0), random.vector(0.3));
+    const Vec3 push = random.vector(10.0), moment = random.vector(0.3);
+    const JointVector torque = joints(push, moment);
     Kinematics k;
     REQUIRE(mechanism.reach(pose, twist, true, k) == Status::ok);
     Vec6 acceleration;

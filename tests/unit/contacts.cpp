@@ -43,7 +43,7 @@ TEST_CASE("the nearest contact is the first of the contacts, and is found beyond
   ToolCache cache = makeToolCache(scene, tool);
   int within = 0;
   for (int i = 0; i < 5000; ++i) {
-    const Pose pose{random.vector(0.06), test::rotationAbout(random.direction(), random.uniform(0.0, 3.0))};
+    const Pose pose{random.vector(0.06), random.rotation(3.0)};
     const Contact nearest = nearestContact(scene, tool, pose, &cache);
     const Contact plain = nearestContact(scene, tool, pose, nullptr);
     REQUIRE(nearest.gap == plain.gap);
@@ -178,7 +178,7 @@ TEST_CASE("contacts tell the obstacle, the tool's part, the triangle and its fea
   for (int i = 0; i < 8000; ++i) {
     pose = i % 4 == 0
                ? Pose{{random.uniform(-0.014, 0.03), random.uniform(-0.014, 0.03), random.uniform(-0.014, 0.014)},
-                      test::rotationAbout(random.direction(), random.uniform(0.0, 3.0))}
+                      random.rotation(3.0)}
                : at(pose.position + 1e-4 * random.direction());
     const ContactSnapshot all = contactsOf(scene, tool, pose, 0.002);
     REQUIRE(test::areEqual(all, contactsOf(scene, tool, pose, 0.002, &cache)));

@@ -123,7 +123,7 @@ TEST_CASE("friction creates no energy on random paths", "[friction]") {
     double work = 0.0, largestTick = 0.0;
     bool created = false;
     for (int i = 0; i < 60; ++i) {
-      if (i % 10 == 0) hand = strength * Vec3(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.0);
+      if (i % 10 == 0) hand = strength * Vec3{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.0};
       memory.begin();
       const double pressed = normal * (1.0 + 0.5 * std::sin(beat * i));
       const Vec3 force = memory.force(contact, {x - last, Vec3::Zero(), v}, grasp, pressed);

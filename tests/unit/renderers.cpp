@@ -392,7 +392,7 @@ TEST_CASE("renderers: state bytes from elsewhere never become a torque that cann
         for (auto& byte : bytes) byte = static_cast<unsigned char>(random.uniform(0.0, 256.0));
       } else {
         for (std::size_t at = 0; at + 8 <= bytes.size(); at += 8) {
-          const double value = random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-10.0, 308.0));
+          const double share = random.uniform(-1.0, 1.0), value = share * random.power(-10.0, 308.0);
           std::memcpy(&bytes[at], &value, 8);
         }
       }

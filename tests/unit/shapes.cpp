@@ -24,7 +24,7 @@ TEST_CASE("a box's distance is the distance: zero on the surface, 1-Lipschitz, n
   test::Random random(501);
   int in = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Box box{Vec3(random.uniform(0.002, 0.03), random.uniform(0.002, 0.03), random.uniform(0.002, 0.03))};
+    const Box box{{random.uniform(0.002, 0.03), random.uniform(0.002, 0.03), random.uniform(0.002, 0.03)}};
     const Vec3 x = random.vector(0.06);
     const ShapePoint found = signedDistance(box, x);
     REQUIRE((found.distance < 0.0) == (x.cwiseAbs().array() < box.half.array()).all());

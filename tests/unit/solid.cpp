@@ -81,7 +81,7 @@ TEST_CASE("solid: distances against the exact mesh", "[solid]") {
       if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
       const Vec3 corner = c.mesh.vertices[t[0]];
       const Vec3 on = corner + u * (c.mesh.vertices[t[1]] - corner) + v * (c.mesh.vertices[t[2]] - corner);
-      const Vec3 p = on + 5.0 * c.cell * random.uniform(0.0, 1.0) * random.direction();
+      const Vec3 p = on + random.ofLength(0.0, 5.0 * c.cell);
       const SurfacePoint exact = signedDistance(model, p);
       const SolidPoint found = signedDistance(solid, p);
       missed += !found.found;
@@ -108,8 +108,7 @@ TEST_CASE("solid: nearest to a segment is nearest to one of its points", "[solid
   const Solid solid(MeshModel(test::transformed(test::ball(4, 0.1), 3e-3, Vec3::Zero())), kTooth, {kCell});
   test::Random random(2202);
   for (int i = 0; i < test::count(200, 5000); ++i) {
-    const Segment segment{random.uniform(3.5e-3, 6e-3) * random.direction(),
-                          random.uniform(3.5e-3, 6e-3) * random.direction()};
+    const Segment segment{random.ofLength(3.5e-3, 6e-3), random.ofLength(3.5e-3, 6e-3)};
     double least = kNoLimit;
     bool crosses = false;
     for (int k = 0; k <= 100; ++k) {
@@ -157,7 +156,7 @@ TEST_CASE("solid: cavity, groove and through-hole have the bur's volume, nothing
     for (int i = 0; i < points; ++i) {
       const Vec3 p =
           low +
-          (high - low).cwiseProduct(Vec3(random.uniform(0.0, 1.0), random.uniform(0.0, 1.0), random.uniform(0.0, 1.0)));
+          (high - low).cwiseProduct(Vec3{random.uniform(0.0, 1.0), random.uniform(0.0, 1.0), random.uniform(0.0, 1.0)});
       if ((p.cwiseAbs() - half).maxCoeff() > 0.0) continue;
       const Vec3 span = c.to - c.from;
       const double t =

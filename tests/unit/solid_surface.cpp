@@ -1,6 +1,8 @@
 // The surface of a solid as triangles: closed, at the samples' zero, after any cut; bricks fit to each other.
 #include "enamel/collision/solid_surface.hpp"
 
+#include <array>
+#include <map>
 #include <numeric>
 
 #include "enamel/collision/mesh_file.hpp"
@@ -107,6 +109,43 @@ TEST_CASE("bricks of a surface fit to each other, normals point outwards", "[uni
   CHECK(worst < 0.07);
   CHECK(inwards == 0);
   CHECK(misplaced == 0);
+}
+
+TEST_CASE("bricks of different steps fit to each other", "[unit]") {
+  const Vec3 half(1.6e-3, 1.3e-3, 0.9e-3);
+  for (const bool isCut : {false, true}) {
+    INFO((isCut ? "box, cut anyhow" : "ball"));
+    Solid solid(
+        MeshModel(isCut ? test::boxMesh(half) : test::transformed(test::ball(4, 0.1), 1.5e-3, Vec3(1e-5, 2e-5, 3e-5))),
+        kTooth, {kCell});
+    if (isCut) cutAnyhow(solid, half, 10);
+    const double edge = kBrickCells * kCell;
+    test::Random random(2221);
+    for (int round = 0; round < 10; ++round) {
+      const double share = random.uniform(0.1, 0.9);
+      std::map<std::array<int, 3>, int> steps;
+      const auto placeOf = [&](int brick) {
+        const Eigen::Vector3i at = ((solid.lowOf(brick) - solid.low()) / edge).array().round().cast<int>();
+        return std::array<int, 3>{at[0], at[1], at[2]};
+      };
+      for (int brick = 0; brick < solid.bricks(); ++brick)
+        steps[placeOf(brick)] = random.uniform(0.0, 1.0) < share ? 1 : 2;
+      SolidSurface all;
+      for (int brick = 0; brick < solid.bricks(); ++brick) {
+        const std::array<int, 3> at = placeOf(brick);
+        std::uint32_t coarser = 0;
+        for (int i = 0; i < 27; ++i) {
+          const auto other = steps.find({at[0] + i % 3 - 1, at[1] + i / 3 % 3 - 1, at[2] + i / 9 - 1});
+          if (other != steps.end() && other->second > steps[at]) coarser |= 1u << i;
+        }
+        appendSurface(solid, brick, solid.samples(brick), all, steps[at], coarser);
+      }
+      const std::vector<int> place = weld(all.mesh);
+      for (auto& triangle : all.mesh.triangles)
+        for (int& v : triangle) v = place[static_cast<std::size_t>(v)];
+      CHECK(inspect(all.mesh).watertight);
+    }
+  }
 }
 
 }  // namespace enamel::test_solid_surface

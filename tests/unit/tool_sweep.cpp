@@ -26,7 +26,7 @@ TEST_CASE("a swept tool tells what of it touches what", "[unit]") {
   ToolCache cache = makeToolCache(scene, tool);
   int met[2][3] = {}, parts[2] = {};
   for (int i = 0; i < 4000; ++i) {
-    const Pose from{0.03 * random.direction(), test::rotationAbout(random.direction(), random.uniform(0.0, 3.0))};
+    const Pose from{0.03 * random.direction(), random.rotation(3.0)};
     const Pose to{from.position + 0.06 * random.direction(),
                   test::rotationAbout(random.direction(), 0.5) * from.rotation};
     const ToolSweep hit = sweepTool(scene, tool, from, to, nullptr), cached = sweepTool(scene, tool, from, to, &cache);

@@ -81,7 +81,7 @@ TEST_CASE("a left drag moves the hand as far as the cursor goes at the tool", "[
     const glm::dvec2 corner(recorder.place.scene.x, recorder.place.scene.y);
     const glm::dvec2 size(recorder.place.scene.width, recorder.place.scene.height);
     const glm::dvec2 from = corner + glm::dvec2(project(before, size, recorder.tool()));
-    const glm::dvec2 to = from + glm::dvec2(random.uniform(-80.0, 80.0), random.uniform(-80.0, 80.0));
+    const glm::dvec2 to = from + glm::dvec2{random.uniform(-80.0, 80.0), random.uniform(-80.0, 80.0)};
     input.cursor(from);
     input.cursor(to);
     CHECK(recorder.moves == 0);  // no button
@@ -114,7 +114,7 @@ TEST_CASE(
     const glm::dvec2 corner(recorder.place.scene.x, recorder.place.scene.y);
     const glm::dvec2 size(recorder.place.scene.width, recorder.place.scene.height);
     const glm::dvec2 from = corner + glm::dvec2(project(camera, size, recorder.tool()));
-    const glm::dvec2 to = from + glm::dvec2(random.uniform(-40.0, 40.0), random.uniform(-40.0, 40.0));
+    const glm::dvec2 to = from + glm::dvec2{random.uniform(-40.0, 40.0), random.uniform(-40.0, 40.0)};
     input.cursor(from);
     input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS, GLFW_MOD_SHIFT);
     input.cursor(to);

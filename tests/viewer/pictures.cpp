@@ -356,10 +356,12 @@ TEST_CASE("camera: unproject inverts project", "[viewer]") {
   test::Random random(603);
   for (int i = 0; i < 1000; ++i) {
     Camera camera = cameraPresets()[static_cast<std::size_t>(i % 4)].camera;
-    orbit(camera, random.uniform(-3.0, 3.0), random.uniform(-1.0, 1.0));
-    pan(camera, random.uniform(-20.0, 20.0), random.uniform(-20.0, 20.0));
+    const glm::dvec2 turn{random.uniform(-3.0, 3.0), random.uniform(-1.0, 1.0)};
+    orbit(camera, turn.x, turn.y);
+    const glm::dvec2 shift{random.uniform(-20.0, 20.0), random.uniform(-20.0, 20.0)};
+    pan(camera, shift.x, shift.y);
     zoom(camera, random.uniform(0.7, 1.3));
-    const glm::dvec2 size(random.uniform(200.0, 2000.0), random.uniform(200.0, 2000.0));
+    const glm::dvec2 size{random.uniform(200.0, 2000.0), random.uniform(200.0, 2000.0)};
     const Vec3 v = random.vector(30.0);
     const glm::dvec3 point(v.x(), v.y(), v.z()), seenAt = project(camera, size, point);
     // The depth of a picture from 10 mm to 4 m keeps 1e-16 * 4000 / 10 of a point's distance.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace enamel {
 
@@ -11,12 +10,14 @@ struct SolidQuery {
   using Brick = Solid::Brick;
 
   static constexpr double kHalfCell = 0.8660254037844386;  // half its diagonal
-  static constexpr double kOnSurface = 0.03;
   static constexpr double kSettled = 1e-3;
   static constexpr double kFarthest = 1.0;  // above half its diagonal: a cell with surface has a place within that
   static constexpr double kClose = 2.0 * kBrickCells;
-  static constexpr int kSteps = 3;
-  static constexpr double kNoGradient = 1e-6;  // squared
+  static constexpr int kSteps = 2, kReturns = 3;  // on a patch
+  static constexpr int kRounds = 8;               // of an axis and a patch
+  static constexpr double kShortest = 0.1;        // share of a step
+  static constexpr double kFew = 4.0;             // steps so short leave most of the way
+  static constexpr double kNoGradient = 1e-6;     // squared
   static constexpr double kSameMinimum = 0.02;
   static constexpr int kMostSeen = 1024;
   static constexpr float kSmooth = 0.1f, kFacing = 0.55f, kTrust = 0.3f;
@@ -92,34 +93,83 @@ struct SolidQuery {
     }
 
     // Nothing of the patch is nearer, but for a smooth one by some hundredths of a cell: in a pit that fits the bur all
-    // places are about as near.
-    double least() const {
-      const float ahead = distance - (flatness < kSmooth ? 0.1f * flatness : flatness);
-      const float aside = outside - 0.5f - flatness;  // the cell begins so far beside the plane's nearest place
-      return aside > 0.0f && ahead > 0.0f ? std::sqrt(ahead * ahead + aside * aside) : ahead;
+    // places are about as near. Where q may be elsewhere: nearer to the plane by `rise`, its place on it by `slide`.
+    float least(float rise, float slide) const {
+      const float ahead = std::max(distance - rise - (flatness < kSmooth ? 0.1f * flatness : flatness), 0.0f);
+      const float aside = outside - slide - 0.5f - flatness;  // the cell begins so far beside the plane's nearest place
+      return aside > 0.0f ? std::sqrt(ahead * ahead + aside * aside) : ahead;
     }
   };
 
-  // The place of the patch nearest to q.
-  static bool nearestOn(const Patch& patch, const Vec3& q, Touch& touch) {
+  // From a place of the cell with this value towards the surface, and `length` of `way` beside it; at the border along
+  // it. `along`: what of the way lies along the surface.
+  static bool step(Vec3 way, double length, double value, Vec3 gradient, Vec3& u, Vec3& along) {
+    Vec3 next;
+    for (bool isOut = true; isOut;) {
+      const double squared = gradient.squaredNorm();
+      if (!(squared > kNoGradient)) return false;
+      along = way - gradient * (gradient.dot(way) / squared);
+      next = u - gradient * (value / squared) + length * along;
+      isOut = false;
+      for (int i = 0; i < 3; ++i) {
+        if (gradient[i] == 0.0 || !(u[i] <= 0.0 ? next[i] < 0.0 : u[i] >= 1.0 && next[i] > 1.0)) continue;
+        gradient[i] = way[i] = 0.0;
+        isOut = true;
+      }
+    }
+    u = inCell(next);
+    return true;
+  }
+
+  // Goes to the place of the patch nearest to q. Of the way to q what lies along the surface, in steps as long as the
+  // last one was right (Barzilai and Borwein 1988): where the surface curves by more than 1 over the distance, whole
+  // ones diverge. False: it came to a corner off the surface.
+  static bool approach(const Patch& patch, const Vec3& q, Touch& touch) {
     Vec3 &u = touch.point, &g = touch.gradient;
-    u = inCell(q);
-    for (int step = 0; step < kSteps; ++step) {
-      const double f = patch.at(u, g), squared = g.squaredNorm();
-      if (!(squared > kNoGradient)) return false;
-      const Vec3 next = inCell(q - g * ((f + g.dot(q - u)) / squared));
-      const double move = (next - u).cwiseAbs().maxCoeff();
-      u = next;
-      if (move < kSettled) break;
+    Vec3 move = Vec3::Zero(), along = Vec3::Zero();
+    for (int round = 0; round < kSteps; ++round) {
+      const double f = patch.at(u, g);
+      const Vec3 from = u, way = q - u;
+      double length = 1.0;
+      if (round > 0) {
+        const double turned = move.dot(along - (way - g * (g.dot(way) / g.squaredNorm())));
+        if (turned > 0.0) length = std::clamp(move.squaredNorm() / turned, kShortest, 1.0);
+      }
+      if (!step(way, length, f, g, u, along)) return false;
+      move = u - from;
+      if (move.cwiseAbs().maxCoeff() < kSettled) break;
     }
-    for (int step = 0; step < kSteps; ++step) {  // a corner of the cell may lie off the surface
-      const double f = patch.at(u, g), squared = g.squaredNorm();
-      if (!(squared > kNoGradient)) return false;
-      if (f * f <= kSettled * kSettled * squared) return true;
-      u = inCell(u - g * (f / squared));
+    for (int round = 0; round < kReturns; ++round) {
+      const double f = patch.at(u, g);
+      if (f * f <= kSettled * kSettled * g.squaredNorm()) return true;
+      if (round + 1 == kReturns || !step(Vec3::Zero(), 0.0, f, g, u, along)) return false;
     }
-    const double f = patch.at(u, g);
-    return f * f <= kOnSurface * kOnSurface * g.squaredNorm();
+    return false;
+  }
+
+  static bool nearestOn(const Patch& patch, const Vec3& q, Touch& touch) {
+    touch.point = inCell(q);
+    if (approach(patch, q, touch)) return true;
+    // Again from where the surface meets an edge of the cell.
+    double least = kNoLimit;
+    for (int corner = 0; corner < 8; ++corner)
+      for (int axis = 0; axis < 3; ++axis) {
+        const int next = corner | 1 << axis;
+        const double from = patch.c[corner], to = patch.c[next];
+        if (next == corner || (from < 0.0) == (to < 0.0)) continue;
+        Vec3 u(corner & 1, corner >> 1 & 1, corner >> 2);
+        u[axis] = from / (from - to);
+        const double squared = (q - u).squaredNorm();
+        if (squared >= least) continue;
+        least = squared;
+        touch.point = u;
+      }
+    const Vec3 onEdge = touch.point;
+    if (least < kNoLimit && !approach(patch, q, touch)) {
+      touch.point = onEdge;
+      patch.at(onEdge, touch.gradient);
+    }
+    return least < kNoLimit;
   }
 
   // Visits the bricks with surface that may have a place within `reach()` of the axis.
@@ -205,25 +255,48 @@ struct SolidQuery {
     bool found = false;
   };
 
+  // Where the axis is nearest, the way from the patch's nearest place is square to it: a root of t minus the axis'
+  // place nearest to the patch's, which rises where the patch is flat. First to that place, or where that is no way at
+  // all as far as it may be, then regula falsi (Illinois).
   void search(const Vec3& low, const float* samples, double t, Nearest& best) const {
     const Patch patch(samples);
     Touch touch;
-    // The nearest place of the axis moves with that of the patch: two rounds.
-    for (int round = 0; round < (perLength > 0.0 ? 2 : 1); ++round) {
-      if (!nearestOn(patch, axisAt(t) - low, touch)) return;
-      t = parameterAt(low + touch.point);
+    double before = std::max(t - kHalfCell * perSpan, 0.0), beyond = std::min(t + kHalfCell * perSpan, 1.0);
+    double atBefore = 0.0, atBeyond = 0.0;  // 0: not known
+    for (int round = 0, last = 0; round < kRounds; ++round) {
+      const bool isOn = nearestOn(patch, axisAt(t) - low, touch);
+      const Vec3 way = axisAt(t) - low - touch.point;
+      const double distance = way.norm();
+      if (isOn && distance < best.distance) best = {distance, t, low + touch.point, touch.gradient, true};
+      if (perLength == 0.0) return;
+      const double ahead = way.dot(span) * perLength;
+      const int side = ahead < 0.0 ? -1 : 1;
+      if (side == last) (side < 0 ? atBeyond : atBefore) *= 0.5;
+      last = side;
+      (side < 0 ? before : beyond) = t;
+      (side < 0 ? atBefore : atBeyond) = ahead;
+      const double end = side < 0 ? beyond : before, left = std::abs(end - t);
+      const double gain = std::abs(ahead) / (perLength * std::max(distance, kSettled));  // cells, over all of the axis
+      if (!(gain * left > kSettled && distance - gain * left < best.distance)) return;
+      if (atBefore < 0.0 && atBeyond > 0.0)
+        t = before + (beyond - before) * atBefore / (atBefore - atBeyond);
+      else
+        t = round > 0 || kFew * std::abs(ahead) < left ? end : t - ahead;
     }
-    const double distance = (low + touch.point - axisAt(t)).norm();
-    if (distance < best.distance) best = {distance, t, low + touch.point, touch.gradient, true};
   }
 
   void search(const Brick& brick, Nearest& best) const {
+    const Eigen::Vector3f step = (kHalfCell * perSpan * span).cast<float>();
     const auto reach = [&] { return best.distance; };
     forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double t) {
       const Plane plane = planeOf(samples, q);
-      // Another place of the axis may be nearer to the plane, by what the axis rises over half a cell.
-      const double rise = std::abs(plane.gx * span.x() + plane.gy * span.y() + plane.gz * span.z()) * plane.perNorm;
-      if (plane.least() - kHalfCell * rise * perSpan < best.distance) search(low, samples, t, best);
+      // The axis may be nearest elsewhere, half a diagonal ahead or back at most.
+      const float rise = plane.perNorm * (plane.gx * step.x() + plane.gy * step.y() + plane.gz * step.z());
+      const float alongX = step.x() - rise * plane.gx * plane.perNorm,
+                  alongY = step.y() - rise * plane.gy * plane.perNorm,
+                  alongZ = step.z() - rise * plane.gz * plane.perNorm;
+      const float slide = std::max({std::abs(alongX), std::abs(alongY), std::abs(alongZ)});
+      if (static_cast<double>(plane.least(std::abs(rise), slide)) < best.distance) search(low, samples, t, best);
     });
   }
 
@@ -241,8 +314,9 @@ struct SolidQuery {
 
   static Seen seenFrom(const float* samples, const Vec3& low, const Vec3& q) {
     const Plane plane = planeOf(samples, q);
-    return {samples, low.cast<float>(), q.cast<float>(), plane,
-            static_cast<float>(std::max(plane.least(), q.norm() - kHalfCell))};
+    const Eigen::Vector3f toCentre = q.cast<float>();
+    return {samples, low.cast<float>(), toCentre, plane,
+            std::max(plane.least(0.0f, 0.0f), toCentre.norm() - static_cast<float>(kHalfCell))};
   }
 
   // About how near the surface is there where it is smooth and faces the point.
@@ -407,19 +481,28 @@ struct SolidQuery {
     }
   };
 
-  // The likely nearest first, so that those in the same direction need no closer look.
+  // The likely nearest first, by shares of the reach, so that those in the same direction need no closer look.
   void collect(const SeenCells& cells, double reach, Collected& found) const {
-    std::array<std::pair<float, int>, kMostSeen> waiting;  // a heap
-    int count = 0;
+    constexpr int kShares = 256;
+    std::array<int, kShares + 1> ends{};
+    std::array<std::int16_t, kMostSeen> share, order;
+    const float scale = kShares / std::max(static_cast<float>(reach), 1e-6f);
     for (int i = 0; i < cells.count; ++i) {
-      const Plane& plane = cells.all[i].plane;
-      if (plane.outside <= 0.75f + 4.0f * plane.flatness * plane.distance) waiting[count++] = {-cells.all[i].least, i};
+      const Seen& cell = cells.all[i];
+      const Plane& plane = cell.plane;
+      share[i] = -1;
+      if (!(plane.outside <= 0.75f + 4.0f * plane.flatness * plane.distance)) continue;
+      share[i] = static_cast<std::int16_t>(std::clamp(cell.least * scale, 0.0f, kShares - 1.0f));
+      ++ends[share[i] + 1];
     }
-    for (std::make_heap(waiting.begin(), waiting.begin() + count); count > 0; --count) {
-      const Seen& cell = cells.all[waiting[0].second];
-      std::pop_heap(waiting.begin(), waiting.begin() + count);
+    for (int k = 0; k < kShares; ++k) ends[k + 1] += ends[k];
+    const int count = ends[kShares];
+    for (int i = 0; i < cells.count; ++i)
+      if (share[i] >= 0) order[ends[share[i]]++] = static_cast<std::int16_t>(i);
+    for (int i = 0; i < count; ++i) {
+      const Seen& cell = cells.all[order[i]];
       const double least = static_cast<double>(cell.least);
-      if (found.count == kernel::kMaxSolidMinima && least >= found.all[found.count - 1].distance) return;
+      if (found.count == kernel::kMaxSolidMinima && least >= found.all[found.count - 1].distance) continue;
       const Vec3 toCentre = cell.toCentre.cast<double>(), low = cell.low.cast<double>(), q = a - low;
       if (found.has(a, toCentre, toCentre.norm(), static_cast<double>(cell.plane.distance) + kSameMinimum)) continue;
       Touch touch;

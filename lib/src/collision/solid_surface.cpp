@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kEnd = 0.01;      // share of an edge that no vertex is nearer to its ends
 constexpr double kSettled = 1e-3;  // cells
-constexpr int kSteps = 8;
+constexpr int kRounds = 8;
 constexpr int kCornersOfCube = 8;  // bits x, y, z
 
 // From corner to opposite corner along the three axes in every order.
@@ -32,21 +32,113 @@ int strideTo(int corner) {
   return (corner & 1) + (corner >> 1 & 1) * kBrickSamples + (corner >> 2) * kBrickSamples * kBrickSamples;
 }
 
+int sampleAt(const std::array<int, 3>& p) { return (p[2] * kBrickSamples + p[1]) * kBrickSamples + p[0]; }
+
+// Where a brick touches neighbours of twice its step: its samples there become those that the neighbour's triangles
+// have, and its vertices the neighbour's.
+class Fit {
+ public:
+  Fit(std::uint32_t coarser, int step) : step_(step) {
+    for (int border = 0; border < kBorders; ++border) {
+      const std::array<int, 3> at = {border % 3 - 1, border / 3 % 3 - 1, border / 9 - 1};
+      for (int other = 0; other < kBorders; ++other) {
+        const std::array<int, 3> neighbour = {other % 3 - 1, other / 3 % 3 - 1, other / 9 - 1};
+        bool touches = other != kItself && (coarser >> other & 1) != 0;
+        for (std::size_t i = 0; i < 3; ++i) touches = touches && (neighbour[i] == 0 || neighbour[i] == at[i]);
+        touches_[static_cast<std::size_t>(border)] = touches_[static_cast<std::size_t>(border)] || touches;
+      }
+    }
+  }
+
+  // Whether an edge from a sample, or the sample itself, is on the border with such a neighbour.
+  bool touches(const std::array<int, 3>& from, int way) const {
+    int border = kItself;
+    for (std::size_t i = 0, unit = 1; i < 3; ++i, unit *= 3)
+      if ((way >> i & 1) == 0)
+        border += static_cast<int>(unit) * ((from[i] == kBrickCells ? 1 : 0) - (from[i] == 0 ? 1 : 0));
+    return touches_[static_cast<std::size_t>(border)];
+  }
+
+  // The neighbour splits its squares along the same diagonal: on its edges, half way.
+  BrickSamples samples(const BrickSamples& samples) const {
+    BrickSamples fitted = samples;
+    std::array<int, 3> p;
+    for (p[2] = 0; p[2] <= kBrickCells; p[2] += step_)
+      for (p[1] = 0; p[1] <= kBrickCells; p[1] += step_)
+        for (p[0] = 0; p[0] <= kBrickCells; p[0] += step_) {
+          if (!touches(p, 0)) continue;
+          const auto [low, high] = around(p);
+          fitted[static_cast<std::size_t>(sampleAt(p))] = 0.5f * (samples[static_cast<std::size_t>(sampleAt(low))] +
+                                                                  samples[static_cast<std::size_t>(sampleAt(high))]);
+        }
+    return fitted;
+  }
+
+  // The neighbour's edge that has the vertex of this one: along the same line, or of the neighbour's triangle around it
+  // one that crosses the surface, always the same.
+  void move(const BrickSamples& samples, std::array<int, 3>& from, int& way) const {
+    const std::array<int, 3> low = around(from).first;
+    int ahead = 0;
+    for (std::size_t i = 0; i < 3; ++i) ahead |= from[i] != low[i] ? 1 << i : 0;
+    from = low;
+    if (ahead == 0 || ahead == way) return;
+    // The triangle's corners: low, from there along one axis, along both.
+    const int both = ahead | way, first = ahead == both ? way : ahead;
+    const auto isInside = [&](int corner) {
+      std::array<int, 3> at = low;
+      for (std::size_t i = 0; i < 3; ++i) at[i] += (corner >> i & 1) * 2 * step_;
+      return samples[static_cast<std::size_t>(sampleAt(at))] < 0.0f;
+    };
+    way = isInside(0) != isInside(first) ? first : both;
+  }
+
+ private:
+  static constexpr int kBorders = 27, kItself = 13;
+
+  std::pair<std::array<int, 3>, std::array<int, 3>> around(const std::array<int, 3>& p) const {
+    std::array<int, 3> low = p, high = p;
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] -= p[i] % (2 * step_);
+      high[i] += p[i] % (2 * step_);
+    }
+    return {low, high};
+  }
+
+  int step_;
+  std::array<bool, kBorders> touches_{};
+};
+
 class Extraction {
  public:
-  Extraction(const Solid& solid, int brick, const BrickSamples& samples, int step, SolidSurface& surface)
-      : solid_(solid), samples_(samples), step_(step), surface_(surface) {
+  Extraction(const Solid& solid, int brick, const BrickSamples& samples, int step, const Fit* fit,
+             SolidSurface& surface)
+      : solid_(solid), samples_(samples), step_(step), fit_(fit), surface_(surface) {
     corner_ = ((solid.lowOf(brick) - solid.low()) / solid.cell()).array().round();
     vertices_.fill(-1);
   }
 
-  void addCell(int x, int y, int z) {
-    at_ = {x, y, z};
-    sample_ = (z * kBrickSamples + y) * kBrickSamples + x;
-    for (const Tetrahedron& tetrahedron : kTetrahedra) add(tetrahedron);
+  void addCells() {
+    if (step_ == 1) {
+      const auto cells = kernel::surfaceCells(samples_);
+      for (int z = 0; z < kBrickCells; ++z)
+        for (std::uint64_t left = cells[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
+          const int bit = __builtin_ctzll(left);
+          addCell(bit % kBrickCells, bit / kBrickCells, z);
+        }
+      return;
+    }
+    for (int z = 0; z < kBrickCells; z += step_)
+      for (int y = 0; y < kBrickCells; y += step_)
+        for (int x = 0; x < kBrickCells; x += step_) addCell(x, y, z);
   }
 
  private:
+  void addCell(int x, int y, int z) {
+    at_ = {x, y, z};
+    sample_ = sampleAt(at_);
+    for (const Tetrahedron& tetrahedron : kTetrahedra) add(tetrahedron);
+  }
+
   bool isInside(int corner) const {
     return samples_[static_cast<std::size_t>(sample_ + step_ * strideTo(corner))] < 0.0f;
   }
@@ -77,16 +169,25 @@ class Extraction {
     }
   }
 
-  void addTriangle(int a, int b, int c) { surface_.mesh.triangles.push_back({a, b, c}); }
+  void addTriangle(int a, int b, int c) {
+    if (a != b && b != c && c != a) surface_.mesh.triangles.push_back({a, b, c});
+  }
 
   // The vertex between two corners of the cell.
   int on(int from, int to) {
-    const int low = from & to, way = from ^ to;
-    const auto a = static_cast<std::size_t>(sample_ + step_ * strideTo(low));
+    const int low = from & to;
+    int way = from ^ to, step = step_;
+    std::array<int, 3> at = at_;
+    for (int i = 0; i < 3; ++i) at[static_cast<std::size_t>(i)] += step_ * (low >> i & 1);
+    if (fit_ != nullptr && fit_->touches(at, way)) {
+      fit_->move(samples_, at, way);
+      step = 2 * step_;
+    }
+    const auto a = static_cast<std::size_t>(sampleAt(at));
     std::int32_t& vertex = vertices_[a * kCornersOfCube + static_cast<std::size_t>(way)];
     if (vertex >= 0) return vertex;
-    const double t = std::clamp(zeroBetween(a, way), kEnd, 1.0 - kEnd);
-    const Vec3 start = Vec3(at_[0], at_[1], at_[2]) + step_ * towards(low), edge = step_ * towards(way);
+    const double t = std::clamp(zeroBetween(a, way, step), kEnd, 1.0 - kEnd);
+    const Vec3 start(at[0], at[1], at[2]), edge = step * towards(way);
     const Vec3 position = solid_.low() + solid_.cell() * (corner_ + start + t * edge);
     const Vec3 gradient = (1.0 - t) * gradientAt(start) + t * gradientAt(start + edge);
     const double length = gradient.norm();
@@ -101,18 +202,18 @@ class Extraction {
 
   // Where the trilinear interpolation is 0 on the way from a sample to an opposite corner of its edge, face or cell:
   // sum of the corners weighted with (1-t)^(n-k) t^k, k of the n axes ahead. Regula falsi (Illinois).
-  double zeroBetween(std::size_t a, int way) const {
+  double zeroBetween(std::size_t a, int way, int step) const {
     std::array<double, 4> c{};  // by k
     int axes = 0;
     for (int corner = 0; corner <= way; ++corner) {
       if ((corner & way) != corner) continue;
       axes = (corner & 1) + (corner >> 1 & 1) + (corner >> 2);
       c[static_cast<std::size_t>(axes)] +=
-          static_cast<double>(samples_[a + static_cast<std::size_t>(step_ * strideTo(corner))]);
+          static_cast<double>(samples_[a + static_cast<std::size_t>(step * strideTo(corner))]);
     }
     double low = 0.0, high = 1.0, atLow = c[0], atHigh = c[static_cast<std::size_t>(axes)],
            t = atLow / (atLow - atHigh);
-    for (int step = 0, last = 0; axes > 1 && step < kSteps; ++step) {
+    for (int round = 0, last = 0; axes > 1 && round < kRounds; ++round) {
       const double u = 1.0 - t;
       const double value = axes == 2 ? u * u * c[0] + u * t * c[1] + t * t * c[2]
                                      : u * u * u * c[0] + u * u * t * c[1] + u * t * t * c[2] + t * t * t * c[3];
@@ -146,6 +247,7 @@ class Extraction {
   const Solid& solid_;
   const BrickSamples& samples_;
   int step_;  // samples from corner to corner
+  const Fit* fit_;
   SolidSurface& surface_;
   Vec3 corner_;  // of the brick, cells
   std::array<int, 3> at_{};
@@ -162,19 +264,17 @@ void SolidSurface::clear() noexcept {
   layers.clear();
 }
 
-void appendSurface(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface, int step) {
+void appendSurface(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface, int step,
+                   std::uint32_t coarser) {
   const auto cells = kernel::surfaceCells(samples);
   if (std::all_of(cells.begin(), cells.end(), [](std::uint64_t slice) { return slice == 0; })) return;
-  Extraction extraction(solid, brick, samples, step, surface);
-  for (int z = 0; z < kBrickCells && step > 1; z += step)
-    for (int y = 0; y < kBrickCells; y += step)
-      for (int x = 0; x < kBrickCells; x += step) extraction.addCell(x, y, z);
-  if (step > 1) return;
-  for (int z = 0; z < kBrickCells; ++z)
-    for (std::uint64_t left = cells[static_cast<std::size_t>(z)]; left != 0; left &= left - 1) {
-      const int bit = __builtin_ctzll(left);
-      extraction.addCell(bit % kBrickCells, bit / kBrickCells, z);
-    }
+  if (coarser != 0) {
+    const Fit fit(coarser, step);
+    const BrickSamples fitted = fit.samples(samples);
+    Extraction(solid, brick, fitted, step, &fit, surface).addCells();
+  } else {
+    Extraction(solid, brick, samples, step, nullptr, surface).addCells();
+  }
 }
 
 TriangleMesh surfaceOf(const Solid& solid) {

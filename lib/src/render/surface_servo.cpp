@@ -23,6 +23,14 @@ constexpr int kBlind = 3;        // ticks after a jump in which no other is look
 // Every jump makes the next one need to be larger by this share, which fades by the other a tick: a loop with delay
 // whose model is wrong would else take its own answers for jumps for ever, and nothing is learnt near a jump.
 constexpr double kHabit = 0.5, kHabitKept = 0.98;
+// A jump just above the threshold may be none, and a strong answer to none throws the tool out of the wall: it has the
+// full gains and outward speed from this much above, and at the threshold this share of the gains and no such speed.
+constexpr double kSure = 0.3, kUnsureGain = 0.2;
+// Age of a jump, 1 to 1.5 ticks. An innovation needs a push that falls with the age squared, and weak pushes are rare:
+// the density of the age is taken to fall with its 10th power. The innovation before has this deviation, of the
+// threshold.
+constexpr int kAges = 11;
+constexpr double kAgeStep = 0.05, kAgeDeviation = 0.2;
 // An innovation up to this share of what the last change of the command moved may be the model's error: less, and a
 // model that is 30 % too heavy takes its own commands for jumps.
 constexpr double kModelError = 0.3;
@@ -54,6 +62,20 @@ std::array<double, kMaxJoints> torquesOf(const Kinematics& k, const Vec3& point,
   std::array<double, kMaxJoints> torques{};
   std::copy_n(torque.data(), torque.size(), torques.begin());
   return torques;
+}
+
+// Mean of one over a jump's age in ticks, by the innovations along the contact now and before, counts. A push of age t
+// has moved the tool by t^2 / 2, and by (t - 1)^2 / 2 a tick ago.
+double youthOf(double now, double before, double deviation) noexcept {
+  double weights = 0.0, sum = 0.0;
+  for (int i = 0; i < kAges; ++i) {
+    const double age = 1.0 + kAgeStep * i, perAge = 1.0 / age, share = (1.0 - perAge) * (1.0 - perAge);
+    const double miss = (before - share * now) / deviation;
+    const double p2 = perAge * perAge, p4 = p2 * p2, weight = p4 * p4 * p2 * std::exp(-0.5 * miss * miss);
+    weights += weight;
+    sum += weight * perAge;
+  }
+  return weights > 0.0 ? sum / weights : 1.0;
 }
 
 // Motion of the platform when the joints move by `way`.
@@ -116,9 +138,9 @@ struct SurfaceServoRenderer::Pushing {
   ContactSolution solution;
 };
 
-const std::array<SurfaceServoParameter, 12>& surfaceServoParameters() noexcept {
+const std::array<SurfaceServoParameter, 11>& surfaceServoParameters() noexcept {
   using O = SurfaceServoOptions;
-  static constexpr std::array<SurfaceServoParameter, 12> parameters = {{
+  static constexpr std::array<SurfaceServoParameter, 11> parameters = {{
       {"pole", &O::pole, 0.0, 0.999, ""},
       {"damping", &O::damping, 0.0, 10.0, ""},
       {"jump_pole", &O::jumpPole, 0.0, 0.999, ""},
@@ -130,19 +152,18 @@ const std::array<SurfaceServoParameter, 12>& surfaceServoParameters() noexcept {
       {"jump_threshold", &O::jumpThreshold, 1.0, 1e6, " counts"},
       {"jump_age", &O::jumpAge, 0.0, 0.999, " ticks"},
       {"jump_size", &O::jumpSize, 0.0, 1e4, " counts/tick^2"},
-      {"jump_share", &O::jumpShare, 0.0, 1.0, ""},
   }};
   return parameters;
 }
 
 SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int delayLow, int delayHigh) {
   // In the order of surfaceServoParameters(), for delays of 0, 1, 2 and 3 ticks and for random ones of 0 to 3.
-  static constexpr double values[5][12] = {
-      {0.3061, 1.103, 0.298, 3.089, 0.01084, 3.237e-5, 0.5032, 0.32, 4.306, 0.95, 13.73, 0.03679},
-      {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 5.035, 0.95, 59.31, 0.03783},
-      {0.4596, 0.8894, 0.6415, 8.609, 0.006137, 1.265e-5, 0.55, 0.17, 6.095, 0.6458, 162.8, 0.4612},
-      {0.5217, 0.9228, 0.6563, 6.432, 0.02, 6.627e-5, 0.5427, 0.04633, 5.028, 0.5619, 12.26, 0.2},
-      {0.7179, 0.5917, 0.5873, 0.8069, 0.004527, 2.396e-5, 1.55, 0.5773, 5.835, 0.3259, 4.14, 0.03716},
+  static constexpr double values[5][11] = {
+      {0.3061, 1.103, 0.298, 3.089, 0.01084, 3.237e-5, 0.5032, 0.32, 4.306, 0.95, 13.73},
+      {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 5.035, 0.95, 59.31},
+      {0.4596, 0.8894, 0.6415, 8.609, 0.003, 8e-6, 0.55, 0.17, 6.095, 0.6458, 162.8},
+      {0.5217, 0.9228, 0.6563, 6.432, 0.02, 3e-5, 0.5427, 0.04633, 5.028, 0.5619, 12.26},
+      {0.7179, 0.5917, 0.5873, 0.8069, 0.004527, 2.396e-5, 1.55, 0.5773, 5.835, 0.3259, 4.14},
   };
   SurfaceServoOptions options;
   options.period = period;
@@ -211,7 +232,7 @@ void SurfaceServoRenderer::prepare(double period) {
 void SurfaceServoRenderer::stateLoaded() noexcept {
   if (!isFinite(stateBlock()) ||
       !(state_.sinceJump >= 0.0 && state_.sinceJump <= kSchedule && state_.lateJumps >= 0.0) ||
-      !(state_.scale >= kLowestScale && state_.scale <= kHighestScale))
+      !(state_.sure >= 0.0 && state_.sure <= 1.0) || !(state_.scale >= kLowestScale && state_.scale <= kHighestScale))
     resetState();
 }
 
@@ -250,11 +271,10 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::acted(const TickInput& input) co
   return torque;
 }
 
-// 0: no jump. Else 1 over its age in ticks, at most 1.
-double SurfaceServoRenderer::jumpOf(int contacts, const Normals& normals, const Row& response,
-                                    const Row& innovation) const noexcept {
+SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Normals& normals, const Row& response,
+                                                        const Row& innovation) const noexcept {
   const State& s = state_;
-  if (s.sinceJump < kBlind) return 0.0;
+  if (s.sinceJump < kBlind) return {};
   const double deviation = (1.0 + kHabit * s.lateJumps) * deviations_[static_cast<int>(s.sinceJump)];
   Row now{}, last{}, command{};  // counts
   for (int i = 0; i < joints_; ++i) {
@@ -263,7 +283,7 @@ double SurfaceServoRenderer::jumpOf(int contacts, const Normals& normals, const 
     last[i] = s.lastInnovation[i] / count;
     command[i] = 0.5 * (response[i] - s.lastResponse[i]) / count;
   }
-  double strongest = 0.0, before = 0.0;
+  double strongest = 0.0, before = 0.0, over = 0.0;
   for (int c = 0; c < contacts; ++c) {
     Row direction = normals.response[c];
     for (int i = 0; i < joints_; ++i) direction[i] /= options_.count[i];
@@ -273,12 +293,12 @@ double SurfaceServoRenderer::jumpOf(int contacts, const Normals& normals, const 
         options_.jumpThreshold * deviation * size + kModelError * std::abs(dot(direction, command, joints_));
     if (std::abs(along) > threshold && std::abs(along) > strongest * size) {
       strongest = std::abs(along) / size;
-      before = dot(direction, last, joints_) / along;
+      before = std::copysign(1.0, along) * dot(direction, last, joints_) / size;
+      over = std::abs(along) / threshold - 1.0;
     }
   }
-  if (strongest == 0.0) return 0.0;
-  // Of a push of age t, 1 to 2 ticks, the innovation before has the share (t - 1)^2 / t^2.
-  return 1.0 - std::sqrt(std::clamp(before - options_.jumpShare, 0.0, 0.25));
+  if (strongest == 0.0) return {};
+  return {true, std::min(over / kSure, 1.0), youthOf(strongest, before, kAgeDeviation * options_.jumpThreshold)};
 }
 
 void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept {
@@ -298,9 +318,10 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     astray = astray || !(std::abs(innovation[i]) < kAstray * options_.count[i]);
   }
   if (astray) return start(input);
-  const double younger = jumpOf(input.contacts.count, normals, response, innovation);
+  const Jump jump = jumpOf(input.contacts.count, normals, response, innovation);
+  s.sure = jump.seen ? jump.sure : 1.0;
   s.lateJumps *= kHabitKept;
-  if (younger > 0.0) {
+  if (jump.seen) {
     s.sinceJump = 0.0;
     s.jumps += 1.0;
     s.lateJumps += 1.0;
@@ -308,9 +329,11 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     s.sinceJump = std::min<double>(s.sinceJump + 1.0, kSchedule);
   }
   Gain gain = gains_[static_cast<int>(s.sinceJump)];
-  if (younger > 0.0) {
-    gain[1] *= younger;
-    gain[2] *= younger * younger;
+  if (jump.seen) {
+    gain[1] *= jump.youth;
+    gain[2] *= jump.youth * jump.youth;
+    const double share = kUnsureGain + (1.0 - kUnsureGain) * jump.sure;
+    for (int i = 0; i < 3; ++i) gain[i] = gains_[kSchedule][i] + share * (gain[i] - gains_[kSchedule][i]);
   }
   double slopeTimesError = 0.0, slopes = 0.0;
   for (int i = 0; i < n; ++i) {
@@ -372,7 +395,7 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     const double speed = dot(row, rate, n) - obstacle, pushed = dot(row, s.push, n);
     if (gap + speed + 0.5 * pushed > kNear) continue;
     const double outward =
-        T * options_.outwardSpeed + std::sqrt(2.0 * std::max(0.0, -pushed) * options_.outwardDistance);
+        T * options_.outwardSpeed + std::sqrt(2.0 * std::max(0.0, -pushed) * s.sure * options_.outwardDistance);
     const int m = p.contacts++;
     pushing.contact[m] = c;
     for (int other = 0; other <= m; ++other)

@@ -22,7 +22,7 @@ struct Variation {
   double low, high, step;
   bool logarithmic;
 };
-constexpr std::array<Variation, 12> kServoVariations = {{
+constexpr std::array<Variation, 11> kServoVariations = {{
     {0.1, 0.9, 0.05, false},    // pole
     {0.5, 1.8, 0.1, false},     // damping
     {0.05, 0.9, 0.05, false},   // jump pole
@@ -34,7 +34,6 @@ constexpr std::array<Variation, 12> kServoVariations = {{
     {3.0, 20.0, 0.15, true},    // jump threshold
     {0.05, 0.95, 0.12, false},  // jump age
     {3.0, 200.0, 0.4, true},    // jump size
-    {0.0, 1.0, 0.07, false},    // jump share
 }};
 
 const LawParameter kStiffness{"stiffness", "N/m", 1000.0, 50.0, 2e5, 0.3, true};

@@ -1,6 +1,7 @@
 // The surface of a solid as triangles, to draw and to write.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "enamel/collision/mesh.hpp"
@@ -22,8 +23,11 @@ struct SolidSurface {
 /// have the same bits as those of the next brick, normals there differ a little. Of the solid only what no cut changes
 /// is read: any thread may do this while another one cuts. Allocates nothing but what `surface` lacks. Realtime: no,
 /// some 10 us for a brick with surface. `step`: 2, 4 or 8 takes only every second, fourth or eighth sample, for a
-/// quarter of the triangles each time: enough to see what is smooth. Beside bricks of another step there are fine gaps.
-void appendSurface(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface, int step = 1);
+/// quarter of the triangles each time: enough to see what is smooth. `coarser`: neighbours that are drawn with twice
+/// the step, bit 13 + x + 3 y + 9 z for the one at (x, y, z), each -1, 0 or 1; the border then has their vertices, to
+/// the bit.
+void appendSurface(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface, int step = 1,
+                   std::uint32_t coarser = 0);
 
 /// The surface of all of it: where the interpolation is 0 along the edges of the six tetrahedra around a diagonal of
 /// every cell (Freudenthal 1942; Doi and Koide, "An efficient method of triangulating equi-valued surfaces by using

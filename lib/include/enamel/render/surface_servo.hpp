@@ -10,8 +10,9 @@
 //     hand (white acceleration) and a wandering push.
 //  2. Jumps. A push that jumps shows as an innovation along M^-1 N_k^T, what a force at the contact does. Above a
 //     threshold the filter's covariance is raised by that of a jump somewhere in the last tick: near-deadbeat gains
-//     that decay by themselves. How old the jump is shows in the innovation before. Jumps that follow each other within
-//     some 0.1 s must be larger and larger.
+//     that decay by themselves. How old the jump is shows in the innovation before. Just above the threshold, where it
+//     may be none, the gains are lower and the tool is stopped, not sent back. Jumps that follow each other within some
+//     0.1 s must be larger and larger.
 //  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983) from what changes
 //     quickly, within kLowestScale to kHighestScale, while a contact carries force and no jump is under way.
 //  4. Prediction through the delay, under the commands that are under way.
@@ -60,7 +61,6 @@ struct SurfaceServoOptions {
   double jumpThreshold = 0.0;  ///< innovation of a jump, counts
   double jumpAge = 0.0;        ///< least age of a jump that is seen for the first time, ticks, in [0, 1)
   double jumpSize = 0.0;       ///< counts/tick^2
-  double jumpShare = 0.0;      ///< of the innovation that the one before may have without making the jump older
 };
 
 /// One of the numbers that a design chooses.
@@ -72,7 +72,7 @@ struct SurfaceServoParameter {
 };
 
 /// All of them. Realtime: yes.
-const std::array<SurfaceServoParameter, 12>& surfaceServoParameters() noexcept;
+const std::array<SurfaceServoParameter, 11>& surfaceServoParameters() noexcept;
 
 /// Options that were found for the TAU, for any device: counts and ticks are the units that matter. With a delay beyond
 /// 3 ticks those for 3. What is given is checked by SurfaceServoRenderer. Realtime: yes.
@@ -111,12 +111,18 @@ class SurfaceServoRenderer final : public Renderer {
     Row lastResponse{}, lastInnovation{}, lastAngles{};
     double scale = 1.0, information = 0.0;
     double sinceJump = kSchedule;  // ticks
+    double sure = 1.0;             // that the jump of this tick, if any, is one
     double lateJumps = 0.0;        // each counts less from tick to tick
     double jumps = 0.0;
     double lastTime = 0.0;
     double pushes = 0.0;   // 1: a contact carried force at the last tick
     double started = 0.0;  // 1: the observer runs
     FrictionMemory friction;
+  };
+  struct Jump {
+    bool seen = false;
+    double sure = 1.0;   // that it is one, in [0, 1]
+    double youth = 1.0;  // one over its age in ticks
   };
   struct Inertia;
   struct Normals;
@@ -132,7 +138,7 @@ class SurfaceServoRenderer final : public Renderer {
   Row acted(const TickInput& input) const noexcept;
   Row expectedCommand(int ahead) const noexcept;
   void observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept;
-  double jumpOf(int contacts, const Normals& normals, const Row& response, const Row& innovation) const noexcept;
+  Jump jumpOf(int contacts, const Normals& normals, const Row& response, const Row& innovation) const noexcept;
   void predict(const Inertia& inertia, Row& q, Row& rate) const noexcept;
   Pushing pushing(const TickInput& input, const Inertia& inertia, const Normals& normals, const Row& q,
                   const Row& rate) const noexcept;
