@@ -1,7 +1,6 @@
 #include "description.hpp"
 
-#include <fmt/core.h>
-
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "apps/enamel/plants.hpp"
@@ -110,7 +109,9 @@ std::vector<Variable> variablesOf(const UnitConfiguration& c, const Mechanism& d
 }
 
 std::string tokenOf(const std::string& unit, const std::string& device, const std::string& scene) {
-  return fmt::format("{{enamel-{:08x}-{:08x}-{:08x}}}", crc32(unit), crc32(device), crc32(scene));
+  char text[64];
+  std::snprintf(text, sizeof text, "{enamel-%08x-%08x-%08x}", crc32(unit), crc32(device), crc32(scene));
+  return text;
 }
 
 }  // namespace enamel::fmi

@@ -131,7 +131,7 @@ std::string modelDescription(const UnitConfiguration& unit, const Mechanism& dev
   simulation.append_attribute("canGetAndSetFMUState") = canCopyState(unit);
   simulation.append_attribute("canSerializeFMUState") = canSerialise(unit);
   simulation.append_attribute("canHandleVariableCommunicationStepSize") = isPlant;
-  simulation.append_attribute("fixedInternalStepSize") = unit.period;
+  if (!isPlant) simulation.append_attribute("fixedInternalStepSize") = unit.period;
 
   addUnits(root);
   pugi::xml_node experiment = root.append_child("DefaultExperiment");

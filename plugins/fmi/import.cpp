@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <pugixml.hpp>
@@ -235,7 +236,10 @@ class UnitPlant final : private Owner, public Plant {
                                        const Load& load) noexcept override {
     if (!library_->anyStep) {
       if (step_ == 0.0) step_ = duration;
-      if (std::abs(duration - step_) > 1e-9 * step_) return enamel::Status::outOfRange;
+      if (std::abs(duration - step_) > 1e-9 * step_) {
+        tell("takes steps of one size only");
+        return enamel::Status::outOfRange;
+      }
     }
     const Vec6 wrench = load(time, state_.pose(), state_.twist);
     const DeviceState before = state_;
@@ -247,6 +251,7 @@ class UnitPlant final : private Owner, public Plant {
         library_->doStep(instance_, time, duration, true, &eventNeeded, &terminated, &early, &last) <= warning &&
         !terminated && !early && look();
     if (!done) {
+      tell(problem_.empty() ? "cannot move on" : problem_.c_str());
       state_ = before;
       return enamel::Status::notConverged;
     }
@@ -287,6 +292,9 @@ class UnitPlant final : private Owner, public Plant {
   void require(Status status, const char* what) {
     if (status > warning) fail(what);
   }
+
+  // Why a step failed: its status cannot say.
+  void tell(const char* reason) const noexcept { std::fprintf(stderr, "%s: %s\n", library_->path().c_str(), reason); }
 
   Status put(const Found& variable, const double* values) const noexcept {
     return library_->set(instance_, variable.references.data(), variable.references.size(), values, variable.size);

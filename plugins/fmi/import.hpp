@@ -19,7 +19,8 @@ namespace enamel::fmi {
 /// The load is held over a step. Throws Error with the file and the reason: no archive; no or a broken
 /// modelDescription.xml; another version than 3; no co-simulation; no binary for this machine, or one that cannot be
 /// loaded; a variable that is missing, of the wrong type, size, causality or unit. What makes a plant throws Error
-/// where the unit cannot be instantiated. Any thread. Realtime: no.
+/// where the unit cannot be instantiated; why a step failed is told on stderr. Any
+/// thread. Realtime: no.
 std::function<std::unique_ptr<Plant>(std::uint32_t stream)> plantsOf(const std::string& path,
                                                                      const DeviceParameters& device);
 
