@@ -6,6 +6,8 @@ viewer_packages="libglfw3-dev libglm-dev libglew-dev libimgui-dev libegl-dev lib
 pkg-config fonts-roboto-unhinted xvfb xauth"
 vtk_packages="libvtk9-dev"
 multibody_packages="libsimbody-dev"  # a second engine: enamel push --plant multibody
+python_packages="python3-dev pybind11-dev python3-numpy"
+fmi_packages="libzip-dev libpugixml-dev"  # units of FMI: enamel fmu, --plant FILE.fmu
 sound_packages="libopenal-dev"
 person_packages="xdotool libx11-dev"  # tests: real keys and clicks, files that are dropped
 
@@ -43,6 +45,8 @@ install_packages() {
   export CMAKE_GENERATOR
   { install_step $viewer_packages && install_step $vtk_packages; } || echo "== going on without the viewer" >&2
   install_step $multibody_packages || echo "== going on without Simbody" >&2
+  install_step $python_packages || echo "== going on without the Python module" >&2
+  install_step $fmi_packages || echo "== going on without units of FMI" >&2
   install_step $sound_packages || echo "== going on without sound" >&2
   install_step $person_packages || echo "== going on without the tests of a person at the window" >&2
 }

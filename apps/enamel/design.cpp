@@ -265,7 +265,7 @@ void addDesign(CLI::App& app) {
       ->excludes("--surface");
   options->search.plant = kClosedForm;
   command->add_option("--plant", options->search.plant, std::string("--surface, --rivals: ") + kPlantHelp)
-      ->check(CLI::IsMember(plantNames()))
+      ->check(CLI::Validator(checkPlant, ""))
       ->capture_default_str();
   command
       ->add_option("--inertia-error", options->search.inertiaError,

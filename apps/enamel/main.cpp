@@ -20,6 +20,9 @@ int main(int argc, char** argv) {
     enamel::app::addMesh(app);
     enamel::app::addScene(app);
     enamel::app::addPlugins(app);
+#ifdef ENAMEL_FMI
+    enamel::app::addFmu(app);
+#endif
     enamel::app::addBench(app);
     enamel::app::parse(app, "enamel", argc, argv);
   });

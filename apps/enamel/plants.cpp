@@ -1,14 +1,36 @@
 #include "plants.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "enamel/collision/contacts.hpp"
 #include "enamel/core/error.hpp"
 #ifdef ENAMEL_SIMBODY
 #include "enamel/multibody/multibody_plant.hpp"
 #endif
 #include "enamel/sim/real_plant.hpp"
+#ifdef ENAMEL_FMI
+#include "plugins/fmi/import.hpp"
+#endif
 
 namespace enamel::app {
 
+bool isUnit(const std::string& plant) noexcept {
+  return plant.size() > 4 && std::string_view(plant).substr(plant.size() - 4) == ".fmu";
+}
+
 std::vector<std::string> plantNames() { return {kClosedForm, kMultibody, kReal, kRealStiff}; }
+
+std::string checkPlant(const std::string& plant) {
+  if (isUnit(plant)) return "";
+  std::string names;
+  for (const std::string& name : plantNames()) {
+    if (plant == name) return "";
+    names += name + ", ";
+  }
+  return plant + " is not among " + names + "FILE.fmu";
+}
 
 MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
   if (plant == kMultibody) {
@@ -16,6 +38,13 @@ MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, 
     return [parameters](std::uint32_t) { return std::make_unique<MultibodyPlant>(parameters); };
 #else
     throw Error("--plant multibody: this enamel was built without Simbody (Debian: libsimbody-dev)");
+#endif
+  }
+  if (isUnit(plant)) {
+#ifdef ENAMEL_FMI
+    return fmi::plantsOf(plant, parameters);
+#else
+    throw Error("--plant " + plant + ": this enamel was built without FMI (Debian: libzip-dev, libpugixml-dev)");
 #endif
   }
   if (plant != kReal && plant != kRealStiff) return {};
@@ -28,6 +57,20 @@ MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, 
   return [real, seed = setup.seed](std::uint32_t stream) {
     return std::make_unique<RealPlant>(makeRealDevice(real, seed, stream));
   };
+}
+
+void pushInto(SceneFile file, PushSetup& setup) {
+  setup.scene = std::move(file.scene);
+  setup.tool = file.tool;
+  setup.force = std::min(setup.force, file.maxForce);
+  setup.start.position = file.start;
+  // To the surface: steps of the distance, which become small as fast as the surface allows.
+  Contact nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
+  for (int step = 0; step < 100 && std::abs(nearest.gap) > 1e-12; ++step) {
+    setup.start.position -= nearest.gap * nearest.normal;
+    nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
+  }
+  setup.person.normal = nearest.normal;
 }
 
 }  // namespace enamel::app

@@ -50,18 +50,8 @@ PushSetup setupOf(const PushOptions& options) {
     holdAt(1e-3 * tip, setup);
   if (!options.scene.empty()) {
     SceneFile file = loadScene(options.scene);
-    setup.scene = std::move(file.scene);
     for (const std::string& note : file.notes) fmt::print(stderr, "{}\n", note);
-    setup.tool = file.tool;
-    setup.force = std::min(setup.force, file.maxForce);
-    setup.start.position = file.start;
-    // To the surface: steps of the distance, which become small as fast as the surface allows.
-    Contact nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
-    for (int step = 0; step < 100 && std::abs(nearest.gap) > 1e-12; ++step) {
-      setup.start.position -= nearest.gap * nearest.normal;
-      nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
-    }
-    setup.person.normal = nearest.normal;
+    pushInto(std::move(file), setup);
   }
   setup.person.guide = options.guide;
   if (options.arm) setup.person.arm = kArm;
@@ -262,7 +252,7 @@ void addPush(CLI::App& app) {
                    "paper's spring has 4)")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command->add_option("--plant", options->plant, kPlantHelp)->check(CLI::IsMember(plantNames()))->capture_default_str();
+  command->add_option("--plant", options->plant, kPlantHelp)->check(CLI::Validator(checkPlant, ""))->capture_default_str();
   command->add_option("--scenario", options->setup.person.scenario, "1: step of force at 1 s; 2: a hand moves in")
       ->capture_default_str();
   auto* scene = command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0");

@@ -66,7 +66,9 @@ void addStudy(CLI::App& app) {
   command->add_option("--device", options->device, "device file (TOML); without it, the nominal device");
   command->add_option("--design-device", options->designDevice,
                       "device file that the renderers are designed on; without it, --device");
-  command->add_option("--plant", options->plant, kPlantHelp)->check(CLI::IsMember(plantNames()))->capture_default_str();
+  command->add_option("--plant", options->plant, kPlantHelp)
+      ->check(CLI::Validator(checkPlant, ""))
+      ->capture_default_str();
   command
       ->add_option("--device-damping", options->deviceDamping,
                    "mechanical damping of the TCP along z beyond the device file's, N s/m: B for every renderer, or\n"

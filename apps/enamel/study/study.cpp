@@ -14,6 +14,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/render/surface_file.hpp"
+#include "enamel/runtime/recording.hpp"
 #include "enamel/study/laws.hpp"
 #include "enamel/study/parallel.hpp"
 #include "json_matrices.hpp"
@@ -306,6 +307,7 @@ Study prepareStudy(const StudyOptions& options) {
   m["runs"] = plan.runs;
   m["seed"] = setup.seed;
   m["plant"] = options.plant;
+  if (isUnit(options.plant)) m["CRC-32 of the plant"] = crc32(readFile(options.plant, std::size_t{1} << 30));
   m["delay [ticks]"] = {setup.delay.low, setup.delay.high};
   m["encoders"] = setup.encoders.quantised;
   m["rates"] = kRateNames[static_cast<int>(setup.encoders.rates)];

@@ -1,0 +1,96 @@
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+
+#include "commands.hpp"
+#include "enamel/core/error.hpp"
+#include "plants.hpp"
+#include "plugin_folder.hpp"
+#include "plugins/fmi/export.hpp"
+#include "renderers.hpp"
+
+namespace enamel::app {
+namespace {
+
+struct FmuOptions {
+  std::string device, scene, renderer, plant = kClosedForm, output;
+  std::vector<std::string> set;
+  int substeps = 1;
+  double period = 1e-3, force = kUnlimited;
+  bool guard = true;
+  std::uint64_t seed = 1;
+};
+
+void run(const FmuOptions& options) {
+  fmi::ExportSetup setup;
+  setup.deviceFile = options.device;
+  setup.sceneFile = options.scene;
+  fmi::UnitConfiguration& unit = setup.unit;
+  unit.period = options.period;
+  unit.substeps = options.substeps;
+  unit.seed = options.seed;
+  unit.guarded = options.guard;
+  unit.force = std::isfinite(options.force) ? options.force : 0.0;
+  const DeviceParameters parameters = loadDevice(options.device);
+  std::string binary = "enamel_fmi_unit.so";
+  if (options.renderer.empty()) {
+    if (!options.scene.empty() || !options.set.empty())
+      throw Error("--scene and --set are of a renderer: give --renderer");
+    if (options.substeps < 1 || options.substeps > 1000)
+      throw Error(fmt::format("--substeps is {}, must be in 1 to 1000", options.substeps));
+    unit.plant = options.plant;
+    VirtualDeviceSetup ticks;
+    ticks.seed = options.seed;
+    if (const MakePlant make = makerOf(options.plant, parameters, ticks))
+      (void)make(0);  // refuses here what a unit would
+    if (options.plant == kMultibody) binary = "enamel_fmi_unit_multibody.so";
+  } else {
+    if (findRenderer(options.renderer).plugin)
+      throw Error("--renderer " + options.renderer + " is a plugin: a unit holds those of enamel itself");
+    unit.renderer = options.renderer;
+    unit.parameters = parseParameters(options.set);
+    (void)makeLinked(unit.renderer, unit.parameters, makeMechanism(parameters), unit.period);
+    (void)guardFor(*makeMechanism(parameters), unit.period);
+  }
+  setup.binary = (std::filesystem::path(pluginFolder()).parent_path() / "fmi" / binary).string();
+  fmi::writeUnit(options.output, setup);
+  fmt::print("{}: {} of {}, {} s a step\n", options.output,
+             options.renderer.empty() ? "plant " + options.plant : "renderer " + options.renderer, nameOf(parameters),
+             options.period);
+}
+
+}  // namespace
+
+void addFmu(CLI::App& app) {
+  auto options = std::make_shared<FmuOptions>();
+  CLI::App* command = app.add_subcommand(
+      "fmu",
+      "Writes a unit of FMI 3.0 for co-simulation: a device in motion, or with --renderer a haptic tick (contacts, "
+      "renderer, guard).\nWhat its variables are: plugins/fmi/README.md.");
+  command->add_option("--device", options->device, "device file (TOML)")->required();
+  command->add_option("--output", options->output, "the unit, *.fmu")->required();
+  auto* plant = command->add_option("--plant", options->plant, kPlantHelp)
+                    ->check(CLI::IsMember(plantNames()))
+                    ->capture_default_str();
+  auto* renderer = command->add_option("--renderer", options->renderer,
+                                       "position-control, hold, impedance or passivity; without it, a plant");
+  renderer->excludes(plant);
+  command->add_option("--scene", options->scene, "scene file of the renderer; without it the wall z = 0 and a point");
+  command->add_option("--set", options->set, "parameter of the renderer, KEY=VALUE, by the names of the plugins")
+      ->allow_extra_args(false);
+  command->add_option("--period", options->period, "of the ticks, s")->capture_default_str();
+  command->add_option("--substeps", options->substeps, "of a plant: integration steps a step")->capture_default_str();
+  command->add_option("--seed", options->seed, "of a real plant: which of those within the tolerances")
+      ->capture_default_str();
+  command->add_option("--max-force", options->force, "of a renderer: that its guard lets it put on the tool, N")
+      ->default_str("no limit");
+  const std::map<std::string, bool> onOff = {{"on", true}, {"off", false}};
+  command->add_option("--guard", options->guard, "of a renderer: off: every torque passes")
+      ->transform(CLI::CheckedTransformer(onOff))
+      ->default_str("on");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace enamel::app

@@ -1,0 +1,114 @@
+// What the files of the Python module share: checked arrays in, tables and views out.
+#pragma once
+
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "enamel/collision/scene_file.hpp"
+#include "enamel/device/device_file.hpp"
+#include "enamel/render/renderer.hpp"
+
+namespace enamel::python {
+
+namespace py = pybind11;
+
+/// A device file, or what was made of one: a Mechanism with the parameters that it came from.
+struct Device {
+  DeviceParameters parameters;
+  std::shared_ptr<const Mechanism> mechanism;
+};
+
+/// Numbers as they come, converted to double and to rows one after the other where they are not.
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+std::string shapeOf(const Array& array);
+
+/// Throws ValueError, with what was given: an array that has not the shape (-1: any).
+void requireShape(const Array& array, const char* name, std::initializer_list<py::ssize_t> shape, const char* unit);
+
+/// Vectors of fixed size. Throws ValueError: another shape.
+Vec3 vec3(const Array& array, const char* name, const char* unit);
+Vec6 vec6(const Array& array, const char* name, const char* unit);
+JointVector joints(const Array& array, int count, const char* name, const char* unit);
+/// Position and rotation matrix; no rotation: that of W. Throws ValueError: another shape, or no rotation.
+Pose poseOf(const Array& position, const std::optional<Array>& rotation);
+
+/// Throws Error naming what was asked of whom, unless the status is ok.
+void require(Status status, const std::string& what);
+
+/// An array over memory that `owner` keeps, without a copy.
+template <typename T>
+py::array view(const T* data, std::vector<py::ssize_t> shape, const py::handle& owner) {
+  py::array array(py::dtype::of<T>(), std::move(shape), data, owner);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+/// Owns a value for arrays that look into it.
+template <typename T>
+py::capsule keep(std::unique_ptr<T> value) {
+  T* const raw = value.release();
+  return py::capsule(raw, [](void* pointer) { delete static_cast<T*>(pointer); });
+}
+
+/// A row of what contact queries answer. In W.
+struct ContactRow {
+  std::int64_t pose;                               // number of the pose that was asked about
+  std::int32_t obstacle, part, triangle, feature;  // as Contact
+  double gap, point[3], normal[3], velocity[3];
+};
+ContactRow rowOf(std::int64_t pose, const Contact& contact) noexcept;
+
+/// A structured NumPy array over rows, without a copy.
+py::array arrayOf(std::vector<ContactRow> rows);
+
+/// A table with named columns, as a structured NumPy array without a copy: rows are of 8-byte numbers.
+class Table {
+ public:
+  /// A column of numbers, or of arrays of a shape; `kind` is "f8", "i8" or "u8".
+  void column(const char* name, std::vector<int> shape = {}, const char* kind = "f8");
+  void add(double number) { numbers_.push_back(number); }
+  void add(std::int64_t number) { addBits(number); }
+  void add(std::uint64_t number) { addBits(number); }
+  template <typename Derived>
+  void add(const Eigen::MatrixBase<Derived>& m) {  // row after row
+    for (Eigen::Index i = 0; i < m.rows(); ++i)
+      for (Eigen::Index j = 0; j < m.cols(); ++j) numbers_.push_back(m(i, j));
+  }
+  /// A joint vector of a column of `width`, filled with NaN where it is shorter.
+  void addJoints(const JointVector& v, int width);
+  /// Ends the table. Needs the GIL.
+  py::array finish();
+
+ private:
+  template <typename T>
+  void addBits(T number) {
+    double bits;
+    std::memcpy(&bits, &number, sizeof bits);
+    numbers_.push_back(bits);
+  }
+  struct Column {
+    const char* name;
+    std::vector<int> shape;
+    int width;
+    const char* kind;
+  };
+  std::vector<Column> columns_;
+  std::vector<double> numbers_;
+};
+
+void addDevice(py::module_& m);
+void addScene(py::module_& m);
+void addRuns(py::module_& m);
+
+}  // namespace enamel::python

@@ -1,0 +1,27 @@
+#!/bin/sh
+# Units under an independent master, in a virtual environment of its own: FMPy validates them against the standard's
+# schema and drives them, and its copy of the official headers is compared with our declarations.
+#
+#   sh tests/fmi/fmpy.sh ENAMEL [PYTHON]     # the built command-line tool; python3
+# ENAMEL_FMPY, where it is set, is a Python that has FMPy; otherwise pip brings it. Ends with 4 where that cannot be done.
+set -eu
+enamel=$1 python=${2:-python3}
+source=$(cd "$(dirname "$0")/../.." && pwd)
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+if [ -z "${ENAMEL_FMPY:-}" ]; then
+  if [ -z "${ENAMEL_LONG:-}" ]; then
+    echo "skipped: needs FMPy (ENAMEL_FMPY=PYTHON, or --long, which installs it with pip)"
+    exit 4
+  fi
+  if ! { "$python" -m venv "$folder/venv" && "$folder/venv/bin/pip" -q --disable-pip-version-check install fmpy; } \
+      >"$folder/log" 2>&1; then
+    tail -n 3 "$folder/log"
+    echo "skipped: FMPy cannot be installed"
+    exit 4
+  fi
+  ENAMEL_FMPY=$folder/venv/bin/python
+fi
+headers=$("$ENAMEL_FMPY" -c 'import fmpy, os; print(os.path.join(os.path.dirname(fmpy.__file__), "c-code"))')
+c++ -std=c++17 -fsyntax-only -isystem "$headers" -I "$source" "$source/tests/fmi/headers.cpp"
+"$ENAMEL_FMPY" "$source/tests/fmi/fmpy_master.py" "$enamel" "$source"

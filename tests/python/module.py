@@ -1,0 +1,295 @@
+"""The Python module: what it answers is what the command-line tool answers, and errors come as exceptions.
+
+Run by ctest with PYTHONPATH at the package; ENAMEL_TOOL, where it is set, is the built command-line tool.
+"""
+import inspect
+import os
+import re
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import enamel
+
+TAU = enamel.data / "devices/tau-nominal.toml"
+TOOL = os.environ.get("ENAMEL_TOOL")
+
+
+class Devices(unittest.TestCase):
+    def test_kinematics_there_and_back(self):
+        for file in sorted((enamel.data / "devices").glob("*.toml")):
+            device = enamel.Device(file)
+            there = device.reach([0.004, -0.003, 0.002])
+            back = device.track(there.q)
+            np.testing.assert_allclose(back.position, [0.004, -0.003, 0.002], atol=1e-12)
+            rates = np.linspace(-1.0, 1.0, device.joints)
+            moving = device.track(there.q, rates)
+            np.testing.assert_allclose(moving.twist, moving.jacobian @ rates, atol=1e-12)
+            # At rest under the torque that balances gravity nothing accelerates.
+            rest = device.accelerate([0.004, -0.003, 0.002], there.gravity)
+            np.testing.assert_allclose(rest, 0.0, atol=1e-9)
+
+    def test_arrays_look_into_the_object(self):
+        home = enamel.Device(TAU).home
+        for name in ("q", "jacobian", "inertia", "position", "rotation"):
+            array = getattr(home, name)
+            self.assertFalse(array.flags.owndata or array.flags.writeable, name)
+            self.assertEqual(array.ctypes.data, getattr(home, name).ctypes.data)
+        self.assertEqual(home.jacobian.shape, (6, 6))
+
+    def test_errors_are_exceptions_with_the_librarys_words(self):
+        with self.assertRaises(enamel.ConfigurationError) as caught:
+            enamel.Device.parse('name = "x"\nkind = "lever"\n', "lever.toml")
+        self.assertEqual((caught.exception.file, caught.exception.line, caught.exception.key), ("lever.toml", 2, "kind"))
+        self.assertIn("lever.toml:2: kind", str(caught.exception))
+        self.assertIsInstance(caught.exception, enamel.Error)
+        device = enamel.Device(TAU)
+        with self.assertRaisesRegex(enamel.Error, "inverse kinematics: "):
+            device.reach([1.0, 0.0, 0.0])
+        with self.assertRaisesRegex(ValueError, r"position has the shape \(2,\), must be \(3,\), m"):
+            device.reach([1.0, 0.0])
+        with self.assertRaisesRegex(enamel.Error, "duration is -1"):
+            enamel.push(device, enamel.impedance(), duration=-1.0)
+        with self.assertRaisesRegex(enamel.Error, "plant wood is not among closed-form"):
+            enamel.push(device, enamel.impedance(), plant="wood")
+        with self.assertRaises(enamel.DesignError):
+            enamel.design_servo(device, torque=-1.0)
+        with self.assertRaises(enamel.PluginError):
+            enamel.plugin(TAU)
+        with self.assertRaises(TypeError):
+            enamel.push(device, 6000.0)
+
+
+class Scenes(unittest.TestCase):
+    def setUp(self):
+        self.scene = enamel.Scene(enamel.data / "scenes/molar.toml")
+        rng = np.random.default_rng(1)
+        self.places = self.scene.start + rng.uniform(-1.0, 1.0, (500, 3)) * [4e-3, 4e-3, 6e-3]
+
+    def test_a_batch_answers_as_pose_by_pose(self):
+        together = self.scene.contacts(self.places, margin=2e-3)
+        alone = [self.scene.contacts(place[None], margin=2e-3) for place in self.places]
+        self.assertGreater(len(together), 50)
+        self.assertEqual(len(together), sum(len(a) for a in alone))
+        for i, contacts in enumerate(alone):
+            of = together[together["pose"] == i].copy()
+            of["pose"] = 0
+            self.assertEqual(of.tobytes(), contacts.tobytes())
+        np.testing.assert_allclose(np.linalg.norm(together["normal"], axis=1), 1.0, atol=1e-12)
+        nearest = self.scene.nearest(self.places)
+        first = np.unique(together["pose"], return_index=True)[1]
+        self.assertTrue((together["gap"][first] == nearest["gap"][together["pose"][first]]).all())
+
+    def test_shapes(self):
+        scene = enamel.Scene()
+        wall = scene.add_half_space("wall", point=(0, 0, -1), normal=(0, 0, 2))
+        ball = scene.add_sphere("ball", (0, 0, 1), 0.25)
+        box = scene.add_box("box", (5, 0, 0), (2, 2, 2))
+        self.assertEqual((wall, ball, box, scene.obstacles), (0, 1, 2, ["wall", "ball", "box"]))
+        near = scene.nearest([[0, 0, 0], [0, 0, 0.5], [5, 0, 1.5]])
+        np.testing.assert_allclose(near["gap"], [0.75, 0.25, 0.5])
+        self.assertEqual(near["obstacle"].tolist(), [1, 1, 2])
+        scene.move(ball, (0, 0, 2), twist=(1, 0, 0, 0, 0, 0))
+        moved = scene.nearest([[0, 0, 1.5]])
+        np.testing.assert_allclose(moved["gap"], 0.25)
+        np.testing.assert_allclose(moved["velocity"][0], [1, 0, 0])
+        with self.assertRaisesRegex(enamel.Error, "ball"):
+            scene.add_sphere("ball", (0, 0, 1), 0.25)
+        with self.assertRaisesRegex(enamel.Error, "is no mesh"):
+            scene.mesh(wall)
+
+    def test_meshes_without_copies_and_out_of_their_scene(self):
+        vertices, triangles = self.scene.mesh(0)
+        self.assertEqual(vertices.ctypes.data, self.scene.mesh(0)[0].ctypes.data)
+        copy = vertices.copy()
+        del self.scene  # the arrays keep it
+        self.assertTrue((vertices == copy).all())
+        self.assertFalse(vertices.flags.writeable)
+        again = enamel.Scene()
+        again.add_mesh("again", vertices, triangles)
+        self.assertTrue((again.mesh(0)[0] == copy).all() and (again.mesh(0)[1] == triangles).all())
+        with self.assertRaisesRegex(enamel.Error, "triangle 0"):
+            again.add_mesh("bad", vertices[:3], [[0, 1, 7]])
+
+    def test_a_tool_that_is_followed_stays_on_its_side(self):
+        sheet = enamel.Scene()
+        sheet.set_tool([((0, 0, 0), (0, 0, 0), 0.5e-3)])
+        square = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * 0.05
+        sheet.add_mesh("sheet", square, [[0, 1, 2], [0, 2, 3]], thickness=0.2e-3)
+        down = np.column_stack([np.zeros(60), np.zeros(60), np.linspace(2e-3, -4e-3, 60)])
+        followed = sheet.contacts(down, follow=True)
+        last = followed[followed["pose"] == 59]
+        self.assertEqual(len(last), 1)
+        self.assertGreater(last["normal"][0, 2], 0.99)  # back up
+        self.assertLess(last["gap"][0], -4e-3)
+
+
+class Runs(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.device = enamel.Device(TAU)
+
+    def test_a_push_is_the_tools_bit_for_bit(self):
+        if TOOL is None:
+            self.skipTest("no command-line tool beside it")
+        with tempfile.TemporaryDirectory() as folder:
+            output, recording = Path(folder, "run.csv"), Path(folder, "run.rec")
+            subprocess.run([TOOL, "push", "--device", TAU, "--output", output, "--record", recording, "--encoders",
+                            "--delay", "constant:1", "--seed", "3"], check=True, stdout=subprocess.DEVNULL)
+            names = output.read_text().splitlines()[0]
+            there = np.genfromtxt(output, delimiter=",", skip_header=1)
+            law = enamel.position_control(self.device, delay=(1, 1))
+            here = enamel.push(self.device, law, encoders=True, delay=(1, 1), seed=3)
+            self.assertTrue(names.startswith("t [s],x [m],y [m],z [m]"))
+            self.assertEqual(len(there), len(here.ticks))
+            self.assertTrue((there[:, 0] == here.ticks["time"]).all())
+            self.assertTrue((there[:, 1:4] == here.ticks["position"]).all())
+            gap = [name.split(" [")[0] for name in names.split(",")].index("gap")
+            self.assertTrue((there[:, gap] == here.ticks["gap"]).all())
+
+            record = enamel.Recording(recording)
+            self.assertEqual((record.renderer, record.device.name), ("position-control", self.device.name))
+            ticks = record.ticks()
+            for name in ("q", "requested", "command"):
+                self.assertTrue((ticks[name] == here.ticks[name]).all(), name)
+            replayed = record.replay(law)
+            self.assertEqual((replayed["ticks"], replayed["different"], replayed["closed"]), (3000, 0, True))
+            other = record.replay(enamel.impedance(3000.0))
+            self.assertGreater(other["different"], 1000)
+
+    def test_tables_are_views(self):
+        ticks = enamel.push(self.device, enamel.hold(self.device), duration=0.1).ticks
+        self.assertEqual(len(ticks), 100)
+        self.assertFalse(ticks.flags.owndata)
+        self.assertEqual(ticks["rotation"].shape, (100, 3, 3))
+        np.testing.assert_allclose(ticks["rotation"][0], np.eye(3), atol=1e-15)
+        self.assertEqual(enamel.modes[ticks["mode"][-1]], "contact")
+
+    def test_a_renderer_in_python_is_the_linked_one(self):
+        class Spring(enamel.PythonRenderer):
+            def render(self, tick):
+                k = tick.kinematics
+                torque = k.gravity.copy()
+                for c in tick.contacts:
+                    force = max(0.0, -5000.0 * c["gap"]) * c["normal"]
+                    torque += k.jacobian.T @ np.concatenate([force, np.cross(c["point"] - k.position, force)])
+                return torque
+
+        device = self.device.damped([0, 0, 4, 0, 0, 0])
+        mine = enamel.push(device, Spring, duration=1.5).ticks
+        linked = enamel.push(device, enamel.impedance(5000.0), duration=1.5).ticks
+        self.assertLess(linked["gap"].min(), -1e-3)
+        np.testing.assert_allclose(mine["gap"], linked["gap"], atol=1e-9)
+        np.testing.assert_allclose(mine["normal_force"], linked["normal_force"], atol=1e-5)
+
+    def test_what_a_renderer_raises_ends_the_run(self):
+        class Tired(enamel.PythonRenderer):
+            def render(self, tick):
+                if tick.time > 0.05:
+                    raise KeyError("tired")
+                return tick.kinematics.gravity
+
+        class Wrong(enamel.PythonRenderer):
+            def render(self, tick):
+                return [0.0]
+
+        class Unwilling(enamel.PythonRenderer):
+            def activate(self, period):
+                raise OSError(f"not at {period} s")
+
+        with self.assertRaisesRegex(KeyError, "tired"):
+            enamel.push(self.device, Tired)
+        with self.assertRaisesRegex(ValueError, r"what render\(\) returned has the shape \(1,\), must be \(6,\)"):
+            enamel.push(self.device, Wrong)
+        with self.assertRaisesRegex(OSError, "not at 0.001 s"):
+            enamel.push(self.device, Unwilling)
+        with self.assertRaisesRegex(KeyError, "tired"):
+            enamel.study(self.device, {"tired": Tired}, grid=1, runs=2, threads=2)
+        with self.assertRaisesRegex(KeyError, "tired"):
+            enamel.trials(self.device, Tired, filter="ramp", runs=1)
+
+    def test_a_study_does_not_depend_on_threads(self):
+        def run(threads):
+            return enamel.study(self.device, {"hold": enamel.hold(self.device, release=False)}, grid=2, runs=2,
+                                scenarios=[1], threads=threads)
+
+        one, two = run(1), run(2)
+        self.assertEqual(one.runs.tobytes(), two.runs.tobytes())
+        self.assertEqual((len(one.runs), one.renderers), (8, ["hold"]))
+        means = [one.runs["K_z1"][one.runs["point"] == p].mean() for p in range(4)]
+        self.assertAlmostEqual(one.walls[0]["lowest K_z1"], min(means), delta=1e-9 * min(means))
+        np.testing.assert_allclose(one.point(0), [-0.025, -0.025, 0.0])
+
+    def test_design(self):
+        design = enamel.design_servo(self.device)
+        self.assertEqual((design.K.shape, design.A.shape, design.B.shape), ((6, 18), (12, 12), (12, 6)))
+        self.assertFalse(design.K.flags.owndata)
+        self.assertEqual(enamel.load_servo(enamel.data / "servos/tau-hold-0.json").shape, (6, 18))
+        by_gain = enamel.push(self.device, enamel.hold(self.device, gain=design.K), duration=1.1).ticks
+        by_default = enamel.push(self.device, enamel.hold(self.device), duration=1.1).ticks
+        self.assertEqual(by_gain.tobytes(), by_default.tobytes())
+
+    def test_long_calls_let_other_threads_run(self):
+        def push():
+            enamel.push(self.device, enamel.hold(self.device), substeps=20, duration=10.0)
+
+        worker = threading.Thread(target=push)
+        begin = time.perf_counter()
+        worker.start()
+        counted = 0
+        while worker.is_alive():
+            counted += 1
+            time.sleep(1e-3)
+        # Without the GIL released this thread would run once or twice.
+        self.assertGreater(counted, 10, f"in {time.perf_counter() - begin} s")
+
+
+class Stub(unittest.TestCase):
+    """__init__.pyi names what there is, with the arguments that there are, and everything has a docstring."""
+
+    def test_names_and_arguments(self):
+        text = Path(enamel.__file__).with_suffix(".pyi").read_text()
+        stated = {}
+        for owner, body in re.findall(r"^(?:class (\w+).*?:|)((?:.|\n)*?)(?=^class |^def |\Z)", text, re.M):
+            stated.setdefault(owner, body)
+        names = set(re.findall(r"^(?:class|def) (\w+)|^(\w+)(?::| =)", text, re.M))
+        names = {a or b for a, b in names} - {"_File"}
+        public = {name for name in dir(enamel) if not name.startswith("_")}
+        self.assertEqual(public - names, set())
+        self.assertEqual({n for n in names if not n.startswith("_")} - public, set())
+
+        functions = re.findall(r"^( *)def (\w+)\(((?:.|\n)*?)\) ->", text, re.M)
+        owner_at = [(m.start(), m.group(1)) for m in re.finditer(r"^class (\w+)", text, re.M)]
+        at = 0
+        compared = 0
+        for indent, name, arguments in functions:
+            at = text.index(f"def {name}(", at)
+            owner = next((o for s, o in reversed(owner_at) if s < at), None) if indent else None
+            at += 1
+            scope = getattr(enamel, owner) if owner else enamel
+            attribute = inspect.getattr_static(scope, name)
+            if isinstance(attribute, property) or owner == "PythonRenderer":
+                continue
+            said = [a for a in re.findall(r"(\w+):", re.sub(r"\[[^\]]*\]", "", arguments)) if a not in ("numbers", "parameters")]
+            line = getattr(scope, name).__doc__.splitlines()[0]
+            inner = line[line.index("(") + 1:line.rindex(")")]
+            there = [a for a in re.findall(r"(\w+): ", inner) if a != "self"]
+            self.assertEqual(said, there, f"{owner}.{name}")
+            compared += 1
+        self.assertGreater(compared, 30)
+
+    def test_everything_is_documented(self):
+        for name in dir(enamel):
+            thing = getattr(enamel, name)
+            if name.startswith("_") or not (inspect.isclass(thing) or callable(thing)) or name.endswith("Error") or name == "RendererLike":
+                continue
+            self.assertTrue(thing.__doc__ and len(thing.__doc__.strip()) > 20, name)
+
+
+if __name__ == "__main__":
+    unittest.main()
