@@ -49,19 +49,9 @@ PushSetup setupOf(const PushOptions& options) {
   if (const Vec3 tip(options.tip_mm[0], options.tip_mm[1], options.tip_mm[2]); tip != Vec3::Zero())
     holdAt(1e-3 * tip, setup);
   if (!options.scene.empty()) {
-    SceneFile file = loadScene(options.scene);
-    setup.scene = std::move(file.scene);
+    const SceneFile file = loadScene(options.scene);
     for (const std::string& note : file.notes) fmt::print(stderr, "{}\n", note);
-    setup.tool = file.tool;
-    setup.force = std::min(setup.force, file.maxForce);
-    setup.start.position = file.start;
-    // To the surface: steps of the distance, which become small as fast as the surface allows.
-    Contact nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
-    for (int step = 0; step < 100 && std::abs(nearest.gap) > 1e-12; ++step) {
-      setup.start.position -= nearest.gap * nearest.normal;
-      nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
-    }
-    setup.person.normal = nearest.normal;
+    pushIn(file, setup);
   }
   setup.person.guide = options.guide;
   if (options.arm) setup.person.arm = kArm;

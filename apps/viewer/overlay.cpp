@@ -193,6 +193,7 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
   if (layout.bar.width > 0) drawBar(layout, input, brush);
   if (input.bur != nullptr && layout.scene.height >= 420 * layout.scale) drawDrill(layout, input, brush);
   if (state.timing) drawTiming(layout, input, brush);
+  drawMaking(layout, input, brush);
   if (!state.notice.empty()) drawNotice(layout, state.notice, brush);
   if (state.help) drawHelp(layout, input.player != nullptr, Brush{ImGui::GetForegroundDrawList(), layout.scale});
 }

@@ -57,10 +57,11 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const OverlaySta
 void drawHalves(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush);
 void drawTour(const Layout& layout, double time, const Brush& brush);
 
-/// cards.cpp: over the scene, what the bur does, the timing, a recording's bar, the help.
+/// cards.cpp: over the scene, what the bur does, timing and guard, what is being recorded, a recording's bar, the help.
 Area drillCard(const Layout& layout, const OverlayInput& input);  ///< width 0: there is none
 void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& brush);
 void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& brush);
+void drawMaking(const Layout& layout, const OverlayInput& input, const Brush& brush);
 void drawBar(const Layout& layout, const OverlayInput& input, const Brush& brush);
 void drawHelp(const Layout& layout, bool recording, const Brush& brush);
 

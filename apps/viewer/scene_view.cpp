@@ -188,6 +188,7 @@ struct SceneView::Parts {
               double opacity, double growth);
     void place(const Pose& pose, double burAngle);
     void show(bool visible);
+    std::vector<vtkActor*> actors() const;
     std::vector<ToolPart> parts;
     std::vector<CapsuleSolid> solids;  // of the parts; a point is drawn as the tip of a needle
     std::vector<Rod> needle;
@@ -195,6 +196,9 @@ struct SceneView::Parts {
     std::optional<FlutedBur> bur;
     ToolPart burPart;
   };
+
+  // Draws what shines through last, the reference pose behind all else of it.
+  void raiseFaded(vtkRenderer* renderer);
 
   std::vector<Link> links;  // of the bars
   std::vector<Arm> arms;
@@ -244,6 +248,23 @@ void SceneView::Parts::DrawnTool::show(bool visible) {
   for (Rod* rod : {&handle, &hub}) rod->show(visible);
 }
 
+std::vector<vtkActor*> SceneView::Parts::DrawnTool::actors() const {
+  std::vector<vtkActor*> all{handle.actor(), hub.actor()};
+  for (const CapsuleSolid& solid : solids)
+    for (vtkActor* actor : solid.actors()) all.push_back(actor);
+  for (const Rod& rod : needle) all.push_back(rod.actor());
+  return all;
+}
+
+void SceneView::Parts::raiseFaded(vtkRenderer* renderer) {
+  for (vtkActor* actor : ghost.actors()) drawLast(renderer, actor);
+  std::vector<vtkActor*> fading = tool.actors();
+  for (const Link& link : links) fading.insert(fading.end(), {link.rod.actor(), link.joint.actor()});
+  for (const Arm& arm : arms) fading.insert(fading.end(), {arm.arm.actor(), arm.post.actor()});
+  for (vtkActor* actor : fading)
+    if (actor->GetForceOpaque() != 0) drawLast(renderer, actor);
+}
+
 SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene)
     : tool(renderer, scene.tool, scene.bur ? &*scene.bur : nullptr, kPlatform, kHandle, kNeedle, 1.0, 1.0),
       ghost(renderer, scene.tool, nullptr, kReference, kReference, kReference, 0.25, 1.3),
@@ -276,6 +297,7 @@ SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::ve
   }
   addColumn(renderer, bases);
   if (scene.bur) chips.emplace(renderer, Chips::kPool);
+  raiseFaded(renderer);
 }
 
 SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(renderer), above_(above) {
@@ -389,13 +411,19 @@ void SceneView::update(const SceneState& state) {
     }
   }
   p.tool.place(pose, state.burAngle);
+  bool changes = false;
+  const auto fade = [&](auto& one) { changes |= one.fadeBefore(state.eye, state.watched); };
   for (Parts::Link& one : p.links) {
-    one.rod.fadeBefore(state.eye, state.watched);
-    one.joint.fadeBefore(state.eye, state.watched);
+    fade(one.rod);
+    fade(one.joint);
   }
-  for (Parts::Arm& one : p.arms)
-    for (Rod* rod : {&one.arm, &one.post}) rod->fadeBefore(state.eye, state.watched);
-  for (Rod* rod : {&p.tool.handle, &p.tool.hub}) rod->fadeBefore(state.eye, state.watched);
+  for (Parts::Arm& one : p.arms) {
+    fade(one.arm);
+    fade(one.post);
+  }
+  fade(p.tool.handle);
+  fade(p.tool.hub);
+  if (changes) p.raiseFaded(renderer_);
   for (const auto& solid : solids_)
     if (solid) solid->update();
   p.ghost.show(state.ghost.has_value());
