@@ -26,7 +26,7 @@ const std::vector<ActionRow>& actionRows() {
        Source::recording},
       {Action::record, "record", "Ctrl+R", "record every tick into a file, or end that", GLFW_KEY_R, true,
        Source::live},
-      {Action::clip, "clip", "Ctrl+E", "a clip of what is shown (PNGs, MP4), or its end", GLFW_KEY_E, true},
+      {Action::clip, "clip", "Ctrl+M", "a clip of what is shown (PNGs, MP4), or its end", GLFW_KEY_M, true},
       {Action::faster, "faster", "+", "faster; a run up to real time", GLFW_KEY_EQUAL, false},
       {Action::slower, "slower", "-", "slower; a run down to 1:1000", GLFW_KEY_MINUS, false},
       {Action::camera1, "camera-user", "1", "view: user", GLFW_KEY_1, false},

@@ -188,6 +188,10 @@ void Experiment::advanceTestPush(bool mayBegin) noexcept {
   isReset_ = true;
   phase_ = Phase::push;
   pusher_ = PersonLoad(push_);
+  Kinematics known;
+  carried_.setZero();
+  if (model_->reach(push_.start, Vec6::Zero(), false, known) == Status::ok)
+    carried_ = wrenchOf(known, loop_.device().kinematics().gravity - known.gravity);
   impact_ = ImpactWatch(kPeriod);
   testDrift_ = 0.0;
   block_ = complete_ = Block();
@@ -279,9 +283,15 @@ void Experiment::endTestPush(FirstImpactVerdict verdict, Status status) noexcept
 void Experiment::tick() noexcept {
   if (frame_.plant != Status::ok) return;
   advanceTestPush(true);
+  moveOwnHand();
+  tickHeld();
+}
+
+// In a push it waits where it was: what pushes is no spring.
+void Experiment::moveOwnHand() noexcept {
+  if (phase_ == Phase::push) return;
   keepWithinReach(frame_.hand, frame_.record.pose.position);
   moveHand(frame_.hand, kPeriod);
-  tickHeld();
 }
 
 void Experiment::tickTogether(Experiment& left, Experiment& right) noexcept {
@@ -291,8 +301,7 @@ void Experiment::tickTogether(Experiment& left, Experiment& right) noexcept {
     const bool mayBegin = !waits || (left.isThere() && right.isThere());
     for (Experiment* const one : {&left, &right}) {
       one->advanceTestPush(mayBegin);
-      keepWithinReach(one->frame_.hand, one->frame_.record.pose.position);
-      moveHand(one->frame_.hand, kPeriod);
+      one->moveOwnHand();
     }
   } else {
     Hand& hand = left.frame_.hand;
@@ -309,8 +318,12 @@ void Experiment::tickHeld() noexcept {
   TickRecord& record = frame_.record;
   if (phase_ == Phase::push) {
     pusher_.hold(loop_.device().tick());
-    frame_.plant = loop_.tick(pusher_, record);
+    const auto push = [this](double time, const Pose& pose, const Vec6& twist) noexcept -> Vec6 {
+      return pusher_(time, pose, twist) + carried_;
+    };
+    frame_.plant = loop_.tick(push, record);
     if (frame_.plant != Status::ok) {
+      record.pose = push_.start;  // where it goes on
       endTestPush(FirstImpactVerdict::unstable, frame_.plant);
       frame_.plant = loop_.restart(push_.start);
     }

@@ -187,6 +187,7 @@ class Experiment {
 
   void tickHeld() noexcept;
   bool isThere() const noexcept;
+  void moveOwnHand() noexcept;
   void advanceTestPush(bool mayBegin) noexcept;
   void watchTestPush() noexcept;
   void watchConditions() noexcept;
@@ -221,6 +222,7 @@ class Experiment {
   int phaseTicks_ = 0;
   PushSetup push_;
   PersonLoad pusher_{push_};
+  Vec6 carried_ = Vec6::Zero();  // by the hand that pushes: the weight that the model does not know, N, N m
   double testDrift_ = 0.0;  // across the normal since the push began, m
   ImpactWatch impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;

@@ -26,7 +26,11 @@ std::string verdictText(const TestPush& test);
 void drawNames(const Area& scene, const std::vector<Area>& taken, const Camera& camera, const Frame& frame, bool hand,
                const Brush& brush);
 
-/// panel.cpp
+/// tips.cpp: what the mouse is on, among what is only read.
+void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& state);
+
+/// panel.cpp; a tip for what the mouse is on, once it has stayed there.
+void showTip(OverlayState& state, const char* text);
 void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state);
 
 /// badges.cpp: what the tool is doing, in a word, and what is wrong, each in its pill; from the right.

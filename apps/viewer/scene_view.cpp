@@ -192,6 +192,7 @@ struct SceneView::Parts {
     std::vector<ToolPart> parts;
     std::vector<CapsuleSolid> solids;  // of the parts; a point is drawn as the tip of a needle
     std::vector<Rod> needle;
+    double beyond;  // that a larger one is longer at each end, or the ends would be drawn into each other, m
     Rod handle, hub;
     std::optional<FlutedBur> bur;
     ToolPart burPart;
@@ -214,6 +215,7 @@ struct SceneView::Parts {
 SceneView::Parts::DrawnTool::DrawnTool(vtkRenderer* renderer, const Tool& tool, const Bur* cutting, unsigned body,
                                        unsigned grip, unsigned tip, double opacity, double growth)
     : parts(tool.parts.begin(), tool.parts.begin() + tool.count),
+      beyond(1e-3 * (growth - 1.0)),
       handle(renderer, 5.0 * growth, {grip, opacity, 0.35}),
       hub(renderer, 8.5 * growth, {body, opacity}) {
   if (cutting != nullptr) {
@@ -238,8 +240,11 @@ void SceneView::Parts::DrawnTool::place(const Pose& pose, double burAngle) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     solids[i].place(inPlatform(pose, parts[i].a), inPlatform(pose, parts[i].b));
   for (Rod& rod : needle) rod.place(pose.position, inPlatform(pose, {0.0, 0.0, kNeedleLength}));
-  handle.place(inPlatform(pose, {0.0, 0.0, kHub}), inPlatform(pose, {0.0, 0.0, kHandleEnd}));
-  hub.place(inPlatform(pose, {0.0, 0.0, kHub - 0.003}), inPlatform(pose, {0.0, 0.0, kHub + 0.004}));
+  const auto from = [&](double low, double high, Rod& rod) {
+    rod.place(inPlatform(pose, {0.0, 0.0, low - beyond}), inPlatform(pose, {0.0, 0.0, high + beyond}));
+  };
+  from(kHub, kHandleEnd, handle);
+  from(kHub - 0.003, kHub + 0.004, hub);
 }
 
 void SceneView::Parts::DrawnTool::show(bool visible) {
@@ -462,13 +467,13 @@ void SceneView::update(const SceneState& state) {
   }
 }
 
-void SceneView::look(const Camera& camera) {
+void SceneView::look(const Camera& camera, double aspect) {
   vtkCamera* c = renderer_->GetActiveCamera();
   const glm::dvec3 eye = camera.eye();
   c->SetPosition(eye.x, eye.y, eye.z);
   c->SetFocalPoint(camera.focus.x, camera.focus.y, camera.focus.z);
   c->SetViewUp(0.0, 1.0, 0.0);
-  c->SetViewAngle(glm::degrees(camera.angle));
+  c->SetViewAngle(glm::degrees(camera.height(aspect)));
   renderer_->ResetCameraClippingRange();
 }
 

@@ -104,8 +104,8 @@ class Shards {
   vtkSmartPointer<vtkActor> actor_;
 };
 
-/// Draws what shines through after all else of its renderer: it is blended with what is there, without the pass by
-/// which VTK draws translucent things in any order, which costs as much as the whole scene does in software.
+/// Draws what shines through after all else of its renderer: it is blended with what is there. VTK's own pass, which
+/// draws translucent things in any order into buffers of their own, is slow in software.
 void drawLast(vtkRenderer* renderer, vtkActor* actor);
 
 /// A mesh with smooth shading, `pose` in W; `colours` (0 to 1) of its vertices, or empty: that of the finish.

@@ -810,11 +810,13 @@ void Viewer::draw(bool picture) {
     return shown;
   };
   view_.update(shownIn(shown_));
-  view_.look(camera_);
+  const double aspect =
+      static_cast<double>(layout_.scene.width) / std::max(1.0, static_cast<double>(layout_.scene.height));
+  view_.look(camera_, aspect);
   if (split_) {
     seeFrom(rightShown_, rightFrame_);
     rightView_->update(shownIn(rightShown_));
-    rightView_->look(camera_);
+    rightView_->look(camera_, aspect);
   }
   const std::vector<SolidLayer>* const layers = this->layers();
   const OverlayInput input{frame_,
