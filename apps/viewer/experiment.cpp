@@ -332,6 +332,13 @@ void Experiment::tickHeld() noexcept {
     if (settings_.noise > 0.0)
       tremor = -settings_.noise * random_.normal(RandomStream::Purpose::noise, record.tick + 1) * record.nearest.normal;
     frame_.plant = loop_.tick(HandLoad(frame_.hand, loop_.device().time(), tremor), record);
+    if (frame_.plant != Status::ok && phase_ == Phase::approach) {  // thrown away on its way: it is put there
+      frame_.plant = loop_.restart(push_.start);
+      record.pose = push_.start;
+      record.twist.setZero();
+      frame_.hand.position = frame_.hand.target;
+      frame_.hand.velocity.setZero();
+    }
   }
   if (recorder_ && frame_.plant == Status::ok && record.status != Status::stale)
     recorder_->add(recorded_++, loop_.measurement(), loop_.hapticTick(), loop_.command(), record.status, isReset_);

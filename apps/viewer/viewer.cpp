@@ -324,12 +324,12 @@ std::string Viewer::endRecording() {
   return text + ". --play shows it.";
 }
 
-void Viewer::startAgain() {
+void Viewer::startAgain(bool keepTests) {
   Pose start;
   start.position = scene_.start;
   path_.reset();
   rightFrame_ = Frame();
-  rebuild(start, handAt(scene_.start, overlay_.grip), false);
+  rebuild(start, handAt(scene_.start, overlay_.grip), keepTests);
 }
 
 // False, with a word of why: it stays as it was.
@@ -692,7 +692,7 @@ void Viewer::takeRun() {
   const bool lost = runner_->secondFrame() != nullptr && rightFrame_.plant != Status::ok;
   if (frame_.plant != Status::ok || lost) {
     notify("The tool left the reach of the device: back to the start.");
-    startAgain();
+    startAgain(true);
   }
 }
 

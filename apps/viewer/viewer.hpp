@@ -94,7 +94,7 @@ class Viewer final : public Driven {
   void addScene(const std::string& path);
   void resetAll();
   void rebuild(const Pose& start, const Hand& hand, bool keepTests, const std::string& record = {});
-  void startAgain();
+  void startAgain(bool keepTests = false);
   void toggleRecording();
   void select(RendererSlot slot);
   void selectRight(RendererSlot slot);
