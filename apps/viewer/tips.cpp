@@ -14,8 +14,8 @@ bool has(const Area& area, const ImVec2& at) {
 
 constexpr const char* kNumberTip[] = {
     "How deep the tool's lowest point is in the wall, or how far from it, mm: along the nearest wall's normal.",
-    "The force of the motors on the tool, N, as delivered in this tick and without what carries its weight: along the "
-    "wall's normal (negative: it pulls into the wall), along the wall, and in all.",
+    ("The force of the motors on the tool, N, as delivered in this tick and without what carries its weight: along the "
+     "wall's normal (negative: it pulls into the wall), along the wall, and in all."),
     "The force of the hand into the wall, N.\nforce = grip x (hand - tool) - damping x speed",
     "What one feels of the wall now, kN/m. Only while the tool is in it.\nforce of the hand / penetration"};
 constexpr const char* kChartTip[] = {
@@ -32,8 +32,8 @@ constexpr const char* kInsetTip =
 constexpr const char* kCompareTip[] = {
     "Depths of both tools over the last 3 s, mm.",
     "The force of the motors over the depth of the last press: the steeper, the stiffer.",
-    "How many times as deep the one tool was as the other at the deepest points of the last press. Below 2 \u00b5m a "
-    "depth is only bounded."};
+    ("How many times as deep the one tool was as the other at the deepest points of the last press. Below 2 \u00b5m a "
+     "depth is only bounded.")};
 constexpr const char* kBadgeTip =
     "saturated: a motor is at its limit. unstable: torques alternate by more than a quarter of their limits. slipped: "
     "it "
