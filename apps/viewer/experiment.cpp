@@ -107,6 +107,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
 
 std::shared_ptr<Recorder> Experiment::recordTo(const std::string& path, RecordingHeader header) {
   recorder_ = std::make_shared<Recorder>(path, std::move(header), loop_.hapticTick());
+  isReset_ = false;  // the first select() was none
   return recorder_;
 }
 
