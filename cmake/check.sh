@@ -52,14 +52,15 @@ build ci
 start "ci: all tests" --preset ci -j 2
 if [ -n "${ENAMEL_LONG:-}" ]; then
   build asan -DENAMEL_TESTS= -- tests_unit tests_hard tests_plugin
-  start "asan: all tests that can run under sanitizers" --preset asan -j 2 -L 'unit|hard|plugin'
+  sanitized='unit|hard|plugin' what="all tests that can run under sanitizers"
 else
   build asan -DENAMEL_TESTS=sanitized -- tests_unit tests_hard
-  start "asan: files, kinematics, meshes, contacts and threads (--long: everything)" --preset asan -j 2 -L sanitized
+  sanitized=sanitized what="files, kinematics, meshes, contacts and threads (--long: everything)"
 fi
 build tsan -- tests_unit test_bits
-start "tsan: threads and their exchange of data" --preset tsan -L threads
+start "asan: $what" --preset asan -j 2 -L "$sanitized"
 [ -z "${ENAMEL_LONG:-}" ] || build dev -- test_bits
+start "tsan: threads and their exchange of data" --preset tsan -L threads
 finish
 
 build/ci/tests/test_bits >"$folder/bits"

@@ -1,10 +1,7 @@
 #include "plants.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <string_view>
 
-#include "enamel/collision/contacts.hpp"
 #include "enamel/core/error.hpp"
 #ifdef ENAMEL_SIMBODY
 #include "enamel/multibody/multibody_plant.hpp"
@@ -57,20 +54,6 @@ MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, 
   return [real, seed = setup.seed](std::uint32_t stream) {
     return std::make_unique<RealPlant>(makeRealDevice(real, seed, stream));
   };
-}
-
-void pushInto(SceneFile file, PushSetup& setup) {
-  setup.scene = std::move(file.scene);
-  setup.tool = file.tool;
-  setup.force = std::min(setup.force, file.maxForce);
-  setup.start.position = file.start;
-  // To the surface: steps of the distance, which become small as fast as the surface allows.
-  Contact nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
-  for (int step = 0; step < 100 && std::abs(nearest.gap) > 1e-12; ++step) {
-    setup.start.position -= nearest.gap * nearest.normal;
-    nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
-  }
-  setup.person.normal = nearest.normal;
 }
 
 }  // namespace enamel::app

@@ -42,8 +42,4 @@ using MakePlant = std::function<std::unique_ptr<Plant>(std::uint32_t stream)>;
 /// plugins/fmi/import.hpp), or where Enamel was built without them.
 MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup);
 
-/// Scene, tool and limit of force of a scene file; the start is the place of the nearest surface, the push against its
-/// normal.
-void pushInto(SceneFile file, PushSetup& setup);
-
 }  // namespace enamel::app

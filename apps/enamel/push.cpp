@@ -49,9 +49,9 @@ PushSetup setupOf(const PushOptions& options) {
   if (const Vec3 tip(options.tip_mm[0], options.tip_mm[1], options.tip_mm[2]); tip != Vec3::Zero())
     holdAt(1e-3 * tip, setup);
   if (!options.scene.empty()) {
-    SceneFile file = loadScene(options.scene);
+    const SceneFile file = loadScene(options.scene);
     for (const std::string& note : file.notes) fmt::print(stderr, "{}\n", note);
-    pushInto(std::move(file), setup);
+    pushIn(file, setup);
   }
   setup.person.guide = options.guide;
   if (options.arm) setup.person.arm = kArm;
@@ -252,7 +252,9 @@ void addPush(CLI::App& app) {
                    "paper's spring has 4)")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command->add_option("--plant", options->plant, kPlantHelp)->check(CLI::Validator(checkPlant, ""))->capture_default_str();
+  command->add_option("--plant", options->plant, kPlantHelp)
+      ->check(CLI::Validator(checkPlant, ""))
+      ->capture_default_str();
   command->add_option("--scenario", options->setup.person.scenario, "1: step of force at 1 s; 2: a hand moves in")
       ->capture_default_str();
   auto* scene = command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0");

@@ -85,6 +85,13 @@ void addStudy(CLI::App& app) {
                    "of the command, ticks: none, constant:D or random:A..B; position-control is told")
       ->capture_default_str();
   command->add_flag("--encoders", options->encoders, "round the joint angles to encoder counts, difference the rates");
+  command->add_option("--scene", options->scene,
+                      "scene file (TOML), pushed where its surface is nearest to its start: --grid 1; without it the "
+                      "wall z = 0");
+  command->add_option("--force", options->force, "LOW,HIGH: F_c is uniform between, N")
+      ->delimiter(',')
+      ->expected(2)
+      ->capture_default_str();
   command
       ->add_option("--preload", options->preload, "pressed with this until the step of scenario 1, with the noise, N")
       ->capture_default_str();

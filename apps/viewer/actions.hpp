@@ -22,6 +22,8 @@ enum class Action : std::uint8_t {
   stepBack,
   nextEvent,
   previousEvent,
+  record,
+  clip,
   faster,
   slower,
   camera1,

@@ -20,7 +20,12 @@ glm::dvec3 Camera::eye() const {
 
 glm::dmat4 Camera::view() const { return glm::lookAt(eye(), focus, kUp); }
 
-glm::dmat4 Camera::projection(double aspect) const { return glm::perspective(angle, aspect, kNear, kFar); }
+double Camera::height(double aspect) const {
+  constexpr double narrow = 0.9;
+  return aspect >= narrow ? angle : 2.0 * std::atan(std::tan(0.5 * angle) * narrow / aspect);
+}
+
+glm::dmat4 Camera::projection(double aspect) const { return glm::perspective(height(aspect), aspect, kNear, kFar); }
 
 const std::array<CameraPreset, 4>& cameraPresets() {
   static const std::array<CameraPreset, 4> presets{{

@@ -17,6 +17,9 @@ struct Camera {
   glm::dmat4 view() const;
   /// `aspect`: width over height.
   glm::dmat4 projection(double aspect) const;
+  /// Of the view from bottom to top, rad: `angle`, and more where the picture is so narrow that the hand would be cut
+  /// off.
+  double height(double aspect) const;
 };
 
 struct CameraPreset {

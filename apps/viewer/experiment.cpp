@@ -9,12 +9,10 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr double kTestPreload = 0.5;  // N, of the hand on the surface before the step
-constexpr int kApproachLimit = 3000;  // ticks
-constexpr int kPushTicks = 750;       // for as long as a first impact is judged
+constexpr int kApproachLimit = 1500;           // ticks
+constexpr double kThere = 2e-4, kSlow = 5e-3;  // m and m/s: where an approach ends
 constexpr int kRestWatched = static_cast<int>(ImpactWatch::kRestWindow / kPeriod + 0.5);
 constexpr std::array<const char*, kLinkedRenderers> kLinkedNames{"position-control", "impedance", "hold", "passivity"};
-constexpr double kAtRest = 3e-5;  // m from where the rest began: more than encoders of whole counts let it tremble
 
 LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose& start) {
   LoopSetup setup;
@@ -67,11 +65,11 @@ SurfaceServoOptions surfaceOptions(const ServoedDevice& device, const Mechanism&
   return options;
 }
 
-StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTorque, const Vec3& normal, double preload,
+StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTorque, const Vec3& normal,
                               const Delay& delay) noexcept {
   const double mass = effectiveMass(plant, plant.pose.position, normal);
   const double largest = largestForce(plant, maxTorque, plant.pose.position, normal);
-  return {firstImpactLimit(mass, kPeriod, delay.high, preload + kTestForce, largest, preload), largest};
+  return {firstImpactLimit(mass, kPeriod, delay.high, kTestForce, largest, kTestPreload), largest};
 }
 
 Experiment::Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
@@ -96,11 +94,21 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
     drill_.emplace(scene.tool, scene.solids, *scene.bur);
     loop_.attach(&*drill_);
   }
+  static_cast<LoopSetup&>(push_) = loopSetup(settings, scene, start);
+  push_.person.force = kTestForce;
+  push_.person.preload = kTestPreload;
+  push_.person.noise = settings.noise;
   frame_.hand = hand;
   frame_.record.pose = start;
   frame_.record.torque = plant_->home().gravity;
   if (workpiece_.use_count() == 1) look();  // nobody else cuts it
   select(slot);
+}
+
+std::shared_ptr<Recorder> Experiment::recordTo(const std::string& path, RecordingHeader header) {
+  recorder_ = std::make_shared<Recorder>(path, std::move(header), loop_.hapticTick());
+  isReset_ = false;  // the first select() was none
+  return recorder_;
 }
 
 void Experiment::look() noexcept {
@@ -137,6 +145,7 @@ void Experiment::select(RendererSlot slot) noexcept {
   frame_.selected = slot;
   switched_.select(slot);
   if (loop_.guard().fault() != GuardReason::none) loop_.reset();
+  isReset_ = true;
   if (phase_ != Phase::none) setGrip(gripBefore_);
   phase_ = Phase::none;
 }
@@ -150,53 +159,63 @@ void Experiment::setGrip(const Grip& grip) noexcept {
   frame_.hand.grip = grip;
 }
 
+// On the surface nearest to where the hand holds the tool, or, in contact, to the tool; upright, as it is held.
 void Experiment::startTestPush() noexcept {
-  const Contact& nearest = frame_.record.nearest;
-  testNormal_ = nearest.normal;
-  testPoint_ = frame_.record.pose.position - nearest.gap * nearest.normal;
   if (phase_ == Phase::none) gripBefore_ = frame_.hand.grip;
+  push_.start = Pose();
+  push_.start.position = frame_.record.nearest.gap > 0.0 ? frame_.hand.target : frame_.record.pose.position;
   phase_ = Phase::approach;
-  phaseTicks_ = restTicks_ = 0;
+  phaseTicks_ = 0;
+  if (!placeOnSurface(push_)) return endTestPush(FirstImpactVerdict::noStep);
   setGrip(kFirmGrip);
 }
 
-// Brings the tool to rest on the surface under a small preload, then lets go of a step of force.
-void Experiment::advanceTestPush(bool mayStep) noexcept {
-  if (phase_ == Phase::none) return;
-  ++phaseTicks_;
-  const Vec3 perNewton = testNormal_.cwiseQuotient(stiffnessOf(frame_.hand.grip));
-  frame_.hand.target = testPoint_ - kTestPreload * perNewton;
-  if (phase_ == Phase::push) {
-    if (phaseTicks_ >= kPushTicks) endTestPush(impact_.verdict());
-    return;
-  }
-  const Vec3& tool = frame_.record.pose.position;
-  const bool still = frame_.record.nearest.gap < 1e-5 && (tool - restStart_).norm() < kAtRest;
-  restTicks_ = still ? restTicks_ + 1 : 0;
-  if (restTicks_ == 0) {
-    restStart_ = tool;
-    impact_ = ImpactWatch(kPeriod);
-  }
-  if (restTicks_ >= kRest && mayStep) {
-    phase_ = Phase::push;
-    phaseTicks_ = 0;
-    testStart_ = frame_.record.pose.position;
-    testDrift_ = 0.0;
-  } else if (phaseTicks_ >= kApproachLimit) {
-    endTestPush(FirstImpactVerdict::noStep);
-  }
+bool Experiment::isThere() const noexcept {
+  if (phase_ != Phase::approach) return false;
+  const bool near = (frame_.record.pose.position - push_.start.position).norm() < kThere &&
+                    frame_.record.twist.head<3>().norm() < kSlow;
+  return near || phaseTicks_ >= kApproachLimit;
 }
 
+// The hand brings the tool to the surface, where the push begins from rest, whatever was before: as in a loop of its
+// own.
+void Experiment::advanceTestPush(bool mayBegin) noexcept {
+  if (phase_ != Phase::approach) return;
+  ++phaseTicks_;
+  frame_.hand.target =
+      push_.start.position - kTestPreload * push_.person.normal.cwiseQuotient(stiffnessOf(frame_.hand.grip));
+  if (!mayBegin || !isThere()) return;
+  if (loop_.restart(push_.start) != Status::ok) return endTestPush(FirstImpactVerdict::noStep);
+  isReset_ = true;
+  phase_ = Phase::push;
+  pusher_ = PersonLoad(push_);
+  Kinematics known;
+  carried_.setZero();
+  if (model_->reach(push_.start, Vec6::Zero(), false, known) == Status::ok)
+    carried_ = wrenchOf(known, loop_.device().kinematics().gravity - known.gravity);
+  impact_ = ImpactWatch(kPeriod);
+  testDrift_ = 0.0;
+  block_ = complete_ = Block();
+}
+
+// As the study's MetricsCollector.
 void Experiment::watchTestPush() noexcept {
+  if (phase_ != Phase::push) return;
   const TickRecord& record = frame_.record;
-  const Vec3 moved = record.pose.position - testStart_;
-  if (phase_ == Phase::push) testDrift_ = std::max(testDrift_, (moved - testNormal_.dot(moved) * testNormal_).norm());
-  const ImpactTick tick{record.nearest.gap, record.gapRate,   -testNormal_.dot(record.person.head<3>()),
+  const PushTimes times = timesOf(push_);
+  const Vec3& normal = push_.person.normal;
+  const Vec3 moved = record.pose.position - push_.start.position;
+  testDrift_ = std::max(testDrift_, (moved - normal.dot(moved) * normal).norm());
+  const ImpactTick tick{record.nearest.gap, record.gapRate,   -normal.dot(record.person.head<3>()),
                         testDrift_,         record.saturated, record.torque.cwiseQuotient(plant_->limits().torque)};
-  if (phase_ == Phase::push)
+  if (record.tick >= times.onset)
     impact_.push(tick);
-  else if (phase_ == Phase::approach && restTicks_ >= kRest - kRestWatched)
+  else if (record.tick + kRestWatched >= times.onset)
     impact_.rest(tick);
+  if (isFault(record.guard))
+    endTestPush(FirstImpactVerdict::unstable, Status::stopped);
+  else if (record.tick + 1 >= times.end)
+    endTestPush(impact_.verdict());
 }
 
 void Experiment::watchConditions() noexcept {
@@ -207,15 +226,10 @@ void Experiment::watchConditions() noexcept {
   const Vec3& tool = record.pose.position;
   if (block_.ticks == 0) {
     block_.lowForce = block_.highForce = force;
-    block_.low = block_.high = tool;
     block_.sum = block_.squares = JointVector::Zero(shares.size());
-    block_.touching = 0;
   }
-  block_.touching += record.nearest.gap <= 0.0;
   block_.lowForce = std::min(block_.lowForce, force);
   block_.highForce = std::max(block_.highForce, force);
-  block_.low = block_.low.cwiseMin(tool);
-  block_.high = block_.high.cwiseMax(tool);
   block_.sum += shares;
   block_.squares += shares.cwiseAbs2();
   bool unstable = record.guard == GuardReason::oscillation || record.guard == GuardReason::energy;
@@ -242,17 +256,16 @@ void Experiment::watchConditions() noexcept {
   }
 }
 
-void Experiment::endTestPush(FirstImpactVerdict verdict) noexcept {
-  constexpr double chatter = 1.0;  // N: more than the preload can make by itself
+void Experiment::endTestPush(FirstImpactVerdict verdict, Status status) noexcept {
   TestPush& test = frame_.tests[indexOf(frame_.selected)];
   test = TestPush();
   test.made = true;
   test.verdict = verdict;
+  test.status = status;
   test.settings = settings_;
   Kinematics inertia = loop_.device().kinematics();
-  if (plant_->reach(frame_.record.pose, Vec6::Zero(), true, inertia) == Status::ok)
-    test.limit =
-        stiffnessLimit(inertia, plant_->limits().torque, testNormal_, impact_.preload(), settings_.delay).stiffness;
+  if (plant_->reach(push_.start, Vec6::Zero(), true, inertia) == Status::ok)
+    test.limit = stiffnessLimit(inertia, plant_->limits().torque, push_.person.normal, settings_.delay).stiffness;
   if (verdict == FirstImpactVerdict::measured) {
     test.stiffness = impact_.stiffness();
     test.depth = impact_.depth();
@@ -260,10 +273,9 @@ void Experiment::endTestPush(FirstImpactVerdict verdict) noexcept {
     test.preload = impact_.preload();
   } else if (verdict == FirstImpactVerdict::slips) {
     test.amount = testDrift_;
-  } else if (verdict == FirstImpactVerdict::noStep) {
-    const double force = 0.5 * (complete_.highForce - complete_.lowForce);
-    test.unrest = complete_.touching == 0 ? Unrest::noWall : force > chatter ? Unrest::chatters : Unrest::moves;
-    test.amount = test.unrest == Unrest::chatters ? force : (complete_.high - complete_.low).norm();
+  } else if (verdict == FirstImpactVerdict::unstable) {
+    const Block& last = complete_.ticks > 0 ? complete_ : block_;
+    test.amount = 0.5 * (last.highForce - last.lowForce);
   }
   phase_ = Phase::none;
   setGrip(gripBefore_);
@@ -272,20 +284,25 @@ void Experiment::endTestPush(FirstImpactVerdict verdict) noexcept {
 void Experiment::tick() noexcept {
   if (frame_.plant != Status::ok) return;
   advanceTestPush(true);
+  moveOwnHand();
+  tickHeld();
+}
+
+// In a push it waits where it was: what pushes is no spring.
+void Experiment::moveOwnHand() noexcept {
+  if (phase_ == Phase::push) return;
   keepWithinReach(frame_.hand, frame_.record.pose.position);
   moveHand(frame_.hand, kPeriod);
-  tickHeld();
 }
 
 void Experiment::tickTogether(Experiment& left, Experiment& right) noexcept {
   if (left.frame_.plant != Status::ok || right.frame_.plant != Status::ok) return;
   if (left.phase_ != Phase::none || right.phase_ != Phase::none) {
     const bool waits = left.phase_ == Phase::approach && right.phase_ == Phase::approach;
-    const bool mayStep = !waits || (left.restsForStep() && right.restsForStep());
+    const bool mayBegin = !waits || (left.isThere() && right.isThere());
     for (Experiment* const one : {&left, &right}) {
-      one->advanceTestPush(mayStep);
-      keepWithinReach(one->frame_.hand, one->frame_.record.pose.position);
-      moveHand(one->frame_.hand, kPeriod);
+      one->advanceTestPush(mayBegin);
+      one->moveOwnHand();
     }
   } else {
     Hand& hand = left.frame_.hand;
@@ -300,10 +317,34 @@ void Experiment::tickTogether(Experiment& left, Experiment& right) noexcept {
 // One tick with the hand where it is now.
 void Experiment::tickHeld() noexcept {
   TickRecord& record = frame_.record;
-  const Vec3 normal = phase_ == Phase::push ? testNormal_ : record.nearest.normal;
-  double pressed = phase_ == Phase::push ? kTestForce : 0.0;
-  if (settings_.noise > 0.0) pressed += settings_.noise * random_.normal(RandomStream::Purpose::noise, record.tick + 1);
-  frame_.plant = loop_.tick(HandLoad(frame_.hand, loop_.device().time(), -pressed * normal), record);
+  if (phase_ == Phase::push) {
+    pusher_.hold(loop_.device().tick());
+    const auto push = [this](double time, const Pose& pose, const Vec6& twist) noexcept -> Vec6 {
+      return pusher_(time, pose, twist) + carried_;
+    };
+    frame_.plant = loop_.tick(push, record);
+    if (frame_.plant != Status::ok) {
+      record.pose = push_.start;  // where it goes on
+      endTestPush(FirstImpactVerdict::unstable, frame_.plant);
+      frame_.plant = loop_.restart(push_.start);
+    }
+  } else {
+    Vec3 tremor = Vec3::Zero();
+    if (settings_.noise > 0.0)
+      tremor = -settings_.noise * random_.normal(RandomStream::Purpose::noise, record.tick + 1) * record.nearest.normal;
+    frame_.plant = loop_.tick(HandLoad(frame_.hand, loop_.device().time(), tremor), record);
+    if (frame_.plant != Status::ok && phase_ == Phase::approach) {  // thrown away on its way: it is put there
+      frame_.plant = loop_.restart(push_.start);
+      record.pose = push_.start;
+      record.twist.setZero();
+      frame_.hand.position = frame_.hand.target;
+      frame_.hand.velocity.setZero();
+    }
+  }
+  if (recorder_ && frame_.plant == Status::ok && record.status != Status::stale)
+    recorder_->add(recorded_++, loop_.measurement(), loop_.hapticTick(), loop_.command(), record.status, isReset_);
+  isReset_ = false;
+  ++frame_.guardTicks[static_cast<std::size_t>(record.guard)];
   frame_.contacts = loop_.input().contacts;
   frame_.inertiaScale = servo_.inertiaScale();
   frame_.jumps = servo_.jumps();
@@ -315,7 +356,6 @@ void Experiment::tickHeld() noexcept {
   }
   watchTestPush();
   watchConditions();
-  if (phase_ != Phase::none && isFault(record.guard)) endTestPush(FirstImpactVerdict::unstable);
   frame_.testing = phase_ != Phase::none;
 }
 

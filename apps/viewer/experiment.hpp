@@ -15,7 +15,8 @@
 #include "enamel/render/passivity.hpp"
 #include "enamel/render/position_control.hpp"
 #include "enamel/render/surface_servo.hpp"
-#include "enamel/sim/virtual_loop.hpp"
+#include "enamel/runtime/recorder.hpp"
+#include "enamel/sim/push.hpp"
 #include "hand.hpp"
 #include "workpiece.hpp"
 
@@ -58,8 +59,10 @@ SurfaceServoOptions surfaceOptions(const ServoedDevice& device, const Mechanism&
 std::vector<std::string> rendererNames(const PluginLibrary* plugin);
 RendererSlot slotOf(const PluginLibrary& plugin) noexcept;
 
-inline constexpr double kPeriod = 1e-3;     // s, of the haptic loop
-inline constexpr double kTestForce = 12.0;  // N, of a test push's step
+inline constexpr double kPeriod = 1e-3;  // s, of the haptic loop
+
+/// A test push is scenario 1 of runPush() with this force after this preload, from rest on the surface, N.
+inline constexpr double kTestForce = 12.0, kTestPreload = 0.5;
 
 /// Force of the motors on the tool beyond gravity, as delivered during a tick, N: along the nearest contact's normal
 /// (negative: into the wall), across it, and in all. Realtime: yes.
@@ -80,16 +83,13 @@ struct Conditions {
   static constexpr double kSlip = 2e-3, kSlipPath = 2e-4;  // m/s, m
 };
 
-/// Why a tool did not come to rest on a wall: it never touched one, was thrown about by the renderer, or moved on.
-enum class Unrest : std::uint8_t { none, noWall, chatters, moves };
-
-/// What a test push measured (ImpactWatch): a step of kTestForce on the tool at rest on the surface. It and what it was
-/// made with stay as they are until the next one.
+/// What a test push measured, as `enamel push` and the study judge it. It and what it was made with stay as they are
+/// until the next one.
 struct TestPush {
   bool made = false;
-  FirstImpactVerdict verdict = FirstImpactVerdict::noStep;  ///< noStep: the tool did not come to rest on a wall, for:
-  Unrest unrest = Unrest::none;
-  double amount = 0.0;  ///< half the force's range where it chatters, N; path where it moves, or slipped, m
+  FirstImpactVerdict verdict = FirstImpactVerdict::noStep;  ///< noStep: there was no wall within reach
+  Status status = Status::ok;  ///< or why it ended before its time: stopped by the guard; where the plant could not go
+  double amount = 0.0;  ///< half the force's range where it is unstable, N; path across the wall where it slipped, m
   Settings settings;    ///< that it was made with
   double limit = 0.0;   ///< stiffnessLimit() then, N/m
   // Where it is `measured`:
@@ -111,9 +111,10 @@ struct Frame {
   JointVector reference;      ///< these joint coordinates, rad or m
   bool testing = false;       ///< a test push is under way
   Conditions conditions;
-  Drilled drilled;                            ///< where the scene has a bur
-  std::array<TestPush, kMaxRenderers> tests;  ///< the last of each renderer
-  Status plant = Status::ok;                  ///< any other: the loop stands still until it is replaced
+  std::array<std::uint64_t, kGuardReasons> guardTicks{};  ///< of this experiment, by GuardReason
+  Drilled drilled;                                        ///< where the scene has a bur
+  std::array<TestPush, kMaxRenderers> tests;              ///< the last of each renderer
+  Status plant = Status::ok;                              ///< any other: the loop stands still until it is replaced
   // Filled by the runner:
   bool paused = false;
   int slowdown = 1;
@@ -134,8 +135,7 @@ class Experiment {
   void tick() noexcept;
 
   /// One tick of two under one hand, that of `left`, whose target stays within reach of both tools: the same springs to
-  /// the same point. In a test push each has a hand of its own, and both get their steps of force in the same tick,
-  /// or one whose other has given up. Realtime: yes.
+  /// the same point. In a test push each has a hand of its own, and both pushes begin in the same tick. Realtime: yes.
   static void tickTogether(Experiment& left, Experiment& right) noexcept;
 
   /// Changes between ticks; select() also goes on after the guard has stopped. Realtime: yes.
@@ -150,6 +150,10 @@ class Experiment {
   void spin(bool on) noexcept;
   void undo() noexcept;
   void restore() noexcept;
+
+  /// Records every tick from now on, to the experiment's end: the file is whole once nobody holds the recorder.
+  /// Between ticks; throws Error: as Recorder. Realtime: no.
+  std::shared_ptr<Recorder> recordTo(const std::string& path, RecordingHeader header);
 
   /// Fills in what a frame before the first tick says of contact and drilling. Of the thread that ticks: an experiment
   /// that this one replaces may have been cutting the same solids. Realtime: yes.
@@ -179,22 +183,21 @@ class Experiment {
     std::uint8_t selected_ = 0;
   };
 
-  static constexpr int kRest = 300;  // ticks, before a test push's step
   enum class Phase : std::uint8_t { none, approach, push };
 
   void tickHeld() noexcept;
-  bool restsForStep() const noexcept { return phase_ == Phase::approach && restTicks_ >= kRest; }
-  void advanceTestPush(bool mayStep) noexcept;
+  bool isThere() const noexcept;
+  void moveOwnHand() noexcept;
+  void advanceTestPush(bool mayBegin) noexcept;
   void watchTestPush() noexcept;
   void watchConditions() noexcept;
-  void endTestPush(FirstImpactVerdict verdict) noexcept;
+  void endTestPush(FirstImpactVerdict verdict, Status status = Status::ok) noexcept;
   void fillDrilled() noexcept;
 
-  // Extremes over kBlock ticks of an approach; shares of the torques' limits, summed over as many.
+  // Extremes of the force over kBlock ticks; shares of the torques' limits, summed over as many.
   struct Block {
-    int ticks = 0, touching = 0;
+    int ticks = 0;
     double lowForce = 0.0, highForce = 0.0;
-    Vec3 low = Vec3::Zero(), high = Vec3::Zero();
     JointVector sum, squares;
   };
   static constexpr int kBlock = 125;
@@ -211,13 +214,16 @@ class Experiment {
   VirtualLoop loop_;
   std::shared_ptr<Workpiece> workpiece_;  // which other experiments on the scene may have too
   std::optional<Drill> drill_;
+  std::shared_ptr<Recorder> recorder_;  // or nullptr
+  std::uint64_t recorded_ = 0;          // ticks
+  bool isReset_ = false;                // since the last tick
   Frame frame_;
   Phase phase_ = Phase::none;
-  int phaseTicks_ = 0, restTicks_ = 0;
-  Vec3 testNormal_ = Vec3::UnitZ(), testPoint_ = Vec3::Zero();
-  Vec3 restStart_ = Vec3::Zero();  // of the TCP where it came to rest
-  Vec3 testStart_ = Vec3::Zero();  // and at the step
-  double testDrift_ = 0.0;         // across the normal since then
+  int phaseTicks_ = 0;
+  PushSetup push_;
+  PersonLoad pusher_{push_};
+  Vec6 carried_ = Vec6::Zero();  // by the hand that pushes: the weight that the model does not know, N, N m
+  double testDrift_ = 0.0;  // across the normal since the push began, m
   ImpactWatch impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;
   Block block_, complete_;
@@ -236,7 +242,7 @@ struct StiffnessLimit {
 };
 
 /// `plant` at the pose, with its inertia. Realtime: yes.
-StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTorque, const Vec3& normal, double preload,
+StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTorque, const Vec3& normal,
                               const Delay& delay) noexcept;
 
 }  // namespace enamel::viewer

@@ -17,6 +17,10 @@ std::string stiffnessText(double stiffness) {
   return format("%.2f kN/m", 1e-3 * stiffness);
 }
 
+std::string shownText(const TestPush& test) {
+  return test.verdict == FirstImpactVerdict::measured ? stiffnessText(test.stiffness) : verdictText(test);
+}
+
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const TickRecord& record = input.frame.record;
@@ -52,14 +56,13 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
 }
 
 std::string verdictText(const TestPush& test) {
-  switch (test.unrest) {
-    case Unrest::noWall: return "no wall was reached";
-    case Unrest::chatters: return format("chattering at \u00b1%.1f N", test.amount);
-    case Unrest::moves: return format("not at rest: %.2g mm", 1e3 * test.amount);
-    case Unrest::none: break;
-  }
-  if (test.verdict == FirstImpactVerdict::slips) return format("slipped by %.2g mm", 1e3 * test.amount);
-  return format("none: %s", toString(test.verdict));
+  if (test.status != Status::ok && test.status != Status::stopped) return "left the workspace";
+  const std::string reason = toString(test.verdict);
+  if (test.verdict == FirstImpactVerdict::noStep) return reason + ": no wall";
+  if (test.verdict == FirstImpactVerdict::slips) return reason + format(" by %.2g mm", 1e3 * test.amount);
+  if (test.verdict != FirstImpactVerdict::unstable) return reason;
+  if (test.status == Status::stopped) return reason + ": the guard stopped it";
+  return reason + format(": \u00b1%.1f N", test.amount);
 }
 
 namespace {

@@ -154,7 +154,8 @@ void drawForces(const Area& inset, const Frame& frame, const Brush& brush) {
   const Delivered force = deliveredOf(frame.record);
   const double depth = -1e3 * frame.record.nearest.gap;
   const std::pair<const char*, std::string> rows[] = {
-      {depth >= 0.0 ? "depth" : "to the wall", format(std::abs(depth) < 10.0 ? "%.3f mm" : "%.1f mm", std::abs(depth))},
+      {depth > -0.0005 ? "depth" : "to the wall",
+       format(std::abs(depth) < 10.0 ? "%.3f mm" : "%.1f mm", std::abs(depth))},
       {"normal", tenths(force.normal) + " N"},
       {"tangential", tenths(force.tangential) + " N"},
       {"total", tenths(force.total) + " N"}};

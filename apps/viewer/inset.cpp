@@ -160,7 +160,7 @@ void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& s
     const ImVec2 foot = at(other.point - other.gap * other.normal);
     brush.list->AddLine(at(other.point), foot, ink(kInk), 1.5f * s);
     brush.list->AddCircleFilled(foot, 3 * s, ink(kForce));
-    if (labelled) continue;
+    if (labelled || -1e3 * other.gap < 5e-4) continue;  // as the first one's
     labelled = true;
     const std::string text = format("%.3f mm", -1e3 * other.gap);
     const bool right = across.dot(other.normal) < 0.0;  // within its wall

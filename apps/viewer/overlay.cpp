@@ -52,7 +52,7 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   };
   const Delivered force = deliveredOf(frame.record);
   const double now = handForce(frame) / std::max(1e-9, -frame.record.nearest.gap);
-  const bool inside = depth > 1e-3 && handForce(frame) > 0.0;
+  const bool inside = depth > 1e-3 && handForce(frame) >= 0.1;  // of less, the ratio says nothing
   // Beside the inset, as much as there is room for.
   const float room = layout.inset.width > 0 ? layout.inset.x - area.x - 36 * s : area.width;
   const std::string across = tenths(force.tangential), total = tenths(force.total);
@@ -166,6 +166,7 @@ void setUpOverlay(const std::string& font, const std::string& boldFont, float sc
 }
 
 void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& state) {
+  state.tipSeen = false;
   if (layout.panel.width > 0) drawPanel(layout, input, state);
   const Brush brush{ImGui::GetBackgroundDrawList(), layout.scale};
   if (layout.isSplit() && input.right != nullptr) {
@@ -193,6 +194,9 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
   if (layout.bar.width > 0) drawBar(layout, input, brush);
   if (input.bur != nullptr && layout.scene.height >= 420 * layout.scale) drawDrill(layout, input, brush);
   if (state.timing) drawTiming(layout, input, brush);
+  drawMaking(layout, input, brush);
+  drawTips(layout, input, state);
+  if (!state.tipSeen) state.tip.clear();
   if (!state.notice.empty()) drawNotice(layout, state.notice, brush);
   if (state.help) drawHelp(layout, input.player != nullptr, Brush{ImGui::GetForegroundDrawList(), layout.scale});
 }

@@ -47,6 +47,11 @@ struct TimingNumbers {
   double wakeMedian = 0, wakeHigh = 0, computeMedian = 0, computeHigh = 0, computeLargest = 0;  ///< s; high: p99.9
   unsigned long long periods = 0, missed = 0;
   double framesPerSecond = 0;
+  /// Shares of all ticks, in classes of a quarter octave from kShortest up: from one tick's begin to the next one's,
+  /// and of its computation.
+  static constexpr std::size_t kClasses = 54;
+  static constexpr double kShortest = 1e-6;  // s
+  std::array<float, kClasses> interval{}, compute{};
 };
 
 struct OverlayInput {
@@ -76,7 +81,9 @@ struct OverlayInput {
   Vec3 rightGhostPosition;
   const Comparison& comparison;
   const Camera& camera;
-  double tour;  ///< s since a tour began; negative: there is none
+  double tour;       ///< s since a tour began; negative: there is none
+  double recording;  ///< likewise, of simulated time
+  double clip;       ///< likewise, of a clip's pictures
 };
 
 /// Loads the font at a scale; call again when the scale changes. `font`: a TrueType file, or empty for the built-in.
@@ -88,7 +95,8 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
 /// What is wrong, in the order of their pills.
 std::array<std::pair<bool, const char*>, 4> badgesOf(const Frame& frame);
 
-/// A stiffness as people read it: "27.1 kN/m".
+/// A stiffness as people read it: "27.1 kN/m". What a test push gave: that, or why there is none.
 std::string stiffnessText(double stiffness);
+std::string shownText(const TestPush& test);
 
 }  // namespace enamel::viewer

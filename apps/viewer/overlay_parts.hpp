@@ -26,7 +26,11 @@ std::string verdictText(const TestPush& test);
 void drawNames(const Area& scene, const std::vector<Area>& taken, const Camera& camera, const Frame& frame, bool hand,
                const Brush& brush);
 
-/// panel.cpp
+/// tips.cpp: what the mouse is on, among what is only read.
+void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& state);
+
+/// panel.cpp; a tip for what the mouse is on, once it has stayed there.
+void showTip(OverlayState& state, const char* text);
 void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state);
 
 /// badges.cpp: what the tool is doing, in a word, and what is wrong, each in its pill; from the right.
@@ -57,10 +61,11 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const OverlaySta
 void drawHalves(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush);
 void drawTour(const Layout& layout, double time, const Brush& brush);
 
-/// cards.cpp: over the scene, what the bur does, the timing, a recording's bar, the help.
+/// cards.cpp: over the scene, what the bur does, timing and guard, what is being recorded, a recording's bar, the help.
 Area drillCard(const Layout& layout, const OverlayInput& input);  ///< width 0: there is none
 void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& brush);
 void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& brush);
+void drawMaking(const Layout& layout, const OverlayInput& input, const Brush& brush);
 void drawBar(const Layout& layout, const OverlayInput& input, const Brush& brush);
 void drawHelp(const Layout& layout, bool recording, const Brush& brush);
 

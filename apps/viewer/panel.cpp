@@ -13,6 +13,19 @@
 
 namespace enamel::viewer {
 
+void showTip(OverlayState& state, const char* text) {
+  constexpr double patience = 0.35;  // s
+  if (state.tip != text) state.tipSince = ImGui::GetTime();
+  state.tip = text;
+  state.tipSeen = true;
+  if (ImGui::GetTime() - state.tipSince < patience) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(20.0f * gFonts.text->FontSize);
+  ImGui::TextUnformatted(text);
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
 namespace {
 
 void heading(const char* text) {
@@ -38,17 +51,7 @@ void note(OverlayState& state, const std::string& name) {
 
 // What the last item is for, while the mouse is on it. A formula stands in a line of its own.
 void tip(OverlayState& state, const char* text) {
-  constexpr double patience = 0.35;  // s
-  if (!ImGui::IsItemHovered()) return;
-  if (state.tip != text) state.tipSince = ImGui::GetTime();
-  state.tip = text;
-  state.tipSeen = true;
-  if (ImGui::GetTime() - state.tipSince < patience) return;
-  ImGui::BeginTooltip();
-  ImGui::PushTextWrapPos(20.0f * gFonts.text->FontSize);
-  ImGui::TextUnformatted(text);
-  ImGui::PopTextWrapPos();
-  ImGui::EndTooltip();
+  if (ImGui::IsItemHovered()) showTip(state, text);
 }
 
 // What was typed for a value, in the shown unit, or why it is none.
@@ -261,14 +264,19 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
                                     "Of the wall: newtons for each m/s inwards.\nforce = stiffness x depth + damping x "
                                     "speed");
     const double required = requiredDamping(settings.spring, kPeriod);
-    const bool met = settings.toolDamping > required;
-    remark(format(met ? "Safe: the tool's damping of %.1f is more than the %.1f N s/m that this wall needs."
-                      : "May vibrate: the tool's damping of %.1f is not more than the %.1f N s/m that this wall needs.",
-                  settings.toolDamping, required),
-           met ? kMuted : kWrong);
+    const bool late = settings.delay.high > 0, met = settings.toolDamping > required && !late;
+    remark(
+        format(met ? "Safe: the tool's damping of %.1f is more than the %.1f N s/m that this wall needs."
+               : late
+                   ? "May vibrate: the tool's damping is %.1f, and the %.1f N s/m that this wall needs are not enough "
+                     "with a delay."
+                   : "May vibrate: the tool's damping of %.1f is not more than the %.1f N s/m that this wall needs.",
+               settings.toolDamping, required),
+        met ? kMuted : kWrong);
     tip(state,
         "A wall of a loop that runs every T = 1 ms gives back energy unless the device brakes as much "
-        "(Colgate and Brown 1994; the paper's equation 16).\ntool damping > stiffness x T / 2 + wall damping");
+        "(Colgate and Brown 1994; the paper's equation 16).\ntool damping > stiffness x T / 2 + wall damping, without "
+        "a delay");
     return;
   }
   if (input.right != nullptr) return;
@@ -413,10 +421,8 @@ void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& st
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   const float whole = ImGui::GetContentRegionAvail().x;
-  state.tipSeen = false;
   state.controls.clear();
   (input.player != nullptr ? drawPlayerControls : drawLiveControls)(input, state, layout.scale, whole);
-  if (!state.tipSeen) state.tip.clear();
   ImGui::End();
 }
 

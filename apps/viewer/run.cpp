@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include <thread>
 #include <utility>
 
+#include "clip.hpp"
 #include "enamel/core/file.hpp"
 #include "input.hpp"
 #include "offscreen/png.hpp"
@@ -47,6 +49,64 @@ void takePictures(const Options& options, Viewer& viewer, const std::vector<std:
   }
 }
 
+// The clip that a viewer wants, and the film of the last one.
+class ClipMaker {
+ public:
+  explicit ClipMaker(const Options& options) : folder_(options.record.empty() ? "." : options.record) {}
+
+  /// Before a picture: whether the clip needs it.
+  bool begin(Viewer& viewer, double now) {
+    if (film_.valid() && film_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+      tell(viewer, film_.get());
+    if (viewer.wantsClip() && !clip_) guarded(viewer, [&] { clip_.emplace(folder_, now); });
+    if (!viewer.wantsClip() && clip_) end(viewer);
+    viewer.showClip(clip_ ? clip_->seconds(now) : -1.0);
+    return clip_ && clip_->wants(now);
+  }
+
+  /// After it was drawn.
+  void add(Viewer& viewer, double now) {
+    guarded(viewer, [&] { clip_->add(now, viewer.stage().read()); });
+  }
+
+  /// At the end of the program.
+  void finish(Viewer& viewer) {
+    if (clip_) end(viewer);
+    if (film_.valid()) tell(viewer, film_.get());
+  }
+
+ private:
+  template <typename Function>
+  void guarded(Viewer& viewer, const Function& function) {
+    try {
+      function();
+    } catch (const Error& error) {
+      viewer.notify(error.what());
+      viewer.endClip();
+    }
+  }
+  void end(Viewer& viewer) {
+    if (film_.valid()) tell(viewer, film_.get());
+    film_ = filmOf(*clip_);
+    clip_.reset();
+  }
+  static void tell(Viewer& viewer, const std::string& text) {
+    viewer.notify(text);
+    std::printf("%s\n", text.c_str());
+    std::fflush(stdout);
+  }
+
+  std::string folder_;
+  std::optional<Clip> clip_;
+  std::future<std::string> film_;
+};
+
+// What is under way when the program ends.
+void finish(Viewer& viewer, ClipMaker& clip) {
+  clip.finish(viewer);
+  if (const std::string recorded = viewer.endRecording(); !recorded.empty()) std::printf("%s\n", recorded.c_str());
+}
+
 long residentKilobytes() {
   std::ifstream file("/proc/self/statm");
   long total = 0, resident = 0;
@@ -66,6 +126,15 @@ TimingNumbers numbersOf(const PeriodicTiming& timing, double framesPerSecond) {
   n.periods = timing.periods;
   n.missed = timing.missed;
   n.framesPerSecond = framesPerSecond;
+  for (const auto& [shares, histogram] : {std::pair(&n.interval, &timing.interval), {&n.compute, &timing.compute}}) {
+    const double all = std::max(1.0, static_cast<double>(histogram->count()));
+    double low = TimingNumbers::kShortest;
+    for (float& share : *shares) {
+      const double high = low * std::exp2(0.25);
+      share = static_cast<float>(static_cast<double>(histogram->count(low, high)) / all);
+      low = high;
+    }
+  }
   return n;
 }
 
@@ -101,7 +170,11 @@ nlohmann::ordered_json testPushes(const Viewer& viewer) {
   for (std::size_t i = 0; i < viewer.rendererNames().size(); ++i) {
     const TestPush& test = viewer.frame().tests[i];
     if (!test.made) continue;
-    nlohmann::ordered_json json = {{"renderer", viewer.rendererNames()[i]}, {"first impact", toString(test.verdict)}};
+    const bool judged = test.status == Status::ok || test.status == Status::stopped;
+    nlohmann::ordered_json json = {{"renderer", viewer.rendererNames()[i]},
+                                   {"status", toString(test.status)},
+                                   {"first impact", judged ? nlohmann::ordered_json(toString(test.verdict)) : nullptr},
+                                   {"shown", shownText(test)}};
     const bool measured = test.verdict == FirstImpactVerdict::measured;
     json["D_z1 [m]"] = measured ? nlohmann::ordered_json(test.depth) : nullptr;
     json["K_z1 [N/m]"] = measured ? nlohmann::ordered_json(test.stiffness) : nullptr;
@@ -277,6 +350,7 @@ int runInWindow(const Options& options, double started) {
   WindowInput imgui(window);
 
   Report report(started);
+  ClipMaker clip(options);
   const double begin = steadySeconds();
   double last = begin, rate = 0.0;
   if (options.script.empty() && viewer.canTour() && isFirstStart()) viewer.act(Action::tour);
@@ -284,13 +358,13 @@ int runInWindow(const Options& options, double started) {
     std::optional<PeriodicThread> haptics;
     if (Runner* const runner = viewer.runner()) haptics.emplace(kPeriod, [runner] { runner->period(); });
     const auto timing = [&] { return haptics ? numbersOf(haptics->timing(), rate) : TimingNumbers{}; };
+    bool scripted = false;
     while (glfwWindowShouldClose(window) == GLFW_FALSE && !viewer.wantsToEnd() && signals.caught() == 0) {
       imgui.begin();
       glfwPollEvents();
       const double now = steadySeconds(), passed = now - last;
       last = now;
       if (passed > 0.0) rate += 0.1 * (1.0 / passed - rate);
-      bool scripted = false;
       script.play(now - begin, [&](const ScriptStep& step) {
         viewer.follow(step, now - begin);
         surface->setFullScreen(viewer.fullScreen());  // before a step that sets the size
@@ -302,18 +376,20 @@ int runInWindow(const Options& options, double started) {
       viewer.update(now - begin, timing());
       ImGui_ImplGlfw_NewFrame();
       const std::vector<std::string> names = viewer.takePictures();
+      const bool clipped = clip.begin(viewer, now - begin);
       viewer.draw(!names.empty());
       takePictures(options, viewer, names);
+      if (clipped) clip.add(viewer, now - begin);
       surface->present();
       report.frame(steadySeconds());
-      if (scripted) {
-        report.write(options.report, steadySeconds() - begin, viewer, timing());
-        return 0;
-      }
+      if (scripted) break;
       const double spare = kFrame - (steadySeconds() - now);
       if (spare > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(spare));
     }
     report.write(options.report, steadySeconds() - begin, viewer, timing());
+    haptics.reset();
+    finish(viewer, clip);
+    if (scripted) return 0;
   }
   if (signals.caught() != 0) return signals.caught();
   if (viewer.runner() == nullptr) return 0;
@@ -332,6 +408,7 @@ int runHeadless(const Options& options, double started) {
   Viewer viewer(options, *surface);
   ImGui::GetIO().DeltaTime = static_cast<float>(kFrame);
   Report report(started);
+  ClipMaker clip(options);
   const double begin = steadySeconds();
   const auto ticksAt = [](std::uint64_t frame) { return frame * 1000 / 60; };  // of kPeriod in frames of kFrame
   int recorded = 0, recordEvery = 0;
@@ -350,14 +427,17 @@ int runHeadless(const Options& options, double started) {
       std::snprintf(name, sizeof(name), "frame-%05d", recorded++);
       names.emplace_back(name);
     }
-    if (!names.empty()) {
+    const bool clipped = clip.begin(viewer, now);
+    if (!names.empty() || clipped) {
       viewer.draw(true);
       takePictures(options, viewer, names);
+      if (clipped) clip.add(viewer, now);
       report.frame(steadySeconds());
     }
     if (viewer.runner() == nullptr) continue;
     for (std::uint64_t tick = ticksAt(frame); tick < ticksAt(frame + 1); ++tick) viewer.runner()->period();
   }
+  finish(viewer, clip);
   report.write(options.report, steadySeconds() - begin, viewer, TimingNumbers{});
   return signals.caught();
 }

@@ -188,13 +188,18 @@ struct SceneView::Parts {
               double opacity, double growth);
     void place(const Pose& pose, double burAngle);
     void show(bool visible);
+    std::vector<vtkActor*> actors() const;
     std::vector<ToolPart> parts;
     std::vector<CapsuleSolid> solids;  // of the parts; a point is drawn as the tip of a needle
     std::vector<Rod> needle;
+    double beyond;  // that a larger one is longer at each end, or the ends would be drawn into each other, m
     Rod handle, hub;
     std::optional<FlutedBur> bur;
     ToolPart burPart;
   };
+
+  // Draws what shines through last, the reference pose behind all else of it.
+  void raiseFaded(vtkRenderer* renderer);
 
   std::vector<Link> links;  // of the bars
   std::vector<Arm> arms;
@@ -210,6 +215,7 @@ struct SceneView::Parts {
 SceneView::Parts::DrawnTool::DrawnTool(vtkRenderer* renderer, const Tool& tool, const Bur* cutting, unsigned body,
                                        unsigned grip, unsigned tip, double opacity, double growth)
     : parts(tool.parts.begin(), tool.parts.begin() + tool.count),
+      beyond(1e-3 * (growth - 1.0)),
       handle(renderer, 5.0 * growth, {grip, opacity, 0.35}),
       hub(renderer, 8.5 * growth, {body, opacity}) {
   if (cutting != nullptr) {
@@ -234,14 +240,34 @@ void SceneView::Parts::DrawnTool::place(const Pose& pose, double burAngle) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     solids[i].place(inPlatform(pose, parts[i].a), inPlatform(pose, parts[i].b));
   for (Rod& rod : needle) rod.place(pose.position, inPlatform(pose, {0.0, 0.0, kNeedleLength}));
-  handle.place(inPlatform(pose, {0.0, 0.0, kHub}), inPlatform(pose, {0.0, 0.0, kHandleEnd}));
-  hub.place(inPlatform(pose, {0.0, 0.0, kHub - 0.003}), inPlatform(pose, {0.0, 0.0, kHub + 0.004}));
+  const auto from = [&](double low, double high, Rod& rod) {
+    rod.place(inPlatform(pose, {0.0, 0.0, low - beyond}), inPlatform(pose, {0.0, 0.0, high + beyond}));
+  };
+  from(kHub, kHandleEnd, handle);
+  from(kHub - 0.003, kHub + 0.004, hub);
 }
 
 void SceneView::Parts::DrawnTool::show(bool visible) {
   for (CapsuleSolid& solid : solids) solid.show(visible);
   for (Rod& rod : needle) rod.show(visible);
   for (Rod* rod : {&handle, &hub}) rod->show(visible);
+}
+
+std::vector<vtkActor*> SceneView::Parts::DrawnTool::actors() const {
+  std::vector<vtkActor*> all{handle.actor(), hub.actor()};
+  for (const CapsuleSolid& solid : solids)
+    for (vtkActor* actor : solid.actors()) all.push_back(actor);
+  for (const Rod& rod : needle) all.push_back(rod.actor());
+  return all;
+}
+
+void SceneView::Parts::raiseFaded(vtkRenderer* renderer) {
+  for (vtkActor* actor : ghost.actors()) drawLast(renderer, actor);
+  std::vector<vtkActor*> fading = tool.actors();
+  for (const Link& link : links) fading.insert(fading.end(), {link.rod.actor(), link.joint.actor()});
+  for (const Arm& arm : arms) fading.insert(fading.end(), {arm.arm.actor(), arm.post.actor()});
+  for (vtkActor* actor : fading)
+    if (actor->GetForceOpaque() != 0) drawLast(renderer, actor);
 }
 
 SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene)
@@ -276,6 +302,7 @@ SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::ve
   }
   addColumn(renderer, bases);
   if (scene.bur) chips.emplace(renderer, Chips::kPool);
+  raiseFaded(renderer);
 }
 
 SceneView::SceneView(vtkRenderer* renderer, vtkRenderer* above) : renderer_(renderer), above_(above) {
@@ -389,13 +416,19 @@ void SceneView::update(const SceneState& state) {
     }
   }
   p.tool.place(pose, state.burAngle);
+  bool changes = false;
+  const auto fade = [&](auto& one) { changes |= one.fadeBefore(state.eye, state.watched); };
   for (Parts::Link& one : p.links) {
-    one.rod.fadeBefore(state.eye, state.watched);
-    one.joint.fadeBefore(state.eye, state.watched);
+    fade(one.rod);
+    fade(one.joint);
   }
-  for (Parts::Arm& one : p.arms)
-    for (Rod* rod : {&one.arm, &one.post}) rod->fadeBefore(state.eye, state.watched);
-  for (Rod* rod : {&p.tool.handle, &p.tool.hub}) rod->fadeBefore(state.eye, state.watched);
+  for (Parts::Arm& one : p.arms) {
+    fade(one.arm);
+    fade(one.post);
+  }
+  fade(p.tool.handle);
+  fade(p.tool.hub);
+  if (changes) p.raiseFaded(renderer_);
   for (const auto& solid : solids_)
     if (solid) solid->update();
   p.ghost.show(state.ghost.has_value());
@@ -434,13 +467,13 @@ void SceneView::update(const SceneState& state) {
   }
 }
 
-void SceneView::look(const Camera& camera) {
+void SceneView::look(const Camera& camera, double aspect) {
   vtkCamera* c = renderer_->GetActiveCamera();
   const glm::dvec3 eye = camera.eye();
   c->SetPosition(eye.x, eye.y, eye.z);
   c->SetFocalPoint(camera.focus.x, camera.focus.y, camera.focus.z);
   c->SetViewUp(0.0, 1.0, 0.0);
-  c->SetViewAngle(glm::degrees(camera.angle));
+  c->SetViewAngle(glm::degrees(camera.height(aspect)));
   renderer_->ResetCameraClippingRange();
 }
 

@@ -51,7 +51,7 @@ class SceneView {
   /// A brick of an obstacle's copy has changed.
   void change(std::size_t obstacle, int brick);
   void update(const SceneState& state);
-  void look(const Camera& camera);
+  void look(const Camera& camera, double aspect);
 
  private:
   struct Parts;

@@ -47,6 +47,13 @@ double opacityBefore(const Vec3& eye, const Vec3& point, const Vec3& a, const Ve
   return faded + (1.0 - faded) * std::clamp((apart - radius - margin) / margin, 0.0, 1.0);
 }
 
+bool fade(vtkActor* actor, double opacity) {
+  const bool shines = opacity < 1.0, changes = shines != static_cast<bool>(actor->GetForceOpaque());
+  actor->GetProperty()->SetOpacity(opacity);
+  actor->SetForceOpaque(shines);
+  return changes;
+}
+
 vtkSmartPointer<vtkActor> addData(vtkRenderer* renderer, vtkPolyData* data, const Finish& finish) {
   vtkNew<vtkTrivialProducer> producer;
   producer->SetOutput(data);
@@ -114,8 +121,15 @@ vtkSmartPointer<vtkActor> addActor(vtkRenderer* renderer, vtkAlgorithmOutput* so
   vtkSmartPointer<vtkActor> actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
   setFinish(actor->GetProperty(), finish);
+  actor->SetForceOpaque(finish.opacity < 1.0);  // drawLast()
   renderer->AddActor(actor);
   return actor;
+}
+
+void drawLast(vtkRenderer* renderer, vtkActor* actor) {
+  const vtkSmartPointer<vtkActor> kept = actor;
+  renderer->RemoveActor(actor);
+  renderer->AddActor(actor);
 }
 
 Rod::Rod(vtkRenderer* renderer, double radius, const Finish& finish, bool sharp) : radius_(radius) {
@@ -134,6 +148,7 @@ Rod::Rod(vtkRenderer* renderer, double radius, const Finish& finish, bool sharp)
     cylinder->SetResolution(20);
     actor_ = addActor(renderer, cylinder->GetOutputPort(), finish);
   }
+  actor_->GetProperty()->BackfaceCullingOn();
   vtkNew<vtkMatrix4x4> matrix;
   actor_->SetUserMatrix(matrix);
 }
@@ -147,14 +162,14 @@ void Rod::place(const Vec3& from, const Vec3& to, double thickness) {
 
 void Rod::show(bool visible) { actor_->SetVisibility(visible); }
 
-void Rod::fadeBefore(const Vec3& eye, const Vec3& point) {
-  actor_->GetProperty()->SetOpacity(opacityBefore(eye, point, from_, to_, radius_));
+bool Rod::fadeBefore(const Vec3& eye, const Vec3& point) {
+  return fade(actor_, opacityBefore(eye, point, from_, to_, radius_));
 }
 
-void Ball::fadeBefore(const Vec3& eye, const Vec3& point) {
+bool Ball::fadeBefore(const Vec3& eye, const Vec3& point) {
   const double* const at = actor_->GetPosition();
   const Vec3 centre = Vec3(at[0], at[1], at[2]) / kMillimetres;
-  actor_->GetProperty()->SetOpacity(opacityBefore(eye, point, centre, centre, radius_));
+  return fade(actor_, opacityBefore(eye, point, centre, centre, radius_));
 }
 
 Ball::Ball(vtkRenderer* renderer, double radius, const Finish& finish) : radius_(radius) {
@@ -163,6 +178,7 @@ Ball::Ball(vtkRenderer* renderer, double radius, const Finish& finish) : radius_
   sphere->SetThetaResolution(24);
   sphere->SetPhiResolution(16);
   actor_ = addActor(renderer, sphere->GetOutputPort(), finish);
+  actor_->GetProperty()->BackfaceCullingOn();
 }
 
 void Ball::place(const Vec3& centre, double growth) {
@@ -283,7 +299,10 @@ vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mes
   for (std::size_t i = 0; i < sums.size(); ++i)
     polygons.append(pose.position + pose.rotation * mesh.vertices[i], pose.rotation * sums[i].normalized());
   for (const Vec3& rgb : colours) polygons.paint(rgb);
-  return polygons.addTo(renderer, finish);
+  vtkSmartPointer<vtkActor> actor = polygons.addTo(renderer, finish);
+  const MeshReport report = inspect(mesh);
+  actor->GetProperty()->SetBackfaceCulling(report.watertight && !report.inwards);
+  return actor;
 }
 
 Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal) {

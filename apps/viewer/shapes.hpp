@@ -39,8 +39,10 @@ class Rod {
   Rod(vtkRenderer* renderer, double radius, const Finish& finish, bool sharp = false);
   void place(const Vec3& from, const Vec3& to, double thickness = 1.0);  ///< times its radius
   void show(bool visible);
-  /// Shines through where it is within 3 mm of the line of sight from `eye` to just before `point`, m.
-  void fadeBefore(const Vec3& eye, const Vec3& point);
+  /// Shines through where it is within 3 mm of the line of sight from `eye` to just before `point`, m. True where it
+  /// begins to, or ends.
+  bool fadeBefore(const Vec3& eye, const Vec3& point);
+  vtkActor* actor() const { return actor_; }
 
  private:
   vtkSmartPointer<vtkActor> actor_;
@@ -54,7 +56,8 @@ class Ball {
   Ball(vtkRenderer* renderer, double radius, const Finish& finish);
   void place(const Vec3& centre, double growth = 1.0);  ///< times its radius
   void show(bool visible) { actor_->SetVisibility(visible); }
-  void fadeBefore(const Vec3& eye, const Vec3& point);  ///< as a Rod
+  bool fadeBefore(const Vec3& eye, const Vec3& point);  ///< as a Rod
+  vtkActor* actor() const { return actor_; }
 
  private:
   vtkSmartPointer<vtkActor> actor_;
@@ -67,6 +70,7 @@ class CapsuleSolid {
   CapsuleSolid(vtkRenderer* renderer, double radius, const Finish& finish);
   void place(const Vec3& from, const Vec3& to);
   void show(bool visible);
+  std::array<vtkActor*, 3> actors() const { return {rod_.actor(), from_.actor(), to_.actor()}; }
 
  private:
   Rod rod_;
@@ -99,6 +103,10 @@ class Shards {
   vtkNew<vtkUnsignedCharArray> colours_;
   vtkSmartPointer<vtkActor> actor_;
 };
+
+/// Draws what shines through after all else of its renderer: it is blended with what is there. VTK's own pass, which
+/// draws translucent things in any order into buffers of their own, is slow in software.
+void drawLast(vtkRenderer* renderer, vtkActor* actor);
 
 /// A mesh with smooth shading, `pose` in W; `colours` (0 to 1) of its vertices, or empty: that of the finish.
 vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,

@@ -59,6 +59,13 @@ void Stage::draw(const Layout& layout, const std::function<void()>& overlay, boo
   place(right_, layout.right);
   place(aboveRight_, layout.right);
   place(charts_, layout.charts);
+  // Curves of seconds need not be drawn with every picture: VTK's framebuffer keeps what is not drawn into.
+  const bool same = layout.size == chartsDrawn_.size && layout.charts.width == chartsDrawn_.charts.width;
+  if (software_ && !picture && same && ++chartsAge_ < kChartsEvery)
+    charts_->SetDraw(false);
+  else
+    chartsAge_ = 0;
+  chartsDrawn_ = layout;
   glBindFramebuffer(GL_FRAMEBUFFER, surface_.framebuffer());
   if (window_->GetSize()[0] != layout.size.x || window_->GetSize()[1] != layout.size.y)
     window_->SetSize(layout.size.x, layout.size.y);

@@ -51,6 +51,9 @@ class Stage {
   std::string font_, boldFont_;
   float fontScale_ = 0.0f;
   bool software_ = false;
+  static constexpr int kChartsEvery = 3;  // pictures, in software
+  Layout chartsDrawn_;
+  int chartsAge_ = 0;  // pictures since they were drawn
   vtkSmartPointer<vtkGenericOpenGLRenderWindow> window_;
   vtkNew<vtkRenderer> scene_, above_, right_, aboveRight_, charts_;
   std::uint64_t errors_ = 0;

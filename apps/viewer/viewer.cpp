@@ -9,6 +9,8 @@
 
 #include "data_folder.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
+#include "recorded.hpp"
 #include "scan.hpp"
 
 namespace enamel::viewer {
@@ -72,6 +74,8 @@ Viewer::Viewer(const Options& options, Surface& surface)
       rendererNames_(viewer::rendererNames(options.plugin.get())),
       plant_(makeMechanism(changed(device_.parameters, Settings{}))),
       torques_(*plant_),
+      scenePath_(options.scene),
+      folder_(options.record.empty() ? "." : options.record),
       scene_(player_ ? player_->scene() : enamel::loadScene(options.scene)),
       begin_(options.begin),
       selected_(options.begin),
@@ -258,7 +262,7 @@ void Viewer::followContact(double passed) {
 }
 
 // A replaced experiment begins at rest where the tool is.
-void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests) {
+void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests, const std::string& record) {
   try {
     plant_ = makeMechanism(changed(device_.parameters, overlay_.settings));
     const auto make = [&](RendererSlot slot, std::shared_ptr<Workpiece> workpiece) {
@@ -274,6 +278,20 @@ void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests) {
       if (right) right->keepTests(tests);
     }
     if (!split_) rightFrame_ = Frame();
+    if (!record.empty()) {
+      RecordingHeader header;
+      header.deviceFile = std::filesystem::absolute(device_.pluginSetup.devicePath).string();
+      header.deviceText = readFile(header.deviceFile);
+      header.sceneFile = std::filesystem::absolute(scenePath_).string();
+      header.sceneText = readFile(header.sceneFile);
+      header.start = start;
+      const bool isPlugin = device_.plugin && slotOf(*device_.plugin) == selected_;
+      app::nameRenderer(rendererNames_[indexOf(selected_)], isPlugin ? device_.plugin->path() : "", {}, scene_.scene,
+                        header);
+      recording_ = left->recordTo(record, std::move(header));
+      recordingPath_ = record;
+      recordingBegin_ = simulated_;
+    }
     runner_->replace(std::move(left), std::move(right));
     if (spins_ && scene_.bur) send(RunnerCommand::Kind::spin, 1);
   } catch (const Error& error) {
@@ -281,12 +299,37 @@ void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests) {
   }
 }
 
-void Viewer::startAgain() {
+// From the tool at rest where it is, with renderers that begin anew: a recording knows its first state. It ends with
+// its experiment.
+void Viewer::toggleRecording() {
+  std::string path;
+  if (!recording_) {
+    if (split_) return notify("Two tools are not recorded: V shows one.");
+    if (isScan(scenePath_)) return notify("A scan is not recorded as it is dropped: a scene file that names it is.");
+    for (int i = 1; path.empty() || std::filesystem::exists(path); ++i) {
+      char free[32];
+      std::snprintf(free, sizeof(free), "enamel-%03d.rec", i);
+      path = (std::filesystem::path(folder_) / free).string();
+    }
+  }
+  rebuild(frame_.record.pose, frame_.hand, true, path);
+}
+
+std::string Viewer::endRecording() {
+  if (!recording_) return {};
+  const RecordingResult result = std::exchange(recording_, nullptr)->close();
+  std::string text = recordingPath_ + ": " + std::to_string(result.ticks) + " ticks";
+  if (result.lost > 0) text += ", " + std::to_string(result.lost) + " lost";
+  if (!result.problem.empty()) text += "; " + result.problem;
+  return text + ". --play shows it.";
+}
+
+void Viewer::startAgain(bool keepTests) {
   Pose start;
   start.position = scene_.start;
   path_.reset();
   rightFrame_ = Frame();
-  rebuild(start, handAt(scene_.start, overlay_.grip), false);
+  rebuild(start, handAt(scene_.start, overlay_.grip), keepTests);
 }
 
 // False, with a word of why: it stays as it was.
@@ -294,6 +337,7 @@ bool Viewer::loadScene(const std::string& path) {
   try {
     scene_ = isScan(path) ? sceneOfScan(path) : enamel::loadScene(path);
     tour_.reset();
+    scenePath_ = path;
     overlay_.sceneNotes = scene_.notes;
     workpiece_ = std::make_shared<Workpiece>(scene_);
     solids_ = copiesOf(scene_);
@@ -413,6 +457,8 @@ void Viewer::act(Action action) {
     case Action::stepBack:
     case Action::nextEvent:
     case Action::previousEvent: break;  // of recordings
+    case Action::record: toggleRecording(); break;
+    case Action::clip: wantsClip_ = !wantsClip_; break;
     case Action::faster:
       for (int i = 9; i >= 0; --i)
         if (speeds[i] < slowdown_) {
@@ -631,6 +677,7 @@ void Viewer::takeRun() {
     if (share >= 1.0) path_.reset();
   }
   runner_->collect();
+  if (recording_ && recording_.use_count() == 1) notify(endRecording());
   frame_ = runner_->frame();
   if (const Frame* right = runner_->secondFrame(); right != nullptr) rightFrame_ = *right;
   for (PairSample sample; runner_->nextPair(sample);) comparison_.add(sample);
@@ -645,7 +692,7 @@ void Viewer::takeRun() {
   const bool lost = runner_->secondFrame() != nullptr && rightFrame_.plant != Status::ok;
   if (frame_.plant != Status::ok || lost) {
     notify("The tool left the reach of the device: back to the start.");
-    startAgain();
+    startAgain(true);
   }
 }
 
@@ -719,9 +766,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 
   fillShown(frame_, kinematics_, shown_);
   if (split_) fillShown(rightFrame_, rightKinematics_, rightShown_);
-  const double preload = frame_.tests[indexOf(frame_.selected)].preload;
-  limit_ = stiffnessLimit(kinematics_, plant_->limits().torque, frame_.record.nearest.normal, preload,
-                          overlay_.settings.delay);
+  limit_ = stiffnessLimit(kinematics_, plant_->limits().torque, frame_.record.nearest.normal, overlay_.settings.delay);
 
   layout_ = split_ ? layOutSplit(surface_.size(), surface_.scale(), overlay_.panels)
                    : layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts,
@@ -765,11 +810,13 @@ void Viewer::draw(bool picture) {
     return shown;
   };
   view_.update(shownIn(shown_));
-  view_.look(camera_);
+  const double aspect =
+      static_cast<double>(layout_.scene.width) / std::max(1.0, static_cast<double>(layout_.scene.height));
+  view_.look(camera_, aspect);
   if (split_) {
     seeFrom(rightShown_, rightFrame_);
     rightView_->update(shownIn(rightShown_));
-    rightView_->look(camera_);
+    rightView_->look(camera_, aspect);
   }
   const std::vector<SolidLayer>* const layers = this->layers();
   const OverlayInput input{frame_,
@@ -798,7 +845,9 @@ void Viewer::draw(bool picture) {
                            rightShown_.ghost ? rightShown_.ghost->position : Vec3::Zero(),
                            comparison_,
                            camera_,
-                           tour_ ? now_ - tourBegin_ : -1.0};
+                           tour_ ? now_ - tourBegin_ : -1.0,
+                           recording_ ? simulated_ - recordingBegin_ : -1.0,
+                           clip_};
   stage_.draw(
       layout_, [&] { drawOverlay(layout_, input, overlay_); }, picture);
 }

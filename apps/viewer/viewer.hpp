@@ -52,6 +52,14 @@ class Viewer final : public Driven {
   glm::dvec3 normal() const override;
   bool wantsToEnd() const { return end_; }
   bool fullScreen() const { return fullScreen_; }
+  /// A clip is wanted; the loop that drives the viewer makes it, and says since when.
+  bool wantsClip() const { return wantsClip_; }
+  void endClip() { wantsClip_ = false; }
+  void showClip(double seconds) { clip_ = seconds; }
+  /// Ends a recording that is under way: what came of it, in a sentence; or nothing.
+  std::string endRecording();
+  /// A word for a while.
+  void notify(const std::string& text);
   const Seen& seen() const { return seen_; }
   const std::vector<std::string>& sceneNames() const { return sceneNames_; }
   const OverlayState& overlay() const { return overlay_; }
@@ -85,9 +93,9 @@ class Viewer final : public Driven {
   bool loadScene(const std::string& path);
   void addScene(const std::string& path);
   void resetAll();
-  void rebuild(const Pose& start, const Hand& hand, bool keepTests);
-  void startAgain();
-  void notify(const std::string& text);
+  void rebuild(const Pose& start, const Hand& hand, bool keepTests, const std::string& record = {});
+  void startAgain(bool keepTests = false);
+  void toggleRecording();
   void select(RendererSlot slot);
   void selectRight(RendererSlot slot);
   void toggleSplit();
@@ -112,6 +120,8 @@ class Viewer final : public Driven {
   std::vector<std::string> rendererNames_;
   std::shared_ptr<const Mechanism> plant_;  // with the person's changes
   TorqueStyle torques_;
+  std::string scenePath_;                             // of what is shown
+  std::string folder_;                                // for recordings
   std::vector<std::string> sceneFiles_, sceneNames_;  // the shipped ones, and the person's own
   int sceneIndex_ = 0;
   SceneFile scene_;
@@ -129,8 +139,13 @@ class Viewer final : public Driven {
   double burTime_ = 0.0;        // of the last frame, s
   RemovedVolume burRemoved_{};  // then, m^3
   Chips chips_;
-  std::optional<SoundOutput> sound_;  // since it was first wanted
-  std::unique_ptr<Runner> runner_;    // where there is no player
+  std::optional<SoundOutput> sound_;     // since it was first wanted
+  std::unique_ptr<Runner> runner_;       // where there is no player
+  std::shared_ptr<Recorder> recording_;  // whose ticks one experiment adds, or nullptr
+  std::string recordingPath_;
+  double recordingBegin_ = 0.0;  // of simulated_, s
+  bool wantsClip_ = false;
+  double clip_ = -1.0;  // s
   Stage stage_;
   SceneView view_;
   std::optional<SceneView> rightView_;  // since the first split screen

@@ -268,7 +268,7 @@ Push push(const Device& device, const py::object& renderer, const std::shared_pt
     if (start || tip)
       throw Error("a push into a scene has its own start and tool: start and tip are for the wall z = 0");
     if (scene->scene.obstacles().empty()) throw Error("the scene has no obstacle");
-    app::pushInto(*scene, setup);
+    pushIn(*scene, setup);
   }
   setup.guarded = guard;
   setup.delay = {delay.first, delay.second};

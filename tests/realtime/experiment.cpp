@@ -40,13 +40,15 @@ TEST_CASE("a tick of the viewer's experiment, or of two under one hand, allocate
     int contact = 0, tested = 0;
     Sample sample;
     const long before = test::allocationCount();
-    for (int i = 0; i < 6000; ++i) {
+    constexpr int kPush = 4600;  // ticks: more than an approach and a push take
+    bool made = false;
+    for (int i = 0; i < 8000; ++i) {
       RunnerCommand command{RunnerCommand::Kind::handTo};
       if (i % 200 == 0) {
         command.target = {random.uniform(-0.01, 0.01), random.uniform(-0.01, 0.01), random.uniform(-0.025, 0.005)};
         runner.send(command);
       }
-      if (i % 700 == 0) {
+      if (i % 700 == 0 && i > kPush) {
         command.kind = RunnerCommand::Kind::select;
         command.number = i / 700 % static_cast<int>(kLinkedRenderers);
         runner.send(command);
@@ -59,11 +61,12 @@ TEST_CASE("a tick of the viewer's experiment, or of two under one hand, allocate
         command.grip = i % 3000 == 0 ? kPaperGrip : kFirmGrip;
         runner.send(command);
       }
-      if (i % 2900 == 0) runner.send({RunnerCommand::Kind::testPush});
+      if (i == 0) runner.send({RunnerCommand::Kind::testPush});  // to its end
       runner.period();
       const Frame& frame = runner.frame();
       contact += frame.record.mode == RenderMode::contact;
       tested += frame.testing;
+      made = made || (i == kPush && !frame.testing && frame.tests[indexOf(frame.selected)].made);
       if (i < 3000) runner.nextSample(sample);
     }
     const long allocated = test::allocationCount() - before;
@@ -71,6 +74,7 @@ TEST_CASE("a tick of the viewer's experiment, or of two under one hand, allocate
     CHECK(allocated == 0);
     CHECK(contact > 500);
     CHECK(tested > 100);
+    CHECK(made);
     CHECK(runner.frame().plant == Status::ok);
     CHECK((runner.secondFrame() != nullptr) == pair);
   }

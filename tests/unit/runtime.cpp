@@ -104,6 +104,9 @@ TEST_CASE("histogram: quantiles to within a class of 9 %", "[runtime]") {
     CHECK(histogram.quantile(p) <= p * 1e-3 * std::exp2(0.125) * (1.0 + 1e-9));
   }
   CHECK(histogram.largest() == 1e-3);
+  CHECK(histogram.count(0.0, 1.0) == 1000);
+  CHECK(histogram.count(1e-4, 2e-4) + histogram.count(2e-4, 1.0) == histogram.count(1e-4, 1.0));
+  CHECK(std::abs(static_cast<double>(histogram.count(1e-4, 2e-4)) - 100.0) <= 19.0);  // half a class at each end
   histogram.add(-1.0);
   histogram.add(1e9);
   CHECK(histogram.count() == 1002);

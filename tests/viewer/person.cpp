@@ -132,6 +132,59 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
   CHECK(picture.size() == glm::ivec2(640, 480));
 }
 
+TEST_CASE("a person presses with a plugin, records it, makes a clip and plays the recording", "[viewer]") {
+  if (!havePerson()) return test::skipTest("xvfb-run, xauth or xdotool is missing");
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "state/enamel");
+  test::writeFile(folder / "state/enamel/viewer-was-started", "");
+  // Stands for ffmpeg: writes what it was asked for.
+  std::filesystem::create_directories(folder / "bin");
+  test::writeFile(folder / "bin/ffmpeg", "#!/bin/sh\nfor last; do :; done\necho \"$*\" > \"$last\"\n");
+  std::filesystem::permissions(folder / "bin/ffmpeg", std::filesystem::perms::owner_all);
+  const auto report = person(folder, "--renderer template --set stiffness=3000",
+                             "at 300 560\nsleep 0.8\nat 1000 60\nsleep 0.8\nat 560 300\nkey F3 ctrl+r ctrl+m\npress "
+                             "15\nsleep 0.7\nkey ctrl+p\nsleep 0.7\nrelease 30\n"
+                             "key ctrl+r ctrl+m\nsleep 1\nkey p\nsleep 4.5\nkey h ctrl+r\nsleep 0.8\nkey ctrl+q\n",
+                             100, "PATH='" + folder / "bin':$PATH ");
+  const auto& shown = report.at("shown");
+  INFO(shown.dump(1));
+  INFO(report.at("said").get<std::string>());
+  CHECK(isAmong(shown.at("renderers"), "template"));
+  CHECK(shown.at("deepest [m]") > 1.5e-3);  // 6 N on 3 kN/m
+  CHECK(isAmong(shown.at("tips"), "How deep the tool's lowest point is in the wall"));
+  CHECK(isAmong(shown.at("tips"), "Penetration of the last 3 s"));
+  CHECK(isAmong(shown.at("notices"), "./enamel-001.rec: "));
+  CHECK(isAmong(shown.at("notices"), "./clip-001.mp4"));
+  REQUIRE(report.at("test_pushes").size() == 1);
+  CHECK(report["test_pushes"][0].at("renderer") == "template");
+  CHECK(report["test_pushes"][0].at("first impact") == "measured");
+  CHECK(report.at("opengl_errors") == 0);
+  // The clip is as long as it took, whatever the pictures a second.
+  const std::string asked = test::readFile(folder / "clip-001.mp4");
+  CHECK(asked.find("-framerate 25 -i ./clip-001/%05d.png") != std::string::npos);
+  int pictures = 0;
+  while (std::filesystem::exists(folder / ("clip-001/0000" + std::to_string(pictures) + ".png")) && pictures < 9)
+    CHECK(test::Pixels(folder / ("clip-001/0000" + std::to_string(pictures++) + ".png")).size() ==
+          glm::ivec2(1280, 720));
+  CHECK(pictures == 9);
+  // Two histograms in the card at the left of the scene: dark on white, over half its width at most.
+  const test::Pixels picture(folder / "enamel-001.png");
+  int bars = 0;
+  for (int x = 270; x < 560; ++x)
+    for (int y = 100; y < 260; ++y) bars += picture.at(x, y) == glm::ivec3(0x3D, 0x49, 0x57);
+  CHECK(bars > 100);
+  // The second recording was under way at the end: it is whole as well.
+  CHECK(report.at("said").get<std::string>().find("./enamel-002.rec: ") != std::string::npos);
+
+  const auto played = person(folder, "--play '" + folder / "enamel-001.rec'",
+                             "key space\nsleep 6\nkey ctrl+Left Right Right F3\nsleep 0.5\nkey ctrl+q\n");
+  CHECK(played.at("said") == "status 0\n");
+  CHECK(played.at("opengl_errors") == 0);
+  // The press, without the test push that came after it.
+  CHECK(played.at("shown").at("deepest [m]") > 0.7e-3);
+  CHECK(played.at("shown").at("deepest [m]") < shown.at("deepest [m]"));
+}
+
 TEST_CASE("a person plays a recording, drags its bar and steps", "[viewer]") {
   if (!havePerson()) return test::skipTest("xvfb-run, xauth or xdotool is missing");
   const test::TemporaryFolder folder;

@@ -18,6 +18,7 @@ inline constexpr const char* kEdge = "impedance-edge";
 inline constexpr const char* kTuned = "tuned:";
 
 struct StudyOptions {
+  std::string scene;  ///< or empty: the wall z = 0
   std::string device, designDevice, gain, laws, output, delay = "none", plant = kClosedForm;
   std::vector<std::string> set;                              ///< parameters of plugins
   std::vector<std::string> deviceDamping = {"impedance=4"};  ///< B, or NAME=B ...; the paper's baseline has 4 N s/m
@@ -26,9 +27,10 @@ struct StudyOptions {
   int runs = 20, grid = 11, threads = 0;
   std::uint64_t seed = 1;
   std::vector<double> tip_mm{0.0, 0.0, 0.0};
-  double preload = 0.0;     ///< N
-  bool arm = false;         ///< scenario 1 pushes through an arm
-  bool insideTick = false;  ///< the step comes at a random instant of its tick
+  double preload = 0.0;                     ///< N
+  std::vector<double> force = {8.0, 15.0};  ///< F_c is uniform between, N
+  bool arm = false;                         ///< scenario 1 pushes through an arm
+  bool insideTick = false;                  ///< the step comes at a random instant of its tick
   bool encoders = false, resume = false;
   int part = 1, parts = 1;                  ///< which of how many parts of the runs
   bool judge = false;                       ///< every law on every plant at every delay, as --judge

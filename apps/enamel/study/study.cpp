@@ -170,6 +170,18 @@ Study prepareStudy(const StudyOptions& options) {
   plan.insideTick = options.insideTick;
   plan.setup.person.preload = options.preload;
   if (options.arm) plan.setup.person.arm = kArm;
+  if (!(0.0 <= options.force[0] && options.force[0] <= options.force[1] && options.force[1] <= 1e3))
+    throw Error(fmt::format("--force is {},{}, must be in 0 to 1000 N, low first", options.force[0], options.force[1]));
+  plan.lowestForce = options.force[0];
+  plan.highestForce = options.force[1];
+  std::string sceneText;
+  if (!options.scene.empty()) {
+    if (options.grid != 1 || options.tip_mm != StudyOptions().tip_mm)
+      throw Error("--scene has one query point and a tool of its own: it needs --grid 1 and no --tip");
+    sceneText = readFile(options.scene);
+    pushIn(parseScene(sceneText, options.scene), plan.setup);
+    plan.middle = plan.setup.start.position;
+  }
   const Vec3 tip = 1e-3 * Vec3(options.tip_mm[0], options.tip_mm[1], options.tip_mm[2]);
   if (tip != Vec3::Zero()) holdAt(tip, plan.setup);
   plan.setup.delay = parseDelay(options.delay);
@@ -195,8 +207,8 @@ Study prepareStudy(const StudyOptions& options) {
     plan.columns.push_back({name, more > 0.0 ? makeMechanism(damped) : study.mechanism, {}});
     plan.columns.back().makePlant = makerOf(options.plant, damped, plan.setup);
     // To the nanonewton: what is left of the file's zero is rounding.
-    const double whole =
-        1e-9 * std::nearbyint(1e9 * dampingAlong(*plan.columns.back().plant, plan.setup.start, Vec3::UnitZ()));
+    const double whole = 1e-9 * std::nearbyint(1e9 * dampingAlong(*plan.columns.back().plant, plan.setup.start,
+                                                                  plan.setup.person.normal));
     dampings[name] = more;
     if (!source.plugin) {
       const ColumnKind kind = kindOf(name);
@@ -323,6 +335,7 @@ Study prepareStudy(const StudyOptions& options) {
   m["guide"] = setup.person.guide;
   m["F_c [N]"] = {plan.lowestForce, plan.highestForce};
   m["half width [m]"] = plan.halfWidth;
+  if (!options.scene.empty()) m["scene"] = hashOf(sceneText);
   m["integrator"] = kIntegratorNames[static_cast<int>(setup.integrator)];
   m["substeps"] = setup.substeps;
   m["impedance"] = {{"stiffness [N/m]", study.impedance.stiffness}, {"damping [N s/m]", study.impedance.damping}};

@@ -156,6 +156,11 @@ void Guard::reset() noexcept {
   state_ = fresh;
 }
 
+void Guard::restart() noexcept {
+  state_ = State();
+  count_ = 0;
+}
+
 template <typename AnyState, typename Visit>
 void Guard::forEachNumber(AnyState& s, const Visit& visit) {
   visit(s.fault);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace enamel {
 namespace {
@@ -33,8 +34,7 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
       renderer_(renderer),
       guard_(mechanism, guard),
       track_(makeToolTrack(scene, tool)) {
-  if (!isRotation(start.rotation) || mechanism.reach(start, Vec6::Zero(), false, input_.kinematics) != Status::ok)
-    input_.kinematics = mechanism.home();
+  placeAt(start);
   input_.maxTorque = guard.on ? guard.torque : mechanism.limits().torque;
   output_.torque.setZero(mechanism.joints());
   renderer.activate(guard.period);
@@ -60,9 +60,27 @@ Status HapticTick::operator()(const Measurement& measurement, Command& command) 
   return status != Status::ok ? status : stopped ? Status::stopped : Status::ok;
 }
 
+void HapticTick::placeAt(const Pose& start) noexcept {
+  input_.kinematics = Kinematics();
+  if (!isRotation(start.rotation) || mechanism_.reach(start, Vec6::Zero(), false, input_.kinematics) != Status::ok)
+    input_.kinematics = mechanism_.home();
+}
+
 void HapticTick::reset() noexcept {
   guard_.reset();
   renderer_.reset();
+}
+
+void HapticTick::restart(const Pose& start) noexcept {
+  guard_.restart();
+  renderer_.reset();
+  placeAt(start);
+  std::fill(numbers_.begin(), numbers_.end(), std::numeric_limits<double>::quiet_NaN());
+  track_.loadState(scene_, numbers_.data());  // what no track can have: that of a new one
+  output_ = TickOutput{};
+  output_.torque.setZero(mechanism_.joints());
+  last_ = JointVector();
+  reason_ = GuardReason::none;
 }
 
 std::size_t HapticTick::stateSize() const noexcept { return numbers_.size() * sizeof(double) + renderer_.stateSize(); }

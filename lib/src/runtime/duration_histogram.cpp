@@ -24,6 +24,14 @@ std::uint64_t DurationHistogram::count() const noexcept {
   return sum;
 }
 
+std::uint64_t DurationHistogram::count(double low, double high) const noexcept {
+  std::uint64_t sum = 0;
+  for (int i = 0; i < kClasses; ++i)
+    if (const double middle = kShortest * std::exp2((i + 0.5) / kPerOctave); middle >= low && middle < high)
+      sum += counts_[static_cast<std::size_t>(i)].load(std::memory_order_relaxed);
+  return sum;
+}
+
 double DurationHistogram::quantile(double p) const noexcept {
   const std::uint64_t all = count();
   if (all == 0) return 0.0;

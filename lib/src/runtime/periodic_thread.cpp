@@ -58,7 +58,7 @@ void PeriodicThread::run(std::int64_t period, int priority) noexcept {
   const bool granted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) == 0;
   timing_.realtime.store(granted, std::memory_order_relaxed);
 
-  std::int64_t deadline = now() + period;
+  std::int64_t deadline = now() + period, before = 0;
   while (!stop_.load(std::memory_order_relaxed)) {
     if (const std::int64_t soon = now() + kLongestSleep; soon < deadline) {
       sleepUntil(soon);
@@ -67,6 +67,8 @@ void PeriodicThread::run(std::int64_t period, int priority) noexcept {
     sleepUntil(deadline);
     const std::int64_t begin = now();
     timing_.wakeUp.add(seconds(begin - deadline));
+    if (before > 0) timing_.interval.add(seconds(begin - before));
+    before = begin;
     work_();
     const std::int64_t end = now();
     timing_.compute.add(seconds(end - begin));

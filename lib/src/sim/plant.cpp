@@ -15,7 +15,7 @@ bool isSlowEnough(const DeviceState& state) noexcept {
   return state.twist.head<3>().norm() <= kFastest && state.twist.tail<3>().norm() <= kFastestTurn;
 }
 
-Status ClosedFormPlant::start(const Pose& pose) {
+Status ClosedFormPlant::start(const Pose& pose) noexcept {
   Kinematics kinematics;
   return rest(pose, kinematics);
 }

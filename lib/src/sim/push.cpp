@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include "core/message.hpp"
@@ -13,60 +12,69 @@ namespace {
 constexpr double kOnset = 1.0, kHandStill = 2.0;  // s
 constexpr double kLongestRun = 3600.0;            // s
 
-// The wrench of the person on the platform at the TCP.
-class PersonLoad {
- public:
-  PersonLoad(const Person& person, const Pose& start) noexcept : person_(person), start_(gripOf(start)) {
-    if (person.arm) arm_.emplace(*person.arm);
-  }
-
-  /// Sets the parts that are held over a tick.
-  void hold(double stepForce, double noise) noexcept { held_ = stepForce + noise; }
-
-  /// The arm, if any, after a tick that began so.
-  void moveArm(const Pose& pose, const Vec6& twist, double period) noexcept {
-    if (arm_) arm_->move(held_, way(gripOf(pose)), speed(gripOf(pose, twist)), period);
-  }
-
-  Vec6 operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
-    const Pose grip = gripOf(pose);
-    const Vec6 motion = gripOf(pose, twist);
-    Vec6 wrench = Vec6::Zero();
-    if (person_.guide) wrench = guidingWrench(grip, motion, start_, person_.normal);
-    wrench.head<3>() -= force(time, grip, motion) * person_.normal;
-    wrench.tail<3>() += (grip.position - pose.position).cross(wrench.head<3>());
-    return wrench;
-  }
-
- private:
-  // Pose and twist of the platform at the grip.
-  Pose gripOf(const Pose& pose) const noexcept { return {pose.position + pose.rotation * person_.grip, pose.rotation}; }
-  Vec6 gripOf(const Pose& pose, const Vec6& twist) const noexcept {
-    Vec6 motion = twist;
-    motion.head<3>() = translationAt(twist, pose.rotation * person_.grip);
-    return motion;
-  }
-
-  // Against the normal, all at the grip.
-  double force(double time, const Pose& pose, const Vec6& twist) const noexcept {
-    if (arm_) return arm_->push(way(pose), speed(twist));
-    if (person_.scenario == 1) return held_;
-    const HandMotion hand = handMotion(person_.force, time);
-    const Vec3& n = person_.normal;
-    const double spring = kPaperGrip.stiffness * (hand.position - n.dot(pose.position - start_.position));
-    return held_ - spring - kPaperGrip.damping * (hand.velocity - n.dot(twist.head<3>()));
-  }
-
-  double way(const Pose& pose) const noexcept { return -person_.normal.dot(pose.position - start_.position); }
-  double speed(const Vec6& twist) const noexcept { return -person_.normal.dot(twist.head<3>()); }
-
-  Person person_;
-  Pose start_;
-  double held_ = 0.0;  // N
-  std::optional<MovingArm> arm_;
-};
-
 }  // namespace
+
+PersonLoad::PersonLoad(const PushSetup& setup) noexcept
+    : person_(setup.person),
+      start_(gripOf(setup.start)),
+      times_(timesOf(setup)),
+      random_(setup.seed, setup.run),
+      period_(setup.period) {
+  if (person_.arm) arm_.emplace(*person_.arm);
+}
+
+bool PersonLoad::stepsInside(std::uint64_t tick) const noexcept {
+  return person_.scenario == 1 && person_.instant > 0.0 && tick == times_.onset && !person_.arm;
+}
+
+void PersonLoad::hold(std::uint64_t tick, bool stepped) noexcept {
+  const bool pressed = person_.preload > 0.0 && person_.scenario == 1;
+  held_ = 0.0;
+  if (person_.scenario == 1) {
+    if (tick >= times_.onset && (stepped || !stepsInside(tick)))
+      held_ = person_.force;
+    else if (pressed)
+      held_ = person_.preload;
+  }
+  if (pressed || tick >= times_.steady) held_ += person_.noise * random_.normal(RandomStream::Purpose::noise, tick);
+}
+
+void PersonLoad::moveArm(const Pose& pose, const Vec6& twist) noexcept {
+  if (arm_) arm_->move(held_, way(gripOf(pose)), speed(gripOf(pose, twist)), period_);
+}
+
+Vec6 PersonLoad::operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
+  const Pose grip = gripOf(pose);
+  const Vec6 motion = gripOf(pose, twist);
+  Vec6 wrench = Vec6::Zero();
+  if (person_.guide) wrench = guidingWrench(grip, motion, start_, person_.normal);
+  wrench.head<3>() -= force(time, grip, motion) * person_.normal;
+  wrench.tail<3>() += (grip.position - pose.position).cross(wrench.head<3>());
+  return wrench;
+}
+
+Pose PersonLoad::gripOf(const Pose& pose) const noexcept {
+  return {pose.position + pose.rotation * person_.grip, pose.rotation};
+}
+
+Vec6 PersonLoad::gripOf(const Pose& pose, const Vec6& twist) const noexcept {
+  Vec6 motion = twist;
+  motion.head<3>() = translationAt(twist, pose.rotation * person_.grip);
+  return motion;
+}
+
+double PersonLoad::force(double time, const Pose& pose, const Vec6& twist) const noexcept {
+  if (arm_) return arm_->push(way(pose), speed(twist));
+  if (person_.scenario == 1) return held_;
+  const HandMotion hand = handMotion(person_.force, time);
+  const Vec3& n = person_.normal;
+  const double spring = kPaperGrip.stiffness * (hand.position - n.dot(pose.position - start_.position));
+  return held_ - spring - kPaperGrip.damping * (hand.velocity - n.dot(twist.head<3>()));
+}
+
+double PersonLoad::way(const Pose& pose) const noexcept { return -person_.normal.dot(pose.position - start_.position); }
+
+double PersonLoad::speed(const Vec6& twist) const noexcept { return -person_.normal.dot(twist.head<3>()); }
 
 HandMotion handMotion(double force, double time) noexcept {
   // Three phases whose displacements add up to -F_c / 40 at 2 s: a (0.45^2 + 0.45 * 0.1) = a * 0.2475.
@@ -98,6 +106,25 @@ void holdAt(const Vec3& tip, PushSetup& setup) {
   setup.tool.parts[0].a = setup.tool.parts[0].b = tip;
   setup.person.grip = tip;
   setup.scene = flatWall(setup.start.position + setup.start.rotation * tip, setup.person.normal);
+}
+
+void pushIn(const SceneFile& file, PushSetup& setup) {
+  setup.scene = file.scene;
+  setup.tool = file.tool;
+  setup.force = std::min(setup.force, file.maxForce);
+  setup.start.position = file.start;
+  require(placeOnSurface(setup), "no surface of the scene is near its start");
+}
+
+bool placeOnSurface(PushSetup& setup) noexcept {
+  // Steps of the distance, which become small as fast as the surface allows.
+  Contact nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
+  for (int step = 0; step < 100 && std::abs(nearest.gap) > 1e-12; ++step) {
+    setup.start.position -= nearest.gap * nearest.normal;
+    nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
+  }
+  setup.person.normal = nearest.normal;
+  return setup.start.position.allFinite();
 }
 
 void checkPush(const PushSetup& setup) {
@@ -136,28 +163,21 @@ PushResult runPush(std::unique_ptr<Plant> plant, const Mechanism& model, Rendere
                    const std::function<void(const TickRecord&, const VirtualLoop&)>& record) {
   checkPush(setup);
   VirtualLoop loop(std::move(plant), model, renderer, setup);
-  PersonLoad person(setup.person, setup.start);
-  const RandomStream random(setup.seed, setup.run);
+  PersonLoad person(setup);
   const PushTimes times = timesOf(setup);
   PushResult result{Status::ok, 0, GuardReason::none};
   TickRecord tick;
   for (std::uint64_t i = 0; i < times.end; ++i) {
-    const bool pressed = setup.person.preload > 0.0 && setup.person.scenario == 1;
-    const double noise =
-        pressed || i >= times.steady ? setup.person.noise * random.normal(RandomStream::Purpose::noise, i) : 0.0;
-    const double before = pressed ? setup.person.preload : 0.0, after = setup.person.force;
-    const bool steps =
-        setup.person.scenario == 1 && setup.person.instant > 0.0 && i == times.onset && !setup.person.arm;
-    person.hold(setup.person.scenario == 1 ? (i >= times.onset && !steps ? after : before) : 0.0, noise);
-    if (steps) {
+    person.hold(i);
+    if (person.stepsInside(i)) {
       PersonLoad stepped = person;
-      stepped.hold(after, noise);
+      stepped.hold(i, true);
       result.status = loop.tick(person, setup.person.instant * setup.period, stepped, tick);
     } else {
       result.status = loop.tick(person, tick);
     }
     if (result.status != Status::ok) break;
-    person.moveArm(tick.pose, tick.twist, setup.period);
+    person.moveArm(tick.pose, tick.twist);
     ++result.ticks;
     record(tick, loop);
     if (isFault(tick.guard)) {

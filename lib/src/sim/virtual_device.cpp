@@ -89,6 +89,20 @@ VirtualDevice::VirtualDevice(std::unique_ptr<Plant> plant, const VirtualDeviceSe
       motors_(setup.delay, kinematics_.gravity),
       torque_(kinematics_.gravity) {}
 
+Status VirtualDevice::restart(const Pose& start) {
+  Kinematics there;
+  if (const Status status = plant_->mechanism().reach(start, Vec6::Zero(), false, there); status != Status::ok)
+    return status;
+  if (const Status status = plant_->start(start); status != Status::ok) return status;
+  setup_.start = start;
+  kinematics_ = there;
+  encoders_ = Encoders(setup_.encoders, plant_->mechanism().limits().count, setup_.period);
+  motors_ = Motors(setup_.delay, kinematics_.gravity);
+  torque_ = kinematics_.gravity;
+  tick_ = 0;
+  return Status::ok;
+}
+
 Status VirtualDevice::measure(Measurement& measurement) noexcept {
   const DeviceState& state = plant_->state();
   const Status status = plant_->mechanism().reach(state.pose(), state.twist, false, kinematics_);

@@ -32,6 +32,13 @@ VirtualLoop::VirtualLoop(std::unique_ptr<Plant> plant, const Mechanism& model, R
       tick_(model, scene_, tool_, renderer, guardOf(device_.plant().mechanism(), setup), setup.start),
       trueCache_(makeToolCache(scene_, tool_)) {}
 
+Status VirtualLoop::restart(const Pose& start) {
+  if (const Status status = device_.restart(start); status != Status::ok) return status;
+  tick_.restart(start);
+  command_ = Command();
+  return Status::ok;
+}
+
 Status VirtualLoop::tick(const Load& load, TickRecord& record) noexcept {
   if (const Status status = react(record); status != Status::ok) return status;
   record.person = load(record.time, record.pose, record.twist);

@@ -43,13 +43,13 @@ void checkStudy(const StudyPlan& plan) {
 }
 
 Vec3 queryPoint(const StudyPlan& plan, std::size_t point) noexcept {
-  if (plan.grid <= 1) return Vec3::Zero();
+  if (plan.grid <= 1) return plan.middle;
   const auto side = static_cast<std::size_t>(plan.grid);
   const auto along = [&plan](std::size_t i) {  // to the nanometre, so that the numbers read well
     const double steps = static_cast<double>(plan.grid - 1);
     return std::nearbyint(1e9 * plan.halfWidth * (2.0 * static_cast<double>(i) - steps) / steps) / 1e9;
   };
-  return {along(point % side), along(point / side), 0.0};
+  return plan.middle + Vec3(along(point % side), along(point / side), 0.0);
 }
 
 StudyRun runAt(const StudyPlan& plan, std::size_t index) {
@@ -112,6 +112,7 @@ StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
       });
   result.status = push.status;
   if (result.status == Status::ok) result.metrics = collector.metrics();
+  if (result.status == Status::stopped) result.metrics.verdict = FirstImpactVerdict::unstable;
   return result;
 }
 

@@ -66,9 +66,9 @@ StudyResult parseLine(const StudyPlan& plan, std::size_t index, std::string_view
     if (comma != std::string_view::npos) line.remove_prefix(comma + 1);
   }
   result.status = statusNamed(fields[0], where);
-  if (result.status != Status::ok) return result;
   PushMetrics& m = result.metrics;
-  m.verdict = verdictNamed(fields[1], where);
+  if (result.status == Status::ok || result.status == Status::stopped) m.verdict = verdictNamed(fields[1], where);
+  if (result.status != Status::ok) return result;
   for (std::size_t i = 0; i < allMetrics().size(); ++i) {
     const std::string_view field = fields[2 + i];
     const auto& member = allMetrics()[i].member;
@@ -121,7 +121,7 @@ std::string runHeader() {
 std::string runLine(const StudyPlan& plan, const StudyResult& result) {
   const bool failed = result.status != Status::ok;
   std::string line = identity(plan, result.run) + toString(result.status) + ',';
-  if (!failed) line += toString(result.metrics.verdict);
+  if (!failed || result.status == Status::stopped) line += toString(result.metrics.verdict);
   for (const Metric& metric : allMetrics()) {
     line += ',';
     if (!failed) line += numberOr(valueOf(result.metrics, metric));

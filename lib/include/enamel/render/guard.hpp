@@ -44,6 +44,8 @@ enum class GuardReason : std::uint8_t {
   deadlines,    ///< too many ticks were missed
 };
 
+inline constexpr std::size_t kGuardReasons = static_cast<std::size_t>(GuardReason::deadlines) + 1;
+
 inline constexpr bool isFault(GuardReason reason) noexcept { return reason >= GuardReason::measurement; }
 
 /// Name of a reason in plain words. Realtime: yes.
@@ -122,6 +124,9 @@ class Guard {
 
   /// Forgets a fault. What is rendered next ramps in once the demanded force is small. Realtime: yes.
   void reset() noexcept;
+
+  /// As new, for a device at rest that nothing acts on yet: nothing ramps in. Realtime: yes.
+  void restart() noexcept;
 
   /// The fault that is latched, or none; whether anything of the renderer's torque is let through. Realtime: yes.
   GuardReason fault() const noexcept { return state_.fault; }

@@ -42,6 +42,9 @@ class HapticTick {
   /// Goes on after a fault: guard and renderer begin anew. Realtime: yes.
   void reset() noexcept;
 
+  /// Begins anew as after construction, with the platform about at `start`. Realtime: yes.
+  void restart(const Pose& start) noexcept;
+
   /// What the renderer saw and answered at the last tick; why the command is another. Realtime: yes.
   const TickInput& input() const noexcept { return input_; }
   const TickOutput& output() const noexcept { return output_; }
@@ -58,6 +61,7 @@ class HapticTick {
 
  private:
   Status see(const Measurement& measurement) noexcept;
+  void placeAt(const Pose& start) noexcept;
 
   const Mechanism& mechanism_;
   const Scene& scene_;

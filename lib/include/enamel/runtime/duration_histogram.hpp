@@ -22,6 +22,9 @@ class DurationHistogram {
 
   std::uint64_t count() const noexcept;
 
+  /// Those of durations from `low` to below `high`, s, by whole classes: those whose middle is there. Realtime: yes.
+  std::uint64_t count(double low, double high) const noexcept;
+
  private:
   static constexpr int kClasses = 162;
   std::array<std::atomic<std::uint32_t>, kClasses> counts_{};

@@ -13,6 +13,7 @@ namespace enamel {
 /// How a periodic thread has done so far. Written by the thread, read by any.
 struct PeriodicTiming {
   DurationHistogram wakeUp;               ///< from the deadline to the call, s
+  DurationHistogram interval;             ///< from the call before, s
   DurationHistogram compute;              ///< of the call, s
   std::atomic<std::uint64_t> periods{0};  ///< calls
   std::atomic<std::uint64_t> missed{0};   ///< deadlines that passed before the call for an earlier one had returned

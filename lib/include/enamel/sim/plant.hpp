@@ -78,7 +78,8 @@ class ClosedFormPlant final : public Plant {
                            int substeps = 1) noexcept
       : Plant(mechanism), integrator_(integrator), substeps_(substeps) {}
 
-  [[nodiscard]] Status start(const Pose& pose) override;
+  /// Realtime: yes.
+  [[nodiscard]] Status start(const Pose& pose) noexcept override;
   [[nodiscard]] Status advance(double time, double duration, const JointVector& torque,
                                const Load& load) noexcept override;
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "enamel/collision/scene_file.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 
@@ -41,6 +42,14 @@ struct PushSetup : LoopSetup {
 /// through it across the push. Throws Error: as Scene::add(). Realtime: no.
 void holdAt(const Vec3& tip, PushSetup& setup);
 
+/// Makes a scene file's obstacles, tool, start and force limit, where it is lower, those of a push, which is against
+/// the surface nearest to the start. Throws Error: no surface is within reach. Realtime: no.
+void pushIn(const SceneFile& file, PushSetup& setup);
+
+/// Brings the start to the surface of the scene that is nearest to it, and makes that the one that is pushed. False
+/// where there is none. Realtime: yes (100 queries at most).
+bool placeOnSurface(PushSetup& setup) noexcept;
+
 /// A random instant inside its tick for the step of a run, uniform in [0, 1). Realtime: yes.
 double randomInstant(std::uint64_t seed, std::uint32_t run) noexcept;
 
@@ -52,6 +61,39 @@ struct PushTimes {
   std::uint64_t end;
 };
 PushTimes timesOf(const PushSetup& setup) noexcept;
+
+/// The person of a push, tick by tick: a load for VirtualLoop::tick(). Plain data.
+class PersonLoad {
+ public:
+  /// Begins at the setup's start.
+  explicit PersonLoad(const PushSetup& setup) noexcept;
+
+  /// Takes what is held over a tick, from 0 on: force and noise. Where the step of scenario 1 comes inside it, that
+  /// before the step, or `stepped`, after it. Realtime: yes.
+  void hold(std::uint64_t tick, bool stepped = false) noexcept;
+  bool stepsInside(std::uint64_t tick) const noexcept;
+
+  /// Moves the arm, if any, on by a tick that began so. Realtime: yes.
+  void moveArm(const Pose& pose, const Vec6& twist) noexcept;
+
+  /// Wrench on the platform at the TCP, N, N m. Realtime: yes.
+  Vec6 operator()(double time, const Pose& pose, const Vec6& twist) const noexcept;
+
+ private:
+  Pose gripOf(const Pose& pose) const noexcept;
+  Vec6 gripOf(const Pose& pose, const Vec6& twist) const noexcept;
+  double force(double time, const Pose& pose, const Vec6& twist) const noexcept;  // against the normal, at the grip
+  double way(const Pose& pose) const noexcept;
+  double speed(const Vec6& twist) const noexcept;
+
+  Person person_;
+  Pose start_;  // of the grip
+  PushTimes times_;
+  RandomStream random_;
+  double period_;      // s
+  double held_ = 0.0;  // N
+  std::optional<MovingArm> arm_;
+};
 
 /// Why a run ended.
 struct PushResult {

@@ -99,6 +99,10 @@ class VirtualDevice final : public HapticDevice {
   /// Error: there is no plant.
   VirtualDevice(std::unique_ptr<Plant> plant, const VirtualDeviceSetup& setup);
 
+  /// At rest at a pose at tick 0 again, as after construction. Statuses of Plant::start(); it then stays where it is.
+  /// Realtime: as the plant's.
+  [[nodiscard]] Status restart(const Pose& start);
+
   /// ok; stale where the sample was lost; or the status of the configuration that the mechanism could not leave.
   /// Realtime: yes.
   [[nodiscard]] Status measure(Measurement& measurement) noexcept override;

@@ -33,6 +33,7 @@ struct StudyPlan {
   std::vector<StudyColumn> columns;
   int grid = 11;                                  ///< query points along x, and along y
   double halfWidth = 0.025;                       ///< of the grid, m
+  Vec3 middle = Vec3::Zero();                     ///< of the grid, m
   int runs = 20;                                  ///< a query point
   double lowestForce = 8.0, highestForce = 15.0;  ///< of F_c, uniform between, N
   PushSetup setup;          ///< of every run; start, scenario, force, instant and run number are its own
@@ -48,7 +49,8 @@ inline constexpr int kMaxGrid = 101, kMaxRuns = 10000;
 /// column; as checkPush() for every scenario; a query point that a plant cannot reach. Realtime: no.
 void checkStudy(const StudyPlan& plan);
 
-/// Query point by its number, x running fastest, both from the negative end; on the wall z = 0, m. Realtime: yes.
+/// Query point by its number, x running fastest, both from the negative end, at the height of the grid's middle, m.
+/// Realtime: yes.
 Vec3 queryPoint(const StudyPlan& plan, std::size_t point) noexcept;
 
 /// One run of a study. The columns share their random numbers: F_c, noise, delays and instants depend on the seed, the
@@ -64,8 +66,8 @@ struct StudyRun {
 /// Run by its number. Throws Error: the plan has no run of that number. Realtime: no.
 StudyRun runAt(const StudyPlan& plan, std::size_t index);
 
-/// What came out of a run. `status` is ok, or why it could not go on (stopped: by the guard): then there are no
-/// metrics.
+/// What came out of a run. `status` is ok, or why it could not go on: then there are no metrics, but where the guard
+/// has stopped it (stopped) the verdict.
 struct StudyResult {
   StudyRun run;
   Status status = Status::ok;

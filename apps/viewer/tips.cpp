@@ -1,0 +1,68 @@
+// What the read-outs mean, under the mouse.
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "overlay_parts.hpp"
+
+namespace enamel::viewer {
+namespace {
+
+bool has(const Area& area, const ImVec2& at) {
+  return at.x >= area.x && at.x < area.x + area.width && at.y >= area.y && at.y < area.y + area.height;
+}
+
+constexpr const char* kNumberTip[] = {
+    "How deep the tool's lowest point is in the wall, or how far from it, mm: along the nearest wall's normal.",
+    ("The force of the motors on the tool, N, as delivered in this tick and without what carries its weight: along the "
+     "wall's normal (negative: it pulls into the wall), along the wall, and in all."),
+    "The force of the hand into the wall, N.\nforce = grip x (hand - tool) - damping x speed",
+    "What one feels of the wall now, kN/m. Only while the tool is in it.\nforce of the hand / penetration"};
+constexpr const char* kChartTip[] = {
+    "Penetration of the last 3 s, mm: each column shows the smallest and the largest of 12 ticks.",
+    "Force of the motors along the wall's normal, N, as delivered. Dashed: what the motors can give there at most.",
+    "Torques of the joints as delivered, beside the motors' limits (dashed)."};
+constexpr const char* kGaugeTip =
+    "The stiffness of the first impact of a test push (P), from 1 kN/m to 1 MN/m. Grey: more than any law without a "
+    "force "
+    "sensor can reach here, at this delay.\nK_z1 = force of the step / depth at the first return";
+constexpr const char* kInsetTip =
+    "The contact, magnified: the wall below, the tool above, whatever the wall's direction; its scale is at the bottom "
+    "left. Orange red: the force of the motors; orange: that of the hand.";
+constexpr const char* kCompareTip[] = {
+    "Depths of both tools over the last 3 s, mm.",
+    "The force of the motors over the depth of the last press: the steeper, the stiffer.",
+    ("How many times as deep the one tool was as the other at the deepest points of the last press. Below 2 \u00b5m a "
+     "depth is only bounded.")};
+constexpr const char* kBadgeTip =
+    "saturated: a motor is at its limit. unstable: torques alternate by more than a quarter of their limits. slipped: "
+    "it "
+    "slid 0.2 mm on a wall with friction. edge of workspace: at a mechanical stop.";
+
+}  // namespace
+
+void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& state) {
+  const ImVec2 at = ImGui::GetIO().MousePos;
+  if (ImGui::GetIO().WantCaptureMouse || state.help || ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1)) return;
+  const float s = layout.scale;
+  const Area& scene = layout.scene;
+  const auto onInset = [&](const Area& inset) { return inset.width > 0 && has(inset, at); };
+  if (onInset(layout.inset) || onInset(layout.rightInset)) return showTip(state, kInsetTip);
+  if (layout.isSplit()) {
+    if (!has(layout.compare, at)) return;
+    const float share = (at.x - layout.compare.x) / layout.compare.width;
+    return showTip(state, kCompareTip[share < 0.37f ? 0 : share < 0.75f ? 1 : 2]);
+  }
+  for (std::size_t i = 0; i < kCharts; ++i)
+    if (layout.charts.width > 0 && has(layout.chart[i], at)) return showTip(state, kChartTip[i]);
+  if (layout.gauge.width > 0 && has(layout.gauge, at)) return showTip(state, kGaugeTip);
+  const int count = input.player != nullptr ? 2 : 4;  // as drawNumbers()
+  const float row = 46 * s, top = scene.y + scene.height - static_cast<float>(count) * row - 14 * s;
+  if (has({scene.x + 18 * s, top, 150 * s, static_cast<float>(count) * row}, at))
+    return showTip(state, kNumberTip[static_cast<std::size_t>((at.y - top) / row)]);
+  const auto badges = badgesOf(input.frame);
+  const bool any = std::any_of(badges.begin(), badges.end(), [](const auto& badge) { return badge.first; });
+  if (any && has({scene.x + scene.width - 240 * s, scene.y + 72 * s, 222 * s, 22 * s}, at)) showTip(state, kBadgeTip);
+}
+
+}  // namespace enamel::viewer
