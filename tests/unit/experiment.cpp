@@ -755,13 +755,13 @@ TEST_CASE("a bur drills while it spins, stroke by stroke, and what is undone is 
 
   e->spin(true);
   std::vector<double> times;
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 300; ++i) {  // not half way through: what comes back pushes the tool out where it is nearest
     const auto begin = std::chrono::steady_clock::now();
     e->tick();
     times.push_back(1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   }
   std::sort(times.begin(), times.end());
-  WARN("a period that drills: p50 " << times[250] << " us, p99 " << times[495] << " us");
+  WARN("a period that drills: p50 " << times[150] << " us, p99 " << times[297] << " us");
   CHECK(drilled.removed[1] > 0.1e-9);  // dentine
   CHECK(drilled.strokes == 2);
   e->spin(false);
