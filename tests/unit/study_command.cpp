@@ -610,7 +610,7 @@ TEST_CASE("study: convergence finds the default", "[study_command]") {
   CHECK(result.output.find("is Runge-Kutta 4 with 1 step a tick") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(folder / "speed/runs.csv"));
   const std::string table = file(folder, "speed", "convergence.csv");
-  CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 2 * 4);
+  CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 3 * 4);
   CHECK(file(folder, "speed", "convergence.html").find("Speed against error") != std::string::npos);
 }
 
