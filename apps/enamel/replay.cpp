@@ -4,19 +4,22 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
 #include "plugin_folder.hpp"
 #include "program.hpp"
 #include "recorded.hpp"
+#include "replay_page.hpp"
 
 namespace enamel::app {
 namespace {
 
 struct ReplayOptions {
-  std::string file, renderer;
+  std::string file, renderer, html, beside;
   std::vector<std::string> set;
   std::uint64_t from = 0;
 };
@@ -41,16 +44,64 @@ std::string numbersOf(const JointVector& v) {
   return text;
 }
 
-void run(const ReplayOptions& options) {
-  RecordingReader recording(options.file);
-  const RecordingHeader& header = recording.header();
-  const auto device = recordedDevice(header);
-  const SceneFile scene = recordedScene(header);
-  const auto renderer = recordedRenderer(header, device, scene.scene, options.renderer, parseParameters(options.set));
-  HapticTick tick(*device, scene.scene, scene.tool, *renderer, header.guard, header.start);
-  const ReplayResult result = replay(recording, tick, options.from);
+// A recording and what runs it again; the bur of its scene cuts as it did.
+struct Replayed {
+  RecordingReader recording;
+  std::shared_ptr<const Mechanism> device;
+  SceneFile scene;
+  std::unique_ptr<Renderer> renderer;
+  std::optional<Drill> drill;
+  HapticTick tick;
 
-  fmt::print("{}: {} on {}, {} s a tick; {} ticks compared, {}\n", options.file, header.renderer, device->name(),
+  Replayed(const std::string& file, const std::string& other, const std::vector<std::string>& set)
+      : recording(file),
+        device(recordedDevice(recording.header())),
+        scene(recordedScene(recording.header())),
+        renderer(recordedRenderer(recording.header(), device, scene.scene, other, parseParameters(set))),
+        tick(*device, scene.scene, scene.tool, *renderer, recording.header().guard, recording.header().start) {
+    if (!scene.bur) return;
+    drill.emplace(scene.tool, scene.solids, *scene.bur);
+    tick.attach(&*drill);
+  }
+};
+
+// Replays, and appends what a page shows of it where there is to be one.
+ReplayResult play(Replayed& run, std::uint64_t from, const std::string& title, bool isAsked, PageNumbers& numbers,
+                  std::vector<nlohmann::json>* sides) {
+  if (sides == nullptr) return replay(run.recording, run.tick, from);
+  PageSide side(title, run.recording.header(), run.scene, run.drill ? &*run.drill : nullptr, isAsked);
+  const ReplayResult result =
+      replay(run.recording, run.tick, from,
+             [&](const RecordedTick& recorded, const HapticTick& tick) { side.see(recorded, tick); });
+  sides->push_back(side.finish(numbers));
+  return result;
+}
+
+void run(const ReplayOptions& options) {
+  const bool hasPage = !options.html.empty(), isOther = !options.renderer.empty() || !options.set.empty();
+  if (!options.beside.empty() && !hasPage) throw Error("--beside is for --html");
+  if (!options.beside.empty() && isOther) throw Error("--beside is another recording: no --renderer, no --set");
+  if (hasPage && *missingForReplayPage() != '\0') throw Error(missingForReplayPage());
+  if (hasPage && std::filesystem::exists(options.html) && std::filesystem::equivalent(options.html, options.file))
+    throw Error("--html would write over the recording: " + options.html);
+  std::vector<nlohmann::json> sides;
+  PageNumbers numbers;
+  if (hasPage && isOther) {  // beside what was recorded
+    Replayed recorded(options.file, "", {});
+    play(recorded, options.from, recorded.recording.header().renderer, false, numbers, &sides);
+  }
+  Replayed run(options.file, options.renderer, options.set);
+  const RecordingHeader& header = run.recording.header();
+  const std::string name =
+      options.renderer.empty() ? header.renderer : std::filesystem::path(options.renderer).stem().string();
+  const ReplayResult result = play(run, options.from, name, isOther, numbers, hasPage ? &sides : nullptr);
+  if (!options.beside.empty()) {
+    Replayed other(options.beside, "", {});
+    play(other, 0, other.recording.header().renderer, false, numbers, &sides);
+  }
+  if (hasPage && isOther) sides[1]["motion"] = 0;
+
+  fmt::print("{}: {} on {}, {} s a tick; {} ticks compared, {}\n", options.file, header.renderer, run.device->name(),
              header.guard.period, result.ticks,
              result.states ? "with the renderer's states" : "without the renderer's states (of another size)");
   if (result.lost > 0) fmt::print("{} ticks were lost when it was recorded\n", result.lost);
@@ -58,6 +109,11 @@ void run(const ReplayOptions& options) {
   if (result.damaged > 0) fmt::print("{} chunks cannot be read: {}\n", result.damaged, result.damage);
   if (!result.closed) fmt::print("it was not closed: it ends with its last whole chunk\n");
   if (result.ticks == 0) throw Error(options.file + ": no tick could be compared");
+  if (hasPage) {
+    writeReplayPage(options.html, sides, numbers);
+    fmt::print("page: {}, {:.1f} MB\n", options.html,
+               1e-6 * static_cast<double>(std::filesystem::file_size(options.html)));
+  }
   if (result.different == 0) {
     fmt::print("equal, bit for bit\n");
     return;
@@ -84,6 +140,10 @@ void addReplay(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--from", options->from, "chunk to begin with (128 ticks each, counted from 0)")
       ->capture_default_str();
+  command->add_option("--html", options->html,
+                      "page that plays the recording in a browser, without any other file; with --renderer or --set "
+                      "beside what that renderer answers");
+  command->add_option("--beside", options->beside, "another recording, for the right half of the page");
   command->callback([options] { run(*options); });
 }
 

@@ -306,6 +306,9 @@ void Viewer::toggleRecording() {
   if (!recording_) {
     if (split_) return notify("Two tools are not recorded: V shows one.");
     if (isScan(scenePath_)) return notify("A scan is not recorded as it is dropped: a scene file that names it is.");
+    const RemovedVolume& removed = frame_.drilled.removed;
+    if (scene_.bur && std::any_of(removed.begin(), removed.end(), [](double volume) { return volume > 0.0; }))
+      return notify("A recording begins with whole teeth: Ctrl+Z or Backspace puts back what was drilled.");
     for (int i = 1; path.empty() || std::filesystem::exists(path); ++i) {
       char free[32];
       std::snprintf(free, sizeof(free), "enamel-%03d.rec", i);
@@ -429,7 +432,9 @@ void Viewer::act(Action action) {
     }
     case Action::reset: resetAll(); break;
     case Action::undo:
-      if (frame_.drilled.strokes == 0)
+      if (recording_ && frame_.drilled.strokes > 0)
+        notify("A recording cannot take back what it has drilled: Ctrl+R ends it.");
+      else if (frame_.drilled.strokes == 0)
         notify("There is no stroke of a bur to take back.");
       else
         send(RunnerCommand::Kind::undo, 0);

@@ -1,5 +1,6 @@
 #include "enamel/collision/solid_surface.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

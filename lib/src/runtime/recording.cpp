@@ -164,7 +164,7 @@ namespace {
 bool isWhole(const TickBytes& t) noexcept {
   return *std::max_element(std::begin(t.sizes), std::end(t.sizes)) <= kMaxJoints && t.status < kStatuses &&
          t.reason <= static_cast<int>(GuardReason::deadlines) && t.mode <= static_cast<int>(RenderMode::fault) &&
-         (t.flags & ~(kEnabled | kSaturated | kReset)) == 0 && t.zero == 0;
+         (t.flags & ~(kEnabled | kSaturated | kReset | kSpins)) == 0 && t.zero == 0;
 }
 
 RecordedTick tickOf(const TickBytes& t, int joints) {
@@ -187,6 +187,7 @@ RecordedTick tickOf(const TickBytes& t, int joints) {
   tick.mode = static_cast<RenderMode>(t.mode);
   tick.saturated = (t.flags & kSaturated) != 0;
   tick.reset = (t.flags & kReset) != 0;
+  tick.spins = (t.flags & kSpins) != 0;
   return tick;
 }
 

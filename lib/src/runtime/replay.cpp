@@ -74,6 +74,7 @@ ReplayResult replay(RecordingReader& recording, HapticTick& tick, std::uint64_t 
     isGap = isGap || chunk.lost > 0 || (i == 0 && !chunk.fresh);
     for (const RecordedTick& recorded : chunk.ticks) {
       if (recorded.reset || (isGap && !restores)) tick.reset();
+      if (tick.drill() != nullptr) tick.drill()->spin(recorded.spins);
       Command command;
       const Status status = tick(recorded.measurement, command);
       if (isGap && restores) {

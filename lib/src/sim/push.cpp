@@ -1,5 +1,6 @@
 #include "enamel/sim/push.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <string>

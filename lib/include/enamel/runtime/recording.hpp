@@ -54,6 +54,7 @@ struct RecordedTick {
   RenderMode mode = RenderMode::free;
   bool saturated = false;
   bool reset = false;  ///< HapticTick::reset() came before it
+  bool spins = false;  ///< the bur did: Drill::spins()
 };
 
 /// What was written at once.

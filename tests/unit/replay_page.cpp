@@ -1,0 +1,167 @@
+// enamel replay --html: a tooth that is drilled while it is recorded, run again, and played by a browser.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+
+#include "enamel/core/file.hpp"
+#include "enamel/runtime/recorder.hpp"
+#include "enamel/sim/hand.hpp"
+#include "enamel/sim/virtual_loop.hpp"
+#include "recorded.hpp"
+#include "renderers.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/skip.hpp"
+
+namespace enamel::test_replay_page {
+
+namespace {
+
+constexpr int kTicks = 1500;
+constexpr int kEvery = 17;  // ticks between two pictures
+
+const std::string kScene = R"(
+name = "block"
+start = [0.0, 0.0, 0.0006]
+[[tool]]
+from = [0.0, 0.0, 0.0]
+radius = 0.0005
+[bur]
+wear = 0.5
+[[obstacle]]
+name = "block"
+shape = "solid"
+file = "block.obj"
+unit = "mm"
+cell = 0.0001
+[[obstacle.layer]]
+name = "dentine"
+hardness = 0.6e9
+)";
+
+void writeBlock(const std::string& path) {
+  std::ofstream file(path);
+  for (int i = 0; i < 8; ++i)
+    file << "v " << (i & 1 ? 3 : -3) << ' ' << (i & 2 ? 3 : -3) << ' ' << (i & 4 ? 0 : -3) << '\n';
+  file
+      << "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\nf 4 8 6\n";
+}
+
+// The forces on the tool, N, and what was removed, m^3.
+struct Run {
+  std::vector<double> forces;
+  double removed = 0.0;
+};
+
+// A hand presses with 2 N; the bur spins from 0.2 s to 1.2 s.
+Run record(const test::TemporaryFolder& folder, const std::string& path) {
+  writeBlock(folder / "block.obj");
+  RecordingHeader header;
+  header.deviceFile = ENAMEL_SOURCE_DIR "/data/devices/tau-nominal.toml";
+  header.deviceText = readFile(header.deviceFile);
+  header.sceneFile = folder / "block.toml";
+  header.sceneText = kScene;
+  const auto device = app::recordedDevice(header);
+  const SceneFile scene = app::recordedScene(header);
+  header.start.position = scene.start;
+  const std::map<std::string, std::string> parameters{{"mode", "surface"}};
+  app::nameRenderer("position-control", "", parameters, scene.scene, header);
+  const auto renderer = app::makeLinked("position-control", parameters, device, 1e-3);
+
+  LoopSetup setup;
+  setup.scene = scene.scene;
+  setup.tool = scene.tool;
+  setup.start = header.start;
+  setup.encoders = {true, RateSource::difference};
+  VirtualLoop loop(*device, *renderer, setup);
+  Drill drill(scene.tool, scene.solids, *scene.bur);
+  loop.attach(&drill);
+  Recorder recorder(path, header, loop.hapticTick());
+  Run run;
+  TickRecord tick;
+  for (int i = 0; i < kTicks; ++i) {
+    drill.spin(i >= 200 && i < 1200);
+    const auto load = [&](double, const Pose& at, const Vec6& twist) {
+      Vec6 wrench = guidingWrench(at, twist, header.start, Vec3::UnitZ());
+      wrench[2] -= 2.0 + 3.0 * twist[2];
+      return wrench;
+    };
+    REQUIRE(loop.tick(load, tick) == Status::ok);
+    recorder.makeRoom();
+    recorder.add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
+    const Kinematics& k = loop.input().kinematics;
+    run.forces.push_back(wrenchOf(k, loop.command().torque - k.gravity).head<3>().norm());
+    for (const double volume : drill.removed()) run.removed += volume;
+  }
+  REQUIRE(recorder.close().ticks == kTicks);
+  return run;
+}
+
+std::string attribute(const std::string& page, const std::string& name) {
+  std::smatch found;
+  return std::regex_search(page, found, std::regex("data-" + name + "=\"([^\"]*)\"")) ? found[1].str() : "";
+}
+
+}  // namespace
+
+TEST_CASE("what a bur has cut while it was recorded is cut again, and a browser plays it", "[recording]") {
+  const test::TemporaryFolder folder;
+  const std::string recording = folder / "drill.rec", page = folder / "drill.html";
+  const Run run = record(folder, recording);
+  REQUIRE(run.removed > 0.05e-9);
+
+  const auto equal = test::run("replay '" + recording + "'");
+  INFO(equal.output);
+  REQUIRE(equal.status == 0);
+  CHECK_THAT(equal.output, Catch::Contains("1500 ticks compared, with the renderer's states"));
+
+  const auto made = test::run("replay '" + recording + "' --html '" + page + "'");
+  INFO(made.output);
+  if (made.output.find("was built without three.js") != std::string::npos)
+    return test::skipTest("three.js is not installed");
+  REQUIRE(made.status == 0);
+  CHECK(std::filesystem::file_size(page) < 3e6);
+  const std::string text = test::readFile(page);
+  // Nothing is asked for anywhere else.
+  CHECK_FALSE(std::regex_search(text, std::regex("<link|<script[^>]+src|@import|<img|<iframe")));
+
+  const auto over = test::run("replay '" + recording + "' --html '" + recording + "'");
+  CHECK(over.status == 1);
+  CHECK_THAT(over.output, Catch::Contains("would write over the recording"));
+  const auto nowhere = test::run("replay '" + recording + "' --html '" + (folder / "no/page.html") + "'");
+  CHECK(nowhere.status == 1);
+  CHECK_THAT(nowhere.output, Catch::Contains("no/page.html: ") && Catch::Contains("No such file or directory"));
+  const auto alone = test::run("replay '" + recording + "' --beside '" + recording + "'");
+  CHECK(alone.status == 1);
+  CHECK_THAT(alone.output, Catch::Contains("--beside is for --html"));
+  const auto beside =
+      test::run("replay '" + recording + "' --renderer impedance --html '" + (folder / "two.html") + "'");
+  INFO(beside.output);
+  CHECK_THAT(beside.output, Catch::Contains("page: ") && Catch::Contains(" ticks differ"));
+
+  if (std::system("command -v chromium > /dev/null 2>&1") != 0) return test::skipTest("chromium is not installed");
+  const auto open = [&](const std::string& file, const std::string& at) {
+    const auto result = test::runCommand(
+        "timeout 60 chromium --headless --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader "
+        "--user-data-dir='" +
+        (folder / "profile") + "' --virtual-time-budget=3000 --dump-dom 'file://" + file + at + "' 2>/dev/null");
+    REQUIRE(result.status == 0);
+    CHECK(attribute(result.output, "error").empty());
+    CHECK(attribute(result.output, "ready") == "yes");
+    return result.output;
+  };
+  const std::string still = open(page, "#t=0.8");
+  CHECK(attribute(still, "time") == "0.8000");
+  const auto shown = static_cast<std::size_t>(800 / kEvery * kEvery);
+  REQUIRE(run.forces[shown] > 0.1);
+  // Numbers of a page are single precision.
+  CHECK(static_cast<float>(std::stod(attribute(still, "forces"))) == static_cast<float>(run.forces[shown]));
+  char removed[32];
+  std::snprintf(removed, sizeof(removed), "%.2f mm", 1e9 * run.removed);
+  CHECK_THAT(open(page, "#t=1.49"), Catch::Contains(removed));
+  CHECK(std::stod(attribute(open(page, ""), "time")) > 0.3);  // it plays
+  CHECK_THAT(attribute(open(folder / "two.html", "#t=0.8"), "forces"), Catch::Contains(" "));
+}
+
+}  // namespace enamel::test_replay_page
