@@ -353,6 +353,9 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
   /// scale has changed since start() or an object's rotation is none. Realtime: yes.
   Status status() const noexcept { return status_; }
 
+  /// What was handed over, in W of the device.
+  const Scene& scene() const noexcept { return scene_; }
+
   /// The last tick, with what the guard said; what renderer and guard saw of it. Null before start(). Realtime: yes.
   const LoopTick* latest() const noexcept { return body_ ? &body_->tick() : nullptr; }
   const HapticTick* haptics() const noexcept { return haptics_ ? &*haptics_ : nullptr; }

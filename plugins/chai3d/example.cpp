@@ -13,7 +13,6 @@ using namespace enamel;
 class SimulatedStylus final : public chai3d::cGenericHapticDevice {
  public:
   SimulatedStylus() {
-    m_specifications.m_modelName = "simulated stylus";
     m_specifications.m_maxLinearForce = 3.3;    // N
     m_specifications.m_workspaceRadius = 0.08;  // m
     m_specifications.m_sensedPosition = m_specifications.m_actuatedPosition = true;
@@ -26,18 +25,17 @@ class SimulatedStylus final : public chai3d::cGenericHapticDevice {
   bool open() override { return m_deviceReady = true; }
   bool close() override { return !(m_deviceReady = false); }
   bool getPosition(chai3d::cVector3d& position) override {
-    if (physics->measure(measured) != Status::ok) return chai3d::C_ERROR;
-    position = toChai3d(Vec3(measured.q));
+    if (physics->measure(measured) == Status::ok) position = toChai3d(Vec3(measured.q));
     return m_deviceReady;
   }
   bool setForceAndTorqueAndGripperForce(const chai3d::cVector3d& force, const chai3d::cVector3d&, double) override {
     const auto hand = [](double time, const Pose& pose, const Vec6& twist) {
       Vec6 push = Vec6::Zero();
-      const Vec3 goal(0.004 * std::sin(6.0 * time), 0.0, -0.001 - 0.003 * std::cos(4.0 * time + M_PI));
+      const Vec3 goal(0.004 * std::sin(6.0 * time), 0.0, -0.001 + 0.003 * std::cos(4.0 * time));
       push.head<3>() = 400.0 * (goal - pose.position) - 8.0 * twist.head<3>();  // N
       return push;
     };
-    return m_deviceReady && physics->actuate({fromChai3d(force)}) == Status::ok && physics->advance(hand) == Status::ok;
+    return physics->actuate({fromChai3d(force)}) == Status::ok && physics->advance(hand) == Status::ok;
   }
 
   std::unique_ptr<CartesianMechanism> mechanism;
@@ -74,8 +72,8 @@ int main() try {
     if (tool->isInContact(box)) deepest = std::max(deepest, depth);
     most = std::max(most, force);
     if (i % 100 == 0)
-      std::printf("%.1f s %8.3f mm deep %6.2f N  %.*s\n", 1e-3 * i, 1e3 * depth, force, static_cast<int>(20.0 * force),
-                  "############################################################");
+      std::printf("%.1f s %8.3f mm deep %6.2f N  %s\n", 1e-3 * i, 1e3 * depth, force,
+                  std::string(static_cast<std::size_t>(20.0 * std::max(force, 0.0)), '#').c_str());
   }
   tool->stop();
   std::printf("pressed with up to %.2f N, %.3f mm into the wall\n", most, 1e3 * deepest);

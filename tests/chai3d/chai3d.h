@@ -3,6 +3,7 @@
 // with either, says that they are alike; real_headers.sh compiles it with CHAI3D's.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -144,6 +145,11 @@ class cGenericObject : public cGenericType {
   bool addChild(cGenericObject* object) {
     object->parent_ = this;
     children_.push_back(object);
+    return C_SUCCESS;
+  }
+  bool removeChild(cGenericObject* object) {
+    object->parent_ = nullptr;
+    children_.erase(std::remove(children_.begin(), children_.end(), object), children_.end());
     return C_SUCCESS;
   }
   void computeGlobalPositionsFromRoot(const bool = true) {

@@ -95,6 +95,7 @@ SAME(&cGenericObject::getGlobalPos, cVector3d (cGenericObject::*)() const);
 SAME(&cGenericObject::getLocalRot, cMatrix3d (cGenericObject::*)() const);
 SAME(&cGenericObject::getGlobalRot, cMatrix3d (cGenericObject::*)() const);
 SAME(&cGenericObject::addChild, bool (cGenericObject::*)(cGenericObject*));
+SAME(&cGenericObject::removeChild, bool (cGenericObject::*)(cGenericObject*));
 SAME(&cGenericObject::computeGlobalPositionsFromRoot, void (cGenericObject::*)(bool));
 inline void callable(cGenericObject& object) { object.computeGlobalPositionsFromRoot(); }
 
