@@ -195,7 +195,6 @@ class Chai3dDevice final : public HapticDevice {
       const Pose& last = kinematics_.pose;
       Vec6 way;
       way << pose.position - last.position, rotationVector(pose.rotation * last.rotation.transpose());
-      if (!turns) way.tail<3>().setZero();
       const double share = -std::expm1(-2.0 * M_PI * options_.cutoff * passed);
       twist = kinematics_.twist + share * (way / passed - kinematics_.twist);
     } else {

@@ -200,6 +200,12 @@ TEST_CASE("six axes: what the device measures, and a command a native tick gives
       sent << bench.driver->force, bench.driver->moment;
       worstWrench = std::max(worstWrench, (torqueOf(tick.input().kinematics.jacobian, sent) - command.torque).norm());
       moment = std::max(moment, bench.driver->moment.norm());
+      if (i == 0) continue;  // start() has measured at this instant
+      Vec6 shown;
+      shown << fromChai3d(bench.tool.getDeviceLocalLinVel()), fromChai3d(bench.tool.getDeviceLocalAngVel());
+      worst = std::max(worst, 1e-3 * (shown - twistOf(tick.input().kinematics.jacobian, m.rates)).norm());
+      worst =
+          std::max(worst, (fromChai3d(bench.tool.getDeviceLocalRot()) - tick.input().kinematics.pose.rotation).norm());
     }
     CHECK(different == 0);
     CHECK(worst < 1e-14);        // a rotation vector to a matrix and back
@@ -246,6 +252,21 @@ TEST_CASE("forces stay within the device's specifications, their direction kept"
     cut += bench.tool.latest()->reason == GuardReason::force ? 1 : 0;
   }
   CHECK(cut > 50);
+
+  Tool rod;
+  rod.parts[0] = {Vec3(0.01, 0.0, 0.0), Vec3(0.02, 0.005, 0.0), 1e-3};
+  Bench turning(*mechanism, stiff);
+  turning.driver->m_specifications.m_maxAngularTorque = 0.003;
+  turning.tool.setTool(rod);
+  turning.tool.addObstacle(halfSpace("wall", Vec3::Zero(), Vec3::UnitZ()));
+  REQUIRE(turning.tool.start());
+  cut = 0;
+  for (int i = 0; i < 500; ++i) {
+    turning.tick();
+    CHECK(turning.driver->moment.norm() <= 0.003 * (1.0 + 1e-12));
+    cut += turning.tool.latest()->reason == GuardReason::force ? 1 : 0;
+  }
+  CHECK(cut > 50);
 }
 
 TEST_CASE("what a device cannot do is a status, and leaves the measurement as it was", "[chai3d]") {
@@ -261,6 +282,7 @@ TEST_CASE("what a device cannot do is a status, and leaves the measurement as it
   CHECK(wrapped.measure(m) == Status::inactive);
   CHECK(wrapped.actuate(command) == Status::inactive);
   wrapped.open();
+  m.applied.setZero(6);
   REQUIRE(wrapped.measure(m) == Status::ok);
   CHECK(m.enabled);
   CHECK(m.applied.size() == 0);
@@ -293,6 +315,11 @@ TEST_CASE("what a device cannot do is a status, and leaves the measurement as it
   driver->switches = 2;
   CHECK(next() == Status::ok);
   CHECK(!m.enabled);
+  driver->switches = 1;
+  driver->tellsSwitches = false;
+  CHECK(next() == Status::ok);
+  CHECK(!m.enabled);
+  const double then = now;
   now = std::numeric_limits<double>::quiet_NaN();
   CHECK(wrapped.measure(m) == Status::notFinite);
 
@@ -309,6 +336,12 @@ TEST_CASE("what a device cannot do is a status, and leaves the measurement as it
   wrapped.close();
   wrapped.close();
   CHECK(driver->closed == 1);
+
+  driver->offset.x() = 0.01;  // somewhere else when it is opened again: that was no motion
+  now = then + 0.1;
+  wrapped.open();
+  REQUIRE(wrapped.measure(m) == Status::ok);
+  CHECK(m.rates.isZero(0.0));
 }
 
 TEST_CASE("devices that do not fit are refused, with their names", "[chai3d]") {
@@ -377,6 +410,7 @@ TEST_CASE("meshes that are none, and a tool that cannot start, are refused", "[c
   CHECK(bench.tool.status() == Status::stale);  // start() has measured at this instant
   bench.tick();
   CHECK(bench.tool.status() == Status::ok);
+  bench.driver->force = Vec3::Ones();
   bench.tool.stop();
   CHECK(bench.driver->closed == 3);
   CHECK(bench.driver->force.isZero(0.0));
@@ -388,7 +422,7 @@ TEST_CASE("a pose that is none ramps the force out; reset() goes on", "[chai3d]"
   Bench bench(*mechanism, servo);
   bench.tool.addObstacle(halfSpace("wall", Vec3::Zero(), Vec3::UnitZ()));
   REQUIRE(bench.tool.start());
-  while (bench.driver->force.z() < 0.5) bench.tick();
+  REQUIRE(bench.press(0.5));
   bench.driver->offset.x() = std::nan("");
   double largest = 0.0;
   for (int i = 0; i < 100; ++i) {
@@ -418,7 +452,7 @@ TEST_CASE("switch and setForcesOFF() take the force away, and it ramps in again"
   Bench bench(*mechanism, spring);
   bench.tool.addObstacle(halfSpace("wall", Vec3::Zero(), Vec3::UnitZ()));
   REQUIRE(bench.tool.start());
-  while (bench.driver->force.z() < 0.5) bench.tick();
+  REQUIRE(bench.press(0.5));
   CHECK(bench.tool.getUserSwitches() == 1);
   REQUIRE(bench.tool.setForcesOFF());
   for (int i = 0; i < 30; ++i) bench.tick();
@@ -475,16 +509,21 @@ TEST_CASE("a multi-mesh is one obstacle, its parts where they are; removed trian
   two.getMesh(1)->setLocalRot(turned(turn));
   two.getMesh(0)->newTriangle(0, 1, 2);
   two.getMesh(0)->removeTriangle(12);
-  CHECK(bench.tool.addMesh(&two) == 0);
+  Material rough;
+  rough.friction = 0.3;
+  REQUIRE(bench.tool.setWorkspaceScaleFactor(2.0));
+  CHECK(bench.tool.addMesh(&two, rough, 0.004) == 0);
   REQUIRE(bench.tool.start());
   const Obstacle& obstacle = bench.tool.scene().obstacles()[0];
+  CHECK(obstacle.material.friction == 0.3);
+  CHECK(obstacle.thickness == 0.002);
   const TriangleMesh& mesh = std::get<std::shared_ptr<const MeshModel>>(obstacle.shape)->mesh();
   const TriangleMesh one = boxInW();
   REQUIRE(mesh.vertices.size() == 16);
   REQUIRE(mesh.triangles.size() == 24);
   for (std::size_t i = 0; i < 8; ++i) {
-    CHECK(mesh.vertices[i] == one.vertices[i]);
-    CHECK((mesh.vertices[8 + i] - (shift + rotationFromVector(turn) * one.vertices[i])).norm() < 1e-16);
+    CHECK(2.0 * mesh.vertices[i] == one.vertices[i]);
+    CHECK((2.0 * mesh.vertices[8 + i] - (shift + rotationFromVector(turn) * one.vertices[i])).norm() < 1e-16);
   }
   for (std::size_t i = 0; i < 12; ++i)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -553,13 +592,23 @@ TEST_CASE("a mesh of the world is felt where it is seen, and the tool says so", 
   far.setLocalPos(-0.5, 0.0, 0.0);
   bench.tool.addMesh(&far);
   REQUIRE(bench.tool.start());
-  CHECK(bench.tool.addMesh(&box) == 1);  // also after start()
-  while (bench.driver->force.norm() < 0.2) bench.tick();
+  bench.tick();
+  CHECK(bench.tool.addMesh(&box) == 1);  // also after start(): the ticks begin anew
+  CHECK(bench.tool.latest()->number == 0);
+  do bench.tick();
+  while (bench.driver->measured.q[2] > 0.8e-3);
+  CHECK(bench.tool.haptics()->input().contacts.count > 0);
+  CHECK(!bench.tool.isInContact(&box));  // within its margin only
+  REQUIRE(bench.press(0.2));
   CHECK(bench.tool.isInContact(&box));
   CHECK(!bench.tool.isInContact(&far));
   CHECK(bench.tool.getDeviceGlobalForce()(0) > 0.19);  // towards the user
   CHECK(std::abs(bench.tool.getDeviceGlobalForce()(2)) < 1e-12);
   CHECK(bench.tool.getDeviceGlobalPos()(0) < 0.0);
+  bench.driver->hold = rotationFromVector(Vec3(0.2, 0.1, 0.0));  // a turn that is sensed is seen, with three axes too
+  bench.tick();
+  CHECK(fromChai3d(bench.tool.getDeviceLocalRot()) == bench.driver->hold);
+  CHECK(bench.tool.status() == Status::ok);
 }
 
 TEST_CASE("a tick a period, however often the thread asks", "[chai3d]") {

@@ -243,7 +243,7 @@ class cHapticPoint {
   double getRadiusContact() { return m_radiusContact; }
 
  protected:
-  double m_radiusContact = 0.0;
+  double m_radiusContact = 0.01;  // as CHAI3D's
 };
 
 class cGenericTool : public cGenericObject {

@@ -52,7 +52,7 @@ class Driver final : public chai3d::cGenericHapticDevice {
     return chai3d::C_SUCCESS;
   }
   bool getRotation(chai3d::cMatrix3d& rotation) override {
-    rotation = toChai3d(Mat3(stretch * kinematics_.pose.rotation));
+    rotation = toChai3d(Mat3(stretch * hold * kinematics_.pose.rotation));
     return chai3d::C_SUCCESS;
   }
   bool getLinearVelocity(chai3d::cVector3d& velocity) override {
@@ -65,7 +65,7 @@ class Driver final : public chai3d::cGenericHapticDevice {
   }
   bool getUserSwitches(unsigned int& held) override {
     held = switches;
-    return chai3d::C_SUCCESS;
+    return tellsSwitches;
   }
   bool setForceAndTorqueAndGripperForce(const chai3d::cVector3d& f, const chai3d::cVector3d& m, double) override {
     if (refuses) return chai3d::C_ERROR;
@@ -85,11 +85,12 @@ class Driver final : public chai3d::cGenericHapticDevice {
  public:
   VirtualDevice physics;
   Measurement measured;
-  bool opens = true, calibrates = true, lost = false, refuses = false, moves = true;
+  bool opens = true, calibrates = true, lost = false, refuses = false, moves = true, tellsSwitches = true;
   int closed = 0;
   unsigned int switches = 1;
   Vec3 offset = Vec3::Zero();
   double stretch = 1.0;
+  Mat3 hold = Mat3::Identity();                      // of a stylus that is sensed to turn
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();  // sent last, N, N m, in W
 };
 
@@ -110,6 +111,7 @@ struct Bench {
       : driver(std::make_shared<Driver>(mechanism)),
         tool(&world, mechanism, renderer, guardFor(mechanism, 1e-3), optionsFor(cutoff)) {
     tool.setHapticDevice(driver);
+    tool.setRadius(0.0);
   }
   Chai3dOptions optionsFor(double cutoff) {
     Chai3dOptions options;
@@ -121,6 +123,15 @@ struct Bench {
     tool.updateFromDevice();
     tool.computeInteractionForces();
     tool.applyToDevice();
+  }
+
+  /// Ticks until it is pressed with `force`, N; false: not within 2 s.
+  bool press(double force) {
+    for (int i = 0; i < 2000; ++i) {
+      tick();
+      if (driver->force.z() > force) return true;
+    }
+    return false;
   }
 
   chai3d::cWorld world;
