@@ -1,6 +1,4 @@
 // A stiff wall in CHAI3D: a box, touched through a Chai3dTool in the loop that every CHAI3D program has.
-//
-//   chai3d_wall
 #include <cstdio>
 #include <enamel/device/cartesian/mechanism.hpp>
 #include <enamel/render/surface_servo.hpp>
@@ -37,7 +35,6 @@ class SimulatedStylus final : public chai3d::cGenericHapticDevice {
     };
     return physics->actuate({fromChai3d(force)}) == Status::ok && physics->advance(hand) == Status::ok;
   }
-
   std::unique_ptr<CartesianMechanism> mechanism;
   std::unique_ptr<VirtualDevice> physics;
   Measurement measured;
@@ -49,7 +46,6 @@ int main() try {
   SurfaceServoRenderer servo(surfaceServoFor(mechanism.limits().count, 1e-3, 0, 0));
   Chai3dOptions options;
   options.clock = [&stylus] { return stylus->physics->time(); };  // yours: nothing, that is a real clock
-
   chai3d::cWorld world;
   auto* box = new chai3d::cMesh;  // its front is at x = 0
   for (int i = 0; i < 8; ++i) box->newVertex(i & 1 ? 0.0 : -0.02, i & 2 ? 0.05 : -0.05, i & 4 ? 0.05 : -0.05);
@@ -79,5 +75,5 @@ int main() try {
   std::printf("pressed with up to %.2f N, %.3f mm into the wall\n", most, 1e3 * deepest);
   return most > 1.0 && deepest < 0.1e-3 ? 0 : 1;
 } catch (const Error& error) {
-  return std::fprintf(stderr, "chai3d_wall: %s\n", error.what()), 1;
+  return std::fprintf(stderr, "wall: %s\n", error.what()), 1;
 }

@@ -1,5 +1,9 @@
 // A CHAI3D program gets the walls of the native loop, and CHAI3D's devices are HapticDevices.
 #include <cstring>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include "chai3d/driver.hpp"
@@ -630,6 +634,40 @@ TEST_CASE("a tick a period, however often the thread asks", "[chai3d]") {
   }
   CHECK(bench.tool.latest()->number - before == 1000);
   CHECK(bench.tool.latest()->reason == GuardReason::none);
+  for (int i = 0; i < 100; ++i) {  // at 500 Hz: too slow for its renderer
+    bench.later += 2e-3;
+    bench.tick();
+  }
+  CHECK(bench.tool.latest()->reason == GuardReason::deadlines);
+  bench.tool.stop();
+  bench.later = 0.0;  // a clock that begins anew with the device
+  REQUIRE(bench.tool.start());
+  for (int i = 0; i < 10; ++i) {
+    bench.later += 1e-3;
+    bench.tick();
+  }
+  CHECK(bench.tool.latest()->number == 10);
+}
+
+TEST_CASE("the page shows lines of the example, which is below 80", "[chai3d]") {
+  const auto linesOf = [](const std::string& file) {
+    std::ifstream stream(std::string(ENAMEL_SOURCE_DIR) + "/plugins/chai3d/" + file);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(stream, line);) lines.push_back(line.erase(0, line.find_first_not_of(' ')));
+    return lines;
+  };
+  const std::vector<std::string> example = linesOf("example.cpp"), page = linesOf("README.md");
+  CHECK(example.size() < 80);
+  const std::set<std::string> known(example.begin(), example.end());
+  auto line = std::find(page.begin(), page.end(), "```cpp");
+  int shown = 0;
+  for (++line; line != page.end() && *line != "```"; ++line) {
+    if (line->rfind("//", 0) == 0) continue;
+    INFO(*line);
+    CHECK(known.count(*line) == 1);
+    ++shown;
+  }
+  CHECK(shown > 8);
 }
 
 }  // namespace enamel::test_adapter
