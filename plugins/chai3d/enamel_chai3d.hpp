@@ -1,0 +1,500 @@
+// CHAI3D (chai3d.org, 3.2 or 3.3) and Enamel: a tool of a CHAI3D world that takes its force from one of our renderers,
+// and any device that CHAI3D drives as a HapticDevice. Who includes this links enamel::runtime and CHAI3D.
+//
+// SI units. A device of CHAI3D has x towards the user, y right, z up; W has x right, y up, z towards the user: the same
+// axes in another order, so that vectors change frames without rounding.
+#pragma once
+
+#include <chai3d.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "enamel/core/error.hpp"
+#include "enamel/device/cartesian/parameters.hpp"
+#include "enamel/runtime/haptic_loop.hpp"
+
+namespace enamel {
+
+/// Vectors and rotations in the axes of CHAI3D and in those of W. Realtime: yes.
+inline Vec3 fromChai3d(const chai3d::cVector3d& v) noexcept { return {v(1), v(2), v(0)}; }
+inline chai3d::cVector3d toChai3d(const Vec3& v) noexcept { return {v[2], v[0], v[1]}; }
+inline Mat3 fromChai3d(const chai3d::cMatrix3d& m) noexcept {
+  Mat3 result;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) result(i, j) = m((i + 1) % 3, (j + 1) % 3);
+  return result;
+}
+inline chai3d::cMatrix3d toChai3d(const Mat3& m) noexcept {
+  chai3d::cMatrix3d result;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) result((i + 1) % 3, (j + 1) % 3) = m(i, j);
+  return result;
+}
+
+/// The Cartesian device of 3 axes that CHAI3D's specifications tell of. They do not tell the apparent mass at the tip
+/// (kg) and the smallest difference of positions (m). The workspace is a cuboid of twice m_workspaceRadius, which is
+/// that of a sphere inside the real one. With axes = 6, inertia and angleStep it is one of 6 axes. Realtime: no.
+inline CartesianParameters cartesianFor(const chai3d::cHapticDeviceInfo& specifications, double mass,
+                                        double positionStep) {
+  CartesianParameters parameters;
+  parameters.name = specifications.m_modelName;
+  parameters.mass = mass;
+  parameters.positionStep = positionStep;
+  parameters.halfWidths.setConstant(2.0 * specifications.m_workspaceRadius);
+  parameters.maxForce = specifications.m_maxLinearForce;
+  parameters.maxMoment = specifications.m_maxAngularTorque;
+  return parameters;
+}
+
+struct Chai3dOptions {
+  /// Of the low pass through which differences of poses become rates, Hz. 0: CHAI3D's getLinearVelocity() and
+  /// getAngularVelocity(), where the driver has better ones than CHAI3D's means over 15 and 30 ms.
+  double cutoff = 100.0;
+  int enableSwitch = -1;          ///< user switch that has to be held, 0 to 31; -1: none
+  std::function<double()> clock;  ///< s; empty: std::chrono::steady_clock. Realtime: yes
+};
+
+/// A device that CHAI3D drives. Its workspace is the device's own, in metres: no scale, no tool. CHAI3D's drivers must
+/// not throw in a tick. For one thread at a time.
+class Chai3dDevice final : public HapticDevice {
+ public:
+  /// `mechanism`: with 3 or 6 joints (kind cartesian); must outlive it. Throws Error: there is no device; it senses or
+  /// moves fewer axes than the mechanism has; other joints; a cutoff that is negative or not finite; no such switch.
+  Chai3dDevice(chai3d::cGenericHapticDevicePtr device, const Mechanism& mechanism, Chai3dOptions options = {})
+      : device_(std::move(device)), mechanism_(mechanism), options_(std::move(options)), kinematics_(mechanism.home()) {
+    if (device_ == nullptr) throw Error("chai3d: there is no haptic device");
+    readSpecifications();
+    const int joints = mechanism.joints();
+    if (joints != 3 && joints != 6)
+      throw Error("chai3d: \"" + mechanism.name() + "\" has " + std::to_string(joints) + " joints, must have 3 or 6");
+    const chai3d::cHapticDeviceInfo& s = specifications_;
+    if (!s.m_sensedPosition || !s.m_actuatedPosition || (joints == 6 && !(s.m_sensedRotation && s.m_actuatedRotation)))
+      throw Error("chai3d: \"" + s.m_modelName + "\" does not sense and move the " + std::to_string(joints) +
+                  " axes of \"" + mechanism.name() + "\"");
+    if (!(options_.cutoff >= 0.0 && std::isfinite(options_.cutoff)))
+      throw Error("chai3d: the cutoff is " + std::to_string(options_.cutoff) + " Hz, must be finite and at least 0 Hz");
+    if (options_.enableSwitch < -1 || options_.enableSwitch > 31)
+      throw Error("chai3d: the enabling switch is " + std::to_string(options_.enableSwitch) + ", must be in -1 to 31");
+  }
+  ~Chai3dDevice() override { close(); }
+  Chai3dDevice(const Chai3dDevice&) = delete;
+  Chai3dDevice& operator=(const Chai3dDevice&) = delete;
+
+  /// Opens and calibrates. Throws Error: CHAI3D could not. Realtime: no.
+  void open() override {
+    if (opened_) return;
+    if (!device_->open()) throw Error("chai3d: \"" + specifications_.m_modelName + "\" cannot be opened");
+    opened_ = true;
+    if (!device_->calibrate(false)) {
+      close();
+      throw Error("chai3d: \"" + specifications_.m_modelName + "\" cannot be calibrated");
+    }
+    readSpecifications();  // some drivers know them only now
+    started_ = false;
+  }
+
+  void close() noexcept override {
+    if (!std::exchange(opened_, false)) return;
+    send(chai3d::cVector3d(0.0, 0.0, 0.0), chai3d::cVector3d(0.0, 0.0, 0.0));
+    device_->close();
+  }
+
+  /// inactive: CHAI3D has not opened the device; stale: it gave no pose, or time did not advance; notFinite;
+  /// outOfRange: what it gave is no rotation; unreachable: beyond the mechanism's workspace. Whatever the status, the
+  /// time is set, and all else is as before where it is not ok. Realtime: yes, as CHAI3D's driver is.
+  [[nodiscard]] Status measure(Measurement& measurement) noexcept override {
+    const double last = time_;
+    const double time = options_.clock ? options_.clock() : steady();
+    measurement.time = time;
+    if (!device_->isDeviceReady()) return Status::inactive;
+    if (!std::isfinite(time)) return Status::notFinite;
+    if (started_ && time <= last) return Status::stale;
+    Pose pose;
+    Vec6 twist;
+    const Status status = read(time - last, pose, twist);
+    if (status != Status::ok) return status;
+    const Status reached = mechanism_.reach(pose, twist, false, kinematics_);
+    if (reached != Status::ok) return reached;
+    time_ = time;
+    started_ = true;
+    measurement.q = kinematics_.q;
+    measurement.rates = kinematics_.rates;
+    measurement.applied.resize(0);  // CHAI3D's getForce() tells what was sent, not what acted
+    measurement.enabled = options_.enableSwitch < 0 || ((switches_ >> options_.enableSwitch) & 1U) != 0;
+    return Status::ok;
+  }
+
+  /// Sends the wrench of the command at the last measured pose, made smaller where it is beyond m_maxLinearForce or
+  /// m_maxAngularTorque, its direction kept. inactive: CHAI3D has not opened the device; outOfRange: not one torque a
+  /// joint; notFinite (the motors are off then, in both); stale: CHAI3D could not send it. Realtime: yes, as CHAI3D's
+  /// driver is.
+  [[nodiscard]] Status actuate(const Command& command) noexcept override {
+    chai3d::cVector3d force, moment;
+    const Status status = wrenchOf(command, force, moment);
+    if (!device_->isDeviceReady()) return Status::inactive;
+    if (!send(force, moment)) return Status::stale;
+    return status;
+  }
+
+  /// What actuate() sends, N and N m, in the axes of CHAI3D; zero where the status is not ok. Realtime: yes.
+  [[nodiscard]] Status wrenchOf(const Command& command, chai3d::cVector3d& force,
+                                chai3d::cVector3d& moment) const noexcept {
+    const bool fits = command.torque.size() == mechanism_.joints();
+    const bool isFinite = fits && command.torque.allFinite();
+    Vec6 wrench = isFinite ? enamel::wrenchOf(kinematics_, command.torque) : Vec6(Vec6::Zero());
+    if (mechanism_.joints() < 6) wrench.tail<3>().setZero();
+    force = toChai3d(limited(wrench.head<3>(), specifications_.m_maxLinearForce));
+    moment = toChai3d(limited(wrench.tail<3>(), specifications_.m_maxAngularTorque));
+    return isFinite ? Status::ok : fits ? Status::notFinite : Status::outOfRange;
+  }
+
+  /// At the last measurement that was ok; user switches, one bit each. Realtime: yes.
+  const Kinematics& kinematics() const noexcept { return kinematics_; }
+  unsigned int switches() const noexcept { return switches_; }
+
+  const chai3d::cHapticDeviceInfo& specifications() const noexcept { return specifications_; }
+
+ private:
+  static double steady() noexcept {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  }
+  static Vec3 limited(const Vec3& v, double limit) noexcept {
+    const double length = v.norm();
+    if (length <= limit) return v;
+    return limit > 0.0 ? Vec3(v * (limit / length)) : Vec3(Vec3::Zero());
+  }
+
+  void readSpecifications() { specifications_ = device_->getSpecifications(); }
+
+  bool send(const chai3d::cVector3d& force, const chai3d::cVector3d& moment) noexcept {
+    return device_->setForceAndTorqueAndGripperForce(force, moment, 0.0);
+  }
+
+  Status read(double passed, Pose& pose, Vec6& twist) noexcept {
+    const bool turns = mechanism_.joints() == 6;
+    chai3d::cVector3d position(0.0, 0.0, 0.0), speed(0.0, 0.0, 0.0), turning(0.0, 0.0, 0.0);
+    chai3d::cMatrix3d rotation;
+    rotation.identity();
+    if (!device_->getPosition(position) || (turns && !device_->getRotation(rotation))) return Status::stale;
+    if (options_.cutoff == 0.0)
+      if (!device_->getLinearVelocity(speed) || (turns && !device_->getAngularVelocity(turning))) return Status::stale;
+    unsigned int switches = 0;
+    if (!device_->getUserSwitches(switches)) switches = 0;  // none is held where nobody can tell
+    pose = {fromChai3d(position), fromChai3d(rotation)};
+    if (options_.cutoff == 0.0) {
+      twist << fromChai3d(speed), fromChai3d(turning);
+    } else if (started_) {
+      const Pose& last = kinematics_.pose;
+      Vec6 way;
+      way << pose.position - last.position, rotationVector(pose.rotation * last.rotation.transpose());
+      const double share = -std::expm1(-2.0 * M_PI * options_.cutoff * passed);
+      twist = kinematics_.twist + share * (way / passed - kinematics_.twist);
+    } else {
+      twist.setZero();
+    }
+    if (!pose.position.allFinite() || !pose.rotation.allFinite() || !twist.allFinite()) return Status::notFinite;
+    if (!isRotation(pose.rotation)) return Status::outOfRange;
+    switches_ = switches;
+    return Status::ok;
+  }
+
+  chai3d::cGenericHapticDevicePtr device_;
+  const Mechanism& mechanism_;
+  Chai3dOptions options_;
+  chai3d::cHapticDeviceInfo specifications_;
+  Kinematics kinematics_;  // at the last measurement
+  double time_ = 0.0;      // of it, s
+  bool opened_ = false, started_ = false;
+  unsigned int switches_ = 0;
+};
+
+/// A cursor whose force an Enamel renderer makes, behind the guard. It takes the place of a cToolCursor:
+///   setHapticDevice(), setWorkspaceRadius() or its scale, setRadius() -> addMesh() ... -> start() -> in the haptic
+///   thread updateFromDevice(), computeInteractionForces(), applyToDevice() -> stop().
+/// Its wall is made in the device's own metres, whatever the scale of the world: shapes are divided by the scale once.
+/// Objects may move, and the tool with them, in the haptic thread: what was handed over follows their global position.
+///
+/// Errors before start() and in it: Error, with the cause. Afterwards: status() and latest(); the guard ramps the force
+/// out. Threads: the three functions of a tick, latest(), status() and reset() belong to the haptic thread; everything
+/// else to any one thread while that does not run.
+class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
+ public:
+  /// Refers to mechanism (as Chai3dDevice) and renderer, which must outlive it. `guard`: guardFor(mechanism, period) or
+  /// tighter; the force is also kept within the device's specifications. Realtime: no.
+  Chai3dTool(chai3d::cWorld* world, const Mechanism& mechanism, Renderer& renderer, GuardOptions guard,
+             Chai3dOptions options = {})
+      : cToolCursor(world),
+        mechanism_(mechanism),
+        renderer_(renderer),
+        guard_(std::move(guard)),
+        options_(std::move(options)) {}
+
+  /// Ends the ticks; CHAI3D's stop() closes the device.
+  ~Chai3dTool() override { end(); }
+
+  /// Hands a mesh over, in W of the device: its triangles are copied now, its pose is asked for at every tick. Returns
+  /// the obstacle's number. `thickness` (of the world's unit): as Obstacle's, for a mesh that encloses nothing. The
+  /// object must outlive the tool's ticks. Throws Error: no object; no device yet, or the scale has changed since
+  /// another mesh; no triangle, a vertex that is not there or not finite, as MeshModel and Scene::add(). Realtime: no.
+  int addMesh(chai3d::cMesh* mesh, const Material& material = {}, double thickness = 0.0) {
+    if (mesh == nullptr) throw Error("chai3d: there is no mesh to add");
+    TriangleMesh triangles;
+    append(*mesh, Pose(), triangles);
+    return follow(*mesh, std::move(triangles), material, thickness);
+  }
+
+  /// All meshes of an object as one obstacle.
+  int addMesh(chai3d::cMultiMesh* object, const Material& material = {}, double thickness = 0.0) {
+    if (object == nullptr) throw Error("chai3d: there is no mesh to add");
+    TriangleMesh triangles;
+    for (int i = 0; i < object->getNumMeshes(); ++i) {
+      const chai3d::cMesh& mesh = *object->getMesh(static_cast<unsigned int>(i));
+      append(mesh, {fromChai3d(mesh.getLocalPos()), fromChai3d(mesh.getLocalRot())}, triangles);
+    }
+    return follow(*object, std::move(triangles), material, thickness);
+  }
+
+  /// Any other obstacle, at rest in W of the device, m. Throws as Scene::add(). Realtime: no.
+  int addObstacle(Obstacle obstacle) {
+    const int number = scene_.add(std::move(obstacle));
+    if (body_) begin();
+    return number;
+  }
+
+  /// What touches, in the platform's frame, m; a ball of getHapticPoint(0)->getRadiusContact() where it was not called.
+  void setTool(const Tool& tool) {
+    shape_ = tool;
+    if (body_) begin();
+  }
+
+  /// Opens the device and makes everything ready; false where CHAI3D cannot. Throws Error: as Chai3dDevice, HapticTick
+  /// and LoopBody; the device's first pose cannot be used. The device is closed then. Realtime: no.
+  bool start() override {
+    end();
+    if (!cToolCursor::start()) return chai3d::C_ERROR;
+    try {
+      begin();
+    } catch (...) {
+      stop();
+      throw;
+    }
+    return chai3d::C_SUCCESS;
+  }
+
+  bool stop() override {
+    end();
+    const chai3d::cVector3d none(0.0, 0.0, 0.0);
+    if (m_enabled) m_hapticDevice->setForceAndTorqueAndGripperForce(none, none, 0.0);
+    return cToolCursor::stop();
+  }
+
+  /// Measures. Realtime: yes, as CHAI3D's driver is.
+  void updateFromDevice() override {
+    if (!device_) {  // CHAI3D asks while it starts
+      cToolCursor::updateFromDevice();
+      return;
+    }
+    status_ = device_->measure(measurement_);
+    measurement_.enabled = measurement_.enabled && m_forceOn;
+    if (status_ == Status::ok && m_workspaceScaleFactor != scale_) status_ = Status::outOfRange;
+    if (status_ != Status::ok) return;
+    const Kinematics& k = device_->kinematics();
+    chai3d::cMatrix3d rotation = toChai3d(k.pose.rotation);
+    if (mechanism_.joints() < 6) m_hapticDevice->getRotation(rotation);  // seen, not felt
+    setDeviceLocalTransform({scale_ * toChai3d(k.pose.position), rotation});
+    setDeviceLocalLinVel(scale_ * toChai3d(Vec3(k.twist.head<3>())));
+    setDeviceLocalAngVel(toChai3d(Vec3(k.twist.tail<3>())));
+    m_hapticDevice->getGripperAngleRad(m_gripperAngle);
+    m_hapticDevice->getGripperAngularVelocity(m_gripperAngVel);
+    m_userSwitches = device_->switches();
+    m_hapticPoint->initialize(m_deviceGlobalPos);  // the ball that is seen
+    m_freqRead.signal(1);
+  }
+
+  /// One tick once a period, however often it is called; the force stays in between. Forces that the application adds
+  /// afterwards go to the device too: neither renderer nor guard knows of them. Realtime: yes.
+  void computeInteractionForces() override {
+    if (body_ && measurement_.time >= due_ - 0.5 * guard_.period) {
+      due_ = std::max(due_, measurement_.time) + guard_.period;
+      moveObstacles();
+      body_->step();
+    }
+    setDeviceLocalForce(force_);
+    setDeviceLocalTorque(moment_);
+    setGripperForce(0.0);
+  }
+
+  /// Whether it touches an object that was handed over. Realtime: yes.
+  bool isInContact(chai3d::cGenericObject* object) override {
+    if (!haptics_) return false;
+    const ContactSnapshot& contacts = haptics_->input().contacts;
+    for (int i = 0; i < contacts.count; ++i)
+      for (const Followed& f : followed_)
+        if (f.object == object && f.obstacle == contacts.contacts[i].obstacle && contacts.contacts[i].gap <= 0.0)
+          return true;
+    return false;
+  }
+
+  /// Goes on after a fault of the guard, at the next tick. Realtime: yes.
+  void reset() noexcept {
+    if (body_) body_->reset();
+  }
+
+  /// Of the last updateFromDevice(): as Chai3dDevice::measure(); inactive before start(); outOfRange also where the
+  /// scale has changed since start() or an object's rotation is none. Realtime: yes.
+  Status status() const noexcept { return status_; }
+
+  /// What was handed over, in W of the device.
+  const Scene& scene() const noexcept { return scene_; }
+
+  /// The last tick, with what the guard said; what renderer and guard saw of it. Null before start(). Realtime: yes.
+  const LoopTick* latest() const noexcept { return body_ ? &body_->tick() : nullptr; }
+  const HapticTick* haptics() const noexcept { return haptics_ ? &*haptics_ : nullptr; }
+
+ private:
+  struct Followed {
+    chai3d::cGenericObject* object;
+    int obstacle;
+  };
+
+  // What LoopBody takes for the device: measured before it, sent after it.
+  [[nodiscard]] Status measure(Measurement& measurement) noexcept override {
+    if (status_ == Status::ok) measurement = measurement_;
+    return status_;
+  }
+  [[nodiscard]] Status actuate(const Command& command) noexcept override {
+    return device_->wrenchOf(command, force_, moment_);
+  }
+
+  double scaleOfMeshes() {
+    if (m_hapticDevice == nullptr) throw Error("chai3d: setHapticDevice() comes before meshes: it sets the scale");
+    if (!followed_.empty() && m_workspaceScaleFactor != scale_)
+      throw Error("chai3d: the workspace's scale is " + std::to_string(m_workspaceScaleFactor) + " and was " +
+                  std::to_string(scale_) + " when the first mesh was added: set it before");
+    return m_workspaceScaleFactor;
+  }
+
+  void append(const chai3d::cMesh& mesh, const Pose& pose, TriangleMesh& result) {
+    const double scale = scaleOfMeshes();
+    const int first = static_cast<int>(result.vertices.size());
+    const unsigned int vertices = mesh.m_vertices->getNumElements();
+    for (unsigned int i = 0; i < vertices; ++i)
+      result.vertices.push_back((pose.position + pose.rotation * fromChai3d(mesh.m_vertices->getLocalPos(i))) / scale);
+    const chai3d::cTriangleArray& all = *mesh.m_triangles;
+    for (unsigned int i = 0; i < mesh.m_triangles->getNumElements(); ++i) {
+      if (!all.getAllocated(i)) continue;  // removed
+      std::array<int, 3> corners{};
+      for (unsigned int k = 0; k < 3; ++k) {
+        const unsigned int corner = all.getVertexIndex(i, k);
+        if (corner >= vertices)
+          throw Error("chai3d: \"" + mesh.m_name + "\": triangle " + std::to_string(i) + " has the vertex " +
+                      std::to_string(corner) + ", of " + std::to_string(vertices));
+        corners[k] = first + static_cast<int>(corner);
+      }
+      result.triangles.push_back(corners);
+    }
+  }
+
+  int follow(chai3d::cGenericObject& object, TriangleMesh triangles, const Material& material, double thickness) {
+    const double scale = scaleOfMeshes();
+    Obstacle obstacle;
+    obstacle.name = object.m_name + " #" + std::to_string(scene_.obstacles().size());
+    try {
+      obstacle.shape = std::make_shared<const MeshModel>(std::move(triangles));
+      object.computeGlobalPositionsFromRoot();
+      computeGlobalPositionsFromRoot();
+      scale_ = scale;
+      obstacle.pose = poseOf(object);
+      obstacle.material = material;
+      obstacle.thickness = thickness / scale;
+      const int number = scene_.add(std::move(obstacle));
+      followed_.push_back({&object, number});
+    } catch (const Error& error) {
+      throw Error("chai3d: \"" + object.m_name + "\": " + error.what());
+    }
+    if (body_) begin();
+    return followed_.back().obstacle;
+  }
+
+  // In W of the device: the world as the tool sees it, without its scale.
+  Pose poseOf(const chai3d::cGenericObject& object) const noexcept {
+    const Mat3 toTool = fromChai3d(m_globalRot).transpose();
+    return {toTool * (fromChai3d(object.getGlobalPos()) - fromChai3d(m_globalPos)) / scale_,
+            toTool * fromChai3d(object.getGlobalRot())};
+  }
+
+  void moveObstacles() noexcept {
+    for (const Followed& f : followed_) {
+      const Obstacle& obstacle = scene_.obstacles()[static_cast<std::size_t>(f.obstacle)];
+      const Pose pose = poseOf(*f.object);
+      Vec6 twist = Vec6::Zero();
+      if (pose.position != obstacle.pose.position || pose.rotation != obstacle.pose.rotation)
+        twist << (pose.position - obstacle.pose.position) / guard_.period,
+            rotationVector(pose.rotation * obstacle.pose.rotation.transpose()) / guard_.period;
+      else if (obstacle.twist.isZero(0.0))
+        continue;
+      const Status moved = scene_.move(f.obstacle, pose, twist);
+      if (moved != Status::ok) status_ = moved;
+    }
+  }
+
+  void begin() {
+    end();
+    scale_ = scaleOfMeshes();
+    device_.emplace(m_hapticDevice, mechanism_, options_);
+    try {
+      updateFromDevice();
+      if (status_ != Status::ok)
+        throw Error("chai3d: the first pose of \"" + device_->specifications().m_modelName +
+                    "\" cannot be used: " + toString(status_));
+      GuardOptions guard = guard_;
+      guard.force = std::min(guard.force, device_->specifications().m_maxLinearForce);
+      if (mechanism_.joints() == 6) guard.moment = std::min(guard.moment, device_->specifications().m_maxAngularTorque);
+      Tool ball;
+      ball.parts[0].radius = m_hapticPoint->getRadiusContact() / scale_;
+      haptics_.emplace(mechanism_, scene_, shape_ ? *shape_ : ball, renderer_, guard, device_->kinematics().pose);
+      HapticLoopOptions options;
+      options.firstMeasurement = 0.0;
+      body_.emplace(static_cast<HapticDevice&>(*this), *haptics_, options);
+    } catch (...) {
+      end();
+      throw;
+    }
+    due_ = measurement_.time;
+  }
+
+  void end() noexcept {
+    body_.reset();
+    haptics_.reset();
+    device_.reset();
+    force_.zero();
+    moment_.zero();
+    status_ = Status::inactive;
+  }
+
+  const Mechanism& mechanism_;
+  Renderer& renderer_;
+  GuardOptions guard_;
+  Chai3dOptions options_;
+  Scene scene_;
+  std::vector<Followed> followed_;
+  std::optional<Tool> shape_;
+  double scale_ = 1.0;  // world over device, of the meshes
+  std::optional<Chai3dDevice> device_;
+  std::optional<HapticTick> haptics_;
+  std::optional<LoopBody> body_;
+  Measurement measurement_;
+  Status status_ = Status::inactive;
+  double due_ = 0.0;                  // the next tick, s
+  chai3d::cVector3d force_, moment_;  // of the last tick, N, N m
+};
+
+}  // namespace enamel
