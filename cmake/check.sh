@@ -51,10 +51,10 @@ start() { # name, arguments of ctest: runs beside what follows
 build ci
 start "ci: all tests" --preset ci -j 2
 if [ -n "${ENAMEL_LONG:-}" ]; then
-  build asan -DENAMEL_TESTS= -- tests_unit tests_hard tests_plugin
-  sanitized='unit|hard|plugin' what="all tests that can run under sanitizers"
+  build asan -DENAMEL_TESTS= -- tests_unit tests_hard tests_chai3d tests_plugin
+  sanitized='unit|hard|chai3d|plugin' what="all tests that can run under sanitizers"
 else
-  build asan -DENAMEL_TESTS=sanitized -- tests_unit tests_hard
+  build asan -DENAMEL_TESTS=sanitized -- tests_unit tests_hard tests_chai3d
   sanitized=sanitized what="files, kinematics, meshes, contacts and threads (--long: everything)"
 fi
 build tsan -- tests_unit test_bits
