@@ -59,7 +59,7 @@ struct Chai3dOptions {
   /// getAngularVelocity(), where the driver has better ones than CHAI3D's means over 15 and 30 ms.
   double cutoff = 100.0;
   int enableSwitch = -1;          ///< user switch that has to be held, 0 to 31; -1: none
-  std::function<double()> clock;  ///< s; empty: std::chrono::steady_clock. Realtime: yes
+  std::function<double()> clock;  ///< s, has to advance; empty: std::chrono::steady_clock. Realtime: yes
 };
 
 /// A device that CHAI3D drives. Its workspace is the device's own, in metres: no scale, no tool. CHAI3D's drivers must
@@ -322,8 +322,9 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
   /// One tick once a period, however often it is called; the force stays in between. Forces that the application adds
   /// afterwards go to the device too: neither renderer nor guard knows of them. Realtime: yes.
   void computeInteractionForces() override {
-    if (body_ && measurement_.time >= due_ - 0.5 * guard_.period) {
-      due_ = std::max(due_, measurement_.time) + guard_.period;
+    const bool timed = std::isfinite(measurement_.time);  // else the guard has to hear of it
+    if (body_ && (!timed || measurement_.time >= due_ - 0.5 * guard_.period)) {
+      if (timed) due_ = std::max(due_, measurement_.time) + guard_.period;
       moveObstacles();
       body_->step();
     }

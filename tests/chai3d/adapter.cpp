@@ -450,6 +450,26 @@ TEST_CASE("a pose that is none ramps the force out; reset() goes on", "[chai3d]"
   CHECK(again > 0.5);
 }
 
+TEST_CASE("a clock that tells no time ramps the force out too", "[chai3d]") {
+  const auto mechanism = device("cartesian-3");
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                           -std::numeric_limits<double>::infinity()}) {
+    INFO(bad);
+    SurfaceServoRenderer servo(surfaceServoFor(mechanism->limits().count, 1e-3, 0, 0));
+    Bench bench(*mechanism, servo);
+    bench.tool.addObstacle(halfSpace("wall", Vec3::Zero(), Vec3::UnitZ()));
+    REQUIRE(bench.tool.start());
+    REQUIRE(bench.press(0.5));
+    bench.later = bad;
+    for (int i = 0; i < 100; ++i) bench.tick();
+    CHECK(bench.tool.status() == Status::notFinite);
+    CHECK(bench.driver->force.isZero(0.0));
+    bench.later = 0.0;
+    bench.tool.reset();
+    CHECK(bench.press(0.5));
+  }
+}
+
 TEST_CASE("switch and setForcesOFF() take the force away, and it ramps in again", "[chai3d]") {
   const auto mechanism = device("cartesian-3");
   ImpedanceRenderer spring({1000.0, 1.0});
