@@ -460,8 +460,9 @@ load().then(page => {
 
   function tick(now) {
     if (!playing) return;
-    time = Math.min(end, time + speed * Math.min(0.1, (now - last) / 1000));
-    last = now;
+    // A picture's time may lie before the click that began it; a hidden page has no pictures.
+    time = Math.min(end, time + speed * Math.min(0.25, Math.max(0, now - last) / 1000));
+    last = Math.max(last, now);
     if (time >= end) playing = false;
     show();
     if (playing) requestAnimationFrame(tick);
