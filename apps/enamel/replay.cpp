@@ -59,9 +59,7 @@ struct Replayed {
         scene(recordedScene(recording.header())),
         renderer(recordedRenderer(recording.header(), device, scene.scene, other, parseParameters(set))),
         tick(*device, scene.scene, scene.tool, *renderer, recording.header().guard, recording.header().start) {
-    if (!scene.bur) return;
-    drill.emplace(scene.tool, scene.solids, *scene.bur);
-    tick.attach(&*drill);
+    if (scene.bur) tick.attach(&drill.emplace(scene.tool, scene.solids, *scene.bur));
   }
 };
 
@@ -81,7 +79,7 @@ void run(const ReplayOptions& options) {
   const bool hasPage = !options.html.empty(), isOther = !options.renderer.empty() || !options.set.empty();
   if (!options.beside.empty() && !hasPage) throw Error("--beside is for --html");
   if (!options.beside.empty() && isOther) throw Error("--beside is another recording: no --renderer, no --set");
-  if (hasPage && *missingForReplayPage() != '\0') throw Error(missingForReplayPage());
+  if (hasPage) checkReplayPage();
   if (hasPage && std::filesystem::exists(options.html) && std::filesystem::equivalent(options.html, options.file))
     throw Error("--html would write over the recording: " + options.html);
   std::vector<nlohmann::json> sides;
@@ -99,7 +97,6 @@ void run(const ReplayOptions& options) {
     Replayed other(options.beside, "", {});
     play(other, 0, other.recording.header().renderer, false, numbers, &sides);
   }
-  if (hasPage && isOther) sides[1]["motion"] = 0;
 
   fmt::print("{}: {} on {}, {} s a tick; {} ticks compared, {}\n", options.file, header.renderer, run.device->name(),
              header.guard.period, result.ticks,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 #include "enamel/collision/solid_surface.hpp"
 #include "enamel/core/error.hpp"
@@ -22,29 +23,14 @@ namespace {
 using nlohmann::json;
 
 constexpr double kPictures = 60.0, kBrickPeriod = 0.1;
-constexpr std::size_t kMostPoses = 36000, kMostBuckets = 20000;
+constexpr std::size_t kMostPictures = 36000, kMostBuckets = 20000;
+constexpr std::size_t kPose = 7, kContact = 6;  // numbers a picture
 
+// Of the numbers that a page has: f32, u16.
 template <typename T>
-const char* nameOf();
-template <>
-const char* nameOf<float>() {
-  return "f32";
-}
-template <>
-const char* nameOf<std::uint32_t>() {
-  return "u32";
-}
-template <>
-const char* nameOf<std::uint16_t>() {
-  return "u16";
-}
-template <>
-const char* nameOf<std::int8_t>() {
-  return "i8";
-}
-template <>
-const char* nameOf<std::uint8_t>() {
-  return "u8";
+std::string nameOf() {
+  const char* const kind = std::is_floating_point_v<T> ? "f" : std::is_signed_v<T> ? "i" : "u";
+  return kind + std::to_string(8 * sizeof(T));
 }
 
 // In mm, of m.
@@ -70,36 +56,14 @@ std::vector<Vec3> normalsOf(const TriangleMesh& mesh) {
   return normals;
 }
 
-// Of the bricks by their places; -1: none.
-class Neighbours {
- public:
-  explicit Neighbours(const Solid& solid) : low_(solid.low()), edge_(kBrickCells * solid.cell()) {
-    count_ = place(solid.high());
-    at_.assign(static_cast<std::size_t>(count_.prod()), -1);
-    for (int brick = 0; brick < solid.bricks(); ++brick) at_[index(place(solid.lowOf(brick)))] = brick;
-  }
-  // `visit(bit, brick)` for every neighbour, bit as of appendSurface() without its 13.
-  template <typename Visit>
-  void forEach(const Vec3& lowOfBrick, const Visit& visit) const {
-    const Eigen::Array3i here = place(lowOfBrick);
-    for (int i = 0; i < 27; ++i) {
-      const Eigen::Array3i next = here + Eigen::Array3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-      if ((next < 0).any() || (next >= count_).any()) continue;
-      if (const int brick = at_[index(next)]; brick >= 0) visit(i, brick);
-    }
-  }
-
- private:
-  Eigen::Array3i place(const Vec3& p) const { return ((p - low_) / edge_).array().round().cast<int>(); }
-  std::size_t index(const Eigen::Array3i& p) const {
-    return static_cast<std::size_t>((p[2] * count_[1] + p[1]) * count_[0] + p[0]);
-  }
-
-  Vec3 low_;
-  double edge_;
-  Eigen::Array3i count_;
-  std::vector<int> at_;
-};
+// Of rows of this width.
+template <typename T>
+void keepEverySecond(std::vector<T>& values, std::size_t width) {
+  const std::size_t kept = (values.size() / width + 1) / 2;
+  for (std::size_t row = 0; row < kept; ++row)
+    std::copy_n(values.data() + 2 * row * width, width, values.data() + row * width);
+  values.resize(kept * width);
+}
 
 }  // namespace
 
@@ -128,7 +92,8 @@ PageSide::PageSide(std::string title, const RecordingHeader& header, const Scene
       scene_(scene),
       drill_(drill),
       isAsked_(isAsked),
-      everyPose_(static_cast<std::uint64_t>(std::max(1.0, std::round(1.0 / (kPictures * header.guard.period))))) {
+      everyPicture_(static_cast<std::uint64_t>(std::max(1.0, std::round(1.0 / (kPictures * header.guard.period))))) {
+  if (isAsked) return;  // the other side shows them
   for (const auto& solid : scene.solids) {
     Copy copy;
     copy.solid = solid;
@@ -147,12 +112,11 @@ void PageSide::see(const RecordedTick& recorded, const HapticTick& tick) {
   // What the tool feels: the command without what carries the device.
   const Kinematics& k = tick.input().kinematics;
   const JointVector& torque = isAsked_ ? tick.output().torque : recorded.command;
-  const bool acts = recorded.status == Status::ok && torque.size() == k.gravity.size() &&
-                    (isAsked_ || recorded.reason == GuardReason::none || !torque.isZero());
+  const bool acts = recorded.status == Status::ok && torque.size() == k.gravity.size() && !torque.isZero();
   const Vec3 push = acts ? Vec3(wrenchOf(k, torque - k.gravity).head<3>()) : Vec3(Vec3::Zero());
   const double force = push.norm();
   const double depth = contacts.count > 0 ? std::max(0.0, -contact.gap) : 0.0;
-  if (force_.low.size() == kMostBuckets && ticks_ % everyCurve_ == 0) halve();
+  if (force_.low.size() == kMostBuckets && ticks_ % everyCurve_ == 0) halveCurves();
   const bool isNew = ticks_ % everyCurve_ == 0;
   force_.add(force, isNew);
   depth_.add(1e3 * depth, isNew);
@@ -162,7 +126,8 @@ void PageSide::see(const RecordedTick& recorded, const HapticTick& tick) {
     takeBricks(static_cast<float>(time));
     bricksAt_ = time + kBrickPeriod;
   }
-  if (ticks_++ % everyPose_ != 0 || times_.size() == kMostPoses) return;
+  if (times_.size() == kMostPictures && ticks_ % everyPicture_ == 0) halvePictures();
+  if (ticks_++ % everyPicture_ != 0) return;
   const Pose& pose = k.pose;
   const Eigen::Quaterniond turn(pose.rotation);
   times_.push_back(static_cast<float>(time));
@@ -178,7 +143,7 @@ void PageSide::see(const RecordedTick& recorded, const HapticTick& tick) {
 }
 
 // Buckets of twice as many ticks.
-void PageSide::halve() {
+void PageSide::halveCurves() {
   for (Curve* curve : {&force_, &depth_}) {
     for (std::size_t i = 0; i < kMostBuckets / 2; ++i) {
       curve->low[i] = std::min(curve->low[2 * i], curve->low[2 * i + 1]);
@@ -188,6 +153,15 @@ void PageSide::halve() {
     curve->high.resize(kMostBuckets / 2);
   }
   everyCurve_ *= 2;
+}
+
+void PageSide::halvePictures() {
+  for (auto* list : {&times_, &forces_, &depths_}) keepEverySecond(*list, 1);
+  keepEverySecond(poses_, kPose);
+  keepEverySecond(contacts_, kContact);
+  keepEverySecond(removed_, sum_.size());
+  keepEverySecond(guards_, 1);
+  everyPicture_ *= 2;
 }
 
 void PageSide::takeBricks(float time) {
@@ -233,7 +207,6 @@ json PageSide::meshOf(const std::vector<Vec3>& vertices, const std::vector<Vec3>
 // pieces of every sample.
 json PageSide::solidOf(const Copy& copy, PageNumbers& numbers) const {
   const Solid& solid = *copy.solid;
-  const Neighbours neighbours(solid);
   std::vector<bool> isCut(copy.uncut.size(), false);
   for (const Brick& brick : copy.changes) isCut[static_cast<std::size_t>(brick.number)] = true;
   const auto piece = [&](const SolidSurface& surface) {
@@ -245,7 +218,7 @@ json PageSide::solidOf(const Copy& copy, PageNumbers& numbers) const {
     const bool isFine = isCut[static_cast<std::size_t>(brick)];
     std::uint32_t coarser = 0;
     if (isFine)
-      neighbours.forEach(solid.lowOf(brick), [&](int bit, int other) {
+      forEachNeighbour(solid, brick, [&](int bit, int other) {
         if (!isCut[static_cast<std::size_t>(other)]) coarser |= 1u << bit;
       });
     appendSurface(solid, brick, samples, surface, isFine ? 1 : 2, coarser);
@@ -302,29 +275,31 @@ json PageSide::finish(PageNumbers& numbers) {
   takeBricks(static_cast<float>(end_));
   json side = {{"title", title_},
                {"renderer", header_.renderer},
-               {"scene", scene_.name},
                {"period", header_.guard.period},
                {"end", end_},
-               {"start", millimetres(scene_.start)},
-               {"bur", drill_ != nullptr && scene_.bur ? scene_.bur->part : -1},
                {"times", numbers.add(times_)},
-               {"poses", numbers.add(poses_)},
                {"forces", numbers.add(forces_)},
                {"depths", numbers.add(depths_)},
-               {"contacts", numbers.add(contacts_)},
                {"guards", numbers.add(guards_)},
                {"bucket", static_cast<double>(everyCurve_) * header_.guard.period}};
   if (drill_ != nullptr) side["removed"] = numbers.add(removed_);
   for (const auto& [name, curve] : {std::pair{"force", &force_}, {"depth", &depth_}})
     side[name] = {{"low", numbers.add(curve->low)}, {"high", numbers.add(curve->high)}};
+  side["reasons"] = json::array();
+  for (int i = 0; i <= static_cast<int>(GuardReason::deadlines); ++i)
+    side["reasons"].push_back(toString(static_cast<GuardReason>(i)));
+  if (isAsked_) return side;
+  side["scene"] = scene_.name;
+  side["start"] = millimetres(scene_.start);
+  side["bur"] = drill_ != nullptr && scene_.bur ? scene_.bur->part : -1;
+  side["poses"] = numbers.add(poses_);
+  side["contacts"] = numbers.add(contacts_);
   for (int i = 0; i < scene_.tool.count; ++i) {
     const ToolPart& part = scene_.tool.parts[static_cast<std::size_t>(i)];
     side["tool"].push_back({{"a", millimetres(part.a)}, {"b", millimetres(part.b)}, {"radius", 1e3 * part.radius}});
   }
+  side["obstacles"] = json::array();
   for (std::size_t i = 0; i < scene_.scene.obstacles().size(); ++i) side["obstacles"].push_back(obstacleOf(i, numbers));
-  side["reasons"] = json::array();
-  for (int i = 0; i <= static_cast<int>(GuardReason::deadlines); ++i)
-    side["reasons"].push_back(toString(static_cast<GuardReason>(i)));
   return side;
 }
 
@@ -384,16 +359,14 @@ void writeReplayPage(const std::string& path, const std::vector<json>& sides, co
   writeFile(path, page);
 }
 
-const char* missingForReplayPage() noexcept { return ""; }
+void checkReplayPage() {}
 
 #else
 
-void writeReplayPage(const std::string&, const std::vector<json>&, const PageNumbers&) {
-  throw Error(missingForReplayPage());
-}
+void writeReplayPage(const std::string&, const std::vector<json>&, const PageNumbers&) { checkReplayPage(); }
 
-const char* missingForReplayPage() noexcept {
-  return "--html: this enamel was built without three.js or zlib (Debian: libjs-three, zlib1g-dev)";
+void checkReplayPage() {
+  throw Error("--html: this enamel was built without three.js or zlib (Debian: libjs-three, zlib1g-dev)");
 }
 
 #endif

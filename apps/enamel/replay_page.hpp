@@ -28,7 +28,8 @@ class PageNumbers {
 class PageSide {
  public:
   /// `title` tells the side from another one. The solids are as before the first tick; the drill, null where there is
-  /// none, cuts those of `scene`. `isAsked`: the motors never got what the renderer answered, only the recorded one's.
+  /// none, cuts those of `scene`. `isAsked`: the motors never got what the renderer answered, only the recorded one's;
+  /// it is shown beside the first side's motion, and has none.
   PageSide(std::string title, const RecordingHeader& header, const SceneFile& scene, const Drill* drill, bool isAsked);
 
   /// Every tick after it was run.
@@ -55,7 +56,8 @@ class PageSide {
   };
 
   void takeBricks(float time);
-  void halve();
+  void halveCurves();
+  void halvePictures();
   nlohmann::json meshOf(const std::vector<Vec3>& vertices, const std::vector<Vec3>& normals,
                         const std::vector<Vec3>& colours, const std::vector<std::array<int, 3>>& triangles,
                         PageNumbers& numbers) const;
@@ -69,7 +71,7 @@ class PageSide {
   bool isAsked_;
   std::vector<Copy> copies_;  // by obstacle
   double begin_ = 0.0, end_ = 0.0, bricksAt_ = 0.0;
-  std::uint64_t ticks_ = 0, everyPose_, everyCurve_ = 1;  // ticks
+  std::uint64_t ticks_ = 0, everyPicture_, everyCurve_ = 1;  // ticks
   std::vector<float> times_, poses_, forces_, depths_, contacts_, removed_;
   std::vector<std::uint8_t> guards_;
   RemovedVolume sum_{};
@@ -80,7 +82,7 @@ class PageSide {
 /// says which packages); the file cannot be written.
 void writeReplayPage(const std::string& path, const std::vector<nlohmann::json>& sides, const PageNumbers& numbers);
 
-/// What one has to install before building for writeReplayPage(), "" where it is there.
-const char* missingForReplayPage() noexcept;
+/// Throws Error where writeReplayPage() could not but throw: before the work.
+void checkReplayPage();
 
 }  // namespace enamel::app

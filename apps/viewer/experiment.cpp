@@ -90,10 +90,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
       }()),
       loop_(*plant_, *model_, switched_, loopSetup(settings, scene, start)),
       workpiece_(workpiece ? std::move(workpiece) : std::make_shared<Workpiece>(scene)) {
-  if (scene.bur) {
-    drill_.emplace(scene.tool, scene.solids, *scene.bur);
-    loop_.attach(&*drill_);
-  }
+  if (scene.bur) loop_.attach(&drill_.emplace(scene.tool, scene.solids, *scene.bur));
   static_cast<LoopSetup&>(push_) = loopSetup(settings, scene, start);
   push_.person.force = kTestForce;
   push_.person.preload = kTestPreload;

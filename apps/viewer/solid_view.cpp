@@ -12,6 +12,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -81,17 +82,14 @@ SolidView::SolidView(vtkRenderer* renderer, const SolidCopy& solid, const Pose& 
   const Solid& uncut = *solid.uncut;
   const double edge = kBrickCells * uncut.cell();
   const auto place = [&](const Vec3& p) { return ((p - uncut.low()) / edge).array().round().cast<int>().eval(); };
-  const Eigen::Array3i count = place(uncut.high()), groups = (count + kGroup - 1) / kGroup;
-  std::copy(count.data(), count.data() + 3, count_.begin());
-  brickAt_.assign(static_cast<std::size_t>(count.prod()), -1);
+  const Eigen::Array3i groups = (place(uncut.high()) + kGroup - 1) / kGroup;
   groups_.resize(static_cast<std::size_t>(groups.prod()));
   for (int brick = 0; brick < uncut.bricks(); ++brick) {
-    const Eigen::Array3i at = place(uncut.lowOf(brick)), in = at / kGroup;
+    const Eigen::Array3i in = place(uncut.lowOf(brick)) / kGroup;
     const Vec3 centre = pose.position + pose.rotation * (uncut.lowOf(brick) + Vec3::Constant(0.5 * edge));
     const bool isHidden = std::any_of(hidden.begin(), hidden.end(), [&](const CutPlane& wall) {
       return wall.normal.dot(centre - wall.point) < -0.87 * edge;
     });
-    brickAt_[static_cast<std::size_t>((at[2] * count[1] + at[1]) * count[0] + at[0])] = brick;
     const int number = (in[2] * groups[1] + in[1]) * groups[0] + in[0];
     Group& group = groups_[static_cast<std::size_t>(number)];
     if (!isHidden) group.bricks.push_back(brick);
@@ -100,25 +98,12 @@ SolidView::SolidView(vtkRenderer* renderer, const SolidCopy& solid, const Pose& 
   }
 }
 
-template <typename Visit>
-void SolidView::forEachNeighbour(int brick, const Visit& visit) const {
-  const Solid& uncut = *solid_.uncut;
-  const Eigen::Array3i at =
-      ((uncut.lowOf(brick) - uncut.low()) / (kBrickCells * uncut.cell())).array().round().cast<int>();
-  for (int i = 0; i < 27; ++i) {
-    const Eigen::Array3i place = at + Eigen::Array3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-    if ((place < 0).any() || place[0] >= count_[0] || place[1] >= count_[1] || place[2] >= count_[2]) continue;
-    const int other = brickAt_[static_cast<std::size_t>((place[2] * count_[1] + place[1]) * count_[0] + place[0])];
-    if (other >= 0) visit(i, other);
-  }
-}
-
 void SolidView::change(int brick) {
   Group& group = groupOf(brick);
   group.isChanged = true;
   if (!std::exchange(group.isCut, true))  // neighbours fit to the step of its bricks
     for (const int one : group.bricks)
-      forEachNeighbour(one, [&](int, int other) { groupOf(other).isChanged |= groupOf(other).isCut; });
+      forEachNeighbour(*solid_.uncut, one, [&](int, int other) { groupOf(other).isChanged |= groupOf(other).isCut; });
   isSectionChanged_ = true;
 }
 
@@ -133,7 +118,9 @@ void SolidView::build(Group& group) {
   surface_.clear();
   for (const int brick : group.bricks) {
     std::uint32_t coarser = 0;
-    if (group.isCut) forEachNeighbour(brick, [&](int i, int other) { coarser |= groupOf(other).isCut ? 0u : 1u << i; });
+    if (group.isCut)
+      forEachNeighbour(*solid_.uncut, brick,
+                       [&](int bit, int other) { coarser |= groupOf(other).isCut ? 0u : 1u << bit; });
     appendSurface(*solid_.uncut, brick, solid_.samples[static_cast<std::size_t>(brick)], surface_, group.isCut ? 1 : 2,
                   coarser);
   }
@@ -156,21 +143,18 @@ void SolidView::build(Group& group) {
 }
 
 float SolidView::at(const Vec3& p) const {
-  const Eigen::Array3d q = ((p - solid_.uncut->low()) / solid_.uncut->cell()).array();
-  std::array<int, 3> brick, cell;
+  const int brick = solid_.uncut->brickAt(p);
+  if (brick < 0) return Solid::kBand;
+  const Vec3 q = (p - solid_.uncut->lowOf(brick)) / solid_.uncut->cell();
+  std::array<int, 3> cell;
   std::array<float, 3> t;
   for (std::size_t i = 0; i < 3; ++i) {
     const double x = q[static_cast<Eigen::Index>(i)];
-    if (!(x >= 0.0 && x < kBrickCells * count_[i])) return Solid::kBand;
-    const int whole = static_cast<int>(x);
-    brick[i] = whole / kBrickCells;
-    cell[i] = whole % kBrickCells;
-    t[i] = static_cast<float>(x - whole);
+    cell[i] = std::clamp(static_cast<int>(x), 0, kBrickCells - 1);
+    t[i] = static_cast<float>(x - cell[i]);
   }
-  const int number = brickAt_[static_cast<std::size_t>((brick[2] * count_[1] + brick[1]) * count_[0] + brick[0])];
-  if (number < 0) return Solid::kBand;
   constexpr int up = kBrickSamples, back = kBrickSamples * kBrickSamples;
-  const float* s = solid_.samples[static_cast<std::size_t>(number)].data() + cell[2] * back + cell[1] * up + cell[0];
+  const float* s = solid_.samples[static_cast<std::size_t>(brick)].data() + cell[2] * back + cell[1] * up + cell[0];
   const auto along = [&](int i) { return s[i] + t[0] * (s[i + 1] - s[i]); };
   const auto across = [&](int i) { return along(i) + t[1] * (along(i + up) - along(i)); };
   return across(0) + t[2] * (across(back) - across(0));

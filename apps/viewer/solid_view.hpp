@@ -7,7 +7,6 @@
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -53,8 +52,6 @@ class SolidView {
   };
 
   Group& groupOf(int brick) { return groups_[static_cast<std::size_t>(groupOf_[static_cast<std::size_t>(brick)])]; }
-  template <typename Visit>
-  void forEachNeighbour(int brick, const Visit& visit) const;
   float at(const Vec3& p) const;  // of the field, cells
   void build(Group& group);
   void buildSection();
@@ -64,8 +61,6 @@ class SolidView {
   Pose pose_;
   std::optional<CutPlane> plane_;
   float scale_;
-  std::array<int, 3> count_{};  // bricks along the axes
-  std::vector<int> brickAt_;    // by place, -1: none
   std::vector<Group> groups_;
   std::vector<int> groupOf_;  // by brick
   SolidSurface surface_;

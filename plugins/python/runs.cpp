@@ -3,6 +3,7 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <optional>
 
 #include "apps/enamel/plants.hpp"
 #include "binding.hpp"
@@ -10,6 +11,7 @@
 #include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/host.hpp"
+#include "enamel/render/drill.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/passivity.hpp"
 #include "enamel/render/position_control.hpp"
@@ -517,6 +519,8 @@ class Recording {
       const py::gil_scoped_release release;
       const auto file = scene();
       HapticTick tick(*device_.mechanism, file->scene, file->tool, *own, header().guard, header().start);
+      std::optional<Drill> drill;
+      if (file->bur) tick.attach(&drill.emplace(file->tool, file->solids, *file->bur));
       result = replay(reader_, tick, 0, [&](const RecordedTick&, const HapticTick&) { failure->rethrow(); });
       failure->rethrow();
     }

@@ -119,10 +119,15 @@ class Arrow {
   }
 }
 
-// One half of the stage.
+// One half of the stage; without poses, what a law answers to the first side's motion, and no half.
 class Side {
-  constructor(data, number, motion) {
-    Object.assign(this, {data, number, motion: motion || data});
+  constructor(data, number, first) {
+    Object.assign(this, {data, number, layers: data.poses ? undefined : first.layers});
+    if (data.poses) this.makeScene();
+    this.makePanel();
+  }
+  makeScene() {
+    const data = this.data;
     this.scene = new THREE.Scene();
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0xb9a99a, 0.62));
     for (const [x, y, z, strength] of [[-30, -50, 80, 0.5], [70, 20, 30, 0.22]]) {
@@ -132,15 +137,15 @@ class Side {
     }
     this.bounds = new THREE.Box3();
     this.bricks = [];  // of solids: what each brick is from when on
-    for (const obstacle of this.motion.obstacles) this.addObstacle(obstacle);
-    if (this.bounds.isEmpty()) this.bounds.setFromCenterAndSize(new THREE.Vector3(...this.motion.start),
+    for (const obstacle of data.obstacles) this.addObstacle(obstacle);
+    if (this.bounds.isEmpty()) this.bounds.setFromCenterAndSize(new THREE.Vector3(...data.start),
       new THREE.Vector3(40, 40, 20));
     const reach = Math.max(30, 1.3 * this.bounds.getSize(new THREE.Vector3()).length());
-    for (const obstacle of this.motion.obstacles)
-      if (obstacle.plane) this.place(plane(obstacle, this.motion, reach), obstacle);
+    for (const obstacle of data.obstacles)
+      if (obstacle.plane) this.place(plane(obstacle, data, reach), obstacle);
     this.tool = new THREE.Group();
-    this.motion.tool.forEach((part, i) => {
-      const isBur = i === this.motion.bur, isNeedle = part.radius < 0.15;
+    data.tool.forEach((part, i) => {
+      const isBur = i === data.bur, isNeedle = part.radius < 0.15;
       const to = isNeedle ? [part.a[0], part.a[1], part.a[2] + 25] : part.b;
       this.tool.add(capsule(part.a, to, isNeedle ? 0.4 : part.radius,
         finish({color: isBur ? 0xa9b2bc : 0x8f9aa6, shininess: 90, specular: 0x777777})));
@@ -148,7 +153,6 @@ class Side {
     this.scene.add(this.tool);
     this.arrow = new Arrow(0xd55e00);
     this.scene.add(this.arrow.object);
-    this.makePanel();
   }
   place(object, obstacle) {
     object.position.set(...obstacle.position);
@@ -214,9 +218,9 @@ class Side {
     half.append(panel);
     $('sides').append(half);
   }
-  // What is known at t: of the last picture at or before it; the pose between two of them.
-  show(t) {
-    const m = this.motion, i = before(m.times, t), j = Math.min(i + 1, m.times.length - 1);
+  // The pose is between that of the last picture at or before t and of the next one.
+  move(t) {
+    const m = this.data, i = before(m.times, t), j = Math.min(i + 1, m.times.length - 1);
     const span = m.times[j] - m.times[i], share = span > 0 ? Math.min(1, Math.max(0, (t - m.times[i]) / span)) : 0;
     const at = k => new THREE.Vector3().fromArray(m.poses, 7 * k);
     const turn = k => new THREE.Quaternion().fromArray(m.poses, 7 * k + 3);
@@ -229,12 +233,17 @@ class Side {
       if (now) now.visible = true;
       brick.shown = now;
     }
-    const k = before(this.data.times, t), c = this.data.contacts.subarray(6 * k, 6 * k + 6);
-    this.force = this.data.forces[k];
+    const c = m.contacts.subarray(6 * i, 6 * i + 6);
     this.arrow.object.visible = false;
-    if (isFinite(c[0]) && this.force > 0)
+    if (isFinite(c[0]) && m.forces[i] > 0)
       this.arrow.place(new THREE.Vector3(c[0], c[1], c[2]), new THREE.Vector3(c[3], c[4], c[5]).normalize(),
-        1.2 * this.force);
+        1.2 * m.forces[i]);
+  }
+  // What is known at t: of the last picture at or before it.
+  show(t) {
+    if (this.scene) this.move(t);
+    const k = before(this.data.times, t);
+    this.force = this.data.forces[k];
     const depth = this.data.depths[k];
     this.values.force.textContent = this.force.toFixed(2) + ' N';
     this.values.depth.textContent = depth < 0.1 ? (1e3 * depth).toFixed(1) + ' \u00b5m' : depth.toFixed(2) + ' mm';
@@ -401,11 +410,9 @@ class Orbit {
 
 load().then(page => {
   const sides = [];
-  page.sides.forEach((data, i) => {
-    sides.push(new Side(data, i, data.motion === undefined ? null : page.sides[data.motion]));
-  });
+  page.sides.forEach((data, i) => sides.push(new Side(data, i, sides[0])));
   const first = sides[0].data, end = Math.max(...sides.map(side => side.data.end), first.period);
-  const shown = sides.filter(side => side.data === side.motion);  // another law on the same motion has no half
+  const shown = sides.filter(side => side.scene);
   $('sides').classList.toggle('halves', shown.length > 1);
   $('title').textContent = (first.scene || 'wall') + ': ' + sides.map(side => side.data.title).join(' beside ');
   document.title = 'Enamel: ' + $('title').textContent;

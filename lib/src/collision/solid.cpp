@@ -330,6 +330,14 @@ void Solid::put(std::int32_t number, const BrickSamples& samples) noexcept {
   tellChanged(number);
 }
 
+int Solid::brickAt(const Vec3& p) const noexcept {
+  const Vec3 place = (p - origin_) / (kBrickCells * cell_);
+  for (int i = 0; i < 3; ++i)
+    if (!(place[i] >= 0.0 && place[i] < count_[static_cast<std::size_t>(i)])) return -1;
+  const Eigen::Vector3i at = place.cast<int>();
+  return brickAt(at[0], at[1], at[2]);
+}
+
 int Solid::layerAt(const Vec3& p) const noexcept {
   const Vec3 nearest = ((p - origin_) / cell_).array().round();
   for (int i = 0; i < 3; ++i)

@@ -44,7 +44,7 @@ using RemovedVolume = std::array<double, kMaxSolidLayers>;
 /// and queries look at these cells only. So nothing depends on samples far from it, which a cut leaves as they are.
 /// Distances of a smooth surface with the least curvature radius R are off by up to about h^2 / (4 R) for cells of h;
 /// what is thinner than a cell may be lost. Queries: const, any number of threads. Cuts: one thread, no query
-/// meanwhile but cell(), layers(), low(), high(), lowOf() and layerAt(), which no cut changes.
+/// meanwhile but cell(), layers(), low(), high(), lowOf(), brickAt() and layerAt(), which no cut changes.
 class Solid {
  public:
   /// Samples the distance from a closed mesh; every brick that holds a part of it is allocated now, cuts never are.
@@ -84,6 +84,8 @@ class Solid {
   int takeChanged() noexcept;
   const BrickSamples& samples(int brick) const noexcept { return bricks_[static_cast<std::size_t>(brick)].samples; }
   Vec3 lowOf(int brick) const noexcept;  ///< corner of the brick, m
+  /// The brick that holds a point, -1: none does. Realtime: yes.
+  int brickAt(const Vec3& p) const noexcept;
   /// Layer of the sample nearest to a point. Realtime: yes.
   int layerAt(const Vec3& p) const noexcept;
 

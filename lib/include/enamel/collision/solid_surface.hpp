@@ -29,6 +29,17 @@ struct SolidSurface {
 void appendSurface(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface, int step = 1,
                    std::uint32_t coarser = 0);
 
+/// `visit(bit, other)` for every brick that shares a corner with this one, bit as of `coarser` above.
+template <typename Visit>
+void forEachNeighbour(const Solid& solid, int brick, const Visit& visit) {
+  const double edge = kBrickCells * solid.cell();
+  const Vec3 middle = solid.lowOf(brick) + Vec3::Constant(0.5 * edge);
+  for (int bit = 0; bit < 27; ++bit)
+    if (const int other = solid.brickAt(middle + edge * Vec3(bit % 3 - 1, bit / 3 % 3 - 1, bit / 9 - 1));
+        other >= 0 && other != brick)
+      visit(bit, other);
+}
+
 /// The surface of all of it: where the interpolation is 0 along the edges of the six tetrahedra around a diagonal of
 /// every cell (Freudenthal 1942; Doi and Koide, "An efficient method of triangulating equi-valued surfaces by using
 /// tetrahedral cells", 1991), a sample of 0 being outside. Watertight, two triangles at every edge, none through

@@ -38,6 +38,7 @@ class HapticTick {
   /// From the next tick on this bur cuts what it is pressed against, between contacts and renderer; null: none does. It
   /// must outlive the ticks. What it has cut is no part of the tick's state. Realtime: yes.
   void attach(Drill* drill) noexcept { drill_ = drill; }
+  /// What is attached, null: nothing. Realtime: yes.
   Drill* drill() const noexcept { return drill_; }
 
   /// Goes on after a fault: guard and renderer begin anew. Realtime: yes.
