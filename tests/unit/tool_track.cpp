@@ -157,7 +157,7 @@ TEST_CASE("fast walks into blades, wedges, teeth of a comb and soups never chang
     soup.triangles.push_back({first, first + 1, first + 2});
   }
   const TriangleMesh wedge = test::transformed(test::wedge(0.02), 5e-3, Vec3::Zero());
-  int held = 0, cornered = 0;  // by two surfaces that are one contact
+  int held = 0, cornered = 0;
   for (const TriangleMesh* mesh : {&std::as_const(comb), &wedge, &std::as_const(soup)}) {
     const Scene scene = sceneOf(meshShape(*mesh));
     const MeshModel& model = *std::get<std::shared_ptr<const MeshModel>>(scene.obstacles()[0].shape);
@@ -177,18 +177,20 @@ TEST_CASE("fast walks into blades, wedges, teeth of a comb and soups never chang
           }
           if (contacts.count != 1 || !(contacts.contacts[0].gap < -radius) || tool.parts[0].a != tool.parts[0].b)
             continue;
-          // Where it is held: at the surface, in the open.
+          // Where it is held: at the surface, in the open. Sheets of a soup cross each other: held by two in the corner
+          // between them, its one contact lies on neither.
           const Contact& contact = contacts.contacts[0];
           const Vec3 place = p - (contact.gap + radius - 2e-6) * contact.normal;
-          if (mesh != &soup) REQUIRE(test::windingNumber(*mesh, place) < 0.5);
-          ++(closestPoint(model, place).distance < 3e-6 ? held : cornered);
+          const bool isOnIt = closestPoint(model, place).distance < 3e-6;
+          if (mesh != &soup) REQUIRE((isOnIt && test::windingNumber(*mesh, place) < 0.5));
+          ++(isOnIt ? held : cornered);
         }
         (void)follow(scene, tool, at({0, 0, 0.05}), track);
         REQUIRE(follow(scene, tool, at({0, 0, 0.05}), track, 1e-3).count == 0);
       }
   }
   CHECK(held > 100 / test::kSlowdown);
-  CHECK(100 * cornered <= held);
+  CHECK(20 * cornered <= held);
 }
 
 TEST_CASE("a sheet has two sides, a thickness and no inside", "[unit]") {
