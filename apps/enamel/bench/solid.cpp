@@ -26,6 +26,20 @@ Tool ball() {
   return tool;
 }
 
+// Whether the surface curves by radii above 1 mm about a place: the height of the mesh over the tangent plane, so far
+// away to all sides, is that of a parabola or less.
+bool isGentle(const MeshModel& mesh, const SurfacePoint& place) {
+  constexpr double kAside = 0.3e-3, kRadiusOfCurvature = 1e-3;  // m
+  const Vec3 u = place.normal.unitOrthogonal(), v = place.normal.cross(u);
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 aside = kAside * (std::cos(0.25 * M_PI * k) * u + std::sin(0.25 * M_PI * k) * v);
+    const Vec3 there = signedDistance(mesh, place.point + aside).point - place.point;
+    const double height = place.normal.dot(there);
+    if (std::abs(height) > 0.5 * (there.squaredNorm() - height * height) / kRadiusOfCurvature) return false;
+  }
+  return true;
+}
+
 // A ball that goes round on the molar, up to 0.3 mm above it.
 void measureQueries(const MeshModel& mesh, const std::shared_ptr<Solid>& solid, int calls,
                     std::vector<Measurement>& rows) {
@@ -53,12 +67,13 @@ void measureQueries(const MeshModel& mesh, const std::shared_ptr<Solid>& solid, 
     pose.position = p;
     contacts_us.push_back(timeOnce([&] { keep(followContacts(scene, tool, pose, kReach, track, contacts)); }));
     const double gap = contacts.count > 0 ? contacts.contacts[0].gap : kReach;
-    gapError = std::max(gapError, std::abs(gap - (exact.distance - kRadius)));
+    if (isGentle(mesh, exact)) gapError = std::max(gapError, std::abs(gap - (exact.distance - kRadius)));
   }
   rows.push_back(rowOf("signed distance, molar at 0.1 mm, haptic path", distances_us, error, "m, against the mesh"));
   std::sort(meshes_us.begin(), meshes_us.end());
   rows.back().reference_us = percentile(meshes_us, 0.5);
-  rows.push_back(rowOf("contacts of a 1 mm ball with it, followed", contacts_us, gapError, "m, gap against the mesh"));
+  rows.push_back(rowOf("contacts of a 1 mm ball with it, followed", contacts_us, gapError,
+                       "m, gap against the mesh where it curves by radii above 1 mm"));
 }
 
 // The ball is pressed with 2 N and goes to and fro; walls push it back.

@@ -241,14 +241,20 @@ void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& remove
         const auto away = [&](int i, int k) { return static_cast<float>(corner[i] + k - a[i]); };
         Row dx;
         for (int k = 0; k < kLanes; ++k) dx[k] = away(0, sampleOf(k));
+        const Row dx2 = dx.square();
         bool isCut = false, isTurned = false;
         for (int z = i0[2]; z <= i1[2]; ++z)
           for (int y = i0[1]; y <= i1[1]; ++y) {
             float* row = brick.samples.data() + sampleAt(0, y, z);
             const float dy = away(1, y), dz = away(2, z);
-            if (perLength == 0.0f && dy * dy + dz * dz > most) continue;
-            const Row t = ((dx * span[0] + (dy * span[1] + dz * span[2])) * perLength).max(0.0f).min(1.0f);
-            const Row squared = (dx - t * span[0]).square() + (dy - t * span[1]).square() + (dz - t * span[2]).square();
+            Row squared;
+            if (perLength == 0.0f) {
+              if (dy * dy + dz * dz > most) continue;
+              squared = dx2 + (dy * dy + dz * dz);
+            } else {
+              const Row t = ((dx * span[0] + (dy * span[1] + dz * span[2])) * perLength).max(0.0f).min(1.0f);
+              squared = (dx - t * span[0]).square() + (dy - t * span[1]).square() + (dz - t * span[2]).square();
+            }
             Row before;
             before.head<8>() = Eigen::Map<const Eigen::Array<float, 8, 1>>(row);
             before.tail<4>() = Eigen::Map<const Eigen::Array<float, 4, 1>>(row + sampleOf(8));

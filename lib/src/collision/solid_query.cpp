@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace enamel {
 
@@ -19,8 +20,8 @@ struct SolidQuery {
   static constexpr double kFew = 4.0;             // steps so short leave most of the way
   static constexpr double kNoGradient = 1e-6;     // squared
   static constexpr double kSameMinimum = 0.02;
-  static constexpr int kMostSeen = 1024;
-  static constexpr float kSmooth = 0.1f, kFacing = 0.55f, kTrust = 0.3f;
+  static constexpr int kMostSeen = 1000;  // no power of two: its arrays would share lines of the cache
+  static constexpr float kSmooth = 0.1f;
   static constexpr double kClear = 0.5;                         // where the way to the surface gives its normal
   static constexpr double kAligned = 0.9396926207859084;        // cos 20 deg
   static constexpr double kSameDirection = 0.8660254037844386;  // cos 30 deg
@@ -75,17 +76,17 @@ struct SolidQuery {
     float outside;   // from the centre to the plane's place nearest to q, the largest coordinate
     float gx, gy, gz, perNorm;  // gradient, one over its length
 
-    Plane() = default;
-    Plane(const float* s, float qx, float qy, float qz) {
-      constexpr int j = kBrickSamples, k = kBrickSamples * kBrickSamples;
-      const float x00 = s[1] - s[0], x10 = s[j + 1] - s[j], x01 = s[k + 1] - s[k], x11 = s[k + j + 1] - s[k + j];
-      const float low = s[0] + s[1], back = s[j] + s[j + 1], up = s[k] + s[k + 1], far = s[k + j] + s[k + j + 1];
+    // The corners of the cell, x fastest.
+    Plane(float s0, float s1, float s2, float s3, float s4, float s5, float s6, float s7, float qx, float qy,
+          float qz) {
+      const float x00 = s1 - s0, x10 = s3 - s2, x01 = s5 - s4, x11 = s7 - s6;
+      const float low = s0 + s1, back = s2 + s3, up = s4 + s5, far = s6 + s7;
       const float y0 = back - low, y1 = far - up;
       gx = 0.25f * (x00 + x10 + x01 + x11), gy = 0.25f * (y0 + y1), gz = 0.25f * (up + far - low - back);
       const float squared = gx * gx + gy * gy + gz * gz + 1e-12f;
       const float height = 0.125f * (low + back + up + far) + gx * qx + gy * qy + gz * qz;
       const float perSquared = 1.0f / squared, way = height * perSquared;
-      outside = std::max({std::abs(qx - way * gx), std::abs(qy - way * gy), std::abs(qz - way * gz)});
+      outside = std::max(std::max(std::abs(qx - way * gx), std::abs(qy - way * gy)), std::abs(qz - way * gz));
       perNorm = std::sqrt(perSquared);
       distance = std::abs(height) * perNorm;
       const float xy = std::abs(x10 - x00) + std::abs(x11 - x01), xz = std::abs(x01 - x00) + std::abs(x11 - x10);
@@ -96,8 +97,8 @@ struct SolidQuery {
     // places are about as near. Where q may be elsewhere: nearer to the plane by `rise`, its place on it by `slide`.
     float least(float rise, float slide) const {
       const float ahead = std::max(distance - rise - (flatness < kSmooth ? 0.1f * flatness : flatness), 0.0f);
-      const float aside = outside - slide - 0.5f - flatness;  // the cell begins so far beside the plane's nearest place
-      return aside > 0.0f ? std::sqrt(ahead * ahead + aside * aside) : ahead;
+      const float aside = std::max(outside - slide - 0.5f - flatness, 0.0f);  // so far beside it the cell begins
+      return std::sqrt(ahead * ahead + aside * aside);
     }
   };
 
@@ -244,8 +245,10 @@ struct SolidQuery {
     return kBrickCells * Vec3(brick.place[0], brick.place[1], brick.place[2]);
   }
 
-  static Plane planeOf(const float* samples, const Vec3& q) {
-    return {samples, static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z())};
+  static Plane planeOf(const float* s, const Vec3& q) {
+    constexpr int j = kBrickSamples, k = kBrickSamples * kBrickSamples;
+    const Eigen::Vector3f f = q.cast<float>();
+    return {s[0], s[1], s[j], s[j + 1], s[k], s[k + 1], s[k + j], s[k + j + 1], f.x(), f.y(), f.z()};
   }
 
   struct Nearest {
@@ -300,78 +303,83 @@ struct SolidQuery {
     });
   }
 
-  // A cell as seen from the point.
-  struct Seen {
-    const float* samples;
-    Eigen::Vector3f low, toCentre;
-    Plane plane;
-    float least;  // nothing of the patch is nearer
-  };
+  // Cells as seen from the point, number by number, so that several are looked at in one go.
   struct SeenCells {
     int count = 0;
-    std::array<Seen, kMostSeen> all;
-  };
+    std::array<const float*, kMostSeen> samples;
+    std::array<Eigen::Vector3f, kMostSeen> low;
+    float toCentre[3][kMostSeen], corners[8][kMostSeen];
+    float distance[kMostSeen], flatness[kMostSeen], outside[kMostSeen];  // as of Plane
+    float least[kMostSeen];                                              // nothing of the patch is nearer
 
-  static Seen seenFrom(const float* samples, const Vec3& low, const Vec3& q) {
-    const Plane plane = planeOf(samples, q);
-    const Eigen::Vector3f toCentre = q.cast<float>();
-    return {samples, low.cast<float>(), toCentre, plane,
-            std::max(plane.least(0.0f, 0.0f), toCentre.norm() - static_cast<float>(kHalfCell))};
-  }
-
-  // About how near the surface is there where it is smooth and faces the point.
-  static double likely(const Seen& cell) {
-    const Plane& plane = cell.plane;
-    return plane.outside < kFacing && plane.flatness < kSmooth
-               ? static_cast<double>(plane.distance + kTrust * plane.flatness)
-               : kNoLimit;
-  }
-
-  void search(const Seen& cell, Nearest& best) const {
-    if (static_cast<double>(cell.least) < best.distance) search(cell.low.cast<double>(), cell.samples, 0.0, best);
-  }
-
-  void searchEach(const SeenCells& cells, Nearest& best) const {
-    for (int i = 0; i < cells.count; ++i) search(cells.all[i], best);
-  }
-
-  // Most cells are looked at only where none is as near as it seems.
-  void search(const SeenCells& cells, Nearest& best) const {
-    Nearest smooth{best.distance};
-    const Seen* middle = nullptr;
-    for (int i = 0; i < cells.count; ++i) {
-      const Seen& cell = cells.all[i];
-      smooth.distance = std::min(smooth.distance, likely(cell));
-      if (middle == nullptr || cell.least < middle->least) middle = &cell;
+    void add(const float* s, const Vec3& corner, const Vec3& q) {
+      constexpr int j = kBrickSamples, k = kBrickSamples * kBrickSamples;
+      constexpr int at[8] = {0, 1, j, j + 1, k, k + 1, k + j, k + j + 1};
+      samples[count] = s;
+      low[count] = corner.cast<float>();
+      for (int i = 0; i < 3; ++i) toCentre[i][count] = static_cast<float>(q[i]);
+      for (int i = 0; i < 8; ++i) corners[i][count] = s[at[i]];
+      ++count;
     }
-    if (middle != nullptr) search(*middle, best);
-    if (smooth.distance < best.distance) {
-      searchEach(cells, smooth);
-      if (smooth.found) {
-        best = smooth;
-        return;
+
+    void look() {
+      const auto& [s0, s1, s2, s3, s4, s5, s6, s7] = corners;
+      const auto& [qx, qy, qz] = toCentre;
+      for (int i = 0; i < count; ++i) {
+        const Plane plane(s0[i], s1[i], s2[i], s3[i], s4[i], s5[i], s6[i], s7[i], qx[i], qy[i], qz[i]);
+        distance[i] = plane.distance;
+        flatness[i] = plane.flatness;
+        outside[i] = plane.outside;
+        least[i] = std::max(plane.least(0.0f, 0.0f),
+                            std::sqrt(qx[i] * qx[i] + qy[i] * qy[i] + qz[i] * qz[i]) - static_cast<float>(kHalfCell));
       }
     }
-    searchEach(cells, best);
+  };
+
+  // Numbers of the cells by the shares of the reach that nothing of them is nearer than, the least first.
+  struct Order {
+    static constexpr int kShares = 256;
+    std::array<std::int16_t, kMostSeen> cells;
+    std::array<int, kShares + 1> ends{};
+
+    Order(const SeenCells& seen, double reach) {
+      std::array<std::int16_t, kMostSeen> share;
+      const float scale = kShares / std::max(static_cast<float>(reach), 1e-6f);
+      for (int i = 0; i < seen.count; ++i) {
+        share[i] = static_cast<std::int16_t>(std::clamp(seen.least[i] * scale, 0.0f, kShares - 1.0f));
+        ++ends[share[i] + 1];
+      }
+      for (int k = 0; k < kShares; ++k) ends[k + 1] += ends[k];
+      for (int i = 0; i < seen.count; ++i) cells[ends[share[i]]++] = static_cast<std::int16_t>(i);
+    }
+  };
+
+  void search(const SeenCells& cells, Nearest& best) const {
+    const Order order(cells, best.distance);
+    for (int i = 0; i < cells.count; ++i) {
+      const int cell = order.cells[i];
+      if (static_cast<double>(cells.least[cell]) < best.distance)
+        search(cells.low[cell].cast<double>(), cells.samples[cell], 0.0, best);
+    }
   }
 
   // Hands on the cells that may have a place within reach of the point, as many as fit at a time.
-  template <typename Look>
-  void forEachSeen(double reach, const Look& look) const {
+  template <typename Visit>
+  void forEachSeen(double reach, const Visit& visit) const {
     SeenCells cells;
+    const auto hand = [&] {
+      cells.look();
+      visit(std::as_const(cells));
+      cells.count = 0;
+    };
     const auto within = [&] { return reach; };
     forEachBrick(within, [&](std::int32_t, const Brick& brick, double) {
       forEachCell(brick, within, [&](const float* samples, const Vec3& low, const Vec3& q, double) {
-        const Seen cell = seenFrom(samples, low, q);
-        if (static_cast<double>(cell.least) > reach) return;
-        if (cells.count == kMostSeen) {
-          look(cells);
-          cells.count = 0;
-        }
-        cells.all[cells.count++] = cell;
+        if (cells.count == kMostSeen) hand();
+        cells.add(samples, low, q);
       });
     });
-    look(cells);
+    hand();
   }
 
   // The cell whose centre is nearest: what is found there makes the rest short.
@@ -481,47 +489,37 @@ struct SolidQuery {
     }
   };
 
-  // The likely nearest first, by shares of the reach, so that those in the same direction need no closer look.
-  void collect(const SeenCells& cells, double reach, Collected& found) const {
-    constexpr int kShares = 256;
-    std::array<int, kShares + 1> ends{};
-    std::array<std::int16_t, kMostSeen> share, order;
-    const float scale = kShares / std::max(static_cast<float>(reach), 1e-6f);
+  // The likely nearest first, so that those in the same direction need no closer look.
+  void collect(const SeenCells& cells, double reach, Nearest& best, Collected& found) const {
+    const Order order(cells, reach);
     for (int i = 0; i < cells.count; ++i) {
-      const Seen& cell = cells.all[i];
-      const Plane& plane = cell.plane;
-      share[i] = -1;
-      if (!(plane.outside <= 0.75f + 4.0f * plane.flatness * plane.distance)) continue;
-      share[i] = static_cast<std::int16_t>(std::clamp(cell.least * scale, 0.0f, kShares - 1.0f));
-      ++ends[share[i] + 1];
-    }
-    for (int k = 0; k < kShares; ++k) ends[k + 1] += ends[k];
-    const int count = ends[kShares];
-    for (int i = 0; i < cells.count; ++i)
-      if (share[i] >= 0) order[ends[share[i]]++] = static_cast<std::int16_t>(i);
-    for (int i = 0; i < count; ++i) {
-      const Seen& cell = cells.all[order[i]];
-      const double least = static_cast<double>(cell.least);
-      if (found.count == kernel::kMaxSolidMinima && least >= found.all[found.count - 1].distance) continue;
-      const Vec3 toCentre = cell.toCentre.cast<double>(), low = cell.low.cast<double>(), q = a - low;
-      if (found.has(a, toCentre, toCentre.norm(), static_cast<double>(cell.plane.distance) + kSameMinimum)) continue;
+      const int cell = order.cells[i];
+      const double least = static_cast<double>(cells.least[cell]), distance = static_cast<double>(cells.distance[cell]);
+      if (least > reach) continue;
+      const Vec3 low = cells.low[cell].cast<double>(), q = a - low;
+      const auto isOne = [&] {
+        const Vec3 toCentre = q - Vec3::Constant(0.5);
+        return cells.outside[cell] <= 0.75f + 2.0f * cells.flatness[cell] * cells.distance[cell] &&
+               (found.count < kernel::kMaxSolidMinima || least < found.all[found.count - 1].distance) &&
+               !found.has(a, toCentre, toCentre.norm(), distance + kSameMinimum);
+      };
+      if (least >= best.distance && !isOne()) continue;
       Touch touch;
-      if (!nearestOn(Patch(cell.samples), q, touch)) continue;
+      if (!nearestOn(Patch(cells.samples[cell]), q, touch)) continue;
       const Vec3 way = q - touch.point;
-      const double distance = way.norm();
-      if (distance > reach || !(way.dot(touch.gradient) > kAligned * distance * touch.gradient.norm())) continue;
-      found.add(a, {distance, 0.0, low + touch.point, touch.gradient, true});
+      const Nearest candidate{way.norm(), 0.0, low + touch.point, touch.gradient, true};
+      if (candidate.distance < best.distance) best = candidate;
+      if (candidate.distance <= reach &&
+          way.dot(touch.gradient) > kAligned * candidate.distance * touch.gradient.norm())
+        found.add(a, candidate);
     }
   }
 
   void minima(double reach, kernel::SolidMinima& minima) const {
     Nearest best{reach};
     Collected found;
-    forEachSeen(reach, [&](const SeenCells& cells) {
-      search(cells, best);
-      if (best.found) found.add(a, best);  // counts also where the surface has no normal that points to p
-      collect(cells, reach, found);
-    });
+    forEachSeen(reach, [&](const SeenCells& cells) { collect(cells, reach, best, found); });
+    if (best.found) found.add(a, best);  // counts also where the surface has no normal that points to p
     for (int i = 0; i < found.count; ++i) minima.all[i] = answer(found.all[i], 1.0);
     minima.count = found.count;
   }
