@@ -109,8 +109,9 @@ struct SolidQuery {
     for (bool isOut = true; isOut;) {
       const double squared = gradient.squaredNorm();
       if (!(squared > kNoGradient)) return false;
-      along = way - gradient * (gradient.dot(way) / squared);
-      next = u - gradient * (value / squared) + length * along;
+      const double perSquared = 1.0 / squared;
+      along = way - gradient * (gradient.dot(way) * perSquared);
+      next = u - gradient * (value * perSquared) + length * along;
       isOut = false;
       for (int i = 0; i < 3; ++i) {
         if (gradient[i] == 0.0 || !(u[i] <= 0.0 ? next[i] < 0.0 : u[i] >= 1.0 && next[i] > 1.0)) continue;
