@@ -38,12 +38,16 @@ void runViewer(int argc, char** argv) {
       app.add_option("--set", set, "parameter of the plugin, KEY=VALUE; once a parameter")->allow_extra_args(false)};
   CLI::Option* const play = app.add_option("--play", options.play, "recording to look at, instead of a run");
   for (CLI::Option* const option : live) play->excludes(option);
-  app.add_flag("--headless", options.headless, "no display: run the script on simulated time");
+  CLI::Option* const headless =
+      app.add_flag("--headless", options.headless, "no display: run the script on simulated time");
   app.add_option("--script", options.script, "what to do, with times");
   app.add_option("--record", options.record, "folder for pictures (made if it is missing)");
   app.add_option("--report", options.report, "how the run went: frame rate, timing, memory (JSON)");
   app.add_option("--size", size, "WIDTHxHEIGHT of the picture");
   app.add_option("--scale", options.scale, "pixels per unit of layout, headless")->check(CLI::Range(1.0, 4.0));
+  app.add_option("--frame-rate", options.frameRate, "pictures a second of the window, at most (60)")
+      ->check(CLI::Range(1.0, 240.0))
+      ->excludes(headless);
   if (!enamel::app::parse(app, kProgram, argc, argv)) return;
   const RendererSlot gainOf = enamel::isSurfaceServo(options.gain) ? RendererSlot::positionControl : RendererSlot::hold;
   const auto linked = rendererNames(nullptr);

@@ -383,7 +383,7 @@ int runInWindow(const Options& options, double started) {
       surface->present();
       report.frame(steadySeconds());
       if (scripted) break;
-      const double spare = kFrame - (steadySeconds() - now);
+      const double spare = 1.0 / options.frameRate - (steadySeconds() - now);
       if (spare > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(spare));
     }
     report.write(options.report, steadySeconds() - begin, viewer, timing());

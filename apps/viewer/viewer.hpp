@@ -35,6 +35,7 @@ struct Options {
   std::string script, record, report;
   glm::ivec2 size{1280, 720};
   float scale = 1.0f;
+  double frameRate = 60.0;  ///< of the window, 1/s, at most
 };
 
 /// Everything but the loop that drives it: see runInWindow() and runHeadless().

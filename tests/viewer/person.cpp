@@ -36,8 +36,8 @@ nlohmann::json person(const test::TemporaryFolder& folder, const std::string& ar
       "cd '" +
           folder / "" + "'\n" +
           "mark() { echo $(($(date +%s%N) / 1000000 - start)) >> marks.txt; }\nstart=$(($(date +%s%N) / 1000000))\n" +
-          before + "timeout " + std::to_string(seconds) + " '" ENAMEL_VIEWER "' --report '" + folder / "report.json' " +
-          arguments +
+          before + "timeout " + std::to_string(seconds) + " '" ENAMEL_VIEWER "'" + test::kFewPictures + "--report '" +
+          folder / "report.json' " + arguments +
           " > said.txt 2>&1 &\nviewer=$!\n"
           "window=$(timeout 40 xdotool search --sync --onlyvisible --name '^Enamel$' | head -n 1)\n"
           "xdotool windowfocus $window\nsleep 1\n" +
@@ -245,7 +245,7 @@ std::string playing(test::Random& random, double seconds) {
 
 TEST_CASE("whatever somebody plays with, memory stays level", "[viewer]") {
   if (!havePerson()) return test::skipTest("xvfb-run, xauth or xdotool is missing");
-  const double seconds = test::count(16, 1800), measured = 5.0;
+  const double seconds = test::count(8, 1800), measured = 5.0;
   const std::uint64_t seed = 703;
   INFO("seed " << seed);
   test::Random random(seed);

@@ -506,7 +506,7 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   // of the wall. Where it was started before, nothing is.
   const auto start = [&](const std::string& home) {
     return test::runCommand("env HOME='" + folder / home + "' XDG_STATE_HOME= " + test::kXvfb + " timeout -s INT 6 '" +
-                            ENAMEL_VIEWER + "' --report '" + folder / (home + ".json'"));
+                            ENAMEL_VIEWER + "'" + test::kFewPictures + "--report '" + folder / (home + ".json'"));
   };
   std::filesystem::create_directory(folder / "first");
   const auto first = start("first");
@@ -708,8 +708,9 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
   // A script is silent unless it asks for sound; without a device that is said once.
   const auto said = [&](const std::string& sound) {
     test::writeFile(folder / "script.txt", sound + "0.1 spin on\n0.8 end\n");
-    const auto heard = test::viewer("'" + folder / "tooth.toml' --script '" + folder / "script.txt'",
-                                    "env ALSOFT_DRIVERS=none " + test::kXvfb);
+    const auto heard =
+        test::viewer("'" + folder / "tooth.toml' --script '" + folder / "script.txt'" + test::kFewPictures,
+                     "env ALSOFT_DRIVERS=none " + test::kXvfb);
     INFO(heard.output);
     CHECK(heard.status == 0);
     const std::size_t at = heard.output.find("no sound: ");

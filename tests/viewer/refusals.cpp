@@ -38,6 +38,9 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
   requireRefused(test::viewer(headless + "--renderer granite"), 1, "granite");
   for (const char* scale : {"nan", "inf", "''", "0x2", "-1", "1e999"})
     requireRefused(test::viewer(headless + "--scale " + scale), 2, "--scale: ");
+  for (const char* rate : {"0", "nan", "-1", "1e999"})
+    requireRefused(test::viewer("--script '" + folder / "good.txt' --frame-rate " + rate), 2, "--frame-rate: ");
+  requireRefused(test::viewer(headless + "--frame-rate 30"), 2, "--frame-rate excludes --headless");
   REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
   requireRefused(test::viewer("--headless --script '" + folder / "pipe'", "timeout 20"), 1, "is no plain file");
   requireRefused(test::viewer("--headless --script /dev/zero", "timeout 20"), 1, "is no plain file");
@@ -152,7 +155,8 @@ TEST_CASE("a signal ends the viewer with its report written", "[viewer]") {
     WARN("xvfb-run or xauth is missing: windows are not tested");
     return;
   }
-  requireReport(test::viewer(arguments, test::kXvfb + " timeout --preserve-status -s TERM 4"), 128 + 15);
+  requireReport(test::viewer(arguments + test::kFewPictures, test::kXvfb + " timeout --preserve-status -s TERM 4"),
+                128 + 15);
 }
 
 TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
@@ -167,11 +171,12 @@ TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
                  "cannot open a window");
   for (const char* renderer : {"position-control", "impedance"}) {
     test::writeFile(folder / "close.txt", "0 hand 0 0 -20 over 0.3\n2.5 quit\n60 end\n");
-    requireRefused(test::viewer("--script '" + folder / "close.txt' --renderer " + renderer, test::kXvfb), 1,
-                   "the window was closed while the tool was in contact");
+    requireRefused(
+        test::viewer("--script '" + folder / "close.txt' --renderer " + renderer + test::kFewPictures, test::kXvfb), 1,
+        "the window was closed while the tool was in contact");
   }
   test::writeFile(folder / "close.txt", "0.5 quit\n60 end\n");
-  CHECK(test::viewer("--script '" + folder / "close.txt'", test::kXvfb).status == 0);
+  CHECK(test::viewer("--script '" + folder / "close.txt'" + test::kFewPictures, test::kXvfb).status == 0);
 }
 
 }  // namespace enamel::test_refusals

@@ -106,13 +106,14 @@ std::string randomScript(std::uint64_t seed, double seconds) {
 
 TEST_CASE("soak", "[viewer]") {
   if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
-  const double seconds = test::count(25, 1800);
+  const double seconds = test::count(16, 1800);
   const std::uint64_t seed = 701;
   INFO("seed " << seed);
   const test::TemporaryFolder folder;
   test::writeFile(folder / "script.txt", randomScript(seed, seconds));
-  const auto result = test::viewer("--script '" + folder / "script.txt' --report '" + folder / "report.json'",
-                                   kOneThread + test::kXvfb, static_cast<int>(seconds) + 120);
+  const auto result =
+      test::viewer("--script '" + folder / "script.txt' --report '" + folder / "report.json'" + test::kFewPictures,
+                   kOneThread + test::kXvfb, static_cast<int>(seconds) + 120);
   INFO(result.output);
   REQUIRE(result.status == 0);
   CHECK(result.output.empty());

@@ -75,6 +75,9 @@ inline std::string underXvfb(const std::string& server) {
 }
 inline const std::string kXvfb = underXvfb("-screen 0 1280x720x24");
 
+/// For windows of which no test counts the pictures: OpenGL in software takes all that it gets.
+inline const std::string kFewPictures = " --frame-rate 12 ";
+
 inline bool haveXvfb() { return runCommand("command -v xvfb-run && command -v xauth").status == 0; }
 
 inline std::string shippedScene(const std::string& name) { return "'" ENAMEL_SOURCE_DIR "/data/scenes/" + name + "'"; }
