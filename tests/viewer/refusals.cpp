@@ -40,7 +40,7 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
     requireRefused(test::viewer(headless + "--scale " + scale), 2, "--scale: ");
   for (const char* rate : {"0", "nan", "-1", "1e999"})
     requireRefused(test::viewer("--script '" + folder / "good.txt' --frame-rate " + rate), 2, "--frame-rate: ");
-  requireRefused(test::viewer(headless + "--frame-rate 30"), 2, "--frame-rate excludes --headless");
+  requireRefused(test::viewer(headless + "--frame-rate 30"), 2, "--headless excludes --frame-rate");
   REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
   requireRefused(test::viewer("--headless --script '" + folder / "pipe'", "timeout 20"), 1, "is no plain file");
   requireRefused(test::viewer("--headless --script /dev/zero", "timeout 20"), 1, "is no plain file");
