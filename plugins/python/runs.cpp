@@ -140,7 +140,8 @@ RendererRecipe positionControl(const Device& device, double period, const Delays
       throw Error(path + ": the servo is for " + std::to_string(options.count.size()) + " joints, the device has " +
                   std::to_string(device.mechanism->joints()));
   }
-  for (const auto& [name, value] : numbers) {
+  for (const auto& [key, value] : numbers) {
+    const std::string& name = key;  // which Clang lets a lambda capture
     const auto& all = surfaceServoParameters();
     const auto found = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.name == name; });
     if (found == all.end()) throw Error("position_control has no number \"" + name + "\"");

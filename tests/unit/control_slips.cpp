@@ -13,9 +13,9 @@
 
 namespace enamel::test_control_slips {
 
-using Catch::Matchers::Contains;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using test::ContainsSubstring;
 
 namespace {
 
@@ -34,35 +34,36 @@ TEST_CASE("matrices of no size, of other sizes, of numbers that are none", "[con
   const MatrixXd none(0, 0), wide = MatrixXd::Ones(2, 3), huge = MatrixXd::Constant(3, 3, 1e308),
                              bad = MatrixXd::Constant(2, 2, kNan);
   CHECK(matrixExponential(none).size() == 0);
-  CHECK_THROWS_WITH(matrixExponential(wide), Contains("2 x 3"));
-  CHECK_THROWS_WITH(matrixExponential(bad), Contains("is not finite"));
-  CHECK_THROWS_WITH(matrixExponential(huge), Contains("overflows"));
-  CHECK_THROWS_WITH(matrixExponential(MatrixXd::Constant(1, 1, 1e308)), Contains("overflows"));
+  CHECK_THROWS_WITH(matrixExponential(wide), ContainsSubstring("2 x 3"));
+  CHECK_THROWS_WITH(matrixExponential(bad), ContainsSubstring("is not finite"));
+  CHECK_THROWS_WITH(matrixExponential(huge), ContainsSubstring("overflows"));
+  CHECK_THROWS_WITH(matrixExponential(MatrixXd::Constant(1, 1, 1e308)), ContainsSubstring("overflows"));
   CHECK(matrixExponential(MatrixXd::Constant(1, 1, -1e308))(0, 0) == 0.0);
   const StateSpace large{huge, MatrixXd::Constant(3, 1, 1e308)};
   CHECK_THROWS_AS(zeroOrderHold(large, 1.0), DesignError);
   CHECK_THROWS_AS(zeroOrderHold(large, 1e308), DesignError);
   CHECK(zeroOrderHold({MatrixXd::Zero(2, 2), MatrixXd::Ones(2, 1)}, 1e-300).A == MatrixXd::Identity(2, 2));
   for (const double period : {0.0, -1.0, kNan, HUGE_VAL})
-    CHECK_THROWS_WITH(zeroOrderHold({MatrixXd::Zero(2, 2), MatrixXd::Ones(2, 1)}, period), Contains("period"));
+    CHECK_THROWS_WITH(zeroOrderHold({MatrixXd::Zero(2, 2), MatrixXd::Ones(2, 1)}, period), ContainsSubstring("period"));
 
-  for (const MatrixXd& A : {none, wide, bad}) CHECK_THROWS_WITH(spectralRadius(A), Contains("eigenvalues: the matrix"));
+  for (const MatrixXd& A : {none, wide, bad})
+    CHECK_THROWS_WITH(spectralRadius(A), ContainsSubstring("eigenvalues: the matrix"));
   CHECK_THROWS_AS(continuousPoles(none, 1e-3), DesignError);
   CHECK_THROWS_AS(continuousPoles(MatrixXd::Identity(2, 2), 0.0), DesignError);
   const StateSpace loop{0.5 * MatrixXd::Identity(3, 3), MatrixXd::Ones(3, 1)};
   const MatrixXd K = MatrixXd::Zero(1, 3);
   for (const StateSpace& l : {StateSpace{none, none}, StateSpace{wide, none}, StateSpace{loop.A, wide},
                               StateSpace{wide, loop.B}, StateSpace{loop.A, MatrixXd(3, 0)}})
-    CHECK_THROWS_WITH(closedLoop(l, K, 1), Contains("sizes do not fit: A "));
+    CHECK_THROWS_WITH(closedLoop(l, K, 1), ContainsSubstring("sizes do not fit: A "));
   for (const MatrixXd& gain : {none, MatrixXd(MatrixXd::Zero(2, 3)), MatrixXd(MatrixXd::Zero(1, 2))}) {
-    CHECK_THROWS_WITH(toleratedDelay(loop, gain), Contains("sizes do not fit"));
-    CHECK_THROWS_WITH(measureMargins(loop, gain, 1e-3), Contains("sizes do not fit"));
-    CHECK_THROWS_WITH(diskMargin(loop, gain, 1e-3, 0), Contains("sizes do not fit"));
+    CHECK_THROWS_WITH(toleratedDelay(loop, gain), ContainsSubstring("sizes do not fit"));
+    CHECK_THROWS_WITH(measureMargins(loop, gain, 1e-3), ContainsSubstring("sizes do not fit"));
+    CHECK_THROWS_WITH(diskMargin(loop, gain, 1e-3, 0), ContainsSubstring("sizes do not fit"));
   }
   for (const int delay : {-1, -(1 << 30), 66, 1 << 30})
-    CHECK_THROWS_WITH(closedLoop(loop, K, delay), Contains("must be in 0 to 65 ticks"));
-  CHECK_THROWS_WITH(diskMargin(loop, K, 0.0, 0), Contains("period"));
-  CHECK_THROWS_WITH(measureMargins(loop, K, kNan), Contains("period"));
+    CHECK_THROWS_WITH(closedLoop(loop, K, delay), ContainsSubstring("must be in 0 to 65 ticks"));
+  CHECK_THROWS_WITH(diskMargin(loop, K, 0.0, 0), ContainsSubstring("period"));
+  CHECK_THROWS_WITH(measureMargins(loop, K, kNan), ContainsSubstring("period"));
   Linearisation empty;
   CHECK_THROWS_AS(outputsAsStates(empty), DesignError);
   empty.C = MatrixXd::Identity(2, 2);
@@ -93,7 +94,7 @@ TEST_CASE("servos, simulations and limits of nothing", "[control_slips]") {
   const auto refuse = [&](auto change) {
     ServoExperiment experiment = good;
     change(experiment);
-    CHECK_THROWS_WITH(simulateServo(design, plant, experiment), Contains("servo simulation"));
+    CHECK_THROWS_WITH(simulateServo(design, plant, experiment), ContainsSubstring("servo simulation"));
   };
   refuse([](ServoExperiment& e) { e.ticks = -1; });
   refuse([](ServoExperiment& e) { e.ticks = 2000000000; });
@@ -102,7 +103,7 @@ TEST_CASE("servos, simulations and limits of nothing", "[control_slips]") {
   refuse([](ServoExperiment& e) { e.reference.resize(0); });
   refuse([](ServoExperiment& e) { e.maxTorque.setZero(2); });
   const SampledPlant silent = [](const VectorXd&, const VectorXd&, const VectorXd&) { return VectorXd(); };
-  CHECK_THROWS_WITH(simulateServo(design, silent, good), Contains("does not answer"));
+  CHECK_THROWS_WITH(simulateServo(design, silent, good), ContainsSubstring("does not answer"));
   const ServoTrace trace = simulateServo(design, plant, good);
   CHECK_THROWS_AS(firstImpactStiffness(trace, Eigen::RowVectorXd::Ones(2), 1.0, 1e-3), DesignError);
   CHECK_THROWS_AS(firstImpactStiffness(trace, Eigen::RowVectorXd::Ones(1), 1.0, 1e-300), DesignError);
@@ -111,10 +112,10 @@ TEST_CASE("servos, simulations and limits of nothing", "[control_slips]") {
   CHECK_THROWS_AS(torqueDeviation(ServoTrace{}, 5), DesignError);
   ServoDesign tiny = design;
   tiny.period = 1e-300;
-  CHECK_THROWS_WITH(measureRequirements(tiny, plant, jacobian), Contains("the period is so small"));
+  CHECK_THROWS_WITH(measureRequirements(tiny, plant, jacobian), ContainsSubstring("the period is so small"));
   CHECK(firstImpactLimit(1.0, 1e-3, -1, 1.0, 10.0) == 0.0);
   CHECK(firstImpactLimit(1.0, 0.0, 0, 1.0, 10.0) == 0.0);
-  CHECK_THROWS_WITH(isWallStable({1.0, 0.0, 1e-300}, {1000.0, 0.0, 0}), Contains("1e8 periods"));
+  CHECK_THROWS_WITH(isWallStable({1.0, 0.0, 1e-300}, {1000.0, 0.0, 0}), ContainsSubstring("1e8 periods"));
   CHECK_THROWS_AS(isWallStable({1.0, 0.0, 1e-3}, {1000.0, 0.0, -1}), DesignError);
   CHECK_THROWS_AS(isWallStable({1.0, 0.0, 1e-3}, {1000.0, 0.0, 2000000000}), DesignError);
   CHECK_THROWS_AS(devicePlant(nullptr, Pose{}), DesignError);
@@ -146,7 +147,7 @@ TEST_CASE("pushes and studies of nothing", "[control_slips]") {
   const auto refuse = [](auto change, const std::string& reason) {
     PushSetup setup;
     change(setup);
-    CHECK_THROWS_WITH(checkPush(setup), Contains(reason));
+    CHECK_THROWS_WITH(checkPush(setup), ContainsSubstring(reason));
   };
   for (const double period : {1e-300, -1.0, kNan, 1e308})
     refuse([period](PushSetup& s) { s.period = period; }, "must be in 1e-05 to 0.1 s");
@@ -160,7 +161,7 @@ TEST_CASE("pushes and studies of nothing", "[control_slips]") {
   for (const int count : {-1, 9}) {
     PushSetup setup;
     setup.tool.count = count;
-    CHECK_THROWS_WITH(VirtualLoop(device, renderer, setup), Contains("0 to 8 parts"));
+    CHECK_THROWS_WITH(VirtualLoop(device, renderer, setup), ContainsSubstring("0 to 8 parts"));
   }
 
   StudyPlan plan;
@@ -173,20 +174,20 @@ TEST_CASE("pushes and studies of nothing", "[control_slips]") {
   REQUIRE(plan.size() == 2 * 4 * 3);
   CHECK(runAt(plan, 23).run == 2);
   CHECK_THROWS_WITH(runAt(plan, 24), "run 24 is asked for, the study has 24");
-  CHECK_THROWS_WITH(runAt(plan, static_cast<std::size_t>(-1)), Contains("the study has 24"));
+  CHECK_THROWS_WITH(runAt(plan, static_cast<std::size_t>(-1)), ContainsSubstring("the study has 24"));
   StudyRun run = runAt(plan, 0);
   run.column = 1;
-  CHECK_THROWS_WITH(performRun(plan, run), Contains("column 1 and point 0"));
+  CHECK_THROWS_WITH(performRun(plan, run), ContainsSubstring("column 1 and point 0"));
   run.column = 0;
   run.point = 4;
-  CHECK_THROWS_WITH(performRun(plan, run), Contains("the study has 1 and 4"));
+  CHECK_THROWS_WITH(performRun(plan, run), ContainsSubstring("the study has 1 and 4"));
   for (const int runs : {0, -1}) {
     plan.runs = runs;
-    CHECK_THROWS_WITH(runAt(plan, 0), Contains("the study has 0"));
-    CHECK_THROWS_WITH(pointStatistics(plan, {}), Contains("must be at least 1"));
+    CHECK_THROWS_WITH(runAt(plan, 0), ContainsSubstring("the study has 0"));
+    CHECK_THROWS_WITH(pointStatistics(plan, {}), ContainsSubstring("must be at least 1"));
   }
   plan.grid = 0;
-  CHECK_THROWS_WITH(summarise(plan, {}), Contains("must be at least 1"));
+  CHECK_THROWS_WITH(summarise(plan, {}), ContainsSubstring("must be at least 1"));
 }
 
 }  // namespace enamel::test_control_slips

@@ -7,7 +7,7 @@
 
 namespace enamel::test_device_command {
 
-using Catch::Matchers::Contains;
+using test::ContainsSubstring;
 using test::run;
 
 namespace {
@@ -42,10 +42,11 @@ TEST_CASE("a device is served and felt from another process", "[device_command]"
       server, log, "--connect 127.0.0.1:" + port(0) + " --renderer impedance --duration 1 --key '" + key + "'");
   INFO(output << "\n" << test::readFile(log));
   CHECK(numberAfter(output, "accepted ") > 300);
-  CHECK_THAT(output, Contains("wake-up error") && Contains("age of the command") && Contains("reason of the guard"));
-  CHECK_THAT(output, !Contains("checksum") && !Contains("not made with our key"));
+  CHECK_THAT(output, ContainsSubstring("wake-up error") && ContainsSubstring("age of the command") &&
+                         ContainsSubstring("reason of the guard"));
+  CHECK_THAT(output, !ContainsSubstring("checksum") && !ContainsSubstring("not made with our key"));
   CHECK(numberAfter(test::readFile(log), "accepted ") > 300);
-  CHECK_THAT(test::readFile(log), Contains("with a key") && Contains("measurement to command"));
+  CHECK_THAT(test::readFile(log), ContainsSubstring("with a key") && ContainsSubstring("measurement to command"));
 }
 
 TEST_CASE("slips in a command line of device are told", "[device_command]") {
@@ -53,7 +54,7 @@ TEST_CASE("slips in a command line of device are told", "[device_command]") {
     const auto result = run("device " + options);
     INFO(options);
     CHECK(result.status != 0);
-    CHECK_THAT(result.output, Contains(message));
+    CHECK_THAT(result.output, ContainsSubstring(message));
   };
   refuses("", "give --serve or --connect HOST:PORT");
   refuses("--serve --connect localhost", "give --serve or --connect HOST:PORT");
@@ -98,7 +99,7 @@ TEST_CASE("the driver in Python of the page is a device", "[device_command]") {
                 "--connect 127.0.0.1:" + port(2) + " --renderer impedance --duration 1 --device '" + kStylus + "'");
   INFO(output << "\n" << test::readFile(log));
   CHECK(numberAfter(output, "accepted ") > 200);
-  CHECK_THAT(output, !Contains("checksum") && !Contains("another"));
+  CHECK_THAT(output, !ContainsSubstring("checksum") && !ContainsSubstring("another"));
   CHECK(test::readFile(log).empty());
 }
 

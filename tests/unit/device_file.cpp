@@ -149,7 +149,7 @@ TEST_CASE("imperfections are read, and refused beyond their range", "[device_fil
   device.imperfections.cableStiffness = 200.0;
   CHECK_NOTHROW(checkTau(device));
   device.motor.rotorInertia = 0.0;
-  CHECK_THROWS_WITH(checkTau(device), Catch::Contains("motor.rotor_inertia greater than 0"));
+  CHECK_THROWS_WITH(checkTau(device), test::ContainsSubstring("motor.rotor_inertia greater than 0"));
 }
 
 TEST_CASE("malformed TOML and unreadable files are refused", "[device_file]") {
@@ -194,7 +194,7 @@ TEST_CASE("a device file says its kind", "[device_file]") {
                     "device.toml:1: kind: is an integer, must be a string");
   CHECK_THROWS_WITH(parseDevice(edited("name =", "kind = \"delta\"\nname ="), "device.toml"),
                     "device.toml:1: home_distance: is missing");
-  CHECK_THROWS_WITH(loadTau(test::deviceFile("delta.toml")), Catch::Contains("must be \"tau\" here"));
+  CHECK_THROWS_WITH(loadTau(test::deviceFile("delta.toml")), test::ContainsSubstring("must be \"tau\" here"));
 }
 
 TEST_CASE("the shipped delta has the published dimensions", "[device_file]") {

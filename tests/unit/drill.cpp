@@ -231,10 +231,10 @@ TEST_CASE("drill: what does not spin does not cut; what is refused", "[drill]") 
   Drill other(tool, {nullptr}, kBur);
   other.spin(true);
   CHECK(once(other, Vec3(0, 0, 2)) == 0.0);
-  CHECK_THROWS_WITH(Drill(tool, {solid}, {1, 0.1, 1.0}), Catch::Contains("part 1 of the tool, which has 1"));
-  CHECK_THROWS_WITH(Drill(Tool(), {solid}, kBur), Catch::Contains("no radius"));
-  CHECK_THROWS_WITH(Drill(tool, {solid}, {0, 0.0, 1.0}), Catch::Contains("wear"));
-  CHECK_THROWS_WITH(Drill(tool, {solid}, {0, 0.1, 1e5}), Catch::Contains("10000"));
+  CHECK_THROWS_WITH(Drill(tool, {solid}, {1, 0.1, 1.0}), test::ContainsSubstring("part 1 of the tool, which has 1"));
+  CHECK_THROWS_WITH(Drill(Tool(), {solid}, kBur), test::ContainsSubstring("no radius"));
+  CHECK_THROWS_WITH(Drill(tool, {solid}, {0, 0.0, 1.0}), test::ContainsSubstring("wear"));
+  CHECK_THROWS_WITH(Drill(tool, {solid}, {0, 0.1, 1e5}), test::ContainsSubstring("10000"));
 }
 
 }  // namespace enamel::test_drill

@@ -12,7 +12,7 @@
 
 namespace enamel::test_file_command {
 
-using Catch::Matchers::Contains;
+using test::ContainsSubstring;
 
 namespace {
 
@@ -27,7 +27,7 @@ void refused(const std::string& command, const std::string& reason, int status =
   CHECK(result.status == status);
   CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
   CHECK(result.output.rfind("enamel: ", 0) == 0);
-  CHECK_THAT(result.output, Contains(reason));
+  CHECK_THAT(result.output, ContainsSubstring(reason));
   for (const char c : result.output) REQUIRE((c == '\n' || !std::iscntrl(static_cast<unsigned char>(c))));
 }
 

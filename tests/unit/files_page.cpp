@@ -122,7 +122,7 @@ TEST_CASE("every example of the page of files stands in a file that loads, and o
       File without = file;
       without.text.erase(at, file.text.find('\n', at) - at);
       if (row.needed)
-        CHECK_THROWS_WITH(without.load(), Catch::Matchers::Contains(row.key));
+        CHECK_THROWS_WITH(without.load(), test::ContainsSubstring(row.key));
       else
         CHECK_NOTHROW(without.load());
       break;

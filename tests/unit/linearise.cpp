@@ -10,10 +10,10 @@
 namespace enamel::test_linearise {
 
 using namespace enamel::test;
-using Catch::Matchers::Contains;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using test::ContainsSubstring;
 
 namespace {
 
@@ -109,10 +109,12 @@ TEST_CASE("plants that cannot be linearised are refused") {
     return at.isZero(0.0) ? at : VectorXd(VectorXd::Constant(2, NAN));
   };
   const auto tooLong = [](const VectorXd&, const VectorXd&) { return VectorXd(VectorXd::Zero(3)); };
-  CHECK_THAT(refusal([&] { linearise(bad, identity(), x, u); }), Contains("not finite at the operating point"));
-  CHECK_THAT(refusal([&] { linearise(isolated, identity(), x, u); }), Contains("not finite near"));
-  CHECK_THAT(refusal([&] { linearise(tooLong, identity(), x, u); }), Contains("3 entries"));
-  CHECK_THAT(refusal([&] { linearise(good, identity(), NAN * x.array() + NAN, u); }), Contains("operating point"));
+  CHECK_THAT(refusal([&] { linearise(bad, identity(), x, u); }),
+             ContainsSubstring("not finite at the operating point"));
+  CHECK_THAT(refusal([&] { linearise(isolated, identity(), x, u); }), ContainsSubstring("not finite near"));
+  CHECK_THAT(refusal([&] { linearise(tooLong, identity(), x, u); }), ContainsSubstring("3 entries"));
+  CHECK_THAT(refusal([&] { linearise(good, identity(), NAN * x.array() + NAN, u); }),
+             ContainsSubstring("operating point"));
 }
 
 TEST_CASE("outputs as states: eq. 5 keeps the input-output behaviour") {
@@ -140,13 +142,13 @@ TEST_CASE("eq. 5 refuses a singular C, whatever the units, and accepts extreme u
   l.C(0, 0) = 1e-9, l.C(2, 2) = 1e9;  // nanometres beside gigahertz
   CHECK(relativeError(outputsAsStates(l).A, MatrixXd::Identity(3, 3)) < 1e-15);
   l.C << 1, 2, 3, 2, 4, 6, 0, 0, 1;
-  CHECK_THAT(refusal([&] { outputsAsStates(l); }), Contains("C is singular"));
+  CHECK_THAT(refusal([&] { outputsAsStates(l); }), ContainsSubstring("C is singular"));
   l.C << 1, 0, 0, 0, 0, 0, 0, 0, 1;
-  CHECK_THAT(refusal([&] { outputsAsStates(l); }), Contains("C is singular"));
+  CHECK_THAT(refusal([&] { outputsAsStates(l); }), ContainsSubstring("C is singular"));
   l.C << 1, 0, 1, 1, 0, 0, 0, 0, 1;
-  CHECK_THAT(refusal([&] { outputsAsStates(l); }), Contains("no output shows state 1"));
+  CHECK_THAT(refusal([&] { outputsAsStates(l); }), ContainsSubstring("no output shows state 1"));
   l.C = MatrixXd::Identity(2, 3);
-  CHECK_THAT(refusal([&] { outputsAsStates(l); }), Contains("2 x 3"));
+  CHECK_THAT(refusal([&] { outputsAsStates(l); }), ContainsSubstring("2 x 3"));
 }
 
 }  // namespace enamel::test_linearise

@@ -342,26 +342,26 @@ TEST_CASE("a file of runs survives being torn, and takes nobody else's runs", "[
   // While one process writes, no other does.
   {
     RunFile file(plan, path, true);
-    CHECK_THROWS_WITH(RunFile(plan, path, true), Catch::Contains("does another study write it?"));
+    CHECK_THROWS_WITH(RunFile(plan, path, true), test::ContainsSubstring("does another study write it?"));
     CHECK(test::readFile(path) == whole);
   }
   StudyPlan otherSeed = smallPlan(2, 3);
   otherSeed.setup.seed = 2;
-  CHECK_THROWS_WITH(RunFile(otherSeed, path, true), Catch::Contains("runs.csv:2: is not run 0 of this study"));
-  CHECK_THROWS_WITH(RunFile(smallPlan(2, 1), path, true), Catch::Contains("is not run"));
+  CHECK_THROWS_WITH(RunFile(otherSeed, path, true), test::ContainsSubstring("runs.csv:2: is not run 0 of this study"));
+  CHECK_THROWS_WITH(RunFile(smallPlan(2, 1), path, true), test::ContainsSubstring("is not run"));
   CHECK(test::readFile(path) == whole);
   const std::size_t second = whole.find('\n', whole.find('\n') + 1);
   const auto damaged = [&](const std::string& text) {
     test::writeFile(path, text);
     return [&] { (void)readRuns(plan, path); };
   };
-  CHECK_THROWS_WITH(damaged(whole + "1,hold\n")(), Catch::Contains("more runs than this study has"));
-  CHECK_THROWS_WITH(damaged("a,b\n" + whole)(), Catch::Contains("runs.csv:1: is not the head"));
+  CHECK_THROWS_WITH(damaged(whole + "1,hold\n")(), test::ContainsSubstring("more runs than this study has"));
+  CHECK_THROWS_WITH(damaged("a,b\n" + whole)(), test::ContainsSubstring("runs.csv:1: is not the head"));
   CHECK_THROWS_WITH(damaged(whole.substr(0, second) + ",1" + whole.substr(second))(),
-                    Catch::Contains("runs.csv:2: has the wrong number of columns"));
+                    test::ContainsSubstring("runs.csv:2: has the wrong number of columns"));
   std::string letters = whole;
   letters.replace(second - 1, 1, "x");
-  CHECK_THROWS_WITH(damaged(letters)(), Catch::Contains("is not a number"));
+  CHECK_THROWS_WITH(damaged(letters)(), test::ContainsSubstring("is not a number"));
 }
 
 TEST_CASE("plans that cannot be run are refused", "[monte_carlo]") {
@@ -398,7 +398,7 @@ TEST_CASE("a column may have shorter ticks: delay and density of the noise stay"
   REQUIRE(performRun(plan, run, [&](const TickRecord&) { ++ticks; }).status == Status::ok);
   CHECK(ticks == 5200);
   plan.columns[1].period = 0.3e-3;
-  CHECK_THROWS_WITH(setupOf(plan, run), Catch::Contains("no multiple"));
+  CHECK_THROWS_WITH(setupOf(plan, run), test::ContainsSubstring("no multiple"));
 }
 
 TEST_CASE("a run that the guard stops says so and is not measured", "[monte_carlo]") {

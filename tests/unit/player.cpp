@@ -282,20 +282,20 @@ TEST_CASE("player: ticks that were lost and chunks that are damaged are gaps", "
 
 TEST_CASE("player: what is no recording, of another device, without ticks, not finite", "[player]") {
   const test::TemporaryFolder folder;
-  CHECK_THROWS_WITH(Player("/no/such/file"), Catch::Contains("/no/such/file: cannot open the file"));
+  CHECK_THROWS_WITH(Player("/no/such/file"), test::ContainsSubstring("/no/such/file: cannot open the file"));
   test::writeFile(folder / "text.rec", "no recording at all, but long enough to have a head");
-  CHECK_THROWS_WITH(Player(folder / "text.rec"), Catch::Contains("is no recording"));
+  CHECK_THROWS_WITH(Player(folder / "text.rec"), test::ContainsSubstring("is no recording"));
   Run empty;
   record(empty, folder / "empty.rec", 0);
-  CHECK_THROWS_WITH(Player(folder / "empty.rec"), Catch::Contains("has no tick that can be read"));
+  CHECK_THROWS_WITH(Player(folder / "empty.rec"), test::ContainsSubstring("has no tick that can be read"));
   Run other;
   other.header.deviceText = readFile(test::deviceFile("delta.toml"));
   record(other, folder / "other.rec", 10);
-  CHECK_THROWS_WITH(Player(folder / "other.rec"), Catch::Contains("the device has 3 joints, its ticks have 6"));
+  CHECK_THROWS_WITH(Player(folder / "other.rec"), test::ContainsSubstring("the device has 3 joints, its ticks have 6"));
   Run mixed;
   mixed.header.sceneText = readFile(ENAMEL_SOURCE_DIR "/data/scenes/corner.toml");
   record(mixed, folder / "mixed.rec", 10);
-  CHECK_THROWS_WITH(Player(folder / "mixed.rec"), Catch::Contains("its states are not those of this scene"));
+  CHECK_THROWS_WITH(Player(folder / "mixed.rec"), test::ContainsSubstring("its states are not those of this scene"));
   Run changed;
   changed.header.files = 1;
   record(changed, folder / "changed.rec", 10);
@@ -318,7 +318,7 @@ TEST_CASE("player: what is no recording, of another device, without ticks, not f
   CHECK(std::isfinite(player.samples(301, 1)[0].gap));
   std::filesystem::resize_file(folder / "broken.rec", 20000);  // by another program
   player.seek(450.0);
-  CHECK_THROWS_WITH(player.frame(), Catch::Contains("broken.rec: was changed while it was played"));
+  CHECK_THROWS_WITH(player.frame(), test::ContainsSubstring("broken.rec: was changed while it was played"));
 }
 
 // ENAMEL_LONG=1: ten minutes. Times and memory are reported, not judged.

@@ -206,7 +206,8 @@ TEST_CASE("recording: every field there and back", "[recording]") {
   CHECK(seen == kept.size());
   CHECK_THROWS_AS(reader.read(3, chunk), Error);
   // The header has nothing but ASCII of its own; what is no UTF-8 in a path is replaced, and no recording written over.
-  CHECK_THROWS_WITH(Recorder(file, header, rig.tick), Catch::Contains("a.rec") && Catch::Contains("exists"));
+  CHECK_THROWS_WITH(Recorder(file, header, rig.tick),
+                    test::ContainsSubstring("a.rec") && test::ContainsSubstring("exists"));
 }
 
 TEST_CASE("recording: a push replays bit for bit, from every chunk, and another one does not", "[recording]") {
@@ -266,7 +267,8 @@ TEST_CASE("recording: a push replays bit for bit, from every chunk, and another 
   bytes[chunk + size - kChunkTicks * kTick + 5 * kTick + 16] ^= 1;
   test::writeFile(file, bytes);
   RecordedChunk read;
-  CHECK_THAT(RecordingReader(file).read(2, read), Catch::Contains("chunk 2") && Catch::Contains("is damaged"));
+  CHECK_THAT(RecordingReader(file).read(2, read),
+             test::ContainsSubstring("chunk 2") && test::ContainsSubstring("is damaged"));
   const ReplayResult skipped = run(servo, 0);
   CHECK(skipped.damaged == 1);
   CHECK(skipped.restored == 1);
@@ -330,7 +332,7 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
   CHECK_FALSE(part.closed);
 
   CHECK_THROWS_WITH(Recorder([](const char*, std::size_t) { return std::size_t{0}; }, "a disk", {}, other.tick),
-                    Catch::Contains("a disk: cannot write the recording"));
+                    test::ContainsSubstring("a disk: cannot write the recording"));
   CHECK_THROWS_AS(Recorder("/dev/full", {}, other.tick), Error);
   CHECK_THROWS_AS(Recorder(folder / "no/such/folder", {}, other.tick), Error);
 }
@@ -585,7 +587,7 @@ TEST_CASE("recording: a pipe whose reader has gone ends the recording, not the p
   rig.run(recorder, 300);
   const RecordingResult result = recorder.close();
   CHECK(result.lost == 300);
-  CHECK_THAT(result.problem, Catch::Contains("pipe: cannot write the recording: Broken pipe"));
+  CHECK_THAT(result.problem, test::ContainsSubstring("pipe: cannot write the recording: Broken pipe"));
 }
 
 }  // namespace enamel::test_recording

@@ -22,7 +22,7 @@ TEST_CASE("a recorded push replays bit for bit, linked and as a plugin", "[recor
     const auto result = test::run(kPush + "--duration " + duration + " --record '" + file + "' " + options);
     INFO(result.output);
     REQUIRE(result.status == 0);
-    CHECK_THAT(result.output, Catch::Contains("recording: " + file));
+    CHECK_THAT(result.output, test::ContainsSubstring("recording: " + file));
   };
   const auto replay = [&](const std::string& options) { return test::run("replay '" + file + "' " + options); };
   const std::string servo = "--renderer '" ENAMEL_PLUGINS "/enamel_position_control.so' ",
@@ -31,7 +31,7 @@ TEST_CASE("a recorded push replays bit for bit, linked and as a plugin", "[recor
     const auto result = replay(options);
     INFO(result.output);
     CHECK(result.status == 0);
-    CHECK_THAT(result.output, Catch::Contains("equal, bit for bit"));
+    CHECK_THAT(result.output, test::ContainsSubstring("equal, bit for bit"));
   };
 
   push("--encoders --delay random:0..2 --scene '" ENAMEL_SOURCE_DIR "/data/scenes/corner.toml'");
@@ -50,8 +50,8 @@ TEST_CASE("a recorded push replays bit for bit, linked and as a plugin", "[recor
 
   const auto other = replay("--set stiffness=3001");
   CHECK(other.status == 1);
-  CHECK_THAT(other.output, Catch::Contains(" ticks differ, first tick ") && Catch::Contains(": recorded ") &&
-                               Catch::Contains(", replayed "));
+  CHECK_THAT(other.output, test::ContainsSubstring(" ticks differ, first tick ") &&
+                               test::ContainsSubstring(": recorded ") && test::ContainsSubstring(", replayed "));
   CHECK(replay(servo).status == 1);
   for (const auto& [options, problem] :
        {std::pair{"--set stiffness=x", "parameter stiffness of impedance is \"x\", must be a number"},
@@ -59,7 +59,7 @@ TEST_CASE("a recorded push replays bit for bit, linked and as a plugin", "[recor
         {"--renderer nothing", "there is no plugin \"nothing\""}}) {
     const auto refused = replay(options);
     CHECK(refused.status == 1);
-    CHECK_THAT(refused.output, Catch::Contains(problem));
+    CHECK_THAT(refused.output, test::ContainsSubstring(problem));
   }
 }
 
@@ -71,30 +71,31 @@ TEST_CASE("what a recording cannot be, and disks that are full", "[recording]") 
   const std::string before = test::readFile(file);
   const auto again = test::run(push + "'" + file + "'");
   CHECK(again.status == 1);
-  CHECK_THAT(again.output, Catch::Contains("a.rec: cannot make the recording: File exists"));
+  CHECK_THAT(again.output, test::ContainsSubstring("a.rec: cannot make the recording: File exists"));
   CHECK(test::readFile(file) == before);
 
   for (const char* csv : {"a.rec", "link.csv"}) {
     if (csv != std::string("a.rec")) std::filesystem::create_symlink(file, folder / csv);
     const auto itself = test::run("export '" + file + "' --csv '" + (folder / csv) + "'");
     CHECK(itself.status == 1);
-    CHECK_THAT(itself.output, Catch::Contains("is the recording itself"));
+    CHECK_THAT(itself.output, test::ContainsSubstring("is the recording itself"));
   }
   const auto twice = test::run(push + "'" + (folder / "b") + "' --output '" + (folder / "./b") + "'");
   CHECK(twice.status == 1);
-  CHECK_THAT(twice.output, Catch::Contains("--record and --output are one file"));
+  CHECK_THAT(twice.output, test::ContainsSubstring("--record and --output are one file"));
   CHECK(test::readFile(file) == before);
 
   const std::string full = folder / "full.rec";
   const auto limited = test::runCommand("ulimit -f 300; '" ENAMEL_TOOL "' " + push + "'" + full + "'");
   CHECK(limited.status == 1);
-  CHECK_THAT(limited.output, Catch::Contains("File too large") && Catch::Contains("ticks are lost"));
+  CHECK_THAT(limited.output, test::ContainsSubstring("File too large") && test::ContainsSubstring("ticks are lost"));
   const auto rest = test::run("replay '" + full + "'");
   CHECK(rest.status == 0);
-  CHECK_THAT(rest.output, Catch::Contains("it was not closed") && Catch::Contains("equal, bit for bit"));
+  CHECK_THAT(rest.output,
+             test::ContainsSubstring("it was not closed") && test::ContainsSubstring("equal, bit for bit"));
   const auto nowhere = test::run(push + "/dev/full");
   CHECK(nowhere.status == 1);
-  CHECK_THAT(nowhere.output, Catch::Contains("/dev/full: cannot write the recording: No space left"));
+  CHECK_THAT(nowhere.output, test::ContainsSubstring("/dev/full: cannot write the recording: No space left"));
 
   test::writeFile(folder / "text", "kind = 1\n");
   for (const std::string& other : {folder / "text", folder / "missing", std::string("/dev/null"), folder / "."})
@@ -102,7 +103,7 @@ TEST_CASE("what a recording cannot be, and disks that are full", "[recording]") 
       const auto refused = test::run(command + other + "'");
       INFO(refused.output);
       CHECK(refused.status == 1);
-      CHECK_THAT(refused.output, Catch::Contains(other + ": "));
+      CHECK_THAT(refused.output, test::ContainsSubstring(other + ": "));
     }
 }
 
@@ -112,7 +113,7 @@ TEST_CASE("a recording as CSV: a line a tick, as many cells as names", "[recordi
   REQUIRE(test::run(kPush + "--duration 1.5 --encoders --record '" + file + "' --output '" + ticks + "'").status == 0);
   const auto result = test::run("export '" + file + "' --csv '" + csv + "'");
   CHECK(result.status == 0);
-  CHECK_THAT(result.output, Catch::Contains("1500 ticks, 0 lost\n"));
+  CHECK_THAT(result.output, test::ContainsSubstring("1500 ticks, 0 lost\n"));
   const auto table = [](const std::string& path) {
     std::vector<std::vector<std::string>> rows;
     std::istringstream lines(test::readFile(path));

@@ -114,7 +114,7 @@ TEST_CASE("what a bur has cut while it was recorded is cut again, and a browser 
   const auto equal = test::run("replay '" + recording + "'");
   INFO(equal.output);
   REQUIRE(equal.status == 0);
-  CHECK_THAT(equal.output, Catch::Contains("1500 ticks compared, with the renderer's states"));
+  CHECK_THAT(equal.output, test::ContainsSubstring("1500 ticks compared, with the renderer's states"));
 
   const auto made = test::run("replay '" + recording + "' --html '" + page + "'");
   INFO(made.output);
@@ -128,17 +128,18 @@ TEST_CASE("what a bur has cut while it was recorded is cut again, and a browser 
 
   const auto over = test::run("replay '" + recording + "' --html '" + recording + "'");
   CHECK(over.status == 1);
-  CHECK_THAT(over.output, Catch::Contains("would write over the recording"));
+  CHECK_THAT(over.output, test::ContainsSubstring("would write over the recording"));
   const auto nowhere = test::run("replay '" + recording + "' --html '" + (folder / "no/page.html") + "'");
   CHECK(nowhere.status == 1);
-  CHECK_THAT(nowhere.output, Catch::Contains("no/page.html: ") && Catch::Contains("No such file or directory"));
+  CHECK_THAT(nowhere.output,
+             test::ContainsSubstring("no/page.html: ") && test::ContainsSubstring("No such file or directory"));
   const auto alone = test::run("replay '" + recording + "' --beside '" + recording + "'");
   CHECK(alone.status == 1);
-  CHECK_THAT(alone.output, Catch::Contains("--beside is for --html"));
+  CHECK_THAT(alone.output, test::ContainsSubstring("--beside is for --html"));
   const auto beside =
       test::run("replay '" + recording + "' --renderer impedance --html '" + (folder / "two.html") + "'");
   INFO(beside.output);
-  CHECK_THAT(beside.output, Catch::Contains("page: ") && Catch::Contains(" ticks differ"));
+  CHECK_THAT(beside.output, test::ContainsSubstring("page: ") && test::ContainsSubstring(" ticks differ"));
 
   if (std::system("command -v chromium > /dev/null 2>&1") != 0) return test::skipTest("chromium is not installed");
   const auto open = [&](const std::string& file, const std::string& at) {
@@ -159,12 +160,12 @@ TEST_CASE("what a bur has cut while it was recorded is cut again, and a browser 
   CHECK(static_cast<float>(std::stod(attribute(still, "forces"))) == static_cast<float>(run.forces[shown]));
   char removed[32];
   std::snprintf(removed, sizeof(removed), "%.2f mm", 1e9 * run.removed);
-  CHECK_THAT(open(page, "#t=1.49"), Catch::Contains(removed));
+  CHECK_THAT(open(page, "#t=1.49"), test::ContainsSubstring(removed));
   // It plays: Chromium without a window draws as few pictures as it likes, at times none but the first.
   double time = 0.0;
   for (int i = 0; i < 8 && !(time > 0.0); ++i) time = std::stod(attribute(open(page, ""), "time"));
   CHECK(time > 0.0);
-  CHECK_THAT(attribute(open(folder / "two.html", "#t=0.8"), "forces"), Catch::Contains(" "));
+  CHECK_THAT(attribute(open(folder / "two.html", "#t=0.8"), "forces"), test::ContainsSubstring(" "));
 }
 
 }  // namespace enamel::test_replay_page

@@ -13,7 +13,7 @@ using test::sphereTool;
 TEST_CASE("bad scenes are refused, bad poses reported", "[unit]") {
   Scene scene;
   scene.add({"a", HalfSpace{}, Pose(), Vec6::Zero(), {}});
-  CHECK_THROWS_WITH(scene.add({"a", Sphere{}, Pose(), Vec6::Zero(), {}}), Catch::Matchers::Contains("twice"));
+  CHECK_THROWS_WITH(scene.add({"a", Sphere{}, Pose(), Vec6::Zero(), {}}), test::ContainsSubstring("twice"));
   CHECK_THROWS_AS(scene.add({"", Sphere{}, Pose(), Vec6::Zero(), {}}), Error);
   CHECK_THROWS_AS(scene.add({"b", Sphere{-1.0}, Pose(), Vec6::Zero(), {}}), Error);
   CHECK_THROWS_AS(scene.add({"b", std::shared_ptr<const MeshModel>(), Pose(), Vec6::Zero(), {}}), Error);

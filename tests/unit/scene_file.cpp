@@ -146,7 +146,7 @@ TEST_CASE("scene files: solids and burs", "[scene]") {
 
   const auto refuses = [&](const std::string& from, const std::string& to, const std::string& message) {
     INFO(from << " -> " << to);
-    CHECK_THROWS_WITH(read(from, to), Catch::Contains(message));
+    CHECK_THROWS_WITH(read(from, to), test::ContainsSubstring(message));
   };
   refuses("tooth.off", "open.off", "shape: is \"solid\": a solid is made of a closed mesh");
   refuses("\"pulp.off\"", "\"open.off\"", "the mesh that it begins at is not closed");
@@ -201,7 +201,7 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
     return "name = \"a\"\nstart = [0, 0, 0]\n[[obstacle]]\nname = \"m\"\nshape = \"mesh\"\n" + keys;
   };
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\n"), "/no/such/s.toml"),
-                    Catch::Matchers::Contains("/no/such/no.ply"));
+                    test::ContainsSubstring("/no/such/no.ply"));
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\n"), "s.toml"), "s.toml:3: obstacle[0].unit: is missing");
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"inch\"\n"), "s.toml"),
                     "s.toml:7: obstacle[0].unit: is \"inch\", must be \"m\", \"mm\" or \"um\"");
@@ -211,7 +211,7 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
         {"thin = true\nthickness = 0.0\n", "thickness: is 0, must be in 1e-06 to 0.01 m"},
         {"thickness = 0.001\n", "thickness: is that of a sheet, which needs thin = true"}})
     CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\n" + std::string(keys)), "s.toml"),
-                      Catch::Matchers::Contains(problem));
+                      test::ContainsSubstring(problem));
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\nscale = 0\n"), "s.toml"),
                     "s.toml:8: obstacle[0].scale: is 0, must be in 1e-06 to 1e+06");
   const std::string tool = "name = \"a\"\nstart = [0, 0, 0]\n[[tool]]\nfrom = [0, 0, 0]\n";
@@ -232,7 +232,7 @@ TEST_CASE("scene files: an open mesh is noted, a sheet is none", "[scene]") {
   };
   const SceneFile open = scene(""), thin = scene("thin = true\nthickness = 0.001\n");
   REQUIRE(open.notes.size() == 1);
-  CHECK_THAT(open.notes[0], Catch::Matchers::Contains("obstacle \"flap\": open (3 boundary edges)"));
+  CHECK_THAT(open.notes[0], test::ContainsSubstring("obstacle \"flap\": open (3 boundary edges)"));
   CHECK(thin.notes.empty());
   for (const double z : {0.004, -0.004}) {
     CHECK(std::abs(nearestTo(thin, {0, 0, z}).gap - 0.0035) < 1e-12);

@@ -232,7 +232,7 @@ TEST_CASE("a sheet has two sides, a thickness and no inside", "[unit]") {
   Scene scene;
   Obstacle box{"box", Box{}, Pose(), Vec6::Zero(), {}};
   box.thickness = 1e-3;
-  CHECK_THROWS_WITH(scene.add(box), Catch::Matchers::Contains("thickness"));
+  CHECK_THROWS_WITH(scene.add(box), test::ContainsSubstring("thickness"));
 }
 
 TEST_CASE("all triangles about a point, as many as there is room for", "[unit]") {

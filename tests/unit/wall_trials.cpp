@@ -12,7 +12,7 @@
 
 namespace enamel::test_wall_trials {
 
-using Catch::Matchers::Contains;
+using test::ContainsSubstring;
 
 namespace {
 
@@ -118,8 +118,8 @@ TEST_CASE("enamel trials prints a column a renderer and names what it cannot do"
   const auto result = test::run(device + "--filter release --renderers position-control,impedance");
   INFO(result.output);
   CHECK(result.status == 0);
-  CHECK_THAT(result.output,
-             Contains("position-control") && Contains("impedance") && Contains("speed over the unavoidable"));
+  CHECK_THAT(result.output, ContainsSubstring("position-control") && ContainsSubstring("impedance") &&
+                                ContainsSubstring("speed over the unavoidable"));
   for (const auto& [arguments, message] : {std::pair{"--filter wish", "no trial matches --filter wish"},
                                            {"--renderers wish", "wish"},
                                            {"--gain missing.json", "missing.json"},
@@ -128,7 +128,7 @@ TEST_CASE("enamel trials prints a column a renderer and names what it cannot do"
     INFO(arguments);
     const auto refused = test::run(device + arguments);
     CHECK(refused.status != 0);
-    CHECK_THAT(refused.output, Contains(message));
+    CHECK_THAT(refused.output, ContainsSubstring(message));
   }
 }
 

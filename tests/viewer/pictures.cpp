@@ -432,7 +432,7 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
         for (int x = static_cast<int>(a.x + a.width - std::min(250 * s, 0.4f * a.width));
              x < static_cast<int>(a.x + a.width); ++x)
           dark += pixels.at(x, y).g < 60;
-      return dark / (scale * scale);
+      return static_cast<float>(dark) / (s * s);
     };
     CHECK(figures(before) < 150);
     CHECK(figures(pressed) > 600);
