@@ -363,11 +363,11 @@ void addNearest(const Solid& solid, const Segment& axis, double radius, PartCach
 }
 
 void addPart(const Obstacle& obstacle, const Segment& axis, double radius, PartCache* cache, Collector& out) {
-  std::visit([&](const auto& shape) { addPart(shapeOf(shape), axis, radius, cache, out); }, obstacle.shape);
+  onShape(obstacle, [&](const auto& shape) { addPart(shape, axis, radius, cache, out); });
 }
 
 void addNearest(const Obstacle& obstacle, const Segment& axis, double radius, PartCache* cache, Collector& out) {
-  std::visit([&](const auto& shape) { addNearest(shapeOf(shape), axis, radius, cache, out); }, obstacle.shape);
+  onShape(obstacle, [&](const auto& shape) { addNearest(shape, axis, radius, cache, out); });
 }
 
 // Calls visit(obstacle, axis, radius, cache, collector) for every part and obstacle; without contacts where it cannot.
@@ -571,7 +571,8 @@ Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, do
                       ContactSnapshot& contacts) noexcept {
   const auto visit = [&](const Obstacle& obstacle, const Segment& axis, double radius, PartCache* known,
                          Collector& out) {
-    const std::size_t i = static_cast<std::size_t>(out.pair.number * tool.count + out.pair.part);
+    const int pair = out.pair.number * tool.count + out.pair.part;
+    const auto i = static_cast<std::size_t>(pair);
     if (i >= track.parts_.size()) {
       addPart(obstacle, axis, radius, known, out);
       return;

@@ -63,10 +63,10 @@ static inline void edgesOf(const Triangle* t, const double* p, double (*e)[3], d
   }
 }
 
-// Against the edges that the point lies outside of; `best` has no place yet where its distance is 1e308.
+// Against the edges that the point lies outside of. `part` is where `best` is: kPartFace, or kPart01 where it has no
+// place.
 static inline void tryEdges(const Triangle* t, const double (*e)[3], const double (*from)[3], const double* weight,
-                            Candidate* best) {
-  int32_t part = best->squared < 1e308 ? kPartFace : kPart01;
+                            int32_t part, Candidate* best) {
   double u = 0.0;
   for (int i = 0; i < 3; ++i) {
     if (weight[i] > 0.0) continue;
@@ -94,6 +94,7 @@ static inline void closestOnThin(const Triangle* t, const double* p, Candidate* 
   cross(u, v, n);
   const double nn = dot(n, n);
   best->squared = 1e308;
+  int32_t part = kPart01;
   if (nn > 0.0) {
     double wu = 0.0, wv = 0.0, x[3], c[3];
     subtract(p, a, r);
@@ -109,12 +110,13 @@ static inline void closestOnThin(const Triangle* t, const double* p, Candidate* 
       best->squared = dot(r, r);
       for (int k = 0; k < 3; ++k) best->point[k] = x[k];
       best->feature = kFace;
+      part = kPartFace;
     }
   }
   const double outside[3] = {0.0, 0.0, 0.0};
   double e[3][3], from[3][3];
   edgesOf(t, p, e, from);
-  tryEdges(t, e, from, outside, best);
+  tryEdges(t, e, from, outside, part, best);
 }
 
 // The foot point on the plane where it lies inside, else the nearest point of the edges that it lies outside of.
@@ -136,7 +138,7 @@ static inline void closestOnTriangle(const Triangle* t, const double* p, Candida
   }
   best->squared = 1e308;
   if (!(weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0)) {
-    tryEdges(t, e, from, weight, best);
+    tryEdges(t, e, from, weight, kPart01, best);
     return;
   }
   const double inverse = 1.0 / best->normalSquared;

@@ -95,6 +95,11 @@ class Builder {
     return self;
   }
 
+  static float leavesFor(int triangles) {
+    const int number = (triangles + kWidth - 1) / kWidth;
+    return static_cast<float>(number);
+  }
+
   // The axis and number of triangles on the left that cost least: area times number of leaves, summed.
   void chooseCut(int first, int count, const Box& centres, int& axis, int& cut) const {
     float least = kEmptyBox;
@@ -116,7 +121,7 @@ class Builder {
       for (int b = kBins - 1; b > 0; --b) {
         sum.add(boxes[b]);
         number += counts[b];
-        rightCost[b] = sum.halfArea() * static_cast<float>((number + kWidth - 1) / kWidth);
+        rightCost[b] = sum.halfArea() * leavesFor(number);
       }
       sum = Box();
       number = 0;
@@ -124,7 +129,7 @@ class Builder {
         sum.add(boxes[b]);
         number += counts[b];
         if (number == 0 || number == count) continue;
-        const float cost = sum.halfArea() * static_cast<float>((number + kWidth - 1) / kWidth) + rightCost[b + 1];
+        const float cost = sum.halfArea() * leavesFor(number) + rightCost[b + 1];
         if (cost < least) {
           least = cost;
           axis = k;

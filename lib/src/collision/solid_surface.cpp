@@ -143,7 +143,8 @@ class Extraction {
   }
 
   bool isInside(int corner) const {
-    return samples_[static_cast<std::size_t>(sample_ + step_ * strideTo(corner))] < 0.0f;
+    const int sample = sample_ + step_ * strideTo(corner);
+    return samples_[static_cast<std::size_t>(sample)] < 0.0f;
   }
 
   void add(const Tetrahedron& tetrahedron) {
@@ -239,7 +240,10 @@ class Extraction {
     Vec3 gradient;
     for (int i = 0; i < 3; ++i) {
       const int stride = strides[static_cast<std::size_t>(i)];
-      const auto s = [&](int k) { return static_cast<double>(samples_[static_cast<std::size_t>(here + k * stride)]); };
+      const auto s = [&](int k) {
+        const int number = here + k * stride;
+        return static_cast<double>(samples_[static_cast<std::size_t>(number)]);
+      };
       gradient[i] = at[i] == 0             ? 0.5 * (4.0 * s(1) - 3.0 * s(0) - s(2))
                     : at[i] == kBrickCells ? 0.5 * (3.0 * s(0) - 4.0 * s(-1) + s(-2))
                                            : 0.5 * (s(1) - s(-1));

@@ -68,6 +68,11 @@ template <typename Analytic>
 const Analytic& shapeOf(const Analytic& shape) noexcept {
   return shape;
 }
+/// Calls `work` with an obstacle's shape. A shape always has a value, so std::visit does not throw.
+template <typename Work>
+decltype(auto) onShape(const Obstacle& obstacle, const Work& work) noexcept {  // NOLINT(bugprone-exception-escape)
+  return std::visit([&](const auto& shape) -> decltype(auto) { return work(shapeOf(shape)); }, obstacle.shape);
+}
 
 /// Place on the axis of the smallest signed distance, 0 to 1; -1: one of the ends. The signed distance of a convex
 /// shape is convex along the axis: halve by its slope, which the normal gives.

@@ -85,8 +85,7 @@ SweepHit sweepShape(const MeshModel& mesh, const Segment& from, const Segment& t
 
 SweepHit kernel::sweepPart(const Obstacle& obstacle, const Segment& from, const Segment& to, double radius,
                            int advances, PartCache* cache) noexcept {
-  return std::visit([&](const auto& shape) { return sweepShape(shapeOf(shape), from, to, radius, advances, cache); },
-                    obstacle.shape);
+  return onShape(obstacle, [&](const auto& shape) { return sweepShape(shape, from, to, radius, advances, cache); });
 }
 
 ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, const Pose& to, ToolCache* cache) noexcept {

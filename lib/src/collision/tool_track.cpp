@@ -187,8 +187,7 @@ PartTrack::State followOn(const ShapeType& shape, const Obstacle& obstacle, cons
 
 PartTrack::State PartTrack::follow(const Obstacle& obstacle, const Segment& goal, PartCache* cache) noexcept {
   if (std::holds_alternative<HalfSpace>(obstacle.shape)) return State::unknown;  // it has no other side
-  return std::visit([&](const auto& shape) { return followOn(shapeOf(shape), obstacle, goal, cache, *this); },
-                    obstacle.shape);
+  return onShape(obstacle, [&](const auto& shape) { return followOn(shape, obstacle, goal, cache, *this); });
 }
 
 }  // namespace enamel::kernel

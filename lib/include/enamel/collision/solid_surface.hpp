@@ -34,10 +34,10 @@ template <typename Visit>
 void forEachNeighbour(const Solid& solid, int brick, const Visit& visit) {
   const double edge = kBrickCells * solid.cell();
   const Vec3 middle = solid.lowOf(brick) + Vec3::Constant(0.5 * edge);
-  for (int bit = 0; bit < 27; ++bit)
-    if (const int other = solid.brickAt(middle + edge * Vec3(bit % 3 - 1, bit / 3 % 3 - 1, bit / 9 - 1));
-        other >= 0 && other != brick)
-      visit(bit, other);
+  for (int bit = 0; bit < 27; ++bit) {
+    const int x = bit % 3 - 1, y = bit / 3 % 3 - 1, z = bit / 9 - 1;
+    if (const int other = solid.brickAt(middle + edge * Vec3(x, y, z)); other >= 0 && other != brick) visit(bit, other);
+  }
 }
 
 /// The surface of all of it: where the interpolation is 0 along the edges of the six tetrahedra around a diagonal of
