@@ -68,10 +68,12 @@ template <typename Analytic>
 const Analytic& shapeOf(const Analytic& shape) noexcept {
   return shape;
 }
-/// Calls `work` with an obstacle's shape. A shape always has a value, so std::visit does not throw.
-template <typename Work>
-decltype(auto) onShape(const Obstacle& obstacle, const Work& work) noexcept {  // NOLINT(bugprone-exception-escape)
-  return std::visit([&](const auto& shape) -> decltype(auto) { return work(shapeOf(shape)); }, obstacle.shape);
+/// Calls `work` with an obstacle's shape, as std::visit does, which a compiler must take for one that may throw.
+template <std::size_t I = 0, typename Work>
+decltype(auto) onShape(const Obstacle& obstacle, const Work& work) noexcept {
+  if constexpr (I + 1 < std::variant_size_v<Shape>)
+    if (obstacle.shape.index() != I) return onShape<I + 1>(obstacle, work);
+  return work(shapeOf(*std::get_if<I>(&obstacle.shape)));
 }
 
 /// Place on the axis of the smallest signed distance, 0 to 1; -1: one of the ends. The signed distance of a convex
