@@ -56,7 +56,7 @@ std::shared_ptr<const Mechanism> makeMechanism(const DeviceParameters& parameter
   return std::visit(Make{}, parameters);
 }
 
-const std::string& nameOf(const DeviceParameters& parameters) noexcept {
+const std::string& nameOf(const DeviceParameters& parameters) {
   return std::visit([](const auto& p) -> const std::string& { return p.name; }, parameters);
 }
 

@@ -111,7 +111,7 @@ struct MultibodyPlant::Model {
     require(accuracy >= 1e-13 && accuracy <= 1e-2,
             "accuracy is " + formatNumber(accuracy) + ", must be in 1e-13 to 1e-2");
     std::visit([this](const auto& device) { build(device); }, parameters);
-    SimTK::Force::Custom(forces, new ActingForce(acting));  // which owns it
+    const SimTK::Force::Custom acts(forces, new ActingForce(acting));  // which owns it
     state = system.realizeTopology();
     system.realizeModel(state);
     integrator = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(system);
@@ -174,13 +174,13 @@ struct MultibodyPlant::Model {
           hinge(near, none, g.e * Vec3::UnitX(), Vec3::UnitZ(), pointMass(bars * 2.0 / 3.0, 0.5 * g.b * Vec3::UnitX()));
       MobilizedBody far =
           hinge(platform, leg, turn * Vec3(g.c, g.f, 0.0), across, pointMass(bars / 6.0, -g.d * Vec3::UnitX()));
-      SimTK::Constraint::Ball(bar, SimTK::Vec3(g.b, 0.0, 0.0), far, SimTK::Vec3(-g.d, 0.0, 0.0));
+      const SimTK::Constraint::Ball joint(bar, SimTK::Vec3(g.b, 0.0, 0.0), far, SimTK::Vec3(-g.d, 0.0, 0.0));
       // The crossbars stay parallel.
       SimTK::Array_<SimTK::MobilizedBodyIndex> bodies;
       for (const MobilizedBody* body : {&upper, &near, &far}) bodies.push_back(body->getMobilizedBodyIndex());
-      SimTK::Constraint::CoordinateCoupler(matter,
-                                           new SimTK::Function::Linear(SimTK::Vector(SimTK::Vec4(1.0, 1.0, -1.0, 0.0))),
-                                           bodies, SimTK::Array_<SimTK::MobilizerQIndex>(3, SimTK::MobilizerQIndex(0)));
+      const SimTK::Constraint::CoordinateCoupler parallel(
+          matter, new SimTK::Function::Linear(SimTK::Vector(SimTK::Vec4(1.0, 1.0, -1.0, 0.0))), bodies,
+          SimTK::Array_<SimTK::MobilizerQIndex>(3, SimTK::MobilizerQIndex(0)));
       acting.driven.push_back(upper);
       hinges.insert(hinges.end(), {upper, near, bar, far});
     }
@@ -341,7 +341,7 @@ Status MultibodyPlant::accelerate(const Pose& pose, const Vec6& twist, const Joi
   return Status::ok;
 }
 
-double MultibodyPlant::closureError() const noexcept {
+double MultibodyPlant::closureError() const {
   double largest = 0.0;
   model_->system.realize(model_->state, SimTK::Stage::Position);
   const SimTK::Vector& errors = model_->state.getQErr();

@@ -132,7 +132,9 @@ void requireDefined(const EnamelTickOutput& output, const EnamelTickInput& input
   demand(output.saturated == 0 || output.saturated == 1, when + ": saturated is " + std::to_string(output.saturated));
 }
 
-bool same(const EnamelTickOutput& a, const EnamelTickOutput& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same(const EnamelTickOutput& a, const EnamelTickOutput& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): to the bit
+}
 
 std::string tick(std::size_t i) { return "tick " + std::to_string(i); }
 

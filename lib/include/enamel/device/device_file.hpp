@@ -29,7 +29,7 @@ DeviceParameters parseDevice(std::string_view text, const std::string& file);
 /// singularity or its mass matrix not positive definite. Realtime: no.
 std::shared_ptr<const Mechanism> makeMechanism(const DeviceParameters& parameters);
 
-const std::string& nameOf(const DeviceParameters& parameters) noexcept;
+const std::string& nameOf(const DeviceParameters& parameters);
 
 /// More viscous damping of the TCP's twist (axes of W, N s/m, N m s/rad), more viscous friction of every driven joint
 /// (N m s/rad), more mass at the platform's centre of mass (kg). Turns have no damping where the platform cannot turn.

@@ -32,7 +32,7 @@ class MultibodyPlant final : public Plant {
                                   Vec6& acceleration);
 
   /// Largest error of a loop closure now, m or rad.
-  double closureError() const noexcept;
+  double closureError() const;
 
  private:
   struct Model;

@@ -12,6 +12,7 @@
 #ifndef ENAMEL_PLUGIN_ABI_H
 #define ENAMEL_PLUGIN_ABI_H
 
+/* NOLINTBEGIN(modernize-deprecated-headers, readability-identifier-naming): this is C. */
 #include <stddef.h>
 #include <stdint.h>
 
@@ -195,5 +196,6 @@ ENAMEL_PLUGIN_EXPORT const EnamelPlugin* enamel_plugin(void);
 #ifdef __cplusplus
 }
 #endif
+/* NOLINTEND(modernize-deprecated-headers, readability-identifier-naming) */
 
 #endif
