@@ -53,6 +53,32 @@ TEST_CASE("friction sticks below its limit and slides at it, against the motion"
   CHECK(pulled(0.0).norm() == 0.0);
 }
 
+// 1 N as 0.1 and 1.9 N in turn, a position in counts of 4 um and the rate that is its difference: a mass under 0.1 N stays,
+// under 0.3 N it goes.
+TEST_CASE("friction holds by the mean of a force that flickers", "[friction]") {
+  const double mass = 0.25, count = 4e-6;
+  const Grasp grasp = graspOf(mass);
+  for (const double hand : {0.1, 0.3}) {
+    FrictionMemory memory;
+    double x = 0.0, v = 0.0, measured = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      const double last = measured;
+      measured = count * std::round(x / count);
+      const double way = measured - last, flickers = i % 2 == 0 ? 1.9 : 0.1;
+      memory.begin();
+      const Vec3 force =
+          memory.force(rough(0.2, 0.2), {{way, 0, 0}, Vec3::Zero(), {way / kPeriod, 0, 0}}, grasp, flickers);
+      memory.end();
+      REQUIRE(force.norm() <= 0.2 * 1.9 + 1e-12);
+      const double acceleration = (hand + force.x() - 5.0 * v) / mass;
+      x += kPeriod * v + 0.5 * kPeriod * kPeriod * acceleration;
+      v += kPeriod * acceleration;
+    }
+    INFO(hand << " N: " << 1e6 * x << " um");
+    CHECK((hand < 0.2 ? std::abs(x) < 20e-6 : x > 1e-3));
+  }
+}
+
 TEST_CASE("friction lies in the surface, is forgotten with the contact, and knows its obstacle and part",
           "[friction]") {
   FrictionMemory memory;

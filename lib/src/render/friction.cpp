@@ -6,6 +6,8 @@
 namespace enamel {
 namespace {
 
+constexpr double kLoadFollows = 0.1;  // a tick: the load is the mean of some ten
+
 Vec3 vector(const std::array<double, 3>& a) noexcept { return {a[0], a[1], a[2]}; }
 
 Vec3 along(const Vec3& normal, const Vec3& v) noexcept { return v - normal.dot(v) * normal; }
@@ -27,8 +29,7 @@ Vec3 FrictionMemory::force(const Contact& contact, const Slide& slide, const Gra
                            double normalForce) noexcept {
   const Material& material = contact.material;
   const int slot = static_cast<int>(count_);
-  if (!(material.friction > 0.0 && normalForce > 0.0 && grasp.stiffness > 0.0) || slot >= kMaxFrictionPoints)
-    return Vec3::Zero();
+  if (!(material.friction > 0.0 && grasp.stiffness > 0.0) || slot >= kMaxFrictionPoints) return Vec3::Zero();
 
   // The same contact at the last tick; without a key the nearest of its obstacle and part. It is taken over once only.
   FrictionPoint* before = nullptr;
@@ -41,32 +42,35 @@ Vec3 FrictionMemory::force(const Contact& contact, const Slide& slide, const Gra
       before = &point;
     }
   }
+  if (before == nullptr && !(normalForce > 0.0)) return Vec3::Zero();
   const Vec3& n = contact.normal;
   Vec3 stretch = Vec3::Zero();
+  double load = normalForce;
   bool slides = false;
   if (before != nullptr) {
     stretch = along(n, vector(before->stretch) + slide.way);
+    load = before->load + kLoadFollows * (normalForce - before->load);
     slides = before->slides != 0.0;
     before->obstacle = -1.0;
   }
 
-  const Vec3 velocity = along(n, slide.velocity);
-  const Vec3 damping = grasp.damping * velocity;
-  const auto pull = [&](const Vec3& e) { return Vec3(-grasp.stiffness * (e + along(n, slide.ahead)) - damping); };
-  Vec3 force = pull(stretch);
-  const double holds = material.friction * normalForce, drags = material.sliding * normalForce;
-  slides = force.norm() > (slides ? drags : holds);
-  if (slides) {
-    force = shortened(force, drags);
-    // What the spring would carry at this force, and no more than it can.
-    stretch = shortened(-(force + damping) / grasp.stiffness - along(n, slide.ahead), drags / grasp.stiffness);
-  }
+  // The spring says whether it slides; the damper, which feels every count of an encoder, does not.
+  const Vec3 lead = along(n, slide.ahead), velocity = along(n, slide.velocity);
+  slides = grasp.stiffness * (stretch + lead).norm() > (slides ? material.sliding : material.friction) * load;
+  const double most = (slides ? material.sliding : material.friction) * load;
+  if (slides) stretch = shortened(stretch + lead, most / grasp.stiffness) - lead;
+  const Vec3 force = shortened(-grasp.stiffness * (stretch + lead) - grasp.damping * velocity, most);
 
   FrictionPoint& point = now_[slot];
-  point = {static_cast<double>(contact.obstacle),   static_cast<double>(contact.part),
-           static_cast<double>(contact.key),        {contact.point.x(), contact.point.y(), contact.point.z()},
-           {stretch.x(), stretch.y(), stretch.z()}, slides ? 1.0 : 0.0};
+  point = {static_cast<double>(contact.obstacle),
+           static_cast<double>(contact.part),
+           static_cast<double>(contact.key),
+           {contact.point.x(), contact.point.y(), contact.point.z()},
+           {stretch.x(), stretch.y(), stretch.z()},
+           load,
+           slides ? 1.0 : 0.0};
   count_ += 1.0;
+  if (!(normalForce > 0.0)) return Vec3::Zero();
   return slides ? Vec3(force - material.viscosity * velocity) : force;
 }
 

@@ -437,7 +437,7 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& inp
   for (int m = 0; m < problem.contacts; ++m) {
     const Contact& contact = input.contacts.contacts[pushing.contact[m]];
     const double normalForce = pushing.solution.force[m];
-    if (!(contact.material.friction > 0.0 && normalForce > 0.0)) continue;
+    if (!(contact.material.friction > 0.0)) continue;
     any = true;
     // The largest inverse inertia along the surface.
     const Mat3 frame = frameAlong(contact.normal);

@@ -1,9 +1,11 @@
 // Coulomb friction with stick and slip at the contacts of a tool, for every renderer.
 //
 // A contact that sticks is held by a spring and a damper along the surface, f = -k e - b v: e is the way that the
-// tool's material has gone over the obstacle's since it took hold (Hayward and Armstrong 2000: elasto-plastic). Where f
-// would exceed mu_s times the normal force the contact slides: |f| = mu_k times it, and e is kept at what the spring
-// can carry, so that no energy is stored beyond (mu F_n)^2 / (2 k). A contact that ends forgets its e.
+// tool's material has gone over the obstacle's since it took hold (Hayward and Armstrong 2000: elasto-plastic). |f| is
+// at most mu_s times the load; where k |e| would exceed that, the contact slides: |f| is at most mu_k times the load,
+// and e is kept at what the spring can carry, so that no energy is stored beyond (mu load)^2 / (2 k). The load is the
+// normal force's mean of some ten ticks: counts of encoders make a light push flicker between nothing and twice its
+// force, and a grip that went by single ticks would creep with them. A contact that is no longer near forgets its e.
 #pragma once
 
 #include <array>
@@ -22,6 +24,7 @@ struct FrictionPoint {
   double key = 0.0;                     ///< Contact::key
   std::array<double, 3> point{};        ///< where it was at the last tick, W, m
   std::array<double, 3> stretch{};      ///< e, W, m
+  double load = 0.0;                    ///< the mean normal force that holds it, N
   double slides = 0.0;                  ///< 0 or 1
 };
 
@@ -44,9 +47,9 @@ class FrictionMemory {
   /// Begins a tick.
   void begin() noexcept;
 
-  /// Force on the tool along the surface at a contact with the normal force `normalForce` (N), W. Called once a tick
-  /// for each contact that carries force; finds the contact again by its key, or, where it has none, by its obstacle,
-  /// its tool part and its place. Realtime: yes.
+  /// Force on the tool along the surface at a contact with the normal force `normalForce` (N), W; zero where that is
+  /// zero. Called once a tick for each contact that is near, also where it carries no force at this tick; finds the
+  /// contact again by its key, or, where it has none, by its obstacle, its tool part and its place. Realtime: yes.
   Vec3 force(const Contact& contact, const Slide& slide, const Grasp& grasp, double normalForce) noexcept;
 
   /// Ends a tick: contacts that were not asked for are forgotten.
