@@ -53,9 +53,10 @@ int threadsOf(const SurfaceDesignOptions& options) {
 void printTask(const WallDesignSetup& setup) {
   fmt::print(
       "pushes of {:.4g} to {:.4g} N inside a tick after {:.4g} N, at the wall's centre and corners; encoders, noise "
-      "{:.4g} N\n'% limit': K_z1 as a share of what physics allows, lowest of the points' means; '% worst': lowest "
+      "{:.4g} N\nbounds: chatter {:.3g} N m (--chatter), bounce {:.0f} um\n'% limit': K_z1 as a share of what physics "
+      "allows, lowest of the points' means; '% worst': lowest "
       "run\n\n",
-      setup.lowestForce, setup.highestForce, setup.preload, setup.noise);
+      setup.lowestForce, setup.highestForce, setup.preload, setup.noise, setup.chatter, 1e6 * setup.bounce);
   printHead();
 }
 
@@ -98,8 +99,12 @@ std::string designSurface(const SurfaceDesignOptions& options) {
     printScore(fmt::format("wander x {}", factor), judgeWall(judged, servo(other), kFinalTrial, threads));
   }
   printScore("start", judgeWall(judged, servo(first), kFinalTrial, threads));
-  printScore("this servo", judgeWall(judged, servo(found), kFinalTrial, threads));
-  fmt::print("\n");
+  const WallScore score = judgeWall(judged, servo(found), kFinalTrial, threads);
+  printScore("this servo", score);
+  fmt::print("{}\n",
+             score.chatter > setup.chatter
+                 ? fmt::format("its chatter, {:.3g} N m, is above the bound: none below it was found\n", score.chatter)
+                 : "");
   for (const SurfaceServoParameter& p : surfaceServoParameters())
     fmt::print("{:<17} {:.6g}{}\n", p.name, best.*p.value, p.unit);
   return surfaceServoText({std::filesystem::path(options.device).filename().string(), best});
@@ -123,7 +128,7 @@ std::string designRivals(const SurfaceDesignOptions& options) {
     for (const Law& law : rivalLaws()) {
       std::vector<double> start;
       for (const LawParameter& p : law.parameters) start.push_back(p.start);
-      LawValues values{law.name, delay.low, delay.high, {}};
+      LawValues values{law.name, "", delay.low, delay.high, {}};
       values.values = designLaw(setup, law, start, options.generations, threads, {});
       print(law.name, law.with({setup.plant, setup.period, delay}, values.values));
       std::string text;

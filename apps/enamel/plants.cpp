@@ -13,6 +13,17 @@
 
 namespace enamel::app {
 
+namespace {
+
+// All of them are positive or zero.
+bool isPerfect(const Imperfections& i) noexcept {
+  return i.currentBandwidth + i.torqueStep + i.torqueRipple + i.cogging + i.coulombFriction + i.cableStiffness +
+             i.encoderOffset + i.lengthError + i.massError + i.jitter + i.lostSamples ==
+         0.0;
+}
+
+}  // namespace
+
 bool isUnit(const std::string& plant) noexcept {
   return plant.size() > 4 && std::string_view(plant).substr(plant.size() - 4) == ".fmu";
 }
@@ -49,6 +60,8 @@ MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, 
   if (plant == kRealStiff) stiffenCables(real);
   const Imperfections& imperfections = imperfectionsOf(real);
   (void)makeRealDevice(real, setup.seed);  // refuses what it cannot be made of
+  if (isPerfect(imperfections))
+    throw Error(nameOf(parameters) + " has no [imperfections]: its " + plant + " plant would be the closed form");
   setup.jitter = imperfections.jitter;
   setup.lostSamples = imperfections.lostSamples;
   return [real, seed = setup.seed](std::uint32_t stream) {

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -32,7 +33,11 @@ void prepareJudge(const CLI::App& command, StudyOptions& options) {
   unless("--renderers", options.renderers,
          std::vector<std::string>{kPositionControl, kHold, "tuned:hold", "tuned:hold-delay", "tuned:virtual-coupling",
                                   "tuned:passivity", "tuned:passivity-memory", "tuned:impedance", kEdge, kImpedance});
-  unless("--device-damping", options.deviceDamping, std::vector<std::string>{"impedance=4", std::string(kEdge) + "=4"});
+  std::vector<std::string> damping;
+  for (const char* name : {kImpedance, kEdge})
+    if (std::count(options.renderers.begin(), options.renderers.end(), name) > 0)
+      damping.push_back(std::string(name) + "=4");
+  unless("--device-damping", options.deviceDamping, damping);
   options.encoders = options.insideTick = true;
   for (const char* name : {"--plant", "--delay"})
     if (command.count(name) > 0) throw Error(std::string(name) + " is not for --judge: " + name + "s is");

@@ -90,6 +90,10 @@ TEST_CASE("optional keys default to zero and are read where they stand", "[devic
 TEST_CASE("a bad device file is refused with file, line, key, value and limit", "[device_file]") {
   requireRefused("elbow = 1", "elbow = 1\nelbwo = 1", "device.toml:9: chain[0].elbwo: is not a known key");
   requireRefused("mass = 0.120\n", "", "device.toml:21: platform.mass: is missing");
+  for (const char* almost : {"mas", "masss", "mess", "amss", "mas s"})
+    requireRefused("mass = 0.120\n", std::string("\"") + almost + "\" = 0.120\n",
+                   std::string("device.toml:21: platform.mass: is missing; is it ") + almost + " of line 22?");
+  requireRefused("mass = 0.120\n", "mast2 = 0.120\n", "device.toml:21: platform.mass: is missing");
   requireRefused("name = \"test\"", "name = 3", "device.toml:1: name: is an integer, must be a string");
   requireRefused("mass = 0.120", "mass = \"heavy\"", "device.toml:22: platform.mass: is a string, must be a number");
   requireRefused("mass = 0.120", "mass = nan", "device.toml:22: platform.mass: is nan, must be finite");

@@ -1,5 +1,6 @@
 #include "toml.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -22,6 +23,19 @@ std::string nameOfType(const toml::node& node) {
 }
 
 constexpr std::size_t kLargestToml = std::size_t{1} << 18;  // bytes: each may cost 100 of memory
+
+// Whether a key differs from what was meant by a letter that is missing, too much or another one, or by two that are
+// swapped.
+bool isAlmost(std::string_view meant, std::string_view found) {
+  const std::size_t shorter = std::min(meant.size(), found.size()), longer = std::max(meant.size(), found.size());
+  std::size_t front = 0, back = 0;
+  while (front < shorter && meant[front] == found[front]) ++front;
+  while (back < shorter - front && meant[meant.size() - 1 - back] == found[found.size() - 1 - back]) ++back;
+  const std::size_t differ = longer - front - back;
+  return longer - shorter <= 1 && shorter > 1 &&
+         (differ == 1 ||
+          (differ == 2 && longer == shorter && meant[front] == found[front + 1] && meant[front + 1] == found[front]));
+}
 
 int lineOf(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
@@ -70,7 +84,13 @@ void TomlTable::fail(std::string_view key, const std::string& problem) const {
 
 const toml::node& TomlTable::require(std::string_view key) {
   const toml::node* node = table_->get(key);
-  if (node == nullptr) fail(key, "is missing");
+  if (node == nullptr) {
+    for (const auto& [other, value] : *table_)
+      if (isAlmost(key, other.str()))
+        fail(key, "is missing; is it " + printable(std::string(other.str())) + " of line " +
+                      std::to_string(lineOf(value)) + "?");
+    fail(key, "is missing");
+  }
   read_.emplace(key);
   return *node;
 }

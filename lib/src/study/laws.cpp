@@ -138,6 +138,7 @@ std::vector<LawValues> loadLaws(const std::string& path) {
     const std::string at = "laws[" + std::to_string(i) + "]";
     if (!entry.is_object() || !entry.contains("law") || !entry["law"].is_string()) refuse(at + ".law", "is missing");
     LawValues read;
+    read.model = file.contains("model") && file["model"].is_string() ? file["model"].get<std::string>() : "";
     read.law = entry["law"].get<std::string>();
     const Law* law = nullptr;
     try {

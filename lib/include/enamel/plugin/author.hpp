@@ -10,6 +10,7 @@
 //   ENAMEL_PLUGIN(MyWall)
 #pragma once
 
+#include <Eigen/Geometry>  // cross products
 #include <functional>
 #include <map>
 #include <memory>

@@ -27,7 +27,7 @@ const Law& rivalLaw(const std::string& name);
 
 /// Values of laws that were found for a device: what `enamel design --rivals` writes and `enamel study --laws` reads.
 struct LawValues {
-  std::string law;
+  std::string law, model;           ///< model: the file of the device that they were found for, "" if it is not said
   int delayLow = 0, delayHigh = 0;  ///< ticks
   std::vector<double> values;       ///< one a parameter of the law
 };
