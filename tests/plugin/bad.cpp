@@ -21,9 +21,11 @@ const EnamelPlugin& good() { return *good_plugin(); }
 #if defined(BAD_THROW)
   if (output->mode == ENAMEL_CONTACT) throw std::runtime_error("thrown in a tick");
 #elif defined(BAD_ALLOCATION)
-  volatile char* memory = static_cast<char*>(std::malloc(100));
-  memory[0] = 1;
-  std::free(const_cast<char*>(memory));
+  if (result == ENAMEL_OK) {
+    volatile char* memory = static_cast<char*>(std::malloc(100));
+    memory[0] = 1;
+    std::free(const_cast<char*>(memory));
+  }
 #elif defined(BAD_NAN)
   if (output->mode == ENAMEL_CONTACT) {
     output->answer = ENAMEL_TORQUE;
@@ -43,6 +45,9 @@ const EnamelPlugin& good() { return *good_plugin(); }
 #elif defined(BAD_COUNTER)
   static double counter = 0.0;  // state that no one can save
   output->normal_force = counter += 1e-3;
+#elif defined(BAD_LATE)
+  static double contacts = 0.0;  // the same, seen only once it touches
+  if (output->mode == ENAMEL_CONTACT) output->normal_force += contacts += 1e-3;
 #endif
   return result;
 }

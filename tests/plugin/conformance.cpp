@@ -45,6 +45,7 @@ TEST_CASE("bad plugins are caught with the right reason", "[plugin]") {
       {"limit", "torque 3 is 4 N m, the limit 2 N m"},
       {"reset", "FAILED       reset gives the first tick again"},
       {"counter", "differs"},
+      {"late", "FAILED       reset gives the first tick again"},
       {"activate", "activate() failed: bad configuration: no brain"},
       {"double", "a second activate() was accepted"},
       {"crash", "ended in a crash (Aborted)"},

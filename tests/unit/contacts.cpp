@@ -29,6 +29,27 @@ TEST_CASE("a flat wall has its normal to the bit and the gap to one rounding", "
   }
 }
 
+TEST_CASE("on the surface the normal is the face's, and a tool far away knows how far", "[unit]") {
+  const auto box = model(test::boxMesh(Vec3(1.0 / 256, 1.0 / 128, 1.0 / 512)));
+  for (int k = 0; k < 3; ++k)
+    for (const double side : {-1.0, 1.0}) {
+      Vec3 x = Vec3(1.0, 1.5, 0.5) / 2048;  // without rounding
+      x[k] = side * box->mesh().vertices[0].cwiseAbs()[k];
+      const SurfacePoint on = signedDistance(*box, x);
+      REQUIRE(std::abs(on.distance) < 1e-17);
+      REQUIRE(on.normal.isApprox(Vec3(side * Vec3::Unit(k)), 1e-15));
+    }
+  Scene scene;
+  scene.add({"box", box, Pose{}, Vec6::Zero(), {}});
+  Tool tool;
+  tool.parts[0] = {{0, -0.002, 0}, {0.001, 0.002, 0.001}, 0.001};
+  for (const double height : {0.1, 1.0, 10.0, 1000.0}) {
+    const double top = box->mesh().vertices[0].cwiseAbs().z();
+    REQUIRE(nearestContact(scene, tool, at({0, 0, height}), nullptr).gap ==
+            Approx(height - top - 0.001).epsilon(1e-12));
+  }
+}
+
 TEST_CASE("the nearest contact is the first of the contacts, and is found beyond any margin", "[unit]") {
   test::Random random(505);
   Scene scene;

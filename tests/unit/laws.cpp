@@ -1,10 +1,12 @@
 // The rivals: each is a renderer, their values are files, and foreseeing a delay makes a hold survive it.
 #include "enamel/study/laws.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/study/wall_trials.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
@@ -43,6 +45,17 @@ TEST_CASE("every rival is a renderer that a wall can be pushed with") {
     const WallScore score = judgeWall(setup, law.with({tau(), 1e-3, {}}, values), 3, 2);
     CHECK(score.lost == 0);
     CHECK(score.deepest > 0.0);
+    // The impact is that of the trials, on as many runs as the ramp has.
+    WallTrialSetup impacts;
+    impacts.plant = impacts.model = setup.plant;
+    impacts.renderer = law.with({tau(), 1e-3, {}}, values);
+    impacts.runs = 1;
+    impacts.seed = setup.seed + 3;
+    double bounce = 0.0;
+    for (const WallFigure& figure : runWallTrials(impacts, "impact", 2))
+      if (figure.figure == "bounce") bounce = std::max(bounce, 1e-6 * figure.value);
+    CHECK(bounce > 0.0);
+    CHECK(score.impact == bounce);
   }
   CHECK_THROWS_WITH(rivalLaw("magic"), ContainsSubstring("virtual-coupling"));
 }

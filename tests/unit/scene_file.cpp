@@ -214,6 +214,10 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
                       test::ContainsSubstring(problem));
   CHECK_THROWS_WITH(parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\nscale = 0\n"), "s.toml"),
                     "s.toml:8: obstacle[0].scale: is 0, must be in 1e-06 to 1e+06");
+  for (const char* limit : {"1e-6", "1e6"})
+    CHECK_THROWS_WITH(
+        parseScene(meshed("file = \"no.ply\"\nunit = \"mm\"\nscale = " + std::string(limit) + "\n"), "s.toml"),
+        test::ContainsSubstring("no.ply") && !test::ContainsSubstring("scale"));
   const std::string tool = "name = \"a\"\nstart = [0, 0, 0]\n[[tool]]\nfrom = [0, 0, 0]\n";
   CHECK_THROWS_WITH(parseScene(tool, "s.toml"), "s.toml:3: tool[0].radius: is missing");
   CHECK_THROWS_WITH(parseScene(tool + "radius = 1\n", "s.toml"),

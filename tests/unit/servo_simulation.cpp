@@ -189,6 +189,9 @@ TEST_CASE("wrong sizes are refused") {
   ServoExperiment e = experiment(1, VectorXd::Zero(6), VectorXd::Zero(6));
   e.delay = -1;
   CHECK_THROWS_AS(simulateServo(n.design, n.linear, e), DesignError);
+  e.delay = 0;
+  e.ticks = 10000001;
+  CHECK_THROWS_AS(simulateServo(n.design, n.linear, e), DesignError);
 }
 
 }  // namespace enamel::test_servo_simulation

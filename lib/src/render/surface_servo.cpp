@@ -485,13 +485,15 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
   Row torque = addFriction(input, inertia, normals, q, rate, found);
 
   output.mode = RenderMode::free;
-  output.saturated = found.solution.limited;
+  bool isShared = false;  // a contact has its largest share: no motor is at its limit
   for (int m = 0; m < found.problem.contacts; ++m) {
     const double force = found.solution.force[m];
     if (force > 0.0) output.mode = RenderMode::contact;
+    isShared = isShared || force >= found.problem.most;
     if (found.contact[m] == 0) output.normalForce = force;
     for (int i = 0; i < joints_; ++i) torque[i] += force * normals.row[found.contact[m]][i];
   }
+  output.saturated = found.solution.limited && !isShared;
   s.pushes = output.mode == RenderMode::contact ? 1.0 : 0.0;
   output.torque.resize(joints_);
   bool finite = true;
