@@ -39,14 +39,17 @@ TEST_CASE("on the surface the normal is the face's, and a tool far away knows ho
       REQUIRE(std::abs(on.distance) < 1e-17);
       REQUIRE(on.normal.isApprox(Vec3(side * Vec3::Unit(k)), 1e-15));
     }
-  Scene scene;
-  scene.add({"box", box, Pose{}, Vec6::Zero(), {}});
+  TriangleMesh sheet;
+  sheet.vertices = {{-0.01, -0.01, 0.002}, {0.01, -0.01, 0.002}, {0.0, 0.01, 0.002}};
+  sheet.triangles = {{0, 1, 2}};
   Tool tool;
   tool.parts[0] = {{0, -0.002, 0}, {0.001, 0.002, 0.001}, 0.001};
-  for (const double height : {0.1, 1.0, 10.0, 1000.0}) {
-    const double top = box->mesh().vertices[0].cwiseAbs().z();
-    REQUIRE(nearestContact(scene, tool, at({0, 0, height}), nullptr).gap ==
-            Approx(height - top - 0.001).epsilon(1e-12));
+  for (const auto& [shape, top] : {std::pair(box, 1.0 / 512), {model(sheet), 0.002}}) {
+    Scene scene;
+    scene.add({"shape", shape, Pose{}, Vec6::Zero(), {}});
+    for (const double height : {0.1, 1.0, 10.0, 1000.0})
+      REQUIRE(nearestContact(scene, tool, at({0, 0, height}), nullptr).gap ==
+              Approx(height - top - 0.001).epsilon(1e-12));
   }
 }
 
