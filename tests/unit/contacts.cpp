@@ -3,6 +3,7 @@
 #include "enamel/collision/contacts.hpp"
 
 #include "enamel/collision/mesh_update.hpp"
+#include "enamel/collision/sweep.hpp"
 #include "support/catch.hpp"
 #include "support/contacts.hpp"
 #include "support/meshes.hpp"
@@ -47,9 +48,13 @@ TEST_CASE("on the surface the normal is the face's, and a tool far away knows ho
   for (const auto& [shape, top] : {std::pair(box, 1.0 / 512), {model(sheet), 0.002}}) {
     Scene scene;
     scene.add({"shape", shape, Pose{}, Vec6::Zero(), {}});
-    for (const double height : {0.1, 1.0, 10.0, 1000.0})
+    for (const double height : {0.1, 1.0, 10.0, 1000.0}) {
       REQUIRE(nearestContact(scene, tool, at({0, 0, height}), nullptr).gap ==
               Approx(height - top - 0.001).epsilon(1e-12));
+      const SegmentPoint near = closestToSegment(*shape, {{-0.001, 0, height}, {0.001, 0, height}}, kNoLimit);
+      REQUIRE(near.triangle >= 0);
+      REQUIRE(near.distance == Approx(height - top).epsilon(1e-12));
+    }
   }
 }
 
