@@ -53,7 +53,7 @@ int threadsOf(const SurfaceDesignOptions& options) {
 void printTask(const WallDesignSetup& setup) {
   fmt::print(
       "pushes of {:.4g} to {:.4g} N inside a tick after {:.4g} N, at the wall's centre and corners; encoders, noise "
-      "{:.4g} N\nbounds: chatter {:.3g} N m (--chatter), bounce {:.0f} um\n'% limit': K_z1 as a share of what physics "
+      "{:.4g} N\nbounds: chatter {:.3g} (--chatter), bounce {:.0f} um\n'% limit': K_z1 as a share of what physics "
       "allows, lowest of the points' means; '% worst': lowest "
       "run\n\n",
       setup.lowestForce, setup.highestForce, setup.preload, setup.noise, setup.chatter, 1e6 * setup.bounce);
@@ -101,10 +101,9 @@ std::string designSurface(const SurfaceDesignOptions& options) {
   printScore("start", judgeWall(judged, servo(first), kFinalTrial, threads));
   const WallScore score = judgeWall(judged, servo(found), kFinalTrial, threads);
   printScore("this servo", score);
-  fmt::print("{}\n",
-             score.chatter > setup.chatter
-                 ? fmt::format("its chatter, {:.3g} N m, is above the bound: none below it was found\n", score.chatter)
-                 : "");
+  if (score.chatter > setup.chatter)
+    fmt::print("its chatter, {:.3g}, is above the bound: none below it was found\n", score.chatter);
+  fmt::print("\n");
   for (const SurfaceServoParameter& p : surfaceServoParameters())
     fmt::print("{:<17} {:.6g}{}\n", p.name, best.*p.value, p.unit);
   return surfaceServoText({std::filesystem::path(options.device).filename().string(), best});
@@ -116,7 +115,7 @@ std::string designRivals(const SurfaceDesignOptions& options) {
   fmt::print("rivals on {}, each at its best after {} generations, on new random numbers\n", setup.plant->name(),
              options.generations);
   printTask(setup);
-  std::vector<LawValues> found;
+  LawFile file{std::filesystem::path(options.device).filename().string(), {}};
   for (const Delay& delay : {Delay{0, 0}, Delay{1, 1}, Delay{2, 2}, Delay{3, 3}, Delay{0, 3}}) {
     setup.delay = delay;
     fmt::print("delay {}\n", ticksText(delay));
@@ -128,14 +127,14 @@ std::string designRivals(const SurfaceDesignOptions& options) {
     for (const Law& law : rivalLaws()) {
       std::vector<double> start;
       for (const LawParameter& p : law.parameters) start.push_back(p.start);
-      LawValues values{law.name, "", delay.low, delay.high, {}};
+      LawValues values{law.name, delay.low, delay.high, {}};
       values.values = designLaw(setup, law, start, options.generations, threads, {});
       print(law.name, law.with({setup.plant, setup.period, delay}, values.values));
       std::string text;
       for (std::size_t i = 0; i < start.size(); ++i)
         text += fmt::format("  {} {:.4g} {}", law.parameters[i].name, values.values[i], law.parameters[i].unit);
       fmt::print("            {}\n", text);
-      found.push_back(std::move(values));
+      file.laws.push_back(std::move(values));
     }
     const Law servo =
         surfaceServoLaw(surfaceServoFor(setup.plant->limits().count, options.period, delay.low, delay.high));
@@ -143,7 +142,7 @@ std::string designRivals(const SurfaceDesignOptions& options) {
     for (const LawParameter& p : servo.parameters) shipped.push_back(p.start);
     print(servo.name, servo.with({setup.plant, setup.period, delay}, shipped));
   }
-  return lawsText(std::filesystem::path(options.device).filename().string(), found);
+  return lawsText(file);
 }
 
 }  // namespace enamel::app

@@ -60,7 +60,7 @@ MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, 
   if (plant == kRealStiff) stiffenCables(real);
   const Imperfections& imperfections = imperfectionsOf(real);
   (void)makeRealDevice(real, setup.seed);  // refuses what it cannot be made of
-  if (isPerfect(imperfections))
+  if (isPerfect(imperfectionsOf(parameters)))
     throw Error(nameOf(parameters) + " has no [imperfections]: its " + plant + " plant would be the closed form");
   setup.jitter = imperfections.jitter;
   setup.lostSamples = imperfections.lostSamples;

@@ -129,6 +129,10 @@ TEST_CASE("a motor's limit makes one force smaller and never turns it", "[contac
   p.r[0] = -1.0;
   CHECK(solveContacts(p).force[0] == 0.0);
   CHECK_FALSE(solveContacts(p).limited);
+  p.r[0] = 100.0;
+  p.most = 4.0;  // below what the motors allow: none of them is at its limit
+  CHECK(solveContacts(p).force[0] == Approx(4.0));
+  CHECK_FALSE(solveContacts(p).limited);
 }
 
 }  // namespace enamel::test_contact_forces

@@ -102,13 +102,13 @@ TEST_CASE("values of laws are a file that is read as it was written, or refused 
   const std::string path = folder / "laws.json";
   std::vector<LawValues> laws;
   for (const Law& law : rivalLaws()) {
-    LawValues values{law.name, "", 0, 3, {}};
+    LawValues values{law.name, 0, 3, {}};
     for (const LawParameter& p : law.parameters) values.values.push_back(p.start / 3.0);
     laws.push_back(values);
   }
-  writeFile(path, lawsText("tau.toml", laws));
-  const std::vector<LawValues> read = loadLaws(path);
-  CHECK(read.at(0).model == "tau.toml");
+  writeFile(path, lawsText({"tau.toml", laws}));
+  CHECK(loadLaws(path).model == "tau.toml");
+  const std::vector<LawValues> read = loadLaws(path).laws;
   REQUIRE(read.size() == laws.size());
   for (std::size_t i = 0; i < laws.size(); ++i) {
     CHECK(read[i].law == laws[i].law);

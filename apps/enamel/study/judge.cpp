@@ -438,12 +438,13 @@ void addClaims(Page& page, const std::vector<Condition>& conditions) {
 }
 
 void addLaws(Page& page, const StudyOptions& options) {
+  if (options.laws.empty()) return;
   std::vector<std::string> items;
-  const std::vector<LawValues> laws = loadLaws(options.laws);
-  if (!laws.empty())
-    page.paragraph("Found on " + escape(laws.front().model) +
-                   " by <code>enamel design --rivals</code>: the same search under the same limits for each.");
-  for (const LawValues& found : laws) {
+  const LawFile file = loadLaws(options.laws);
+  page.heading("The laws at their best");
+  page.paragraph("Found on " + escape(file.model) +
+                 " by <code>enamel design --rivals</code>: the same search under the same limits for each.");
+  for (const LawValues& found : file.laws) {
     const Law& law = rivalLaw(found.law);
     std::string text =
         fmt::format("{}, delay {}: ", law.title,
@@ -502,8 +503,7 @@ std::string pageOf(const StudyOptions& options, const std::vector<Condition>& co
       "K_z1 17 174 against 3 112.6, in co-simulation 16 743 (13 367 with a random delay) against 5 360.2; "
       "K_zs 92 387 against 6 180.5, in co-simulation 34 306 (54 634) against 6 302.2.");
   addTableFour(page, conditions);
-  if (!options.laws.empty()) page.heading("The laws at their best");
-  if (!options.laws.empty()) addLaws(page, options);
+  addLaws(page, options);
   const StudyPlan& plan = conditions.front().study.plan;
   return page.whole(
       "Enamel: the laws judged",
@@ -542,9 +542,6 @@ std::string plain(std::string text) {
 void runJudge(const StudyOptions& asked) {
   StudyOptions options = asked;
   if (options.device.empty()) throw Error("--judge needs --device, with its [imperfections]");
-  for (const std::string& name : options.renderers)
-    if (options.laws.empty() && name.rfind(kTuned, 0) == 0)
-      throw Error(name + " needs --laws: a file of enamel design --rivals, or servos/rivals-tau.json of the data");
   if (options.plants.empty()) options.plants = {kClosedForm, kRealStiff, kReal};
   if (options.delays.empty()) options.delays = {"none", "constant:1", "constant:2", "constant:3", "random:0..3"};
   std::vector<Condition> conditions;

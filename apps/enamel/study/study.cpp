@@ -122,8 +122,10 @@ const char* titleOf(ColumnKind kind) {
 
 // The values that a file has for a law and a delay.
 std::vector<double> valuesFor(const std::string& path, const std::string& law, const Delay& delay) {
-  if (path.empty()) throw Error(std::string("--renderers names ") + kTuned + law + ": --laws is needed");
-  for (const LawValues& found : loadLaws(path))
+  if (path.empty())
+    throw Error(std::string(kTuned) + law +
+                " needs --laws: a file of enamel design --rivals, or servos/rivals-tau.json of the data");
+  for (const LawValues& found : loadLaws(path).laws)
     if (found.law == law && found.delayLow == delay.low && found.delayHigh == delay.high) return found.values;
   throw Error(fmt::format("{}: has no {} for a delay of {} to {} ticks", path, law, delay.low, delay.high));
 }

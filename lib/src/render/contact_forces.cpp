@@ -73,7 +73,7 @@ ContactSolution solveOne(const ContactProblem& p) noexcept {
   const double wanted = p.r[0] / p.G[0][0];
   ContactSolution solution;
   solution.force[0] = std::max(0.0, std::min(wanted, most));
-  solution.limited = wanted > most;
+  solution.limited = wanted > most && most < p.most;
   return solution;
 }
 

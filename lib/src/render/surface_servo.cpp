@@ -438,7 +438,7 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& inp
     const Contact& contact = input.contacts.contacts[pushing.contact[m]];
     const double normalForce = pushing.solution.force[m];
     if (!(contact.material.friction > 0.0)) continue;
-    any = true;
+    any = any || normalForce > 0.0;
     // The largest inverse inertia along the surface.
     const Mat3 frame = frameAlong(contact.normal);
     const Row first = torquesOf(k, contact.point, frame.col(0)), second = torquesOf(k, contact.point, frame.col(1));
@@ -485,15 +485,13 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
   Row torque = addFriction(input, inertia, normals, q, rate, found);
 
   output.mode = RenderMode::free;
-  bool isShared = false;  // a contact has its largest share: no motor is at its limit
+  output.saturated = found.solution.limited;
   for (int m = 0; m < found.problem.contacts; ++m) {
     const double force = found.solution.force[m];
     if (force > 0.0) output.mode = RenderMode::contact;
-    isShared = isShared || force >= found.problem.most;
     if (found.contact[m] == 0) output.normalForce = force;
     for (int i = 0; i < joints_; ++i) torque[i] += force * normals.row[found.contact[m]][i];
   }
-  output.saturated = found.solution.limited && !isShared;
   s.pushes = output.mode == RenderMode::contact ? 1.0 : 0.0;
   output.torque.resize(joints_);
   bool finite = true;

@@ -126,19 +126,19 @@ const Law& rivalLaw(const std::string& name) {
   throw Error("there is no law \"" + name + "\": " + names);
 }
 
-std::vector<LawValues> loadLaws(const std::string& path) {
+LawFile loadLaws(const std::string& path) {
   const auto refuse = [&path](const std::string& key, const std::string& problem) {
     throw ConfigurationError(path, 0, key, problem);
   };
   const Json file = Json::parse(readJson(path), nullptr, false);
   if (!file.is_object() || !file.contains("laws") || !file["laws"].is_array()) refuse("", "has no list \"laws\"");
-  std::vector<LawValues> laws;
+  LawFile result;
+  if (file.contains("model") && file["model"].is_string()) result.model = file["model"].get<std::string>();
   for (std::size_t i = 0; i < file["laws"].size(); ++i) {
     const Json& entry = file["laws"][i];
     const std::string at = "laws[" + std::to_string(i) + "]";
     if (!entry.is_object() || !entry.contains("law") || !entry["law"].is_string()) refuse(at + ".law", "is missing");
     LawValues read;
-    read.model = file.contains("model") && file["model"].is_string() ? file["model"].get<std::string>() : "";
     read.law = entry["law"].get<std::string>();
     const Law* law = nullptr;
     try {
@@ -159,16 +159,16 @@ std::vector<LawValues> loadLaws(const std::string& path) {
                                       (p.unit.empty() ? "" : " " + p.unit));
       read.values.push_back(value.get<double>());
     }
-    laws.push_back(std::move(read));
+    result.laws.push_back(std::move(read));
   }
-  return laws;
+  return result;
 }
 
-std::string lawsText(const std::string& model, const std::vector<LawValues>& laws) {
+std::string lawsText(const LawFile& written) {
   Json file;
-  file["model"] = model;
+  file["model"] = written.model;
   file["laws"] = Json::array();
-  for (const LawValues& found : laws) {
+  for (const LawValues& found : written.laws) {
     const Law& law = rivalLaw(found.law);
     require(found.values.size() == law.parameters.size(), "laws: " + found.law + " has another number of values");
     Json entry;

@@ -25,19 +25,25 @@ const std::vector<Law>& rivalLaws();
 /// A rival by its name. Throws Error, with the names that there are. Realtime: no.
 const Law& rivalLaw(const std::string& name);
 
-/// Values of laws that were found for a device: what `enamel design --rivals` writes and `enamel study --laws` reads.
+/// Values of a law that were found for a device and a delay.
 struct LawValues {
-  std::string law, model;           ///< model: the file of the device that they were found for, "" if it is not said
+  std::string law;
   int delayLow = 0, delayHigh = 0;  ///< ticks
   std::vector<double> values;       ///< one a parameter of the law
+};
+
+/// What `enamel design --rivals` writes and `enamel study --laws` reads.
+struct LawFile {
+  std::string model;  ///< the file of the device that they were found for
+  std::vector<LawValues> laws;
 };
 
 /// Reads a file (JSON: "model"; "laws", a list of {"law", "delay", the smallest and largest in ticks, and every
 /// parameter by its name}). Throws ConfigurationError: the file cannot be read or is not JSON; a law that there is not;
 /// a key that is missing or of the wrong type; a value outside its range. Realtime: no.
-std::vector<LawValues> loadLaws(const std::string& path);
+LawFile loadLaws(const std::string& path);
 
 /// The file's text. Throws Error: as rivalLaw(). Realtime: no.
-std::string lawsText(const std::string& model, const std::vector<LawValues>& laws);
+std::string lawsText(const LawFile& file);
 
 }  // namespace enamel
