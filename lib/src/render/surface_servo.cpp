@@ -26,11 +26,15 @@ constexpr double kHabit = 0.5, kHabitKept = 0.98;
 // A jump just above the threshold may be none, and a strong answer to none throws the tool out of the wall: it has the
 // full gains and outward speed from this much above, and at the threshold this share of the gains and no such speed.
 constexpr double kSure = 0.3, kUnsureGain = 0.2;
-// Age of a jump, 1 to 1.5 ticks. An innovation needs a push that falls with the age squared, and weak pushes are rare:
-// the density of the age is taken to fall with its 10th power. The innovation before has this deviation, of the
-// threshold.
-constexpr int kAges = 11;
-constexpr double kAgeStep = 0.05, kAgeDeviation = 0.2;
+// Ages of a jump, ticks. An innovation needs a push that falls with the age squared, and weak pushes are rare: the
+// density of the age falls with its 10th power, down to a floor, without which a weak push that has built up for some
+// ticks passes for a strong new one, and the answer throws the tool out by half a millimetre. The innovation before has
+// this deviation, of the threshold.
+constexpr std::array<double, 17> kAges = {1.0,  1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.35, 1.4,
+                                          1.45, 1.5,  2.0, 2.5,  3.0, 4.0,  5.0, 6.0};
+constexpr double kOldJumps = 1e-3, kAgeDeviation = 0.2;
+// What stays of a push's growth from tick to tick: people do not press harder for ever.
+constexpr double kGrowthKept = 0.95;
 // An innovation up to this share of what the last change of the command moved may be the model's error: less, and a
 // model that is 30 % too heavy takes its own commands for jumps.
 constexpr double kModelError = 0.3;
@@ -68,10 +72,10 @@ std::array<double, kMaxJoints> torquesOf(const Kinematics& k, const Vec3& point,
 // has moved the tool by t^2 / 2, and by (t - 1)^2 / 2 a tick ago.
 double youthOf(double now, double before, double deviation) noexcept {
   double weights = 0.0, sum = 0.0;
-  for (int i = 0; i < kAges; ++i) {
-    const double age = 1.0 + kAgeStep * i, perAge = 1.0 / age, share = (1.0 - perAge) * (1.0 - perAge);
+  for (const double age : kAges) {
+    const double perAge = 1.0 / age, share = (1.0 - perAge) * (1.0 - perAge);
     const double miss = (before - share * now) / deviation;
-    const double p2 = perAge * perAge, p4 = p2 * p2, weight = p4 * p4 * p2 * std::exp(-0.5 * miss * miss);
+    const double p2 = perAge * perAge, p4 = p2 * p2, weight = (p4 * p4 * p2 + kOldJumps) * std::exp(-0.5 * miss * miss);
     weights += weight;
     sum += weight * perAge;
   }
@@ -138,9 +142,14 @@ struct SurfaceServoRenderer::Pushing {
   ContactSolution solution;
 };
 
-const std::array<SurfaceServoParameter, 11>& surfaceServoParameters() noexcept {
+// Joints and push when the command of this tick acts.
+struct SurfaceServoRenderer::Ahead {
+  Row q, rate, push;
+};
+
+const std::array<SurfaceServoParameter, 13>& surfaceServoParameters() noexcept {
   using O = SurfaceServoOptions;
-  static constexpr std::array<SurfaceServoParameter, 11> parameters = {{
+  static constexpr std::array<SurfaceServoParameter, 13> parameters = {{
       {"pole", &O::pole, 0.0, 0.999, ""},
       {"damping", &O::damping, 0.0, 10.0, ""},
       {"jump_pole", &O::jumpPole, 0.0, 0.999, ""},
@@ -149,28 +158,30 @@ const std::array<SurfaceServoParameter, 11>& surfaceServoParameters() noexcept {
       {"outward_distance", &O::outwardDistance, 0.0, 0.01, " m"},
       {"tremor", &O::tremor, 0.0, 1e3, " counts/tick^2"},
       {"wander", &O::wander, 1e-6, 1e3, " counts/tick^2"},
+      {"growth", &O::growth, 0.0, 1e3, " counts/tick^3"},
       {"jump_threshold", &O::jumpThreshold, 1.0, 1e6, " counts"},
       {"jump_age", &O::jumpAge, 0.0, 0.999, " ticks"},
       {"jump_size", &O::jumpSize, 0.0, 1e4, " counts/tick^2"},
+      {"jump_growth", &O::jumpGrowth, 0.0, 1e4, " counts/tick^3"},
   }};
   return parameters;
 }
 
 SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int delayLow, int delayHigh) {
   // In the order of surfaceServoParameters(), for delays of 0, 1, 2 and 3 ticks and for random ones of 0 to 3.
-  static constexpr double values[5][11] = {
-      {0.3061, 1.103, 0.298, 3.089, 0.01084, 3.237e-5, 0.5032, 0.32, 4.306, 0.95, 13.73},
-      {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 5.035, 0.95, 59.31},
-      {0.4596, 0.8894, 0.6415, 8.609, 0.003, 8e-6, 0.55, 0.17, 6.095, 0.6458, 162.8},
-      {0.5217, 0.9228, 0.6563, 6.432, 0.02, 3e-5, 0.5427, 0.04633, 5.028, 0.5619, 12.26},
-      {0.7179, 0.5917, 0.5873, 0.8069, 0.004527, 2.396e-5, 1.55, 0.5773, 5.835, 0.3259, 4.14},
+  static constexpr double values[5][13] = {
+      {0.3061, 1.103, 0.298, 3.089, 0.01084, 3.237e-5, 0.5032, 0.32, 0.005, 4.306, 0.95, 13.73, 0.3},
+      {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 0.01, 5.035, 0.95, 59.31, 0.4},
+      {0.4596, 0.8894, 0.6415, 8.609, 0.003, 8e-6, 0.55, 0.17, 0.006, 6.095, 0.6458, 162.8, 0.3},
+      {0.5217, 0.9228, 0.6563, 6.432, 0.01, 2.5e-5, 0.5427, 0.04633, 0.005, 5.028, 0.5619, 12.26, 0.05},
+      {0.7179, 0.5917, 0.5873, 0.8069, 0.004527, 2.396e-5, 1.55, 0.5773, 0, 5.835, 0.3259, 4.14, 0},
   };
   SurfaceServoOptions options;
   options.period = period;
   options.count = count;
   options.delayLow = delayLow;
   options.delayHigh = delayHigh;
-  options.horizon = (delayLow + delayHigh) / 2;
+  options.horizon = (delayLow + delayHigh + 1) / 2;
   const double* row = values[delayLow < delayHigh ? 4 : std::clamp(delayHigh, 0, 3)];
   for (const SurfaceServoParameter& p : surfaceServoParameters()) options.*p.value = *row++;
   return options;
@@ -188,41 +199,45 @@ SurfaceServoRenderer::SurfaceServoRenderer(const SurfaceServoOptions& o)
     requireWithin(o.*p.value, p.low, p.high, p.name, p.unit);
 }
 
-// The observer's gains, in counts and ticks: position x, rate v, push a, x'' = a, encoder counts of variance 1/12.
+// The observer's gains, in counts and ticks: position x, rate v, push a and its growth b, x'' = a, a' = b, encoder
+// counts of variance 1/12.
 void SurfaceServoRenderer::prepare(double period) {
   require(std::abs(period - options_.period) <= 1e-9 * options_.period,
           "surface servo: activated for a period of " + formatNumber(period) + " s, but it was designed for " +
               formatNumber(options_.period) + " s");
-  using Mat3x = Eigen::Matrix3d;
+  using Mat4 = Eigen::Matrix4d;
+  using Vec4 = Eigen::Vector4d;
   constexpr double kCountVariance = 1.0 / 12.0;
-  Mat3x F;
-  F << 1.0, 1.0, 0.5, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0;
-  const Vec3 kick(0.5, 1.0, 0.0);
-  Mat3x Q = options_.tremor * options_.tremor * kick * kick.transpose();
+  Mat4 F;
+  F << 1.0, 1.0, 0.5, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, kGrowthKept;
+  const Vec4 kick(0.5, 1.0, 0.0, 0.0);
+  Mat4 Q = options_.tremor * options_.tremor * kick * kick.transpose();
   Q(2, 2) += options_.wander * options_.wander;
-  Mat3x P = Mat3x::Identity();  // covariance before a measurement
-  const auto gainOf = [](const Mat3x& prior) { return Vec3(prior.col(0) / (prior(0, 0) + kCountVariance)); };
-  const auto advance = [&](const Mat3x& prior) {
-    const Vec3 gain = gainOf(prior);
-    const Mat3x left = Mat3x::Identity() - gain * Eigen::RowVector3d(1.0, 0.0, 0.0);
-    const Mat3x after = left * prior * left.transpose() + kCountVariance * gain * gain.transpose();
-    return Mat3x(F * after * F.transpose() + Q);
+  Q(3, 3) += options_.growth * options_.growth;
+  Mat4 P = Mat4::Identity();  // covariance before a measurement
+  const auto gainOf = [](const Mat4& prior) { return Vec4(prior.col(0) / (prior(0, 0) + kCountVariance)); };
+  const auto advance = [&](const Mat4& prior) {
+    const Vec4 gain = gainOf(prior);
+    const Mat4 left = Mat4::Identity() - gain * Vec4::UnitX().transpose();
+    const Mat4 after = left * prior * left.transpose() + kCountVariance * gain * gain.transpose();
+    return Mat4(F * after * F.transpose() + Q);
   };
   constexpr int kEnough = 5000;  // far beyond the slowest filter's memory
   for (int i = 0; i < kEnough; ++i) P = advance(P);
   const double slow = std::sqrt(P(0, 0) + kCountVariance);
   const auto keep = [&](int tick) {
-    const Vec3 gain = gainOf(P);
-    gains_[tick] = {gain.x(), gain.y(), gain.z()};
+    const Vec4 gain = gainOf(P);
+    gains_[tick] = {gain[0], gain[1], gain[2], gain[3]};
     deviations_[tick] = std::sqrt(P(0, 0) + kCountVariance) / slow;
   };
   keep(kSchedule);
   // A push that began t ticks ago, t uniform in jumpAge to 1, has moved by a (t^2/2, t, 1).
   const double age = options_.jumpAge;
   const auto moment = [age](int k) { return (1.0 - std::pow(age, k + 1)) / ((k + 1) * (1.0 - age)); };
-  Mat3x jump;
+  Mat3 jump;
   jump << moment(4) / 4, moment(3) / 2, moment(2) / 2, moment(3) / 2, moment(2), moment(1), moment(2) / 2, moment(1), 1;
-  P += options_.jumpSize * options_.jumpSize * jump;
+  P.topLeftCorner<3, 3>() += options_.jumpSize * options_.jumpSize * jump;
+  P(3, 3) += options_.jumpGrowth * options_.jumpGrowth;
   for (int tick = 0; tick < kSchedule; ++tick) {
     keep(tick);
     P = advance(P);
@@ -251,21 +266,20 @@ void SurfaceServoRenderer::start(const TickInput& input) noexcept {
   state_ = fresh;
 }
 
-// What the motors are expected to do `ahead` ticks from now: what was commanded a delay before, the last command where
-// that is yet to come.
-SurfaceServoRenderer::Row SurfaceServoRenderer::expectedCommand(int ahead) const noexcept {
-  Row sum{};
-  const double share = 1.0 / (options_.delayHigh - options_.delayLow + 1);
-  for (int delay = options_.delayLow; delay <= options_.delayHigh; ++delay) {
-    const Row& command = state_.commands[std::clamp(delay - ahead - 1, 0, kMaxServoDelay)];
-    for (int i = 0; i < joints_; ++i) sum[i] += share * command[i];
+// Of the commands that were given, what may act `ahead` ticks from now, each delay being as likely.
+SurfaceServoRenderer::UnderWay SurfaceServoRenderer::underWay(int ahead) const noexcept {
+  UnderWay sum;
+  const double likely = 1.0 / (options_.delayHigh - options_.delayLow + 1);
+  for (int delay = std::max(options_.delayLow, ahead + 1); delay <= options_.delayHigh; ++delay) {
+    for (int i = 0; i < joints_; ++i) sum.torque[i] += likely * state_.commands[delay - ahead - 1][i];
+    sum.share += likely;
   }
   return sum;
 }
 
 // The torque that has acted since the last tick.
 SurfaceServoRenderer::Row SurfaceServoRenderer::acted(const TickInput& input) const noexcept {
-  if (input.applied.size() == 0) return expectedCommand(-1);
+  if (input.applied.size() == 0) return underWay(-1).torque;
   Row torque{};
   for (int i = 0; i < joints_; ++i) torque[i] = input.applied[i];
   return torque;
@@ -311,9 +325,13 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     const double acceleration = s.scale * response[i] + s.push[i];
     s.q[i] += s.rate[i] + 0.5 * acceleration;
     s.rate[i] += acceleration;
+    s.push[i] += s.growth[i];
+    s.growth[i] *= kGrowthKept;
     const double byScale = response[i] + s.pushByScale[i];
     s.qByScale[i] += s.rateByScale[i] + 0.5 * byScale;
     s.rateByScale[i] += byScale;
+    s.pushByScale[i] += s.growthByScale[i];
+    s.growthByScale[i] *= kGrowthKept;
     innovation[i] = input.kinematics.q[i] - s.q[i];
     astray = astray || !(std::abs(innovation[i]) < kAstray * options_.count[i]);
   }
@@ -332,8 +350,9 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   if (jump.seen) {
     gain[1] *= jump.youth;
     gain[2] *= jump.youth * jump.youth;
+    gain[3] *= jump.youth * jump.youth;
     const double share = kUnsureGain + (1.0 - kUnsureGain) * jump.sure;
-    for (int i = 0; i < 3; ++i) gain[i] = gains_[kSchedule][i] + share * (gain[i] - gains_[kSchedule][i]);
+    for (int i = 0; i < 4; ++i) gain[i] = gains_[kSchedule][i] + share * (gain[i] - gains_[kSchedule][i]);
   }
   double slopeTimesError = 0.0, slopes = 0.0;
   for (int i = 0; i < n; ++i) {
@@ -348,9 +367,11 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     s.q[i] += gain[0] * e;
     s.rate[i] += gain[1] * e;
     s.push[i] += gain[2] * e;
+    s.growth[i] += gain[3] * e;
     s.qByScale[i] -= gain[0] * bySlope;
     s.rateByScale[i] -= gain[1] * bySlope;
     s.pushByScale[i] -= gain[2] * bySlope;
+    s.growthByScale[i] -= gain[3] * bySlope;
   }
   if (s.pushes != 0.0 && s.sinceJump > kLearnAfter) {
     s.information = (1.0 - kForgotten) * s.information + slopes;
@@ -360,29 +381,33 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   s.lastInnovation = innovation;
 }
 
-// Joint positions and rates when the command of this tick acts.
-void SurfaceServoRenderer::predict(const Inertia& inertia, Row& q, Row& rate) const noexcept {
-  q = state_.q;
-  rate = state_.rate;
+// What is yet to be commanded balances the push: it accelerates nothing.
+SurfaceServoRenderer::Ahead SurfaceServoRenderer::predict(const Inertia& inertia) const noexcept {
+  Ahead a{state_.q, state_.rate, state_.push};
+  Row growth = state_.growth;
   for (int ahead = 0; ahead < options_.horizon; ++ahead) {
-    const Row response = inertia.responseOf(expectedCommand(ahead));
+    UnderWay commands = underWay(ahead);
+    for (int i = 0; i < joints_; ++i) commands.torque[i] -= commands.share * inertia.gravity[i];
+    const Row response = inertia.response(commands.torque);
     for (int i = 0; i < joints_; ++i) {
-      const double acceleration = state_.scale * response[i] + state_.push[i];
-      q[i] += rate[i] + 0.5 * acceleration;
-      rate[i] += acceleration;
+      const double acceleration = state_.scale * response[i] + commands.share * a.push[i];
+      a.q[i] += a.rate[i] + 0.5 * acceleration;
+      a.rate[i] += acceleration;
+      a.push[i] += growth[i];
+      growth[i] *= kGrowthKept;
     }
   }
+  return a;
 }
 
 SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& input, const Inertia& inertia,
-                                                            const Normals& normals, const Row& q,
-                                                            const Row& rate) const noexcept {
+                                                            const Normals& normals, const Ahead& ahead) const noexcept {
   const State& s = state_;
   const int n = joints_;
   const double T = options_.period, z = s.sinceJump < options_.jumpTicks ? options_.jumpPole : options_.pole;
   const double k1 = (1.0 - z) * (1.0 - z), k2 = 0.5 * options_.damping * (1.0 - z) * (3.0 + z);
-  Row ahead{};
-  for (int i = 0; i < n; ++i) ahead[i] = q[i] - input.kinematics.q[i];
+  Row way{};
+  for (int i = 0; i < n; ++i) way[i] = ahead.q[i] - input.kinematics.q[i];
 
   Pushing pushing;
   ContactProblem& p = pushing.problem;
@@ -391,8 +416,8 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     const Contact& contact = input.contacts.contacts[c];
     const Row& row = normals.row[c];
     const double obstacle = T * contact.normal.dot(contact.obstacleVelocity);
-    const double gap = contact.gap + dot(row, ahead, n) - options_.horizon * obstacle;
-    const double speed = dot(row, rate, n) - obstacle, pushed = dot(row, s.push, n);
+    const double gap = contact.gap + dot(row, way, n) - options_.horizon * obstacle;
+    const double speed = dot(row, ahead.rate, n) - obstacle, pushed = dot(row, ahead.push, n);
     if (gap + speed + 0.5 * pushed > kNear) continue;
     const double outward =
         T * options_.outwardSpeed + std::sqrt(2.0 * std::max(0.0, -pushed) * s.sure * options_.outwardDistance);
@@ -419,18 +444,18 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
 
 // Friction at the contacts that carry force, as torques; the normal forces are found anew beside it.
 SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& input, const Inertia& inertia,
-                                                            const Normals& normals, const Row& q, const Row& rate,
+                                                            const Normals& normals, const Ahead& ahead,
                                                             Pushing& pushing) noexcept {
   const Kinematics& k = input.kinematics;
   // Slower than the wall's: what sticks need not stand at the edge, and counts are felt less.
   const double T = options_.period, z = 0.5 * (1.0 + options_.pole);
-  Row moved{}, ahead{}, torque{};
+  Row moved{}, toCome{}, torque{};
   for (int i = 0; i < joints_; ++i) {
     moved[i] = k.q[i] - state_.lastAngles[i];
     state_.lastAngles[i] = k.q[i];
-    ahead[i] = q[i] - k.q[i];
+    toCome[i] = ahead.q[i] - k.q[i];
   }
-  const Vec6 way = motionOf(k, moved), wayAhead = motionOf(k, ahead), velocity = motionOf(k, rate) / T;
+  const Vec6 way = motionOf(k, moved), wayAhead = motionOf(k, toCome), velocity = motionOf(k, ahead.rate) / T;
   ContactProblem& problem = pushing.problem;
   state_.friction.begin();
   bool any = false;
@@ -479,10 +504,9 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
     observe(input, inertia, normals);
   s.lastTime = input.time;
 
-  Row q, rate;
-  predict(inertia, q, rate);
-  Pushing found = pushing(input, inertia, normals, q, rate);
-  Row torque = addFriction(input, inertia, normals, q, rate, found);
+  const Ahead ahead = predict(inertia);
+  Pushing found = pushing(input, inertia, normals, ahead);
+  Row torque = addFriction(input, inertia, normals, ahead, found);
 
   output.mode = RenderMode::free;
   output.saturated = found.solution.limited;
@@ -496,8 +520,8 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
   output.torque.resize(joints_);
   bool finite = true;
   for (int i = 0; i < joints_; ++i)
-    finite = finite && std::isfinite(torque[i] + s.q[i] + s.rate[i] + s.push[i] + s.qByScale[i] + s.rateByScale[i] +
-                                     s.pushByScale[i]);
+    finite = finite && std::isfinite(torque[i] + s.q[i] + s.rate[i] + s.push[i] + s.growth[i] + s.qByScale[i] +
+                                     s.rateByScale[i] + s.pushByScale[i] + s.growthByScale[i]);
   if (!finite) return Status::notFinite;  // numbers that are finite one by one can overflow together
   for (int d = kMaxServoDelay; d > 0; --d) s.commands[d] = s.commands[d - 1];
   for (int i = 0; i < joints_; ++i) output.torque[i] = k.gravity[i] + torque[i];

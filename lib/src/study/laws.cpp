@@ -22,7 +22,7 @@ struct Variation {
   double low, high, step;
   bool logarithmic;
 };
-constexpr std::array<Variation, 11> kServoVariations = {{
+constexpr std::array<Variation, 13> kServoVariations = {{
     {0.1, 0.9, 0.05, false},    // pole
     {0.5, 1.8, 0.1, false},     // damping
     {0.05, 0.9, 0.05, false},   // jump pole
@@ -31,9 +31,11 @@ constexpr std::array<Variation, 11> kServoVariations = {{
     {5e-6, 3e-4, 0.3, true},    // outward distance
     {0.05, 3.0, 0.3, true},     // tremor
     {0.01, 3.0, 0.3, true},     // wander
+    {1e-3, 0.3, 0.3, true},     // growth
     {3.0, 20.0, 0.15, true},    // jump threshold
     {0.05, 0.95, 0.12, false},  // jump age
     {3.0, 200.0, 0.4, true},    // jump size
+    {0.01, 10.0, 0.4, true},    // jump growth
 }};
 
 const LawParameter kStiffness{"stiffness", "N/m", 1000.0, 50.0, 2e5, 0.3, true};

@@ -5,17 +5,20 @@
 // With time in ticks, the joints' acceleration under torques tau is q'' = s M^-1 (tau - gravity) + a, where a is what a
 // person's push and everything unmodelled brings and s tells how far the model's inertia is off.
 //
-//  1. Observer. The state (q, q', a) of every joint is predicted under the torque that really acted and corrected by
-//     the innovation e, encoder minus prediction, with the gains of a Kalman filter for encoder counts, a trembling
-//     hand (white acceleration) and a wandering push.
+//  1. Observer. The state (q, q', a, b) of every joint, b the growth of a from tick to tick, is predicted under the
+//     torque that really acted and corrected by the innovation e, encoder minus prediction, with the gains of a Kalman
+//     filter for encoder counts, a trembling hand (white acceleration), a wandering push, and a wandering growth that
+//     fades by itself within some 20 ticks.
 //  2. Jumps. A push that jumps shows as an innovation along M^-1 N_k^T, what a force at the contact does. Above a
 //     threshold the filter's covariance is raised by that of a jump somewhere in the last tick: near-deadbeat gains
-//     that decay by themselves. How old the jump is shows in the innovation before. Just above the threshold, where it
-//     may be none, the gains are lower and the tool is stopped, not sent back. Jumps that follow each other within some
-//     0.1 s must be larger and larger.
+//     that decay by themselves. How old the jump is shows in the innovation before: what has built up over some ticks
+//     is a push that the slow gains have not followed, and is answered gently. Just above the threshold, where it may
+//     be none, the gains are lower and the tool is stopped, not sent back. Jumps that follow each other within some 0.1
+//     s must be larger and larger.
 //  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983) from what changes
 //     quickly, within kLowestScale to kHighestScale, while a contact carries force and no jump is under way.
-//  4. Prediction through the delay, under the commands that are under way.
+//  4. Prediction through the delay, under the commands that are under way; where the delay is random, each by its
+//     likelihood, and what is yet to be commanded is taken to balance the push.
 //  5. Law. Every contact is asked for the gap acceleration  w_k = min(-k1 g_k - k2 g_k', v_out - g_k'),  k1 = (1-z)^2,
 //     k2 = r (1-z)(3+z)/2, where v_out = outwardSpeed + sqrt(2 |N_k a| outwardDistance) is what the push turns back at
 //     once. The forces lambda >= 0 solve  N (s M^-1 N^T lambda + a) >= w,  with equality where lambda > 0, as a
@@ -58,9 +61,11 @@ struct SurfaceServoOptions {
 
   double tremor = 0.0;         ///< of the hand, white, counts/tick^2
   double wander = 0.0;         ///< of the push from tick to tick, counts/tick^2
+  double growth = 0.0;         ///< of the push's growth from tick to tick, counts/tick^3
   double jumpThreshold = 0.0;  ///< innovation of a jump, counts
   double jumpAge = 0.0;        ///< least age of a jump that is seen for the first time, ticks, in [0, 1)
   double jumpSize = 0.0;       ///< counts/tick^2
+  double jumpGrowth = 0.0;     ///< of the push after a jump, counts/tick^3
 };
 
 /// One of the numbers that a design chooses.
@@ -72,7 +77,7 @@ struct SurfaceServoParameter {
 };
 
 /// All of them. Realtime: yes.
-const std::array<SurfaceServoParameter, 11>& surfaceServoParameters() noexcept;
+const std::array<SurfaceServoParameter, 13>& surfaceServoParameters() noexcept;
 
 /// Options that were found for the TAU, for any device: counts and ticks are the units that matter. With a delay beyond
 /// 3 ticks those for 3. What is given is checked by SurfaceServoRenderer. Realtime: yes.
@@ -99,15 +104,15 @@ class SurfaceServoRenderer final : public Renderer {
 
  private:
   using Row = std::array<double, kMaxJoints>;  // one number a joint
-  using Gain = std::array<double, 3>;          // of position, rate and push
+  using Gain = std::array<double, 4>;          // of position, rate, push and its growth
   static constexpr int kSchedule = 24;         // ticks after which the gains are the slow ones again
 
   // Time in ticks.
   struct State {
-    Row q{}, rate{}, push{};                         // estimates: rad, rad/tick, rad/tick^2
-    Row qByScale{}, rateByScale{}, pushByScale{};    // their derivatives by s
-    Row meanInnovation{}, meanByScale{};             // of the last ticks
-    std::array<Row, kMaxServoDelay + 1> commands{};  // the last first, N m
+    Row q{}, rate{}, push{}, growth{};                              // estimates: rad, rad/tick, rad/tick^2, rad/tick^3
+    Row qByScale{}, rateByScale{}, pushByScale{}, growthByScale{};  // their derivatives by s
+    Row meanInnovation{}, meanByScale{};                            // of the last ticks
+    std::array<Row, kMaxServoDelay + 1> commands{};                 // the last first, N m
     Row lastResponse{}, lastInnovation{}, lastAngles{};
     double scale = 1.0, information = 0.0;
     double sinceJump = kSchedule;  // ticks
@@ -127,6 +132,11 @@ class SurfaceServoRenderer final : public Renderer {
   struct Inertia;
   struct Normals;
   struct Pushing;
+  struct Ahead;
+  struct UnderWay {
+    Row torque{};        // N m
+    double share = 0.0;  // how likely it is that one of them acts
+  };
 
   void prepare(double period) override;
   Status render(const TickInput& input, TickOutput& output) noexcept override;
@@ -136,13 +146,13 @@ class SurfaceServoRenderer final : public Renderer {
 
   void start(const TickInput& input) noexcept;
   Row acted(const TickInput& input) const noexcept;
-  Row expectedCommand(int ahead) const noexcept;
+  UnderWay underWay(int ahead) const noexcept;
   void observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept;
   Jump jumpOf(int contacts, const Normals& normals, const Row& response, const Row& innovation) const noexcept;
-  void predict(const Inertia& inertia, Row& q, Row& rate) const noexcept;
-  Pushing pushing(const TickInput& input, const Inertia& inertia, const Normals& normals, const Row& q,
-                  const Row& rate) const noexcept;
-  Row addFriction(const TickInput& input, const Inertia& inertia, const Normals& normals, const Row& q, const Row& rate,
+  Ahead predict(const Inertia& inertia) const noexcept;
+  Pushing pushing(const TickInput& input, const Inertia& inertia, const Normals& normals,
+                  const Ahead& ahead) const noexcept;
+  Row addFriction(const TickInput& input, const Inertia& inertia, const Normals& normals, const Ahead& ahead,
                   Pushing& pushing) noexcept;
 
   SurfaceServoOptions options_;
