@@ -84,7 +84,7 @@ WallScore judge(const WallDesignSetup& setup) {
 // The bars of the wall: K_z1, chatter, bounce, ramp. The paper's law has 20 kN/m here without delay and is unstable
 // from 2 ticks on.
 TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[surface_servo]") {
-  const double stiffness[] = {200e3, 70e3, 34e3, 18e3}, ramp[] = {30e-6, 75e-6, 140e-6, 250e-6};
+  const double stiffness[] = {200e3, 70e3, 34e3, 18e3}, ramp[] = {25e-6, 60e-6, 120e-6, 220e-6};
   for (int delay = 0; delay <= 3; ++delay)
     for (const double error : {0.0, 0.3}) {
       WallDesignSetup setup = judged(delay, delay);

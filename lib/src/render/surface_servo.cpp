@@ -174,14 +174,14 @@ SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int
       {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 0.01, 5.035, 0.95, 59.31, 0.4},
       {0.4596, 0.8894, 0.6415, 8.609, 0.003, 8e-6, 0.55, 0.17, 0.006, 6.095, 0.6458, 162.8, 0.3},
       {0.5217, 0.9228, 0.6563, 6.432, 0.01, 2.5e-5, 0.5427, 0.04633, 0.005, 5.028, 0.5619, 12.26, 0.05},
-      {0.7179, 0.5917, 0.5873, 0.8069, 0.004527, 2.396e-5, 1.55, 0.5773, 0, 5.835, 0.3259, 4.14, 0},
+      {0.7179, 0.5917, 0.5873, 0.8069, 0.004527, 2.396e-5, 1.55, 0.5773, 0.003, 5.835, 0.3259, 4.14, 0},
   };
   SurfaceServoOptions options;
   options.period = period;
   options.count = count;
   options.delayLow = delayLow;
   options.delayHigh = delayHigh;
-  options.horizon = (delayLow + delayHigh + 1) / 2;
+  options.horizon = (delayLow + delayHigh) / 2;
   const double* row = values[delayLow < delayHigh ? 4 : std::clamp(delayHigh, 0, 3)];
   for (const SurfaceServoParameter& p : surfaceServoParameters()) options.*p.value = *row++;
   return options;

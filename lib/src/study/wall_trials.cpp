@@ -195,6 +195,7 @@ bool release(const Context& c, Figures& figures) {
       const double speed = std::sqrt(lastRate * lastRate + share * (rate * rate - lastRate * lastRate));
       const double thrown = (push + pull) / c.mass * c.late, way = 0.5 * thrown * c.late;
       figures[0] = speed / std::sqrt(thrown * thrown + 2.0 * pull / c.mass * std::max(0.0, kOut - way));
+      figures[2] = figures[0];
     }
     lastGap = gap;
     lastRate = rate;
@@ -294,7 +295,7 @@ struct FigureKind {
   const char* name;
   const char* unit;
   double scale;  // from SI to the unit
-  bool lowestIsWorst = false;
+  bool lowestIsWorst = false, isMean = false;
 };
 
 struct Kind {
@@ -312,7 +313,11 @@ const std::vector<Kind>& kinds() {
       {"impact 0.05 m/s", slowImpact, impactFigures},
       {"impact 0.2 m/s", middleImpact, impactFigures},
       {"impact 0.5 m/s", fastImpact, impactFigures},
-      {"release", release, {{"speed over the unavoidable", "", 1.0}, {"pull", "N", 1.0}}},
+      {"release",
+       release,
+       {{"speed over the unavoidable", "", 1.0},
+        {"pull", "N", 1.0},
+        {"mean speed over the unavoidable", "", 1.0, false, true}}},
       {"slide", slide, {{"tangential force", "%", 100.0}, {"rms depth", "um", 1e6}}},
       {"corner", corner, {{"depth", "um", 1e6}, {"chatter", "N m", 1.0}}},
       {"pulse", pulse, {{"torque of the limit", "%", 100.0}, {"turned", "deg", 180.0 / M_PI}}},
@@ -358,13 +363,17 @@ std::vector<WallFigure> runWallTrials(const WallTrialSetup& setup, const std::st
     for (std::size_t f = 0; f < chosen[k]->figures.size(); ++f) {
       const FigureKind& kind = chosen[k]->figures[f];
       WallFigure row{chosen[k]->name, kind.name, kind.unit, kUnseen, 0};
+      double sum = 0.0;
+      int count = 0;
       for (std::size_t i = k * runs; i < (k + 1) * runs; ++i) {
         row.lost += stayed[i] == 0;
         const double value = kind.scale * figures[i][f];
-        if (stayed[i] != 0 && !std::isnan(value) &&
-            (std::isnan(row.value) || (kind.lowestIsWorst ? value < row.value : value > row.value)))
-          row.value = value;
+        if (stayed[i] == 0 || std::isnan(value)) continue;
+        sum += value;
+        ++count;
+        if (std::isnan(row.value) || (kind.lowestIsWorst ? value < row.value : value > row.value)) row.value = value;
       }
+      if (kind.isMean && count > 0) row.value = sum / count;
       rows.push_back(row);
     }
   return rows;

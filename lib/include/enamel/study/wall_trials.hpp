@@ -28,7 +28,7 @@ struct WallTrialSetup {
   std::uint64_t seed = 1;
 };
 
-/// One figure of a trial: the worst of its runs.
+/// One figure of a trial: the worst of its runs, or their mean where it says so.
 struct WallFigure {
   std::string trial, figure;
   const char* unit;    ///< for people; "" for a share
@@ -48,7 +48,7 @@ double forceShare(const Mechanism& plant);
 /// - impact: thrown at 0.05, 0.2 and 0.5 m/s, then held with 1 N. Depth over v t1 + m v^2 / (2 (F_max - 1 N)), t1 the
 ///   delay and a tick; farthest out after the touch; how far outside v T + 20 um it was pushed before it.
 /// - release: 12 N turn to a pull of 1 N at a random instant inside a tick. Speed 1 mm out over that of a wall that
-///   lets go t1 after a step at a sample; strongest pull of the wall.
+///   lets go t1 after a step at a sample, worst and mean; strongest pull of the wall.
 /// - slide: over walls tilted in ten directions at 0.1 m/s under 10 N without friction. Tangential over normal force
 ///   (means), rms depth.
 /// - corner: two walls at a right angle, pressed into with 10 N. Deepest once at rest, chatter.
