@@ -25,8 +25,7 @@ inline Hand handAt(const Vec3& position) {
   return hand;
 }
 
-inline std::unique_ptr<Experiment> experiment(const SceneFile& scene, RendererSlot slot,
-                                              const Settings& settings = {},
+inline std::unique_ptr<Experiment> experiment(const SceneFile& scene, RendererSlot slot, const Settings& settings = {},
                                               const ServoedDevice& device = nominal()) {
   Pose start;
   start.position = scene.start;

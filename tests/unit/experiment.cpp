@@ -10,6 +10,7 @@
 #include "enamel/render/surface_file.hpp"
 #include "enamel/study/metrics.hpp"
 #include "palette.hpp"
+#include "runner.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/experiments.hpp"
