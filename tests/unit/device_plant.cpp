@@ -30,7 +30,7 @@ TauConfiguration configurationAt(const TauModel& model, const Pose& pose) {
 // M q'' = tau - dg/dq (q - q_op) - (J^T D J + c I) q'. Central differences of g with one extrapolation.
 StateSpace assembled(const TauModel& model, const Pose& pose) {
   const TauConfiguration home = configurationAt(model, pose);
-  const Mat6 J = jacobian(model, home), inverse = solve(massMatrix(model, home), Mat6::Identity());
+  const Mat6 J = jacobian(model, home), inverse = solve(MatrixXd(massMatrix(model, home)), Mat6::Identity());
   const auto slope = [&](double h) {
     Mat6 S;
     for (int i = 0; i < 6; ++i) {

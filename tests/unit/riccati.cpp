@@ -64,7 +64,8 @@ TEST_CASE("random equations: residual, symmetry, P >= 0, stability") {
         times(A.transpose(), PA) - times(N.transpose(), M.ldlt().solve(N)) + s.Q.cast<long double>() - P;
     // Rounding P by E leaves S^T E S - E with S = A - B K: n eps of these terms. 80 bits add their own 1e-16 or so.
     const MatrixXd S = (s.A - s.B * r.K).cwiseAbs();
-    const double scale = product(product(S.transpose(), r.P.cwiseAbs()), S).maxCoeff() + r.P.cwiseAbs().maxCoeff();
+    const double scale =
+        product(product(S.transpose(), MatrixXd(r.P.cwiseAbs())), S).maxCoeff() + r.P.cwiseAbs().maxCoeff();
     CHECK(static_cast<double>(residual.cwiseAbs().maxCoeff()) < 1e-14 * scale);
     CHECK(r.P == r.P.transpose());
     // Semidefinite but for rounding; the largest eigenvalue is not below any diagonal entry.
