@@ -1,7 +1,8 @@
 #!/bin/sh
 # Installs what is missing, builds, runs every test: optimised with assertions by GCC, with sanitizers by Clang, the
 # threads with theirs. GCC at -O3 and Clang at -O1 must give the same bits. `check.sh --long` runs the full counts
-# (millions of poses, soaks) and compares the bits of the Debug build too. The tests of one build run beside the next.
+# (millions of poses, soaks) and compares the bits of the Debug build too. The optimised tests run beside all that is
+# sanitized: many of them wait, for windows and for time.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh
@@ -33,7 +34,6 @@ build() { # preset and further options of the configuration, --, targets
 }
 
 finish() { # waits for the tests that are under way
-  [ -n "$running" ] || return 0
   wait "$running" || { running=; cat "$folder/tests"; say "$tests: failed"; exit 1; }
   running=
   sed -n '/tests passed/,$p' "$folder/tests"
@@ -41,11 +41,17 @@ finish() { # waits for the tests that are under way
 }
 
 start() { # name, arguments of ctest: runs beside what follows
-  finish
   tests=$1; shift
   say "$tests"
   ctest "$@" >"$folder/tests" 2>&1 &
   running=$!
+}
+
+run() { # name, arguments of ctest
+  say "$1"
+  name=$1; shift
+  ctest "$@" >"$folder/run" 2>&1 || { cat "$folder/run"; say "$name: failed"; exit 1; }
+  sed -n '/tests passed/,$p' "$folder/run"
 }
 
 build ci
@@ -57,10 +63,10 @@ else
   build asan -DENAMEL_TESTS=sanitized -- tests_unit tests_hard tests_chai3d
   sanitized=sanitized what="files, kinematics, meshes, contacts and threads (--long: everything)"
 fi
+run "asan: $what" --preset asan -j 2 -L "$sanitized"
 build tsan -- tests_unit test_bits
-start "asan: $what" --preset asan -j 2 -L "$sanitized"
+run "tsan: threads and their exchange of data" --preset tsan -L threads
 [ -z "${ENAMEL_LONG:-}" ] || build dev -- test_bits
-start "tsan: threads and their exchange of data" --preset tsan -L threads
 finish
 
 build/ci/tests/test_bits >"$folder/bits"

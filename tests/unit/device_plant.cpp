@@ -1,7 +1,6 @@
 #include "enamel/control/device_plant.hpp"
 
-#include <Eigen/LU>
-
+#include "control/dense.hpp"
 #include "enamel/control/discretise.hpp"
 #include "enamel/control/servo_design.hpp"
 #include "enamel/core/error.hpp"
@@ -31,7 +30,7 @@ TauConfiguration configurationAt(const TauModel& model, const Pose& pose) {
 // M q'' = tau - dg/dq (q - q_op) - (J^T D J + c I) q'. Central differences of g with one extrapolation.
 StateSpace assembled(const TauModel& model, const Pose& pose) {
   const TauConfiguration home = configurationAt(model, pose);
-  const Mat6 J = jacobian(model, home), inverse = massMatrix(model, home).inverse();
+  const Mat6 J = jacobian(model, home), inverse = solve(MatrixXd(massMatrix(model, home)), Mat6::Identity());
   const auto slope = [&](double h) {
     Mat6 S;
     for (int i = 0; i < 6; ++i) {

@@ -1,49 +1,27 @@
-// The viewer's experiment without a picture: hand, test push, commands, and the haptic thread. Run under the thread
-// sanitizer too (preset tsan).
+// The viewer's experiment without a picture: hand, test push and settings.
 #include "experiment.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
-#include <thread>
 
 #include "enamel/core/error.hpp"
 #include "enamel/render/surface_file.hpp"
 #include "enamel/study/metrics.hpp"
 #include "palette.hpp"
 #include "runner.hpp"
-#include "servo_gain.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
-#include "support/devices.hpp"
-#include "support/meshes.hpp"
+#include "support/experiments.hpp"
 #include "support/run_length.hpp"
 #include "torque_style.hpp"
 
 namespace enamel::viewer::test_experiment {
 
+using namespace fixture;
+
 namespace {
-
-const ServoedDevice& nominal() {
-  static const ServoedDevice device = loadServoedDevice(test::deviceFile("tau-nominal.toml"));
-  return device;
-}
-
-SceneFile shipped(const std::string& name) { return loadScene(ENAMEL_SOURCE_DIR "/data/scenes/" + name); }
-
-Hand handAt(const Vec3& position) {
-  Hand hand;
-  hand.target = hand.position = position;
-  return hand;
-}
-
-std::unique_ptr<Experiment> experiment(const SceneFile& scene, RendererSlot slot, const Settings& settings = {},
-                                       const ServoedDevice& device = nominal()) {
-  Pose start;
-  start.position = scene.start;
-  return std::make_unique<Experiment>(device, settings, scene, start, handAt(scene.start), slot);
-}
 
 void run(Experiment& e, int ticks) {
   for (int i = 0; i < ticks; ++i) e.tick();
@@ -591,138 +569,6 @@ TEST_CASE("the mechanical stops keep a free tool within reach, whatever the hand
   CHECK(farthest < 0.040);
 }
 
-TEST_CASE("the runner: pause, single ticks, slow motion, replacement", "[experiment]") {
-  Runner runner(experiment(shipped("flat-wall.toml"), RendererSlot::positionControl));
-  const auto periods = [&runner](int count) {
-    for (int i = 0; i < count; ++i) runner.period();
-    int samples = 0;
-    for (Sample sample; runner.nextSample(sample);) ++samples;
-    return samples;
-  };
-  CHECK(periods(100) == 100);
-  RunnerCommand command{RunnerCommand::Kind::slowdown};
-  command.number = 10;
-  runner.send(command);
-  CHECK(periods(100) == 10);
-  runner.send({RunnerCommand::Kind::pause});
-  CHECK(periods(100) == 0);
-  CHECK(runner.frame().paused);
-  command = {RunnerCommand::Kind::step};
-  command.number = 3;
-  runner.send(command);
-  CHECK(periods(100) == 3);
-  command = {RunnerCommand::Kind::slowdown};
-  command.number = 1000;
-  runner.send(command);
-  runner.send({RunnerCommand::Kind::resume});
-  CHECK(periods(3000) == 3);
-  CHECK(runner.frame().slowdown == 1000);
-  command.number = 1;
-  runner.send(command);
-  runner.replace(experiment(shipped("box.toml"), RendererSlot::impedance));
-  CHECK(periods(10) == 10);
-  runner.collect();
-  CHECK(runner.frame().selected == RendererSlot::impedance);
-  CHECK(runner.frame().record.tick == 9);
-  // A queue that nobody reads fills up and says so; a replacement that found no room is dropped, not leaked.
-  while (runner.send({RunnerCommand::Kind::pause})) continue;
-  runner.replace(experiment(shipped("box.toml"), RendererSlot::impedance));
-  // Samples that nobody reads are dropped and counted.
-  runner.period();
-  runner.send({RunnerCommand::Kind::resume});
-  for (int i = 0; i < 10000; ++i) runner.period();
-  CHECK(runner.frame().droppedSamples > 0);
-}
-
-TEST_CASE("the same commands on simulated time give the same bits", "[experiment]") {
-  std::vector<Vec6> runs[2];
-  for (auto& run : runs) {
-    Settings settings;
-    settings.noise = 0.5;
-    settings.delay = {0, 3};
-    Runner runner(experiment(shipped("corner.toml"), RendererSlot::impedance, settings));
-    RunnerCommand command{RunnerCommand::Kind::handTo};
-    command.target = {-0.02, 0.0, -0.02};
-    runner.send(command);
-    for (int i = 0; i < 1000; ++i) {
-      runner.period();
-      run.push_back(runner.frame().record.twist);
-    }
-  }
-  CHECK(runs[0] == runs[1]);
-}
-
-TEST_CASE("beside a haptic thread: random commands, no sample lost or out of order", "[experiment]") {
-  Runner runner(experiment(shipped("flat-wall.toml"), RendererSlot::positionControl));
-  test::Random random(602);
-  std::uint64_t samples = 0, frames = 0;
-  {
-    const PeriodicThread haptics(kPeriod, [&runner] { runner.period(); });
-    const int rounds = std::max(150, test::count(300, 30000));
-    for (int i = 0; i < rounds; ++i) {
-      RunnerCommand command{RunnerCommand::Kind::handTo};
-      switch (static_cast<int>(random.uniform(0.0, 6.0))) {
-        case 0: command.target = random.vector(0.03); break;
-        case 1:
-          command.kind = RunnerCommand::Kind::select;
-          command.number = i % 2;
-          break;
-        case 2: command.kind = i % 2 == 0 ? RunnerCommand::Kind::pause : RunnerCommand::Kind::resume; break;
-        case 3:
-          command.kind = RunnerCommand::Kind::slowdown;
-          command.number = i % 2 == 0 ? 1 : 5;
-          break;
-        case 4: command.kind = RunnerCommand::Kind::testPush; break;
-        default:
-          runner.replace(
-              experiment(shipped("box.toml"), i % 2 == 0 ? RendererSlot::impedance : RendererSlot::positionControl));
-          continue;
-      }
-      runner.send(command);
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      runner.collect();
-      const Frame& frame = runner.frame();
-      frames += frame.record.pose.position.allFinite();
-      CHECK(frame.plant == Status::ok);
-      for (Sample sample; runner.nextSample(sample);) {
-        ++samples;
-        REQUIRE(sample.torque.cwiseAbs().maxCoeff() <= 2.0);
-      }
-    }
-  }
-  CHECK(samples > 50);
-  CHECK(frames > 50);
-  CHECK(runner.frame().droppedSamples == 0);
-}
-
-namespace {
-
-// A block of enamel on dentine, and a ball that cuts it.
-SceneFile tooth() {
-  SceneFile file;
-  file.start = {0.0, 0.0, 2e-4};
-  file.tool.parts[0].a = file.tool.parts[0].b = {0.0, 0.0, 1e-3};
-  file.tool.parts[0].radius = 1e-3;
-  const auto solid = std::make_shared<Solid>(
-      MeshModel(test::boxMesh(Vec3(4e-3, 4e-3, 3e-3))),
-      std::vector<SolidLayer>{{"enamel", {}, 3.4e9, 0.0, nullptr}, {"dentine", {}, 0.6e9, 5e-4, nullptr}},
-      SolidOptions{2e-4});
-  Pose pose;
-  pose.position = {0.0, 0.0, -3e-3};
-  file.scene.add({"tooth", std::shared_ptr<const Solid>(solid), pose, Vec6::Zero(), {}});
-  file.solids = {solid};
-  file.bur = Bur{0, 1.0, 2000.0};
-  return file;
-}
-
-std::vector<BrickSamples> samplesOf(const Solid& solid) {
-  std::vector<BrickSamples> all;
-  for (int brick = 0; brick < solid.bricks(); ++brick) all.push_back(solid.samples(brick));
-  return all;
-}
-
-}  // namespace
-
 TEST_CASE("a bur drills while it spins, stroke by stroke, and what is undone is there again bit for bit",
           "[experiment]") {
   const SceneFile file = tooth();
@@ -792,58 +638,6 @@ TEST_CASE("a bur drills while it spins, stroke by stroke, and what is undone is 
   other->undo();
   run(*other, 10);
   CHECK_FALSE(other->frame().drilled.spins);
-}
-
-TEST_CASE("a thread that draws gets every brick that was cut, also over experiments and restores", "[experiment]") {
-  const SceneFile file = tooth();
-  const auto piece = std::make_shared<Workpiece>(file);
-  Pose start;
-  start.position = file.start;
-  const auto next = [&] {
-    return std::make_unique<Experiment>(nominal(), Settings{}, file, start, handAt(file.start), RendererSlot::impedance,
-                                        piece);
-  };
-  std::vector<BrickSamples> copy = samplesOf(*file.solids[0]);
-  std::uint64_t taken = 0;
-  BrickChange change;
-  Runner runner(next());
-  const auto take = [&] {
-    for (; piece->takeChange(0, change); ++taken) copy[static_cast<std::size_t>(change.brick)] = change.samples;
-  };
-  RemovedVolume before{};
-  {
-    const PeriodicThread haptics(kPeriod, [&runner] { runner.period(); });
-    for (int i = 0; i < 120; ++i) {
-      RunnerCommand command{RunnerCommand::Kind::handTo};
-      command.target = {1e-3 * std::sin(0.2 * i), 0.0, -6e-3};
-      if (i % 20 == 1) command = {RunnerCommand::Kind::spin}, command.number = i % 40 < 20;
-      if (i == 90) command = {RunnerCommand::Kind::undo};
-      if (i == 70) {
-        before = runner.frame().drilled.removed;
-        runner.replace(next());
-      } else {
-        runner.send(command);
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      runner.collect();
-      take();
-    }
-  }
-  CHECK(taken > 20);
-  CHECK(before[0] > 0.0);
-  for (int i = 0; i < 100; ++i) {  // the rest, without a tick
-    piece->publish();
-    take();
-  }
-  CHECK(copy == samplesOf(*file.solids[0]));
-  runner.send({RunnerCommand::Kind::restore});
-  runner.send({RunnerCommand::Kind::pause});
-  for (int i = 0; i < 100; ++i) {
-    runner.period();
-    take();
-  }
-  CHECK(runner.frame().drilled.removed == RemovedVolume{});
-  CHECK(copy == samplesOf(*file.solids[0]));
 }
 
 TEST_CASE(

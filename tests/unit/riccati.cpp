@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "control/dense.hpp"
 #include "enamel/control/margins.hpp"
 #include "support/catch.hpp"
 #include "support/control_systems.hpp"
@@ -56,11 +57,15 @@ TEST_CASE("random equations: residual, symmetry, P >= 0, stability") {
     const RiccatiSolution r = solve(s);
     using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
     const Long A = s.A.cast<long double>(), B = s.B.cast<long double>(), P = r.P.cast<long double>();
-    const Long N = B.transpose() * P * A, M = s.R.cast<long double>() + B.transpose() * P * B;
-    const Long residual = A.transpose() * P * A - N.transpose() * M.ldlt().solve(N) + s.Q.cast<long double>() - P;
+    const auto times = [](const Long& a, const Long& b) -> Long { return a.lazyProduct(b); };
+    const Long PA = times(P, A), N = times(B.transpose(), PA);
+    const Long M = s.R.cast<long double>() + times(B.transpose(), times(P, B));
+    const Long residual =
+        times(A.transpose(), PA) - times(N.transpose(), M.ldlt().solve(N)) + s.Q.cast<long double>() - P;
     // Rounding P by E leaves S^T E S - E with S = A - B K: n eps of these terms. 80 bits add their own 1e-16 or so.
     const MatrixXd S = (s.A - s.B * r.K).cwiseAbs();
-    const double scale = (S.transpose() * r.P.cwiseAbs() * S).maxCoeff() + r.P.cwiseAbs().maxCoeff();
+    const double scale =
+        product(product(S.transpose(), MatrixXd(r.P.cwiseAbs())), S).maxCoeff() + r.P.cwiseAbs().maxCoeff();
     CHECK(static_cast<double>(residual.cwiseAbs().maxCoeff()) < 1e-14 * scale);
     CHECK(r.P == r.P.transpose());
     // Semidefinite but for rounding; the largest eigenvalue is not below any diagonal entry.
