@@ -156,6 +156,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=2, help="of the build, and tests at a time")
     parser.add_argument("--output", type=Path, help="file of results (BUILD/mutants.tsv); what it has is not done again")
     parser.add_argument("--again", action="store_true", help="the survivors of the file once more")
+    parser.add_argument("--only", nargs="+", metavar="FILE:LINE", help="these lines alone, again, whatever their place")
     parser.add_argument("--longest", type=float, default=1200, help="leave tests out that take longer unchanged, s")
     options = parser.parse_args()
     output = options.output or options.build / "mutants.tsv"
@@ -169,7 +170,9 @@ def main():
     for source, number, before, after in candidates(options.seed):
         if len(verdicts) >= options.count:
             break
-        verdict = done.get((source, before, after))
+        if options.only and f"{source}:{number}" not in options.only:
+            continue
+        verdict = None if options.only else done.get((source, before, after))
         if verdict is None or options.again and verdict == "SURVIVED":
             path = ROOT / source
             text = path.read_text()

@@ -20,6 +20,8 @@
 namespace enamel::app {
 namespace {
 
+constexpr double kTouch = 2e-5;  // m: nearer is touched
+
 struct PushOptions {
   std::string device, scene, gain, output, record;
   std::vector<std::string> renderers = {kPositionControl};
@@ -116,6 +118,40 @@ RecordingHeader headerOf(const PushOptions& options, const PushSetup& setup) {
   return header;
 }
 
+// How a device leaves its workspace: how far and fast the tool went, when it was last on the obstacle that it was
+// pushed against, and what it met instead.
+class WayOut {
+ public:
+  explicit WayOut(const PushSetup& setup) : setup_(setup) { last_.pose = setup.start; }
+
+  void add(const TickRecord& tick) {
+    last_ = tick;
+    if (tick.nearest.obstacle < 0 || tick.nearest.gap > kTouch) return;
+    if (pushed_ < 0) pushed_ = tick.nearest.obstacle;
+    if (tick.nearest.obstacle == pushed_) touched_ = tick.time;
+  }
+
+  std::string text() const {
+    const auto nameOf = [this](int obstacle) {
+      return setup_.scene.obstacles()[static_cast<std::size_t>(obstacle)].name;
+    };
+    const Contact& nearest = last_.nearest;
+    std::string text =
+        fmt::format("{:.3g} mm from the start at {:.2g} m/s",
+                    1e3 * (last_.pose.position - setup_.start.position).norm(), last_.twist.head<3>().norm());
+    if (pushed_ >= 0 && touched_ < last_.time)
+      text += fmt::format(", off {} since {:.4g} s", nameOf(pushed_), touched_);
+    if (nearest.obstacle >= 0) text += fmt::format(", {:.2g} mm from {}", 1e3 * nearest.gap, nameOf(nearest.obstacle));
+    return text;
+  }
+
+ private:
+  const PushSetup& setup_;
+  TickRecord last_;
+  int pushed_ = -1;
+  double touched_ = 0.0;  // s
+};
+
 void run(const PushOptions& options) {
   // The damping that an option adds is the plant's: servos and plugins are designed on the device of the file.
   DeviceParameters parameters = loadDevice(options.device);
@@ -155,11 +191,13 @@ void run(const PushOptions& options) {
       if (!recording.empty()) nameRenderer(name, library ? library->path() : "", values, setup.scene, header);
       std::optional<Recorder> recorder;
       MetricsCollector collector(setup, limit, plant->limits().torque);
+      WayOut wayOut(setup);
       std::unique_ptr<Plant> own = makePlant
                                        ? makePlant(setup.run)
                                        : std::make_unique<ClosedFormPlant>(*plant, setup.integrator, setup.substeps);
       const auto perTick = [&](const TickRecord& tick, const VirtualLoop& loop) {
         collector.add(tick);
+        wayOut.add(tick);
         if (file) file->write(tick);
         if (recording.empty() || tick.status == Status::stale) return;  // nothing came, nothing was computed
         if (!recorder) recorder.emplace(recording, header, loop.hapticTick());
@@ -177,7 +215,8 @@ void run(const PushOptions& options) {
       const double end = static_cast<double>(result.ticks) * setup.period;
       const PushMetrics metrics = collector.metrics();
       if (result.status != Status::ok && result.status != Status::stopped)
-        throw Error(fmt::format("the device left its workspace at {} s: its pose is {}", end, toString(result.status)));
+        throw Error(fmt::format("the device left its workspace at {} s ({}): its pose is {}", end, wayOut.text(),
+                                toString(result.status)));
       outcomes.push_back({name, library == nullptr && (name == kHold || name == kImpedance), metrics});
       if (file) files.push_back(outputFor(options, options.output, name));
       if (result.status == Status::stopped)

@@ -394,8 +394,8 @@ py::list wallsOf(const Study& study) {
     wall["highest K_z1"] = value(w.highestFirst);
     wall["lowest K_zs"] = value(w.lowestSteady);
     wall["highest K_zs"] = value(w.highestSteady);
-    wall["lowest |C_zs|"] = w.lowestCompliance.value;
-    wall["highest |C_zs|"] = w.highestCompliance.value;
+    wall["lowest |C_zs|"] = value(w.lowestCompliance);
+    wall["highest |C_zs|"] = value(w.highestCompliance);
     wall["largest depth"] = w.largestDepth;
     wall["chatter"] = w.chatter;
     wall["bounce"] = w.bounce;

@@ -140,6 +140,54 @@ TEST_CASE("a sphere touches at every local minimum of the distance and nowhere e
   CHECK(several > (test::kSlowdown == 1 ? 20 : 0));
 }
 
+TEST_CASE("where two tips meet in a vertex, each has its own contact there", "[hard]") {
+  // A tip at the origin: rings along `way`, each so far on and so wide, and an end.
+  const auto tip = [](const Vec3& way, int corners, const std::vector<std::pair<double, double>>& rings) {
+    TriangleMesh mesh;
+    mesh.vertices.push_back(Vec3::Zero());
+    const Vec3 u = way.unitOrthogonal(), v = way.cross(u);
+    for (const auto& [far, wide] : rings)
+      for (int i = 0; i < corners; ++i) {
+        const double angle = 2.0 * M_PI * i / corners;
+        mesh.vertices.push_back(far * way + wide * (std::cos(angle) * u + std::sin(angle) * v));
+      }
+    mesh.vertices.push_back(1.2 * rings.back().first * way);
+    const int last = static_cast<int>(rings.size()) - 1, end = static_cast<int>(mesh.vertices.size()) - 1;
+    for (int i = 0; i < corners; ++i) {
+      const auto at = [&](int ring, int k) { return 1 + ring * corners + k % corners; };
+      mesh.triangles.push_back({0, at(0, i + 1), at(0, i)});
+      for (int ring = 0; ring < last; ++ring) {
+        mesh.triangles.push_back({at(ring, i), at(ring, i + 1), at(ring + 1, i)});
+        mesh.triangles.push_back({at(ring, i + 1), at(ring + 1, i + 1), at(ring + 1, i)});
+      }
+      mesh.triangles.push_back({end, at(last, i), at(last, i + 1)});
+    }
+    return mesh;
+  };
+  // The corner is nearest of the blunt one, while an edge of the other, a spike that leans over the place, is nearer.
+  const Vec3 place(-0.1, 0.0, 0.0);
+  const TriangleMesh blunt = tip(Vec3::UnitX(), 8, {{0.2, 0.4}, {0.5, 1.0}, {0.8, 1.6}}),
+                     spike = tip(Vec3(-0.8, 0.6, 0.0), 3, {{1.0, 0.05}});
+  const auto gaps = [&place](const TriangleMesh& mesh) {
+    CHECK(inspect(mesh).watertight);
+    Scene scene;
+    scene.add({"it", std::make_shared<const MeshModel>(mesh), Pose(), Vec6::Zero(), {}});
+    Pose pose;
+    pose.position = place;
+    ContactSnapshot contacts;
+    REQUIRE(findContacts(scene, Tool(), pose, 0.15, nullptr, contacts) == Status::ok);
+    std::vector<double> found;
+    for (int i = 0; i < contacts.count; ++i) found.push_back(contacts.contacts[i].gap);
+    return found;
+  };
+  const std::vector<double> ofBlunt = gaps(blunt), ofSpike = gaps(spike), ofBoth = gaps(test::joined(blunt, spike));
+  REQUIRE(ofBlunt == std::vector<double>{0.1});
+  REQUIRE(ofSpike.size() == 1);
+  REQUIRE(ofBoth.size() == 2);
+  CHECK(ofBoth[0] == ofSpike[0]);
+  CHECK(ofBoth[1] == ofBlunt[0]);
+}
+
 TEST_CASE("a tool of parts that meet has the same contacts with and without a cache", "[hard]") {
   int touching = 0, deep = 0, free = 0;
   for (const auto& [name, mesh, closed] : contactMeshes()) {

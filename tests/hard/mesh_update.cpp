@@ -119,6 +119,78 @@ TEST_CASE("moved, removed, replaced and added triangles answer as a fresh build"
   }
 }
 
+TEST_CASE("below an overhang that an edit makes is outside, whichever triangle is the first", "[hard]") {
+  // A flat lid, two rings about its middle, over a deep point. Of the inner ring one vertex goes down and back, so that
+  // the middle hangs over a pit. Only there the surface bends: elsewhere one normal tells the side.
+  TriangleMesh mesh;
+  mesh.vertices.push_back(Vec3::Zero());
+  const int corners = 5;
+  for (const double radius : {1.0, 2.0})
+    for (const double angle : {0.0, 100.0, 160.0, 200.0, 260.0})
+      mesh.vertices.push_back(radius * Vec3(std::cos(angle * M_PI / 180.0), std::sin(angle * M_PI / 180.0), 0.0));
+  mesh.vertices.push_back({0.0, 0.0, -10.0});
+  for (int i = 0; i < corners; ++i) {
+    const int a = 1 + i, b = 1 + (i + 1) % corners;
+    for (const std::array<int, 3>& t : {std::array<int, 3>{0, a, b},
+                                        {a, a + corners, b + corners},
+                                        {a, b + corners, b},
+                                        {b + corners, a + corners, 1 + 2 * corners}})
+      mesh.triangles.push_back(t);
+  }
+  REQUIRE(inspect(mesh).watertight);
+  const Vec3 p = 0.05 * Vec3(1.0, 0.0, -0.05).normalized();
+  for (std::size_t first = 0; first < mesh.triangles.size(); ++first) {
+    INFO("triangle " << first);
+    MeshModel model(mesh);
+    CHECK(signedDistance(model, p).distance < 0.0);
+    const int moved = 1;
+    const Vec3 to(-0.1, 0.0, -1.0);
+    REQUIRE(moveVertices(model, &moved, &to, 1) == Status::ok);
+    CHECK(test::windingNumber(model.mesh(), p) == Approx(0.0).margin(1e-9));
+    CHECK(signedDistance(model, p).distance == Approx(0.05).epsilon(1e-12));
+    std::rotate(mesh.triangles.begin(), mesh.triangles.begin() + 1, mesh.triangles.end());
+  }
+}
+
+TEST_CASE("what a cache holds ready does not outlive an edit", "[hard]") {
+  test::Random random(55);
+  MeshModel model(test::ball(4, 0.1));
+  ProximityCache cache;
+  for (int round = 0; round < 20; ++round) {
+    const Vec3 way = random.direction();
+    for (int i = 0; i < 300; ++i) {  // slowly: it works ahead
+      const Vec3 p = (1.3 + 1e-5 * i) * way;
+      const SurfacePoint found = closestPoint(model, p, &cache), plain = closestPoint(model, p);
+      REQUIRE(found.triangle == plain.triangle);
+      REQUIRE(found.point == plain.point);
+      if (i != 200) continue;
+      for (const int v : model.mesh().triangles[static_cast<std::size_t>(found.triangle)]) {
+        const Vec3 to = 0.7 * model.mesh().vertices[static_cast<std::size_t>(v)];
+        REQUIRE(moveVertices(model, &v, &to, 1) == Status::ok);
+      }
+    }
+  }
+}
+
+TEST_CASE("where triangles were removed, a cache finds the nearest of the others", "[hard]") {
+  test::Random random(54);
+  const TriangleMesh mesh = test::ball(3);
+  MeshModel model(mesh);
+  std::vector<int> front;
+  for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t)
+    if (mesh.vertices[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][0])].x() > 0.0)
+      front.push_back(t);
+  REQUIRE(removeTriangles(model, front.data(), static_cast<int>(front.size())) == Status::ok);
+  for (int i = 0; i < 200; ++i) {
+    ProximityCache cache;
+    (void)closestPoint(model, random.ofLength(1.5, 3.0), &cache);
+    const Vec3 p = random.ofLength(1.5, 3.0);
+    const SurfacePoint found = closestPoint(model, p, &cache), plain = closestPoint(model, p);
+    REQUIRE(found.triangle == plain.triangle);
+    REQUIRE(found.point == plain.point);
+  }
+}
+
 TEST_CASE("the sign of a moved closed mesh agrees with the winding number", "[hard]") {
   test::Random random(52);
   MeshModel model(test::ball(4, 0.1));

@@ -192,4 +192,24 @@ TEST_CASE("a limit hides what is farther and nothing else", "[hard]") {
   CHECK(statusOf(std::nan(""), 1.0) == Status::notFinite);
 }
 
+TEST_CASE("after a jump a tool that moves on has a list of near triangles soon", "[hard]") {
+  const MeshModel model(test::ball(5, 0.1));
+  test::Random random(16);
+  ProximityCache cache;
+  int jumps = 0, without = 0;
+  for (; jumps < 50; ++jumps) {
+    const Vec3 start = 1.3 * random.direction(), step = 1e-4 * random.direction();
+    for (int i = 0; i < 200; ++i) {
+      (void)closestPoint(model, start + i * step, &cache);
+      const kernel::Cache& known = *kernel::Inside::of(&cache);
+      const kernel::NearList& list = known.near.list[known.near.active];
+      double squared = 0.0;
+      for (int k = 0; k < 3; ++k) squared += std::pow(known.query[k] - list.origin[k], 2);
+      without += !(list.radius >= 0.0 && squared <= list.radius * list.radius);
+    }
+  }
+  std::printf("without a list: %.1f queries after a jump\n", static_cast<double>(without) / jumps);
+  CHECK(without < 100 * jumps);
+}
+
 }  // namespace enamel::test_proximity

@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <cstdio>
 
+#include "collision/mesh_data.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
 #include "support/run_length.hpp"
@@ -244,6 +245,31 @@ TEST_CASE("capsule sweeps stop at the surface and never pass it", "[hard]") {
               worstGrazed);
   CHECK(worst < 1e-9);
   CHECK(met > test::count(600, 100000) / 30);
+}
+
+TEST_CASE("an axis whose far ends hold its sweep up is there a few steps after the sixteenth", "[hard]") {
+  const MeshModel model(TriangleMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
+  test::Random random(36);
+  const double radius = 1e-3;
+  int held = 0;
+  double left = 0.0;  // of the path
+  for (int i = 0; i < 2000; ++i) {
+    // About a place close to the triangle, which sinks to it.
+    const double length = random.power(0.0, 2.0), share = random.uniform(0.0, 1.0);
+    const Vec3 place(random.uniform(0.0, 0.5), random.uniform(0.0, 0.5), radius + random.power(-3.0, -1.0));
+    const Vec3 first = random.direction(), last = (first + random.uniform(0.0, 0.5) * random.direction()).normalized();
+    const auto axis = [&](const Vec3& p, const Vec3& way) {
+      return Segment{p - share * length * way, p + (1.0 - share) * length * way};
+    };
+    const Segment from = axis(place, first), to = axis(place - Vec3(0.0, 0.0, random.uniform(0.0, 0.02)), last);
+    const auto within = [&](int steps) { return kernel::sweepCapsule(model, from, to, radius, steps); };
+    const SweepHit hit = within(kernel::kMostAdvances);
+    if (!hit.hit) continue;
+    held += hit.time - within(16).time > 1e-6;
+    left = std::max(left, hit.time - within(19).time);
+  }
+  CHECK(held > 20);
+  CHECK(left < 1e-6);  // 1.5e-8; a step less leaves 4e-5
 }
 
 TEST_CASE("a pick hits what the segment crosses first", "[hard]") {

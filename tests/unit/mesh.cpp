@@ -1,8 +1,10 @@
 // The mesh report counts what was put in.
 #include "enamel/collision/mesh.hpp"
 
+#include <algorithm>
 #include <limits>
 
+#include "collision/mesh_data.hpp"
 #include "enamel/collision/proximity.hpp"
 #include "enamel/core/error.hpp"
 #include "support/catch.hpp"
@@ -83,6 +85,21 @@ TEST_CASE("meshes that no query can use are refused with the place", "[unit]") {
   mesh.triangles[7][1] = 8;
   CHECK_THROWS_WITH(checkMesh(mesh), ContainsSubstring("triangle 7") && ContainsSubstring("vertex 8"));
   CHECK_THROWS_AS(checkMesh(TriangleMesh{}), Error);
+}
+
+TEST_CASE("a mesh has few nodes, and no memory for more", "[unit]") {
+  for (const auto& [name, mesh, closed] : test::soundMeshes()) {
+    INFO(name);
+    const MeshModel model(mesh);
+    const kernel::MeshData& data = kernel::Inside::of(model);
+    const auto isExact = [](const auto& vector) { return vector.capacity() == vector.size(); };
+    CHECK((isExact(data.nodes) && isExact(data.boxes) && isExact(data.nodeParent)));
+    CHECK((isExact(data.leaves) && isExact(data.leafParent) && isExact(data.triangles)));
+    // Each node but the first, and each leaf, takes one of a node's kWidth places. What has the least area fills them
+    // to more than half.
+    const std::size_t places = kernel::kWidth - 1, least = (data.leaves.size() - 1 + places - 1) / places;
+    CHECK(data.nodes.size() <= std::max<std::size_t>(1, 2 * least));
+  }
 }
 
 TEST_CASE("a model says what it is and how its sign is found", "[unit]") {

@@ -166,6 +166,12 @@ TEST_CASE("polygons become fans", "[unit]") {
   CHECK(mesh.triangles == std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 3}});
 }
 
+TEST_CASE("a text of as many bytes as a binary STL's head is a text", "[unit]") {
+  std::string text = "solid\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendsolid";
+  text.resize(84, '\n');
+  CHECK(parseMesh(text, "a.stl").triangles.size() == 1);
+}
+
 TEST_CASE("unusable files are refused with the file, the place and the reason", "[unit]") {
   checkRefused("", "a.ply", "empty");
   checkRefused("OFF 0 0 0\n", "a.off", "no faces");

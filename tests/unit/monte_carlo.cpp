@@ -230,6 +230,9 @@ TEST_CASE("where every run failed there are no figures, and extremes do not see 
     }
     CHECK(w.bounce == bounce);
     CHECK(w.lowestShare.has_value() == (w.scenario == 1));
+    REQUIRE(w.lowestCompliance.has_value());
+    CHECK(w.highestCompliance->value >= w.lowestCompliance->value);
+    if (w.column == 1) CHECK((w.lowestCompliance->point == 2 && w.highestCompliance->point == 2));
     if (w.lowestShare) CHECK(w.lowestShare->value == lowShare);
     CHECK(w.unresolved == unresolved);
     CHECK(w.lowestFirst.has_value() == (w.scenario == 1));
@@ -238,6 +241,11 @@ TEST_CASE("where every run failed there are no figures, and extremes do not see 
     CHECK(w.highestFirst->value == high);
     CHECK(w.failed == (w.column == 1 ? 9 : 0));
     if (w.column == 1) CHECK(w.lowestFirst->point == 2);
+  }
+  for (StudyResult& r : results) r.status = Status::singular;
+  for (const WallSummary& w : summarise(plan, pointStatistics(plan, results))) {
+    CHECK_FALSE((w.lowestFirst || w.lowestShare || w.lowestSteady || w.lowestCompliance || w.highestCompliance));
+    CHECK((std::isnan(w.lowestOverRms) && std::isnan(w.lowestOver95)));
   }
 }
 

@@ -349,6 +349,12 @@ TEST_CASE("push: what one renderer reached outlives the failure of another", "[p
   CHECK(lost.status == 1);
   CHECK_THAT(lost.output,
              ContainsSubstring("impedance: the device left its workspace at ") && ContainsSubstring("K_z1"));
+  // Off a tooth's slope, which a spring does not hold.
+  const auto slid = run(push("--renderer impedance --scene '" ENAMEL_SOURCE_DIR "/data/scenes/molar.toml'"));
+  CHECK(slid.status == 1);
+  CHECK_THAT(slid.output, ContainsSubstring(" mm from the start at ") &&
+                              ContainsSubstring(" m/s, off molar since 1.") &&
+                              ContainsSubstring(" mm from gum): its pose is unreachable"));
   const auto stopped = run(push("--renderer impedance,position-control --stiffness 40000"));
   CHECK(stopped.status == 1);
   CHECK_THAT(stopped.output, ContainsSubstring("impedance: stopped by the guard at ") &&

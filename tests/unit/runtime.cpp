@@ -138,4 +138,13 @@ TEST_CASE("periodic thread: one call a period, late deadlines skipped and counte
   CHECK(calls == after);
 }
 
+TEST_CASE("periodic thread: ended within a long period, it makes no call any more", "[runtime]") {
+  int calls = 0;
+  {
+    const PeriodicThread thread(3.0, [&calls] { ++calls; });
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // it sleeps by now
+  }
+  CHECK(calls == 0);
+}
+
 }  // namespace enamel::test_runtime

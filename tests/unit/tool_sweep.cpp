@@ -1,6 +1,7 @@
 // First touches of moving tools.
 #include "enamel/collision/tool_sweep.hpp"
 
+#include "enamel/collision/solid.hpp"
 #include "support/catch.hpp"
 #include "support/contacts.hpp"
 #include "support/meshes.hpp"
@@ -76,6 +77,27 @@ TEST_CASE("a swept tool stops at the first obstacle", "[unit]") {
   REQUIRE(turn.hit);
   CHECK(std::abs(turn.contact.point.z() + 0.01) < 1e-9);
   CHECK(turn.time < 1.0);
+}
+
+TEST_CASE("close along a solid, a swept tool takes 64 looks at most and then counts as touching", "[unit]") {
+  const Vec3 half(3e-3, 2e-3, 1.5e-3);
+  const std::vector<SolidLayer> layers = {{"enamel", {}, 3.4e9, 0.0, nullptr}};
+  Scene scene;
+  scene.add({"block",
+             std::make_shared<const Solid>(MeshModel(test::boxMesh(half)), layers, SolidOptions{1e-4}),
+             Pose(),
+             Vec6::Zero(),
+             {}});
+  const double radius = 0.2e-3, path = 2e-3;
+  for (const double gap : {1e-6, 1e-5, 4e-5}) {
+    INFO("gap " << gap);
+    const Pose from = at({-1e-3, 1e-4, half.z() + radius + gap}), to = at(from.position + path * Vec3::UnitX());
+    const ToolSweep sweep = sweepTool(scene, sphereTool(radius), from, to, nullptr);
+    REQUIRE(sweep.status == Status::ok);
+    // Each look frees as much of the path as there is room; the last one decides.
+    REQUIRE(sweep.hit == (63.0 * gap < path));
+    if (sweep.hit) CHECK(sweep.time == Approx(63.0 * gap / path).epsilon(1e-6));
+  }
 }
 
 }  // namespace enamel::test_tool_sweep

@@ -72,6 +72,35 @@ TEST_CASE("trials are the same on any number of threads, and filtered ones the s
   CHECK(runWallTrials(setup, "wish", 1).empty());
 }
 
+TEST_CASE("a trial takes its time, and no more", "[wall_trials]") {
+  class Counting final : public Renderer {
+   public:
+    explicit Counting(int& count) : count_(count), wall_(ImpedanceOptions{}) {}
+
+   private:
+    void prepare(double period) override { wall_.activate(period); }
+    Status render(const TickInput& input, TickOutput& output) noexcept override {
+      ++count_;
+      return wall_.step(input, output);
+    }
+    void resetState() noexcept override { wall_.reset(); }
+    StateBlock stateBlock() noexcept override { return {nullptr, 0}; }
+
+    int& count_;
+    ImpedanceRenderer wall_;
+  };
+  int ticks = 0;
+  WallTrialSetup setup = setupFor("tau-nominal.toml", 0);
+  setup.runs = 1;
+  setup.renderer = [&ticks] { return std::make_unique<Counting>(ticks); };
+  for (const auto& [trial, duration] : {std::pair{"step", 1250}, {"ramp", 800}}) {
+    INFO(trial);
+    ticks = 0;
+    for (const WallFigure& f : runWallTrials(setup, trial, 1)) CHECK(f.lost == 0);
+    CHECK(ticks == duration);
+  }
+}
+
 TEST_CASE("in a corner a spring goes as deep as its stiffness says, a servo does not", "[wall_trials]") {
   WallTrialSetup setup = setupFor("tau-nominal.toml", 0);
   const auto servo = runWallTrials(setup, "corner", 2);

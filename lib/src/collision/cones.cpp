@@ -53,7 +53,8 @@ bool findDirections(const MeshData& data, int place, std::vector<Vec3>& directio
   return true;
 }
 
-// Whether one walk round a corner meets all triangles there.
+// Whether one walk round a corner meets all triangles there. Of several surfaces that meet in it, each has contacts of
+// its own, also where another one comes nearer: no cone knows them.
 bool isOneFan(const MeshData& data, int place) {
   const std::int32_t first = data.firstCorner[place];
   int count = 0, met = 0;

@@ -40,15 +40,16 @@ struct SolidQuery {
   double parameterAt(const Vec3& p) const { return std::clamp((p - a).dot(span) * perLength, 0.0, 1.0); }
   Vec3 axisAt(double t) const { return a + t * span; }
 
+  // The samples at the corners of a cell, x fastest, from the first of them.
+  static constexpr int kBack = kBrickSamples, kUp = kBrickSamples * kBrickSamples;
+  static constexpr int kCorners[8] = {0, 1, kBack, kBack + 1, kUp, kUp + 1, kUp + kBack, kUp + kBack + 1};
+
   // Trilinear interpolation in a cell and its gradient.
   struct Patch {
-    double c[8];  // x fastest
+    double c[8];
 
     explicit Patch(const float* s) {
-      const int up = kBrickSamples * kBrickSamples;
-      const float corners[8] = {s[0],  s[1],      s[kBrickSamples],      s[kBrickSamples + 1],
-                                s[up], s[up + 1], s[up + kBrickSamples], s[up + kBrickSamples + 1]};
-      std::copy(corners, corners + 8, c);
+      for (int i = 0; i < 8; ++i) c[i] = static_cast<double>(s[kCorners[i]]);
     }
 
     double at(const Vec3& u, Vec3& gradient) const {
@@ -247,9 +248,9 @@ struct SolidQuery {
   }
 
   static Plane planeOf(const float* s, const Vec3& q) {
-    constexpr int j = kBrickSamples, k = kBrickSamples * kBrickSamples;
+    const auto& [s0, s1, s2, s3, s4, s5, s6, s7] = kCorners;
     const Eigen::Vector3f f = q.cast<float>();
-    return {s[0], s[1], s[j], s[j + 1], s[k], s[k + 1], s[k + j], s[k + j + 1], f.x(), f.y(), f.z()};
+    return {s[s0], s[s1], s[s2], s[s3], s[s4], s[s5], s[s6], s[s7], f.x(), f.y(), f.z()};
   }
 
   struct Nearest {
@@ -314,12 +315,10 @@ struct SolidQuery {
     float least[kMostSeen];                                              // nothing of the patch is nearer
 
     void add(const float* s, const Vec3& corner, const Vec3& q) {
-      constexpr int j = kBrickSamples, k = kBrickSamples * kBrickSamples;
-      constexpr int at[8] = {0, 1, j, j + 1, k, k + 1, k + j, k + j + 1};
       samples[count] = s;
       low[count] = corner.cast<float>();
       for (int i = 0; i < 3; ++i) toCentre[i][count] = static_cast<float>(q[i]);
-      for (int i = 0; i < 8; ++i) corners[i][count] = s[at[i]];
+      for (int i = 0; i < 8; ++i) corners[i][count] = s[kCorners[i]];
       ++count;
     }
 

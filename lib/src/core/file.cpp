@@ -98,12 +98,12 @@ FileWriter::FileWriter(const std::string& path) : path_(path), target_(path), fi
   } else if (exists && !S_ISREG(there.st_mode)) {
     file_.reset(std::fopen(path.c_str(), "wb"));
   } else {
+    if (!exists && errno != ENOENT) fail();
     static std::atomic<unsigned> count{0};
     std::error_code ignored;
     if (exists && access(path.c_str(), W_OK) != 0) fail();
     if (exists) target_ = std::filesystem::canonical(path, ignored).string();
-    constexpr int kMostLinks = 40;  // to a file that is not there yet
-    for (int links = 0; !exists && links < kMostLinks && std::filesystem::is_symlink(target_, ignored); ++links) {
+    while (!exists && std::filesystem::is_symlink(target_, ignored)) {  // to a file that is not there yet
       const std::filesystem::path link(target_);
       target_ = (link.parent_path() / std::filesystem::read_symlink(link, ignored)).string();
     }

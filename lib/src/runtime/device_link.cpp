@@ -22,8 +22,10 @@ std::uint32_t checksum(const unsigned char* bytes, std::size_t size) noexcept {
   return crc32({reinterpret_cast<const char*>(bytes), size});
 }
 
-void put(unsigned char* at, std::uint64_t value, int bytes) noexcept {
-  for (int i = 0; i < bytes; ++i) at[i] = static_cast<unsigned char>(value >> (8 * i));
+// The bytes of a number, the lowest first.
+template <typename Number>
+void put(unsigned char* at, Number value) noexcept {
+  for (std::size_t i = 0; i < sizeof value; ++i) at[i] = static_cast<unsigned char>(value >> (8 * i));
 }
 
 std::uint64_t get(const unsigned char* at, int bytes) noexcept {
@@ -35,7 +37,7 @@ std::uint64_t get(const unsigned char* at, int bytes) noexcept {
 void putNumber(unsigned char* at, double value) noexcept {
   std::uint64_t bits = 0;
   std::memcpy(&bits, &value, 8);
-  put(at, bits, 8);
+  put(at, bits);
 }
 
 double getNumber(const unsigned char* at) noexcept {
@@ -66,24 +68,24 @@ struct Head {
 };
 
 void putHead(const Head& h, Datagram& d) noexcept {
-  put(&d[0], kLinkMagic, 4);
-  put(&d[4], kLinkVersion, 1);
-  put(&d[5], h.kind, 1);
-  put(&d[6], h.joints, 1);
-  put(&d[7], h.flags, 1);
-  put(&d[8], h.client, 8);
-  put(&d[16], h.server, 8);
-  put(&d[24], h.sequence, 8);
-  put(&d[32], static_cast<std::uint64_t>(h.stamp), 8);
-  put(&d[40], h.echo, 8);
-  put(&d[48], static_cast<std::uint64_t>(h.echoStamp), 8);
+  put(&d[0], kLinkMagic);
+  d[4] = kLinkVersion;
+  d[5] = static_cast<unsigned char>(h.kind);
+  d[6] = static_cast<unsigned char>(h.joints);
+  d[7] = static_cast<unsigned char>(h.flags);
+  put(&d[8], h.client);
+  put(&d[16], h.server);
+  put(&d[24], h.sequence);
+  put(&d[32], h.stamp);
+  put(&d[40], h.echo);
+  put(&d[48], h.echoStamp);
 }
 
 // Tag and checksum.
 std::size_t seal(const LinkOptions& options, std::size_t size, Datagram& d) noexcept {
   const std::string_view body(reinterpret_cast<const char*>(d.data()), size - kTail);
-  put(&d[size - kTail], options.key ? sipHash(*options.key, body) : 0, 8);
-  put(&d[size - 4], checksum(d.data(), size - 4), 4);
+  put(&d[size - kTail], options.key ? sipHash(*options.key, body) : 0);
+  put(&d[size - 4], checksum(d.data(), size - 4));
   return size;
 }
 

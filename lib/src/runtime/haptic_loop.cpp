@@ -136,7 +136,7 @@ HapticLoop::HapticLoop(HapticDevice& device, HapticTick& haptics, const HapticLo
 HapticLoop::~HapticLoop() {
   while (!stopped()) {  // within a bounded number of periods, whatever the device does
     stop();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(std::chrono::duration<double>(body_.period()));
   }
 }
 

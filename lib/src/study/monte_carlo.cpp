@@ -191,7 +191,7 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
     WallSummary w;
     w.scenario = points[first].scenario;
     w.column = points[first].column;
-    std::optional<Extreme> lowestCompliance, highestCompliance, overRms, over95;
+    std::optional<Extreme> overRms, over95;
     std::vector<double> steady;
     for (std::size_t i = first; i < first + plan.points(); ++i) {
       const PointStatistics& p = points[i];
@@ -205,8 +205,8 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
       } else {
         ++w.unresolved;
       }
-      lower(lowestCompliance, std::abs(p.of(&PushMetrics::steadyCompliance).mean), p.point);
-      higher(highestCompliance, std::abs(p.of(&PushMetrics::steadyCompliance).mean), p.point);
+      lower(w.lowestCompliance, std::abs(p.of(&PushMetrics::steadyCompliance).mean), p.point);
+      higher(w.highestCompliance, std::abs(p.of(&PushMetrics::steadyCompliance).mean), p.point);
       lower(overRms, p.forceOverRms.mean, p.point);
       lower(over95, p.forceOver95.mean, p.point);
       w.largestDepth = larger(w.largestDepth, p.largestDepth);
@@ -220,10 +220,8 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
       w.faults += p.faults;
       for (int v = 0; v < kVerdicts; ++v) w.verdicts[v] += p.verdicts[v];
     }
-    w.lowestCompliance = lowestCompliance.value_or(Extreme{kNone, 0});
-    w.highestCompliance = highestCompliance.value_or(Extreme{kNone, 0});
-    w.lowestOverRms = overRms.value_or(Extreme{kNone, 0}).value;
-    w.lowestOver95 = over95.value_or(Extreme{kNone, 0}).value;
+    w.lowestOverRms = overRms ? overRms->value : kNone;
+    w.lowestOver95 = over95 ? over95->value : kNone;
     w.steady = spreadOf(steady);
     summaries.push_back(w);
   }

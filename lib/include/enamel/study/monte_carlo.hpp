@@ -130,7 +130,7 @@ struct WallSummary {
   std::optional<Extreme> lowestFirst, highestFirst;                   ///< K_z1, N/m
   std::optional<Extreme> lowestShare;                                 ///< K_z1 over what physics allows
   std::optional<Extreme> lowestSteady, highestSteady;                 ///< K_zs, N/m, of the points that are resolved
-  Extreme lowestCompliance, highestCompliance;                        ///< |mean C_zs|, m/N
+  std::optional<Extreme> lowestCompliance, highestCompliance;         ///< |mean C_zs|, m/N
   Spread steady;                                                      ///< K_zs over the resolved points
   int unresolved = 0;                                                 ///< points without K_zs
   double lowestOverRms = 0.0, lowestOver95 = 0.0;                     ///< F_c / rms and F_c / 95th percentile, N/m
