@@ -210,6 +210,8 @@ TEST_CASE("unusable files are refused with the file, the place and the reason", 
     counts.replace(counts.find("vertex 8"), 8, "vertex 4000000000");
     checkRefused(counts, "a.ply", "promises 4000000000 vertex");
   }
+  checkRefused("ply\nformat #1 1.0\nend_header\n0\n", "a.ply",
+               "format is \"#1\"");  // PLY's remarks are lines of their own
   CHECK_THROWS_WITH(loadMesh("/nonexistent/mesh.ply"),
                     ContainsSubstring("/nonexistent/mesh.ply") && ContainsSubstring("cannot open"));
   CHECK_THROWS_AS(parseMesh(off(mesh), "a.off", 0.0), ConfigurationError);
