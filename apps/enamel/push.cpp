@@ -215,7 +215,7 @@ void run(const PushOptions& options) {
       const double end = static_cast<double>(result.ticks) * setup.period;
       const PushMetrics metrics = collector.metrics();
       if (result.status != Status::ok && result.status != Status::stopped)
-        throw Error(fmt::format("the device left its workspace at {} s ({}): its pose is {}", end, wayOut.text(),
+        throw Error(fmt::format("the device left its workspace at {:.6g} s ({}): its pose is {}", end, wayOut.text(),
                                 toString(result.status)));
       outcomes.push_back({name, library == nullptr && (name == kHold || name == kImpedance), metrics});
       if (file) files.push_back(outputFor(options, options.output, name));
