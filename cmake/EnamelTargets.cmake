@@ -7,11 +7,13 @@ target_compile_options(enamel_compile_options INTERFACE
   -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wconversion
   -Wno-sign-conversion $<$<BOOL:${ENAMEL_WARNINGS_AS_ERRORS}>:-Werror>)
 if(ENAMEL_SANITIZE)
-  target_compile_options(enamel_compile_options INTERFACE
-    -fsanitize=${ENAMEL_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
-    # Checks of every pointer that double the time of compiling Eigen's templates: an access by a bad one is caught by
-    # its address.
-    -fno-sanitize=null,alignment,object-size,pointer-overflow,vptr)
+  # Checks of every pointer double the time of compiling Eigen's templates: an access by a bad one is caught by its
+  # address. A target with the property ENAMEL_PLAIN is not instrumented: it cannot say so by an option of its own, these
+  # come after it.
+  string(REPLACE "," "$<COMMA>" sanitizers "${ENAMEL_SANITIZE}")
+  string(REPLACE "," "$<COMMA>" unchecked "null,alignment,object-size,pointer-overflow,vptr")
+  target_compile_options(enamel_compile_options INTERFACE -fno-omit-frame-pointer
+    "$<$<NOT:$<BOOL:$<TARGET_PROPERTY:ENAMEL_PLAIN>>>:-fsanitize=${sanitizers};-fno-sanitize-recover=all;-fno-sanitize=${unchecked}>")
   target_link_options(enamel_compile_options INTERFACE -fsanitize=${ENAMEL_SANITIZE})
 endif()
 
