@@ -53,8 +53,8 @@ TEST_CASE("friction sticks below its limit and slides at it, against the motion"
   CHECK(pulled(0.0).norm() == 0.0);
 }
 
-// 1 N as 0.1 and 1.9 N in turn, a position in counts of 4 um and the rate that is its difference: a mass under 0.1 N stays,
-// under 0.3 N it goes.
+// 1 N as 0.1 and 1.9 N in turn, a position in counts of 4 um and the rate that is its difference: a mass under 0.1 N
+// stays, under 0.3 N it goes.
 TEST_CASE("friction holds by the mean of a force that flickers", "[friction]") {
   const double mass = 0.25, count = 4e-6;
   const Grasp grasp = graspOf(mass);
@@ -76,6 +76,42 @@ TEST_CASE("friction holds by the mean of a force that flickers", "[friction]") {
     }
     INFO(hand << " N: " << 1e6 * x << " um");
     CHECK((hand < 0.2 ? std::abs(x) < 20e-6 : x > 1e-3));
+  }
+}
+
+// A light tool that hops: 3 N one tick in three. While it is down it is held by what presses it down, but on the whole
+// by no more than Coulomb's share of it.
+TEST_CASE("friction outlasts hops, and is never more than its share", "[friction]") {
+  for (const bool dragged : {false, true}) {
+    FrictionMemory memory;
+    double held = 0.0, pressed = 0.0, last = 0.0;
+    for (int i = 0; i < 301; ++i) {
+      const double normal = i % 3 == 0 ? 3.0 : 0.0, way = dragged ? 1e-3 : i == 1 ? 20e-6 : 0.0;
+      memory.begin();
+      last = memory.force(rough(0.2, 0.2), {{way, 0, 0}, Vec3::Zero(), Vec3::Zero()}, kGrasp, normal).norm();
+      memory.end();
+      held += last;
+      pressed += normal;
+      REQUIRE(held <= 0.2 * pressed + 1e-9);
+    }
+    INFO(held << " of " << 0.2 * pressed);
+    CHECK(last == Approx(dragged ? 0.6 : 0.4));  // 20 um of a grip of 20 N/mm, more than the mean force would hold
+    if (dragged) CHECK(held > 0.95 * 0.2 * pressed);
+  }
+  // What is lent in weak ticks comes off the strong ones.
+  test::Random random(12);
+  for (int path = 0; path < test::count(1000, 10000); ++path) {
+    FrictionMemory memory;
+    double held = 0.0, pressed = 0.0;
+    for (int i = 0; i < 100; ++i) {
+      const double normal = std::max(0.0, random.uniform(-3.0, 3.0));
+      const Vec3 way = 1e-4 * Vec3(random.uniform(-1.0, 1.5), random.uniform(-1.0, 1.0), 0.0);
+      memory.begin();
+      held += memory.force(rough(0.5, 0.4), {way, Vec3::Zero(), way / kPeriod}, kGrasp, normal).norm();
+      memory.end();
+      pressed += normal;
+      REQUIRE(held <= 0.5 * pressed + 1e-9);
+    }
   }
 }
 

@@ -436,4 +436,23 @@ TEST_CASE("push: errors are one line and the status is not 0", "[push_command]")
   CHECK_THAT(run("push --device none.toml").output, ContainsSubstring("enamel: none.toml"));
 }
 
+// Commands that come at random and coarse encoders make the tool hop by 0.1 mm: it must not walk off with the hops.
+TEST_CASE("a tool that hops stays on the tooth", "[push_command]") {
+  const std::string molar = " --scene '" ENAMEL_SOURCE_DIR "/data/scenes/molar.toml' --encoders --preload 1";
+  const std::string delta = "push --device '" + test::deviceFile("delta.toml") +
+                            "' --force 5 --gain '" ENAMEL_SOURCE_DIR "/data/servos/delta-1.json' --delay constant:1" +
+                            molar;
+  for (const std::string& command : {push("--force 3 --delay random:0..3" + molar), delta})
+    for (const char* seed : {"1", "2", "3"}) {
+      const auto result = run(command + " --seed " + seed);
+      INFO(result.output);
+      REQUIRE(result.status == 0);
+      const std::string name = "drift, across the normal [mm]";
+      const std::size_t at = result.output.find(name);
+      REQUIRE(at != std::string::npos);
+      // 0.1 to 0.5 mm; with a grip that forgets in every hop 31 to 47.
+      CHECK(std::stod(result.output.substr(at + name.size())) < 1.0);
+    }
+}
+
 }  // namespace enamel::test_push_command

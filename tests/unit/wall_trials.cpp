@@ -113,8 +113,8 @@ TEST_CASE("in a corner a spring goes as deep as its stiffness says, a servo does
   for (const WallFigure& f : servo) CHECK(f.lost == 0);
 }
 
-// The bar: 0.2 mm. Before the age of a jump was asked for beyond 1.5 ticks, one impact in a hundred was thrown back by up
-// to 1 mm with 3 ticks of delay.
+// The bar: 0.2 mm. Before the age of a jump was asked for beyond 1.5 ticks, one impact in a hundred was thrown back by
+// up to 1 mm with 3 ticks of delay.
 TEST_CASE("no impact is thrown back", "[wall_trials]") {
   for (const int delay : {0, 3}) {
     WallTrialSetup setup = setupFor("tau-nominal.toml", delay);

@@ -45,19 +45,22 @@ Vec3 FrictionMemory::force(const Contact& contact, const Slide& slide, const Gra
   if (before == nullptr && !(normalForce > 0.0)) return Vec3::Zero();
   const Vec3& n = contact.normal;
   Vec3 stretch = Vec3::Zero();
-  double load = normalForce;
+  double load = normalForce, budget = normalForce;
   bool slides = false;
   if (before != nullptr) {
     stretch = along(n, vector(before->stretch) + slide.way);
     load = before->load + kLoadFollows * (normalForce - before->load);
+    budget += std::min(before->budget, load / kLoadFollows);
     slides = before->slides != 0.0;
     before->obstacle = -1.0;
   }
 
-  // The spring says whether it slides; the damper, which feels every count of an encoder, does not.
   const Vec3 lead = along(n, slide.ahead), velocity = along(n, slide.velocity);
-  slides = grasp.stiffness * (stretch + lead).norm() > (slides ? material.sliding : material.friction) * load;
-  const double most = (slides ? material.sliding : material.friction) * load;
+  // What the mean lends in a weak tick was saved in strong ones. A tool that hops keeps its grip until it comes down.
+  const double holds = normalForce > 0.0 ? std::min(std::max(load, normalForce), budget) : budget;
+  // The spring says whether it slides; the damper, which feels every count of an encoder, does not.
+  slides = grasp.stiffness * (stretch + lead).norm() > (slides ? material.sliding : material.friction) * holds;
+  const double most = (slides ? material.sliding : material.friction) * holds;
   if (slides) stretch = shortened(stretch + lead, most / grasp.stiffness) - lead;
   const Vec3 force = shortened(-grasp.stiffness * (stretch + lead) - grasp.damping * velocity, most);
 
@@ -68,6 +71,7 @@ Vec3 FrictionMemory::force(const Contact& contact, const Slide& slide, const Gra
            {contact.point.x(), contact.point.y(), contact.point.z()},
            {stretch.x(), stretch.y(), stretch.z()},
            load,
+           normalForce > 0.0 ? std::max(0.0, budget - force.norm() / material.friction) : budget,
            slides ? 1.0 : 0.0};
   count_ += 1.0;
   if (!(normalForce > 0.0)) return Vec3::Zero();

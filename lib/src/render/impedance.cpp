@@ -47,13 +47,16 @@ Status ImpedanceRenderer::render(const TickInput& input, TickOutput& output) noe
   output.mode = RenderMode::free;
   for (int i = 0; i < input.contacts.count; ++i) {
     const Contact& contact = input.contacts.contacts[i];
-    if (!(contact.gap < 0.0)) continue;
     const Vec3 arm = contact.point - k.pose.position, velocity = contactVelocity(k, contact);
+    const Slide slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, Vec3::Zero(), velocity};
+    const Grasp grasp{options_.stiffness, options_.damping};
+    if (!(contact.gap < 0.0)) {
+      (void)state_.friction.force(contact, slide, grasp, 0.0);  // it may touch again at once
+      continue;
+    }
     const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // 1/0 = infinite: no force
     const double force = std::max(0.0, -contact.gap / compliance - options_.damping * contact.normal.dot(velocity));
-    const Slide slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, Vec3::Zero(), velocity};
-    const Vec3 both =
-        force * contact.normal + state_.friction.force(contact, slide, {options_.stiffness, options_.damping}, force);
+    const Vec3 both = force * contact.normal + state_.friction.force(contact, slide, grasp, force);
     wrench.head<3>() += both;
     wrench.tail<3>() += arm.cross(both);
     if (output.mode == RenderMode::free) output.normalForce = force;  // of the deepest

@@ -459,9 +459,12 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& inp
   ContactProblem& problem = pushing.problem;
   state_.friction.begin();
   bool any = false;
-  for (int m = 0; m < problem.contacts; ++m) {
-    const Contact& contact = input.contacts.contacts[pushing.contact[m]];
-    const double normalForce = pushing.solution.force[m];
+  int solved = 0;
+  for (int index = 0; index < input.contacts.count; ++index) {
+    const Contact& contact = input.contacts.contacts[index];
+    // One that is not near carries nothing, but may do so again at once: a light tool hops.
+    const bool near = solved < problem.contacts && pushing.contact[solved] == index;
+    const double normalForce = near ? pushing.solution.force[solved++] : 0.0;
     if (!(contact.material.friction > 0.0)) continue;
     any = any || normalForce > 0.0;
     // The largest inverse inertia along the surface.

@@ -4,8 +4,10 @@
 // tool's material has gone over the obstacle's since it took hold (Hayward and Armstrong 2000: elasto-plastic). |f| is
 // at most mu_s times the load; where k |e| would exceed that, the contact slides: |f| is at most mu_k times the load,
 // and e is kept at what the spring can carry, so that no energy is stored beyond (mu load)^2 / (2 k). The load is the
-// normal force's mean of some ten ticks: counts of encoders make a light push flicker between nothing and twice its
-// force, and a grip that went by single ticks would creep with them. A contact that is no longer near forgets its e.
+// normal force or, where that is larger, its mean of some ten ticks: counts of encoders make a light push flicker
+// between nothing and twice its force, and a light tool hop; a grip that went by single ticks would creep with them.
+// Over any time the sum of |f| is at most mu_s times that of the normal forces. Off the surface e is kept for as long
+// as those it last had would hold it, some ten ticks; a contact that is not near any more is forgotten.
 #pragma once
 
 #include <array>
@@ -25,6 +27,7 @@ struct FrictionPoint {
   std::array<double, 3> point{};        ///< where it was at the last tick, W, m
   std::array<double, 3> stretch{};      ///< e, W, m
   double load = 0.0;                    ///< the mean normal force that holds it, N
+  double budget = 0.0;                  ///< what normal forces have not been used for yet, N times ticks
   double slides = 0.0;                  ///< 0 or 1
 };
 
