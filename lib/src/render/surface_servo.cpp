@@ -46,6 +46,9 @@ constexpr double kModelError = 0.3;
 // command that grows, else looks like a wrong scale (s at its lower end within 10 ticks, and a tool that hammers).
 constexpr double kFirstWeight = 30.0, kForgotten = 1e-3, kLearnAfter = 8.0, kLargestInnovation = 3.0,
                  kLargestSlope = 1.0, kMeanFollows = 0.3;
+// A tool at rest flickers by a count or two, which the servo answers, and nothing else moves: a correlation that tells
+// of no inertia. A joint teaches in the ticks after its reading left a band of twice these counts.
+constexpr double kRestBand = 1.25, kTeachingTicks = 5.0;
 
 void requireWithin(double value, double low, double high, const char* name, const char* unit) {
   require(value >= low && value <= high, std::string("surface servo: ") + name + " is " + formatNumber(value) +
@@ -259,7 +262,8 @@ void SurfaceServoRenderer::start(const TickInput& input) noexcept {
   fresh.jumps = state_.jumps;
   fresh.started = 1.0;
   for (int i = 0; i < joints_; ++i) {
-    fresh.q[i] = fresh.lastAngles[i] = k.q[i];
+    fresh.q[i] = fresh.lastAngles[i] = fresh.rest[i] = k.q[i];
+    fresh.sinceMoved[i] = kTeachingTicks;
     fresh.rate[i] = k.rates[i] * options_.period;
     for (Row& command : fresh.commands) command[i] = k.gravity[i];
   }
@@ -361,7 +365,11 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     s.meanInnovation[i] += kMeanFollows * quickError;
     s.meanByScale[i] += kMeanFollows * quickSlope;
     const double weight = std::min(1.0, kLargestSlope * count / std::abs(quickSlope));
-    const double slope = weight * quickSlope / count;
+    const double reading = input.kinematics.q[i], band = kRestBand * count;
+    const double rest = std::clamp(s.rest[i], reading - band, reading + band);
+    s.sinceMoved[i] = rest != s.rest[i] ? 0.0 : std::min(s.sinceMoved[i] + 1.0, kTeachingTicks);
+    s.rest[i] = rest;
+    const double slope = s.sinceMoved[i] < kTeachingTicks ? weight * quickSlope / count : 0.0;
     slopeTimesError += slope * std::clamp(weight * quickError / count, -kLargestInnovation, kLargestInnovation);
     slopes += slope * slope;
     s.q[i] += gain[0] * e;

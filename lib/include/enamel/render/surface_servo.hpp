@@ -16,7 +16,8 @@
 //     be none, the gains are lower and the tool is stopped, not sent back. Jumps that follow each other within some 0.1
 //     s must be larger and larger.
 //  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983) from what changes
-//     quickly, within kLowestScale to kHighestScale, while a contact carries force and no jump is under way.
+//     quickly, within kLowestScale to kHighestScale, while a contact carries force, no jump is under way and the encoders
+//     show more than the flicker of a tool at rest.
 //  4. Prediction through the delay, under the commands that are under way; where the delay is random, each by its
 //     likelihood, and what is yet to be commanded is taken to balance the push.
 //  5. Law. Every contact is asked for the gap acceleration  w_k = min(-k1 g_k - k2 g_k', v_out - g_k'),  k1 = (1-z)^2,
@@ -112,6 +113,7 @@ class SurfaceServoRenderer final : public Renderer {
     Row q{}, rate{}, push{}, growth{};                              // estimates: rad, rad/tick, rad/tick^2, rad/tick^3
     Row qByScale{}, rateByScale{}, pushByScale{}, growthByScale{};  // their derivatives by s
     Row meanInnovation{}, meanByScale{};                            // of the last ticks
+    Row rest{}, sinceMoved{};                                       // where each joint is at rest; ticks since it was
     std::array<Row, kMaxServoDelay + 1> commands{};                 // the last first, N m
     Row lastResponse{}, lastInnovation{}, lastAngles{};
     double scale = 1.0, information = 0.0;
