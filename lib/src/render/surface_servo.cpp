@@ -12,7 +12,10 @@
 namespace enamel {
 namespace {
 
-constexpr double kNear = 2e-5;            // a contact that stays this far outside for a tick carries no force, m
+constexpr double kNear = 2e-5;  // a contact that stays this far outside for a tick carries no force, m
+// Under a random delay a contact counts when the push alone would bring it that near within these ticks more: a command
+// that is left out while the tool hovers is missed when it falls back.
+constexpr double kHover = 2.0;
 constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inertia
 // Largest force of a contact, of what all would need if each were alone: walls that face each other and are too near by
 // a micrometre would push each other with hundreds of newtons, and hold the tool by friction. In a wedge of 30 deg it
@@ -177,7 +180,7 @@ SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int
       {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 0.01, 5.035, 0.95, 59.31, 0.25},
       {0.4596, 0.8894, 0.6415, 8.609, 0.003, 8e-6, 0.55, 0.17, 0.006, 6.095, 0.6458, 162.8, 0.3},
       {0.5217, 0.9228, 0.6563, 6.432, 0.01, 2.5e-5, 0.5427, 0.055, 0.004, 5.028, 0.5619, 12.26, 0.03},
-      {0.7179, 0.5917, 0.5873, 0.8069, 0.004527, 2.396e-5, 1.55, 0.5773, 0.003, 5.835, 0.3259, 4.14, 0},
+      {0.5, 1.2, 0.4, 6.0, 0.004527, 2.4e-5, 0.5427, 0.1, 0.004, 5.0, 0.95, 12.0, 0.03},
   };
   SurfaceServoOptions options;
   options.period = period;
@@ -227,6 +230,10 @@ void SurfaceServoRenderer::prepare(double period) {
   };
   constexpr int kEnough = 5000;  // far beyond the slowest filter's memory
   for (int i = 0; i < kEnough; ++i) P = advance(P);
+  if (isRandom()) {
+    lateGain_ = lateGain(options_.pole);
+    lateJumpGain_ = lateGain(options_.jumpPole);
+  }
   const double slow = std::sqrt(P(0, 0) + kCountVariance);
   const auto keep = [&](int tick) {
     const Vec4 gain = gainOf(P);
@@ -245,6 +252,49 @@ void SurfaceServoRenderer::prepare(double period) {
     keep(tick);
     P = advance(P);
   }
+}
+
+// The gains that minimise the expected sum of g^2 + weight g'^2 + price w^2, where each of the last commands w acts by
+// chance (de Koning, Infinite horizon optimal control of linear discrete time systems with stochastic parameters,
+// Automatica 1982), on the gap g, its rate, and what the commands that wait would do. In continuous time and without
+// delay they are the double pole's k1 and k2 for a damping of at least 1 / sqrt(2).
+SurfaceServoRenderer::LateGain SurfaceServoRenderer::lateGain(double pole) const {
+  constexpr int kMost = 2 + kMaxServoDelay;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1>;
+  const int n = 2 + options_.delayHigh;
+  const double likely = 1.0 / (options_.delayHigh - options_.delayLow + 1);
+  const double stiffness = (1.0 - pole) * (1.0 - pole), price = 1.0 / (stiffness * stiffness);
+  Matrix Q = Matrix::Zero(n, n);
+  Q(0, 0) = 1.0;
+  Q(1, 1) = std::max(0.0, 4.0 * options_.damping * options_.damping - 2.0) / stiffness;
+  Matrix P = Q;
+  Vector gain = Vector::Zero(n);
+  constexpr int kMostSteps = 20000;
+  for (int step = 0; step < kMostSteps; ++step) {
+    Matrix APA = Matrix::Zero(n, n);
+    Vector BPA = Vector::Zero(n);
+    double BPB = 0.0;
+    for (int delay = options_.delayLow; delay <= options_.delayHigh; ++delay) {
+      Matrix A = Matrix::Zero(n, n);
+      Vector B = Vector::Zero(n);
+      A(0, 0) = A(0, 1) = A(1, 1) = 1.0;
+      B[2] = 1.0;
+      for (int k = 3; k < n; ++k) A(k, k - 1) = 1.0;
+      (delay == 0 ? B[0] : A(0, 1 + delay)) = 0.5;
+      (delay == 0 ? B[1] : A(1, 1 + delay)) = 1.0;
+      APA += likely * A.transpose() * P * A;
+      BPA += likely * A.transpose() * (P * B);
+      BPB += likely * B.dot(P * B);
+    }
+    const Vector before = gain;
+    gain = BPA / (price + BPB);
+    P = Q + APA - BPA * gain.transpose();
+    if ((gain - before).norm() <= 1e-12 * gain.norm()) break;
+  }
+  LateGain late{};
+  std::copy_n(gain.data(), n, late.begin());
+  return late;
 }
 
 void SurfaceServoRenderer::stateLoaded() noexcept {
@@ -412,10 +462,18 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
                                                             const Normals& normals, const Ahead& ahead) const noexcept {
   const State& s = state_;
   const int n = joints_;
-  const double T = options_.period, z = s.sinceJump < options_.jumpTicks ? options_.jumpPole : options_.pole;
-  const double k1 = (1.0 - z) * (1.0 - z), k2 = 0.5 * options_.damping * (1.0 - z) * (3.0 + z);
-  Row way{};
-  for (int i = 0; i < n; ++i) way[i] = ahead.q[i] - input.kinematics.q[i];
+  const bool random = isRandom(), jumps = s.sinceJump < options_.jumpTicks;
+  const double T = options_.period, z = jumps ? options_.jumpPole : options_.pole;
+  const LateGain& late = jumps ? lateJumpGain_ : lateGain_;
+  const double k1 = random ? late[0] : (1.0 - z) * (1.0 - z);
+  const double k2 = random ? late[1] : 0.5 * options_.damping * (1.0 - z) * (3.0 + z);
+  Row wayNow{}, way{};
+  for (int i = 0; i < n; ++i) {
+    wayNow[i] = s.q[i] - input.kinematics.q[i];
+    way[i] = ahead.q[i] - input.kinematics.q[i];
+  }
+  Row waiting[kMaxServoDelay];  // what each command that may yet act does to the joints
+  for (int i = 0; random && i < options_.delayHigh; ++i) waiting[i] = inertia.responseOf(s.commands[i]);
 
   Pushing pushing;
   ContactProblem& p = pushing.problem;
@@ -426,7 +484,8 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     const double obstacle = T * contact.normal.dot(contact.obstacleVelocity);
     const double gap = contact.gap + dot(row, way, n) - options_.horizon * obstacle;
     const double speed = dot(row, ahead.rate, n) - obstacle, pushed = dot(row, ahead.push, n);
-    if (gap + speed + 0.5 * pushed > kNear) continue;
+    const bool hovers = random && gap + kHover * std::max(0.0, speed) + 0.5 * kHover * kHover * pushed < kNear;
+    if (gap + speed + 0.5 * pushed > kNear && !hovers) continue;
     const double outward =
         T * options_.outwardSpeed + std::sqrt(2.0 * std::max(0.0, -pushed) * s.sure * options_.outwardDistance);
     const int m = p.contacts++;
@@ -436,7 +495,13 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     // The speed's limit is on what the force does to the device, whatever gives way beside it.
     const double rigid = (1.0 + kRegularisation) * p.G[m][m];
     p.G[m][m] = rigid + k1 / contact.material.stiffness;
-    p.r[m] = std::min(-k1 * gap - k2 * speed - pushed, (outward - speed - pushed) * p.G[m][m] / rigid);
+    double wish = -k1 * gap - k2 * speed - pushed;
+    if (random) {  // from where the tool is now
+      const double push = dot(row, s.push, n);
+      wish = -k1 * (contact.gap + dot(row, wayNow, n)) - k2 * (dot(row, s.rate, n) - obstacle) - push;
+      for (int i = 0; i < options_.delayHigh; ++i) wish -= late[2 + i] * (s.scale * dot(row, waiting[i], n) + push);
+    }
+    p.r[m] = std::min(wish, (outward - speed - pushed) * p.G[m][m] / rigid);
     alone += std::max(0.0, p.r[m] / p.G[m][m]);
   }
   if (alone > 0.0) p.most = std::min(p.most, kMostShare * alone);

@@ -16,16 +16,18 @@
 //     be none, the gains are lower and the tool is stopped, not sent back. Jumps that follow each other within some 0.1
 //     s must be larger and larger.
 //  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983) from what changes
-//     quickly, within kLowestScale to kHighestScale, while a contact carries force, no jump is under way and the encoders
-//     show more than the flicker of a tool at rest.
-//  4. Prediction through the delay, under the commands that are under way; where the delay is random, each by its
-//     likelihood, and what is yet to be commanded is taken to balance the push.
+//     quickly, within kLowestScale to kHighestScale, while a contact carries force, no jump is under way and the
+//     encoders show more than the flicker of a tool at rest.
+//  4. Prediction through the delay, under the commands that are under way.
 //  5. Law. Every contact is asked for the gap acceleration  w_k = min(-k1 g_k - k2 g_k', v_out - g_k'),  k1 = (1-z)^2,
 //     k2 = r (1-z)(3+z)/2, where v_out = outwardSpeed + sqrt(2 |N_k a| outwardDistance) is what the push turns back at
 //     once. The forces lambda >= 0 solve  N (s M^-1 N^T lambda + a) >= w,  with equality where lambda > 0, as a
 //     quadratic program with the motors' limits among its bounds: a cut never turns the force. Contacts that the next
 //     tick will still find 20 um outside have none. Dependent contacts share by a regularisation of 0.1 %; a surface of
 //     stiffness k_m gives way by lambda / k_m.
+//     Where the delay is random, w_k is the state feedback that minimises the expected cost of a mass whose last
+//     commands act by chance: of g_k, g_k' and of what each command that may yet act would do (de Koning 1982). There a
+//     contact also has force where the push alone will bring it back within two ticks.
 //  6. Friction along the surface: FrictionMemory, stuck with the poles (1 + z) / 2.
 //
 // Proven: lambda >= 0, torques within limits, forces along N^T where a limit cuts. Stability, stiffness and chatter are
@@ -104,9 +106,10 @@ class SurfaceServoRenderer final : public Renderer {
   double jumps() const noexcept { return state_.jumps; }
 
  private:
-  using Row = std::array<double, kMaxJoints>;  // one number a joint
-  using Gain = std::array<double, 4>;          // of position, rate, push and its growth
-  static constexpr int kSchedule = 24;         // ticks after which the gains are the slow ones again
+  using Row = std::array<double, kMaxJoints>;               // one number a joint
+  using Gain = std::array<double, 4>;                       // of position, rate, push and its growth
+  using LateGain = std::array<double, 2 + kMaxServoDelay>;  // of the gap, its rate, and what the commands that wait do
+  static constexpr int kSchedule = 24;                      // ticks after which the gains are the slow ones again
 
   // Time in ticks.
   struct State {
@@ -152,6 +155,8 @@ class SurfaceServoRenderer final : public Renderer {
   void observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept;
   Jump jumpOf(int contacts, const Normals& normals, const Row& response, const Row& innovation) const noexcept;
   Ahead predict(const Inertia& inertia) const noexcept;
+  bool isRandom() const noexcept { return options_.delayLow < options_.delayHigh; }
+  LateGain lateGain(double pole) const;
   Pushing pushing(const TickInput& input, const Inertia& inertia, const Normals& normals,
                   const Ahead& ahead) const noexcept;
   Row addFriction(const TickInput& input, const Inertia& inertia, const Normals& normals, const Ahead& ahead,
@@ -161,6 +166,7 @@ class SurfaceServoRenderer final : public Renderer {
   int joints_;
   std::array<Gain, kSchedule + 1> gains_{};         // by ticks since a jump; the last: slow
   std::array<double, kSchedule + 1> deviations_{};  // of the innovation, as a share of the slow one's
+  LateGain lateGain_{}, lateJumpGain_{};            // random delay: beyond and after a jump
   State state_;
 };
 
