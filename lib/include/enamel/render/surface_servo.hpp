@@ -18,9 +18,8 @@
 //  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983) from what changes
 //     quickly, within kLowestScale to kHighestScale, while a contact carries force, no jump is under way and the
 //     encoders show more than the flicker of a tool at rest.
-//  4. Prediction through the delay, under the commands that are under way; where the delay is random, by their mean
-//  over
-//     half of the largest: which contacts are near, how fast the tool leaves, and friction go by it, the law does not.
+//  4. Prediction through the delay, under the commands that are under way. Where the delay is random, it is by their
+//     mean: which contacts are near, how fast the tool leaves, and friction go by it, the law does not.
 //  5. Law. Every contact is asked for the gap acceleration  w_k = min(-k1 g_k - k2 g_k', v_out - g_k'),  k1 = (1-z)^2,
 //     k2 = r (1-z)(3+z)/2, where v_out = outwardSpeed + sqrt(2 |N_k a| outwardDistance) is what the push turns back at
 //     once. The forces lambda >= 0 solve  N (s M^-1 N^T lambda + a) >= w,  with equality where lambda > 0, as a
