@@ -36,6 +36,9 @@ constexpr double kSure = 0.3, kUnsureGain = 0.2;
 constexpr std::array<double, 17> kAges = {1.0,  1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.35, 1.4,
                                           1.45, 1.5,  2.0, 2.5,  3.0, 4.0,  5.0, 6.0};
 constexpr double kOldJumps = 1e-3, kAgeDeviation = 0.2;
+// A hand that lets go does so over some ticks: a jump outward is a push that has been falling for these ticks, with
+// this deviation of its growth, counts/tick^3. One that was a sudden step costs a little depth, and no bounce.
+constexpr double kFallTicks = 1.5, kFall = 2.0;
 // What stays of a push's growth from tick to tick: people do not press harder for ever.
 constexpr double kGrowthKept = 0.95;
 // An innovation up to this share of what the last change of the command moved may be the model's error: less, and a
@@ -235,23 +238,28 @@ void SurfaceServoRenderer::prepare(double period) {
     lateJumpGain_ = lateGain(options_.jumpPole);
   }
   const double slow = std::sqrt(P(0, 0) + kCountVariance);
-  const auto keep = [&](int tick) {
-    const Vec4 gain = gainOf(P);
-    gains_[tick] = {gain[0], gain[1], gain[2], gain[3]};
-    deviations_[tick] = std::sqrt(P(0, 0) + kCountVariance) / slow;
+  const auto scheduleFrom = [&](Mat4 prior) {
+    Schedule schedule;
+    for (int tick = 0; tick <= kSchedule; ++tick) {
+      if (tick == kSchedule) prior = P;
+      const Vec4 gain = gainOf(prior);
+      schedule.gains[tick] = {gain[0], gain[1], gain[2], gain[3]};
+      schedule.deviations[tick] = std::sqrt(prior(0, 0) + kCountVariance) / slow;
+      prior = advance(prior);
+    }
+    return schedule;
   };
-  keep(kSchedule);
   // A push that began t ticks ago, t uniform in jumpAge to 1, has moved by a (t^2/2, t, 1).
   const double age = options_.jumpAge;
   const auto moment = [age](int k) { return (1.0 - std::pow(age, k + 1)) / ((k + 1) * (1.0 - age)); };
   Mat3 jump;
   jump << moment(4) / 4, moment(3) / 2, moment(2) / 2, moment(3) / 2, moment(2), moment(1), moment(2) / 2, moment(1), 1;
-  P.topLeftCorner<3, 3>() += options_.jumpSize * options_.jumpSize * jump;
-  P(3, 3) += options_.jumpGrowth * options_.jumpGrowth;
-  for (int tick = 0; tick < kSchedule; ++tick) {
-    keep(tick);
-    P = advance(P);
-  }
+  Mat4 pushed = P;
+  pushed.topLeftCorner<3, 3>() += options_.jumpSize * options_.jumpSize * jump;
+  pushed(3, 3) += options_.jumpGrowth * options_.jumpGrowth;
+  pushed_ = scheduleFrom(pushed);
+  const Vec4 fall(kFallTicks * kFallTicks * kFallTicks / 6.0, kFallTicks * kFallTicks / 2.0, kFallTicks, 1.0);
+  letGo_ = scheduleFrom(P + kFall * kFall * fall * fall.transpose());
 }
 
 // The gains that minimise the expected sum of g^2 + weight g'^2 + price w^2, where each of the last commands w acts by
@@ -343,7 +351,7 @@ SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Norm
                                                         const Row& innovation) const noexcept {
   const State& s = state_;
   if (s.sinceJump < kBlind) return {};
-  const double deviation = (1.0 + kHabit * s.lateJumps) * deviations_[static_cast<int>(s.sinceJump)];
+  const double deviation = (1.0 + kHabit * s.lateJumps) * scheduleNow().deviations[static_cast<int>(s.sinceJump)];
   Row now{}, last{}, command{};  // counts
   for (int i = 0; i < joints_; ++i) {
     const double count = options_.count[i];
@@ -352,6 +360,7 @@ SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Norm
     command[i] = 0.5 * (response[i] - s.lastResponse[i]) / count;
   }
   double strongest = 0.0, before = 0.0, over = 0.0;
+  bool outward = false;
   for (int c = 0; c < contacts; ++c) {
     Row direction = normals.response[c];
     for (int i = 0; i < joints_; ++i) direction[i] /= options_.count[i];
@@ -363,10 +372,12 @@ SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Norm
       strongest = std::abs(along) / size;
       before = std::copysign(1.0, along) * dot(direction, last, joints_) / size;
       over = std::abs(along) / threshold - 1.0;
+      outward = along > 0.0;
     }
   }
   if (strongest == 0.0) return {};
-  return {true, std::min(over / kSure, 1.0), youthOf(strongest, before, kAgeDeviation * options_.jumpThreshold)};
+  const double youth = outward ? 1.0 : youthOf(strongest, before, kAgeDeviation * options_.jumpThreshold);
+  return {true, outward, std::min(over / kSure, 1.0), youth};
 }
 
 void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept {
@@ -395,18 +406,21 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   s.lateJumps *= kHabitKept;
   if (jump.seen) {
     s.sinceJump = 0.0;
+    s.letsGo = jump.outward ? 1.0 : 0.0;
     s.jumps += 1.0;
     s.lateJumps += 1.0;
   } else {
     s.sinceJump = std::min<double>(s.sinceJump + 1.0, kSchedule);
   }
-  Gain gain = gains_[static_cast<int>(s.sinceJump)];
+  const Schedule& schedule = scheduleNow();
+  Gain gain = schedule.gains[static_cast<int>(s.sinceJump)];
   if (jump.seen) {
     gain[1] *= jump.youth;
     gain[2] *= jump.youth * jump.youth;
     gain[3] *= jump.youth * jump.youth;
     const double share = kUnsureGain + (1.0 - kUnsureGain) * jump.sure;
-    for (int i = 0; i < 4; ++i) gain[i] = gains_[kSchedule][i] + share * (gain[i] - gains_[kSchedule][i]);
+    for (int i = 0; i < 4; ++i)
+      gain[i] = schedule.gains[kSchedule][i] + share * (gain[i] - schedule.gains[kSchedule][i]);
   }
   double slopeTimesError = 0.0, slopes = 0.0;
   for (int i = 0; i < n; ++i) {

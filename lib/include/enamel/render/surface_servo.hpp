@@ -12,9 +12,9 @@
 //  2. Jumps. A push that jumps shows as an innovation along M^-1 N_k^T, what a force at the contact does. Above a
 //     threshold the filter's covariance is raised by that of a jump somewhere in the last tick: near-deadbeat gains
 //     that decay by themselves. How old the jump is shows in the innovation before: what has built up over some ticks
-//     is a push that the slow gains have not followed, and is answered gently. Just above the threshold, where it may
-//     be none, the gains are lower and the tool is stopped, not sent back. Jumps that follow each other within some 0.1
-//     s must be larger and larger.
+//     is a push that the slow gains have not followed, and is answered gently. Outward it is a push that falls, and
+//     the covariance is raised by that of a growth. Just above the threshold, where it may be none, the gains are lower
+//     and the tool is stopped, not sent back. Jumps that follow each other within some 0.1 s must be larger and larger.
 //  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983) from what changes
 //     quickly, within kLowestScale to kHighestScale, while a contact carries force, no jump is under way and the
 //     encoders show more than the flicker of a tool at rest.
@@ -122,6 +122,7 @@ class SurfaceServoRenderer final : public Renderer {
     Row lastResponse{}, lastInnovation{}, lastAngles{};
     double scale = 1.0, information = 0.0;
     double sinceJump = kSchedule;  // ticks
+    double letsGo = 0.0;           // 1: the last jump was outward
     double sure = 1.0;             // that the jump of this tick, if any, is one
     double lateJumps = 0.0;        // each counts less from tick to tick
     double jumps = 0.0;
@@ -132,8 +133,13 @@ class SurfaceServoRenderer final : public Renderer {
   };
   struct Jump {
     bool seen = false;
+    bool outward = false;
     double sure = 1.0;   // that it is one, in [0, 1]
     double youth = 1.0;  // one over its age in ticks
+  };
+  struct Schedule {  // by ticks since a jump; the last: slow
+    std::array<Gain, kSchedule + 1> gains{};
+    std::array<double, kSchedule + 1> deviations{};  // of the innovation, as a share of the slow one's
   };
   struct Inertia;
   struct Normals;
@@ -156,6 +162,7 @@ class SurfaceServoRenderer final : public Renderer {
   void observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept;
   Jump jumpOf(int contacts, const Normals& normals, const Row& response, const Row& innovation) const noexcept;
   Ahead predict(const Inertia& inertia) const noexcept;
+  const Schedule& scheduleNow() const noexcept { return state_.letsGo != 0.0 ? letGo_ : pushed_; }
   bool isRandom() const noexcept { return options_.delayLow < options_.delayHigh; }
   LateGain lateGain(double pole) const;
   Pushing pushing(const TickInput& input, const Inertia& inertia, const Normals& normals,
@@ -165,9 +172,8 @@ class SurfaceServoRenderer final : public Renderer {
 
   SurfaceServoOptions options_;
   int joints_;
-  std::array<Gain, kSchedule + 1> gains_{};         // by ticks since a jump; the last: slow
-  std::array<double, kSchedule + 1> deviations_{};  // of the innovation, as a share of the slow one's
-  LateGain lateGain_{}, lateJumpGain_{};            // random delay: beyond and after a jump
+  Schedule pushed_, letGo_;               // after a jump inward, and outward
+  LateGain lateGain_{}, lateJumpGain_{};  // random delay: beyond and after a jump
   State state_;
 };
 
