@@ -272,6 +272,8 @@ void addDesign(CLI::App& app) {
                    "--surface: the model's inertia may be wrong by this share")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
+  command->add_option("--scene", options->search.scene,
+                      "--surface, --rivals: pushed there too, must not slide off what the start is nearest to (TOML)");
   command->add_option("--half-width", options->search.halfWidth, "--surface, --rivals: of the wall, m")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();

@@ -16,14 +16,14 @@ namespace {
 constexpr std::uint32_t kFinalTrial = 40000;  // random numbers that the search has not seen
 
 void printHead() {
-  fmt::print("{:<12} {:>9} {:>8} {:>8} {:>9} {:>10} {:>10} {:>8} {:>10} {:>5}\n", "", "K_z1 N/m", "% limit", "% worst",
-             "chatter", "bounce um", "impact um", "ramp um", "deepest um", "lost");
+  fmt::print("{:<12} {:>9} {:>8} {:>8} {:>9} {:>10} {:>10} {:>8} {:>8} {:>10} {:>5}\n", "", "K_z1 N/m", "% limit",
+             "% worst", "chatter", "bounce um", "impact um", "ramp um", "drift um", "deepest um", "lost");
 }
 
 void printScore(const std::string& name, const WallScore& s) {
-  fmt::print("{:<12} {:>9.0f} {:>8.1f} {:>8.1f} {:>9.4f} {:>10.0f} {:>10.0f} {:>8.0f} {:>10.0f} {:>5}\n", name,
+  fmt::print("{:<12} {:>9.0f} {:>8.1f} {:>8.1f} {:>9.4f} {:>10.0f} {:>10.0f} {:>8.0f} {:>8.0f} {:>10.0f} {:>5}\n", name,
              s.stiffness, 100.0 * s.share, 100.0 * s.lowestShare, s.chatter, 1e6 * s.bounce, 1e6 * s.impact,
-             1e6 * s.ramp, 1e6 * s.deepest, s.lost);
+             1e6 * s.ramp, 1e6 * s.drift, 1e6 * s.deepest, s.lost);
   std::fflush(stdout);
 }
 
@@ -42,6 +42,7 @@ WallDesignSetup setupOf(const SurfaceDesignOptions& options) {
   setup.halfWidth = options.halfWidth;
   setup.chatter = options.chatter > 0.0 ? options.chatter : 0.025 * setup.plant->limits().torque.minCoeff();
   setup.runs = options.runs;
+  if (!options.scene.empty()) setup.scene = loadScene(options.scene);
   setup.seed = options.seed;
   return withinMotors(setup);
 }

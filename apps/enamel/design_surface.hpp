@@ -12,6 +12,7 @@ namespace enamel::app {
 /// What the command was asked for.
 struct SurfaceDesignOptions {
   std::string device, plant;  ///< --plant
+  std::string scene;          ///< where it is pushed too; empty: nowhere
   double period = 1e-3;       ///< s
   Delay delay;
   double inertiaError = 0.0, halfWidth = 0.025, chatter = 0.0;  ///< share; m; N m or N, 0: 2.5 % of the weakest motor

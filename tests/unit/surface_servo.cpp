@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "enamel/collision/scene_file.hpp"
 #include "enamel/device/tau/mechanism.hpp"
 #include "enamel/render/surface_file.hpp"
 #include "enamel/sim/hand.hpp"
@@ -109,6 +110,32 @@ TEST_CASE("a random delay loses no run", "[surface_servo]") {
   // A law that goes by the mean of the commands that wait hops: 0.15 N m and 0.5 mm.
   CHECK(s.chatter < 0.08);
   CHECK(s.ramp < 0.35e-3);
+}
+
+TEST_CASE("a design's judge sees a tool slide off a ball", "[surface_servo]") {
+  const auto ball = [](const std::string& friction) {
+    return parseScene(
+        "name = \"ball\"\nstart = [0.0, 0.0, 0.001]\n[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\nradius = "
+        "0.008\n"
+        "centre = [0.0, 0.0, -0.008]\nfriction = " +
+            friction + "\n",
+        "ball.toml");
+  };
+  for (int delay = 0; delay <= 3; ++delay) {
+    WallDesignSetup setup = judged(delay, delay);
+    const WallScore without = judge(setup);
+    CHECK(without.drift == 0.0);
+    setup.scene = ball("0.2");
+    const WallScore held = judge(setup);
+    INFO("delay " << delay << ": " << held.drift << " m");
+    CHECK(held.drift > 0.0);
+    CHECK(held.drift < 0.3e-3);
+    CHECK(held.value == without.value);
+    setup.scene = ball("0.0");
+    const WallScore slides = judge(setup);
+    CHECK(slides.drift > 3e-3);  // 4 mm are off
+    CHECK(slides.value < held.value - 0.5);
+  }
 }
 
 TEST_CASE("the servo learns how heavy the device is", "[surface_servo]") {

@@ -534,8 +534,9 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& inp
                                                             const Normals& normals, const Ahead& ahead,
                                                             Pushing& pushing) noexcept {
   const Kinematics& k = input.kinematics;
-  // Slower than the wall's: what sticks need not stand at the edge, and counts are felt less.
-  const double T = options_.period, z = 0.5 * (1.0 + options_.pole);
+  // Slower than the wall's: what sticks need not stand at the edge, and counts are felt less. A firmer grip creeps: what
+  // a light tool goes while it hops is then more than the load holds.
+  const double T = options_.period, z = 0.6 + 0.4 * options_.pole;
   Row moved{}, toCome{}, torque{};
   for (int i = 0; i < joints_; ++i) {
     moved[i] = k.q[i] - state_.lastAngles[i];

@@ -29,9 +29,9 @@ constexpr std::array<Variation, 13> kServoVariations = {{
     {0.0, 20.0, 1.5, false},    // jump ticks
     {0.001, 0.02, 0.3, true},   // outward speed: faster ones bounce off after an impact
     {5e-6, 3e-4, 0.3, true},    // outward distance
-    {0.05, 3.0, 0.3, true},     // tremor
-    {0.01, 3.0, 0.3, true},     // wander
-    {1e-3, 0.3, 0.3, true},     // growth
+    {0.005, 3.0, 0.3, true},    // tremor
+    {0.001, 3.0, 0.3, true},    // wander
+    {1e-4, 0.3, 0.3, true},     // growth
     {3.0, 20.0, 0.15, true},    // jump threshold
     {0.05, 0.95, 0.12, false},  // jump age
     {3.0, 200.0, 0.4, true},    // jump size

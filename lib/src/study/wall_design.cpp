@@ -9,6 +9,7 @@
 #include "enamel/control/first_impact.hpp"
 #include "enamel/control/tuning.hpp"
 #include "enamel/sim/hand.hpp"
+#include "enamel/sim/push.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 #include "enamel/study/metrics.hpp"
 #include "enamel/study/parallel.hpp"
@@ -22,6 +23,7 @@ constexpr int kPoints = 5, kChildren = 8;
 constexpr double kSettling = 0.5, kAfter = 0.4, kRampTime = 0.05;  // s
 constexpr double kQuiet = 0.25;                                    // s at the end of either part, for the chatter
 constexpr double kLost = 0.02;                                     // m from the wall
+constexpr double kScenePush = 2.0, kOff = 4e-3;                    // s, m: it is off what it was pushed against
 
 // A device whose model has the wrong mass.
 class WrongInertia final : public Mechanism {
@@ -162,6 +164,36 @@ TrialResult perform(const WallDesignSetup& setup, const Mechanism& model, const 
   return result;
 }
 
+// How far the tool drifts across a push in the scene: every other one without a preload, which lets it hover first.
+double driftInScene(const WallDesignSetup& setup, const Mechanism& model, const MakeRenderer& make, int number,
+                    std::uint32_t stream) {
+  PushSetup push;
+  push.encoders = {true, RateSource::difference};
+  push.delay = setup.delay;
+  push.period = setup.period;
+  push.jitter = setup.jitter;
+  push.lostSamples = setup.lostSamples;
+  push.seed = setup.seed;
+  push.run = stream;
+  push.guarded = false;
+  push.duration = kScenePush;
+  push.person.force = setup.highestForce;
+  push.person.noise = setup.noise;
+  push.person.preload = number % 2 == 0 ? setup.preload : 0.0;
+  push.person.instant = randomInstant(push.seed, push.run);
+  pushIn(*setup.scene, push);
+  const std::unique_ptr<Renderer> renderer = make();
+  double drift = 0.0;
+  const PushResult result =
+      runPush(setup.makePlant ? setup.makePlant(stream)
+                              : std::make_unique<ClosedFormPlant>(*setup.plant, push.integrator, push.substeps),
+              model, *renderer, push, [&](const TickRecord& tick, const VirtualLoop&) {
+                const Vec3 way = tick.pose.position - push.start.position, &normal = push.person.normal;
+                drift = std::max(drift, (way - normal.dot(way) * normal).norm());
+              });
+  return result.status == Status::ok ? std::min(drift, kOff) : kOff;
+}
+
 // How far a value is beyond a limit, as a share of it; from twice the limit on by its logarithm, so that what a law
 // cannot do at all does not drown the rest.
 double beyond(double value, double limit) {
@@ -184,8 +216,8 @@ double valueOf(const WallDesignSetup& setup, const WallScore& s) {
   const double jerk = setup.ramp / kRampTime / mass, ramp = (10.0 + 18.0 * late * late) * jerk * T * T * T;
   return std::min(s.share, 1.0) + 0.15 * std::min(s.lowestShare, 1.0) -
          0.6 * beyond(s.chatter, kClear * setup.chatter) - 0.35 * beyond(s.bounce, kClear * setup.bounce) -
-         0.5 * beyond(s.ramp, ramp) - 0.2 * beyond(s.impact, 2.0 * kClear * setup.bounce) - 0.5 * s.lost -
-         0.02 * s.unmeasured;
+         0.5 * beyond(s.ramp, ramp) - 0.2 * beyond(s.impact, 2.0 * kClear * setup.bounce) -
+         0.5 * beyond(s.drift, setup.drift) - 0.5 * s.lost - 0.02 * s.unmeasured;
 }
 
 std::vector<double> varied(const Law& law, const std::vector<double>& parent, double sigma,
@@ -233,6 +265,16 @@ std::vector<WallScore> judgeAll(const WallDesignSetup& setup, const std::vector<
     if (make) results[i] = perform(setup, *models[trial.model], make, trial);
   });
 
+  const auto pushes = static_cast<std::size_t>(setup.scene ? setup.runs : 0);
+  std::vector<double> drifts(pushes * candidates.size());
+  parallelFor(drifts.size(), threads, [&](std::size_t i) {
+    const auto number = static_cast<int>(i % pushes);
+    const MakeRenderer& make = candidates[i / pushes];
+    if (make)
+      drifts[i] = driftInScene(setup, *models[i % pushes % models.size()], make, number,
+                               trialNumber * 100003u + static_cast<std::uint32_t>(trials.size()) + number);
+  });
+
   std::vector<WallScore> scores;
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     WallScore score;
@@ -268,6 +310,7 @@ std::vector<WallScore> judgeAll(const WallDesignSetup& setup, const std::vector<
       score.share = std::min(score.share, share[point] / count);
     }
     score.lowestShare = std::min(score.lowestShare, score.share);
+    for (std::size_t i = 0; i < pushes; ++i) score.drift += drifts[c * pushes + i] / static_cast<double>(pushes);
     WallTrialSetup impacts;
     impacts.plant = impacts.model = setup.plant;
     impacts.makePlant = setup.makePlant;

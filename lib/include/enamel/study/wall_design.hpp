@@ -4,9 +4,11 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "enamel/collision/scene_file.hpp"
 #include "enamel/render/surface_servo.hpp"
 #include "enamel/sim/virtual_device.hpp"
 
@@ -26,9 +28,11 @@ struct WallDesignSetup {
   double lowestForce = 8.0, highestForce = 15.0;  ///< of a push, uniform between, N
   double noise = 0.5;                             ///< of the person, standard deviation, N
   double ramp = 10.0;                             ///< N in 50 ms
+  std::optional<SceneFile> scene = {};            ///< where it is pushed too, and must not slide off, as pushIn() says
   double chatter = 0.05;                          ///< allowed, N m or N
   double bounce = 1e-4;                           ///< allowed, m; twice as much after an impact
-  int runs = 24;  ///< steps of force a point, each inside a tick; a third as many ramps a point, and impacts a speed
+  double drift = 3e-4;                            ///< allowed in the scene across the push, m
+  int runs = 24;  ///< steps of force a point and in the scene, inside ticks; a third as many ramps, impacts a speed
   std::uint64_t seed = 1;
 };
 
@@ -49,7 +53,8 @@ struct WallScore {
   double bounce = 0.0;       ///< farthest above the rest after a step, m
   double ramp = 0.0;         ///< deepest under a ramp, m
   double impact = 0.0;       ///< farthest out after an impact at 0.05, 0.2 or 0.5 m/s (runWallTrials()), m
-  double deepest = 0.0;      ///< of all runs, m
+  double drift = 0.0;        ///< in the scene across the push, each at most 4 mm, mean, m
+  double deepest = 0.0;      ///< of all runs against the wall, m
   int lost = 0;              ///< runs that left the workspace
   int unmeasured = 0;        ///< steps without a first impact stiffness
   double value = 0.0;        ///< what the design maximises
