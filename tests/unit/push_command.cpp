@@ -450,7 +450,7 @@ TEST_CASE("a tool that hops stays on the tooth", "[push_command]") {
       const std::string name = "drift, across the normal [mm]";
       const std::size_t at = result.output.find(name);
       REQUIRE(at != std::string::npos);
-      // 0.1 to 0.5 mm; with a grip that forgets in every hop 31 to 47.
+      // 0.1 to 0.2 mm; with a grip that forgets in every hop 31 to 47.
       CHECK(std::stod(result.output.substr(at + name.size())) < 1.0);
     }
 }
