@@ -182,6 +182,8 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
                       << f.value << " " << f.unit);
         CHECK(f.lost == 0);
         CHECK(std::isfinite(f.value));
+        // Too light a model: learnt in the tick after the first command. 2.4 to 28 mm without.
+        if (wrong < 1.0 && f.trial == "impact 0.5 m/s" && f.figure == "bounce") CHECK(f.value < 450);
         for (const Bar& bar : bars)
           if (f.trial == bar.trial && f.figure == bar.figure && (wrong == 1.0 || f.trial == "slide"))
             CHECK(f.value < bar.most[delay]);

@@ -55,6 +55,9 @@ constexpr double kFirstWeight = 30.0, kForgotten = 1e-3, kLearnAfter = 8.0, kLar
 // A tool at rest flickers by a count or two, which the servo answers, and nothing else moves: a correlation that tells
 // of no inertia. A joint teaches in the ticks after its reading left a band of twice these counts.
 constexpr double kRestBand = 1.25, kTeachingTicks = 5.0;
+// A command that moves the joints by more than the first, root of the sum of squares, counts, as after an impact,
+// teaches at once: no push moves them by more than some of the second in a tick.
+constexpr double kStrongCommand = 30.0, kPushCounts = 10.0;
 
 void requireWithin(double value, double low, double high, const char* name, const char* unit) {
   require(value >= low && value <= high, std::string("surface servo: ") + name + " is " + formatNumber(value) +
@@ -380,6 +383,29 @@ SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Norm
   return {true, outward, std::min(over / kSure, 1.0), youth};
 }
 
+// The scale as one more state of the observer: a wrong one has moved the others, and explains the innovation.
+void SurfaceServoRenderer::learnFromStrongCommand(Row& innovation) noexcept {
+  State& s = state_;
+  double slopes = 0.0, slopeTimesError = 0.0;  // counts^2
+  for (int i = 0; i < joints_; ++i) {
+    const double count = options_.count[i], slope = s.qByScale[i] / count;
+    slopes += slope * slope;
+    slopeTimesError += slope * innovation[i] / count;
+  }
+  if (!(slopes >= kStrongCommand * kStrongCommand)) return;
+  const double weight = 1.0 / (kPushCounts * kPushCounts), before = s.scale;
+  s.information += weight * slopes;
+  s.scale = std::clamp(before + weight * slopeTimesError / (kFirstWeight + s.information), kLowestScale, kHighestScale);
+  const double change = s.scale - before;
+  for (int i = 0; i < joints_; ++i) {
+    s.q[i] += change * s.qByScale[i];
+    s.rate[i] += change * s.rateByScale[i];
+    s.push[i] += change * s.pushByScale[i];
+    s.growth[i] += change * s.growthByScale[i];
+    innovation[i] -= change * s.qByScale[i];
+  }
+}
+
 void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept {
   State& s = state_;
   const int n = joints_;
@@ -401,6 +427,7 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     astray = astray || !(std::abs(innovation[i]) < kAstray * options_.count[i]);
   }
   if (astray) return start(input);
+  learnFromStrongCommand(innovation);
   const Jump jump = jumpOf(input.contacts.count, normals, response, innovation);
   s.sure = jump.seen ? jump.sure : 1.0;
   s.lateJumps *= kHabitKept;
@@ -534,8 +561,8 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& inp
                                                             const Normals& normals, const Ahead& ahead,
                                                             Pushing& pushing) noexcept {
   const Kinematics& k = input.kinematics;
-  // Slower than the wall's: what sticks need not stand at the edge, and counts are felt less. A firmer grip creeps: what
-  // a light tool goes while it hops is then more than the load holds.
+  // Slower than the wall's: what sticks need not stand at the edge, and counts are felt less. A firmer grip creeps:
+  // what a light tool goes while it hops is then more than the load holds.
   const double T = options_.period, z = 0.6 + 0.4 * options_.pole;
   Row moved{}, toCome{}, torque{};
   for (int i = 0; i < joints_; ++i) {
