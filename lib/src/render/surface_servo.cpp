@@ -55,9 +55,9 @@ constexpr double kFirstWeight = 30.0, kForgotten = 1e-3, kLearnAfter = 8.0, kLar
 // A tool at rest flickers by a count or two, which the servo answers, and nothing else moves: a correlation that tells
 // of no inertia. A joint teaches in the ticks after its reading left a band of twice these counts.
 constexpr double kRestBand = 1.25, kTeachingTicks = 5.0;
-// A command that moves the joints by more than the first, root of the sum of squares, counts, as after an impact,
-// teaches at once: no push moves them by more than some of the second in a tick.
-constexpr double kStrongCommand = 30.0, kPushCounts = 10.0;
+// A strong command, as after an impact, teaches at once. What it does to the joints must be this many times what a push
+// may do in a tick: these counts, or this share of what the motors can.
+constexpr double kStrongCommand = 3.0, kPushCounts = 10.0, kPushShare = 0.1;
 
 void requireWithin(double value, double low, double high, const char* name, const char* unit) {
   require(value >= low && value <= high, std::string("surface servo: ") + name + " is " + formatNumber(value) +
@@ -384,7 +384,7 @@ SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Norm
 }
 
 // The scale as one more state of the observer: a wrong one has moved the others, and explains the innovation.
-void SurfaceServoRenderer::learnFromStrongCommand(Row& innovation) noexcept {
+void SurfaceServoRenderer::learnFromStrongCommand(double most, Row& innovation) noexcept {
   State& s = state_;
   double slopes = 0.0, slopeTimesError = 0.0;  // counts^2
   for (int i = 0; i < joints_; ++i) {
@@ -392,8 +392,8 @@ void SurfaceServoRenderer::learnFromStrongCommand(Row& innovation) noexcept {
     slopes += slope * slope;
     slopeTimesError += slope * innovation[i] / count;
   }
-  if (!(slopes >= kStrongCommand * kStrongCommand)) return;
-  const double weight = 1.0 / (kPushCounts * kPushCounts), before = s.scale;
+  const double pushed = std::max(kPushCounts, kPushShare * most), weight = 1.0 / (pushed * pushed), before = s.scale;
+  if (!(slopes * weight >= kStrongCommand * kStrongCommand)) return;
   s.information += weight * slopes;
   s.scale = std::clamp(before + weight * slopeTimesError / (kFirstWeight + s.information), kLowestScale, kHighestScale);
   const double change = s.scale - before;
@@ -409,8 +409,9 @@ void SurfaceServoRenderer::learnFromStrongCommand(Row& innovation) noexcept {
 void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept {
   State& s = state_;
   const int n = joints_;
-  const Row response = inertia.responseOf(acted(input));
+  const Row torque = acted(input), response = inertia.responseOf(torque);
   Row innovation{};
+  double strength = 0.0, moved = 0.0;  // share of the motors' limits; counts^2 in this tick
   bool astray = false;
   for (int i = 0; i < n; ++i) {
     const double acceleration = s.scale * response[i] + s.push[i];
@@ -424,10 +425,12 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     s.pushByScale[i] += s.growthByScale[i];
     s.growthByScale[i] *= kGrowthKept;
     innovation[i] = input.kinematics.q[i] - s.q[i];
+    strength = std::max(strength, std::abs(torque[i] - inertia.gravity[i]) / input.maxTorque[i]);
+    moved += 0.25 * response[i] * response[i] / (options_.count[i] * options_.count[i]);
     astray = astray || !(std::abs(innovation[i]) < kAstray * options_.count[i]);
   }
   if (astray) return start(input);
-  learnFromStrongCommand(innovation);
+  if (strength > 0.0) learnFromStrongCommand(std::sqrt(moved) / strength, innovation);
   const Jump jump = jumpOf(input.contacts.count, normals, response, innovation);
   s.sure = jump.seen ? jump.sure : 1.0;
   s.lateJumps *= kHabitKept;

@@ -17,8 +17,8 @@
 //     and the tool is stopped, not sent back. Jumps that follow each other within some 0.1 s must be larger and larger.
 //  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983) from what changes
 //     quickly, within kLowestScale to kHighestScale, while a contact carries force, no jump is under way and the
-//     encoders show more than the flicker of a tool at rest. A command that moves the tool far beyond what pushes can,
-//     as after an impact, teaches at once.
+//     encoders show more than the flicker of a tool at rest. A command that moves the tool by far more than pushes
+//     can, as after an impact, teaches at once.
 //  4. Prediction through the delay, under the commands that are under way. Where the delay is random, it is by their
 //     mean: which contacts are near, how fast the tool leaves, and friction go by it, the law does not.
 //  5. Law. Every contact is asked for the gap acceleration  w_k = min(-k1 g_k - k2 g_k', v_out - g_k'),  k1 = (1-z)^2,
@@ -160,7 +160,7 @@ class SurfaceServoRenderer final : public Renderer {
   void start(const TickInput& input) noexcept;
   Row acted(const TickInput& input) const noexcept;
   UnderWay underWay(int ahead) const noexcept;
-  void learnFromStrongCommand(Row& innovation) noexcept;
+  void learnFromStrongCommand(double most, Row& innovation) noexcept;
   void observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept;
   Jump jumpOf(int contacts, const Normals& normals, const Row& response, const Row& innovation) const noexcept;
   Ahead predict(const Inertia& inertia) const noexcept;
