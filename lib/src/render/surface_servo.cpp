@@ -13,8 +13,8 @@ namespace enamel {
 namespace {
 
 constexpr double kNear = 2e-5;  // a contact that stays this far outside for a tick carries no force, m
-// Under a random delay a contact counts when the push alone would bring it that near within these ticks more: a command
-// that is left out while the tool hovers is missed when it falls back.
+// Under a random delay a contact counts when the push alone would bring it that near within these ticks more, or after
+// a jump the fall from a bounce: a command that is left out while the tool hovers is missed when it falls back.
 constexpr double kHover = 2.0;
 constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inertia
 // Largest force of a contact, of what all would need if each were alone: walls that face each other and are too near by
@@ -186,7 +186,7 @@ SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int
       {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 0.01, 5.035, 0.95, 59.31, 0.25},
       {0.4596, 0.8894, 0.6415, 8.609, 0.003, 8e-6, 0.55, 0.17, 0.006, 6.095, 0.6458, 162.8, 0.3},
       {0.5217, 0.9228, 0.6563, 6.432, 0.008, 2.5e-5, 0.5427, 0.055, 0.004, 5.028, 0.5619, 12.26, 0.03},
-      {0.5, 1.2, 0.4, 6.0, 0.004527, 2.4e-5, 0.5427, 0.1, 0.004, 5.0, 0.95, 12.0, 0.03},
+      {0.5, 1.0, 0.2, 6.0, 0.004527, 2.4e-5, 0.5427, 0.1, 0.004, 4.0, 0.95, 12.0, 0.03},
   };
   SurfaceServoOptions options;
   options.period = period;
@@ -528,7 +528,8 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     const double obstacle = T * contact.normal.dot(contact.obstacleVelocity);
     const double gap = contact.gap + dot(row, way, n) - options_.horizon * obstacle;
     const double speed = dot(row, ahead.rate, n) - obstacle, pushed = dot(row, ahead.push, n);
-    const bool hovers = random && gap + kHover * std::max(0.0, speed) + 0.5 * kHover * kHover * pushed < kNear;
+    const double falling = s.sinceJump < kSchedule ? speed : std::max(0.0, speed);  // back from a bounce, or towards it
+    const bool hovers = random && gap + kHover * falling + 0.5 * kHover * kHover * pushed < kNear;
     if (gap + speed + 0.5 * pushed > kNear && !hovers) continue;
     const double outward =
         T * options_.outwardSpeed + std::sqrt(2.0 * std::max(0.0, -pushed) * s.sure * options_.outwardDistance);

@@ -29,7 +29,7 @@
 //     stiffness k_m gives way by lambda / k_m.
 //     Where the delay is random, w_k is the state feedback that minimises the expected cost of a mass whose last
 //     commands act by chance: of g_k, g_k' and of what each command that may yet act would do (de Koning 1982). There a
-//     contact also has force where the push alone will bring it back within two ticks.
+//     contact also has force where the push alone, or a fall after a jump, will bring it back within two ticks.
 //  6. Friction along the surface: FrictionMemory, stuck with the poles 0.6 + 0.4 z.
 //
 // Proven: lambda >= 0, torques within limits, forces along N^T where a limit cuts. Stability, stiffness and chatter are
