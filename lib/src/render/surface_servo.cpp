@@ -383,7 +383,8 @@ SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Norm
   return {true, outward, std::min(over / kSure, 1.0), youth};
 }
 
-// The scale as one more state of the observer: a wrong one has moved the others, and explains the innovation.
+// The scale as one more state of the observer: a wrong one has moved the others, and explains the innovation. `most`:
+// what the motors can move the joints by in a tick, counts.
 void SurfaceServoRenderer::learnFromStrongCommand(double most, Row& innovation) noexcept {
   State& s = state_;
   double slopes = 0.0, slopeTimesError = 0.0;  // counts^2

@@ -101,23 +101,29 @@ double limitAt(const WallDesignSetup& setup, const Pose& pose, double force) {
                           largestForce(k, setup.plant->limits().torque, pose.position, Vec3::UnitZ()), setup.preload);
 }
 
+void setLoop(const WallDesignSetup& setup, std::uint32_t stream, LoopSetup& loop) {
+  loop.encoders = {true, RateSource::difference};
+  loop.delay = setup.delay;
+  loop.period = setup.period;
+  loop.jitter = setup.jitter;
+  loop.lostSamples = setup.lostSamples;
+  loop.seed = setup.seed;
+  loop.run = stream;
+  loop.guarded = false;  // laws are judged to the end
+}
+
+std::unique_ptr<Plant> plantOf(const WallDesignSetup& setup, const LoopSetup& loop) {
+  return setup.makePlant ? setup.makePlant(loop.run)
+                         : std::make_unique<ClosedFormPlant>(*setup.plant, loop.integrator, loop.substeps);
+}
+
 TrialResult perform(const WallDesignSetup& setup, const Mechanism& model, const MakeRenderer& make,
                     const Trial& trial) {
   LoopSetup loopSetup;
+  setLoop(setup, trial.stream, loopSetup);
   loopSetup.start = pointOf(setup, trial.point);
-  loopSetup.encoders = {true, RateSource::difference};
-  loopSetup.delay = setup.delay;
-  loopSetup.period = setup.period;
-  loopSetup.seed = setup.seed;
-  loopSetup.run = trial.stream;
-  loopSetup.guarded = false;  // laws are judged to the end
   const std::unique_ptr<Renderer> renderer = make();
-  loopSetup.jitter = setup.jitter;
-  loopSetup.lostSamples = setup.lostSamples;
-  VirtualLoop loop(setup.makePlant
-                       ? setup.makePlant(trial.stream)
-                       : std::make_unique<ClosedFormPlant>(*setup.plant, loopSetup.integrator, loopSetup.substeps),
-                   model, *renderer, loopSetup);
+  VirtualLoop loop(plantOf(setup, loopSetup), model, *renderer, loopSetup);
   const RandomStream random(setup.seed, trial.stream);
 
   const auto ticks = [&](double time) { return static_cast<int>(std::lround(time / setup.period)); };
@@ -168,29 +174,17 @@ TrialResult perform(const WallDesignSetup& setup, const Mechanism& model, const 
 double driftInScene(const WallDesignSetup& setup, const Mechanism& model, const MakeRenderer& make, int number,
                     std::uint32_t stream) {
   PushSetup push;
-  push.encoders = {true, RateSource::difference};
-  push.delay = setup.delay;
-  push.period = setup.period;
-  push.jitter = setup.jitter;
-  push.lostSamples = setup.lostSamples;
-  push.seed = setup.seed;
-  push.run = stream;
-  push.guarded = false;
+  setLoop(setup, stream, push);
   push.duration = kScenePush;
   push.person.force = setup.highestForce;
   push.person.preload = number % 2 == 0 ? 1.0 : 0.0;  // N; a hand trembles no less on a weaker device
   push.person.instant = randomInstant(push.seed, push.run);
   pushIn(*setup.scene, push);
   const std::unique_ptr<Renderer> renderer = make();
-  double drift = 0.0;
-  const PushResult result =
-      runPush(setup.makePlant ? setup.makePlant(stream)
-                              : std::make_unique<ClosedFormPlant>(*setup.plant, push.integrator, push.substeps),
-              model, *renderer, push, [&](const TickRecord& tick, const VirtualLoop&) {
-                const Vec3 way = tick.pose.position - push.start.position, &normal = push.person.normal;
-                drift = std::max(drift, (way - normal.dot(way) * normal).norm());
-              });
-  return result.status == Status::ok ? std::min(drift, kOff) : kOff;
+  MetricsCollector metrics(push);
+  const PushResult result = runPush(plantOf(setup, push), model, *renderer, push,
+                                    [&](const TickRecord& tick, const VirtualLoop&) { metrics.add(tick); });
+  return result.status == Status::ok ? std::min(metrics.metrics().drift, kOff) : kOff;
 }
 
 // How far a value is beyond a limit, as a share of it; from twice the limit on by its logarithm, so that what a law
