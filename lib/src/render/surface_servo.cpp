@@ -315,6 +315,21 @@ void SurfaceServoRenderer::stateLoaded() noexcept {
     resetState();
 }
 
+void SurfaceServoRenderer::Motion::advance(int joint, double byTorque) noexcept {
+  const double acceleration = byTorque + push[joint];
+  q[joint] += rate[joint] + 0.5 * acceleration;
+  rate[joint] += acceleration;
+  push[joint] += growth[joint];
+  growth[joint] *= kGrowthKept;
+}
+
+void SurfaceServoRenderer::Motion::correct(int joint, const Gain& gain, double innovation) noexcept {
+  q[joint] += gain[0] * innovation;
+  rate[joint] += gain[1] * innovation;
+  push[joint] += gain[2] * innovation;
+  growth[joint] += gain[3] * innovation;
+}
+
 void SurfaceServoRenderer::start(const TickInput& input) noexcept {
   const Kinematics& k = input.kinematics;
   State fresh;
@@ -323,9 +338,9 @@ void SurfaceServoRenderer::start(const TickInput& input) noexcept {
   fresh.jumps = state_.jumps;
   fresh.started = 1.0;
   for (int i = 0; i < joints_; ++i) {
-    fresh.q[i] = fresh.lastAngles[i] = fresh.rest[i] = k.q[i];
+    fresh.estimate.q[i] = fresh.lastAngles[i] = fresh.rest[i] = k.q[i];
     fresh.sinceMoved[i] = kTeachingTicks;
-    fresh.rate[i] = k.rates[i] * options_.period;
+    fresh.estimate.rate[i] = k.rates[i] * options_.period;
     for (Row& command : fresh.commands) command[i] = k.gravity[i];
   }
   state_ = fresh;
@@ -389,7 +404,7 @@ void SurfaceServoRenderer::learnFromStrongCommand(double most, Row& innovation) 
   State& s = state_;
   double slopes = 0.0, slopeTimesError = 0.0;  // counts^2
   for (int i = 0; i < joints_; ++i) {
-    const double count = options_.count[i], slope = s.qByScale[i] / count;
+    const double count = options_.count[i], slope = s.byScale.q[i] / count;
     slopes += slope * slope;
     slopeTimesError += slope * innovation[i] / count;
   }
@@ -399,11 +414,11 @@ void SurfaceServoRenderer::learnFromStrongCommand(double most, Row& innovation) 
   s.scale = std::clamp(before + weight * slopeTimesError / (kFirstWeight + s.information), kLowestScale, kHighestScale);
   const double change = s.scale - before;
   for (int i = 0; i < joints_; ++i) {
-    s.q[i] += change * s.qByScale[i];
-    s.rate[i] += change * s.rateByScale[i];
-    s.push[i] += change * s.pushByScale[i];
-    s.growth[i] += change * s.growthByScale[i];
-    innovation[i] -= change * s.qByScale[i];
+    s.estimate.q[i] += change * s.byScale.q[i];
+    s.estimate.rate[i] += change * s.byScale.rate[i];
+    s.estimate.push[i] += change * s.byScale.push[i];
+    s.estimate.growth[i] += change * s.byScale.growth[i];
+    innovation[i] -= change * s.byScale.q[i];
   }
 }
 
@@ -411,21 +426,15 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   State& s = state_;
   const int n = joints_;
   const Row torque = acted(input), response = inertia.responseOf(torque);
+  const Row expected = isRandom() ? inertia.responseOf(underWay(-1).torque) : Row{};
   Row innovation{};
   double strength = 0.0, moved = 0.0;  // share of the motors' limits; counts^2 in this tick
   bool astray = false;
   for (int i = 0; i < n; ++i) {
-    const double acceleration = s.scale * response[i] + s.push[i];
-    s.q[i] += s.rate[i] + 0.5 * acceleration;
-    s.rate[i] += acceleration;
-    s.push[i] += s.growth[i];
-    s.growth[i] *= kGrowthKept;
-    const double byScale = response[i] + s.pushByScale[i];
-    s.qByScale[i] += s.rateByScale[i] + 0.5 * byScale;
-    s.rateByScale[i] += byScale;
-    s.pushByScale[i] += s.growthByScale[i];
-    s.growthByScale[i] *= kGrowthKept;
-    innovation[i] = input.kinematics.q[i] - s.q[i];
+    s.estimate.advance(i, s.scale * response[i]);
+    s.byScale.advance(i, response[i]);
+    s.byChance.advance(i, response[i] - expected[i]);
+    innovation[i] = input.kinematics.q[i] - s.estimate.q[i];
     strength = std::max(strength, std::abs(torque[i] - inertia.gravity[i]) / input.maxTorque[i]);
     moved += 0.25 * response[i] * response[i] / (options_.count[i] * options_.count[i]);
     astray = astray || !(std::abs(innovation[i]) < kAstray * options_.count[i]);
@@ -455,10 +464,10 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   }
   double slopeTimesError = 0.0, slopes = 0.0;
   for (int i = 0; i < n; ++i) {
-    const double e = innovation[i], bySlope = s.qByScale[i], count = options_.count[i];
-    const double quickError = e - s.meanInnovation[i], quickSlope = bySlope - s.meanByScale[i];
+    const double e = innovation[i], count = options_.count[i];
+    const double quickError = e - s.meanInnovation[i], quickSlope = s.byChance.q[i] - s.meanByChance[i];
     s.meanInnovation[i] += kMeanFollows * quickError;
-    s.meanByScale[i] += kMeanFollows * quickSlope;
+    s.meanByChance[i] += kMeanFollows * quickSlope;
     const double weight = std::min(1.0, kLargestSlope * count / std::abs(quickSlope));
     const double reading = input.kinematics.q[i], band = kRestBand * count;
     const double rest = std::clamp(s.rest[i], reading - band, reading + band);
@@ -467,14 +476,9 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     const double slope = s.sinceMoved[i] < kTeachingTicks ? weight * quickSlope / count : 0.0;
     slopeTimesError += slope * std::clamp(weight * quickError / count, -kLargestInnovation, kLargestInnovation);
     slopes += slope * slope;
-    s.q[i] += gain[0] * e;
-    s.rate[i] += gain[1] * e;
-    s.push[i] += gain[2] * e;
-    s.growth[i] += gain[3] * e;
-    s.qByScale[i] -= gain[0] * bySlope;
-    s.rateByScale[i] -= gain[1] * bySlope;
-    s.pushByScale[i] -= gain[2] * bySlope;
-    s.growthByScale[i] -= gain[3] * bySlope;
+    s.estimate.correct(i, gain, e);
+    s.byScale.correct(i, gain, -s.byScale.q[i]);
+    s.byChance.correct(i, gain, -s.byChance.q[i]);
   }
   if (s.pushes != 0.0 && s.sinceJump > kLearnAfter) {
     s.information = (1.0 - kForgotten) * s.information + slopes;
@@ -486,8 +490,8 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
 
 // What is yet to be commanded balances the push: it accelerates nothing.
 SurfaceServoRenderer::Ahead SurfaceServoRenderer::predict(const Inertia& inertia) const noexcept {
-  Ahead a{state_.q, state_.rate, state_.push};
-  Row growth = state_.growth;
+  Ahead a{state_.estimate.q, state_.estimate.rate, state_.estimate.push};
+  Row growth = state_.estimate.growth;
   for (int ahead = 0; ahead < options_.horizon; ++ahead) {
     UnderWay commands = underWay(ahead);
     for (int i = 0; i < joints_; ++i) commands.torque[i] -= commands.share * inertia.gravity[i];
@@ -514,7 +518,7 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
   const double k2 = random ? late[1] : 0.5 * options_.damping * (1.0 - z) * (3.0 + z);
   Row wayNow{}, way{};
   for (int i = 0; i < n; ++i) {
-    wayNow[i] = s.q[i] - input.kinematics.q[i];
+    wayNow[i] = s.estimate.q[i] - input.kinematics.q[i];
     way[i] = ahead.q[i] - input.kinematics.q[i];
   }
   Row waiting[kMaxServoDelay];  // what each command that may yet act does to the joints
@@ -543,8 +547,8 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     p.G[m][m] = rigid + k1 / contact.material.stiffness;
     double wish = -k1 * gap - k2 * speed - pushed;
     if (random) {  // from where the tool is now
-      const double push = dot(row, s.push, n);
-      wish = -k1 * (contact.gap + dot(row, wayNow, n)) - k2 * (dot(row, s.rate, n) - obstacle) - push;
+      const double push = dot(row, s.estimate.push, n);
+      wish = -k1 * (contact.gap + dot(row, wayNow, n)) - k2 * (dot(row, s.estimate.rate, n) - obstacle) - push;
       for (int i = 0; i < options_.delayHigh; ++i) wish -= late[2 + i] * (s.scale * dot(row, waiting[i], n) + push);
     }
     p.r[m] = std::min(wish, (outward - speed - pushed) * p.G[m][m] / rigid);
@@ -642,9 +646,11 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
   s.pushes = output.mode == RenderMode::contact ? 1.0 : 0.0;
   output.torque.resize(joints_);
   bool finite = true;
-  for (int i = 0; i < joints_; ++i)
-    finite = finite && std::isfinite(torque[i] + s.q[i] + s.rate[i] + s.push[i] + s.growth[i] + s.qByScale[i] +
-                                     s.rateByScale[i] + s.pushByScale[i] + s.growthByScale[i]);
+  for (int i = 0; i < joints_; ++i) {
+    finite = finite && std::isfinite(torque[i]);
+    for (const Motion* m : {&s.estimate, &s.byScale, &s.byChance})
+      finite = finite && std::isfinite(m->q[i] + m->rate[i] + m->push[i] + m->growth[i]);
+  }
   if (!finite) return Status::notFinite;  // numbers that are finite one by one can overflow together
   for (int d = kMaxServoDelay; d > 0; --d) s.commands[d] = s.commands[d - 1];
   for (int i = 0; i < joints_; ++i) output.torque[i] = k.gravity[i] + torque[i];

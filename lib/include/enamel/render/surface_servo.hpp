@@ -113,13 +113,21 @@ class SurfaceServoRenderer final : public Renderer {
   using LateGain = std::array<double, 2 + kMaxServoDelay>;  // of the gap, its rate, and what the commands that wait do
   static constexpr int kSchedule = 24;                      // ticks after which the gains are the slow ones again
 
+  struct Motion {  // of the joints: rad, rad/tick, rad/tick^2, rad/tick^3
+    Row q{}, rate{}, push{}, growth{};
+
+    void advance(int joint, double byTorque) noexcept;
+    void correct(int joint, const Gain& gain, double innovation) noexcept;
+  };
+
   // Time in ticks.
   struct State {
-    Row q{}, rate{}, push{}, growth{};                              // estimates: rad, rad/tick, rad/tick^2, rad/tick^3
-    Row qByScale{}, rateByScale{}, pushByScale{}, growthByScale{};  // their derivatives by s
-    Row meanInnovation{}, meanByScale{};                            // of the last ticks
-    Row rest{}, sinceMoved{};                                       // where each joint is at rest; ticks since it was
-    std::array<Row, kMaxServoDelay + 1> commands{};                 // the last first, N m
+    Motion estimate;
+    Motion byScale;                                  // its derivative by s
+    Motion byChance;                                 // the same, of what acted beyond what was to be expected
+    Row meanInnovation{}, meanByChance{};            // of the last ticks
+    Row rest{}, sinceMoved{};                        // where each joint is at rest; ticks since it was
+    std::array<Row, kMaxServoDelay + 1> commands{};  // the last first, N m
     Row lastResponse{}, lastInnovation{}, lastAngles{};
     double scale = 1.0, information = 0.0;
     double sinceJump = kSchedule;  // ticks
