@@ -15,7 +15,11 @@ namespace {
 constexpr double kNear = 2e-5;  // a contact that stays this far outside for a tick carries no force, m
 // Under a random delay a contact counts when the push alone would bring it that near within these ticks more, or after
 // a jump the fall from a bounce: a command that is left out while the tool hovers is missed when it falls back.
-constexpr double kHover = 2.0;
+constexpr double kHover = 3.0;
+// There a command that acts more often than once sends the tool out: with what may yet act it stays below the outward
+// speed by this many standard deviations. That speed is what the push turns back from the depth, at most this one, m,
+// and beyond: a tool that is deep and waits for its commands falls on.
+constexpr double kCautious = 1.5, kDeepest = 8e-4;
 constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inertia
 // Largest force of a contact, of what all would need if each were alone: walls that face each other and are too near by
 // a micrometre would push each other with hundreds of newtons, and hold the tool by friction. In a wedge of 30 deg it
@@ -186,7 +190,7 @@ SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int
       {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 0.01, 5.035, 0.95, 59.31, 0.25},
       {0.4596, 0.8894, 0.6415, 8.609, 0.003, 8e-6, 0.55, 0.17, 0.006, 6.095, 0.6458, 162.8, 0.3},
       {0.5217, 0.9228, 0.6563, 6.432, 0.008, 2.5e-5, 0.5427, 0.055, 0.004, 5.028, 0.5619, 12.26, 0.03},
-      {0.5, 1.0, 0.2, 6.0, 0.004527, 2.4e-5, 0.5427, 0.1, 0.004, 4.0, 0.95, 12.0, 0.03},
+      {0.5, 1.15, 0.3, 6.0, 0.08, 3e-5, 0.5427, 0.1, 0.004, 4.0, 0.95, 12.0, 0.03},
   };
   SurfaceServoOptions options;
   options.period = period;
@@ -301,7 +305,8 @@ SurfaceServoRenderer::LateGain SurfaceServoRenderer::lateGain(double pole) const
     const Vector before = gain;
     gain = BPA / (price + BPB);
     P = Q + APA - BPA * gain.transpose();
-    if ((gain - before).norm() <= 1e-12 * gain.norm()) break;
+    // A command that acts after `delayLow` ticks at the earliest has no price before.
+    if (step > options_.delayLow && (gain - before).norm() <= 1e-12 * gain.norm()) break;
   }
   LateGain late{};
   std::copy_n(gain.data(), n, late.begin());
@@ -521,6 +526,7 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     wayNow[i] = s.estimate.q[i] - input.kinematics.q[i];
     way[i] = ahead.q[i] - input.kinematics.q[i];
   }
+  const int delays = options_.delayHigh - options_.delayLow + 1;
   Row waiting[kMaxServoDelay];  // what each command that may yet act does to the joints
   for (int i = 0; random && i < options_.delayHigh; ++i) waiting[i] = inertia.responseOf(s.commands[i]);
 
@@ -536,8 +542,8 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     const double falling = s.sinceJump < kSchedule ? speed : std::max(0.0, speed);  // back from a bounce, or towards it
     const bool hovers = random && gap + kHover * falling + 0.5 * kHover * kHover * pushed < kNear;
     if (gap + speed + 0.5 * pushed > kNear && !hovers) continue;
-    const double outward =
-        T * options_.outwardSpeed + std::sqrt(2.0 * std::max(0.0, -pushed) * s.sure * options_.outwardDistance);
+    const double turned = options_.outwardDistance + (random ? std::clamp(-gap, 0.0, kDeepest) : 0.0);
+    const double outward = T * options_.outwardSpeed + std::sqrt(2.0 * std::max(0.0, -pushed) * s.sure * turned);
     const int m = p.contacts++;
     pushing.contact[m] = c;
     for (int other = 0; other <= m; ++other)
@@ -545,13 +551,23 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     // The speed's limit is on what the force does to the device, whatever gives way beside it.
     const double rigid = (1.0 + kRegularisation) * p.G[m][m];
     p.G[m][m] = rigid + k1 / contact.material.stiffness;
-    double wish = -k1 * gap - k2 * speed - pushed;
-    if (random) {  // from where the tool is now
-      const double push = dot(row, s.estimate.push, n);
-      wish = -k1 * (contact.gap + dot(row, wayNow, n)) - k2 * (dot(row, s.estimate.rate, n) - obstacle) - push;
-      for (int i = 0; i < options_.delayHigh; ++i) wish -= late[2 + i] * (s.scale * dot(row, waiting[i], n) + push);
+    double wish = -k1 * gap - k2 * speed - pushed, most = outward - speed - pushed;
+    if (random) {                                                                       // from where the tool is now
+      const double push = dot(row, s.estimate.push, n), pressed = std::min(0.0, push);  // a pull is not relied upon
+      const double rate = dot(row, s.estimate.rate, n) - obstacle, chance = 1.0 / delays;
+      double sent = 0.0, variance = 0.0;  // rate that commands under way will bring
+      wish = -k1 * (contact.gap + dot(row, wayNow, n)) - k2 * rate - push;
+      for (int i = 0; i < options_.delayHigh; ++i) {
+        const double response = s.scale * dot(row, waiting[i], n), beyond = response + pressed;
+        const double acts = chance * std::min(delays, options_.delayHigh - i);
+        wish -= late[2 + i] * (response + push);
+        sent += acts * beyond;
+        variance += acts * (1.0 - chance) * beyond * beyond;
+      }
+      most = (outward - rate - sent - kCautious * std::sqrt(variance)) / (1.0 + kCautious * std::sqrt(1.0 - chance)) -
+             pressed;
     }
-    p.r[m] = std::min(wish, (outward - speed - pushed) * p.G[m][m] / rigid);
+    p.r[m] = std::min(wish, most * p.G[m][m] / rigid);
     alone += std::max(0.0, p.r[m] / p.G[m][m]);
   }
   if (alone > 0.0) p.most = std::min(p.most, kMostShare * alone);
