@@ -192,6 +192,33 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
   }
 }
 
+// The same where commands come at random, are left out and act again.
+TEST_CASE("impacts and too much force are answered where the delay is random", "[hard]") {
+  WallTrialSetup setup;
+  setup.plant = std::make_shared<TauMechanism>(test::nominal());
+  setup.runs = test::count(20, 400);
+  for (const double wrong : {1.0, 0.7, 1.3}) {
+    setup.model = withInertia(setup.plant, wrong);
+    for (const Delay& delay : {Delay{0, 1}, Delay{0, 3}, Delay{1, 2}, Delay{2, 5}}) {
+      setup.delay = delay;
+      setup.renderer = [options = surfaceServoFor(setup.plant->limits().count, kPeriod, delay.low, delay.high)] {
+        return std::make_unique<SurfaceServoRenderer>(options);
+      };
+      for (const WallFigure& f : runWallTrials(setup, "", 2)) {
+        INFO("delay " << delay.low << " to " << delay.high << ", model's inertia by " << wrong << ", " << f.trial
+                      << ": " << f.figure << " is " << f.value << " " << f.unit);
+        CHECK(f.lost == 0);
+        const bool depth = f.figure == "depth of the allowed", bounce = f.figure == "bounce";
+        if (wrong == 1.0 && delay.high <= 3 && depth) CHECK(f.value < 120);
+        // 25 mm with a law that goes by the mean of what may yet act.
+        if (wrong == 1.0 && delay.high <= 3 && bounce) CHECK(f.value < 8e3);
+        if (f.figure == "pull") CHECK(f.value < 5e-3);
+        if (f.figure == "turned") CHECK(f.value < 1.0);
+      }
+    }
+  }
+}
+
 TEST_CASE("a tip 60 mm from the TCP is as good, as a share of its own limit", "[hard]") {
   const TauMechanism device(test::nominal());
   test::Random random(17);
