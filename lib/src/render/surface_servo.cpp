@@ -161,6 +161,7 @@ struct SurfaceServoRenderer::Pushing {
 // Joints and push when the command of this tick acts.
 struct SurfaceServoRenderer::Ahead {
   Row q, rate, push;
+  Row byCommands{};  // of the rate: what commands under way will have brought
 };
 
 const std::array<SurfaceServoParameter, 13>& surfaceServoParameters() noexcept {
@@ -502,7 +503,8 @@ SurfaceServoRenderer::Ahead SurfaceServoRenderer::predict(const Inertia& inertia
     for (int i = 0; i < joints_; ++i) commands.torque[i] -= commands.share * inertia.gravity[i];
     const Row response = inertia.response(commands.torque);
     for (int i = 0; i < joints_; ++i) {
-      const double acceleration = state_.scale * response[i] + commands.share * a.push[i];
+      const double own = state_.scale * response[i], acceleration = own + commands.share * a.push[i];
+      a.byCommands[i] += own;
       a.q[i] += a.rate[i] + 0.5 * acceleration;
       a.rate[i] += acceleration;
       a.push[i] += growth[i];
@@ -518,6 +520,8 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
   const int n = joints_;
   const bool random = isRandom(), jumps = s.sinceJump < options_.jumpTicks;
   const double T = options_.period, z = jumps ? options_.jumpPole : options_.pole;
+  // A device lighter than the model by this share is not sent out: all that the scale may be, until it is learnt.
+  const double doubt = (kHighestScale - 1.0) * kFirstWeight / (kFirstWeight + s.information);
   const LateGain& late = jumps ? lateJumpGain_ : lateGain_;
   const double k1 = random ? late[0] : (1.0 - z) * (1.0 - z);
   const double k2 = random ? late[1] : 0.5 * options_.damping * (1.0 - z) * (3.0 + z);
@@ -551,9 +555,10 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     // The speed's limit is on what the force does to the device, whatever gives way beside it.
     const double rigid = (1.0 + kRegularisation) * p.G[m][m];
     p.G[m][m] = rigid + k1 / contact.material.stiffness;
-    double wish = -k1 * gap - k2 * speed - pushed, most = outward - speed - pushed;
-    if (random) {                                                                       // from where the tool is now
-      const double push = dot(row, s.estimate.push, n), pressed = std::min(0.0, push);  // a pull is not relied upon
+    double wish = -k1 * gap - k2 * speed - pushed;
+    double most = (outward - speed - doubt * dot(row, ahead.byCommands, n)) / (1.0 + doubt) - pushed;
+    if (random) {  // from where the tool is now; a pull is not relied upon to stop it
+      const double push = dot(row, s.estimate.push, n), pressed = std::min(0.0, push);
       const double rate = dot(row, s.estimate.rate, n) - obstacle, chance = 1.0 / delays;
       double sent = 0.0, variance = 0.0;  // rate that commands under way will bring
       wish = -k1 * (contact.gap + dot(row, wayNow, n)) - k2 * rate - push;
@@ -564,8 +569,8 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
         sent += acts * beyond;
         variance += acts * (1.0 - chance) * beyond * beyond;
       }
-      most = (outward - rate - sent - kCautious * std::sqrt(variance)) / (1.0 + kCautious * std::sqrt(1.0 - chance)) -
-             pressed;
+      const double cautious = 1.0 + kCautious * std::sqrt(1.0 - chance);
+      most = (outward - rate - sent - kCautious * std::sqrt(variance)) / cautious - pressed;
     }
     p.r[m] = std::min(wish, most * p.G[m][m] / rigid);
     alone += std::max(0.0, p.r[m] / p.G[m][m]);
