@@ -20,6 +20,7 @@ constexpr double kHover = 3.0;
 // speed by this many standard deviations. That speed is what the push turns back from the depth, at most this one, m,
 // and beyond: a tool that is deep and waits for its commands falls on.
 constexpr double kCautious = 1.5, kDeepest = 8e-4;
+constexpr double kHop = 1e-4;             // m
 constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inertia
 // Largest force of a contact, of what all would need if each were alone: walls that face each other and are too near by
 // a micrometre would push each other with hundreds of newtons, and hold the tool by friction. In a wedge of 30 deg it
@@ -520,7 +521,7 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
   const int n = joints_;
   const bool random = isRandom(), jumps = s.sinceJump < options_.jumpTicks;
   const double T = options_.period, z = jumps ? options_.jumpPole : options_.pole;
-  // A device lighter than the model by this share is not sent out: all that the scale may be, until it is learnt.
+  // A device lighter than the model by this share hops no higher than kHop: all that it may be, until it is learnt.
   const double doubt = (kHighestScale - 1.0) * kFirstWeight / (kFirstWeight + s.information);
   const LateGain& late = jumps ? lateJumpGain_ : lateGain_;
   const double k1 = random ? late[0] : (1.0 - z) * (1.0 - z);
@@ -556,7 +557,10 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     const double rigid = (1.0 + kRegularisation) * p.G[m][m];
     p.G[m][m] = rigid + k1 / contact.material.stiffness;
     double wish = -k1 * gap - k2 * speed - pushed;
-    double most = (outward - speed - doubt * dot(row, ahead.byCommands, n)) / (1.0 + doubt) - pushed;
+    const double hop = std::sqrt(2.0 * std::max(0.0, -pushed) * kHop);
+    double most =
+        std::min(outward - speed, (outward + hop - speed - doubt * dot(row, ahead.byCommands, n)) / (1.0 + doubt)) -
+        pushed;
     if (random) {  // from where the tool is now; a pull is not relied upon to stop it
       const double push = dot(row, s.estimate.push, n), pressed = std::min(0.0, push);
       const double rate = dot(row, s.estimate.rate, n) - obstacle, chance = 1.0 / delays;
