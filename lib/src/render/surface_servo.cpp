@@ -46,9 +46,9 @@ constexpr double kOldJumps = 1e-3, kAgeDeviation = 0.2;
 constexpr double kFallTicks = 1.5, kFall = 2.0;
 // What stays of a push's growth from tick to tick: people do not press harder for ever.
 constexpr double kGrowthKept = 0.95;
-// An innovation up to this share of what the last change of the command moved may be the model's error: less, and a
-// model that is 30 % too heavy takes its own commands for jumps.
-constexpr double kModelError = 0.3;
+// An innovation that a scale wrong by this much explains may be the model's error: without, a model that is 30 % too
+// heavy takes its own commands for jumps.
+constexpr double kModelError = 0.15;
 
 // Estimation of the scale: weight of the first guess (s = 1), what is forgotten in a tick, ticks after a jump in which
 // nothing is learnt, largest innovation and slope, counts (an equation with a steeper slope is made smaller: what the
@@ -372,17 +372,17 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::acted(const TickInput& input) co
   return torque;
 }
 
-SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Normals& normals, const Row& response,
+SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Normals& normals,
                                                         const Row& innovation) const noexcept {
   const State& s = state_;
   if (s.sinceJump < kBlind) return {};
   const double deviation = (1.0 + kHabit * s.lateJumps) * scheduleNow().deviations[static_cast<int>(s.sinceJump)];
-  Row now{}, last{}, command{};  // counts
+  Row now{}, last{}, byScale{};  // counts
   for (int i = 0; i < joints_; ++i) {
     const double count = options_.count[i];
     now[i] = innovation[i] / count;
     last[i] = s.lastInnovation[i] / count;
-    command[i] = 0.5 * (response[i] - s.lastResponse[i]) / count;
+    byScale[i] = s.byScale.q[i] / count;
   }
   double strongest = 0.0, before = 0.0, over = 0.0;
   bool outward = false;
@@ -392,7 +392,7 @@ SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Norm
     const double size = std::sqrt(dot(direction, direction, joints_));
     const double along = dot(direction, now, joints_);
     const double threshold =
-        options_.jumpThreshold * deviation * size + kModelError * std::abs(dot(direction, command, joints_));
+        options_.jumpThreshold * deviation * size + kModelError * std::abs(dot(direction, byScale, joints_));
     if (std::abs(along) > threshold && std::abs(along) > strongest * size) {
       strongest = std::abs(along) / size;
       before = std::copysign(1.0, along) * dot(direction, last, joints_) / size;
@@ -448,7 +448,7 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   }
   if (astray) return start(input);
   if (strength > 0.0) learnFromStrongCommand(std::sqrt(moved) / strength, innovation);
-  const Jump jump = jumpOf(input.contacts.count, normals, response, innovation);
+  const Jump jump = jumpOf(input.contacts.count, normals, innovation);
   s.sure = jump.seen ? jump.sure : 1.0;
   s.lateJumps *= kHabitKept;
   if (jump.seen) {
@@ -491,7 +491,6 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     s.information = (1.0 - kForgotten) * s.information + slopes;
     s.scale = std::clamp(s.scale + slopeTimesError / (kFirstWeight + s.information), kLowestScale, kHighestScale);
   }
-  s.lastResponse = response;
   s.lastInnovation = innovation;
 }
 

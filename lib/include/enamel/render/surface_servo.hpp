@@ -128,7 +128,7 @@ class SurfaceServoRenderer final : public Renderer {
     Row meanInnovation{}, meanByChance{};            // of the last ticks
     Row rest{}, sinceMoved{};                        // where each joint is at rest; ticks since it was
     std::array<Row, kMaxServoDelay + 1> commands{};  // the last first, N m
-    Row lastResponse{}, lastInnovation{}, lastAngles{};
+    Row lastInnovation{}, lastAngles{};
     double scale = 1.0, information = 0.0;
     double sinceJump = kSchedule;  // ticks
     double letsGo = 0.0;           // 1: the last jump was outward
@@ -170,7 +170,7 @@ class SurfaceServoRenderer final : public Renderer {
   UnderWay underWay(int ahead) const noexcept;
   void learnFromStrongCommand(double most, Row& innovation) noexcept;
   void observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept;
-  Jump jumpOf(int contacts, const Normals& normals, const Row& response, const Row& innovation) const noexcept;
+  Jump jumpOf(int contacts, const Normals& normals, const Row& innovation) const noexcept;
   Ahead predict(const Inertia& inertia) const noexcept;
   const Schedule& scheduleNow() const noexcept { return state_.letsGo != 0.0 ? letGo_ : pushed_; }
   bool isRandom() const noexcept { return options_.delayLow < options_.delayHigh; }
