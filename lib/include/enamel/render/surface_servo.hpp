@@ -14,11 +14,14 @@
 //     that decay by themselves. How old the jump is shows in the innovation before: what has built up over some ticks
 //     is a push that the slow gains have not followed, and is answered gently. Outward it is a push that falls, and
 //     the covariance is raised by that of a growth. Just above the threshold, where it may be none, the gains are lower
-//     and the tool is stopped, not sent back. Jumps that follow each other within some 0.1 s must be larger and larger.
+//     and the tool is stopped, not sent back. Jumps that follow each other within some 0.1 s must be larger and larger,
+//     and none is what a scale wrong by 0.15 explains.
 //  3. Inertia. s is estimated by the recursive prediction-error method (Ljung and Soederstroem 1983) from what changes
 //     quickly, within kLowestScale to kHighestScale, while a contact carries force, no jump is under way and the
 //     encoders show more than the flicker of a tool at rest. A command that moves the tool by far more than pushes
-//     can, as after an impact, teaches at once.
+//     can, as after an impact, teaches at once. Where the delay is random, only what acted beyond its expectation
+//     teaches: an instrument without the bias of the loop. What s may yet be off by, its doubt, sends no tool out by
+//     more than 0.1 mm.
 //  4. Prediction through the delay, under the commands that are under way. Where the delay is random, it is by their
 //     mean: which contacts are near, how fast the tool leaves, and friction go by it, the law does not.
 //  5. Law. Every contact is asked for the gap acceleration  w_k = min(-k1 g_k - k2 g_k', v_out - g_k'),  k1 = (1-z)^2,
@@ -29,7 +32,8 @@
 //     stiffness k_m gives way by lambda / k_m.
 //     Where the delay is random, w_k is the state feedback that minimises the expected cost of a mass whose last
 //     commands act by chance: of g_k, g_k' and of what each command that may yet act would do (de Koning 1982). There a
-//     contact also has force where the push alone, or a fall after a jump, will bring it back within two ticks.
+//     contact also has force where the push alone, or a fall after a jump, will bring it back within three ticks, and
+//     v_out, from the depth, bounds g_k' with all that may yet act: its mean and 1.5 standard deviations.
 //  6. Friction along the surface: FrictionMemory, stuck with the poles 0.6 + 0.4 z.
 //
 // Proven: lambda >= 0, torques within limits, forces along N^T where a limit cuts. Stability, stiffness and chatter are
