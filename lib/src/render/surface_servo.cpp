@@ -20,7 +20,8 @@ constexpr double kHover = 3.0;
 // speed by this many standard deviations. That speed is what the push turns back from the depth, at most this one, m,
 // and beyond: a tool that is deep and waits for its commands falls on.
 constexpr double kCautious = 1.5, kDeepest = 8e-4;
-constexpr double kHop = 1e-4;             // m
+// A device lighter than the model hops no higher than this, m, for what its scale may yet turn out to be.
+constexpr double kHop = 1e-4;
 constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inertia
 // Largest force of a contact, of what all would need if each were alone: walls that face each other and are too near by
 // a micrometre would push each other with hundreds of newtons, and hold the tool by friction. In a wedge of 30 deg it
@@ -280,7 +281,7 @@ SurfaceServoRenderer::LateGain SurfaceServoRenderer::lateGain(double pole) const
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1>;
   const int n = 2 + options_.delayHigh;
-  const double likely = 1.0 / (options_.delayHigh - options_.delayLow + 1);
+  const double likely = 1.0 / delays();
   const double stiffness = (1.0 - pole) * (1.0 - pole), price = 1.0 / (stiffness * stiffness);
   Matrix Q = Matrix::Zero(n, n);
   Q(0, 0) = 1.0;
@@ -356,7 +357,7 @@ void SurfaceServoRenderer::start(const TickInput& input) noexcept {
 // Of the commands that were given, what may act `ahead` ticks from now, each delay being as likely.
 SurfaceServoRenderer::UnderWay SurfaceServoRenderer::underWay(int ahead) const noexcept {
   UnderWay sum;
-  const double likely = 1.0 / (options_.delayHigh - options_.delayLow + 1);
+  const double likely = 1.0 / delays();
   for (int delay = std::max(options_.delayLow, ahead + 1); delay <= options_.delayHigh; ++delay) {
     for (int i = 0; i < joints_; ++i) sum.torque[i] += likely * state_.commands[delay - ahead - 1][i];
     sum.share += likely;
@@ -520,7 +521,7 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
   const int n = joints_;
   const bool random = isRandom(), jumps = s.sinceJump < options_.jumpTicks;
   const double T = options_.period, z = jumps ? options_.jumpPole : options_.pole;
-  // A device lighter than the model by this share hops no higher than kHop: all that it may be, until it is learnt.
+  // All that the scale may be, until it is learnt.
   const double doubt = (kHighestScale - 1.0) * kFirstWeight / (kFirstWeight + s.information);
   const LateGain& late = jumps ? lateJumpGain_ : lateGain_;
   const double k1 = random ? late[0] : (1.0 - z) * (1.0 - z);
@@ -530,7 +531,7 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     wayNow[i] = s.estimate.q[i] - input.kinematics.q[i];
     way[i] = ahead.q[i] - input.kinematics.q[i];
   }
-  const int delays = options_.delayHigh - options_.delayLow + 1;
+  const double likely = 1.0 / delays(), cautious = 1.0 + kCautious * std::sqrt(1.0 - likely);
   Row waiting[kMaxServoDelay];  // what each command that may yet act does to the joints
   for (int i = 0; random && i < options_.delayHigh; ++i) waiting[i] = inertia.responseOf(s.commands[i]);
 
@@ -562,17 +563,16 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
         pushed;
     if (random) {  // from where the tool is now; a pull is not relied upon to stop it
       const double push = dot(row, s.estimate.push, n), pressed = std::min(0.0, push);
-      const double rate = dot(row, s.estimate.rate, n) - obstacle, chance = 1.0 / delays;
+      const double rate = dot(row, s.estimate.rate, n) - obstacle;
       double sent = 0.0, variance = 0.0;  // rate that commands under way will bring
       wish = -k1 * (contact.gap + dot(row, wayNow, n)) - k2 * rate - push;
       for (int i = 0; i < options_.delayHigh; ++i) {
         const double response = s.scale * dot(row, waiting[i], n), beyond = response + pressed;
-        const double acts = chance * std::min(delays, options_.delayHigh - i);
+        const double acts = likely * std::min(delays(), options_.delayHigh - i);
         wish -= late[2 + i] * (response + push);
         sent += acts * beyond;
-        variance += acts * (1.0 - chance) * beyond * beyond;
+        variance += acts * (1.0 - likely) * beyond * beyond;
       }
-      const double cautious = 1.0 + kCautious * std::sqrt(1.0 - chance);
       most = (outward - rate - sent - kCautious * std::sqrt(variance)) / cautious - pressed;
     }
     p.r[m] = std::min(wish, most * p.G[m][m] / rigid);

@@ -23,7 +23,7 @@
 //     teaches: an instrument without the bias of the loop. What s may yet be off by, its doubt, sends no tool out by
 //     more than 0.1 mm.
 //  4. Prediction through the delay, under the commands that are under way. Where the delay is random, it is by their
-//     mean: which contacts are near, how fast the tool leaves, and friction go by it, the law does not.
+//     mean: which contacts are near and friction go by it, the law does not.
 //  5. Law. Every contact is asked for the gap acceleration  w_k = min(-k1 g_k - k2 g_k', v_out - g_k'),  k1 = (1-z)^2,
 //     k2 = r (1-z)(3+z)/2, where v_out = outwardSpeed + sqrt(2 |N_k a| outwardDistance) is what the push turns back at
 //     once. The forces lambda >= 0 solve  N (s M^-1 N^T lambda + a) >= w,  with equality where lambda > 0, as a
@@ -177,6 +177,7 @@ class SurfaceServoRenderer final : public Renderer {
   Jump jumpOf(int contacts, const Normals& normals, const Row& innovation) const noexcept;
   Ahead predict(const Inertia& inertia) const noexcept;
   const Schedule& scheduleNow() const noexcept { return state_.letsGo != 0.0 ? letGo_ : pushed_; }
+  int delays() const noexcept { return options_.delayHigh - options_.delayLow + 1; }  // each as likely
   bool isRandom() const noexcept { return options_.delayLow < options_.delayHigh; }
   LateGain lateGain(double pole) const;
   Pushing pushing(const TickInput& input, const Inertia& inertia, const Normals& normals,
