@@ -25,6 +25,9 @@ TEST_CASE("speed against error of a tick and of a push", "[timing]") {
   // Every tick costs more than looking at the clock: less would be a tick that the compiler has dropped.
   for (const std::string renderer : {"position-control", "hold", "impedance"})
     CHECK(medianOf("whole tick, " + renderer) > medianOf("nothing (the clock's own cost)"));
+  for (const std::string row : {"0 contacts, position-control", "6 contacts, position-control", "0 contacts, impedance",
+                                "6 contacts, impedance"})
+    CHECK(medianOf("whole tick, " + row) > medianOf("nothing (the clock's own cost)"));
 }
 
 }  // namespace enamel::test_tick

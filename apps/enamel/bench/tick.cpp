@@ -51,14 +51,16 @@ struct Path {
   std::vector<Pose> poses;
 };
 
-Path pathThroughTheWall(const Mechanism& mechanism, int ticks) {
+// `sideways`: how far it also slides along the wall, m. `height`: of its mean above the wall, m.
+Path pathThroughTheWall(const Mechanism& mechanism, int ticks, double sideways = 0.01, double height = 0.0) {
   Path path;
   for (int i = 0; i < ticks; ++i) {
     const double t = kPeriod * i;
     Pose pose;
-    pose.position = {0.01 * std::sin(2.0 * t), 0.01 * std::cos(3.0 * t), 2e-4 * std::sin(25.0 * t)};
+    pose.position = {sideways * std::sin(2.0 * t), sideways * std::cos(3.0 * t), height + 2e-4 * std::sin(25.0 * t)};
     Vec6 twist = Vec6::Zero();
-    twist.head<3>() << 0.02 * std::cos(2.0 * t), -0.03 * std::sin(3.0 * t), 5e-3 * std::cos(25.0 * t);
+    twist.head<3>() << 2.0 * sideways * std::cos(2.0 * t), -3.0 * sideways * std::sin(3.0 * t),
+        5e-3 * std::cos(25.0 * t);
     Kinematics k;
     if (mechanism.reach(pose, twist, false, k) != Status::ok) throw std::logic_error("path outside the workspace");
     path.measured.push_back({t, k.q, k.rates, {}});
@@ -85,6 +87,64 @@ std::pair<Percentiles, Percentiles> timeLinkedAndPlugin(const std::vector<TickIn
       times_us[which].push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count() / kTurn);
     }
   return {percentilesOf(times_us[0]), plugin == nullptr ? Percentiles{} : percentilesOf(times_us[1])};
+}
+
+// A plate on three balls, each between two pins: six contacts, whose normals hold all six axes (Maxwell's coupling).
+struct Coupling {
+  Scene pins;
+  Tool plate;
+};
+
+Coupling plateOnSixPins() {
+  constexpr double kArm = 0.02, kBall = 2e-3, kPin = 3e-3, kAside = 3.5e-3;  // m
+  const double low = kBall - std::sqrt((kBall + kPin) * (kBall + kPin) - kAside * kAside);
+  Coupling coupling;
+  coupling.plate.count = 3;
+  for (std::size_t ball = 0; ball < 3; ++ball) {
+    const double angle = 2.0 * M_PI / 3.0 * static_cast<double>(ball);
+    const Vec3 outward(std::cos(angle), std::sin(angle), 0.0), aside(-std::sin(angle), std::cos(angle), 0.0);
+    ToolPart& part = coupling.plate.parts[ball];
+    part.a = part.b = kArm * outward + kBall * Vec3::UnitZ();
+    part.radius = kBall;
+    for (const double side : {-1.0, 1.0}) {
+      Obstacle pin{"pin " + std::to_string(coupling.pins.obstacles().size()), Sphere{kPin}, Pose{}, Vec6::Zero(), {}};
+      pin.pose.position = kArm * outward + side * kAside * aside + low * Vec3::UnitZ();
+      coupling.pins.add(std::move(pin));
+    }
+  }
+  return coupling;
+}
+
+// Whole ticks on `path`; `error`: those that were not ok or saw another number of contacts than `contacts`.
+Measurement timeTicks(const std::string& name, const Path& path, int contacts, HapticTick& tick) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<double> times_us;
+  int wrong = 0;
+  Command command;
+  for (const enamel::Measurement& measured : path.measured) {
+    const auto start = Clock::now();
+    const Status status = tick(measured, command);
+    times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+    wrong += status != Status::ok || tick.input().contacts.count != contacts;
+  }
+  return rowOf(name, std::move(times_us), wrong, "ticks not ok, or with more or fewer contacts");
+}
+
+// What contacts cost: the same law in the air and with six of them.
+void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
+                          const std::vector<std::pair<const char*, Renderer*>>& renderers,
+                          std::vector<Measurement>& rows) {
+  const Scene wall = flatWall();
+  const Coupling coupling = plateOnSixPins();
+  const Path above = pathThroughTheWall(mechanism, ticks, 0.01, 5e-3);
+  const Path through = pathThroughTheWall(mechanism, ticks, 5e-5, -1e-4);
+  for (const auto& [name, renderer] : renderers) {
+    HapticTick inTheAir(mechanism, wall, Tool{}, *renderer, guarded);
+    rows.push_back(timeTicks(std::string("whole tick, 0 contacts, ") + name, above, 0, inTheAir));
+    HapticTick onPins(mechanism, coupling.pins, coupling.plate, *renderer, guarded);
+    rows.push_back(timeTicks(std::string("whole tick, 6 contacts, ") + name, through, 6, onPins));
+    renderer->reset();
+  }
 }
 
 }  // namespace
@@ -203,6 +263,7 @@ std::vector<Measurement> measureTick(double scale) {
     add(std::string("the same as a plugin, ") + name, across, different, "ticks that differ from the linked one",
         part.p50 + 0.1);
   }
+  addNumbersOfContacts(*mechanism, ticks, guarded, {{"position-control", &servo}, {"impedance", &spring}}, rows);
   {  // between whole ticks, the file's side on a thread of its own that writes nowhere; `error`: ticks that were lost
     using Clock = std::chrono::steady_clock;
     HapticTick tick(*mechanism, wall, tool, servo, guarded);
