@@ -1,0 +1,212 @@
+// A tool that rests on a wall, and one thing that goes wrong. What is expected, case by case.
+#include "support/pressed_wall.hpp"
+
+#include "support/catch.hpp"
+
+namespace enamel::test_pressed_wall {
+
+using test::PressedWall;
+using test::PressResult;
+using test::run;
+
+namespace {
+
+PressedWall withDriver(std::function<Status(int, Measurement&)> driver) {
+  PressedWall press;
+  press.driver = std::move(driver);
+  return press;
+}
+
+PressedWall withHost(double force, std::function<void(int, Scene&)> host) {
+  PressedWall press;
+  press.force = force;
+  press.host = std::move(host);
+  return press;
+}
+
+Vec6 upward(double speed) {
+  Vec6 twist = Vec6::Zero();
+  twist[2] = speed;
+  return twist;
+}
+
+// The driver tells that no torque acted, whatever the motors did.
+PressedWall appliedZero() {
+  return withDriver([](int tick, Measurement& sample) {
+    if (tick >= 0) sample.applied.setZero();
+    return Status::ok;
+  });
+}
+
+// The wall stays where it is, and the host says that it moves.
+PressedWall restingWallClaims(double speed) {
+  return withHost(8.0, [=](int tick, Scene& scene) {
+    if (tick >= 0) (void)scene.move(0, scene.obstacles()[0].pose, upward(speed));
+  });
+}
+
+PressedWall samplesEvery(double period) {
+  PressedWall press;
+  press.period = period;
+  return press;
+}
+
+PressedWall oneSampleWith(Status status) {
+  return withDriver([=](int tick, Measurement&) { return tick == 0 ? status : Status::ok; });
+}
+
+// One sample in which joint 0 is that many counts off.
+PressedWall oneSampleOff(const std::string& device, double force, double counts) {
+  const double step = makeMechanism(loadDevice(test::deviceFile(device)))->limits().count[0];
+  PressedWall press = withDriver([=](int tick, Measurement& sample) {
+    if (tick == 0) sample.q[0] += counts * step;
+    return Status::ok;
+  });
+  press.device = device;
+  press.force = force;
+  return press;
+}
+
+// A wall that rises at 20 mm/s for 0.3 s. Every `every` ticks the host sets the pose, with the velocity of the step
+// over one tick, as an application does that divides by the controller's period.
+PressedWall risingWall(int every) {
+  return withHost(4.0, [=](int tick, Scene& scene) {
+    if (tick < 0 || tick > 300) return;
+    Pose pose = scene.obstacles()[0].pose;
+    const bool isSet = tick % every == 0 && tick < 300;
+    if (isSet) pose.position.z() += 20e-6 * every;
+    (void)scene.move(0, pose, upward(isSet ? 20e-6 * every / 1e-3 : 0.0));
+  });
+}
+
+// An application adds 2 N of vibration behind the controller, on a device that reports the torque that acted or not.
+PressedWall vibrating(bool reportsTorque) {
+  PressedWall press = withDriver([=](int, Measurement& sample) {
+    if (!reportsTorque) sample.applied.resize(0);
+    return Status::ok;
+  });
+  press.force = 3.0;
+  press.vibration = 2.0;
+  return press;
+}
+
+}  // namespace
+
+TEST_CASE("pressed wall: without a fault the tool rests on the wall", "[cases]") {
+  for (const char* device : {"tau-nominal.toml", "cartesian-6.toml"})
+    for (const double force : {4.0, 8.0}) {
+      INFO(device << ", " << force << " N");
+      PressedWall press;
+      press.device = device;
+      press.force = force;
+      const PressResult result = run(press);
+      CHECK(result.finished);
+      CHECK(result.guard == GuardReason::none);
+      CHECK(result.depthBefore > 0.0);
+      CHECK(result.depth < 20e-6);
+      CHECK(result.lift < 20e-6);
+      CHECK(result.energy < 1e-3);
+    }
+}
+
+// The runs of the cases below before anything goes wrong, so that none of them fails for another reason.
+TEST_CASE("pressed wall: all is well before the fault", "[cases]") {
+  for (const PressedWall& press :
+       {appliedZero(), restingWallClaims(1.0), oneSampleWith(Status::notFinite), oneSampleWith(Status::stale),
+        oneSampleOff("tau-nominal.toml", 8.0, 200.0), oneSampleOff("cartesian-6.toml", 4.0, 20.0), risingWall(17)}) {
+    const PressResult result = run(press);
+    CHECK(result.depthBefore > 0.0);
+    CHECK(result.depthBefore < 20e-6);
+  }
+}
+
+TEST_CASE(
+    "case 01: a wrong report of zero torque adds little energy or ends as a fault "
+    "(expected failure until claims are checked)",
+    "[!shouldfail][cases]") {
+  const PressResult result = run(appliedZero());
+  CAPTURE(result.energy, result.lift, toString(result.guard));
+  CHECK((isFault(result.guard) || result.energy < 0.02));
+}
+
+TEST_CASE(
+    "case 02: a wall at rest that claims 1 m/s adds little energy or ends as a fault "
+    "(expected failure until claims are checked)",
+    "[!shouldfail][cases]") {
+  const PressResult result = run(restingWallClaims(1.0));
+  CAPTURE(result.energy, result.lift, toString(result.guard));
+  CHECK((isFault(result.guard) || result.energy < 0.05));
+}
+
+TEST_CASE(
+    "case 03: with samples every 0.4 ms the wall holds or a fault says why not "
+    "(expected failure until the controller follows from physics)",
+    "[!shouldfail][cases]") {
+  const PressResult result = run(samplesEvery(0.4e-3));
+  CAPTURE(result.depth, toString(result.guard));
+  CHECK((isFault(result.guard) || result.depth < 0.5e-3));
+}
+
+TEST_CASE("case 09: a driver that fails is a fault (expected failure until claims are checked)",
+          "[!shouldfail][cases]") {
+  CHECK(isFault(run(oneSampleWith(Status::notFinite)).guard));
+}
+
+TEST_CASE(
+    "case 10: one sample 200 counts off moves the tool by less than 0.2 mm "
+    "(expected failure until the controller follows from physics)",
+    "[!shouldfail][cases]") {
+  const PressResult result = run(oneSampleOff("tau-nominal.toml", 8.0, 200.0));
+  CAPTURE(result.lift, toString(result.guard));
+  CHECK(result.lift < 0.2e-3);
+}
+
+TEST_CASE(
+    "case 10: one sample 20 counts off is not taken for a frozen encoder "
+    "(expected failure until the controller follows from physics)",
+    "[!shouldfail][cases]") {
+  CHECK(run(oneSampleOff("cartesian-6.toml", 4.0, 20.0)).guard != GuardReason::frozen);
+}
+
+TEST_CASE(
+    "case 19: one lost sample lets the tool sink by less than 10 um "
+    "(expected failure until one tick is one path)",
+    "[!shouldfail][cases]") {
+  const PressResult result = run(oneSampleWith(Status::stale));
+  CAPTURE(result.depthBefore, result.depth);
+  CHECK(result.depth < 10e-6);
+}
+
+TEST_CASE("case 20: a wall that rises at 20 mm/s carries the tool if its pose is set at every tick", "[cases]") {
+  const PressResult result = run(risingWall(1));
+  CHECK(result.finished);
+  CHECK(result.guard == GuardReason::none);
+  CHECK(result.lift < 0.1e-3);
+}
+
+TEST_CASE(
+    "case 20: a wall that rises at 20 mm/s carries the tool if its pose is set 60 times a second "
+    "(expected failure until claims are checked)",
+    "[!shouldfail][cases]") {
+  const PressResult result = run(risingWall(17));
+  CAPTURE(result.lift, result.energy, toString(result.guard));
+  CHECK(result.lift < 0.2e-3);
+}
+
+TEST_CASE("case 23: a vibration behind the controller moves the tool little if the device reports its torque",
+          "[cases]") {
+  const PressResult result = run(vibrating(true));
+  CHECK(result.finished);
+  CHECK(result.lift < 50e-6);
+}
+
+TEST_CASE(
+    "case 23: a vibration behind the controller moves the tool little on a device that cannot report its torque "
+    "(expected failure until the controller follows from physics)",
+    "[!shouldfail][cases]") {
+  const PressResult result = run(vibrating(false));
+  CAPTURE(result.lift);
+  CHECK(result.lift < 50e-6);
+}
+
+}  // namespace enamel::test_pressed_wall
