@@ -199,7 +199,7 @@ void run(const PushOptions& options) {
         collector.add(tick);
         wayOut.add(tick);
         if (file) file->write(tick);
-        if (recording.empty() || tick.status == Status::stale) return;  // nothing came, nothing was computed
+        if (recording.empty()) return;
         if (!recorder) recorder.emplace(recording, header, loop.hapticTick());
         recorder->makeRoom();
         recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);

@@ -338,7 +338,7 @@ void Experiment::tickHeld() noexcept {
       frame_.hand.velocity.setZero();
     }
   }
-  if (recorder_ && frame_.plant == Status::ok && record.status != Status::stale)
+  if (recorder_ && frame_.plant == Status::ok)
     recorder_->add(recorded_++, loop_.measurement(), loop_.hapticTick(), loop_.command(), record.status, isReset_);
   isReset_ = false;
   ++frame_.guardTicks[static_cast<std::size_t>(record.guard)];

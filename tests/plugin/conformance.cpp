@@ -36,7 +36,7 @@ TEST_CASE("our plugins keep the contract and export one symbol", "[plugin]") {
 
 TEST_CASE("bad plugins are caught with the right reason", "[plugin]") {
   std::map<std::string, std::string> reasons = {
-      {"version", "has ABI version 3, this host 2"},
+      {"version", "has ABI version 4, this host loads 2 to 3"},
       {"size", "its EnamelTickInput has"},
       {"table", "a function of its table is missing"},
       {"symbol", "a_function_that_nobody_has"},

@@ -29,6 +29,7 @@ inline void toPlain(const TickInput& in, EnamelTickInput& out) noexcept {
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Kinematics& k = in.kinematics;
   out.time = in.time;
+  out.age = in.age;
   toPlain(k.q, out.q);
   toPlain(k.rates, out.rates);
   Eigen::Map<Vec3>(out.position) = k.pose.position;
@@ -44,7 +45,7 @@ inline void toPlain(const TickInput& in, EnamelTickInput& out) noexcept {
     std::copy_n(k.inertia.col(i).data(), k.inertia.rows(), out.inertia[i]);
   out.joint_count = static_cast<int32_t>(k.q.size());
   out.contact_count = in.contacts.count;
-  out.reserved = 0;
+  out.age = in.age;
   for (int i = 0; i < storedContacts(in.contacts.count); ++i) {
     const Contact& from = in.contacts.contacts[i];
     EnamelContact& to = out.contacts[i];

@@ -68,9 +68,10 @@ void checkSize(const std::string& path, const char* what, std::uint32_t found, s
 }
 
 void checkTable(const std::string& path, const EnamelPlugin& table) {
-  if (table.abi_version != ENAMEL_ABI_VERSION)
-    throw PluginError(path + ": has ABI version " + std::to_string(table.abi_version) + ", this host " +
-                      std::to_string(ENAMEL_ABI_VERSION));
+  if (table.abi_version < ENAMEL_OLDEST_ABI_VERSION || table.abi_version > ENAMEL_ABI_VERSION)
+    throw PluginError(path + ": has ABI version " + std::to_string(table.abi_version) + ", this host loads " +
+                      std::to_string(ENAMEL_OLDEST_ABI_VERSION) + " to " + std::to_string(ENAMEL_ABI_VERSION) +
+                      ": build the plugin with this version's headers");
   checkSize(path, "EnamelPlugin", table.plugin_size, sizeof(EnamelPlugin));
   checkSize(path, "EnamelTickInput", table.input_size, sizeof(EnamelTickInput));
   checkSize(path, "EnamelTickOutput", table.output_size, sizeof(EnamelTickOutput));

@@ -165,11 +165,12 @@ template <typename AnyState, typename Visit>
 void Guard::forEachNumber(AnyState& s, const Visit& visit) {
   visit(s.fault);
   for (auto* flag : {&s.started, &s.acted, &s.open, &s.withheld, &s.known, &s.shedding}) visit(*flag);
-  for (auto* number : {&s.time, &s.weight, &s.energy, &s.peak, &s.missed}) visit(*number);
+  for (auto* number : {&s.time, &s.sampleTime, &s.ticks, &s.weight, &s.energy, &s.peak, &s.missed}) visit(*number);
   visit(s.rampTicks);
-  for (auto* row :
-       {&s.q, &s.torque, &s.gravity, &s.rendered, &s.from, &s.fromGravity, &s.beyond, &s.jerk, &s.pace, &s.claimed})
+  for (auto* row : {&s.q, &s.acting, &s.torque, &s.gravity, &s.rendered, &s.from, &s.fromGravity, &s.beyond, &s.jerk,
+                    &s.pace, &s.claimed})
     for (auto& number : *row) visit(number);
+  for (int i = 0; i < 6; ++i) visit(s.twist[i]);
   for (int i = 0; i < 3; ++i) visit(s.surface[i]);
   for (auto& flag : s.even) visit(flag);
   for (auto& ticks : s.still) visit(ticks);
@@ -219,7 +220,12 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
       !(m.applied.size() == 0 || (isSize(m.applied, n_) && eachWithin(m.applied, kLargestTorque))))
     return GuardReason::measurement;
   if (!s.started) return GuardReason::none;
-  const double time = std::max(elapsed, options_.period);
+  const double longest = options_.longestGap * options_.period * kRounding;
+  if (m.age > 0) {
+    if (!(elapsed > 0.0)) return GuardReason::clock;
+    return m.age > options_.longestGap || elapsed > longest ? GuardReason::late : GuardReason::none;
+  }
+  const double time = std::max(m.time - s.sampleTime, options_.period);
   GuardReason reason = GuardReason::none;
   for (int i = 0; i < n_; ++i) {
     const double way = std::abs(m.q[i] - s.q[i]), count = options_.count[i];
@@ -238,18 +244,19 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   }
   if (reason != GuardReason::none) return reason;
   if (!(elapsed > 0.0)) return GuardReason::clock;
-  return elapsed > options_.longestGap * options_.period * kRounding ? GuardReason::late : GuardReason::none;
+  return elapsed > longest ? GuardReason::late : GuardReason::none;
 }
 
-// Workspace, speed and energy of the motion since the last tick; its twist.
-GuardReason Guard::moved(const Measurement& m, const Kinematics& k, double elapsed, Vec6& twist) noexcept {
+// Workspace, speed and energy of the motion since the last sample; its twist.
+GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   State& s = state_;
   const GuardOptions& o = options_;
-  const bool acts = isSize(m.applied, n_);
+  const double elapsed = m.time - s.sampleTime;
+  const bool acts = isSize(m.applied, n_) && s.ticks == 1.0;  // it says what acted in the last tick
   double work = 0.0;
   Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
   for (int i = 0; i < n_; ++i) {
-    const double step = m.q[i] - s.q[i], beyond = (acts ? m.applied[i] : s.torque[i]) - s.gravity[i];
+    const double step = m.q[i] - s.q[i], beyond = (acts ? m.applied[i] : s.acting[i]) - s.gravity[i];
     way += k.jacobian.col(i) * step;
     wrench += k.inverseTransposed.col(i) * beyond;
     // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
@@ -257,7 +264,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k, double elaps
     work += beyond * step - 0.5 * o.count[i] * std::abs(beyond - s.beyond[i]);
     s.beyond[i] = beyond;
   }
-  twist = way / std::max(elapsed, 0.5 * o.period);
+  s.twist = way / std::max(elapsed, 0.5 * o.period);
 
   const double force = std::hypot(wrench.head<3>().norm(), wrench.tail<3>().norm() / kLever);
   s.peak = std::max(force, s.peak * std::max(0.0, 1.0 - elapsed / kForgets));
@@ -275,8 +282,8 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k, double elaps
 
   for (int i = 0; i < 3; ++i)
     if (!(std::abs(k.pose.position[i]) <= o.workspace[i] + o.margin)) return GuardReason::workspace;
-  if (!(twist.head<3>().squaredNorm() <= o.stopSpeed * o.stopSpeed &&
-        twist.tail<3>().squaredNorm() <= o.stopTurn * o.stopTurn))
+  if (!(s.twist.head<3>().squaredNorm() <= o.stopSpeed * o.stopSpeed &&
+        s.twist.tail<3>().squaredNorm() <= o.stopTurn * o.stopTurn))
     return GuardReason::speed;
   return s.energy <= o.energy ? GuardReason::none : GuardReason::energy;
 }
@@ -321,10 +328,11 @@ bool Guard::limitSlew(double elapsed, JointVector& torque) const noexcept {
 }
 
 // What a request without a fault becomes.
-GuardReason Guard::shape(const Measurement& m, const Kinematics& k, const JointVector& requested, const Vec6& twist,
-                         double elapsed, JointVector& torque) noexcept {
+GuardReason Guard::shape(const Measurement& m, const Kinematics& k, const JointVector& requested, double elapsed,
+                         JointVector& torque) noexcept {
   State& s = state_;
   const GuardOptions& o = options_;
+  const Vec6& twist = s.twist;
   GuardReason reason = GuardReason::none;
   bool small = true;
   for (int i = 0; i < n_; ++i) small = small && std::abs(s.rendered[i]) <= o.engage * o.torque[i];
@@ -414,6 +422,11 @@ GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const Join
   State& s = state_;
   GuardedCommand command;
   command.torque.setZero(n_);
+  if (m.age > 0 && !s.started) {  // no sample yet since reset(): as before
+    for (int i = 0; i < n_; ++i) command.torque[i] = s.torque[i];
+    command.reason = GuardReason::waiting;
+    return command;
+  }
   const double elapsed = m.time - s.time;
   const GuardReason read = measured(m, elapsed);
   const bool believed = read == GuardReason::none || read == GuardReason::clock || read == GuardReason::late;
@@ -424,16 +437,15 @@ GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const Join
     if (isSize(requested, n_)) command.torque = requested;
   } else {
     GuardReason found = read;
-    Vec6 twist = Vec6::Zero();
     if (found == GuardReason::none && !known) found = GuardReason::unreachable;
     if (found == GuardReason::none &&
         (status != Status::ok || !isSize(requested, n_) || !eachWithin(requested, kLargestTorque)))
       found = GuardReason::renderer;
     if (found == GuardReason::none && s.started) {
-      found = moved(m, k, elapsed, twist);
+      if (m.age == 0) found = moved(m, k);
       if (found == GuardReason::none) {
-        s.missed =
-            std::max(0.0, s.missed - kForgottenMisses) + std::max(0.0, std::round(elapsed / options_.period) - 1.0);
+        const double missed = std::max(0.0, std::round(elapsed / options_.period) - 1.0) + (m.age > 0 ? 1.0 : 0.0);
+        s.missed += missed - kForgottenMisses * s.missed;
         if (s.missed > options_.mostMissed) found = GuardReason::deadlines;
       }
     }
@@ -446,7 +458,7 @@ GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const Join
       s.rampTicks = 0;
     }
     if (s.fault == GuardReason::none) {
-      command.reason = shape(m, k, requested, twist, elapsed, command.torque);
+      command.reason = shape(m, k, requested, elapsed, command.torque);
       s.gravity = bounded(k.gravity);
     } else {
       command.reason = s.fault;
@@ -457,13 +469,19 @@ GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const Join
   }
 
   if (believed || read == GuardReason::jump || read == GuardReason::frozen) {
-    for (int i = 0; i < n_; ++i) s.q[i] = m.q[i];
     s.time = m.time;
+    if (m.age == 0) {
+      for (int i = 0; i < n_; ++i) s.q[i] = m.q[i];
+      s.sampleTime = m.time;
+      s.ticks = 0.0;
+    }
     s.started = true;
   }
+  s.ticks = std::min(s.ticks + 1.0, options_.longestGap + 2.0);  // a fault may last for months
   for (int i = 0; i < n_; ++i) {
     if (!std::isfinite(command.torque[i])) command.torque[i] = 0.0;  // a Jacobian of 1e308
     s.torque[i] = command.torque[i];
+    s.acting[i] = s.ticks == 1.0 ? s.torque[i] : s.acting[i] + (s.torque[i] - s.acting[i]) / s.ticks;
   }
   s.acted = true;
   s.surface = surface;

@@ -38,9 +38,12 @@ Status ImpedanceRenderer::render(const TickInput& input, TickOutput& output) noe
     state_.q[i] = k.q[i];
   }
   const Vec6 way = twistOf(k.jacobian, moved);
-  const double elapsed = state_.started != 0.0 ? input.time - state_.lastTime : 0.0;
-  state_.lastTime = input.time;
-  state_.started = 1.0;
+  double elapsed = 0.0;  // between samples, s
+  if (input.age == 0) {
+    if (state_.started != 0.0) elapsed = input.time - state_.sampleTime;
+    state_.sampleTime = input.time;
+    state_.started = 1.0;
+  }
 
   Vec6 wrench = Vec6::Zero();
   state_.friction.begin();
@@ -48,14 +51,16 @@ Status ImpedanceRenderer::render(const TickInput& input, TickOutput& output) noe
   for (int i = 0; i < input.contacts.count; ++i) {
     const Contact& contact = input.contacts.contacts[i];
     const Vec3 arm = contact.point - k.pose.position, velocity = contactVelocity(k, contact);
-    const Slide slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, Vec3::Zero(), velocity};
+    const double gap = predictedGap(input, contact, period_);
+    const Slide slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, input.age * period_ * velocity,
+                      velocity};
     const Grasp grasp{options_.stiffness, options_.damping};
-    if (!(contact.gap < 0.0)) {
+    if (!(gap < 0.0)) {
       (void)state_.friction.force(contact, slide, grasp, 0.0);  // it may touch again at once
       continue;
     }
     const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // 1/0 = infinite: no force
-    const double force = std::max(0.0, -contact.gap / compliance - options_.damping * contact.normal.dot(velocity));
+    const double force = std::max(0.0, -gap / compliance - options_.damping * contact.normal.dot(velocity));
     const Vec3 both = force * contact.normal + state_.friction.force(contact, slide, grasp, force);
     wrench.head<3>() += both;
     wrench.tail<3>() += arm.cross(both);

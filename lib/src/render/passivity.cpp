@@ -19,7 +19,9 @@ struct Port {
   std::array<double, kLayers> energy{};  // J; all of it in the first one where there is no memory
   double depth = 0.0;                    // m
   double started = 0.0;
-  std::array<double, kMaxJoints> q{}, torque{};  // of the last tick; the torque beyond gravity
+  std::array<double, kMaxJoints> q{};       // of the last sample
+  std::array<double, kMaxJoints> torque{};  // beyond gravity, the mean since then
+  double ticks = 0.0;                       // since then
 };
 
 std::size_t layerAt(double depth) noexcept {
@@ -97,11 +99,13 @@ Status PassivityRenderer::render(const TickInput& input, TickOutput& output) noe
     }
   }
   const JointVector carriedRates = k.inverseTransposed.transpose() * carried;
-  if (port.started != 0.0) {
+  const bool isSample = input.age == 0;  // without one, the motion is not known yet
+  if (isSample && port.started != 0.0) {
     double taken = 0.0;
     for (Eigen::Index i = 0; i < n; ++i) {
-      const double acted = input.applied.size() == n ? input.applied[i] - k.gravity[i] : port.torque[i];
-      taken -= acted * (k.q[i] - port.q[i] - period_ * carriedRates[i]);
+      const bool isTold = input.applied.size() == n && port.ticks == 1.0;
+      const double acted = isTold ? input.applied[i] - k.gravity[i] : port.torque[i];
+      taken -= acted * (k.q[i] - port.q[i] - port.ticks * period_ * carriedRates[i]);
     }
     alongLayers(port.depth, depth, [&](std::size_t i, double share) { port.energy[i] += share * taken; });
   }
@@ -110,18 +114,20 @@ Status PassivityRenderer::render(const TickInput& input, TickOutput& output) noe
   for (std::size_t i = present; i < kLayers; ++i) port.energy[i] = std::min(port.energy[i], 0.0);
   port.started = 1.0;
   port.depth = depth;
+  port.ticks = isSample ? 1.0 : port.ticks + 1.0;
   const JointVector rendered = output.torque - k.gravity;
-  const double given = period_ * rendered.dot(k.rates - carriedRates);
+  const double giving = period_ * rendered.dot(k.rates - carriedRates);
   double share = 1.0;
-  if (given > 0.0)
+  if (giving > 0.0)
     alongLayers(depth, std::max(0.0, depth + period_ * inward), [&](std::size_t i, double part) {
-      if (part > 0.0) share = std::min(share, std::max(0.0, port.energy[i]) / (part * given));
+      if (part > 0.0) share = std::min(share, std::max(0.0, port.energy[i]) / (part * giving));
     });
   output.torque = k.gravity + share * rendered;
   output.normalForce *= share;
   for (Eigen::Index i = 0; i < n; ++i) {
     port.q[i] = k.q[i];
-    port.torque[i] = share * rendered[i];
+    const double given = share * rendered[i];
+    port.torque[i] = isSample ? given : port.torque[i] + (given - port.torque[i]) / port.ticks;
   }
   std::memcpy(state_.data(), &port, sizeof(port));
   wall_->saveState(state_.data() + sizeof(port));

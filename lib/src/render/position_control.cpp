@@ -49,7 +49,7 @@ Status PositionControlRenderer::render(const TickInput& input, TickOutput& outpu
   if (state_.phase != kHolding) return Status::ok;
 
   moveReference(input);
-  const JointVector error = k.q - state_.reference.head(n);
+  const JointVector error = k.q + input.age * period_ * k.rates - state_.reference.head(n);
   Eigen::Matrix<double, kRows, 1> answer = Eigen::Matrix<double, kRows, 1>::Zero();
   const auto add = [&](Eigen::Index column, double value) { answer -= value * gain_.col(column); };
   for (Eigen::Index i = 0; i < n; ++i) {

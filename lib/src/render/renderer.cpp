@@ -89,7 +89,8 @@ const char* toString(RenderMode mode) noexcept {
 }
 
 Status checkInput(const TickInput& input, double lastTime) noexcept {
-  if (input.contacts.count < 0 || input.contacts.count > kMaxContacts || !sizesAgree(input)) return Status::outOfRange;
+  if (input.contacts.count < 0 || input.contacts.count > kMaxContacts || input.age < 0 || !sizesAgree(input))
+    return Status::outOfRange;
   if (!isPlausible(input)) return isFinite(input) ? Status::outOfRange : Status::notFinite;
   return input.time > lastTime ? Status::ok : Status::stale;
 }
@@ -191,6 +192,11 @@ Vec3 translationAt(const Vec6& motion, const Vec3& arm) noexcept {
 
 Vec3 contactVelocity(const Kinematics& kinematics, const Contact& contact) noexcept {
   return translationAt(kinematics.twist, contact.point - kinematics.pose.position) - contact.obstacleVelocity;
+}
+
+double predictedGap(const TickInput& input, const Contact& contact, double period) noexcept {
+  if (input.age == 0) return contact.gap;
+  return contact.gap + input.age * period * contact.normal.dot(contactVelocity(input.kinematics, contact));
 }
 
 }  // namespace enamel

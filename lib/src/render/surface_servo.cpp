@@ -27,8 +27,9 @@ constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inerti
 // a micrometre would push each other with hundreds of newtons, and hold the tool by friction. In a wedge of 30 deg it
 // is 3.7.
 constexpr double kMostShare = 5.0;
-constexpr double kAstray = 1e4;  // an innovation that no push explains, counts
-constexpr int kBlind = 3;        // ticks after a jump in which no other is looked for
+constexpr double kAstray = 1e4;   // an innovation that no push explains, counts
+constexpr double kRepeats = 3.0;  // counts that a tool must have moved for readings that repeat to be old ones
+constexpr int kBlind = 3;         // ticks after a jump in which no other is looked for
 // Every jump makes the next one need to be larger by this share, which fades by the other a tick: a loop with delay
 // whose model is wrong would else take its own answers for jumps for ever, and nothing is learnt near a jump.
 constexpr double kHabit = 0.5, kHabitKept = 0.98;
@@ -268,6 +269,14 @@ void SurfaceServoRenderer::prepare(double period) {
   pushed.topLeftCorner<3, 3>() += options_.jumpSize * options_.jumpSize * jump;
   pushed(3, 3) += options_.jumpGrowth * options_.jumpGrowth;
   pushed_ = scheduleFrom(pushed);
+  // Without a sample the covariance grows, and so do the gains of the next one.
+  Mat4 missed = P;
+  for (int tick = 0; tick <= kMostMissing; ++tick) {
+    const Vec4 gain = gainOf(missed);
+    missed_.gains[tick] = {gain[0], gain[1], gain[2], gain[3]};
+    missed_.deviations[tick] = std::sqrt(missed(0, 0) + kCountVariance) / slow;
+    missed = F * missed * F.transpose() + Q;
+  }
   const Vec4 fall(kFallTicks * kFallTicks * kFallTicks / 6.0, kFallTicks * kFallTicks / 2.0, kFallTicks, 1.0);
   letGo_ = scheduleFrom(P + kFall * kFall * fall * fall.transpose());
 }
@@ -319,16 +328,17 @@ SurfaceServoRenderer::LateGain SurfaceServoRenderer::lateGain(double pole) const
 void SurfaceServoRenderer::stateLoaded() noexcept {
   if (!isFinite(stateBlock()) ||
       !(state_.sinceJump >= 0.0 && state_.sinceJump <= kSchedule && state_.lateJumps >= 0.0) ||
-      !(state_.sure >= 0.0 && state_.sure <= 1.0) || !(state_.scale >= kLowestScale && state_.scale <= kHighestScale))
+      !(state_.missing >= 0.0 && state_.missing <= kMostMissing) || !(state_.sure >= 0.0 && state_.sure <= 1.0) ||
+      !(state_.scale >= kLowestScale && state_.scale <= kHighestScale))
     resetState();
 }
 
-void SurfaceServoRenderer::Motion::advance(int joint, double byTorque) noexcept {
+void SurfaceServoRenderer::Motion::advance(int joint, double byTorque, double ticks) noexcept {
   const double acceleration = byTorque + push[joint];
-  q[joint] += rate[joint] + 0.5 * acceleration;
-  rate[joint] += acceleration;
-  push[joint] += growth[joint];
-  growth[joint] *= kGrowthKept;
+  q[joint] += ticks * (rate[joint] + 0.5 * ticks * acceleration);
+  rate[joint] += ticks * acceleration;
+  push[joint] += ticks * growth[joint];
+  growth[joint] *= ticks == 1.0 ? kGrowthKept : std::pow(kGrowthKept, ticks);
 }
 
 void SurfaceServoRenderer::Motion::correct(int joint, const Gain& gain, double innovation) noexcept {
@@ -346,12 +356,50 @@ void SurfaceServoRenderer::start(const TickInput& input) noexcept {
   fresh.jumps = state_.jumps;
   fresh.started = 1.0;
   for (int i = 0; i < joints_; ++i) {
-    fresh.estimate.q[i] = fresh.lastAngles[i] = fresh.rest[i] = k.q[i];
+    fresh.estimate.q[i] = fresh.lastAngles[i] = fresh.lastReading[i] = fresh.rest[i] = k.q[i];
+    fresh.lastRates[i] = k.rates[i];
     fresh.sinceMoved[i] = kTeachingTicks;
     fresh.estimate.rate[i] = k.rates[i] * options_.period;
     for (Row& command : fresh.commands) command[i] = k.gravity[i];
   }
   state_ = fresh;
+}
+
+// Prediction of observer and derivatives by `ticks` under a torque.
+void SurfaceServoRenderer::advance(const Row& torque, const Inertia& inertia, double ticks) noexcept {
+  State& s = state_;
+  const Row response = inertia.responseOf(torque);
+  const Row expected = isRandom() ? inertia.responseOf(underWay(-1).torque) : Row{};
+  for (int i = 0; i < joints_; ++i) {
+    s.estimate.advance(i, s.scale * response[i], ticks);
+    s.byScale.advance(i, response[i], ticks);
+    s.byChance.advance(i, response[i] - expected[i], ticks);
+  }
+}
+
+// Ticks that never came: the last command acted on. Leaves of `ticks` what has passed since.
+void SurfaceServoRenderer::passOver(const TickInput& input, const Inertia& inertia, double& ticks) noexcept {
+  for (; ticks >= 1.5; ticks -= 1.0) {
+    advance(acted(input), inertia, 1.0);
+    rememberCommand(Row(state_.commands[0]));
+    state_.missing += 1.0;
+  }
+}
+
+// Whether a device gave its last sample again: not a bit has changed, though the tool has moved by counts.
+bool SurfaceServoRenderer::isRepeated(const Kinematics& k) const noexcept {
+  const State& s = state_;
+  bool moved = false;
+  for (int i = 0; i < joints_; ++i) {
+    if (k.q[i] != s.lastReading[i] || k.rates[i] != s.lastRates[i]) return false;
+    moved = moved || std::abs(s.estimate.q[i] + s.estimate.rate[i] - k.q[i]) > kRepeats * options_.count[i];
+  }
+  return moved && s.missing < kMostMissing;
+}
+
+void SurfaceServoRenderer::rememberCommand(const Row& command) noexcept {
+  for (int d = kMaxServoDelay; d > 0; --d) state_.commands[d] = state_.commands[d - 1];
+  state_.commands[0] = command;
 }
 
 // Of the commands that were given, what may act `ahead` ticks from now, each delay being as likely.
@@ -377,7 +425,8 @@ SurfaceServoRenderer::Jump SurfaceServoRenderer::jumpOf(int contacts, const Norm
                                                         const Row& innovation) const noexcept {
   const State& s = state_;
   if (s.sinceJump < kBlind) return {};
-  const double deviation = (1.0 + kHabit * s.lateJumps) * scheduleNow().deviations[static_cast<int>(s.sinceJump)];
+  const double deviation = (1.0 + kHabit * s.lateJumps) * scheduleNow().deviations[static_cast<int>(s.sinceJump)] *
+                           missed_.deviations[static_cast<int>(s.missing)];
   Row now{}, last{}, byScale{};  // counts
   for (int i = 0; i < joints_; ++i) {
     const double count = options_.count[i];
@@ -430,18 +479,16 @@ void SurfaceServoRenderer::learnFromStrongCommand(double most, Row& innovation) 
   }
 }
 
-void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept {
+void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inertia, const Normals& normals,
+                                   double ticks) noexcept {
   State& s = state_;
   const int n = joints_;
   const Row torque = acted(input), response = inertia.responseOf(torque);
-  const Row expected = isRandom() ? inertia.responseOf(underWay(-1).torque) : Row{};
+  advance(torque, inertia, ticks);
   Row innovation{};
   double strength = 0.0, moved = 0.0;  // share of the motors' limits; counts^2 in this tick
   bool astray = false;
   for (int i = 0; i < n; ++i) {
-    s.estimate.advance(i, s.scale * response[i]);
-    s.byScale.advance(i, response[i]);
-    s.byChance.advance(i, response[i] - expected[i]);
     innovation[i] = input.kinematics.q[i] - s.estimate.q[i];
     strength = std::max(strength, std::abs(torque[i] - inertia.gravity[i]) / input.maxTorque[i]);
     moved += 0.25 * response[i] * response[i] / (options_.count[i] * options_.count[i]);
@@ -462,6 +509,7 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
   }
   const Schedule& schedule = scheduleNow();
   Gain gain = schedule.gains[static_cast<int>(s.sinceJump)];
+  if (s.sinceJump == kSchedule && s.missing > 0.0) gain = missed_.gains[static_cast<int>(s.missing)];
   if (jump.seen) {
     gain[1] *= jump.youth;
     gain[2] *= jump.youth * jump.youth;
@@ -493,6 +541,7 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     s.scale = std::clamp(s.scale + slopeTimesError / (kFirstWeight + s.information), kLowestScale, kHighestScale);
   }
   s.lastInnovation = innovation;
+  s.missing = 0.0;
 }
 
 // What is yet to be commanded balances the push: it accelerates nothing.
@@ -542,7 +591,7 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
     const Contact& contact = input.contacts.contacts[c];
     const Row& row = normals.row[c];
     const double obstacle = T * contact.normal.dot(contact.obstacleVelocity);
-    const double gap = contact.gap + dot(row, way, n) - options_.horizon * obstacle;
+    const double gap = contact.gap + dot(row, way, n) - (options_.horizon + s.missing) * obstacle;
     const double speed = dot(row, ahead.rate, n) - obstacle, pushed = dot(row, ahead.push, n);
     const double falling = s.sinceJump < kSchedule ? speed : std::max(0.0, speed);  // back from a bounce, or towards it
     const bool hovers = random && gap + kHover * falling + 0.5 * kHover * kHover * pushed < kNear;
@@ -565,7 +614,7 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
       const double push = dot(row, s.estimate.push, n), pressed = std::min(0.0, push);
       const double rate = dot(row, s.estimate.rate, n) - obstacle;
       double sent = 0.0, variance = 0.0;  // rate that commands under way will bring
-      wish = -k1 * (contact.gap + dot(row, wayNow, n)) - k2 * rate - push;
+      wish = -k1 * (contact.gap + dot(row, wayNow, n) - s.missing * obstacle) - k2 * rate - push;
       for (int i = 0; i < options_.delayHigh; ++i) {
         const double response = s.scale * dot(row, waiting[i], n), beyond = response + pressed;
         const double acts = likely * std::min(delays(), options_.delayHigh - i);
@@ -592,7 +641,7 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
 // Friction at the contacts that carry force, as torques; the normal forces are found anew beside it.
 SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& input, const Inertia& inertia,
                                                             const Normals& normals, const Ahead& ahead,
-                                                            Pushing& pushing) noexcept {
+                                                            double sinceSample, Pushing& pushing) noexcept {
   const Kinematics& k = input.kinematics;
   // Slower than the wall's: what sticks need not stand at the edge, and counts are felt less. A firmer grip creeps:
   // what a light tool goes while it hops is then more than the load holds.
@@ -624,8 +673,8 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& inp
     const double largest = state_.scale * (0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
     const Grasp grasp{(1.0 - z) * (1.0 - z) / largest, 0.5 * T * options_.damping * (1.0 - z) * (3.0 + z) / largest};
     const Vec3 arm = contact.point - k.pose.position;
-    const Slide slide{translationAt(way, arm) - T * contact.obstacleVelocity,
-                      translationAt(wayAhead, arm) - options_.horizon * T * contact.obstacleVelocity,
+    const Slide slide{translationAt(way, arm) - sinceSample * T * contact.obstacleVelocity,
+                      translationAt(wayAhead, arm) - (options_.horizon + state_.missing) * T * contact.obstacleVelocity,
                       translationAt(velocity, arm) - contact.obstacleVelocity};
     const Row torques = torquesOf(k, contact.point, state_.friction.force(contact, slide, grasp, normalForce));
     for (int i = 0; i < joints_; ++i) torque[i] += torques[i];
@@ -649,15 +698,30 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
   if (!inertia.set(k, options_.period)) return Status::outOfRange;  // no mass matrix
   const Normals normals(input, inertia);
   State& s = state_;
-  if (s.started == 0.0 || std::abs(input.time - s.lastTime - options_.period) > 0.5 * options_.period)
-    start(input);  // the first tick, or one was missed
-  else
-    observe(input, inertia, normals);
+  double ticks = (input.time - s.lastTime) / options_.period;  // since the last one
+  if (std::abs(ticks - 1.0) < 1e-6) ticks = 1.0;
+  double sinceSample = 0.0;  // ticks; 0 without a new one
+  if (s.started == 0.0 || ticks > kMostMissing || s.missing + ticks > kMostMissing + 0.5) {
+    start(input);
+  } else {
+    passOver(input, inertia, ticks);
+    if (input.age > 0 || isRepeated(k)) {
+      advance(acted(input), inertia, ticks);
+      s.missing = std::min(s.missing + 1.0, double{kMostMissing});
+    } else {
+      sinceSample = s.missing + ticks;
+      observe(input, inertia, normals, ticks);
+      for (int i = 0; i < joints_; ++i) {
+        s.lastReading[i] = k.q[i];
+        s.lastRates[i] = k.rates[i];
+      }
+    }
+  }
   s.lastTime = input.time;
 
   const Ahead ahead = predict(inertia);
   Pushing found = pushing(input, inertia, normals, ahead);
-  Row torque = addFriction(input, inertia, normals, ahead, found);
+  Row torque = addFriction(input, inertia, normals, ahead, sinceSample, found);
 
   output.mode = RenderMode::free;
   output.saturated = found.solution.limited;
@@ -676,10 +740,11 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
       finite = finite && std::isfinite(m->q[i] + m->rate[i] + m->push[i] + m->growth[i]);
   }
   if (!finite) return Status::notFinite;  // numbers that are finite one by one can overflow together
-  for (int d = kMaxServoDelay; d > 0; --d) s.commands[d] = s.commands[d - 1];
   for (int i = 0; i < joints_; ++i) output.torque[i] = k.gravity[i] + torque[i];
   output.saturated = saturate(output.torque, k.gravity, input.maxTorque) || output.saturated;
-  for (int i = 0; i < joints_; ++i) s.commands[0][i] = output.torque[i];
+  Row command{};
+  std::copy_n(output.torque.data(), joints_, command.begin());
+  rememberCommand(command);
   return Status::ok;
 }
 

@@ -21,8 +21,10 @@ void forEachMatrix(AnyKinematics& k, const Visit& visit) {
   visit(k.inverseTransposed);
 }
 
-// With the last command and its reason.
-std::size_t kinematicsSize(int joints) noexcept { return 18 + 16 * static_cast<std::size_t>(joints) + 1; }
+// With the last command, the sample's time and age, the tick's time, and the guard's reason.
+std::size_t kinematicsSize(int joints) noexcept { return 18 + 16 * static_cast<std::size_t>(joints) + 4; }
+
+constexpr double kLeastStep = 1e-3;  // of a tick whose sample is older than the prediction before it, periods
 
 }  // namespace
 
@@ -42,6 +44,28 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
 }
 
 Status HapticTick::operator()(const Measurement& measurement, Command& command) noexcept {
+  const bool isNext = measurement.age == 0 && measurement.time > sampleTime_ && measurement.time > input_.time;
+  return tick(isNext ? measurement : adjusted(measurement), command);
+}
+
+// A sample that repeats its time stamp is none. A sample older than the prediction before it comes a little after it.
+Measurement HapticTick::adjusted(const Measurement& measurement) const noexcept {
+  const double period = guard_.options().period;
+  Measurement m = measurement;
+  if (m.age == 0 && m.time == sampleTime_) {
+    m.age = input_.age + 1;
+    m.time = input_.time + period;
+  } else if (m.age == 0 && m.time > sampleTime_ && input_.age > 0) {
+    m.time = std::max(m.time, input_.time + kLeastStep * period);
+  }
+  if (m.age > 0) {
+    m.q = input_.kinematics.q;
+    m.rates = input_.kinematics.rates;
+  }
+  return m;
+}
+
+Status HapticTick::tick(const Measurement& measurement, Command& command) noexcept {
   Status status = see(measurement);
   if (status == Status::ok) {
     status = renderer_.step(input_, output_);
@@ -69,11 +93,13 @@ void HapticTick::placeAt(const Pose& start) noexcept {
 void HapticTick::reset() noexcept {
   guard_.reset();
   renderer_.reset();
+  sampleTime_ = kNever;
 }
 
 void HapticTick::restart(const Pose& start) noexcept {
   guard_.restart();
   renderer_.reset();
+  sampleTime_ = kNever;
   placeAt(start);
   std::fill(numbers_.begin(), numbers_.end(), std::numeric_limits<double>::quiet_NaN());
   track_.loadState(scene_, numbers_.data());  // what no track can have: that of a new one
@@ -91,7 +117,8 @@ void HapticTick::saveState(void* state) const noexcept {
   std::fill_n(at, mechanism_.joints(), 0.0);
   std::copy_n(last_.data(), last_.size(), at);
   at += mechanism_.joints();
-  *at++ = static_cast<double>(reason_);
+  for (const double number : {sampleTime_, input_.time, static_cast<double>(input_.age), static_cast<double>(reason_)})
+    *at++ = number;
   track_.saveState(scene_, at);
   guard_.saveState(at + track_.stateSize());
   const std::size_t size = numbers_.size() * sizeof(double);
@@ -116,6 +143,9 @@ void HapticTick::loadState(const void* state) noexcept {
     at += matrix.size();
   });
   last_ = Eigen::Map<const JointVector>(at, mechanism_.joints());
+  sampleTime_ = reason[-3];
+  input_.time = reason[-2];
+  input_.age = static_cast<int>(std::clamp(reason[-1], 0.0, 1e6));
   reason_ = static_cast<GuardReason>(*reason);
   track_.loadState(scene_, reason + 1);
   guard_.loadState(reason + 1 + track_.stateSize());
@@ -123,20 +153,31 @@ void HapticTick::loadState(const void* state) noexcept {
 }
 
 Status HapticTick::see(const Measurement& measurement) noexcept {
+  // Where the device cannot tell, the renderer takes its own answer for what acted, unless the guard changed it.
+  const bool isTold = measurement.applied.size() > 0 || reason_ == GuardReason::none;
+  if (measurement.age > 0) {
+    if (sampleTime_ == kNever) return Status::stale;
+    input_.time = measurement.time;
+    input_.age = measurement.age;
+    input_.applied = isTold ? measurement.applied : last_;
+    return Status::ok;
+  }
   Vec3 force = Vec3::Zero();  // of the wall at the last tick
   if (drill_ != nullptr && output_.mode == RenderMode::contact)
     force = wrenchOf(input_.kinematics, output_.torque - input_.kinematics.gravity).head<3>();
+  const double periods = 1.0 + input_.age;  // since the last sample
+  sampleTime_ = kNever;                     // until this one is known
   const Status status = mechanism_.track(measurement.q, measurement.rates, renderer_.needsInertia(), input_.kinematics);
   if (status != Status::ok) return status;
   input_.time = measurement.time;
-  input_.applied = measurement.applied;
-  // Where the device cannot tell, the renderer takes its own answer for what acted, unless the guard changed it.
-  if (input_.applied.size() == 0 && reason_ != GuardReason::none) input_.applied = last_;
+  input_.age = measurement.age;
+  input_.applied = isTold ? measurement.applied : last_;
   const Pose& pose = input_.kinematics.pose;
   const Status found = followContacts(scene_, tool_, pose, kContactMargin, track_, input_.contacts);
-  if (drill_ != nullptr && found == Status::ok)
-    drill_->cut(scene_, pose, force, guard_.options().period, input_.contacts);
-  return found;
+  if (found != Status::ok) return found;
+  if (drill_ != nullptr) drill_->cut(scene_, pose, force, periods * guard_.options().period, input_.contacts);
+  sampleTime_ = measurement.time;
+  return Status::ok;
 }
 
 }  // namespace enamel

@@ -32,7 +32,8 @@ void VirtualCouplingRenderer::stateLoaded() noexcept {
 
 Status VirtualCouplingRenderer::render(const TickInput& input, TickOutput& output) noexcept {
   const Kinematics& k = input.kinematics;
-  const Vec3 device = k.pose.position, speed = k.twist.head<3>();
+  const double ahead = input.age * period_;  // since the sample, s
+  const Vec3 speed = k.twist.head<3>(), device = k.pose.position + ahead * speed;
   Eigen::Map<Vec3> position(state_.position.data()), velocity(state_.velocity.data());
   if (state_.started == 0.0) {
     position = device;
@@ -49,7 +50,8 @@ Status VirtualCouplingRenderer::render(const TickInput& input, TickOutput& outpu
   problem.contacts = std::min(input.contacts.count, kMaxServoContacts);
   const Contact* const contacts = input.contacts.contacts.data();
   for (int i = 0; i < problem.contacts; ++i) {
-    problem.r[i] = -(contacts[i].gap + contacts[i].normal.dot(position + T * free - device));
+    const double gap = contacts[i].gap - ahead * contacts[i].normal.dot(contacts[i].obstacleVelocity);
+    problem.r[i] = -(gap + contacts[i].normal.dot(position + T * free - k.pose.position));
     for (int j = 0; j < problem.contacts; ++j) problem.G[i][j] = T / whole * contacts[i].normal.dot(contacts[j].normal);
     problem.G[i][i] *= 1.0 + kDependent;
     problem.G[i][i] += 1.0 / contacts[i].material.stiffness;
@@ -62,7 +64,7 @@ Status VirtualCouplingRenderer::render(const TickInput& input, TickOutput& outpu
     if (!(solution.force[i] > 0.0)) continue;
     const Vec3 force = solution.force[i] * contacts[i].normal;
     push += force;
-    moment += (contacts[i].point - device).cross(force);
+    moment += (contacts[i].point - k.pose.position).cross(force);
     output.mode = RenderMode::contact;
   }
   velocity = free + push / whole;

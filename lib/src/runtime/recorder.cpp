@@ -138,7 +138,7 @@ void Recorder::add(std::uint64_t number, const Measurement& measurement, const H
   t.flags =
       static_cast<std::uint8_t>((measurement.enabled ? kEnabled : 0) | (output.saturated ? kSaturated : 0) |
                                 (reset ? kReset : 0) | (tick.drill() != nullptr && tick.drill()->spins() ? kSpins : 0));
-  t.zero = 0;
+  t.age = static_cast<std::uint8_t>(std::clamp(measurement.age, 0, 255));
   std::memcpy(chunkAt(now) + sizeof(ChunkHead) + padded(header_.stateSize) + ticks_ * sizeof(t), &t, sizeof(t));
   if (++ticks_ < kChunkTicks) return;
   const std::uint32_t ticks = kChunkTicks;

@@ -164,7 +164,7 @@ namespace {
 bool isWhole(const TickBytes& t) noexcept {
   return *std::max_element(std::begin(t.sizes), std::end(t.sizes)) <= kMaxJoints && t.status < kStatuses &&
          t.reason <= static_cast<int>(GuardReason::deadlines) && t.mode <= static_cast<int>(RenderMode::fault) &&
-         (t.flags & ~(kEnabled | kSaturated | kReset | kSpins)) == 0 && t.zero == 0;
+         (t.flags & ~(kEnabled | kSaturated | kReset | kSpins)) == 0;
 }
 
 RecordedTick tickOf(const TickBytes& t, int joints) {
@@ -178,6 +178,7 @@ RecordedTick tickOf(const TickBytes& t, int joints) {
   tick.measurement.rates = vector(t.rates, t.sizes[1]);
   tick.measurement.applied = vector(t.applied, t.sizes[2]);
   tick.measurement.enabled = (t.flags & kEnabled) != 0;
+  tick.measurement.age = t.age;
   tick.requested = vector(t.requested, joints);
   tick.command = vector(t.command, joints);
   tick.normalForce = t.normalForce;

@@ -34,7 +34,7 @@ struct TickBytes {
   double normalForce;
   std::uint64_t stateHash;
   std::uint8_t sizes[3];  // of q, rates, applied
-  std::uint8_t status, reason, mode, flags, zero;
+  std::uint8_t status, reason, mode, flags, age;  // of the sample, at most 255 periods
 };
 static_assert(sizeof(TickBytes) == 320);
 inline constexpr std::uint8_t kEnabled = 1, kSaturated = 2, kReset = 4, kSpins = 8;

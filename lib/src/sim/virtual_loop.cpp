@@ -55,7 +55,13 @@ Status VirtualLoop::tick(const Load& before, double instant, const Load& after, 
 Status VirtualLoop::react(TickRecord& record) noexcept {
   const Status measured = device_.measure(measurement_);
   if (measured != Status::ok && measured != Status::stale) return measured;
-  record.status = measured == Status::ok ? tick_(measurement_, command_) : measured;  // nothing came: as before
+  if (measured == Status::ok) {
+    measurement_.age = 0;
+  } else {  // no sample came
+    ++measurement_.age;
+    measurement_.time = device_.time();
+  }
+  record.status = tick_(measurement_, command_);
   if (const Status status = device_.actuate(command_); status != Status::ok) return status;
 
   const Kinematics& truth = device_.kinematics();

@@ -7,13 +7,14 @@
 
 namespace enamel {
 
-/// What a device tells at a tick.
+/// What a device reports at a tick. A tick without a new sample is a normal tick: `age` says so, and the tick predicts.
 struct Measurement {
-  double time = 0.0;    ///< s, strictly increasing
+  double time = 0.0;    ///< of this tick, s, strictly increasing
   JointVector q;        ///< joint coordinates, rad or m
   JointVector rates;    ///< q', rad/s or m/s
   JointVector applied;  ///< torque that acted since the last measurement, N m or N; empty where the device cannot tell
   bool enabled = true;  ///< the user's enable, such as a dead man's switch; true where the device has none
+  int age = 0;          ///< periods since q and rates were sampled; 0: a new sample. Above 0, q and rates are ignored
 };
 
 /// What a device is told.

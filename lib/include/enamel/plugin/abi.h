@@ -21,7 +21,11 @@ extern "C" {
 #endif
 
 /* Raised when any struct or the meaning of any function changes. */
-#define ENAMEL_ABI_VERSION 2u
+#define ENAMEL_ABI_VERSION 3u
+
+/* The oldest version that hosts still load. Version 2 had no EnamelTickInput.age: its plugins take an old sample for a new
+ * one. */
+#define ENAMEL_OLDEST_ABI_VERSION 2u
 
 /* Name of the exported function. */
 #define ENAMEL_PLUGIN_SYMBOL "enamel_plugin"
@@ -81,7 +85,9 @@ typedef struct EnamelContact {
   uint32_t key;                /* the same from tick to tick while the contact slides on; 0: the host does not tell */
 } EnamelContact;
 
-/* What is known at a tick. Joints: the first joint_count entries; those beyond are undefined. */
+/* What is known at a tick. Joints: the first joint_count entries; those beyond are undefined.
+ * Where age is k > 0, no sample came for k periods: everything but time, applied and age is that of the last sample. A
+ * renderer predicts from it and answers as at any other tick. Ticks may be missing and samples late: see time. */
 typedef struct EnamelTickInput {
   double time;                          /* s, strictly increasing after reset() */
   double q[ENAMEL_MAX_JOINTS];          /* measured joint coordinates, rad or m */
@@ -102,7 +108,7 @@ typedef struct EnamelTickInput {
   int32_t joint_count;   /* 1 to ENAMEL_MAX_JOINTS, the same at every tick */
   int32_t contact_count; /* 0 to ENAMEL_MAX_CONTACTS */
   int32_t applied_known; /* 0: the device cannot tell, `applied` is undefined */
-  int32_t reserved;      /* 0 */
+  int32_t age;           /* periods since the sample; 0: a new sample */
   EnamelContact contacts[ENAMEL_MAX_CONTACTS]; /* the deepest first; beyond contact_count: undefined */
 } EnamelTickInput;
 

@@ -34,14 +34,14 @@ enum class GuardReason : std::uint8_t {
   jump,         ///< a joint moved faster than it can
   frozen,       ///< a joint's reading stands still, though it moves
   clock,        ///< time did not advance
-  late,         ///< a gap of more than `longestGap`
+  late,         ///< no tick or no new sample for more than `longestGap`
   unreachable,  ///< no configuration of the device has these joint coordinates
   renderer,     ///< contacts or renderer answered with a status, or with a torque that is none
   workspace,    ///< beyond the workspace and its margin
   speed,        ///< faster than `stopSpeed` or `stopTurn`
   energy,       ///< the tool was given more energy than it gave, beyond the budget
   oscillation,  ///< the rendered torque oscillates
-  deadlines,    ///< too many ticks were missed
+  deadlines,    ///< too many ticks or samples were missed
 };
 
 inline constexpr std::size_t kGuardReasons = static_cast<std::size_t>(GuardReason::deadlines) + 1;
@@ -71,8 +71,8 @@ struct GuardOptions {
 
   JointVector rate;     ///< faster is no motion of a joint, rad/s or m/s
   JointVector count;    ///< of the encoders, rad or m
-  int longestGap = 4;   ///< between two ticks, periods
-  int mostMissed = 10;  ///< ticks that were missed, of which 1 % are forgotten a tick
+  int longestGap = 4;   ///< between two ticks, and between two samples, periods
+  int mostMissed = 10;  ///< ticks and samples that were missed, of which 1 % are forgotten a tick
 
   Mat6 damping = Mat6::Zero();  ///< mechanical, of the TCP's twist: what the device itself takes out, SI
   double energy = 0.0;          ///< budget, J
@@ -155,7 +155,11 @@ class Guard {
     bool known = true;      // of a fault: the configuration
     bool shedding = false;  // of a fault: the rendered part is gone
     double time = 0.0;
+    double sampleTime = 0.0;  // of the last sample, with what follows
     Row q{};
+    Vec6 twist = Vec6::Zero();
+    Row acting{};                 // applied since then, the mean
+    double ticks = 0.0;           // since then
     Row torque{};                 // applied last
     Row gravity{};                // at the last tick
     Row rendered{};               // requested beyond gravity, at the last tick
@@ -176,10 +180,10 @@ class Guard {
   template <typename AnyState, typename Visit>
   static void forEachNumber(AnyState& state, const Visit& visit);
   GuardReason measured(const Measurement& m, double elapsed) noexcept;
-  GuardReason moved(const Measurement& m, const Kinematics& k, double elapsed, Vec6& twist) noexcept;
+  GuardReason moved(const Measurement& m, const Kinematics& k) noexcept;
   GuardReason asked(const JointVector& requested, const Kinematics& k) noexcept;
-  GuardReason shape(const Measurement& m, const Kinematics& k, const JointVector& requested, const Vec6& twist,
-                    double elapsed, JointVector& torque) noexcept;
+  GuardReason shape(const Measurement& m, const Kinematics& k, const JointVector& requested, double elapsed,
+                    JointVector& torque) noexcept;
   void ramp(const Measurement& m, bool known, JointVector& torque) noexcept;
   bool limitSlew(double elapsed, JointVector& torque) const noexcept;
   Row bounded(const JointVector& gravity) const noexcept;

@@ -27,19 +27,20 @@ class ImpedanceRenderer final : public Renderer {
   explicit ImpedanceRenderer(const ImpedanceOptions& options);
 
  private:
-  void prepare(double) override {}
+  void prepare(double period) override { period_ = period; }
   Status render(const TickInput& input, TickOutput& output) noexcept override;
   void resetState() noexcept override { state_ = State{}; }
   StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
   void stateLoaded() noexcept override;
 
   struct State {
-    std::array<double, kMaxJoints> q{};  // at the last tick
-    double lastTime = 0.0, started = 0.0;
+    std::array<double, kMaxJoints> q{};  // of the last sample
+    double sampleTime = 0.0, started = 0.0;
     FrictionMemory friction;
   };
 
   ImpedanceOptions options_;
+  double period_ = 0.0;
   State state_;
 };
 

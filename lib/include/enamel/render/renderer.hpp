@@ -17,8 +17,14 @@
 namespace enamel {
 
 /// What is known at a tick. All in SI; poses, twists and contacts in W. Joint vectors have n entries.
+///
+/// A tick without a new sample has `age` k > 0. Kinematics and contacts are then those of the last sample, k periods
+/// old. A renderer predicts from them and answers with a torque as at any other tick; it neither restarts nor learns.
+/// The time between two ticks may differ from the period: a sample may be late, and where ticks are missing, the last
+/// torque acted until this one.
 struct TickInput {
   double time = 0.0;         ///< s, strictly increasing
+  int age = 0;               ///< periods since the sample; 0: a new sample
   Kinematics kinematics;     ///< measured; the inertia where the renderer asked for it
   ContactSnapshot contacts;  ///< at the pose; the deepest first
   JointVector maxTorque;     ///< limit of every motor, N m or N
@@ -101,7 +107,8 @@ class Renderer {
 
 /// Checks what every renderer checks first: joint vectors of one size; finite numbers, sizes that a device can have
 /// (joints to 1000 rad or m, rates to 1000 a second, positions to 10 m, speeds to 100 m/s, gaps to 100 m, torques to
-/// 1e6 N m); a rotation matrix; unit normals (to 1e-6); a count within capacity; a time later than `lastTime`. Returns
+/// 1e6 N m); a rotation matrix; unit normals (to 1e-6); a count within capacity; a time later than
+/// `lastTime`; an age of at least 0. Returns
 /// ok, notFinite, outOfRange or stale. Realtime: yes.
 [[nodiscard]] Status checkInput(const TickInput& input, double lastTime) noexcept;
 
@@ -115,5 +122,9 @@ Vec3 translationAt(const Vec6& motion, const Vec3& arm) noexcept;
 
 /// Velocity of the tool's material at the contact relative to the obstacle's, W, m/s. Realtime: yes.
 Vec3 contactVelocity(const Kinematics& kinematics, const Contact& contact) noexcept;
+
+/// Gap of a contact at the time of the tick, m: the sampled gap plus its rate times the age of the sample. Realtime:
+/// yes.
+double predictedGap(const TickInput& input, const Contact& contact, double period) noexcept;
 
 }  // namespace enamel

@@ -116,11 +116,12 @@ class SurfaceServoRenderer final : public Renderer {
   using Gain = std::array<double, 4>;                       // of position, rate, push and its growth
   using LateGain = std::array<double, 2 + kMaxServoDelay>;  // of the gap, its rate, and what the commands that wait do
   static constexpr int kSchedule = 24;                      // ticks after which the gains are the slow ones again
+  static constexpr int kMostMissing = 8;                    // samples in a row that are predicted
 
   struct Motion {  // of the joints: rad, rad/tick, rad/tick^2, rad/tick^3
     Row q{}, rate{}, push{}, growth{};
 
-    void advance(int joint, double byTorque) noexcept;
+    void advance(int joint, double byTorque, double ticks) noexcept;
     void correct(int joint, const Gain& gain, double innovation) noexcept;
   };
 
@@ -140,6 +141,8 @@ class SurfaceServoRenderer final : public Renderer {
     double lateJumps = 0.0;        // each counts less from tick to tick
     double jumps = 0.0;
     double lastTime = 0.0;
+    double missing = 0.0;  // samples since the last one
+    Row lastReading{}, lastRates{};
     double pushes = 0.0;   // 1: a contact carried force at the last tick
     double started = 0.0;  // 1: the observer runs
     FrictionMemory friction;
@@ -170,10 +173,14 @@ class SurfaceServoRenderer final : public Renderer {
   void stateLoaded() noexcept override;
 
   void start(const TickInput& input) noexcept;
+  void advance(const Row& torque, const Inertia& inertia, double ticks) noexcept;
+  void passOver(const TickInput& input, const Inertia& inertia, double& ticks) noexcept;
+  bool isRepeated(const Kinematics& kinematics) const noexcept;
+  void rememberCommand(const Row& command) noexcept;
   Row acted(const TickInput& input) const noexcept;
   UnderWay underWay(int ahead) const noexcept;
   void learnFromStrongCommand(double most, Row& innovation) noexcept;
-  void observe(const TickInput& input, const Inertia& inertia, const Normals& normals) noexcept;
+  void observe(const TickInput& input, const Inertia& inertia, const Normals& normals, double ticks) noexcept;
   Jump jumpOf(int contacts, const Normals& normals, const Row& innovation) const noexcept;
   Ahead predict(const Inertia& inertia) const noexcept;
   const Schedule& scheduleNow() const noexcept { return state_.letsGo != 0.0 ? letGo_ : pushed_; }
@@ -183,11 +190,12 @@ class SurfaceServoRenderer final : public Renderer {
   Pushing pushing(const TickInput& input, const Inertia& inertia, const Normals& normals,
                   const Ahead& ahead) const noexcept;
   Row addFriction(const TickInput& input, const Inertia& inertia, const Normals& normals, const Ahead& ahead,
-                  Pushing& pushing) noexcept;
+                  double sinceSample, Pushing& pushing) noexcept;
 
   SurfaceServoOptions options_;
   int joints_;
   Schedule pushed_, letGo_;               // after a jump inward, and outward
+  Schedule missed_;                       // by samples that are missing, far from a jump
   LateGain lateGain_{}, lateJumpGain_{};  // random delay: beyond and after a jump
   State state_;
 };

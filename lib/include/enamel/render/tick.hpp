@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "enamel/collision/contacts.hpp"
@@ -15,9 +16,11 @@ namespace enamel {
 /// Obstacles farther from the tool than this are no contacts of a tick, m.
 inline constexpr double kContactMargin = 1e-3;
 
-/// Mechanism::track() -> contacts of the tool with the scene -> renderer -> guard. Owns what lasts from tick to tick;
-/// refers to mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks, none may be added.
-/// While the guard lets nothing through, the renderer is reset at every tick: it begins anew where it is let in.
+/// Mechanism::track() -> contacts of the tool with the scene -> renderer -> guard. A tick without a new sample
+/// (Measurement::age above 0, or a time stamp that repeats) keeps kinematics and contacts of the last one; the renderer
+/// predicts, the drill waits. The guard lets GuardOptions::longestGap of them through. Owns what lasts from tick to
+/// tick; refers to mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks, none may be
+/// added. While the guard lets nothing through, the renderer is reset at every tick: it begins anew where it is let in.
 class HapticTick {
  public:
   /// Activates the renderer for ticks of `guard.period` s. `start`: about where the platform is at the first tick (home
@@ -31,8 +34,9 @@ class HapticTick {
              const Pose& start = Pose{})
       : HapticTick(mechanism, scene, tool, renderer, guardFor(mechanism, period), start) {}
 
-  /// One tick. Statuses: those of Mechanism::track(), findContacts() and Renderer::step(); stopped where the guard has
-  /// latched a fault. Whatever the status, the command is what guard() let through. Realtime: yes.
+  /// One tick. Statuses: those of Mechanism::track(), findContacts() and Renderer::step(); stale without any sample so
+  /// far; stopped where the guard has latched a fault. Whatever the status, the command is what guard() let through.
+  /// Realtime: yes.
   [[nodiscard]] Status operator()(const Measurement& measurement, Command& command) noexcept;
 
   /// From the next tick on this bur cuts what it is pressed against, between contacts and renderer; null: none does. It
@@ -62,6 +66,10 @@ class HapticTick {
   void loadState(const void* state) noexcept;
 
  private:
+  static constexpr double kNever = std::numeric_limits<double>::lowest();
+
+  Measurement adjusted(const Measurement& measurement) const noexcept;
+  Status tick(const Measurement& measurement, Command& command) noexcept;
   Status see(const Measurement& measurement) noexcept;
   void placeAt(const Pose& start) noexcept;
 
@@ -73,7 +81,8 @@ class HapticTick {
   ToolTrack track_;
   TickInput input_;
   TickOutput output_;
-  JointVector last_;  // command
+  JointVector last_;            // command
+  double sampleTime_ = kNever;  // of the last sample, s
   GuardReason reason_ = GuardReason::none;
   Drill* drill_ = nullptr;
   mutable std::vector<double> numbers_;  // of the state, while it is saved or loaded

@@ -54,9 +54,8 @@ struct HapticLoopOptions {
 
 /// What the thread of a HapticLoop does once a period; runs without a thread too, on simulated time.
 ///
-/// Where the device has no new measurement the last command stays, for up to GuardOptions::longestGap periods of the
-/// ticks; from then on the guard is told that time went on without one: the fault `late`, which ramps out. A device
-/// that is back does not end the fault: reset() does.
+/// Where the device has no new sample, the tick predicts (Measurement::age), for up to GuardOptions::longestGap periods
+/// of the ticks; then the guard's fault `late` ramps out. A device that is back does not end the fault: reset() does.
 class LoopBody {
  public:
   /// Opens the device, waits for its first measurement, resets a tick that has run before. Throws Error: the guard is
@@ -92,7 +91,6 @@ class LoopBody {
   Command command_;
   bool stopping_ = false, reset_ = false, first_ = true, faulty_ = false;
   double silence_ = 0.0;  // since the last measurement, s
-  int held_ = 0;          // periods since the last measurement or tick
   int left_ = 0;          // ticks until the rendered part is out
   DurationHistogram age_;
   std::atomic<std::uint64_t> heldAll_{0}, unsent_{0};
