@@ -64,7 +64,7 @@ TEST_CASE("case 13: a unit is a plant, and its copy differs by backslashes alone
 
 TEST_CASE(
     "case 13: a unit with backslashes in its names is read, or the message says that they are the reason "
-    "(expected failure until claims are checked)",
+    "(expected failure until the hardening)",
     "[!shouldfail][cases]") {
   const test::CommandResult result = Archives().push("other.fmu");
   CAPTURE(result.output);

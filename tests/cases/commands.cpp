@@ -69,7 +69,7 @@ TEST_CASE("case 07: a plugin beside no other one is listed", "[cases]") {
 
 TEST_CASE(
     "case 07: a plugin that throws is named, and the others are listed "
-    "(expected failure until claims are checked)",
+    "(expected failure until the hardening)",
     "[!shouldfail][cases]") {
   const test::CommandResult result = listBeside(ENAMEL_THROWING_PLUGIN);
   CAPTURE(result.output);
@@ -78,7 +78,7 @@ TEST_CASE(
 
 TEST_CASE(
     "case 07: a plugin that crashes is named, and the others are listed "
-    "(expected failure until claims are checked)",
+    "(expected failure until the hardening)",
     "[!shouldfail][cases]") {
   const test::CommandResult result = listBeside(ENAMEL_CRASHING_PLUGIN);
   CAPTURE(result.output);
@@ -95,7 +95,7 @@ TEST_CASE("case 08: a study writes its runs", "[cases]") {
 
 TEST_CASE(
     "case 08: another study does not overwrite the runs in its folder "
-    "(expected failure until claims are checked)",
+    "(expected failure until the hardening)",
     "[!shouldfail][cases]") {
   const TwoStudies studies = studyTwice();
   CAPTURE(studies.second.output);
@@ -112,7 +112,7 @@ TEST_CASE("case 14: under encoders and a preload the stiffness is that of the wa
 
 TEST_CASE(
     "case 14: without a preload the stiffness does not count free flight "
-    "(expected failure until claims are checked)",
+    "(expected failure until the hardening)",
     "[!shouldfail][cases]") {
   const auto plain = stiffness(""), preloaded = stiffness("--preload 1");
   CAPTURE(plain.value_or(0.0), preloaded.value_or(0.0));

@@ -1,7 +1,10 @@
 // A tool with several contacts at once: which are reported, and how steadily.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "enamel/collision/contacts.hpp"
 #include "enamel/device/device_file.hpp"

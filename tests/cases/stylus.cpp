@@ -1,6 +1,8 @@
 // A stylus that senses six axes and drives three, as the commonest desktop devices do.
-#include <memory>
+#include <algorithm>
+#include <cmath>
 #include <string>
+#include <vector>
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/cartesian/mechanism.hpp"
