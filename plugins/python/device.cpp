@@ -97,7 +97,7 @@ void addDevice(py::module_& m) {
            "Reads a device file (TOML). Raises ConfigurationError with file, line, key, value and limit.")
       .def_static(
           "parse", [](const std::string& text, const std::string& file) { return deviceOf(parseDevice(text, file)); },
-          py::arg("text"), py::arg("file") = "text", "The same for text in memory; `file` stands in messages.")
+          py::arg("text"), py::arg("file") = "text", "The same for text in memory; messages name `file`.")
       .def_property_readonly(
           "name", [](const Device& self) { return self.mechanism->name(); }, "As the file has it.")
       .def_property_readonly(

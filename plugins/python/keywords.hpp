@@ -130,7 +130,7 @@ class Keywords {
   std::vector<Entry> entries_;
 };
 
-/// What stands before the options of push(), study() and others in help().
+/// The arguments of push(), judge() and trials() before their options, for documented().
 inline std::string deviceAnd(const char* other) {
   return "device: " + TypeName<Device>::text() + ", " + other + ": object";
 }
