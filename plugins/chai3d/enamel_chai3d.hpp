@@ -39,6 +39,13 @@ inline chai3d::cMatrix3d toChai3d(const Mat3& m) noexcept {
   return result;
 }
 
+/// The motion from one pose to another, m and rad. Realtime: yes.
+inline Vec6 motionBetween(const Pose& from, const Pose& to) noexcept {
+  Vec6 motion;
+  motion << to.position - from.position, rotationVector(to.rotation * from.rotation.transpose());
+  return motion;
+}
+
 /// The Cartesian device of 3 axes that CHAI3D's specifications tell of. They do not tell the apparent mass at the tip
 /// (kg) and the smallest difference of positions (m). The workspace is a cuboid of twice m_workspaceRadius, which is
 /// that of a sphere inside the real one. With axes = 6, inertia and angleStep it is one of 6 axes. Realtime: no.
@@ -71,7 +78,7 @@ class Chai3dDevice final : public HapticDevice {
   Chai3dDevice(chai3d::cGenericHapticDevicePtr device, const Mechanism& mechanism, Chai3dOptions options = {})
       : device_(std::move(device)), mechanism_(mechanism), options_(std::move(options)), kinematics_(mechanism.home()) {
     if (device_ == nullptr) throw Error("chai3d: there is no haptic device");
-    readSpecifications();
+    specifications_ = device_->getSpecifications();
     const int joints = mechanism.joints();
     if (joints != 3 && joints != 6)
       throw Error("chai3d: \"" + mechanism.name() + "\" has " + std::to_string(joints) + " joints, must have 3 or 6");
@@ -97,7 +104,7 @@ class Chai3dDevice final : public HapticDevice {
       close();
       throw Error("chai3d: \"" + specifications_.m_modelName + "\" cannot be calibrated");
     }
-    readSpecifications();  // some drivers know them only now
+    specifications_ = device_->getSpecifications();  // some drivers know them only now
     started_ = false;
   }
 
@@ -119,10 +126,8 @@ class Chai3dDevice final : public HapticDevice {
     if (started_ && time <= last) return Status::stale;
     Pose pose;
     Vec6 twist;
-    const Status status = read(time - last, pose, twist);
-    if (status != Status::ok) return status;
-    const Status reached = mechanism_.reach(pose, twist, false, kinematics_);
-    if (reached != Status::ok) return reached;
+    if (const Status status = read(time - last, pose, twist); status != Status::ok) return status;
+    if (const Status status = mechanism_.reach(pose, twist, false, kinematics_); status != Status::ok) return status;
     time_ = time;
     started_ = true;
     measurement.q = kinematics_.q;
@@ -172,8 +177,6 @@ class Chai3dDevice final : public HapticDevice {
     return limit > 0.0 ? Vec3(v * (limit / length)) : Vec3(Vec3::Zero());
   }
 
-  void readSpecifications() { specifications_ = device_->getSpecifications(); }
-
   bool send(const chai3d::cVector3d& force, const chai3d::cVector3d& moment) noexcept {
     return device_->setForceAndTorqueAndGripperForce(force, moment, 0.0);
   }
@@ -192,11 +195,8 @@ class Chai3dDevice final : public HapticDevice {
     if (options_.cutoff == 0.0) {
       twist << fromChai3d(speed), fromChai3d(turning);
     } else if (started_) {
-      const Pose& last = kinematics_.pose;
-      Vec6 way;
-      way << pose.position - last.position, rotationVector(pose.rotation * last.rotation.transpose());
       const double share = -std::expm1(-2.0 * M_PI * options_.cutoff * passed);
-      twist = kinematics_.twist + share * (way / passed - kinematics_.twist);
+      twist = kinematics_.twist + share * (motionBetween(kinematics_.pose, pose) / passed - kinematics_.twist);
     } else {
       twist.setZero();
     }
@@ -438,8 +438,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
       const Pose pose = poseOf(*f.object);
       Vec6 twist = Vec6::Zero();
       if (pose.position != obstacle.pose.position || pose.rotation != obstacle.pose.rotation)
-        twist << (pose.position - obstacle.pose.position) / guard_.period,
-            rotationVector(pose.rotation * obstacle.pose.rotation.transpose()) / guard_.period;
+        twist = motionBetween(obstacle.pose, pose) / guard_.period;
       else if (obstacle.twist.isZero(0.0))
         continue;
       const Status moved = scene_.move(f.obstacle, pose, twist);

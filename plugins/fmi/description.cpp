@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "apps/enamel/plants.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/runtime/recording.hpp"
@@ -41,7 +40,6 @@ UnitConfiguration readUnit(const std::string& path) {
   }
 }
 
-bool canCopyState(const UnitConfiguration& c) noexcept { return c.plant != app::kMultibody; }
 bool canSerialise(const UnitConfiguration& c) noexcept { return !c.renderer.empty(); }
 
 std::vector<Variable> variablesOf(const UnitConfiguration& c, const Mechanism& device) {

@@ -52,8 +52,7 @@ std::string tokenOf(const std::string& unit, const std::string& device, const st
 
 inline constexpr const char* kIdentifier = "enamel_unit";  ///< of the binary
 
-/// Whether its state can be got and set, and be written as bytes.
-bool canCopyState(const UnitConfiguration& configuration) noexcept;
+/// Whether its state can be written as bytes.
 bool canSerialise(const UnitConfiguration& configuration) noexcept;
 
 }  // namespace enamel::fmi

@@ -128,7 +128,7 @@ std::string modelDescription(const UnitConfiguration& unit, const Mechanism& dev
 
   pugi::xml_node simulation = root.append_child("CoSimulation");
   simulation.append_attribute("modelIdentifier") = kIdentifier;
-  simulation.append_attribute("canGetAndSetFMUState") = canCopyState(unit);
+  simulation.append_attribute("canGetAndSetFMUState") = true;
   simulation.append_attribute("canSerializeFMUState") = canSerialise(unit);
   simulation.append_attribute("canHandleVariableCommunicationStepSize") = isPlant;
   if (!isPlant) simulation.append_attribute("fixedInternalStepSize") = unit.period;

@@ -107,8 +107,14 @@ class Table {
   std::vector<double> numbers_;
 };
 
+// Each file adds its own; classes come before the functions that name them.
 void addDevice(py::module_& m);
 void addScene(py::module_& m);
-void addRuns(py::module_& m);
+void addRenderers(py::module_& m);
+void addDesign(py::module_& m);
+void addPush(py::module_& m);
+void addStudy(py::module_& m);
+void addWall(py::module_& m);
+void addRecording(py::module_& m);
 
 }  // namespace enamel::python

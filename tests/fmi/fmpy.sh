@@ -24,4 +24,7 @@ if [ -z "${ENAMEL_FMPY:-}" ]; then
 fi
 headers=$("$ENAMEL_FMPY" -c 'import fmpy, os; print(os.path.join(os.path.dirname(fmpy.__file__), "c-code"))')
 c++ -std=c++17 -fsyntax-only -isystem "$headers" -I "$source" "$source/tests/fmi/headers.cpp"
+for type in $(grep -o 'fmi3[A-Za-z0-9]*TYPE' "$headers/fmi3FunctionTypes.h" | sort -u); do
+  grep -q "X(${type%TYPE}," "$source/plugins/fmi/fmi3.hpp" || { echo "fmi3.hpp lacks ${type%TYPE}"; exit 1; }
+done
 "$ENAMEL_FMPY" "$source/tests/fmi/fmpy_master.py" "$enamel" "$source"

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
+#include <type_traits>
 
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/scene_file.hpp"
@@ -128,6 +130,50 @@ class Slave {
   void* handle_;
   std::string token_, problem_;
   fmi::Instance instance_;
+};
+
+const std::set<std::string> kUsed = {"fmi3GetVersion",
+                                     "fmi3SetDebugLogging",
+                                     "fmi3InstantiateCoSimulation",
+                                     "fmi3FreeInstance",
+                                     "fmi3EnterInitializationMode",
+                                     "fmi3ExitInitializationMode",
+                                     "fmi3Terminate",
+                                     "fmi3Reset",
+                                     "fmi3GetFloat64",
+                                     "fmi3SetFloat64",
+                                     "fmi3GetInt32",
+                                     "fmi3SetInt32",
+                                     "fmi3GetBoolean",
+                                     "fmi3SetBoolean",
+                                     "fmi3GetFMUState",
+                                     "fmi3SetFMUState",
+                                     "fmi3FreeFMUState",
+                                     "fmi3SerializedFMUStateSize",
+                                     "fmi3SerializeFMUState",
+                                     "fmi3DeserializeFMUState",
+                                     "fmi3DoStep"};
+
+/// Calls each function that a unit refuses with the parameters that the standard states, all zero.
+struct Refusals {
+  Slave& unit;
+  int count = 0;
+
+  template <typename... Parameters>
+  void operator()(const std::string& name, fmi::Status (*function)(fmi::Instance, Parameters...)) {
+    if (kUsed.count(name) > 0) return;
+    INFO(name);
+    CHECK(function(unit.instance(), Parameters{}...) == fmi::error);
+    CHECK(unit.problem() == name + ": this unit does not have it");
+    ++count;
+  }
+  template <typename Result, typename... Parameters>
+  void operator()(const std::string& name, Result (*function)(Parameters...)) {
+    if (kUsed.count(name) > 0) return;
+    INFO(name);
+    if constexpr (std::is_same_v<Result, fmi::Instance>) CHECK(function(Parameters{}...) == nullptr);
+    ++count;
+  }
 };
 
 /// What a master sees of a run.
@@ -295,6 +341,60 @@ TEST_CASE("fmi: outputs follow from inputs without a step, and what is wrong is 
   CHECK(renderer.problem().find("are not those that modelDescription.xml was written for") != std::string::npos);
 }
 
+TEST_CASE("fmi: a unit exports every function of the standard, and refuses those that it has no use for", "[fmi]") {
+  const std::string file = "cartesian-3.toml";
+  const test::TemporaryFolder folder;
+  Slave plant(unitOf(folder, file, ""), file, "");
+  plant.begin();
+  Refusals refusals{plant};
+#define CALL(name, type) refusals(#name, plant.call<type>(#name));
+  using namespace fmi;  // of the types in the table
+  ENAMEL_FMI3_FUNCTIONS(CALL)
+#undef CALL
+  CHECK(refusals.count == 54);
+  CHECK(plant.step(0.0, 1e-3) == fmi::ok);  // none of them did anything
+}
+
+TEST_CASE("fmi: every plant comes back to a saved state bit for bit", "[fmi]") {
+  const std::string file = "tau-detailed.toml", multibody = kUnits + "/enamel_fmi_unit_multibody.so";
+  for (const std::string plantName : {"closed-form", "real", "multibody"}) {
+    if (plantName == "multibody" && !std::filesystem::exists(multibody)) continue;
+    INFO(plantName);
+    const test::TemporaryFolder folder;
+    fmi::ExportSetup setup;
+    setup.unit.plant = plantName;
+    setup.deviceFile = kDevices + file;
+    setup.binary = plantName == "multibody" ? multibody : kUnits + "/enamel_fmi_unit.so";
+    fmi::writeUnit(folder / "plant.fmu", setup);
+    CHECK(filesOf(folder / "plant.fmu")["modelDescription.xml"].find("canGetAndSetFMUState=\"true\"") !=
+          std::string::npos);
+    Slave plant(folder / "plant.fmu", file, "");
+    const auto drive = [&](int first, int last) {
+      std::vector<Eigen::VectorXd> seen;
+      for (int i = first; i < last; ++i) {
+        const Vec3 force(0.2 * std::sin(0.1 * i), 0.1, -0.3);
+        CHECK(plant.set("force", force.data()) == fmi::ok);
+        REQUIRE(plant.step(i * 1e-3, 1e-3) == fmi::ok);
+        for (const char* name : {"position", "velocity", "q", "rates"}) seen.push_back(plant.get(name));
+      }
+      return seen;
+    };
+    plant.begin();
+    (void)drive(0, 20);
+    fmi::State state = nullptr;
+    REQUIRE(plant.call<fmi::GetState>("fmi3GetFMUState")(plant.instance(), &state) == fmi::ok);
+    const auto first = drive(20, 40);
+    CHECK(first.back() != first[3]);
+    for (int time = 0; time < 2; ++time) {  // a state serves more than once
+      CHECK(plant.call<fmi::SetState>("fmi3SetFMUState")(plant.instance(), state) == fmi::ok);
+      CHECK(drive(20, 40) == first);
+    }
+    CHECK(plant.call<fmi::FreeState>("fmi3FreeFMUState")(plant.instance(), &state) == fmi::ok);
+    CHECK(plant.call<fmi::SetState>("fmi3SetFMUState")(plant.instance(), state) == fmi::error);
+    CHECK(plant.problem() == "there is no state");
+  }
+}
+
 TEST_CASE("fmi: a unit as a plant is the plant that it was written from", "[fmi]") {
   for (const char* file : {"tau-nominal.toml", "delta.toml", "cartesian-6.toml"}) {
     INFO(file);
@@ -303,6 +403,7 @@ TEST_CASE("fmi: a unit as a plant is the plant that it was written from", "[fmi]
     const test::TemporaryFolder folder;
     const std::string path = unitOf(folder, file, "");
     const auto make = fmi::plantsOf(path, parameters);
+    CHECK_THROWS_WITH(make(0)->clone(), path + ": a plant in another unit cannot be copied");
     ClosedFormPlant native(*mechanism);
     const auto unit = make(0), other = make(1);
     Pose start;
@@ -330,7 +431,7 @@ TEST_CASE("fmi: a unit as a plant is the plant that it was written from", "[fmi]
       REQUIRE(rates == k.rates);
     }
     CHECK(other->state().position == Vec3(Vec3::Zero()));  // instances have nothing in common
-    REQUIRE(unit->start(start) == Status::ok);             // anew
+    REQUIRE(unit->start(start) == Status::ok);             // again
     CHECK(unit->state().twist == Vec6(Vec6::Zero()));
   }
 }

@@ -213,6 +213,27 @@ class Runs(unittest.TestCase):
         with self.assertRaisesRegex(KeyError, "tired"):
             enamel.trials(self.device, Tired, filter="ramp", runs=1)
 
+    def test_options_go_by_name_or_by_place(self):
+        law = enamel.hold(self.device)
+        for options, message in (({"forse": 1.0}, r'push\(\) has no argument "forse"'),
+                                 ({"force": "strong"}, r"push\(\): force is 'strong', must be float"),
+                                 ({"delay": 1}, r"push\(\): delay is 1, must be Tuple\[int, int\]")):
+            with self.assertRaisesRegex(TypeError, message):
+                enamel.push(self.device, law, **options)
+        with self.assertRaises(TypeError):
+            enamel.push(self.device, law, None)  # by name only
+        corner = np.array([[0, 0, 0], [0.01, 0, 0], [0, 0.01, 0]]), [[0, 1, 2]]
+        placed, named = enamel.Scene(), enamel.Scene()
+        placed.add_mesh("sheet", *corner, (0, 0, -0.01), None, 2e4, 0.1, 1e-3)
+        named.add_mesh("sheet", *corner, thickness=1e-3, position=(0, 0, -0.01))
+        point = [[0.002, 0.002, 0.0]]
+        self.assertEqual(placed.nearest(point).tobytes(), named.nearest(point).tobytes())
+        np.testing.assert_allclose(placed.nearest(point)["gap"], 0.0095)
+        with self.assertRaisesRegex(TypeError, 'got "position" twice'):
+            placed.add_mesh("again", *corner, (0, 0, 0), position=(0, 0, 0))
+        with self.assertRaisesRegex(TypeError, "too many arguments"):
+            placed.add_mesh("again", *corner, (0, 0, 0), None, 2e4, 0.1, 1e-3, 1)
+
     def test_a_study_does_not_depend_on_threads(self):
         def run(threads):
             return enamel.study(self.device, {"hold": enamel.hold(self.device, release=False)}, grid=2, runs=2,

@@ -181,4 +181,42 @@ TEST_CASE("multibody: the same bits in two threads, failures change nothing", "[
   CHECK_THROWS_WITH(MultibodyPlant(test::nominal(), 1.0), test::ContainsSubstring("accuracy is 1"));
 }
 
+TEST_CASE("multibody: a copy of a plant in motion moves on bit for bit", "[multibody]") {
+  for (const test::Shipped& shipped : test::shippedDevices()) {
+    INFO(shipped.file);
+    MultibodyPlant plant(shipped.parameters());
+    const JointVector gravity = plant.mechanism().home().gravity;
+    const auto drive = [&](Plant& driven, int first, int last) {
+      for (int i = first; i < last; ++i) {
+        const JointVector torque = (1.0 + 0.1 * std::sin(0.1 * i)) * gravity;
+        const auto push = [&](double time, const Pose&, const Vec6&) {
+          return (Vec6() << std::sin(40.0 * time), 0.3, -0.5, 0.0, 0.0, 0.0).finished();
+        };
+        REQUIRE(driven.advance(i * 1e-3, 1e-3, torque, push) == Status::ok);
+      }
+    };
+    const auto same = [](const Plant& a, const Plant& b) {
+      return a.state().position == b.state().position && a.state().twist == b.state().twist &&
+             a.state().orientation.coeffs() == b.state().orientation.coeffs();
+    };
+    REQUIRE(plant.start(Pose{}) == Status::ok);
+    const auto early = plant.clone();  // before the first step
+    drive(plant, 0, 20);
+    const auto late = plant.clone();
+    CHECK(same(plant, *late));
+    drive(plant, 20, 40);
+    CHECK_FALSE(same(plant, *late));  // which has not moved
+    drive(*late, 20, 40);
+    CHECK(same(plant, *late));
+    drive(*early, 0, 40);
+    CHECK(same(plant, *early));
+    // A copy that starts again is no different from the plant that does.
+    REQUIRE(plant.start(Pose{}) == Status::ok);
+    REQUIRE(late->start(Pose{}) == Status::ok);
+    drive(plant, 0, 20);
+    drive(*late, 0, 20);
+    CHECK(same(plant, *late));
+  }
+}
+
 }  // namespace enamel::test_multibody

@@ -314,4 +314,35 @@ TEST_CASE("virtual device: ticks jitter and samples get lost as the setup says",
   CHECK_THROWS_WITH(VirtualDevice(*device, setup), test::ContainsSubstring("lost samples are -0.1"));
 }
 
+TEST_CASE("plants: a copy of a plant in motion moves on bit for bit", "[real_plant]") {
+  const auto nominal = makeMechanism(test::nominal());
+  Imperfections imperfections = cable(220.0, 0.01);
+  imperfections.coulombFriction = 0.01;
+  imperfections.currentBandwidth = 400.0;
+  imperfections.encoderOffset = 1e-4;
+  std::vector<std::unique_ptr<Plant>> plants;
+  for (const Integrator integrator : {Integrator::rungeKutta4, Integrator::semiImplicitEuler})
+    plants.push_back(std::make_unique<ClosedFormPlant>(*nominal, integrator, 3));
+  plants.push_back(std::make_unique<RealPlant>(makeRealDevice(with(imperfections), 1)));
+  for (const auto& plant : plants) {
+    (void)after(*plant, 20);
+    const auto copy = plant->clone();
+    const JointVector torque = 1.1 * plant->mechanism().home().gravity;
+    const auto drive = [&](Plant& driven) {
+      for (int i = 20; i < 40; ++i) REQUIRE(driven.advance(i * kTick, kTick, torque, spring) == Status::ok);
+    };
+    const DeviceState before = copy->state();
+    drive(*plant);
+    CHECK(copy->state().position == before.position);  // it has a state of its own
+    CHECK(plant->state().position != before.position);
+    drive(*copy);
+    CHECK(copy->state().position == plant->state().position);
+    CHECK(copy->state().orientation.coeffs() == plant->state().orientation.coeffs());
+    CHECK(copy->state().twist == plant->state().twist);
+    const Measurement expected = readOf(*plant), read = readOf(*copy);
+    CHECK(read.q == expected.q);
+    CHECK(read.rates == expected.rates);
+  }
+}
+
 }  // namespace enamel::test_real_plant

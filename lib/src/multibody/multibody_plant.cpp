@@ -97,6 +97,7 @@ class ActingForce final : public SimTK::Force::Custom::Implementation {
 
 struct MultibodyPlant::Model {
   DeviceParameters parameters;
+  double accuracy;
   std::shared_ptr<const Mechanism> mechanism;
   Acting acting;
   SimTK::MultibodySystem system;
@@ -107,7 +108,8 @@ struct MultibodyPlant::Model {
   SimTK::State state;
   bool goesOn = false;  // the integrator stands where the state does, and need not begin anew
 
-  Model(const DeviceParameters& given, double accuracy) : parameters(given), mechanism(makeMechanism(given)) {
+  Model(const DeviceParameters& given, double relative)
+      : parameters(given), accuracy(relative), mechanism(makeMechanism(given)) {
     require(accuracy >= 1e-13 && accuracy <= 1e-2,
             "accuracy is " + formatNumber(accuracy) + ", must be in 1e-13 to 1e-2");
     std::visit([this](const auto& device) { build(device); }, parameters);
@@ -260,6 +262,20 @@ struct MultibodyPlant::Model {
     platform.setUToFitVelocity(state, SimTK::SpatialVec(~F.R() * turn, ~F.R() * way));
   }
 
+  // Continues the motion of another model of the same device, with the step size that its integrator would take next.
+  void takeMotion(const Model& from) {
+    state.updQ() = from.state.getQ();
+    state.updU() = from.state.getU();
+    state.setTime(from.state.getTime());
+    goesOn = from.goesOn;
+    if (!goesOn) return;
+    integrator->setInitialStepSize(from.integrator->getPredictedNextStepSize());
+    integrator->initialize(state);
+    integrator->setInitialStepSize(-1.0);  // the default
+    // initialize() projects onto the constraints, which changes the last bits.
+    integrator->updAdvancedState().updY() = from.integrator->getAdvancedState().getY();
+  }
+
   DeviceState platformOf(const SimTK::State& moving) const {
     system.realize(moving, SimTK::Stage::Velocity);
     const SimTK::Transform& at = acting.platform.getBodyTransform(moving);
@@ -277,6 +293,14 @@ MultibodyPlant::MultibodyPlant(const DeviceParameters& parameters, double accura
 MultibodyPlant::MultibodyPlant(std::unique_ptr<Model> model) : Plant(*model->mechanism), model_(std::move(model)) {}
 
 MultibodyPlant::~MultibodyPlant() = default;
+
+std::unique_ptr<Plant> MultibodyPlant::clone() const {
+  auto model = std::make_unique<Model>(model_->parameters, model_->accuracy);
+  model->takeMotion(*model_);
+  std::unique_ptr<MultibodyPlant> copy(new MultibodyPlant(std::move(model)));
+  copy->state_ = state_;
+  return copy;
+}
 
 Status MultibodyPlant::start(const Pose& pose) {
   Kinematics k;

@@ -20,6 +20,8 @@ class MultibodyPlant final : public Plant {
   explicit MultibodyPlant(const DeviceParameters& parameters, double accuracy = 1e-9);
   ~MultibodyPlant() override;
 
+  /// Build the bodies again, in the state and with the step size of this plant.
+  [[nodiscard]] std::unique_ptr<Plant> clone() const override;
   /// Joint angles and passive joints are those of the pose (inverse kinematics).
   [[nodiscard]] Status start(const Pose& pose) override;
   /// notConverged where Simbody gives up.

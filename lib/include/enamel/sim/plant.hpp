@@ -1,6 +1,7 @@
 // What moves between two ticks: a device in motion, behind the same interface whatever computes it.
 #pragma once
 
+#include <memory>
 #include <type_traits>
 
 #include "enamel/sim/integrator.hpp"
@@ -35,6 +36,11 @@ class Plant {
   /// The mechanism that it is: geometry, limits of its motors and encoders.
   explicit Plant(const Mechanism& mechanism) : mechanism_(mechanism) {}
   virtual ~Plant() = default;
+  Plant& operator=(const Plant&) = delete;
+
+  /// Copy the plant with its state. The copy moves on bit for bit as the original does, and shares only immutable data
+  /// with it. Throws Error: a plant that cannot be copied. Realtime: no.
+  [[nodiscard]] virtual std::unique_ptr<Plant> clone() const = 0;
 
   const Mechanism& mechanism() const noexcept { return mechanism_; }
 
@@ -59,6 +65,8 @@ class Plant {
   const DeviceState& state() const noexcept { return state_; }
 
  protected:
+  Plant(const Plant&) = default;
+
   /// state() at rest at a pose, and the mechanism there. Statuses of Mechanism::reach(); nothing is then changed.
   [[nodiscard]] Status rest(const Pose& pose, Kinematics& kinematics) noexcept;
 
@@ -78,6 +86,7 @@ class ClosedFormPlant final : public Plant {
                            int substeps = 1) noexcept
       : Plant(mechanism), integrator_(integrator), substeps_(substeps) {}
 
+  [[nodiscard]] std::unique_ptr<Plant> clone() const override { return std::make_unique<ClosedFormPlant>(*this); }
   /// Realtime: yes.
   [[nodiscard]] Status start(const Pose& pose) noexcept override;
   [[nodiscard]] Status advance(double time, double duration, const JointVector& torque,

@@ -38,6 +38,7 @@ class RealPlant final : public Plant {
   explicit RealPlant(RealDevice device, double step = 5e-5) noexcept
       : Plant(*device.mechanism), device_(std::move(device)), step_(step) {}
 
+  [[nodiscard]] std::unique_ptr<Plant> clone() const override { return std::make_unique<RealPlant>(*this); }
   [[nodiscard]] Status start(const Pose& pose) override;
   /// Realtime: yes, if the load is.
   [[nodiscard]] Status advance(double time, double duration, const JointVector& torque,

@@ -1,0 +1,120 @@
+#include "renderer_unit.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include "apps/enamel/renderers.hpp"
+#include "enamel/core/error.hpp"
+
+namespace enamel::fmi {
+
+struct RendererUnit::Saved final : UnitState {
+  std::vector<char> before;
+  std::uint64_t number;
+
+  Saved(Condition condition, std::vector<char> tick, std::uint64_t ofTick)
+      : UnitState(std::move(condition)), before(std::move(tick)), number(ofTick) {}
+};
+
+RendererUnit::RendererUnit(const UnitConfiguration& configuration, const DeviceParameters& parameters, SceneFile scene)
+    : Unit(configuration, makeMechanism(parameters)),
+      scene_(std::move(scene)),
+      renderer_(app::makeLinked(configuration.renderer, configuration.parameters, device_, configuration.period)) {}
+
+void RendererUnit::begin() {
+  GuardOptions guard = guardFor(*device_, configuration_.period);
+  guard.on = configuration_.guarded;
+  if (configuration_.force > 0.0) guard.force = configuration_.force;
+  tick_.emplace(*device_, scene_.scene, scene_.tool, *renderer_, guard, startPose());
+  before_.resize(tick_->stateSize());
+  tick_->saveState(before_.data());
+  number_ = 0;
+  now_.isNew = true;
+}
+
+// The tick at the communication point, on the inputs as they are. It can come again with others.
+void RendererUnit::refresh() {
+  if (!now_.isNew || !tick_) return;
+  tick_->loadState(before_.data());
+  Measurement m;
+  m.time = now_.start + static_cast<double>(number_) * configuration_.period;
+  m.q = joints("q");
+  m.rates = joints("rates");
+  m.applied = joints("applied");
+  m.enabled = value("enabled")[0] != 0.0;
+  Command command;
+  const enamel::Status status = (*tick_)(m, command);
+  put("torque", command.torque);
+  put("requested", tick_->output().torque);
+  value("normal_force")[0] = tick_->output().normalForce;
+  value("mode")[0] = static_cast<double>(tick_->output().mode);
+  value("saturated")[0] = tick_->output().saturated ? 1.0 : 0.0;
+  value("status")[0] = static_cast<double>(status);
+  value("guard")[0] = static_cast<double>(tick_->reason());
+  now_.isNew = false;
+}
+
+void RendererUnit::step(double step) {
+  if (!(std::abs(step - configuration_.period) <= 1e-9 * configuration_.period))
+    throw Error("a step of " + std::to_string(step) + " s: its ticks take " + std::to_string(configuration_.period) +
+                " s");
+  now_.isNew = true;  // also where outputs were got: a state may have been set since
+  refresh();
+  tick_->saveState(before_.data());
+  ++number_;
+}
+
+std::unique_ptr<UnitState> RendererUnit::copyState() const { return std::make_unique<Saved>(now_, before_, number_); }
+
+void RendererUnit::putState(const UnitState& state) {
+  const auto& saved = static_cast<const Saved&>(state);
+  now_ = saved.now;
+  before_ = saved.before;
+  number_ = saved.number;
+  if (tick_ && before_.size() == tick_->stateSize()) tick_->loadState(before_.data());
+}
+
+std::string RendererUnit::bytesOf(const UnitState& state) const {
+  const auto& saved = static_cast<const Saved&>(state);
+  std::string bytes;
+  const auto append = [&bytes](const auto& number) {
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  append(saved.now.start);
+  append(saved.now.last);
+  append(static_cast<std::int64_t>(saved.now.phase));
+  append(static_cast<std::int64_t>(saved.now.isNew));
+  append(saved.number);
+  for (const auto& values : saved.now.values)
+    for (const double number : values) append(number);
+  bytes.append(saved.before.begin(), saved.before.end());
+  return bytes;
+}
+
+std::unique_ptr<UnitState> RendererUnit::stateOf(const std::string& bytes) const {
+  auto saved = std::make_unique<Saved>(now_, std::vector<char>(), 0);
+  std::size_t at = 0;
+  const auto take = [&](auto& number) {
+    if (bytes.size() - at < sizeof number) throw Error("the bytes are of another unit's state");
+    std::memcpy(&number, bytes.data() + at, sizeof number);
+    at += sizeof number;
+  };
+  std::int64_t phase = 0, isNew = 0;
+  take(saved->now.start);
+  take(saved->now.last);
+  take(phase);
+  take(isNew);
+  take(saved->number);
+  if (phase < 0 || phase > static_cast<std::int64_t>(Phase::terminated))
+    throw Error("the bytes are of another unit's state");
+  saved->now.phase = static_cast<Phase>(phase);
+  saved->now.isNew = isNew != 0;
+  for (auto& values : saved->now.values)
+    for (double& number : values) take(number);
+  saved->before.assign(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.end());
+  if (!saved->before.empty() && tick_ && saved->before.size() != tick_->stateSize())
+    throw Error("the bytes are of another unit's state");
+  return saved;
+}
+
+}  // namespace enamel::fmi

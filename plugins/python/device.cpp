@@ -1,0 +1,130 @@
+// Devices and their kinematics in Python. Every function says what the header says.
+#include "binding.hpp"
+#include "enamel/core/error.hpp"
+#include "enamel/device/device_file.hpp"
+
+namespace enamel::python {
+namespace {
+
+Device deviceOf(DeviceParameters parameters) {
+  auto mechanism = makeMechanism(parameters);
+  return {std::move(parameters), std::move(mechanism)};
+}
+
+template <typename Member>
+void addVector(py::class_<Kinematics>& c, const char* name, Member member, const char* doc) {
+  c.def_readonly(name, member, doc);  // an array that looks into the object
+}
+
+void addKinematics(py::module_& m) {
+  py::class_<Kinematics> k(m, "Kinematics",
+                           "Everything about a mechanism in motion that one tick computes once, in W. Its arrays look "
+                           "into the object and cannot be written.");
+  addVector(k, "q", &Kinematics::q, "Joint coordinates, (n,), rad or m.");
+  addVector(k, "rates", &Kinematics::rates, "q', (n,), rad/s or m/s.");
+  addVector(k, "twist", &Kinematics::twist, "V = J q', (6,), m/s and rad/s.");
+  addVector(k, "jacobian", &Kinematics::jacobian, "J, (6, n).");
+  addVector(k, "inverse_transposed", &Kinematics::inverseTransposed,
+            "(6, n): F = this tau is the wrench on the platform of torques tau, q' = this^T V.");
+  addVector(k, "gravity", &Kinematics::gravity, "Torque that balances gravity at rest, (n,), N m or N.");
+  addVector(k, "inertia", &Kinematics::inertia,
+            "M(q), (n, n), kg m^2 or kg; (0, 0) where a renderer's needs_inertia does not ask for it.");
+  k.def_property_readonly(
+      "position", [](const Kinematics& self) -> const Vec3& { return self.pose.position; },
+      py::return_value_policy::reference_internal, "TCP in W, (3,), m.");
+  k.def_property_readonly(
+      "rotation", [](const Kinematics& self) -> const Mat3& { return self.pose.rotation; },
+      py::return_value_policy::reference_internal, "Axes of the platform in W as columns, (3, 3).");
+}
+
+void addMotion(py::class_<Device>& device) {
+  device
+      .def(
+          "track",
+          [](const Device& self, const Array& q, const std::optional<Array>& rates) {
+            const int n = self.mechanism->joints();
+            Kinematics kinematics = self.mechanism->home();
+            require(self.mechanism->track(joints(q, n, "q", "rad or m"),
+                                          rates ? joints(*rates, n, "rates", "rad/s or m/s") : JointVector::Zero(n),
+                                          true, kinematics),
+                    "forward kinematics");
+            return kinematics;
+          },
+          py::arg("q"), py::arg("rates") = py::none(),
+          "Forward kinematics: everything from joint coordinates and rates, with inertia. The search begins at home. "
+          "Raises Error: notFinite, unreachable, singular, notConverged.")
+      .def(
+          "reach",
+          [](const Device& self, const Array& position, const std::optional<Array>& rotation,
+             const std::optional<Array>& twist) {
+            Kinematics kinematics;
+            require(
+                self.mechanism->reach(poseOf(position, rotation),
+                                      twist ? vec6(*twist, "twist", "m/s and rad/s") : Vec6::Zero(), true, kinematics),
+                "inverse kinematics");
+            return kinematics;
+          },
+          py::arg("position"), py::arg("rotation") = py::none(), py::arg("twist") = py::none(),
+          "Inverse kinematics: everything from pose and twist, with inertia. Raises Error: notFinite, unreachable "
+          "(also: a turn that the platform cannot make), singular.")
+      .def(
+          "accelerate",
+          [](const Device& self, const Array& position, const Array& torque, const std::optional<Array>& rotation,
+             const std::optional<Array>& twist, const std::optional<Array>& wrench) {
+            Vec6 acceleration;
+            require(self.mechanism->accelerate(
+                        poseOf(position, rotation), twist ? vec6(*twist, "twist", "m/s and rad/s") : Vec6::Zero(),
+                        joints(torque, self.mechanism->joints(), "torque", "N m or N"),
+                        wrench ? vec6(*wrench, "wrench", "N and N m") : Vec6::Zero(), acceleration),
+                    "forward dynamics");
+            return acceleration;
+          },
+          py::arg("position"), py::arg("torque"), py::arg("rotation") = py::none(), py::arg("twist") = py::none(),
+          py::arg("wrench") = py::none(),
+          "Forward dynamics: V' = [v'; w'], (6,), at a pose and twist under joint torques and a wrench on the platform "
+          "at the TCP (N, N m), with gravity, friction and damping. Raises Error as reach().");
+}
+
+}  // namespace
+
+void addDevice(py::module_& m) {
+  addKinematics(m);
+  py::class_<Device> device(m, "Device",
+                            "A mechanism: geometry and mass of a device. Immutable; may be shared between threads.");
+  device
+      .def(py::init([](const py::object& path) { return deviceOf(loadDevice(py::str(path).cast<std::string>())); }),
+           py::arg("path"),
+           "Reads a device file (TOML). Raises ConfigurationError with file, line, key, value and limit.")
+      .def_static(
+          "parse", [](const std::string& text, const std::string& file) { return deviceOf(parseDevice(text, file)); },
+          py::arg("text"), py::arg("file") = "text", "The same for text in memory; messages name `file`.")
+      .def_property_readonly(
+          "name", [](const Device& self) { return self.mechanism->name(); }, "As the file has it.")
+      .def_property_readonly(
+          "joints", [](const Device& self) { return self.mechanism->joints(); }, "n.")
+      .def_property_readonly(
+          "max_torque", [](const Device& self) { return self.mechanism->limits().torque; },
+          "Largest torque of every motor, (n,), N m or N.")
+      .def_property_readonly(
+          "count", [](const Device& self) { return self.mechanism->limits().count; },
+          "Step of every encoder, (n,), rad or m.")
+      .def_property_readonly(
+          "home", [](const Device& self) -> const Kinematics& { return self.mechanism->home(); },
+          py::return_value_policy::reference_internal, "At rest at the home pose (P = W), with inertia.")
+      .def(
+          "damped",
+          [](const Device& self, const Array& damping) {
+            DeviceParameters parameters = self.parameters;
+            addDamping(parameters, vec6(damping, "damping", "N s/m and N m s/rad"));
+            return deviceOf(std::move(parameters));
+          },
+          py::arg("damping"),
+          "The device with more viscous damping of the TCP's twist, (6,), axes of W, N s/m and N m s/rad.")
+      .def("__repr__", [](const Device& self) {
+        return "<enamel.Device \"" + self.mechanism->name() + "\", " + std::to_string(self.mechanism->joints()) +
+               " joints>";
+      });
+  addMotion(device);
+}
+
+}  // namespace enamel::python

@@ -1,0 +1,122 @@
+// Recordings and their replay in Python.
+#include <optional>
+
+#include "enamel/core/error.hpp"
+#include "enamel/render/drill.hpp"
+#include "enamel/runtime/replay.hpp"
+#include "renderers.hpp"
+
+namespace enamel::python {
+namespace {
+
+class Recording {
+ public:
+  explicit Recording(const std::string& path) : reader_(path) {
+    DeviceParameters parameters = parseDevice(header().deviceText, header().deviceFile);
+    device_ = {parameters, makeMechanism(parameters)};
+  }
+  const RecordingHeader& header() const noexcept { return reader_.header(); }
+  const Device& device() const noexcept { return device_; }
+
+  std::shared_ptr<SceneFile> scene() const {
+    if (!header().sceneText.empty())
+      return std::make_shared<SceneFile>(parseScene(header().sceneText, header().sceneFile));
+    auto wall = std::make_shared<SceneFile>();
+    wall->scene = flatWall();
+    return wall;
+  }
+
+  py::array ticks() {
+    const int n = header().joints;
+    Table table;
+    table.column("tick", {}, "u8");
+    for (const char* name : {"time", "normal_force"}) table.column(name);
+    for (const char* name : {"q", "rates", "applied", "requested", "command"}) table.column(name, {n});
+    table.column("position", {3});
+    table.column("rotation", {3, 3});
+    for (const char* name : {"mode", "saturated", "status", "guard", "enabled", "reset"}) table.column(name, {}, "i8");
+    {
+      const py::gil_scoped_release release;
+      Kinematics kinematics = device_.mechanism->home();
+      RecordedChunk chunk;
+      for (std::uint64_t i = 0; i < reader_.chunks(); ++i) {
+        if (const std::string problem = reader_.read(i, chunk); !problem.empty()) {
+          if (i + 1 == reader_.chunks()) break;  // cut off
+          throw Error(problem);
+        }
+        for (const RecordedTick& t : chunk.ticks) add(t, n, kinematics, table);
+      }
+    }
+    return table.finish();
+  }
+
+  py::dict replayed(const py::object& renderer) {
+    const auto failure = std::make_shared<Failure>();
+    const std::unique_ptr<Renderer> own = makerOf(renderer, failure)();
+    ReplayResult result;
+    {
+      const py::gil_scoped_release release;
+      const auto file = scene();
+      HapticTick tick(*device_.mechanism, file->scene, file->tool, *own, header().guard, header().start);
+      std::optional<Drill> drill;
+      if (file->bur) tick.attach(&drill.emplace(file->tool, file->solids, *file->bur));
+      result = replay(reader_, tick, 0, [&](const RecordedTick&, const HapticTick&) { failure->rethrow(); });
+      failure->rethrow();
+    }
+    py::dict found;
+    found["ticks"] = result.ticks;
+    found["different"] = result.different;
+    found["lost"] = result.lost;
+    found["damage"] = result.damage;
+    found["closed"] = result.closed;
+    found["requested"] = result.requested;
+    found["command"] = result.command;
+    return found;
+  }
+
+ private:
+  void add(const RecordedTick& t, int n, Kinematics& kinematics, Table& table) const {
+    const Measurement& m = t.measurement;
+    table.add(t.number);
+    table.add(m.time);
+    table.add(t.normalForce);
+    for (const JointVector* v : {&m.q, &m.rates, &m.applied, &t.requested, &t.command}) table.addJoints(*v, n);
+    const bool found = device_.mechanism->track(m.q, m.rates, false, kinematics) == Status::ok;
+    const double nothing = std::numeric_limits<double>::quiet_NaN();
+    table.add(found ? kinematics.pose.position : Vec3(Vec3::Constant(nothing)));
+    table.add(found ? kinematics.pose.rotation : Mat3(Mat3::Constant(nothing)));
+    for (const int value : {static_cast<int>(t.mode), static_cast<int>(t.saturated), static_cast<int>(t.status),
+                            static_cast<int>(t.reason), static_cast<int>(m.enabled), static_cast<int>(t.reset)})
+      table.add(static_cast<std::int64_t>(value));
+  }
+
+  RecordingReader reader_;
+  Device device_;
+};
+
+}  // namespace
+
+void addRecording(py::module_& m) {
+  py::class_<Recording>(m, "Recording", "A recording of haptic ticks.")
+      .def(py::init(
+               [](const py::object& path) { return std::make_unique<Recording>(py::str(path).cast<std::string>()); }),
+           py::arg("path"),
+           "Opens it. Raises ConfigurationError: no recording, of another version, or its header is damaged.")
+      .def_property_readonly(
+          "device", [](const Recording& self) { return self.device(); }, "That it was made on.")
+      .def_property_readonly("scene", &Recording::scene, "What the tool could touch.")
+      .def_property_readonly(
+          "renderer", [](const Recording& self) { return self.header().renderer; }, "Its name.")
+      .def_property_readonly(
+          "parameters", [](const Recording& self) { return self.header().parameters; }, "Of the renderer.")
+      .def_property_readonly(
+          "period", [](const Recording& self) { return self.header().guard.period; }, "s.")
+      .def("ticks", &Recording::ticks,
+           "All ticks as a structured array, a row a tick, SI; position and rotation by the device's kinematics, NaN "
+           "where it cannot be there. What was lost is missing: see `tick`. Raises Error: a chunk is damaged.")
+      .def("replay", &Recording::replayed, py::arg("renderer"),
+           "Runs another renderer, or the same, on what was measured, and compares all that it answers bit for bit: "
+           "ticks compared and different, largest differences of the torques (N m or N). Raises Error: as replay().");
+}
+
+}  // namespace enamel::python

@@ -1,0 +1,235 @@
+#include "renderers.hpp"
+
+#include <algorithm>
+
+#include "enamel/control/device_plant.hpp"
+#include "enamel/control/servo_file.hpp"
+#include "enamel/core/error.hpp"
+#include "enamel/plugin/host.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/render/passivity.hpp"
+#include "enamel/render/position_control.hpp"
+#include "enamel/render/surface_file.hpp"
+#include "enamel/render/virtual_coupling.hpp"
+
+namespace enamel::python {
+
+void Failure::keep(std::exception_ptr error) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!first_) first_ = std::move(error);
+}
+
+void Failure::rethrow() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (first_) std::rethrow_exception(first_);
+}
+
+namespace {
+
+// May be let go on any thread.
+std::shared_ptr<py::object> shared(py::object object) {
+  return {new py::object(std::move(object)), [](py::object* kept) {
+            const py::gil_scoped_acquire acquire;
+            delete kept;
+          }};
+}
+
+/// A renderer whose law is a Python object: for experiments, not for real time. It has no state that could be saved.
+class ScriptedRenderer final : public Renderer {
+ public:
+  ScriptedRenderer(std::shared_ptr<py::object> self, std::shared_ptr<Failure> failure)
+      : self_(std::move(self)), failure_(std::move(failure)) {
+    needsInertia_ = self_->attr("needs_inertia").cast<bool>();
+  }
+  bool needsInertia() const noexcept override { return needsInertia_; }
+
+ private:
+  template <typename Body>
+  bool attempt(const Body& body) noexcept {
+    if (failed_) return false;
+    const py::gil_scoped_acquire acquire;
+    try {
+      body();
+      return true;
+    } catch (...) {
+      failed_ = true;
+      failure_->keep(std::current_exception());
+      return false;
+    }
+  }
+
+  void prepare(double period) override {
+    const py::gil_scoped_acquire acquire;
+    self_->attr("activate")(period);
+  }
+  void resetState() noexcept override {
+    attempt([this] { self_->attr("reset")(); });
+  }
+  StateBlock stateBlock() noexcept override { return {nullptr, 0}; }
+
+  Status render(const TickInput& input, TickOutput& output) noexcept override {
+    const Kinematics& k = input.kinematics;
+    const bool done = attempt([&] {
+      const Array torque = Array::ensure(self_->attr("render")(py::cast(input)));
+      if (!torque) throw py::type_error("render() must return the torque of every joint");
+      output.torque = joints(torque, static_cast<int>(k.q.size()), "what render() returned", "N m or N");
+    });
+    if (!done) return Status::notFinite;
+    const Contact& deepest = input.contacts.contacts[0];
+    const bool touches = input.contacts.count > 0 && deepest.gap < 0.0;
+    output.mode = touches ? RenderMode::contact : RenderMode::free;
+    if (touches) output.normalForce = deepest.normal.dot(wrenchOf(k, output.torque - k.gravity).head<3>());
+    return Status::ok;
+  }
+
+  std::shared_ptr<py::object> self_;
+  std::shared_ptr<Failure> failure_;
+  bool needsInertia_ = false, failed_ = false;
+};
+
+}  // namespace
+
+MakeRenderer makerOf(const py::object& renderer, const std::shared_ptr<Failure>& failure) {
+  if (py::isinstance<RendererRecipe>(renderer)) return renderer.cast<const RendererRecipe&>().make;
+  if (!PyCallable_Check(renderer.ptr()))
+    throw py::type_error(
+        "a renderer is what enamel.position_control() and its like return, or a callable that makes a PythonRenderer");
+  return [make = shared(renderer), failure]() -> std::unique_ptr<Renderer> {
+    const py::gil_scoped_acquire acquire;
+    py::object made = (*make)();
+    if (py::isinstance<RendererRecipe>(made)) return made.cast<const RendererRecipe&>().make();
+    if (!py::hasattr(made, "render")) throw py::type_error("the callable made no PythonRenderer");
+    return std::make_unique<ScriptedRenderer>(shared(std::move(made)), failure);
+  };
+}
+
+namespace {
+
+RendererRecipe positionControl(const Device& device, double period, const Delays& delay, const py::object& file,
+                               const std::map<std::string, double>& numbers) {
+  SurfaceServoOptions options;
+  if (file.is_none()) {
+    options = surfaceServoFor(device.mechanism->limits().count, period, delay.first, delay.second);
+  } else {
+    const std::string path = py::str(file).cast<std::string>();
+    options = loadSurfaceServo(path).options;
+    if (options.count.size() != device.mechanism->joints())
+      throw Error(path + ": the servo is for " + std::to_string(options.count.size()) + " joints, the device has " +
+                  std::to_string(device.mechanism->joints()));
+  }
+  for (const auto& [key, value] : numbers) {
+    const std::string& name = key;  // which Clang lets a lambda capture
+    const auto& all = surfaceServoParameters();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.name == name; });
+    if (found == all.end()) throw Error("position_control has no number \"" + name + "\"");
+    options.*found->value = value;
+  }
+  SurfaceServoRenderer{options};  // refuses here what a run would refuse
+  return {"position-control", [options] { return std::make_unique<SurfaceServoRenderer>(options); }};
+}
+
+RendererRecipe hold(const Device& device, double period, const std::optional<Eigen::MatrixXd>& gain, bool release,
+                    bool antiWindup) {
+  const auto design = gain ? *gain : designServo(device.mechanism, Pose{}, period).K;
+  if (design.rows() > kMaxJoints || design.cols() > 3 * kMaxJoints)
+    throw Error("a gain of " + std::to_string(design.rows()) + " x " + std::to_string(design.cols()) +
+                " is for no device");
+  PositionControlOptions options;
+  options.release = release;
+  options.antiWindup = antiWindup;
+  const ServoGain servo = design;
+  PositionControlRenderer(servo, period, options);
+  return {"hold", [=] { return std::make_unique<PositionControlRenderer>(servo, period, options); }};
+}
+
+RendererRecipe impedance(double stiffness, double damping) {
+  const ImpedanceOptions options{stiffness, damping};
+  ImpedanceRenderer{options};
+  return {"impedance", [options] { return std::make_unique<ImpedanceRenderer>(options); }};
+}
+
+RendererRecipe passivity(double stiffness, double damping, bool memory) {
+  const ImpedanceOptions options{stiffness, damping};
+  ImpedanceRenderer{options};
+  return {"passivity", [options, memory] {
+            return std::make_unique<PassivityRenderer>(std::make_unique<ImpedanceRenderer>(options),
+                                                       memory ? PassivityBound::memory : PassivityBound::energy);
+          }};
+}
+
+RendererRecipe virtualCoupling(double stiffness, double damping, double mass) {
+  const VirtualCouplingOptions options{stiffness, damping, mass};
+  VirtualCouplingRenderer{options};
+  return {"virtual-coupling", [options] { return std::make_unique<VirtualCouplingRenderer>(options); }};
+}
+
+RendererRecipe plugin(const py::object& path, const py::object& device, const std::map<std::string, py::object>& set) {
+  const auto library = PluginLibrary::load(py::str(path).cast<std::string>());
+  PluginSetup setup;
+  if (!device.is_none()) setup.devicePath = py::str(device).cast<std::string>();
+  for (const auto& [key, value] : set) setup.parameters[key] = py::str(value).cast<std::string>();
+  (void)makeRenderer(library, setup);
+  return {library->description().name, [library, setup] { return makeRenderer(library, setup); }};
+}
+
+void addTick(py::module_& m) {
+  py::class_<TickInput>(m, "Tick", "What a renderer knows at a tick. SI; in W.")
+      .def_readonly("time", &TickInput::time, "s, strictly increasing.")
+      .def_readonly("kinematics", &TickInput::kinematics, "Measured; the inertia where needs_inertia is set.")
+      .def_readonly("max_torque", &TickInput::maxTorque, "Limit of every motor, (n,), N m or N.")
+      .def_readonly("applied", &TickInput::applied,
+                    "Torque that really acted since the last tick, (n,), N m or N; (0,): the device cannot tell.")
+      .def_property_readonly(
+          "contacts",
+          [](const TickInput& self) {
+            std::vector<ContactRow> rows;
+            for (int i = 0; i < self.contacts.count; ++i)
+              rows.push_back(rowOf(0, self.contacts.contacts[static_cast<std::size_t>(i)]));
+            return arrayOf(std::move(rows));
+          },
+          "contact_dtype, the deepest first; within 1 mm.");
+}
+
+}  // namespace
+
+void addRenderers(py::module_& m) {
+  addTick(m);
+  py::class_<RendererRecipe>(m, "Renderer", "How to make a renderer: every run makes its own.")
+      .def_readonly("name", &RendererRecipe::name)
+      .def("__repr__", [](const RendererRecipe& self) { return "<enamel.Renderer \"" + self.name + "\">"; });
+  m.def(
+      "position_control",
+      [](const Device& device, double period, const Delays& delay, const py::object& file, const py::kwargs& numbers) {
+        return positionControl(device, period, delay, file, numbers.cast<std::map<std::string, double>>());
+      },
+      py::arg("device"), py::arg("period") = 1e-3, py::arg("delay") = Delays{0, 0}, py::arg("file") = py::none(),
+      "The contact-space servo: it pushes and never pulls, lets the tool slide. `delay`: smallest and largest of the "
+      "command, ticks; `file`: of enamel design --surface; any of its numbers by name. Raises Error: a number outside "
+      "its range; a file for another device.");
+  m.def(
+      "hold", &hold, py::arg("device"), py::arg("period") = 1e-3, py::arg("gain") = py::none(),
+      py::arg("release") = true, py::arg("anti_windup") = false,
+      "The paper's law: once the tool touches, a servo holds it there. `gain`, (n, 3n): of design_servo(), by default "
+      "designed at home. Raises Error: a gain that is not n x 3n or not finite; DesignError.");
+  m.def("impedance", &impedance, py::arg("stiffness") = 6000.0, py::arg("damping") = 0.0,
+        "The conventional wall: a spring (N/m) and a damper (N s/m) along the contact's normal. Raises Error: one that "
+        "is negative or not finite.");
+  m.def(
+      "passivity", &passivity, py::arg("stiffness") = 6000.0, py::arg("damping") = 0.0, py::arg("memory") = false,
+      "The impedance wall under a time-domain passivity controller; with `memory` a depth gives back only what it has "
+      "taken. Raises Error as impedance().");
+  m.def("virtual_coupling", &virtualCoupling, py::arg("stiffness") = 3000.0, py::arg("damping") = 2.0,
+        py::arg("mass") = 0.02,
+        "A tool of the program's own (kg) touches the wall, and a spring (N/m) and a damper (N s/m) tie the device to "
+        "it. Raises Error: a number that is not positive or not finite.");
+  m.def(
+      "plugin",
+      [](const py::object& path, const py::object& device, const py::kwargs& parameters) {
+        return plugin(path, device, parameters.cast<std::map<std::string, py::object>>());
+      },
+      py::arg("path"), py::arg("device") = py::none(),
+      "A renderer plugin by its file; `device`: path of the device file; further parameters are the plugin's. Raises "
+      "PluginError: it cannot be loaded, or refuses the configuration.");
+}
+
+}  // namespace enamel::python

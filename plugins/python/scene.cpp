@@ -1,0 +1,291 @@
+// Scenes, meshes and contacts in Python. Every function says what the header says.
+#include <limits>
+
+#include "enamel/collision/contacts.hpp"
+#include "enamel/collision/mesh_file.hpp"
+#include "enamel/core/error.hpp"
+#include "keywords.hpp"
+
+namespace enamel::python {
+namespace {
+
+using SceneClass = py::class_<SceneFile, std::shared_ptr<SceneFile>>;
+using Triangles = py::array_t<int, py::array::c_style | py::array::forcecast>;
+
+Pose rowPose(const Array& positions, const std::optional<Array>& rotations, py::ssize_t i) {
+  Pose pose;
+  pose.position = Eigen::Map<const Vec3>(positions.data() + 3 * i);
+  if (rotations)
+    pose.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotations->data() + 9 * i);
+  return pose;
+}
+
+py::ssize_t countOf(const Array& positions, const std::optional<Array>& rotations) {
+  requireShape(positions, "positions", {-1, 3}, "m");
+  if (rotations) requireShape(*rotations, "rotations", {positions.shape(0), 3, 3}, "axes of the platform as columns");
+  return positions.shape(0);
+}
+
+py::array contactsOf(const SceneFile& file, const Array& positions, const std::optional<Array>& rotations,
+                     double margin, bool follow) {
+  const py::ssize_t count = countOf(positions, rotations);
+  std::vector<ContactRow> rows;
+  {
+    const py::gil_scoped_release release;
+    ToolCache cache = makeToolCache(file.scene, file.tool);
+    ToolTrack track;
+    if (follow) track = makeToolTrack(file.scene, file.tool);
+    ContactSnapshot contacts;
+    rows.reserve(static_cast<std::size_t>(count));
+    for (py::ssize_t i = 0; i < count; ++i) {
+      const Pose pose = rowPose(positions, rotations, i);
+      const Status status = follow ? followContacts(file.scene, file.tool, pose, margin, track, contacts)
+                                   : findContacts(file.scene, file.tool, pose, margin, &cache, contacts);
+      if (status != Status::ok) require(status, "contacts of pose " + std::to_string(i));
+      for (int k = 0; k < contacts.count; ++k) rows.push_back(rowOf(i, contacts.contacts[static_cast<std::size_t>(k)]));
+    }
+  }
+  return arrayOf(std::move(rows));
+}
+
+py::array nearestOf(const SceneFile& file, const Array& positions, const std::optional<Array>& rotations) {
+  const py::ssize_t count = countOf(positions, rotations);
+  std::vector<ContactRow> rows;
+  {
+    const py::gil_scoped_release release;
+    ToolCache cache = makeToolCache(file.scene, file.tool);
+    rows.reserve(static_cast<std::size_t>(count));
+    for (py::ssize_t i = 0; i < count; ++i)
+      rows.push_back(rowOf(i, nearestContact(file.scene, file.tool, rowPose(positions, rotations, i), &cache)));
+  }
+  return arrayOf(std::move(rows));
+}
+
+Material materialOf(double stiffness, double friction) {
+  Material material;
+  material.stiffness = stiffness;
+  material.friction = material.sliding = friction;
+  return material;
+}
+
+int addObstacle(SceneFile& file, const std::string& name, Shape shape, const Pose& pose, const Material& material,
+                double thickness = 0.0) {
+  Obstacle obstacle;
+  obstacle.name = name;
+  obstacle.shape = std::move(shape);
+  obstacle.pose = pose;
+  obstacle.material = material;
+  obstacle.thickness = thickness;
+  return file.scene.add(std::move(obstacle));
+}
+
+struct MeshOptions {
+  Array position = Array(3, Vec3(Vec3::Zero()).data());
+  std::optional<Array> rotation;
+  double stiffness = std::numeric_limits<double>::infinity(), friction = 0.0, thickness = 0.0;
+};
+
+Keywords<MeshOptions> meshKeywords() {
+  using O = MeshOptions;
+  Keywords<O> keywords("add_mesh", false);
+  keywords.add("position", &O::position).add("rotation", &O::rotation).add("stiffness", &O::stiffness);
+  keywords.add("friction", &O::friction).add("thickness", &O::thickness);
+  return keywords;
+}
+
+std::shared_ptr<const MeshModel> modelOf(const Array& vertices, const Triangles& triangles) {
+  requireShape(vertices, "vertices", {-1, 3}, "m");
+  if (triangles.ndim() != 2 || triangles.shape(1) != 3)
+    throw py::value_error("triangles must have the shape (n, 3): numbers of vertices");
+  TriangleMesh mesh;
+  mesh.vertices.resize(static_cast<std::size_t>(vertices.shape(0)));
+  mesh.triangles.resize(static_cast<std::size_t>(triangles.shape(0)));
+  static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(std::array<int, 3>) == 3 * sizeof(int));
+  if (!mesh.vertices.empty()) std::memcpy(mesh.vertices[0].data(), vertices.data(), 24 * mesh.vertices.size());
+  if (!mesh.triangles.empty()) std::memcpy(mesh.triangles[0].data(), triangles.data(), 12 * mesh.triangles.size());
+  const py::gil_scoped_release release;
+  return std::make_shared<const MeshModel>(std::move(mesh));
+}
+
+const MeshModel& meshAt(const SceneFile& file, int obstacle) {
+  const bool there = obstacle >= 0 && static_cast<std::size_t>(obstacle) < file.scene.obstacles().size();
+  const auto* const model = there ? std::get_if<std::shared_ptr<const MeshModel>>(
+                                        &file.scene.obstacles()[static_cast<std::size_t>(obstacle)].shape)
+                                  : nullptr;
+  if (model == nullptr) throw Error("obstacle " + std::to_string(obstacle) + " is no mesh");
+  return **model;
+}
+
+void setTool(SceneFile& file, const std::vector<std::tuple<Array, Array, double>>& parts) {
+  Tool tool;
+  if (parts.size() > kMaxToolParts)
+    throw Error("a tool has " + std::to_string(parts.size()) + " parts, at most " + std::to_string(kMaxToolParts) +
+                " can be");
+  tool.count = static_cast<int>(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    tool.parts[i] = {vec3(std::get<0>(parts[i]), "an end of a part", "m"),
+                     vec3(std::get<1>(parts[i]), "an end of a part", "m"), std::get<2>(parts[i])};
+  require(checkTool(tool), "the tool");
+  file.tool = tool;
+}
+
+void addObstacles(SceneClass& scene) {
+  const double rigid = std::numeric_limits<double>::infinity();
+  scene
+      .def(
+          "add_half_space",
+          [](SceneFile& self, const std::string& name, const Array& point, const Array& normal, double stiffness,
+             double friction) {
+            const Vec3 n = vec3(normal, "normal", "outward, of any length");
+            if (!(n.norm() > 0.0) || !n.allFinite()) throw py::value_error("normal has no direction");
+            Obstacle wall = halfSpace(name, vec3(point, "point", "m"), n.normalized());
+            wall.material = materialOf(stiffness, friction);
+            return self.scene.add(std::move(wall));
+          },
+          py::arg("name"), py::arg("point") = py::make_tuple(0.0, 0.0, 0.0),
+          py::arg("normal") = py::make_tuple(0.0, 0.0, 1.0), py::arg("stiffness") = rigid, py::arg("friction") = 0.0,
+          "Half space behind the plane through `point` (m, W) with the outward normal `normal`. Returns its number. "
+          "Raises Error: a name that is empty or taken.")
+      .def(
+          "add_sphere",
+          [](SceneFile& self, const std::string& name, const Array& centre, double radius, double stiffness,
+             double friction) {
+            return addObstacle(self, name, Sphere{radius}, poseOf(centre, {}), materialOf(stiffness, friction));
+          },
+          py::arg("name"), py::arg("centre"), py::arg("radius"), py::arg("stiffness") = rigid,
+          py::arg("friction") = 0.0, "Solid ball, m. Returns its number. Raises Error: a shape without size.")
+      .def(
+          "add_box",
+          [](SceneFile& self, const std::string& name, const Array& centre, const Array& size,
+             const std::optional<Array>& rotation, double stiffness, double friction) {
+            return addObstacle(self, name, Box{0.5 * vec3(size, "size", "m")}, poseOf(centre, rotation),
+                               materialOf(stiffness, friction));
+          },
+          py::arg("name"), py::arg("centre"), py::arg("size"), py::arg("rotation") = py::none(),
+          py::arg("stiffness") = rigid, py::arg("friction") = 0.0,
+          "Solid box about `centre` with edges of `size`, m. Returns its number. Raises Error: a shape without size.");
+}
+
+void addMeshObstacle(SceneClass& scene) {
+  const Keywords<MeshOptions> keywords = meshKeywords();
+  const std::string doc = keywords.documented(
+      "self: " + TypeName<SceneFile>::text() + ", name: str, vertices: " + TypeName<Array>::text() +
+          ", triangles: numpy.ndarray[numpy.int32]",
+      "int",
+      "Triangle mesh: vertices (n, 3), m, in the mesh's own frame; triangles (m, 3), numbers of vertices, "
+      "counterclockwise seen from outside; copied. Thickness above 0: the mesh is the middle of a sheet. Returns its "
+      "number. Raises Error with the number of the vertex or triangle.");
+  py::options help;
+  help.disable_function_signatures();
+  scene.def(
+      "add_mesh",
+      [keywords](SceneFile& self, const std::string& name, const Array& vertices, const Triangles& triangles,
+                 const py::args& placed, const py::kwargs& named) {
+        const MeshOptions options = keywords.read(placed, named);
+        return addObstacle(self, name, modelOf(vertices, triangles), poseOf(options.position, options.rotation),
+                           materialOf(options.stiffness, options.friction), options.thickness);
+      },
+      py::arg("name"), py::arg("vertices"), py::arg("triangles"), doc.c_str());
+}
+
+void addMeshes(SceneClass& scene) {
+  scene
+      .def(
+          "mesh",
+          [](const py::object& self, int obstacle) {
+            const TriangleMesh& mesh = meshAt(self.cast<const SceneFile&>(), obstacle).mesh();
+            return py::make_tuple(
+                view(mesh.vertices.front().data(), {static_cast<py::ssize_t>(mesh.vertices.size()), 3}, self),
+                view(mesh.triangles.front().data(), {static_cast<py::ssize_t>(mesh.triangles.size()), 3}, self));
+          },
+          py::arg("obstacle"),
+          "Vertices (n, 3), m, and triangles (m, 3) of a mesh, without a copy; they cannot be written. Raises Error: "
+          "the obstacle is no mesh.")
+      .def(
+          "describe", [](const SceneFile& self, int obstacle) { return describe(meshAt(self, obstacle)); },
+          py::arg("obstacle"), "What a mesh is and what that means for the sign of its distances, in one line.")
+      .def(
+          "move",
+          [](SceneFile& self, int obstacle, const Array& position, const std::optional<Array>& rotation,
+             const std::optional<Array>& twist) {
+            require(self.scene.move(obstacle, poseOf(position, rotation),
+                                    twist ? vec6(*twist, "twist", "m/s and rad/s") : Vec6::Zero()),
+                    "obstacle " + std::to_string(obstacle));
+          },
+          py::arg("obstacle"), py::arg("position"), py::arg("rotation") = py::none(), py::arg("twist") = py::none(),
+          "Moves an obstacle. Raises Error: a number that no obstacle has.");
+}
+
+void addQueries(SceneClass& scene) {
+  scene
+      .def("contacts", &contactsOf, py::arg("positions"), py::arg("rotations") = py::none(), py::arg("margin") = 1e-3,
+           py::arg("follow") = false,
+           "All contacts whose gap is at most `margin` (m) at each pose: positions (n, 3), m, rotations (n, 3, 3). A "
+           "structured array (contact_dtype), a row a contact: `pose` is the number of the pose; of one pose the "
+           "deepest comes first. With `follow` the tool moves from pose to pose and is let through no wall, however "
+           "thin. Raises Error: a pose that is not finite. The GIL is released.")
+      .def("nearest", &nearestOf, py::arg("positions"), py::arg("rotations") = py::none(),
+           "The contact of smallest gap, near or far, at each pose: contact_dtype, (n,). The GIL is released.");
+}
+
+void addMeshFile(py::module_& m) {
+  m.def(
+      "load_mesh",
+      [](const py::object& path, double scale) {
+        auto mesh = std::make_unique<TriangleMesh>(loadMesh(py::str(path).cast<std::string>(), scale));
+        const TriangleMesh& kept = *mesh;
+        const py::capsule owner = keep(std::move(mesh));
+        return py::make_tuple(
+            view(kept.vertices.front().data(), {static_cast<py::ssize_t>(kept.vertices.size()), 3}, owner),
+            view(kept.triangles.front().data(), {static_cast<py::ssize_t>(kept.triangles.size()), 3}, owner));
+      },
+      py::arg("path"), py::arg("scale") = 1.0,
+      "Reads a mesh file (.ply, .obj, .stl, .off): vertices (n, 3), m, and triangles (m, 3), without a copy. `scale`: "
+      "m per unit of the file. Raises ConfigurationError with the file and the number of the vertex, face or line.");
+}
+
+}  // namespace
+
+void addScene(py::module_& m) {
+  PYBIND11_NUMPY_DTYPE(ContactRow, pose, obstacle, part, triangle, feature, gap, point, normal, velocity);
+  m.attr("contact_dtype") = py::dtype::of<ContactRow>();
+  SceneClass scene(m, "Scene",
+                   "What the tool is, where it begins and what it can touch. Obstacles are numbered from 0.");
+  scene
+      .def(py::init([](const py::object& path) {
+             if (path.is_none()) return std::make_shared<SceneFile>();
+             const std::string file = py::str(path).cast<std::string>();
+             const py::gil_scoped_release release;
+             return std::make_shared<SceneFile>(loadScene(file));
+           }),
+           py::arg("path") = py::none(),
+           "Reads a scene file (TOML); without one an empty scene, whose tool is a point at the TCP. Raises "
+           "ConfigurationError with file, line, key, value and limit.")
+      .def_property_readonly(
+          "name", [](const SceneFile& self) { return self.name; }, "As the file has it.")
+      .def_property_readonly(
+          "notes", [](const SceneFile& self) { return self.notes; },
+          "One line for each mesh whose inside is not certain.")
+      .def_property_readonly(
+          "obstacles",
+          [](const SceneFile& self) {
+            std::vector<std::string> names;
+            for (const Obstacle& obstacle : self.scene.obstacles()) names.push_back(obstacle.name);
+            return names;
+          },
+          "Their names, by number.")
+      .def_property(
+          "start", [](const SceneFile& self) { return self.start; },
+          [](SceneFile& self, const Array& start) { self.start = vec3(start, "start", "m"); },
+          "Of the TCP in W, (3,), m; the tool does not touch there.")
+      .def("set_tool", &setTool, py::arg("parts"),
+           "Makes the tool of capsules: (end, end, radius), in the platform's frame, m; a sphere where both ends are "
+           "the same, a point where the radius is 0. Raises Error: more than 8 parts, an end or radius beyond 1 m.");
+  addObstacles(scene);
+  addMeshObstacle(scene);
+  addMeshes(scene);
+  addQueries(scene);
+  addMeshFile(m);
+}
+
+}  // namespace enamel::python

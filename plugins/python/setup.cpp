@@ -1,0 +1,30 @@
+#include "setup.hpp"
+
+#include "enamel/core/error.hpp"
+#include "enamel/study/parallel.hpp"
+
+namespace enamel::python {
+namespace {
+
+RateSource ratesOf(const std::string& rates, bool encoders) {
+  if (rates.empty()) return encoders ? RateSource::difference : RateSource::exact;
+  if (rates == "exact") return RateSource::exact;
+  if (rates == "difference") return RateSource::difference;
+  if (rates == "low-pass") return RateSource::lowPass;
+  throw Error("rates is \"" + rates + "\", must be exact, difference or low-pass");
+}
+
+}  // namespace
+
+EncoderOptions encodersOf(bool encoders, const std::string& rates, double lowPass) {
+  return {encoders, ratesOf(rates, encoders), lowPass};
+}
+
+app::MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
+  if (const std::string problem = app::checkPlant(plant); !problem.empty()) throw Error("plant " + problem);
+  return app::makerOf(plant, parameters, setup);
+}
+
+int threadsOf(int threads) { return threads > 0 ? threads : availableThreads(); }
+
+}  // namespace enamel::python
