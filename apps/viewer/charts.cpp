@@ -190,7 +190,7 @@ void Charts::add(const Sample& sample) {
   ++bin.count;
 }
 
-void Charts::update(const std::array<ChartPlace, kCharts>& places, float scale, double forceLimit) {
+void Charts::update(const std::array<Rect, kCharts>& places, float scale, double forceLimit) {
   std::array<double, kMaxSignals> largest{};
   double lowestForce = 0.0;
   for (int b = 0; b < kBins; ++b) {
@@ -230,7 +230,7 @@ void Charts::update(const std::array<ChartPlace, kCharts>& places, float scale, 
       axis->SetRange(low, ranges_[i]);
       setTicks(axis, low, i == kTorqueChart ? torques_.limit : ranges_[i]);
     }
-    const ChartPlace& p = places[i];
+    const Rect& p = places[i];
     charts_[i]->SetSize(vtkRectf(p.x, p.y, p.width, p.height));
     charts_[i]->GetAxis(vtkAxis::LEFT)->GetLabelProperties()->SetFontSize(11);
     charts_[i]->GetAxis(vtkAxis::BOTTOM)->GetLabelProperties()->SetFontSize(11);

@@ -20,11 +20,6 @@
 
 namespace enamel::viewer {
 
-/// Where a chart stands, pixels from the bottom left of its renderer's viewport.
-struct ChartPlace {
-  float x, y, width, height;
-};
-
 class Charts {
  public:
   static constexpr int kBins = 250;  ///< that are shown, each with its smallest and largest value
@@ -36,9 +31,9 @@ class Charts {
   void add(const Sample& sample);
   void clear();
 
-  /// Draws the last kBins bins that were added and are complete. `forceLimit`: what the motors can give along the
-  /// normal, N.
-  void update(const std::array<ChartPlace, kCharts>& places, float scale, double forceLimit);
+  /// Draws the last kBins bins that were added and are complete. `places`: pixels from the bottom left of the
+  /// renderer's viewport. `forceLimit`: what the motors can give along the normal, N.
+  void update(const std::array<Rect, kCharts>& places, float scale, double forceLimit);
 
   /// Upper ends of the axes: mm, N, and as TorqueStyle has it.
   const std::array<double, kCharts>& ranges() const { return ranges_; }

@@ -4,7 +4,7 @@
 #include <future>
 #include <string>
 
-#include "stage.hpp"
+#include "canvas.hpp"
 
 namespace enamel::viewer {
 

@@ -14,9 +14,9 @@ void Comparison::add(const PairSample& sample) {
   for (std::size_t i = 0; i < 2; ++i) {
     const double depth = std::max(0.0, sample.side[i].depth);
     inside = inside || depth > 0.0;
-    Band& band = bin.depth[i];
+    Range& range = bin.depth[i];
     const auto value = static_cast<float>(depth);
-    band = bin.count == 0 ? Band{value, value} : Band{std::min(band.low, value), std::max(band.high, value)};
+    range = bin.count == 0 ? Range{value, value} : Range{std::min(range.low, value), std::max(range.high, value)};
   }
   ++bin.count;
 
@@ -44,7 +44,7 @@ void Comparison::add(const PairSample& sample) {
   }
 }
 
-Comparison::Band Comparison::depth(std::size_t side, int bin) const {
+Comparison::Range Comparison::depth(std::size_t side, int bin) const {
   return bins_[(current_ + 1 + static_cast<std::size_t>(bin)) % bins_.size()].depth[side];
 }
 

@@ -29,7 +29,7 @@ class Comparison {
   static constexpr double kPressed = 1.0;  ///< N: a press of less force has no ratio
 
   /// Smallest and largest value of a bin.
-  struct Band {
+  struct Range {
     float low = 0.0f, high = 0.0f;
   };
   struct Point {
@@ -40,7 +40,7 @@ class Comparison {
   void clear() { *this = Comparison(); }
 
   /// Depth of one side, m, in bin 0 (oldest) to kBins - 1. An outside tool has depth 0.
-  Band depth(std::size_t side, int bin) const;
+  Range depth(std::size_t side, int bin) const;
 
   /// Of the press: force over depth, in order of time, thinned evenly; and the largest of both since it began.
   const std::vector<Point>& curve(std::size_t side) const { return curves_[side]; }
@@ -58,7 +58,7 @@ class Comparison {
 
  private:
   struct Bin {
-    std::array<Band, 2> depth;
+    std::array<Range, 2> depth;
     int count = kBinTicks;
   };
 

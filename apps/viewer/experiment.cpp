@@ -73,7 +73,7 @@ StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTor
 }
 
 Experiment::Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
-                       const Hand& hand, RendererSlot slot, std::shared_ptr<Workpiece> workpiece)
+                       const Hand& hand, RendererSlot slot, std::shared_ptr<DrilledSolids> drilled)
     : settings_(settings),
       model_(makeMechanism(device.parameters)),
       plant_(makeMechanism(changed(device.parameters, settings))),
@@ -89,7 +89,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
         return renderers;
       }()),
       loop_(*plant_, *model_, switched_, loopSetup(settings, scene, start)),
-      workpiece_(workpiece ? std::move(workpiece) : std::make_shared<Workpiece>(scene)) {
+      drilledSolids_(drilled ? std::move(drilled) : std::make_shared<DrilledSolids>(scene)) {
   if (scene.bur) loop_.attach(&drill_.emplace(scene.tool, scene.solids, *scene.bur));
   static_cast<LoopSetup&>(push_) = loopSetup(settings, scene, start);
   push_.person.force = kTestForce;
@@ -98,7 +98,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
   frame_.hand = hand;
   frame_.record.pose = start;
   frame_.record.torque = plant_->home().gravity;
-  if (workpiece_.use_count() == 1) look();  // nobody else cuts it
+  if (drilledSolids_.use_count() == 1) look();  // nobody else cuts it
   select(slot);
 }
 
@@ -109,7 +109,7 @@ std::shared_ptr<Recorder> Experiment::recordTo(const std::string& path, Recordin
 }
 
 void Experiment::look() noexcept {
-  fillDrilled();
+  fillDrillState();
   if (frame_.record.nearest.part < 0)
     frame_.record.nearest = nearestContact(loop_.scene(), loop_.tool(), frame_.record.pose, nullptr);
 }
@@ -117,25 +117,25 @@ void Experiment::look() noexcept {
 void Experiment::spin(bool on) noexcept {
   if (!drill_) return;
   drill_->spin(on);
-  if (on) workpiece_->beginStroke();
-  fillDrilled();
+  if (on) drilledSolids_->beginStroke();
+  fillDrillState();
 }
 
 void Experiment::undo() noexcept {
   if (!drill_) return;
-  workpiece_->undo();
-  if (drill_->spins()) workpiece_->beginStroke();
-  fillDrilled();
+  drilledSolids_->undo();
+  if (drill_->spins()) drilledSolids_->beginStroke();
+  fillDrillState();
 }
 
 void Experiment::restore() noexcept {
-  workpiece_->restore();
-  if (drill_ && drill_->spins()) workpiece_->beginStroke();
-  fillDrilled();
+  drilledSolids_->restore();
+  if (drill_ && drill_->spins()) drilledSolids_->beginStroke();
+  fillDrillState();
 }
 
-void Experiment::fillDrilled() noexcept {
-  if (drill_) frame_.drilled = {drill_->spins(), drill_->feed(), workpiece_->removed(), workpiece_->strokes()};
+void Experiment::fillDrillState() noexcept {
+  if (drill_) frame_.drilled = {drill_->spins(), drill_->feed(), drilledSolids_->removed(), drilledSolids_->strokes()};
 }
 
 void Experiment::select(RendererSlot slot) noexcept {
@@ -348,8 +348,8 @@ void Experiment::tickHeld() noexcept {
   frame_.holding = frame_.selected == RendererSlot::hold && hold_.holding();
   frame_.reference = hold_.reference();
   if (drill_) {
-    workpiece_->add(drill_->removed());
-    fillDrilled();
+    drilledSolids_->add(drill_->removed());
+    fillDrillState();
   }
   watchTestPush();
   watchConditions();

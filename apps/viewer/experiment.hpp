@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "drilled_solids.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/control/first_impact.hpp"
 #include "enamel/device/device_file.hpp"
@@ -18,7 +19,6 @@
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/push.hpp"
 #include "hand.hpp"
-#include "workpiece.hpp"
 
 namespace enamel::viewer {
 
@@ -112,7 +112,7 @@ struct Frame {
   bool testing = false;       ///< a test push is under way
   Conditions conditions;
   std::array<std::uint64_t, kGuardReasons> guardTicks{};  ///< of this experiment, by GuardReason
-  Drilled drilled;                                        ///< where the scene has a bur
+  DrillState drilled;                                     ///< where the scene has a bur
   std::array<TestPush, kMaxRenderers> tests;              ///< the last of each renderer
   Status plant = Status::ok;                              ///< any other: the loop stands still until it is replaced
   // Filled by the runner:
@@ -124,10 +124,10 @@ struct Frame {
 /// Not movable: the loop refers to its parts.
 class Experiment {
  public:
-  /// The tool begins at rest at `start`, held by `hand`. `workpiece`: of the scene, where it goes on being drilled; a
+  /// The tool begins at rest at `start`, held by `hand`. `drilled`: of the scene, where it goes on being drilled; a
   /// new one where there is none. Throws Error: as the renderers, the loop and the drill do.
   Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
-             const Hand& hand, RendererSlot slot, std::shared_ptr<Workpiece> workpiece = nullptr);
+             const Hand& hand, RendererSlot slot, std::shared_ptr<DrilledSolids> drilled = nullptr);
   Experiment(const Experiment&) = delete;
   Experiment& operator=(const Experiment&) = delete;
 
@@ -159,7 +159,7 @@ class Experiment {
   /// that this one replaces may have been cutting the same solids. Realtime: yes.
   void look() noexcept;
   /// Once a period, whether it ticked or not: what has changed of the solids, to the thread that draws. Realtime: yes.
-  void publish() noexcept { workpiece_->publish(); }
+  void publish() noexcept { drilledSolids_->publish(); }
 
   /// The last tick's. Realtime: yes.
   const Frame& frame() const noexcept { return frame_; }
@@ -192,7 +192,7 @@ class Experiment {
   void watchTestPush() noexcept;
   void watchConditions() noexcept;
   void endTestPush(FirstImpactVerdict verdict, Status status = Status::ok) noexcept;
-  void fillDrilled() noexcept;
+  void fillDrillState() noexcept;
 
   // Extremes of the force over kBlock ticks; shares of the torques' limits, summed over as many.
   struct Block {
@@ -212,7 +212,7 @@ class Experiment {
   std::unique_ptr<Renderer> plugin_;  // or nullptr
   Switched switched_;
   VirtualLoop loop_;
-  std::shared_ptr<Workpiece> workpiece_;  // which other experiments on the scene may have too
+  std::shared_ptr<DrilledSolids> drilledSolids_;  // which other experiments on the scene may have too
   std::optional<Drill> drill_;
   std::shared_ptr<Recorder> recorder_;  // or nullptr
   std::uint64_t recorded_ = 0;          // ticks
@@ -223,7 +223,7 @@ class Experiment {
   PushSetup push_;
   PersonLoad pusher_{push_};
   Vec6 carried_ = Vec6::Zero();  // by the hand that pushes: the weight that the model does not know, N, N m
-  double testDrift_ = 0.0;  // across the normal since the push began, m
+  double testDrift_ = 0.0;       // across the normal since the push began, m
   ImpactWatch impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;
   Block block_, complete_;

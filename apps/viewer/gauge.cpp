@@ -33,14 +33,14 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
                                 torques.shares ? "share of each joint's limit" : format("limit %g N m", torques.limit)};
   const char* names[] = {"Penetration", "Normal force", "Joint torques"};
   for (std::size_t i = 0; i < kCharts; ++i) {
-    const Area& a = layout.chart[i];
+    const Rect& a = layout.chart[i];
     const float x = a.x + 14 * s;
     brush.text(gFonts.bold, x, a.y + 6 * s, kInk, names[i]);
     brush.text(gFonts.small, x + Brush::width(gFonts.bold, names[i]) + 8 * s, a.y + 8 * s, kMuted, limits[i]);
     brush.textRight(gFonts.bold, a.x + a.width - 14 * s, a.y + 6 * s, kInk, values[i]);
   }
   // Key of the torques.
-  const Area& a = layout.chart[2];
+  const Rect& a = layout.chart[2];
   float x = a.x + 56 * s;
   const float y = a.y + 34 * s;
   bool dashed = false;
@@ -94,7 +94,7 @@ std::string conditionsText(const TestPush& test, std::size_t slot, const Setting
 
 void drawGauge(const Layout& layout, const OverlayInput& input, const OverlayState& state, const Brush& brush) {
   const float s = layout.scale;
-  const Area& a = layout.gauge;
+  const Rect& a = layout.gauge;
   const float x = a.x + 14 * s, right = a.x + a.width - 14 * s;
   brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper));
   brush.list->AddLine({x, a.y}, {right, a.y}, ink(kLine), s);

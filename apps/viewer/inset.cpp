@@ -52,11 +52,11 @@ std::string materialText(const Material& material) {
 }  // namespace
 
 void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& state, const Brush& brush) {
-  constexpr int kHalfStep = 6;  // of the split screen: what a spring of 6 kN/m sinks under 12 N fills its half
+  constexpr int kSplitStep = 6;  // of the split screen: what a spring of 6 kN/m sinks under 12 N fills its pane
   constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // mm a bar
   constexpr int kSteps = 9, kCircleSides = 256;
   const float s = brush.s;
-  const Area& area = view.area;
+  const Rect& area = view.area;
   const Frame& frame = view.frame;
   const Contact& contact = frame.record.nearest;
   const Vec3 n = contact.normal;
@@ -70,8 +70,8 @@ void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& s
 
   const Vec3 offset = tool - origin;
   const double reach = 1e3 * std::max(std::abs(n.dot(offset)), 0.6 * std::abs(across.dot(offset)));
-  int step = kHalfStep;
-  if (!view.half) {
+  int step = kSplitStep;
+  if (!view.isSplit) {
     int wanted = 0;
     while (wanted < kSteps - 1 && reach * bar / steps[wanted] > 70 * s) ++wanted;
     state.insetPatience = wanted < state.insetStep ? state.insetPatience + 1 : 0;
@@ -80,16 +80,16 @@ void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& s
   }
   const double perMillimetre = static_cast<double>(bar) / steps[step];
 
-  const float cx = area.x + 0.5f * area.width, cy = area.y + (view.half ? kWallShare : 0.56f) * area.height;
+  const float cx = area.x + 0.5f * area.width, cy = area.y + (view.isSplit ? kWallShare : 0.56f) * area.height;
   const auto at = [&](const Vec3& point) {
     const Vec3 d = 1e3 * (point - origin);
     return ImVec2(cx + static_cast<float>(std::clamp(perMillimetre * across.dot(d), -1e4, 1e4)),
                   cy - static_cast<float>(std::clamp(perMillimetre * n.dot(d), -1e4, 1e4)));
   };
-  if (view.half)
+  if (view.isSplit)
     brush.list->AddRectFilled({area.x, area.y}, {area.x + area.width, area.y + area.height}, ink(kPaper));
   else
-    brush.card(area, 1.0);
+    brush.box(area, 1.0);
   const float top = area.y + 26 * s, bottom = area.y + area.height - s;
   brush.list->PushClipRect({area.x + s, top}, {area.x + area.width - s, bottom}, true);
   // The wall, with a grid of one bar.
@@ -135,10 +135,10 @@ void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& s
     if (fill != 0) brush.list->AddCircleFilled(centre, radius, fill, kCircleSides);
     if (outline != 0) brush.list->AddCircle(centre, radius, outline, kCircleSides, 1.5f * s);
   };
-  drawTool(tip, ink(view.tool, view.half ? 1.0 : 0.88), 0);
+  drawTool(tip, ink(view.tool, view.isSplit ? 1.0 : 0.88), 0);
   if (view.ghost) {
     const ImVec2 rest = at(reference);
-    const unsigned outline = view.half ? kInk : kReference;
+    const unsigned outline = view.isSplit ? kInk : kReference;
     drawTool(rest, 0, ink(outline));
     brush.list->AddCircle(rest, 4 * s, ink(outline), 0, 1.5f * s);
   }

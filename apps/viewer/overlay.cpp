@@ -16,7 +16,7 @@ namespace {
 void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const Frame& frame = input.frame;
-  const Area& area = layout.scene;
+  const Rect& area = layout.scene;
   const float x = area.x + 18 * s, right = area.x + area.width - 18 * s;
   brush.clear(x, area.y + 10 * s, Brush::width(gFonts.large, input.sceneName), 32 * s);
   brush.text(gFonts.large, x, area.y + 12 * s, kInk, input.sceneName);
@@ -29,7 +29,7 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
   brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(player != nullptr ? kInk : kSlotColour[slot]));
   brush.text(gFonts.text, x + 16 * s, y, kMuted, who);
 
-  drawChip(right, area.y + 16 * s, input, frame, brush);
+  drawStatus(right, area.y + 16 * s, input, frame, brush);
   drawBadges(right, area.y + 72 * s, frame, brush);
   if (player != nullptr) return;  // its time stands at the bar
   std::string time = format("%.3f s", input.simulated);
@@ -42,7 +42,7 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
 void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const Frame& frame = input.frame;
-  const Area& area = layout.scene;
+  const Rect& area = layout.scene;
   const double depth = -1e3 * frame.record.nearest.gap;
   struct Number {
     std::string value;
@@ -170,15 +170,15 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
   if (layout.panel.width > 0) drawPanel(layout, input, state);
   const Brush brush{ImGui::GetBackgroundDrawList(), layout.scale};
   if (layout.isSplit() && input.right != nullptr) {
-    drawHalves(layout, input, state, brush);
+    drawSplitScreen(layout, input, state, brush);
     if (input.tour >= 0.0) drawTour(layout, input.tour, brush);
   } else {
     const float s = layout.scale, numbers = (input.player != nullptr ? 106 : 198) * s;
-    const Area& scene = layout.scene;
+    const Rect& scene = layout.scene;
     drawNames(scene,
               {{scene.x, scene.y, scene.width, 70 * s},
                {scene.x, scene.y + scene.height - numbers, 260 * s, numbers},
-               drillCard(layout, input),
+               drillBox(layout, input),
                layout.inset},
               input.camera, input.frame, input.player == nullptr, brush);
     drawHeader(layout, input, brush);
@@ -191,10 +191,10 @@ void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& 
     drawChartTitles(layout, input, brush);
     if (layout.gauge.height > 0) drawGauge(layout, input, state, brush);
   }
-  if (layout.bar.width > 0) drawBar(layout, input, brush);
+  if (layout.bar.width > 0) drawTimeBar(layout, input, brush);
   if (input.bur != nullptr && layout.scene.height >= 420 * layout.scale) drawDrill(layout, input, brush);
   if (state.timing) drawTiming(layout, input, brush);
-  drawMaking(layout, input, brush);
+  drawRecordingPills(layout, input, brush);
   drawTips(layout, input, state);
   if (!state.tipSeen) state.tip.clear();
   if (!state.notice.empty()) drawNotice(layout, state.notice, brush);

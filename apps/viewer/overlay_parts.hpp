@@ -23,7 +23,7 @@ double handForce(const Frame& frame);
 std::string verdictText(const TestPush& test);
 
 /// names.cpp: what hand and tool are, beside them, where there is room in `scene` outside of `taken`.
-void drawNames(const Area& scene, const std::vector<Area>& taken, const Camera& camera, const Frame& frame, bool hand,
+void drawNames(const Rect& scene, const std::vector<Rect>& taken, const Camera& camera, const Frame& frame, bool hand,
                const Brush& brush);
 
 /// tips.cpp: what the mouse is on, among what is only read.
@@ -33,21 +33,23 @@ void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& sta
 void showTip(OverlayState& state, const char* text);
 void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state);
 
-/// badges.cpp: what the tool is doing, in a word, and what is wrong, each in its pill; from the right.
-void drawChip(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush);
+/// badges.cpp: what the tool is doing, in a word, and what is wrong, each in its pill, from the right; what is being
+/// recorded, in the middle.
+void drawStatus(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush);
 void drawBadges(float right, float y, const Frame& frame, const Brush& brush);
+void drawRecordingPills(const Layout& layout, const OverlayInput& input, const Brush& brush);
 
 /// Where the wall's line stands in an inset of the split screen, share of its height.
 inline constexpr float kWallShare = 0.45f;
 
 /// inset.cpp: what an inset shows.
 struct InsetView {
-  const Area& area;
+  const Rect& area;
   const Frame& frame;
   bool ghost;
   Vec3 ghostPosition;
   const std::vector<Vec3>& trail;
-  bool half;      // of the split screen: at one fixed scale, and its head says whose it is
+  bool isSplit;   // one of two panes: at one fixed scale, and its head says whose it is
   unsigned tool;  // its colour
 };
 /// The contacts, seen along the walls, magnified: the deepest one's wall below, the tool above, whatever the normal.
@@ -57,16 +59,19 @@ void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& s
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush);
 void drawGauge(const Layout& layout, const OverlayInput& input, const OverlayState& state, const Brush& brush);
 
-/// halves.cpp: the split screen and its tour.
-void drawHalves(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush);
+/// split_screen.cpp: the split screen and its tour.
+void drawSplitScreen(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush);
 void drawTour(const Layout& layout, double time, const Brush& brush);
 
-/// cards.cpp: over the scene, what the bur does, timing and guard, what is being recorded, a recording's bar, the help.
-Area drillCard(const Layout& layout, const OverlayInput& input);  ///< width 0: there is none
+/// readouts.cpp: over the scene, what the bur does and has taken away, timing and guard.
+Rect drillBox(const Layout& layout, const OverlayInput& input);  ///< width 0: there is none
 void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& brush);
 void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& brush);
-void drawMaking(const Layout& layout, const OverlayInput& input, const Brush& brush);
-void drawBar(const Layout& layout, const OverlayInput& input, const Brush& brush);
+
+/// time_bar.cpp: of a recording.
+void drawTimeBar(const Layout& layout, const OverlayInput& input, const Brush& brush);
+
+/// help.cpp: over everything.
 void drawHelp(const Layout& layout, bool recording, const Brush& brush);
 
 }  // namespace enamel::viewer

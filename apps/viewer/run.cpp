@@ -42,7 +42,7 @@ std::string picturePath(const Options& options, const std::string& name) {
 void takePictures(const Options& options, Viewer& viewer, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const std::string path = picturePath(options, name);
-    const Picture picture = viewer.stage().read();
+    const Picture picture = viewer.canvas().read();
     offscreen::writePng(picture.size.x, picture.size.y, picture.rgb.data(), path);
     std::printf("%s\n", path.c_str());
     std::fflush(stdout);
@@ -66,7 +66,7 @@ class ClipMaker {
 
   /// After it was drawn.
   void add(Viewer& viewer, double now) {
-    guarded(viewer, [&] { clip_->add(now, viewer.stage().read()); });
+    guarded(viewer, [&] { clip_->add(now, viewer.canvas().read()); });
   }
 
   /// At the end of the program.
@@ -208,19 +208,19 @@ class Report {
     json["frames_per_second"] = seconds > 0.0 ? static_cast<double>(frames_) / seconds : 0.0;
     json["first_frame_s"] = firstFrame_;
     json["touring"] = viewer.isTouring();
-    const Seen& seen = viewer.seen();
-    json["shown"] = {{"scenes", seen.scenes},
+    const DisplayHistory& shown = viewer.history();
+    json["shown"] = {{"scenes", shown.scenes},
                      {"choice of scenes", viewer.sceneNames()},
-                     {"renderers", seen.renderers},
-                     {"notices", seen.notices},
-                     {"badges", seen.badges},
-                     {"tips", seen.tips},
-                     {"deepest [m]", seen.deepest},
-                     {"stiffnesses", seen.stiffnesses},
+                     {"renderers", shown.renderers},
+                     {"notices", shown.notices},
+                     {"badges", shown.badges},
+                     {"tips", shown.tips},
+                     {"deepest [m]", shown.deepest},
+                     {"stiffnesses", shown.stiffnesses},
                      {"stiffness [N/m]", viewer.overlay().settings.spring.stiffness},
                      {"delay [ticks]", viewer.overlay().settings.delay.high}};
     for (const auto& [name, at] : viewer.overlay().controls) json["controls"][name] = {at.x, at.y};
-    json["opengl_errors"] = viewer.stage().errors();
+    json["opengl_errors"] = viewer.canvas().errors();
     json["dropped_samples"] = viewer.frame().droppedSamples;
     json["test_pushes"] = testPushes(viewer);
     json["memory_at_s"] = memoryAt_;
@@ -294,7 +294,7 @@ void makeFolder(const std::string& path) {
   if (!std::filesystem::is_directory(path)) throw Error(path + ": cannot make the folder for pictures");
 }
 
-// Dear ImGui's part of a window; ends before the stage does. ImGui 1.86 looks at the keys once a picture: what was
+// Dear ImGui's part of a window; ends before the canvas does. ImGui 1.86 looks at the keys once a picture: what was
 // pressed and released since the last one is released one picture later, or an Enter would be lost now and then.
 class WindowInput {
  public:

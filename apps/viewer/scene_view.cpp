@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "teeth.hpp"
+#include "tooth_colours.hpp"
 
 namespace enamel::viewer {
 namespace {

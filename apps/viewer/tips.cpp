@@ -8,7 +8,7 @@
 namespace enamel::viewer {
 namespace {
 
-bool has(const Area& area, const ImVec2& at) {
+bool has(const Rect& area, const ImVec2& at) {
   return at.x >= area.x && at.x < area.x + area.width && at.y >= area.y && at.y < area.y + area.height;
 }
 
@@ -45,8 +45,8 @@ void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& sta
   const ImVec2 at = ImGui::GetIO().MousePos;
   if (ImGui::GetIO().WantCaptureMouse || state.help || ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1)) return;
   const float s = layout.scale;
-  const Area& scene = layout.scene;
-  const auto onInset = [&](const Area& inset) { return inset.width > 0 && has(inset, at); };
+  const Rect& scene = layout.scene;
+  const auto onInset = [&](const Rect& inset) { return inset.width > 0 && has(inset, at); };
   if (onInset(layout.inset) || onInset(layout.rightInset)) return showTip(state, kInsetTip);
   if (layout.isSplit()) {
     if (!has(layout.compare, at)) return;

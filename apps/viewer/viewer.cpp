@@ -51,11 +51,11 @@ std::vector<SolidCopy> copiesOf(const SceneFile& scene) {
 }
 
 std::unique_ptr<Runner> firstRunner(const ServoedDevice& device, const SceneFile& scene, RendererSlot slot,
-                                    const std::shared_ptr<Workpiece>& workpiece) {
+                                    const std::shared_ptr<DrilledSolids>& drilled) {
   Pose start;
   start.position = scene.start;
   return std::make_unique<Runner>(
-      std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot, workpiece));
+      std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot, drilled));
 }
 
 Vec3 metres(const glm::dvec3& millimetres) { return Vec3(millimetres.x, millimetres.y, millimetres.z) / kMillimetres; }
@@ -81,12 +81,12 @@ Viewer::Viewer(const Options& options, Surface& surface)
       selected_(options.begin),
       before_(selected_ == RendererSlot::impedance ? RendererSlot::positionControl : RendererSlot::impedance),
       right_(before_),
-      workpiece_(std::make_shared<Workpiece>(scene_)),
+      drilledSolids_(std::make_shared<DrilledSolids>(scene_)),
       solids_(copiesOf(scene_)),
-      runner_(player_ ? nullptr : firstRunner(device_, scene_, selected_, workpiece_)),
-      stage_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
-      view_(stage_.scene(), stage_.above()),
-      charts_(stage_.charts(), existing(ENAMEL_VIEWER_FONT), torques_,
+      runner_(player_ ? nullptr : firstRunner(device_, scene_, selected_, drilledSolids_)),
+      canvas_(surface, existing(ENAMEL_VIEWER_FONT), existing(ENAMEL_VIEWER_FONT_BOLD)),
+      view_(canvas_.scene(), canvas_.above()),
+      charts_(canvas_.charts(), existing(ENAMEL_VIEWER_FONT), torques_,
               player_ ? player_->header().guard.period : kPeriod, player_ != nullptr) {
   kinematics_ = rightKinematics_ = plant_->home();
   shown_.bars = rightShown_.bars = plant_->bars(kinematics_.pose);
@@ -143,7 +143,7 @@ glm::dvec3 Viewer::normal() const {
 }
 
 void Viewer::notify(const std::string& text) {
-  Seen::add(seen_.notices, text);
+  DisplayHistory::add(history_.notices, text);
   overlay_.notice = text;
   noticeEnd_ = now_ + kNotice + kNoticeByte * static_cast<double>(text.size());
 }
@@ -208,7 +208,7 @@ void Viewer::toggleSplit() {
     cameraBefore_ = camera_;
     presetBefore_ = preset_;
     selectCamera(3);
-    if (!rightView_) rightView_.emplace(stage_.right(), stage_.aboveRight());
+    if (!rightView_) rightView_.emplace(canvas_.right(), canvas_.aboveRight());
     if (right_ == selected_) right_ = before_;
   } else {
     camera_ = cameraBefore_;
@@ -265,10 +265,10 @@ void Viewer::followContact(double passed) {
 void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests, const std::string& record) {
   try {
     plant_ = makeMechanism(changed(device_.parameters, overlay_.settings));
-    const auto make = [&](RendererSlot slot, std::shared_ptr<Workpiece> workpiece) {
-      return std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, slot, std::move(workpiece));
+    const auto make = [&](RendererSlot slot, std::shared_ptr<DrilledSolids> drilled) {
+      return std::make_unique<Experiment>(device_, overlay_.settings, scene_, start, hand, slot, std::move(drilled));
     };
-    auto left = make(selected_, workpiece_), right = split_ ? make(right_, nullptr) : nullptr;
+    auto left = make(selected_, drilledSolids_), right = split_ ? make(right_, nullptr) : nullptr;
     if (keepTests) {
       // What is known of the renderers, that of the right one from its own side.
       auto tests = frame_.tests;
@@ -342,7 +342,7 @@ bool Viewer::loadScene(const std::string& path) {
     tour_.reset();
     scenePath_ = path;
     overlay_.sceneNotes = scene_.notes;
-    workpiece_ = std::make_shared<Workpiece>(scene_);
+    drilledSolids_ = std::make_shared<DrilledSolids>(scene_);
     solids_ = copiesOf(scene_);
     plane_.reset();
     sound_.reset();
@@ -550,7 +550,7 @@ void Viewer::cutOpen() {
 void Viewer::takeChanges() {
   for (std::size_t i = 0; i < solids_.size(); ++i) {
     if (!solids_[i].uncut) continue;
-    for (BrickChange change; workpiece_->takeChange(i, change);) {
+    for (BrickChange change; drilledSolids_->takeChange(i, change);) {
       solids_[i].samples[static_cast<std::size_t>(change.brick)] = change.samples;
       view_.change(i, change.brick);
     }
@@ -560,7 +560,7 @@ void Viewer::takeChanges() {
 // What happened since the last frame: the bur turns, chips fly, and one hears it.
 void Viewer::takeCut() {
   constexpr double shownTurns = 1.7;  // a second: those of a bur are too fast to be seen
-  const Drilled& drilled = frame_.drilled;
+  const DrillState& drilled = frame_.drilled;
   if (frame_.record.time < burTime_) chips_ = Chips();
   const double passed = std::max(0.0, frame_.record.time - burTime_);
   burTime_ = frame_.record.time;
@@ -776,9 +776,9 @@ void Viewer::update(double now, const TimingNumbers& timing) {
   layout_ = split_ ? layOutSplit(surface_.size(), surface_.scale(), overlay_.panels)
                    : layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts,
                             player_ ? 0 : static_cast<int>(rendererNames_.size()));
-  std::array<ChartPlace, kCharts> places;
+  std::array<Rect, kCharts> places;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const Area& a = layout_.chart[i];
+    const Rect& a = layout_.chart[i];
     const float title = kChartTitle * layout_.scale, side = 6 * layout_.scale, right = 20 * layout_.scale;
     places[i] = {side, layout_.charts.height - a.y - a.height, std::max(1.0f, a.width - side - right),
                  std::max(1.0f, a.height - title)};
@@ -787,14 +787,14 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 }
 
 void Viewer::watch() {
-  Seen::add(seen_.scenes, scene_.name);
-  if (!player_) Seen::add(seen_.renderers, rendererNames_[indexOf(frame_.selected)]);
+  DisplayHistory::add(history_.scenes, scene_.name);
+  if (!player_) DisplayHistory::add(history_.renderers, rendererNames_[indexOf(frame_.selected)]);
   for (const auto& [on, name] : badgesOf(frame_)) {
-    if (on) Seen::add(seen_.badges, name);
+    if (on) DisplayHistory::add(history_.badges, name);
   }
-  Seen::add(seen_.tips, overlay_.tip);
-  Seen::add(seen_.stiffnesses, stiffnessText(overlay_.settings.spring.stiffness));
-  seen_.deepest = std::max(seen_.deepest, -frame_.record.nearest.gap);
+  DisplayHistory::add(history_.tips, overlay_.tip);
+  DisplayHistory::add(history_.stiffnesses, stiffnessText(overlay_.settings.spring.stiffness));
+  history_.deepest = std::max(history_.deepest, -frame_.record.nearest.gap);
 }
 
 void Viewer::draw(bool picture) {
@@ -853,7 +853,7 @@ void Viewer::draw(bool picture) {
                            tour_ ? now_ - tourBegin_ : -1.0,
                            recording_ ? simulated_ - recordingBegin_ : -1.0,
                            clip_};
-  stage_.draw(
+  canvas_.draw(
       layout_, [&] { drawOverlay(layout_, input, overlay_); }, picture);
 }
 

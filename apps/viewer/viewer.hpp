@@ -7,17 +7,17 @@
 #include <vector>
 
 #include "camera.hpp"
+#include "canvas.hpp"
 #include "charts.hpp"
+#include "display_history.hpp"
 #include "input.hpp"
 #include "overlay.hpp"
 #include "player.hpp"
 #include "runner.hpp"
 #include "scene_view.hpp"
 #include "script.hpp"
-#include "seen.hpp"
 #include "servo_gain.hpp"
 #include "sound_output.hpp"
-#include "stage.hpp"
 #include "surface.hpp"
 #include "tour.hpp"
 
@@ -39,13 +39,13 @@ struct Options {
 };
 
 /// Everything but the loop that drives it: see runInWindow() and runHeadless().
-class Viewer final : public Driven {
+class Viewer final : public InputTarget {
  public:
   /// Loads scene and device, designs the servo, builds the picture; or opens the recording. Throws Error.
   Viewer(const Options& options, Surface& surface);
 
   Runner* runner() { return runner_.get(); }  ///< nullptr: a recording is played
-  Stage& stage() { return stage_; }
+  Canvas& canvas() { return canvas_; }
   const Frame& frame() const { return frame_; }
   Camera& camera() override { return camera_; }
   const Layout& layout() const override { return layout_; }
@@ -61,7 +61,7 @@ class Viewer final : public Driven {
   std::string endRecording();
   /// A word for a while.
   void notify(const std::string& text);
-  const Seen& seen() const { return seen_; }
+  const DisplayHistory& history() const { return history_; }
   const std::vector<std::string>& sceneNames() const { return sceneNames_; }
   const OverlayState& overlay() const { return overlay_; }
   bool isTouring() const { return tour_.has_value(); }
@@ -133,7 +133,7 @@ class Viewer final : public Driven {
   bool split_ = false;
   Camera cameraBefore_;  // of the split screen
   int presetBefore_ = 0;
-  std::shared_ptr<Workpiece> workpiece_;
+  std::shared_ptr<DrilledSolids> drilledSolids_;
   std::vector<SolidCopy> solids_;  // by obstacle
   std::optional<CutPlane> plane_;
   bool spins_ = false;
@@ -147,7 +147,7 @@ class Viewer final : public Driven {
   double recordingBegin_ = 0.0;  // of simulated_, s
   bool wantsClip_ = false;
   double clip_ = -1.0;  // s
-  Stage stage_;
+  Canvas canvas_;
   SceneView view_;
   std::optional<SceneView> rightView_;  // since the first split screen
   Charts charts_;
@@ -172,7 +172,7 @@ class Viewer final : public Driven {
   bool paused_ = false, end_ = false, fullScreen_ = false;
   int slowdown_ = 1;
   std::vector<std::string> pictures_;
-  Seen seen_;
+  DisplayHistory history_;
 
   struct Path {
     glm::dvec3 from, to;

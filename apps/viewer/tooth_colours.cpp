@@ -1,4 +1,4 @@
-#include "teeth.hpp"
+#include "tooth_colours.hpp"
 
 #include <algorithm>
 #include <cmath>
