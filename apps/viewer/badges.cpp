@@ -54,7 +54,7 @@ void drawBadges(float right, float y, const Frame& frame, const Brush& brush) {
 void drawRecordingPills(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   float y = layout.scene.y + 14 * s;
-  for (const auto& [name, seconds] : {std::pair("recording", input.recording), {"clip", input.clip}}) {
+  for (const auto& [name, seconds] : {std::pair("recording", input.elapsed.recording), {"clip", input.elapsed.clip}}) {
     if (seconds < 0.0) continue;
     const std::string text = format("%s  %.1f s", name, seconds);
     const float wide = Brush::width(gFonts.text, text) + 34 * s;

@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "enamel/core/error.hpp"
+#include "free_path.hpp"
 #include "offscreen/png.hpp"
 
 extern char** environ;
@@ -56,17 +57,10 @@ std::string film(const std::string& folder, int pictures) {
 
 }  // namespace
 
-Clip::Clip(const std::string& folder, double now) : begin_(now) {
-  for (int i = 1;; ++i) {
-    char name[16];
-    std::snprintf(name, sizeof(name), "clip-%03d", i);
-    folder_ = (std::filesystem::path(folder) / name).string();
-    if (std::filesystem::exists(folder_) || std::filesystem::exists(folder_ + ".mp4")) continue;
-    std::error_code error;
-    if (!std::filesystem::create_directory(folder_, error))
-      throw Error(folder_ + ": cannot make the folder of a clip" + (error ? ": " + error.message() : ""));
-    return;
-  }
+Clip::Clip(const std::string& folder, double now) : folder_(freePath(folder, "clip", {"", ".mp4"})), begin_(now) {
+  std::error_code error;
+  if (!std::filesystem::create_directory(folder_, error))
+    throw Error(folder_ + ": cannot make the folder of a clip" + (error ? ": " + error.message() : ""));
 }
 
 bool Clip::wants(double now) const { return seconds(now) * kRate + 1e-6 >= pictures_; }

@@ -4,6 +4,7 @@
 #include <array>
 #include <glm/glm.hpp>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,28 +17,40 @@
 
 namespace enamel::viewer {
 
+/// What buttons, sliders and lists have asked for since the viewer last looked.
+struct OverlayRequests {
+  std::vector<Action> actions;
+  std::optional<std::size_t> scene;  ///< of SceneInput::names
+  std::optional<RendererSlot> renderer, right;
+  std::optional<bool> spin;  ///< of the bur
+  bool settings = false;     ///< OverlayState::settings have changed
+  std::string problem;       ///< with what was typed, to be told, or empty
+};
+
 /// What the overlay shows and, of the settings, changes.
 struct OverlayState {
   bool panels = true, charts = true, help = false, timing = false;
   Settings settings;
   Grip grip = kFirmGrip;
-  std::string notice;  ///< for a while
-  bool settingsChanged = false;
-  std::vector<Action> actions;  ///< asked for by buttons
-  int sceneAsked = -1, rendererAsked = -1, rightAsked = -1;
-  std::optional<bool> spinAsked;        ///< of the bur
   bool sound = false;                   ///< is wanted
   std::string soundTrouble;             ///< why there is none all the same, or empty
+  std::string notice;                   ///< for a while
   std::vector<std::string> sceneNotes;  ///< of its meshes
-  std::string problem;                  ///< with what was typed, to be told, or empty
-  std::string typedInto;                ///< the slider whose value is being typed, or empty, and:
-  std::array<char, 24> typed{};
-  std::string tip;      ///< of what the mouse is on, or empty
-  double tipSince = 0;  ///< ImGui's time
-  bool tipSeen = false;
+  OverlayRequests asked;
+  struct Typing {
+    std::string name;  ///< of the slider whose value is being typed, or empty
+    std::array<char, 24> text{};
+  } typing;
+  struct Tip {
+    std::string text;  ///< of what the mouse is on, or empty
+    double since = 0;  ///< ImGui's time
+    bool seen = false;
+  } tip;
+  struct Zoom {
+    int step = 4;  ///< of the magnification, with hysteresis
+    int patience = 0;
+  } zoom;
   std::map<std::string, glm::vec2> controls;  ///< where they stand, pixels: for the report
-  int insetStep = 4;                          ///< of the magnification, with hysteresis
-  int insetPatience = 0;
 };
 
 /// Timing as numbers.
@@ -54,36 +67,52 @@ struct TimingNumbers {
   std::array<float, kClasses> interval{}, compute{};
 };
 
-struct OverlayInput {
+/// A tool that is shown.
+struct ToolInput {
   const Frame& frame;
-  const Player* player;  ///< the frame's source, or nullptr: a live run
-  const std::string& sceneName;
-  const std::string& deviceName;
+  std::optional<Vec3> ghost;  ///< TCP of the reference pose, m
+};
+
+struct DeviceInput {
+  const std::string& name;
+  const TorqueStyle& torques;
+  StiffnessLimit limit;                ///< for a test push at this pose
   const PluginLibrary* plugin;         ///< or nullptr
   const SurfaceServoOptions* surface;  ///< that a file gave, or nullptr
-  const TorqueStyle& torques;
-  const std::vector<std::string>& scenes;  ///< names to choose from
-  int sceneIndex;
-  StiffnessLimit limit;  ///< for a test push at this pose
-  double toolRadius;     ///< of the tool's first part, m; 0: a point
-  bool ghost;
-  Vec3 ghostPosition;              ///< TCP of the reference pose, m
-  const std::vector<Vec3>& trail;  ///< last positions of the TCP, oldest first, m
-  TimingNumbers timing;
-  double simulated;  ///< s
-  const char* cameraName;
-  const Bur* bur;  ///< of a live run's tool, or nullptr; then also:
-  const std::vector<SolidLayer>* layers;
-  double burDepth;  ///< of its tip's lowest point below the uncut surface, m
+};
+
+struct SceneInput {
+  const std::string& name;
+  const std::vector<std::string>& names;  ///< to choose from
+  std::size_t index;
+  double toolRadius;  ///< of the tool's first part, m; 0: a point
   bool isCutOpen;
-  const Frame* right;  ///< of the split screen's right tool, or nullptr: none; then also:
-  bool rightGhost;
-  Vec3 rightGhostPosition;
+};
+
+struct BurInput {
+  const Bur& bur;
+  const std::vector<SolidLayer>& layers;
+  double depth;  ///< of its tip's lowest point below the uncut surface, m
+};
+
+/// Seconds of simulated time; since a tour, a recording and (of its pictures) a clip began: negative, there is none.
+struct ElapsedInput {
+  double simulated, tour, recording, clip;
+};
+
+struct OverlayInput {
+  ToolInput left;
+  std::optional<ToolInput> right;  ///< of the split screen
+  const Player* player;            ///< the frame's source, or nullptr: a live run
+  DeviceInput device;
+  SceneInput scene;
+  std::optional<BurInput> bur;     ///< of a live run's tool
+  const std::vector<Vec3>& trail;  ///< last positions of the TCP, oldest first, m
   const Comparison& comparison;
   const Camera& camera;
-  double tour;       ///< s since a tour began; negative: there is none
-  double recording;  ///< likewise, of simulated time
-  double clip;       ///< likewise, of a clip's pictures
+  const char* cameraName;
+  TimingNumbers timing;
+  ElapsedInput elapsed;
 };
 
 /// Loads the font at a scale; call again when the scale changes. `font`: a TrueType file, or empty for the built-in.

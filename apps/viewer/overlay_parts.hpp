@@ -45,15 +45,13 @@ inline constexpr float kWallShare = 0.45f;
 /// inset.cpp: what an inset shows.
 struct InsetView {
   const Rect& area;
-  const Frame& frame;
-  bool ghost;
-  Vec3 ghostPosition;
+  const ToolInput& tool;
   const std::vector<Vec3>& trail;
-  bool isSplit;   // one of two panes: at one fixed scale, and its head says whose it is
-  unsigned tool;  // its colour
+  bool isSplit;     // one of two panes: at one fixed scale, and its head says whose it is
+  unsigned colour;  // of the tool
 };
 /// The contacts, seen along the walls, magnified: the deepest one's wall below, the tool above, whatever the normal.
-void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& state, const Brush& brush);
+void drawInset(const InsetView& view, double toolRadius, OverlayState& state, const Brush& brush);
 
 /// gauge.cpp: beside the scene, the charts' titles and the stiffnesses of the test pushes.
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush);

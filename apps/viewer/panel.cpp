@@ -15,10 +15,10 @@ namespace enamel::viewer {
 
 void showTip(OverlayState& state, const char* text) {
   constexpr double patience = 0.35;  // s
-  if (state.tip != text) state.tipSince = ImGui::GetTime();
-  state.tip = text;
-  state.tipSeen = true;
-  if (ImGui::GetTime() - state.tipSince < patience) return;
+  if (state.tip.text != text) state.tip.since = ImGui::GetTime();
+  state.tip.text = text;
+  state.tip.seen = true;
+  if (ImGui::GetTime() - state.tip.since < patience) return;
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(20.0f * gFonts.text->FontSize);
   ImGui::TextUnformatted(text);
@@ -57,7 +57,7 @@ void tip(OverlayState& state, const char* text) {
 // What was typed for a value, in the shown unit, or why it is none.
 std::optional<double> typedValue(const OverlayState& state, const char* name, const char* unit, double low, double high,
                                  std::string& problem) {
-  const char* const text = state.typed.data();
+  const char* const text = state.typing.text.data();
   char* end = nullptr;
   const double value = std::strtod(text, &end);
   const std::string rest(end), blank = " \t";
@@ -85,19 +85,19 @@ bool slider(OverlayState& state, const char* name, const char* pattern, const ch
   ImGui::SameLine(ImGui::GetContentRegionMax().x - field);
   ImGui::SetNextItemWidth(field);
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {4, 0});
-  if (state.typedInto == name) {
-    if (ImGui::InputText("##typed", state.typed.data(), state.typed.size(),
+  if (state.typing.name == name) {
+    if (ImGui::InputText("##typed", state.typing.text.data(), state.typing.text.size(),
                          ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll)) {
       std::string problem;
       if (const auto typed = typedValue(state, name, unit, low, high, problem)) {
         value = *typed / factor;
         done = true;
       } else {
-        state.problem = problem;
+        state.asked.problem = problem;
       }
-      state.typedInto.clear();
+      state.typing.name.clear();
     } else if (ImGui::IsItemDeactivated()) {
-      state.typedInto.clear();
+      state.typing.name.clear();
     } else if (!ImGui::IsItemActive()) {
       ImGui::SetKeyboardFocusHere(-1);
     }
@@ -105,8 +105,8 @@ bool slider(OverlayState& state, const char* name, const char* pattern, const ch
     const std::string shown = format(pattern, value * factor) + " " + unit;
     ImGui::PushStyleVar(ImGuiStyleVar_ButtonTextAlign, {1.0f, 0.5f});
     if (ImGui::Button((shown + "##type").c_str(), {field, 0})) {
-      state.typedInto = name;
-      std::snprintf(state.typed.data(), state.typed.size(), pattern, value * factor);
+      state.typing.name = name;
+      std::snprintf(state.typing.text.data(), state.typing.text.size(), pattern, value * factor);
     }
     ImGui::PopStyleVar();
     note(state, name);
@@ -138,7 +138,7 @@ bool toggle(const char* name, bool on, float width, unsigned colour = kChosen) {
 }
 // Whether a tool that is shown has that renderer, linked.
 bool shows(const OverlayInput& input, RendererSlot slot) {
-  return (input.frame.selected == slot || (input.right != nullptr && input.right->selected == slot)) &&
+  return (input.left.frame.selected == slot || (input.right && input.right->frame.selected == slot)) &&
          !isPlugin(input, indexOf(slot));
 }
 
@@ -174,17 +174,17 @@ void drawViews(const OverlayInput& input, OverlayState& state, float, float whol
                                "Where one looks from (1 to 4); follow goes with the contact (5). Right drag turns the "
                                "view, Ctrl+wheel comes nearer.");
       asked >= 0)
-    state.actions.push_back(static_cast<Action>(static_cast<int>(Action::camera1) + asked));
+    state.asked.actions.push_back(static_cast<Action>(static_cast<int>(Action::camera1) + asked));
 }
 
 void drawPlayerControls(const OverlayInput& input, OverlayState& state, float s, float whole) {
   const Player& player = *input.player;
   const RecordingHeader& header = player.header();
   const float half = 0.5f * (whole - 6 * s), third = (whole - 12 * s) / 3.0f;
-  const auto ask = [&state](Action action) { state.actions.push_back(action); };
+  const auto ask = [&state](Action action) { state.asked.actions.push_back(action); };
   heading("Recording");
   ImGui::TextWrapped("%s", std::filesystem::path(player.path()).filename().c_str());
-  remark(format("Renderer %s on %s.", header.renderer.c_str(), input.deviceName.c_str()));
+  remark(format("Renderer %s on %s.", header.renderer.c_str(), input.device.name.c_str()));
   for (const auto& [key, value] : header.parameters) remark(key + " = " + value);
   remark(format("%.3f s, %g ticks a second", static_cast<double>(player.size()) * header.guard.period,
                 1.0 / header.guard.period));
@@ -222,14 +222,14 @@ constexpr const char* kRendererTip[kMaxRenderers] = {
     "A renderer that was loaded from a file (--renderer)."};
 
 void drawRendererChoice(const OverlayInput& input, OverlayState& state, float s, float whole) {
-  const Frame& frame = input.frame;
+  const Frame& frame = input.left.frame;
   const float half = 0.5f * (whole - 6 * s), third = (whole - 12 * s) / 3.0f;
-  const bool split = input.right != nullptr;
+  const bool split = input.right.has_value();
   const auto choose = [&](RendererSlot selected, unsigned side, int& asked) {
     ImGui::PushID(&asked);
     for (std::size_t slot = 0; slot < rendererCount(input); ++slot) {
       if (slot % 2 == 1) ImGui::SameLine(0, 6 * s);
-      const std::string name = isPlugin(input, slot) ? input.plugin->description().name : kLinkedTitle[slot];
+      const std::string name = isPlugin(input, slot) ? input.device.plugin->description().name : kLinkedTitle[slot];
       if (toggle(name.c_str(), indexOf(selected) == slot, half, split ? side : kSlotColour[slot]))
         asked = static_cast<int>(slot);
       tip(state, kRendererTip[isPlugin(input, slot) ? indexOf(RendererSlot::plugin) : slot]);
@@ -237,32 +237,32 @@ void drawRendererChoice(const OverlayInput& input, OverlayState& state, float s,
     ImGui::PopID();
   };
   heading(split ? "Left tool" : "Renderer");
-  if (input.bur == nullptr) {
+  if (!input.bur) {
     ImGui::SameLine(whole - third);
     ImGui::PushFont(gFonts.small);
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, s});  // no higher than the heading
-    if (toggle("split  (V)", split, third)) state.actions.push_back(Action::split);
+    if (toggle("split  (V)", split, third)) state.asked.actions.push_back(Action::split);
     ImGui::PopStyleVar();
     ImGui::PopFont();
     tip(state, "Two tools, two renderers, one hand: which one feels stiffer?");
   }
-  choose(frame.selected, kSideColour[0], state.rendererAsked);
+  choose(frame.selected, kSideColour[0], state.asked.renderer);
   if (!split) return;
   heading("Right tool");
-  choose(input.right->selected, kSideColour[1], state.rightAsked);
+  choose(input.right->frame.selected, kSideColour[1], state.asked.right);
 }
 
 void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
-  const Frame& frame = input.frame;
+  const Frame& frame = input.left.frame;
   Settings& settings = state.settings;
   if (shows(input, RendererSlot::impedance) || shows(input, RendererSlot::passivity)) {
-    state.settingsChanged |=
+    state.asked.settings |=
         slider(state, "stiffness", "%.0f", "N/m", settings.spring.stiffness, 200, 20000,
                "Of the wall's spring: newtons for each metre of depth.\nforce = stiffness x depth + damping x speed");
-    if (input.right != nullptr) return;
-    state.settingsChanged |= slider(state, "wall damping", "%.1f", "N s/m", settings.spring.damping, 0, 20,
-                                    "Of the wall: newtons for each m/s inwards.\nforce = stiffness x depth + damping x "
-                                    "speed");
+    if (input.right) return;
+    state.asked.settings |= slider(state, "wall damping", "%.1f", "N s/m", settings.spring.damping, 0, 20,
+                                   "Of the wall: newtons for each m/s inwards.\nforce = stiffness x depth + damping x "
+                                   "speed");
     const double required = requiredDamping(settings.spring, kPeriod);
     const bool late = settings.delay.high > 0, met = settings.toolDamping > required && !late;
     remark(
@@ -279,18 +279,18 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
         "a delay");
     return;
   }
-  if (input.right != nullptr) return;
+  if (input.right) return;
   if (isPlugin(input, indexOf(frame.selected))) {
-    const EnamelDescription& plugin = input.plugin->description();
+    const EnamelDescription& plugin = input.device.plugin->description();
     remark(format("Plugin %s %s: %s", plugin.name, plugin.version, plugin.summary));
     const double given = deliveredOf(frame.record).normal, told = frame.record.normalForce;
     const bool silent = told == 0.0 && std::abs(given) > 0.5;
     if (frame.record.guard == GuardReason::none)
       remark("Its own word of the normal force: " + (silent ? "not reported" : tenths(told) + " N") + ".");
   } else if (frame.selected == RendererSlot::hold) {
-    state.settingsChanged |= ImGui::Checkbox("let go when pulled", &settings.hold.release);
+    state.asked.settings |= ImGui::Checkbox("let go when pulled", &settings.hold.release);
     tip(state, "Off, the tool sticks to the wall: the servo also pulls it back.");
-    state.settingsChanged |= ImGui::Checkbox("spare the motors' limits", &settings.hold.antiWindup);
+    state.asked.settings |= ImGui::Checkbox("spare the motors' limits", &settings.hold.antiWindup);
     tip(state,
         "While a motor is at its limit the servo's sum of past errors does not grow (anti-windup), or it would push on "
         "long after.");
@@ -302,16 +302,16 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
                       "were seen, which it leaves out.",
                       frame.jumps)
                    .c_str());
-    const SurfaceServoOptions* file = input.surface;
+    const SurfaceServoOptions* file = input.device.surface;
     if (file != nullptr && (file->delayLow != settings.delay.low || file->delayHigh != settings.delay.high))
       remark(format("Its file is for a delay of %d to %d ms.", file->delayLow, file->delayHigh), kWrong);
   }
 }
 
 void drawHandAndBur(const OverlayInput& input, OverlayState& state, float s, float whole) {
-  const Frame& frame = input.frame;
+  const Frame& frame = input.left.frame;
   const float third = (whole - 12 * s) / 3.0f;
-  const auto ask = [&state](Action action) { state.actions.push_back(action); };
+  const auto ask = [&state](Action action) { state.asked.actions.push_back(action); };
   heading("Hand");
   constexpr const char* grips[] = {"40 N/m", "400 N/m"};
   if (choice(state, grips, 2, state.grip.stiffness == kFirmGrip.stiffness ? 1 : 0, whole,
@@ -323,21 +323,21 @@ void drawHandAndBur(const OverlayInput& input, OverlayState& state, float s, flo
   tip(state,
       "Puts the tool on the wall, waits until it rests, and pushes with 12 N at once. The stiffness that one feels is "
       "that force over how deep the tool goes before it first comes back.\nK = F / depth at the first return");
-  state.settingsChanged |= slider(state, "tremor of the hand", "%.2f", "N", state.settings.noise, 0, 2,
-                                  "A random force of the hand into the wall and out of it, N (standard deviation).");
-  if (input.bur == nullptr) return;
+  state.asked.settings |= slider(state, "tremor of the hand", "%.2f", "N", state.settings.noise, 0, 2,
+                                 "A random force of the hand into the wall and out of it, N (standard deviation).");
+  if (!input.bur) return;
   heading("Bur");
   ImGui::SameLine(whole - third);
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 0});  // no higher than the heading
   if (bool sound = state.sound; ImGui::Checkbox("sound  (M)", &sound)) ask(Action::sound);
   ImGui::PopStyleVar();
-  if (toggle("spin  (F)", frame.drilled.spins, third)) state.spinAsked = !frame.drilled.spins;
+  if (toggle("spin  (F)", frame.drilled.spins, third)) state.asked.spin = !frame.drilled.spins;
   tip(state, "The pedal. Removed volume follows Archard's law.\nvolume = wear x force x path / hardness");
   ImGui::SameLine(0, 6 * s);
   if (toggle("undo", false, third)) ask(Action::undo);
   tip(state, "What the last stroke took comes back (Ctrl+Z).");
   ImGui::SameLine(0, 6 * s);
-  if (toggle("cut open", input.isCutOpen, third)) ask(Action::cutAway);
+  if (toggle("cut open", input.scene.isCutOpen, third)) ask(Action::cutAway);
   tip(state, "A section through the tooth along the tool (C).");
   if (state.sound && !state.soundTrouble.empty()) remark(state.soundTrouble, kWrong);
 }
@@ -345,15 +345,15 @@ void drawHandAndBur(const OverlayInput& input, OverlayState& state, float s, flo
 void drawDevice(OverlayState& state, float whole) {
   Settings& settings = state.settings;
   heading("Device");
-  state.settingsChanged |= slider(state, "added mass", "%.0f", "g", settings.extraMass, 0, 300,
-                                  "Screwed to the tool without telling the renderers.", 1e3);
-  state.settingsChanged |= slider(state, "joint friction", "%.1f", "mN m s/rad", settings.friction, 0, 20,
-                                  "Viscous, in every joint, beyond that of the device file.\ntorque = -friction x "
-                                  "speed of the joint",
-                                  1e3);
-  state.settingsChanged |= slider(state, "tool damping", "%.1f", "N s/m", settings.toolDamping, 0, 20,
-                                  "Brakes the tool wherever it is, beyond the device file's.\nforce = -damping x "
-                                  "speed");
+  state.asked.settings |= slider(state, "added mass", "%.0f", "g", settings.extraMass, 0, 300,
+                                 "Screwed to the tool without telling the renderers.", 1e3);
+  state.asked.settings |= slider(state, "joint friction", "%.1f", "mN m s/rad", settings.friction, 0, 20,
+                                 "Viscous, in every joint, beyond that of the device file.\ntorque = -friction x "
+                                 "speed of the joint",
+                                 1e3);
+  state.asked.settings |= slider(state, "tool damping", "%.1f", "N s/m", settings.toolDamping, 0, 20,
+                                 "Brakes the tool wherever it is, beyond the device file's.\nforce = -damping x "
+                                 "speed");
   label("delay, ms");
   constexpr Delay delays[] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 3}};
   constexpr const char* names[] = {"0", "1", "2", "3", "0-3"};
@@ -364,8 +364,8 @@ void drawDevice(OverlayState& state, float whole) {
                            "Between a measurement and the torque that answers it: so many periods of 1 ms, or a random "
                            "number from 0 to 3 every time. Springs get unstable with it.");
   if (delay >= 0) settings.delay = delays[delay];
-  state.settingsChanged |= delay >= 0;
-  state.settingsChanged |= ImGui::Checkbox("angles in encoder counts", &settings.encoders.quantised);
+  state.asked.settings |= delay >= 0;
+  state.asked.settings |= ImGui::Checkbox("angles in encoder counts", &settings.encoders.quantised);
   tip(state, "Joint angles are known only in the encoders' steps, as in a real device; off: exactly.");
   label("speeds of the joints");
   constexpr RateSource sources[] = {RateSource::exact, RateSource::difference, RateSource::lowPass};
@@ -375,13 +375,13 @@ void drawDevice(OverlayState& state, float whole) {
                           "How the loop knows them: exactly (no real device does), from two angles, or so and "
                           "smoothed.\nfrom steps: (angle - angle before) / 1 ms");
   if (rate >= 0) settings.encoders.rates = sources[rate];
-  state.settingsChanged |= rate >= 0;
+  state.asked.settings |= rate >= 0;
 }
 
 void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, float whole) {
-  const Frame& frame = input.frame;
+  const Frame& frame = input.left.frame;
   const float third = (whole - 12 * s) / 3.0f;
-  const auto ask = [&state](Action action) { state.actions.push_back(action); };
+  const auto ask = [&state](Action action) { state.asked.actions.push_back(action); };
   drawRendererChoice(input, state, s, whole);
   drawRendererSettings(input, state);
   drawHandAndBur(input, state, s, whole);
@@ -399,10 +399,9 @@ void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, f
   tip(state, "Slow motion down to 1:1000: - is slower, + is faster.");
   drawViews(input, state, s, whole);
   ImGui::SetNextItemWidth(-1.0f);
-  if (ImGui::BeginCombo("##scene", input.sceneName.c_str())) {
-    for (int i = 0; i < static_cast<int>(input.scenes.size()); ++i)
-      if (ImGui::Selectable(input.scenes[static_cast<std::size_t>(i)].c_str(), i == input.sceneIndex))
-        state.sceneAsked = i;
+  if (ImGui::BeginCombo("##scene", input.scene.name.c_str())) {
+    for (std::size_t i = 0; i < input.scene.names.size(); ++i)
+      if (ImGui::Selectable(input.scene.names[i].c_str(), i == input.scene.index)) state.asked.scene = i;
     ImGui::EndCombo();
   }
   tip(state,

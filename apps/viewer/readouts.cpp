@@ -15,31 +15,32 @@ constexpr float kDrillRow = 20.0f;
 }  // namespace
 
 Rect drillBox(const Layout& layout, const OverlayInput& input) {
-  if (input.bur == nullptr) return {};
-  const float s = layout.scale, rows = static_cast<float>(input.layers->size());
+  if (!input.bur) return {};
+  const float s = layout.scale, rows = static_cast<float>(input.bur->layers.size());
   return {layout.scene.x + 18 * s, layout.scene.y + 76 * s, 186 * s, (80 + kDrillRow * rows) * s};
 }
 
 void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
-  const DrillState& drilled = input.frame.drilled;
+  const DrillState& drilled = input.left.frame.drilled;
   const Rect card = drillBox(layout, input);
   brush.box(card, 0.88);
   const float x = card.x + 12 * s, right = card.x + card.width - 12 * s;
   float y = card.y + 8 * s;
   brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(drilled.spins ? kInk : kMuted));
   brush.text(gFonts.bold, x + 16 * s, y, kInk, "Bur");
-  brush.textRight(gFonts.text, right, y, kMuted, drilled.spins ? format("%.0f turns/s", input.bur->turns) : "at rest");
+  brush.textRight(gFonts.text, right, y, kMuted,
+                  drilled.spins ? format("%.0f turns/s", input.bur->bur.turns) : "at rest");
   const auto line = [&](const char* name, const std::string& value) {
     y += kDrillRow * s;
     brush.text(gFonts.text, x + 16 * s, y, kMuted, name);
     brush.textRight(gFonts.bold, right, y, kInk, value);
   };
-  line("depth", format("%.2f mm", 1e3 * input.burDepth));
+  line("depth", format("%.2f mm", 1e3 * input.bur->depth));
   line("feed", format("%.2f mm/s", 1e3 * std::max(0.0, drilled.feed)));
   y += 4 * s;
-  for (std::size_t i = 0; i < input.layers->size(); ++i) {
-    line((*input.layers)[i].name.c_str(), format("%.2f mm\u00b3", 1e9 * std::max(0.0, drilled.removed[i])));
+  for (std::size_t i = 0; i < input.bur->layers.size(); ++i) {
+    line(input.bur->layers[i].name.c_str(), format("%.2f mm\u00b3", 1e9 * std::max(0.0, drilled.removed[i])));
     brush.list->AddRectFilled({x, y + 4 * s}, {x + 10 * s, y + 14 * s}, ink(layerColour(static_cast<int>(i))), 2 * s);
     brush.list->AddRect({x, y + 4 * s}, {x + 10 * s, y + 14 * s}, ink(kEnamelEdge), 2 * s);
   }
@@ -68,7 +69,7 @@ void drawHistogram(const Rect& area, const std::array<float, TimingNumbers::kCla
 
 // How often the guard acted, the most frequent reasons first: ticks of a run, acts of a recording.
 std::vector<std::string> guardLines(const OverlayInput& input) {
-  std::array<std::uint64_t, kGuardReasons> counts = input.frame.guardTicks;
+  std::array<std::uint64_t, kGuardReasons> counts = input.left.frame.guardTicks;
   if (input.player != nullptr)
     for (const PlayerEvent& event : input.player->events()) ++counts[static_cast<std::size_t>(event.reason)];
   std::vector<std::size_t> reasons;
@@ -120,7 +121,7 @@ void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& br
   } else {
     line(input.player != nullptr ? "a recording: no haptic thread" : "simulated time: no haptic thread");
   }
-  for (const std::string& text : guard) line(text, input.frame.record.guard != GuardReason::none ? kWrong : kInk);
+  for (const std::string& text : guard) line(text, input.left.frame.record.guard != GuardReason::none ? kWrong : kInk);
 }
 
 }  // namespace enamel::viewer

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <tuple>
 
 #include "overlay_parts.hpp"
 #include "palette.hpp"
@@ -110,7 +110,7 @@ std::string timesText(const Comparison::Ratio& ratio) {
 void drawRatio(const Rect& area, const OverlayInput& input, const Brush& brush) {
   const float s = brush.s, x = area.x;
   const Comparison& both = input.comparison;
-  const Frame* const frames[] = {&input.frame, input.right};
+  const Frame* const frames[] = {&input.left.frame, &input.right->frame};
   const auto titled = [&](float y, std::size_t side, const char* before) {
     const float at = x + Brush::width(gFonts.text, before);
     brush.text(gFonts.text, x, y, kInk, before);
@@ -169,6 +169,23 @@ void drawForces(const Rect& inset, const Frame& frame, const Brush& brush) {
   }
 }
 
+// Below the panes: depths, curves and their ratio.
+void drawComparison(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+  const float s = layout.scale;
+  const Rect& a = layout.compare;
+  brush.list->AddLine({layout.right.x, 0}, {layout.right.x, a.y}, ink(kCubeLine), 2 * s);
+  if (a.height <= 0) return;
+  brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper));
+  brush.list->AddLine({a.x, a.y}, {a.x + a.width, a.y}, ink(kCubeLine), 2 * s);
+  const float ratio = std::min(250 * s, 0.4f * a.width), top = a.y + 34 * s, high = a.height - 34 * s - 26 * s;
+  const float plots = a.width - ratio - 14 * s;
+  const float share = plots >= 480 * s ? 0.5f : 1.0f;  // else one plot
+  drawDepths({a.x + 48 * s, top, share * plots - 74 * s, high}, input.comparison, brush);
+  if (share < 1.0f)
+    drawCurves({a.x + share * plots + 48 * s, top, share * plots - 80 * s, high}, input.comparison, brush);
+  drawRatio({a.x + a.width - ratio, a.y, ratio, a.height}, input, brush);
+}
+
 }  // namespace
 
 // What the tour says, and how far it is: between the tools, above the magnifications' scales.
@@ -192,41 +209,27 @@ void drawTour(const Layout& layout, double time, const Brush& brush) {
 void drawSplitScreen(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
   static const std::vector<Vec3> noTrail;
   const float s = layout.scale;
-  const Frame* const frames[] = {&input.frame, input.right};
-  const Rect* const scenes[] = {&layout.scene, &layout.right};
-  const Rect* const insets[] = {&layout.inset, &layout.rightInset};
-  for (std::size_t side = 0; side < 2; ++side) {
-    const Frame& frame = *frames[side];
-    const Rect& scene = *scenes[side];
-    const bool ghost = side == 0 ? input.ghost : input.rightGhost;
-    if (insets[side]->width > 0)
-      drawInset({*insets[side], frame, ghost, side == 0 ? input.ghostPosition : input.rightGhostPosition, noTrail, true,
-                 kSideColour[side]},
-                input, state, brush);
-    if (insets[side]->width > 0) drawForces(*insets[side], frame, brush);
+  const std::tuple<const Rect&, const Rect&, const ToolInput&, unsigned> panes[] = {
+      {layout.scene, layout.inset, input.left, kSideColour[0]},
+      {layout.right, layout.rightInset, *input.right, kSideColour[1]}};
+  for (const auto& [scene, inset, tool, colour] : panes) {
+    const Frame& frame = tool.frame;
+    if (inset.width > 0) {
+      drawInset({inset, tool, noTrail, true, colour}, input.scene.toolRadius, state, brush);
+      drawForces(inset, frame, brush);
+    }
     const std::string title = titleOf(input, indexOf(frame.selected));
     const float x = scene.x + 14 * s, y = scene.y + 10 * s, right = scene.x + scene.width - 14 * s;
     brush.list->PushClipRect({scene.x, scene.y}, {scene.x + scene.width, scene.y + scene.height}, true);
     brush.clear(x, y, Brush::width(gFonts.large, title) + 24 * s, 32 * s);
-    brush.list->AddCircleFilled({x + 8 * s, y + 16 * s}, 8 * s, ink(kSideColour[side]));
+    brush.list->AddCircleFilled({x + 8 * s, y + 16 * s}, 8 * s, ink(colour));
     brush.text(gFonts.large, x + 24 * s, y + 1 * s, kInk, title);
     drawNames(scene, {{scene.x, scene.y, scene.width, 62 * s}}, input.camera, frame, true, brush);
     drawStatus(right, y, input, frame, brush);
     drawBadges(right, y + 32 * s, frame, brush);
     brush.list->PopClipRect();
   }
-  const Rect& a = layout.compare;
-  brush.list->AddLine({layout.right.x, 0}, {layout.right.x, a.y}, ink(kCubeLine), 2 * s);
-  if (a.height <= 0) return;
-  brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper));
-  brush.list->AddLine({a.x, a.y}, {a.x + a.width, a.y}, ink(kCubeLine), 2 * s);
-  const float card = std::min(250 * s, 0.4f * a.width), top = a.y + 34 * s, high = a.height - 34 * s - 26 * s;
-  const float plots = a.width - card - 14 * s;
-  const float share = plots >= 480 * s ? 0.5f : 1.0f;  // else one plot
-  drawDepths({a.x + 48 * s, top, share * plots - 74 * s, high}, input.comparison, brush);
-  if (share < 1.0f)
-    drawCurves({a.x + share * plots + 48 * s, top, share * plots - 80 * s, high}, input.comparison, brush);
-  drawRatio({a.x + a.width - card, a.y, card, a.height}, input, brush);
+  drawComparison(layout, input, brush);
 }
 
 }  // namespace enamel::viewer

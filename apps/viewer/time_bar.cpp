@@ -41,9 +41,9 @@ void drawTimeBar(const Layout& layout, const OverlayInput& input, const Brush& b
   brush.list->AddCircleFilled({now, 0.5f * (top + bottom)}, 6 * s, ink(kBlue));
 
   const std::string time =
-      format("%s%.3f of %.3f s   tick %llu   %g x", player.playing() ? "" : "paused   ", input.simulated,
+      format("%s%.3f of %.3f s   tick %llu   %g x", player.playing() ? "" : "paused   ", input.elapsed.simulated,
              static_cast<double>(player.size() - 1) * player.header().guard.period,
-             static_cast<unsigned long long>(input.frame.record.tick), player.speed());
+             static_cast<unsigned long long>(input.left.frame.record.tick), player.speed());
   const float y = bottom + 6 * s, right = bar.x + bar.width - Brush::width(gFonts.small, time);
   brush.text(gFonts.small, right, y, kInk, time);
   float x = bar.x;

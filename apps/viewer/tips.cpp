@@ -60,7 +60,7 @@ void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& sta
   const float row = 46 * s, top = scene.y + scene.height - static_cast<float>(count) * row - 14 * s;
   if (has({scene.x + 18 * s, top, 150 * s, static_cast<float>(count) * row}, at))
     return showTip(state, kNumberTip[static_cast<std::size_t>((at.y - top) / row)]);
-  const auto badges = badgesOf(input.frame);
+  const auto badges = badgesOf(input.left.frame);
   const bool any = std::any_of(badges.begin(), badges.end(), [](const auto& badge) { return badge.first; });
   if (any && has({scene.x + scene.width - 240 * s, scene.y + 72 * s, 222 * s, 22 * s}, at)) showTip(state, kBadgeTip);
 }

@@ -1,7 +1,6 @@
 #include "viewer.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include "data_folder.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "free_path.hpp"
 #include "recorded.hpp"
 #include "scan.hpp"
 
@@ -62,10 +62,6 @@ Vec3 metres(const glm::dvec3& millimetres) { return Vec3(millimetres.x, millimet
 
 }  // namespace
 
-double steadySeconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 Viewer::Viewer(const Options& options, Surface& surface)
     : isHeadless_(options.headless),
       surface_(surface),
@@ -75,7 +71,7 @@ Viewer::Viewer(const Options& options, Surface& surface)
       plant_(makeMechanism(changed(device_.parameters, Settings{}))),
       torques_(*plant_),
       scenePath_(options.scene),
-      folder_(options.record.empty() ? "." : options.record),
+      folder_(options.folder()),
       scene_(player_ ? player_->scene() : enamel::loadScene(options.scene)),
       begin_(options.begin),
       selected_(options.begin),
@@ -309,11 +305,7 @@ void Viewer::toggleRecording() {
     const RemovedVolume& removed = frame_.drilled.removed;
     if (scene_.bur && std::any_of(removed.begin(), removed.end(), [](double volume) { return volume > 0.0; }))
       return notify("A recording begins with whole teeth: Ctrl+Z or Backspace puts back what was drilled.");
-    for (int i = 1; path.empty() || std::filesystem::exists(path); ++i) {
-      char free[32];
-      std::snprintf(free, sizeof(free), "enamel-%03d.rec", i);
-      path = (std::filesystem::path(folder_) / free).string();
-    }
+    path = freePath(folder_, "enamel", {".rec"}) + ".rec";
   }
   rebuild(frame_.record.pose, frame_.hand, true, path);
 }

@@ -11,6 +11,7 @@
 #include "charts.hpp"
 #include "display_history.hpp"
 #include "input.hpp"
+#include "options.hpp"
 #include "overlay.hpp"
 #include "player.hpp"
 #include "runner.hpp"
@@ -23,22 +24,7 @@
 
 namespace enamel::viewer {
 
-/// What the command line says.
-struct Options {
-  std::string play;  ///< recording; or empty, then:
-  std::string scene, device;
-  std::string gain;  ///< file, or empty: loadServoedDevice()
-  RendererSlot begin = RendererSlot::positionControl;
-  std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
-  std::map<std::string, std::string> pluginParameters;
-  bool headless = false;
-  std::string script, record, report;
-  glm::ivec2 size{1280, 720};
-  float scale = 1.0f;
-  double frameRate = 60.0;  ///< of the window, 1/s, at most
-};
-
-/// Everything but the loop that drives it: see runInWindow() and runHeadless().
+/// Everything but the loop that drives it: see run.hpp.
 class Viewer final : public InputTarget {
  public:
   /// Loads scene and device, designs the servo, builds the picture; or opens the recording. Throws Error.
@@ -182,16 +168,5 @@ class Viewer final : public InputTarget {
   std::optional<Tour> tour_;
   double tourBegin_ = 0.0;
 };
-
-/// Runs in a window until it is closed, the script ends, or SIGINT or SIGTERM comes, and then writes the report.
-/// Returns that signal, or 0. Throws Error; also where the window is closed while the tool is in contact. `started`:
-/// seconds on the steady clock when the program began.
-int runInWindow(const Options& options, double started);
-
-/// Runs a script without a display on simulated time: the same script gives the same pictures. Otherwise as above.
-int runHeadless(const Options& options, double started);
-
-/// Seconds on the steady clock.
-double steadySeconds();
 
 }  // namespace enamel::viewer
