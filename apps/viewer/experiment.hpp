@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "conditions.hpp"
 #include "drilled_solids.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/control/first_impact.hpp"
@@ -19,69 +20,12 @@
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/push.hpp"
 #include "hand.hpp"
+#include "servoed_device.hpp"
 
 namespace enamel::viewer {
 
-/// The renderers to choose from: the contact-space servo, the spring, the paper's law, the spring with passivity
-/// control around it, and a plugin, where it does not stand for one of these.
-enum class RendererSlot : std::uint8_t { positionControl, impedance, hold, passivity, plugin };
-inline constexpr std::size_t kLinkedRenderers = 4, kMaxRenderers = 5;
-
-constexpr std::size_t indexOf(RendererSlot slot) noexcept { return static_cast<std::size_t>(slot); }
-
-/// Everything that a person can set and that needs a new experiment.
-struct Settings {
-  PositionControlOptions hold;
-  ImpedanceOptions spring;
-  double extraMass = 0.0;    ///< on the platform, which no renderer is told of, kg
-  double friction = 0.0;     ///< viscous, of every joint, beyond the device file's, N m s/rad
-  double toolDamping = 4.0;  ///< mechanical, of the TCP along x, y, z, beyond the device file's, N s/m
-  Delay delay;               ///< ticks, at most kMaxServoDelay
-  EncoderOptions encoders{true};
-  double noise = 0.0;  ///< of the hand along the contact's normal, standard deviation, N
-};
-
-/// A device with its servos for kPeriod, and a plugin.
-struct ServoedDevice {
-  DeviceParameters parameters;
-  ServoGain gain;                               ///< of hold
-  std::optional<SurfaceServoOptions> surface;   ///< of position control, from a file; else surfaceServoFor()
-  std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
-  PluginSetup pluginSetup;
-};
-
-/// What position control is made with under a delay, ticks: the file's options where the delay is the file's; else its
-/// numbers with this delay. Throws Error: as surfaceServoFor(). Realtime: no.
-SurfaceServoOptions surfaceOptions(const ServoedDevice& device, const Mechanism& model, const Delay& delay);
-
-/// Names of the renderers, slot by slot, as `--renderer` and scripts call them. A plugin (or nullptr) takes the place
-/// of the linked renderer of its name, else a place of its own. Realtime: no.
-std::vector<std::string> rendererNames(const PluginLibrary* plugin);
-RendererSlot slotOf(const PluginLibrary& plugin) noexcept;
-
-inline constexpr double kPeriod = 1e-3;  // s, of the haptic loop
-
 /// A test push is scenario 1 of runPush() with this force after this preload, from rest on the surface, N.
 inline constexpr double kTestForce = 12.0, kTestPreload = 0.5;
-
-/// Force of the motors on the tool beyond gravity, as delivered during a tick, N: along the nearest contact's normal
-/// (negative: into the wall), across it, and in all. Realtime: yes.
-struct Delivered {
-  double normal, tangential, total;
-};
-Delivered deliveredOf(const TickRecord& record) noexcept;
-
-/// What happens to the tool, each for kShown ticks longer than it does.
-struct Conditions {
-  bool saturated = false;  ///< a motor is at its limit
-  bool unstable = false;   ///< torques alternate by more than a quarter of their limits for two eighths of a second, or
-                           ///< the guard says so
-  bool slipped = false;    ///< it slid for kSlipPath, faster than kSlip, on a wall with friction
-  bool edge = false;       ///< of the workspace: at a mechanical stop
-
-  static constexpr int kShown = 400;
-  static constexpr double kSlip = 2e-3, kSlipPath = 2e-4;  // m/s, m
-};
 
 /// What a test push measured, as `enamel push` and the study judge it. It and what it was made with stay as they are
 /// until the next one.
@@ -190,17 +134,8 @@ class Experiment {
   void moveOwnHand() noexcept;
   void advanceTestPush(bool mayBegin) noexcept;
   void watchTestPush() noexcept;
-  void watchConditions() noexcept;
   void endTestPush(FirstImpactVerdict verdict, Status status = Status::ok) noexcept;
   void fillDrillState() noexcept;
-
-  // Extremes of the force over kBlock ticks; shares of the torques' limits, summed over as many.
-  struct Block {
-    int ticks = 0;
-    double lowForce = 0.0, highForce = 0.0;
-    JointVector sum, squares;
-  };
-  static constexpr int kBlock = 125;
 
   Settings settings_;
   std::shared_ptr<const Mechanism> model_, plant_;  // what the haptic tick knows, and what is there
@@ -226,14 +161,8 @@ class Experiment {
   double testDrift_ = 0.0;       // across the normal since the push began, m
   ImpactWatch impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;
-  Block block_, complete_;
-  double slid_ = 0.0;              // m, without a rest
-  bool chattered_ = false;         // in the block before
-  std::array<int, 4> shownFor_{};  // ticks, of the conditions
+  ConditionWatch conditions_;
 };
-
-/// The parameters of a device with a person's changes to it.
-DeviceParameters changed(DeviceParameters device, const Settings& settings);
 
 /// The physical limit of K_z1 for a test push (firstImpactLimit()) at a pose.
 struct StiffnessLimit {

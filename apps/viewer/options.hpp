@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "experiment.hpp"
+#include "settings.hpp"
 
 namespace enamel::viewer {
 

@@ -53,10 +53,10 @@ void drawLine(const std::vector<ImVec2>& points, unsigned rgb, const Brush& brus
 }
 
 void drawDepths(const Rect& area, const Comparison& both, const Brush& brush) {
-  constexpr double window = Comparison::kBins * Comparison::kBinTicks * kPeriod;  // s
+  constexpr double window = Comparison::History::kBins * Comparison::History::kBinTicks * kPeriod;  // s
   float largest = 0.0f;
   for (std::size_t side = 0; side < 2; ++side)
-    for (int bin = 0; bin < Comparison::kBins; ++bin) largest = std::max(largest, both.depth(side, bin).high);
+    for (int bin = 0; bin < Comparison::History::kBins; ++bin) largest = std::max(largest, both.depth(side, bin).high);
   const Plot plot{area, 0.0, window, endFor(1e3 * static_cast<double>(largest), 0.05)};
   drawAxes(plot, "Depth, mm", brush);
   const std::string from = format("-%g s", window);
@@ -64,9 +64,9 @@ void drawDepths(const Rect& area, const Comparison& both, const Brush& brush) {
   brush.textRight(gFonts.small, area.x + area.width, area.y + area.height + 3 * brush.s, kMuted, "now");
   for (const std::size_t side : {1u, 0u}) {
     std::vector<ImVec2> points;
-    for (int bin = 0; bin < Comparison::kBins; ++bin) {
-      const Comparison::Range range = both.depth(side, bin);
-      const double time = window * (bin + 0.5) / Comparison::kBins;
+    for (int bin = 0; bin < Comparison::History::kBins; ++bin) {
+      const auto& range = both.depth(side, bin);
+      const double time = window * (bin + 0.5) / Comparison::History::kBins;
       points.push_back(plot.at(time, 1e3 * static_cast<double>(range.low)));
       if (range.high > range.low) points.push_back(plot.at(time, 1e3 * static_cast<double>(range.high)));
     }

@@ -698,7 +698,7 @@ void Viewer::takeRecording(double passed) {
   frame_ = player_->frame();
   simulated_ = player_->seconds();
   // Bins begin at the same ticks at every place, or their smallest and largest values would flicker.
-  constexpr int bin = Charts::kBinTicks, shown = Charts::kBins * bin;
+  constexpr int bin = Charts::History::kBinTicks, shown = Charts::History::kBins * bin;
   const auto now = static_cast<std::int64_t>(player_->position()), from = now / bin * bin - shown / 2;
   const std::vector<Sample> samples = player_->samples(from, shown + 1);  // one more completes the last bin
   charts_.clear();

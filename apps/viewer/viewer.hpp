@@ -17,7 +17,7 @@
 #include "runner.hpp"
 #include "scene_view.hpp"
 #include "script.hpp"
-#include "servo_gain.hpp"
+#include "servoed_device.hpp"
 #include "sound_output.hpp"
 #include "surface.hpp"
 #include "tour.hpp"
