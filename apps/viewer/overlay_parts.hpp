@@ -29,9 +29,9 @@ void drawNames(const Rect& scene, const std::vector<Rect>& taken, const Camera& 
 /// tips.cpp: what the mouse is on, among what is only read.
 void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& state);
 
-/// panel.cpp; a tip for what the mouse is on, once it has stayed there.
-void showTip(OverlayState& state, const char* text);
+/// panel.cpp; and of a live run, panel_settings.cpp, in a panel that is `whole` pixels wide.
 void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state);
+void drawLiveSettings(const OverlayInput& input, OverlayState& state, float scale, float whole);
 
 /// badges.cpp: what the tool is doing, in a word, and what is wrong, each in its pill, from the right; what is being
 /// recorded, in the middle.

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "overlay_parts.hpp"
+#include "widgets.hpp"
 
 namespace enamel::viewer {
 namespace {
