@@ -1,8 +1,8 @@
 // Names in the scene.
 #include <algorithm>
 
+#include "device_view.hpp"
 #include "overlay_parts.hpp"
-#include "scene_view.hpp"
 
 namespace enamel::viewer {
 

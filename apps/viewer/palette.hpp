@@ -1,6 +1,8 @@
 // The colours of the viewer: a calm ground, and signals that colour-blind people can tell apart (Okabe and Ito 2008).
 #pragma once
 
+#include "enamel/core/types.hpp"
+
 namespace enamel::viewer {
 
 struct Colour {
@@ -9,6 +11,12 @@ struct Colour {
 
 constexpr Colour colour(unsigned rgb) {
   return {(rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0};
+}
+
+/// As a vector of red, green and blue, 0 to 1.
+inline Vec3 rgbOf(unsigned rgb) {
+  const Colour c = colour(rgb);
+  return {c.r, c.g, c.b};
 }
 
 inline constexpr unsigned kGround = 0xE9EDF1, kPaper = 0xF7F8FA, kLine = 0xD3D9E0, kInk = 0x1F262E, kMuted = 0x66707C;

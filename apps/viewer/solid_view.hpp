@@ -13,7 +13,7 @@
 
 #include "enamel/collision/solid.hpp"
 #include "enamel/collision/solid_surface.hpp"
-#include "shapes.hpp"
+#include "polygons.hpp"
 
 namespace enamel::viewer {
 
