@@ -8,6 +8,7 @@
 #include <vtkProperty.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "polygons.hpp"
@@ -49,8 +50,8 @@ void FlutedBur::place(const Vec3& from, const Mat3& frame, double angle) {
   actor_->Modified();
 }
 
-Shards::Shards(vtkRenderer* renderer, std::size_t count) {
-  const auto corners = static_cast<vtkIdType>(3 * count);
+ChipView::ChipView(vtkRenderer* renderer) {
+  constexpr auto corners = static_cast<vtkIdType>(3 * Chips::kPool);
   normals_->SetNumberOfComponents(3);
   colours_->SetNumberOfComponents(3);
   points_->SetNumberOfPoints(corners);
@@ -71,13 +72,12 @@ Shards::Shards(vtkRenderer* renderer, std::size_t count) {
   actor_->VisibilityOff();
 }
 
-void Shards::place(std::size_t shard, const Vec3& centre, const Vec3& across, const Vec3& up, double size,
-                   unsigned colour) {
-  const Vec3 normal = across.cross(up), middle = kMillimetres * centre;
+void ChipView::place(std::size_t chip, const Vec3& centre, const Mat3& frame, double size, unsigned colour) {
+  const Vec3 across = frame.col(0), up = frame.col(1), normal = across.cross(up), middle = kMillimetres * centre;
   const Vec3 corners[] = {middle + size * up, middle - 0.5 * size * (across + up),
                           middle + 0.5 * size * (across - 0.4 * up)};
   for (vtkIdType i = 0; i < 3; ++i) {
-    const vtkIdType corner = 3 * static_cast<vtkIdType>(shard) + i;
+    const vtkIdType corner = 3 * static_cast<vtkIdType>(chip) + i;
     points_->SetPoint(corner, corners[i].data());
     normals_->SetTuple(corner, normal.data());
     for (int c = 0; c < 3; ++c)
@@ -85,9 +85,19 @@ void Shards::place(std::size_t shard, const Vec3& centre, const Vec3& across, co
   }
 }
 
-void Shards::show(bool visible) {
-  actor_->SetVisibility(visible);
-  if (!visible) return;
+void ChipView::show(const Chips& chips) {
+  constexpr double size = 0.4, tumble = 25.0;  // mm, rad/s
+  bool any = false;
+  for (std::size_t i = 0; i < Chips::kPool; ++i) {
+    const Chips::Chip& chip = chips.chips()[i];
+    const double left = std::max(0.0, 1.0 - chip.age / Chips::kLife), number = static_cast<double>(i);
+    const Vec3 axis = Vec3(std::sin(2.4 * number), std::cos(2.4 * number), std::sin(1.7 * number)).normalized();
+    const Mat3 turned = Eigen::AngleAxisd(number + tumble * chip.age, axis).toRotationMatrix();
+    place(i, chip.position, turned, size * std::sqrt(left), layerColour(chip.layer));
+    any = any || left > 0.0;
+  }
+  actor_->SetVisibility(any);
+  if (!any) return;
   points_->Modified();
   normals_->Modified();
   colours_->Modified();

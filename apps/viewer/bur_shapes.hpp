@@ -9,7 +9,7 @@
 #include <vtkSmartPointer.h>
 #include <vtkUnsignedCharArray.h>
 
-#include "enamel/core/types.hpp"
+#include "chips.hpp"
 
 namespace enamel::viewer {
 
@@ -24,16 +24,15 @@ class FlutedBur {
   vtkSmartPointer<vtkActor> actor_;
 };
 
-/// Small flat triangles, as one actor.
-class Shards {
+/// Chips, as one actor: small flat triangles that tumble, and become smaller as they age.
+class ChipView {
  public:
-  Shards(vtkRenderer* renderer, std::size_t count);
-  /// A shard at `centre` (m) in the plane of two unit vectors; of size 0 (mm) nothing is seen of it.
-  void place(std::size_t shard, const Vec3& centre, const Vec3& across, const Vec3& up, double size, unsigned colour);
-  /// After all were placed.
-  void show(bool visible);
+  explicit ChipView(vtkRenderer* renderer);
+  void show(const Chips& chips);
 
  private:
+  void place(std::size_t chip, const Vec3& centre, const Mat3& frame, double size, unsigned colour);
+
   vtkNew<vtkPoints> points_;
   vtkNew<vtkFloatArray> normals_;
   vtkNew<vtkUnsignedCharArray> colours_;

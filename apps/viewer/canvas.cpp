@@ -10,6 +10,7 @@
 
 #include "enamel/core/error.hpp"
 #include "offscreen/render_window.hpp"
+#include "overlay.hpp"
 
 namespace enamel::viewer {
 Canvas::Canvas(Surface& surface, const std::string& font, const std::string& boldFont)

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "overlay.hpp"
+#include "layout.hpp"
 #include "surface.hpp"
 
 class vtkGenericOpenGLRenderWindow;

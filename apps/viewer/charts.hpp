@@ -32,8 +32,8 @@ class Charts {
   void add(const Sample& sample);
   void clear() { history_.clear(); }
 
-  /// Draws what was added last. `places`: pixels from the bottom left of the renderer's viewport. `forceLimit`: what the
-  /// motors can give along the normal, N.
+  /// Draws what was added last. `places`: pixels from the bottom left of the renderer's viewport. `forceLimit`: what
+  /// the motors can give along the normal, N.
   void update(const std::array<Rect, kCharts>& places, float scale, double forceLimit);
 
  private:

@@ -68,8 +68,8 @@ struct Frame {
 /// Not movable: the loop refers to its parts.
 class Experiment {
  public:
-  /// The tool begins at rest at `start`, held by `hand`. `drilled`: of the scene, where it goes on being drilled; a
-  /// new one where there is none. Throws Error: as the renderers, the loop and the drill do.
+  /// The tool begins at rest at `start`, held by `hand`. `drilled`: of the scene, where it goes on being drilled, or
+  /// nullptr. Throws Error: as the renderers, the loop and the drill do.
   Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
              const Hand& hand, RendererSlot slot, std::shared_ptr<DrilledSolids> drilled = nullptr);
   Experiment(const Experiment&) = delete;

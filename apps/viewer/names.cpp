@@ -9,10 +9,7 @@ namespace enamel::viewer {
 void drawNames(const Rect& scene, const std::vector<Rect>& taken, const Camera& camera, const Frame& frame, bool hand,
                const Brush& brush) {
   const float s = brush.s;
-  const auto seen = [&](const Vec3& point) {
-    const Vec3 mm = kMillimetres * point;
-    return project(camera, {scene.width, scene.height}, {mm.x(), mm.y(), mm.z()});
-  };
+  const auto seen = [&](const Vec3& point) { return project(camera, {scene.width, scene.height}, millimetres(point)); };
   // On the sides that look away from each other: neither hides the handle between them.
   const Pose& tool = frame.record.pose;
   const Vec3 end = frame.hand.position + tool.rotation * Vec3(0.0, 0.0, kHandleEnd);

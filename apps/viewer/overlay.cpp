@@ -100,20 +100,6 @@ void drawNotice(const Layout& layout, const std::string& notice, const Brush& br
 
 }  // namespace
 
-bool isPlugin(const OverlayInput& input, std::size_t slot) {
-  return input.device.plugin != nullptr && indexOf(slotOf(*input.device.plugin)) == slot;
-}
-
-std::size_t rendererCount(const OverlayInput& input) {
-  return isPlugin(input, indexOf(RendererSlot::plugin)) ? kMaxRenderers : kLinkedRenderers;
-}
-
-// Never the title of the linked renderer that a plugin stands for.
-std::string titleOf(const OverlayInput& input, std::size_t slot) {
-  return isPlugin(input, slot) ? format("Plugin %s", input.device.plugin->description().name)
-                               : std::string(kLinkedTitle[slot]);
-}
-
 void setUpOverlay(const std::string& font, const std::string& boldFont, float scale) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "brush.hpp"
-#include "overlay.hpp"
+#include "overlay_input.hpp"
 
 namespace enamel::viewer {
 
@@ -12,13 +12,23 @@ inline constexpr const char* kLinkedTitle[kLinkedRenderers] = {"Position control
                                                                "Passive spring"};
 
 /// Of the renderers that can be chosen, where a plugin stands among them or in the place of a linked one.
-bool isPlugin(const OverlayInput& input, std::size_t slot);
-std::size_t rendererCount(const OverlayInput& input);
-std::string titleOf(const OverlayInput& input, std::size_t slot);
+inline bool isPlugin(const OverlayInput& input, std::size_t slot) {
+  return input.device.plugin != nullptr && indexOf(slotOf(*input.device.plugin)) == slot;
+}
+inline std::size_t rendererCount(const OverlayInput& input) {
+  return isPlugin(input, indexOf(RendererSlot::plugin)) ? kMaxRenderers : kLinkedRenderers;
+}
+/// Never the title of the linked renderer that a plugin stands for.
+inline std::string titleOf(const OverlayInput& input, std::size_t slot) {
+  return isPlugin(input, slot) ? format("Plugin %s", input.device.plugin->description().name) : kLinkedTitle[slot];
+}
 
 /// Of the hand, into the nearest wall, N.
 double handForce(const Frame& frame);
 
+/// A stiffness as people read it: "27.1 kN/m". What a test push gave: that, or why it gave none.
+std::string stiffnessText(double stiffness);
+std::string shownText(const TestPush& test);
 /// Why a test push gave no stiffness.
 std::string verdictText(const TestPush& test);
 
@@ -29,13 +39,14 @@ void drawNames(const Rect& scene, const std::vector<Rect>& taken, const Camera& 
 /// tips.cpp: what the mouse is on, among what is only read.
 void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& state);
 
-/// panel.cpp; and of a live run, panel_settings.cpp, in a panel that is `whole` pixels wide.
+/// panel.cpp.
 void drawPanel(const Layout& layout, const OverlayInput& input, OverlayState& state);
-void drawLiveSettings(const OverlayInput& input, OverlayState& state, float scale, float whole);
 
 /// badges.cpp: what the tool is doing, in a word, and what is wrong, each in its pill, from the right; what is being
 /// recorded, in the middle.
 void drawStatus(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush);
+/// What is wrong, in the order of their pills.
+std::array<std::pair<bool, const char*>, 4> badgesOf(const Frame& frame);
 void drawBadges(float right, float y, const Frame& frame, const Brush& brush);
 void drawRecordingPills(const Layout& layout, const OverlayInput& input, const Brush& brush);
 
@@ -62,7 +73,7 @@ void drawSplitScreen(const Layout& layout, const OverlayInput& input, OverlaySta
 void drawTour(const Layout& layout, double time, const Brush& brush);
 
 /// readouts.cpp: over the scene, what the bur does and has taken away, timing and guard.
-Rect drillBox(const Layout& layout, const OverlayInput& input);  ///< width 0: there is none
+Rect drillBox(const Layout& layout, const OverlayInput& input);  ///< width 0: not shown
 void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& brush);
 void drawTiming(const Layout& layout, const OverlayInput& input, const Brush& brush);
 

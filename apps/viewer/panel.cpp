@@ -2,6 +2,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "overlay_parts.hpp"
@@ -50,9 +51,191 @@ void drawPlayerControls(const OverlayInput& input, OverlayState& state, float s,
   remark("Drag the bar below to any time. F1 lists every key.");
 }
 
+// Whether a tool that is shown has that renderer, linked.
+bool shows(const OverlayInput& input, RendererSlot slot) {
+  return (input.left.frame.selected == slot || (input.right && input.right->frame.selected == slot)) &&
+         !isPlugin(input, indexOf(slot));
+}
+
+constexpr const char* kRendererTip[kMaxRenderers] = {
+    "A servo pushes the tool out of the wall as hard as it takes, with what the motors can give. It never pulls, so "
+    "the tool slides.",
+    "What most programs do: the wall is a spring.\nforce = stiffness x depth + wall damping x speed inwards",
+    "The servo of the paper: it keeps the pose of the first touch, with all six joints. It cannot slide.\n"
+    "torque = -K (state - state of first touch)",
+    "The spring, with a watch on its energy: it takes away what the spring would give back more than it took "
+    "(Hannaford and Ryu 2002).",
+    "A renderer that was loaded from a file (--renderer)."};
+
+void drawRendererChoice(const OverlayInput& input, OverlayState& state, float s, float whole) {
+  const Frame& frame = input.left.frame;
+  const float half = 0.5f * (whole - 6 * s), third = (whole - 12 * s) / 3.0f;
+  const bool split = input.right.has_value();
+  const auto choose = [&](RendererSlot selected, unsigned side, std::optional<RendererSlot>& asked) {
+    ImGui::PushID(&asked);
+    for (std::size_t slot = 0; slot < rendererCount(input); ++slot) {
+      if (slot % 2 == 1) ImGui::SameLine(0, 6 * s);
+      const std::string name = isPlugin(input, slot) ? input.device.plugin->description().name : kLinkedTitle[slot];
+      if (toggle(name.c_str(), indexOf(selected) == slot, half, split ? side : kSlotColour[slot]))
+        asked = static_cast<RendererSlot>(slot);
+      tip(state, kRendererTip[isPlugin(input, slot) ? indexOf(RendererSlot::plugin) : slot]);
+    }
+    ImGui::PopID();
+  };
+  heading(split ? "Left tool" : "Renderer");
+  if (!input.bur) {
+    ImGui::SameLine(whole - third);
+    ImGui::PushFont(gFonts.small);
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, s});  // no higher than the heading
+    if (toggle("split  (V)", split, third)) state.asked.actions.push_back(Action::split);
+    ImGui::PopStyleVar();
+    ImGui::PopFont();
+    tip(state, "Two tools, two renderers, one hand: which one feels stiffer?");
+  }
+  choose(frame.selected, kSideColour[0], state.asked.renderer);
+  if (!split) return;
+  heading("Right tool");
+  choose(input.right->frame.selected, kSideColour[1], state.asked.right);
+}
+
+void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
+  const Frame& frame = input.left.frame;
+  Settings& settings = state.settings;
+  if (shows(input, RendererSlot::impedance) || shows(input, RendererSlot::passivity)) {
+    state.asked.settings |=
+        slider(state, settings.spring.stiffness,
+               {"stiffness", "%.0f", "N/m", 200, 20000,
+                "Of the wall's spring: newtons for each metre of depth.\nforce = stiffness x depth + damping x speed"});
+    if (input.right) return;
+    state.asked.settings |= slider(state, settings.spring.damping,
+                                   {"wall damping", "%.1f", "N s/m", 0, 20,
+                                    "Of the wall: newtons for each m/s inwards.\nforce = stiffness x depth + damping x "
+                                    "speed"});
+    const double required = requiredDamping(settings.spring, kPeriod);
+    const bool late = settings.delay.high > 0, met = settings.toolDamping > required && !late;
+    remark(
+        format(met ? "Safe: the tool's damping of %.1f is more than the %.1f N s/m that this wall needs."
+               : late
+                   ? "May vibrate: the tool's damping is %.1f, and the %.1f N s/m that this wall needs are not enough "
+                     "with a delay."
+                   : "May vibrate: the tool's damping of %.1f is not more than the %.1f N s/m that this wall needs.",
+               settings.toolDamping, required),
+        met ? kMuted : kWrong);
+    tip(state,
+        "A wall of a loop that runs every T = 1 ms gives back energy unless the device brakes as much "
+        "(Colgate and Brown 1994; the paper's equation 16).\ntool damping > stiffness x T / 2 + wall damping, without "
+        "a delay");
+    return;
+  }
+  if (input.right) return;
+  if (isPlugin(input, indexOf(frame.selected))) {
+    const EnamelDescription& plugin = input.device.plugin->description();
+    remark(format("Plugin %s %s: %s", plugin.name, plugin.version, plugin.summary));
+    const double given = deliveredOf(frame.record).normal, told = frame.record.normalForce;
+    const bool silent = told == 0.0 && std::abs(given) > 0.5;
+    if (frame.record.guard == GuardReason::none)
+      remark("Its own word of the normal force: " + (silent ? "not reported" : tenths(told) + " N") + ".");
+  } else if (frame.selected == RendererSlot::hold) {
+    state.asked.settings |= ImGui::Checkbox("let go when pulled", &settings.hold.release);
+    tip(state, "Off, the tool sticks to the wall: the servo also pulls it back.");
+    state.asked.settings |= ImGui::Checkbox("spare the motors' limits", &settings.hold.antiWindup);
+    tip(state,
+        "While a motor is at its limit the servo's sum of past errors does not grow (anti-windup), or it would push on "
+        "long after.");
+    remark("Holds the pose of first touch: it cannot slide.");
+  } else {
+    remark("Pushes out of the wall, never pulls: the tool slides.");
+    remark(format("It has learnt that the tool has %.0f %% of the model's mass.", 100.0 / frame.inertiaScale));
+    tip(state, format("From how the tool answers to what the motors do. So far %.0f sudden changes of the hand's push "
+                      "were seen, which it leaves out.",
+                      frame.jumps)
+                   .c_str());
+    const SurfaceServoOptions* file = input.device.surface;
+    if (file != nullptr && (file->delayLow != settings.delay.low || file->delayHigh != settings.delay.high))
+      remark(format("Its file is for a delay of %d to %d ms.", file->delayLow, file->delayHigh), kWrong);
+  }
+}
+
+void drawHandAndBur(const OverlayInput& input, OverlayState& state, float s, float whole) {
+  const Frame& frame = input.left.frame;
+  const float third = (whole - 12 * s) / 3.0f;
+  const auto ask = [&state](Action action) { state.asked.actions.push_back(action); };
+  heading("Hand");
+  constexpr const char* grips[] = {"40 N/m", "400 N/m"};
+  if (choice(state, grips, 2, state.grip.stiffness == kFirmGrip.stiffness ? 1 : 0, whole,
+             "How firmly the hand holds the tool: 40 N/m as in the paper, or a firm grip (G).\n"
+             "force = grip x (hand - tool), at most 15 N") >= 0)
+    ask(Action::grip);
+  if (toggle(frame.testing ? "pushing ..." : "Test push 12 N  (P)", frame.testing, whole)) ask(Action::testPush);
+  note(state, "test push");
+  tip(state,
+      "Puts the tool on the wall, waits until it rests, and pushes with 12 N at once. The stiffness that one feels is "
+      "that force over how deep the tool goes before it first comes back.\nK = F / depth at the first return");
+  state.asked.settings |= slider(state, state.settings.noise,
+                                 {"tremor of the hand", "%.2f", "N", 0, 2,
+                                  "A random force of the hand into the wall and out of it, N (standard deviation)."});
+  if (!input.bur) return;
+  heading("Bur");
+  ImGui::SameLine(whole - third);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 0});  // no higher than the heading
+  if (bool sound = state.sound; ImGui::Checkbox("sound  (M)", &sound)) ask(Action::sound);
+  ImGui::PopStyleVar();
+  if (toggle("spin  (F)", frame.drilled.spins, third)) state.asked.spin = !frame.drilled.spins;
+  tip(state, "The pedal. Removed volume follows Archard's law.\nvolume = wear x force x path / hardness");
+  ImGui::SameLine(0, 6 * s);
+  if (toggle("undo", false, third)) ask(Action::undo);
+  tip(state, "What the last stroke took comes back (Ctrl+Z).");
+  ImGui::SameLine(0, 6 * s);
+  if (toggle("cut open", input.scene.isCutOpen, third)) ask(Action::cutAway);
+  tip(state, "A section through the tooth along the tool (C).");
+  if (state.sound && !state.soundTrouble.empty()) remark(state.soundTrouble, kWrong);
+}
+
+void drawDevice(OverlayState& state, float whole) {
+  Settings& settings = state.settings;
+  heading("Device");
+  state.asked.settings |=
+      slider(state, settings.extraMass,
+             {"added mass", "%.0f", "g", 0, 300, "Screwed to the tool without telling the renderers.", 1e3});
+  state.asked.settings |= slider(state, settings.friction,
+                                 {"joint friction", "%.1f", "mN m s/rad", 0, 20,
+                                  "Viscous, in every joint, beyond that of the device file.\ntorque = -friction x "
+                                  "speed of the joint",
+                                  1e3});
+  state.asked.settings |= slider(state, settings.toolDamping,
+                                 {"tool damping", "%.1f", "N s/m", 0, 20,
+                                  "Brakes the tool wherever it is, beyond the device file's.\nforce = -damping x "
+                                  "speed"});
+  label("delay, ms");
+  constexpr Delay delays[] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 3}};
+  constexpr const char* names[] = {"0", "1", "2", "3", "0-3"};
+  int now = -1;
+  for (int i = 0; i < 5; ++i)
+    if (settings.delay.low == delays[i].low && settings.delay.high == delays[i].high) now = i;
+  const int delay = choice(state, names, 5, now, whole,
+                           "Between a measurement and the torque that answers it: so many periods of 1 ms, or a random "
+                           "number from 0 to 3 every time. Springs get unstable with it.");
+  if (delay >= 0) settings.delay = delays[delay];
+  state.asked.settings |= delay >= 0;
+  state.asked.settings |= ImGui::Checkbox("angles in encoder counts", &settings.encoders.quantised);
+  tip(state, "Joint angles are known only in the encoders' steps, as in a real device; off: exactly.");
+  label("speeds of the joints");
+  constexpr RateSource sources[] = {RateSource::exact, RateSource::difference, RateSource::lowPass};
+  constexpr const char* rates[] = {"exact", "from steps", "filtered"};
+  const int chosen = static_cast<int>(std::find(sources, sources + 2, settings.encoders.rates) - sources);
+  const int rate = choice(state, rates, 3, chosen, whole,
+                          "How the loop knows them: exactly (no real device does), from two angles, or so and "
+                          "smoothed.\nfrom steps: (angle - angle before) / 1 ms");
+  if (rate >= 0) settings.encoders.rates = sources[rate];
+  state.asked.settings |= rate >= 0;
+}
+
 void drawLiveControls(const OverlayInput& input, OverlayState& state, float s, float whole) {
   const Frame& frame = input.left.frame;
-  drawLiveSettings(input, state, s, whole);
+  drawRendererChoice(input, state, s, whole);
+  drawRendererSettings(input, state);
+  drawHandAndBur(input, state, s, whole);
+  drawDevice(state, whole);
 
   heading("Time and view");
   actionButtons(

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "enamel/core/file.hpp"
+#include "overlay_parts.hpp"
 
 namespace enamel::viewer {
 namespace {

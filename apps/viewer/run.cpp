@@ -7,13 +7,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <thread>
 
 #include "capture.hpp"
 #include "enamel/core/error.hpp"
-#include "ending_signals.hpp"
 #include "report.hpp"
 #include "window_input.hpp"
 
@@ -21,6 +22,32 @@ namespace enamel::viewer {
 namespace {
 
 constexpr double kFrame = 1.0 / 60.0;  // s
+
+// While it lives, SIGINT and SIGTERM only ask the loop to end.
+class EndingSignals {
+ public:
+  EndingSignals() {
+    caught_ = 0;
+    struct sigaction action {};
+    action.sa_handler = [](int number) { caught_ = number; };
+    action.sa_flags = SA_RESTART;
+    for (std::size_t i = 0; i < std::size(kSignals); ++i) sigaction(kSignals[i], &action, &before_[i]);
+  }
+  ~EndingSignals() {
+    for (std::size_t i = 0; i < std::size(kSignals); ++i) sigaction(kSignals[i], &before_[i], nullptr);
+  }
+  EndingSignals(const EndingSignals&) = delete;
+  EndingSignals& operator=(const EndingSignals&) = delete;
+
+  /// The signal that came, or 0.
+  int caught() const { return caught_; }
+
+ private:
+  static constexpr int kSignals[] = {SIGINT, SIGTERM};
+  static volatile std::sig_atomic_t caught_;
+  struct sigaction before_[std::size(kSignals)]{};
+};
+volatile std::sig_atomic_t EndingSignals::caught_ = 0;
 
 // What is under way when the program ends.
 void finish(Viewer& viewer, ClipMaker& clip) {

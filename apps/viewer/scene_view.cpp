@@ -2,7 +2,6 @@
 
 #include <vtkCamera.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -17,21 +16,6 @@ constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010, kNormal = 0.025;  
 constexpr double kMarkedFrom = 230.0;                         // mm: from nearer, marks of the contact are smaller
 constexpr double kSmallestForce = 0.1, kLargestForce = 40.0;  // N: that the arrow shows
 constexpr std::size_t kShownContacts = 3;
-
-// They tumble, and become smaller as they age.
-void drawChips(const Chips& chips, Shards& shards) {
-  constexpr double size = 0.4, tumble = 25.0;  // mm, rad/s
-  bool any = false;
-  for (std::size_t i = 0; i < Chips::kPool; ++i) {
-    const Chips::Chip& chip = chips.chips()[i];
-    const double left = std::max(0.0, 1.0 - chip.age / Chips::kLife), number = static_cast<double>(i);
-    const Vec3 axis = Vec3(std::sin(2.4 * number), std::cos(2.4 * number), std::sin(1.7 * number)).normalized();
-    const Mat3 turned = Eigen::AngleAxisd(number + tumble * chip.age, axis).toRotationMatrix();
-    shards.place(i, chip.position, turned.col(0), turned.col(1), size * std::sqrt(left), layerColour(chip.layer));
-    any = any || left > 0.0;
-  }
-  shards.show(any);
-}
 
 }  // namespace
 
@@ -50,7 +34,7 @@ struct SceneView::Parts {
   Ball hand;
   std::vector<Rod> normals;
   std::vector<Ball> contacts;
-  std::optional<Shards> chips;
+  std::optional<ChipView> chips;
 };
 
 SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene)
@@ -65,7 +49,7 @@ SceneView::Parts::Parts(vtkRenderer* renderer, vtkRenderer* above, const std::ve
     normals.emplace_back(above, 0.5, Finish{kInk, 1.0, 0.0});
     contacts.emplace_back(above, 2.2, Finish{kForce, 1.0, 0.1});
   }
-  if (scene.bur) chips.emplace(renderer, Chips::kPool);
+  if (scene.bur) chips.emplace(renderer);
   raiseFaded(renderer);
 }
 
@@ -154,7 +138,7 @@ void SceneView::update(const SceneState& state) {
     if (solid) solid->update();
   p.ghost.show(state.ghost.has_value());
   if (state.ghost) p.ghost.place(*state.ghost, 0.0);
-  if (p.chips && state.chips != nullptr) drawChips(*state.chips, *p.chips);
+  if (p.chips && state.chips != nullptr) p.chips->show(*state.chips);
   p.showHand(state);
   const double size = std::pow(std::min(1.0, state.distance / kMarkedFrom), 1.4);
   p.showContacts(state, size);

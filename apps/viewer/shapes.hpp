@@ -10,12 +10,10 @@
 
 #include <array>
 
-#include "enamel/core/types.hpp"
+#include "camera.hpp"
 #include "palette.hpp"
 
 namespace enamel::viewer {
-
-inline constexpr double kMillimetres = 1e3;  // of the scene in a metre
 
 /// How a solid looks.
 struct Finish {
@@ -78,7 +76,7 @@ class CapsuleSolid {
 /// draws translucent things in any order into buffers of their own, is slow in software.
 void drawLast(vtkRenderer* renderer, vtkActor* actor);
 
-/// A light that stands at (x, y, z) in the camera's frame, where the camera is at (0, 0, 1) and looks at the origin.
+/// A light at (x, y, z) in the camera's frame, where the camera is at (0, 0, 1) and looks at the origin.
 void addLight(vtkRenderer* renderer, double x, double y, double z, double intensity);
 
 }  // namespace enamel::viewer

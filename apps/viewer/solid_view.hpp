@@ -40,7 +40,7 @@ class SolidView {
 
   /// The samples of this brick are others now.
   void change(int brick);
-  /// Makes anew what has changed.
+  /// Builds again what has changed.
   void update();
 
  private:

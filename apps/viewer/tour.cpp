@@ -58,6 +58,25 @@ std::size_t Tour::part(double time) noexcept {
 
 const Tour::Words& Tour::words(std::size_t part) noexcept { return kWords[part]; }
 
+void HandMotion::startTour(const Tour& tour, double now) {
+  tour_ = tour;
+  begin_ = now;
+}
+
+void HandMotion::startLine(const Vec3& from, const Vec3& to, double seconds, double now) {
+  line_ = Line{from, to, seconds};
+  begin_ = now;
+}
+
+std::optional<Vec3> HandMotion::target(double now) {
+  if (tour_) return tour_->hand(now - begin_);
+  if (!line_) return std::nullopt;
+  const double share = line_->seconds > 0.0 ? std::min(1.0, (now - begin_) / line_->seconds) : 1.0;
+  const Vec3 at = (line_->from * (1.0 - share) + line_->to * share) / 1e3;
+  if (share >= 1.0) line_.reset();
+  return at;
+}
+
 bool isFirstStart() {
   namespace fs = std::filesystem;
   const char* state = std::getenv("XDG_STATE_HOME");

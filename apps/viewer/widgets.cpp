@@ -10,7 +10,7 @@
 namespace enamel::viewer {
 namespace {
 
-// What was typed for a value, in the shown unit, or why it is none.
+// What was typed for a value, in the shown unit, or why it is refused.
 std::optional<double> typedValue(const OverlayState& state, const SliderRow& row, std::string& problem) {
   const char* const text = state.typing.text.data();
   char* end = nullptr;

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "brush.hpp"
-#include "overlay.hpp"
+#include "overlay_input.hpp"
 
 namespace enamel::viewer {
 
