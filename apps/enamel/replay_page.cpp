@@ -12,7 +12,7 @@
 #include "enamel/core/file.hpp"
 #include "replay_page_text.hpp"
 #include "viewer/palette.hpp"
-#include "viewer/teeth.hpp"
+#include "viewer/tooth_colours.hpp"
 #ifdef ENAMEL_REPLAY_PAGE
 #include <zlib.h>
 #endif

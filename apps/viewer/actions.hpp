@@ -70,7 +70,7 @@ struct HelpRow {
 };
 const std::vector<HelpRow>& drivingRows();
 
-/// The action bound to a key, or of a name in a script; null if there is none.
+/// The action bound to a key, or of a name in a script; or nullptr.
 const ActionRow* actionOfKey(int key, bool control);
 const ActionRow* actionOfName(std::string_view name);
 

@@ -1,4 +1,4 @@
-// What the tool is doing, and what is wrong.
+// Pills over the scene: what the tool is doing, what is wrong, and what is being recorded.
 #include <imgui.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace enamel::viewer {
 double handForce(const Frame& frame) { return -frame.record.nearest.normal.dot(frame.record.person.head<3>()); }
 
 // What the tool is doing, in a word.
-void drawChip(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush) {
+void drawStatus(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush) {
   const float s = brush.s;
   const Player* const player = input.player;
   const bool contact = frame.record.nearest.gap <= 0.0 || frame.record.mode == RenderMode::contact;
@@ -48,6 +48,21 @@ void drawBadges(float right, float y, const Frame& frame, const Brush& brush) {
     brush.list->AddRectFilled({right - wide, y}, {right, y + 20 * s}, ink(kInk), 10 * s);
     brush.text(gFonts.small, right - wide + 8 * s, y + 3 * s, 0xFFFFFF, name);
     right -= wide + 6 * s;
+  }
+}
+
+void drawRecordingPills(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+  const float s = layout.scale;
+  float y = layout.scene.y + 14 * s;
+  for (const auto& [name, seconds] : {std::pair("recording", input.elapsed.recording), {"clip", input.elapsed.clip}}) {
+    if (seconds < 0.0) continue;
+    const std::string text = format("%s  %.1f s", name, seconds);
+    const float wide = Brush::width(gFonts.text, text) + 34 * s;
+    const float x = layout.scene.x + 0.5f * (layout.scene.width - wide);
+    brush.list->AddRectFilled({x, y}, {x + wide, y + 24 * s}, ink(0xFFFFFF), 12 * s);
+    brush.list->AddCircleFilled({x + 14 * s, y + 12 * s}, 5 * s, ink(kWrong));
+    brush.text(gFonts.text, x + 25 * s, y + 4 * s, kInk, text);
+    y += 28 * s;
   }
 }
 

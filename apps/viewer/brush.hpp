@@ -43,7 +43,7 @@ struct Brush {
   void clear(float x, float y, float width, float height) const {
     list->AddRectFilled({x - 6 * s, y}, {x + width + 6 * s, y + height}, ink(kGround, 0.8), 6 * s);
   }
-  void card(const Area& a, double alpha) const {
+  void box(const Rect& a, double alpha) const {
     list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper, alpha), 6 * s);
     list->AddRect({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kLine), 6 * s, 0, s);
   }

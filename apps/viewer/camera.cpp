@@ -57,6 +57,23 @@ void follow(Camera& camera, const glm::dvec3& point, double distance, double pas
   camera.distance += share * (distance - camera.distance);
 }
 
+void CameraControl::select(std::size_t preset) {
+  preset_ = preset;
+  follows_ = false;
+  camera_ = cameraPresets()[preset].camera;
+}
+
+void CameraControl::toggleFollowing(double now) {
+  follows_ = !follows_;
+  nearUntil_ = now + 0.6;
+}
+
+// Nearer at first; then the person's wheel says how near.
+void CameraControl::follow(const glm::dvec3& point, double now, double passed) {
+  constexpr double near = 120.0;  // mm
+  if (follows_) viewer::follow(camera_, point, now < nearUntil_ ? near : camera_.distance, passed);
+}
+
 glm::dvec3 project(const Camera& camera, const glm::dvec2& size, const glm::dvec3& point) {
   const glm::dvec4 viewport(0.0, 0.0, size);
   const glm::dvec3 p = glm::project(point, camera.view(), camera.projection(size.x / size.y), viewport);

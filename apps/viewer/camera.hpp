@@ -1,10 +1,21 @@
-// The camera: orbits a point, in mm of W. Built on GLM; the scene's own camera is set from it.
+// The camera: orbits a point. The scene is drawn in mm of W, with vectors of GLM; everything else is in SI.
 #pragma once
 
 #include <array>
 #include <glm/glm.hpp>
 
+#include "enamel/core/types.hpp"
+
 namespace enamel::viewer {
+
+inline constexpr double kMillimetres = 1e3;  // in a metre
+
+inline Vec3 metres(const glm::dvec3& mm) { return Vec3(mm.x, mm.y, mm.z) / kMillimetres; }
+
+inline glm::dvec3 millimetres(const Vec3& m) {
+  const Vec3 mm = kMillimetres * m;
+  return {mm.x(), mm.y(), mm.z()};
+}
 
 struct Camera {
   glm::dvec3 focus{0.0, 0.0, 0.0};  ///< mm
@@ -38,6 +49,36 @@ void pan(Camera& camera, double right, double up);
 void zoom(Camera& camera, double factor);
 /// Brings the focus to a point, mm, and the distance to `distance`, as far as `passed` s allow: nearly all in 0.5 s.
 void follow(Camera& camera, const glm::dvec3& point, double distance, double passed);
+
+/// The camera that a person turns, chooses, or lets follow the contact.
+class CameraControl {
+ public:
+  CameraControl() { select(0); }
+
+  Camera& camera() { return camera_; }
+  const Camera& camera() const { return camera_; }
+  /// "follow", or of the preset that was selected last.
+  const char* name() const { return follows_ ? "follow" : cameraPresets()[preset_].name; }
+
+  void select(std::size_t preset);
+  void selectNext() { select((preset_ + 1) % cameraPresets().size()); }
+  void selectPrevious() { select((preset_ + cameraPresets().size() - 1) % cameraPresets().size()); }
+
+  /// Follows the contact from `now` (s) on, or no longer.
+  void toggleFollowing(double now);
+  /// Brings the focus to a point (mm) if it follows, as far as the seconds that have passed allow.
+  void follow(const glm::dvec3& point, double now, double passed);
+
+  /// Keeps the view for restore().
+  void keep() { keptCamera_ = camera_, keptPreset_ = preset_; }
+  void restore() { camera_ = keptCamera_, preset_ = keptPreset_; }
+
+ private:
+  Camera camera_, keptCamera_;
+  std::size_t preset_ = 0, keptPreset_ = 0;
+  bool follows_ = false;
+  double nearUntil_ = 0.0;  // s: until then it also comes near
+};
 
 /// A point of W, mm, in a picture of `size` pixels, from the top left; z is the depth in the picture, 0 to 1.
 glm::dvec3 project(const Camera& camera, const glm::dvec2& size, const glm::dvec3& point);

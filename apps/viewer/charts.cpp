@@ -17,7 +17,7 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr int kTorqueChart = 2;
+constexpr std::size_t kTorqueChart = 2;
 
 vtkColor4ub bytes(unsigned rgb, unsigned char alpha = 255) {
   return {static_cast<unsigned char>(rgb >> 16 & 255), static_cast<unsigned char>(rgb >> 8 & 255),
@@ -60,7 +60,7 @@ void setTicks(vtkAxis* axis, double low, double high) {
 }  // namespace
 
 Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle& torques, double period, bool about)
-    : bins_(kBins + 1), torques_(torques), signals_(static_cast<std::size_t>(2 + torques.joints)) {
+    : torques_(torques), signals_(static_cast<std::size_t>(2 + torques.joints)) {
   const Colour paper = colour(kPaper);
   renderer->SetBackground(paper.r, paper.g, paper.b);
   vtkNew<vtkContextActor> actor;
@@ -68,59 +68,11 @@ Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle
   scene_->SetRenderer(renderer);
   renderer->AddActor(actor);
 
-  constexpr int rows = 2 * kBins;
-  const double window = kBins * kBinTicks * period, now = about ? 0.5 * window : 0.0, begin = now - window;
-  time_->SetName("time");
-  time_->SetNumberOfValues(rows);
-  for (int i = 0; i < rows; ++i) time_->SetValue(i, static_cast<float>(begin + window * (0.5 * i + 0.25) / kBins));
-  table_->AddColumn(time_);
-  for (std::size_t s = 0; s < signals_; ++s) {
-    values_[s]->SetName(("signal" + std::to_string(s)).c_str());
-    values_[s]->SetNumberOfValues(rows);
-    table_->AddColumn(values_[s]);
-  }
-  limitTime_->SetName("time");
-  limitTime_->InsertNextValue(static_cast<float>(begin));
-  limitTime_->InsertNextValue(static_cast<float>(now));
-  limits_->AddColumn(limitTime_);
-  for (std::size_t i = 0; i < limitValues_.size(); ++i) {
-    limitValues_[i]->SetName(("limit" + std::to_string(i)).c_str());
-    limitValues_[i]->SetNumberOfValues(2);
-    limits_->AddColumn(limitValues_[i]);
-  }
-
+  const double window = History::kBins * History::kBinTicks * period, end = about ? 0.5 * window : 0.0;
+  makeTables(end - window, end);
   for (auto& chart : charts_) {
     chart = vtkSmartPointer<vtkChartXY>::New();
-    chart->SetAutoSize(false);
-    chart->SetShowLegend(false);
-    chart->SetHiddenAxisBorder(0);
-    chart->SetBackgroundBrush(nullptr);
-    for (const int side : {vtkAxis::LEFT, vtkAxis::BOTTOM}) {
-      vtkAxis* axis = chart->GetAxis(side);
-      axis->SetTitle("");
-      axis->SetBehavior(vtkAxis::FIXED);
-      axis->GetGridPen()->SetColorF(colour(kLine).r, colour(kLine).g, colour(kLine).b);
-      axis->GetPen()->SetColorF(colour(kCubeLine).r, colour(kCubeLine).g, colour(kCubeLine).b);
-      axis->SetGridVisible(side == vtkAxis::LEFT || about);
-      vtkTextProperty* text = axis->GetLabelProperties();
-      text->SetColor(colour(kMuted).r, colour(kMuted).g, colour(kMuted).b);
-      if (!font.empty()) {
-        text->SetFontFamily(VTK_FONT_FILE);
-        text->SetFontFile(font.c_str());
-      }
-    }
-    vtkAxis* bottom = chart->GetAxis(vtkAxis::BOTTOM);
-    bottom->SetRange(begin, now);
-    const auto time = [](double seconds) {
-      char text[16];
-      std::snprintf(text, sizeof(text), "%+g s", seconds);
-      return std::string(text);
-    };
-    if (about)
-      setTicks(bottom, {begin, 0.0, now}, {time(begin), "here", time(now)});
-    else
-      setTicks(bottom, {begin, 2 * begin / 3, begin / 3, 0.0},
-               {time(begin), time(2 * begin / 3), time(begin / 3), "now"});
+    makeChart(*chart, font, end - window, end);
     scene_->AddItem(chart);
   }
   plotLimit(0, 0);
@@ -131,11 +83,69 @@ Charts::Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle
   plotSignal(1, 1, kForce, false);
   for (int joint = 0; joint < torques_.joints; ++joint)
     plotSignal(kTorqueChart, 2 + joint, torques_.colourOf(joint), torques_.dashed(joint));
-  clear();
 }
 
-void Charts::plotSignal(int chart, int signal, unsigned colour, bool dashed) {
-  vtkPlot* plot = charts_[static_cast<std::size_t>(chart)]->AddPlot(vtkChart::LINE);
+void Charts::makeTables(double begin, double end) {
+  constexpr int rows = 2 * History::kBins;
+  const double window = end - begin;
+  time_->SetName("time");
+  time_->SetNumberOfValues(rows);
+  for (int i = 0; i < rows; ++i)
+    time_->SetValue(i, static_cast<float>(begin + window * (0.5 * i + 0.25) / History::kBins));
+  table_->AddColumn(time_);
+  for (std::size_t s = 0; s < signals_; ++s) {
+    values_[s]->SetName(("signal" + std::to_string(s)).c_str());
+    values_[s]->SetNumberOfValues(rows);
+    table_->AddColumn(values_[s]);
+  }
+  limitTime_->SetName("time");
+  limitTime_->InsertNextValue(static_cast<float>(begin));
+  limitTime_->InsertNextValue(static_cast<float>(end));
+  limits_->AddColumn(limitTime_);
+  for (std::size_t i = 0; i < limitValues_.size(); ++i) {
+    limitValues_[i]->SetName(("limit" + std::to_string(i)).c_str());
+    limitValues_[i]->SetNumberOfValues(2);
+    limits_->AddColumn(limitValues_[i]);
+  }
+}
+
+void Charts::makeChart(vtkChartXY& chart, const std::string& font, double begin, double end) {
+  chart.SetAutoSize(false);
+  chart.SetShowLegend(false);
+  chart.SetHiddenAxisBorder(0);
+  chart.SetBackgroundBrush(nullptr);
+  const bool about = end > 0.0;
+  for (const int side : {vtkAxis::LEFT, vtkAxis::BOTTOM}) {
+    vtkAxis* axis = chart.GetAxis(side);
+    axis->SetTitle("");
+    axis->SetBehavior(vtkAxis::FIXED);
+    axis->GetGridPen()->SetColorF(colour(kLine).r, colour(kLine).g, colour(kLine).b);
+    axis->GetPen()->SetColorF(colour(kCubeLine).r, colour(kCubeLine).g, colour(kCubeLine).b);
+    axis->SetGridVisible(side == vtkAxis::LEFT || about);
+    vtkTextProperty* text = axis->GetLabelProperties();
+    text->SetColor(colour(kMuted).r, colour(kMuted).g, colour(kMuted).b);
+    text->SetFontSize(11);
+    if (!font.empty()) {
+      text->SetFontFamily(VTK_FONT_FILE);
+      text->SetFontFile(font.c_str());
+    }
+  }
+  vtkAxis* bottom = chart.GetAxis(vtkAxis::BOTTOM);
+  bottom->SetRange(begin, end);
+  const auto time = [](double seconds) {
+    char text[16];
+    std::snprintf(text, sizeof(text), "%+g s", seconds);
+    return std::string(text);
+  };
+  if (about)
+    setTicks(bottom, {begin, 0.0, end}, {time(begin), "here", time(end)});
+  else
+    setTicks(bottom, {begin, 2 * begin / 3, begin / 3, 0.0},
+             {time(begin), time(2 * begin / 3), time(begin / 3), "now"});
+}
+
+void Charts::plotSignal(std::size_t chart, int signal, unsigned colour, bool dashed) {
+  vtkPlot* plot = charts_[chart]->AddPlot(vtkChart::LINE);
   plot->SetInputData(table_, 0, 1 + signal);
   const vtkColor4ub c = bytes(colour);
   plot->SetColor(c[0], c[1], c[2], 255);
@@ -144,8 +154,8 @@ void Charts::plotSignal(int chart, int signal, unsigned colour, bool dashed) {
   widths_.push_back(chart == kTorqueChart ? 1.3f : 1.8f);
 }
 
-void Charts::plotLimit(int chart, int index) {
-  vtkPlot* plot = charts_[static_cast<std::size_t>(chart)]->AddPlot(vtkChart::LINE);
+void Charts::plotLimit(std::size_t chart, int index) {
+  vtkPlot* plot = charts_[chart]->AddPlot(vtkChart::LINE);
   plot->SetInputData(limits_, 0, 1 + index);
   const vtkColor4ub c = bytes(kInk);
   plot->SetColor(c[0], c[1], c[2], 200);
@@ -153,96 +163,70 @@ void Charts::plotLimit(int chart, int index) {
   limitLines_.push_back(plot);
 }
 
-void Charts::clear() {
-  for (Bin& bin : bins_) {
-    bin.low.fill(0.0f);
-    bin.high.fill(0.0f);
-    bin.lowFirst.fill(true);
-    bin.count = kBinTicks;
-  }
-  current_ = 0;
-  bins_[0].count = 0;
-}
-
 void Charts::add(const Sample& sample) {
-  std::array<float, kMaxSignals> now;
+  std::array<float, kMaxSignals> now{};
   now[0] = static_cast<float>(-1e3 * std::min(sample.gap, 0.0));  // NaN stays: the line has a gap there
   now[1] = static_cast<float>(sample.normalForce);
   for (int i = 0; i < torques_.joints; ++i)
     now[static_cast<std::size_t>(2 + i)] = static_cast<float>(torques_.factor[i] * sample.torque[i]);
-  if (bins_[current_].count == kBinTicks) {
-    current_ = (current_ + 1) % bins_.size();
-    bins_[current_].count = 0;
-  }
-  Bin& bin = bins_[current_];
-  for (std::size_t s = 0; s < signals_; ++s) {
-    if (bin.count == 0) {
-      bin.low[s] = bin.high[s] = now[s];
-      bin.lowFirst[s] = true;
-    } else if (now[s] > bin.high[s]) {
-      bin.high[s] = now[s];
-      bin.lowFirst[s] = true;
-    } else if (now[s] < bin.low[s]) {
-      bin.low[s] = now[s];
-      bin.lowFirst[s] = false;
-    }
-  }
-  ++bin.count;
+  history_.add(now);
 }
 
-void Charts::update(const std::array<ChartPlace, kCharts>& places, float scale, double forceLimit) {
-  std::array<double, kMaxSignals> largest{};
-  double lowestForce = 0.0;
-  for (int b = 0; b < kBins; ++b) {
-    // The oldest complete bin first; the current one is still filling.
-    const Bin& bin = bins_[(current_ + 1 + static_cast<std::size_t>(b)) % bins_.size()];
-    for (std::size_t s = 0; s < signals_; ++s) {
-      values_[s]->SetValue(2 * b, bin.lowFirst[s] ? bin.low[s] : bin.high[s]);
-      values_[s]->SetValue(2 * b + 1, bin.lowFirst[s] ? bin.high[s] : bin.low[s]);
-      if (s == 1) lowestForce = std::min(lowestForce, static_cast<double>(bin.low[s]));
-      largest[s] = std::max(largest[s], static_cast<double>(std::max(bin.high[s], -bin.low[s])));
-    }
+void Charts::update(const std::array<Rect, kCharts>& places, float scale, double forceLimit) {
+  updateSignals();
+  const std::array<double, kCharts> wanted{niceAbove(1.08 * largest_[0], 0.05), niceAbove(1.08 * largest_[1], 5.0),
+                                           1.5 * torques_.limit};
+  for (std::size_t i = 0; i < kCharts; ++i) {
+    updateAxis(i, wanted[i], scale);
+    charts_[i]->SetSize(vtkRectf(places[i].x, places[i].y, places[i].width, places[i].height));
   }
+  for (std::size_t i = 0; i < lines_.size(); ++i) lines_[i]->GetPen()->SetWidth(widths_[i] * scale);
+  updateLimits({1.0, forceLimit, torques_.limit, -torques_.limit}, scale);
+  scene_->SetDirty(true);
+}
+
+void Charts::updateSignals() {
+  largest_.fill(0.0);
+  lowestForce_ = 0.0;
+  for (int b = 0; b < History::kBins; ++b)
+    for (std::size_t s = 0; s < signals_; ++s) {
+      const History::Range& range = history_.range(s, b);
+      values_[s]->SetValue(2 * b, range.lowFirst ? range.low : range.high);
+      values_[s]->SetValue(2 * b + 1, range.lowFirst ? range.high : range.low);
+      if (s == 1) lowestForce_ = std::min(lowestForce_, static_cast<double>(range.low));
+      largest_[s] = std::max(largest_[s], static_cast<double>(std::max(range.high, -range.low)));
+    }
   for (std::size_t s = 0; s < signals_; ++s) values_[s]->Modified();
   table_->Modified();
+}
 
-  const std::array<double, 4> limits{1.0, forceLimit, torques_.limit, -torques_.limit};
+void Charts::updateLimits(const std::array<double, 4>& limits, float scale) {
   for (std::size_t i = 0; i < limits.size(); ++i) {
     limitValues_[i]->SetValue(0, static_cast<float>(limits[i]));
     limitValues_[i]->SetValue(1, static_cast<float>(limits[i]));
     limitValues_[i]->Modified();
+    limitLines_[i]->GetPen()->SetWidth(scale);
+    limitLines_[i]->SetVisible(std::abs(limits[i]) <= ranges_[i < 2 ? i : kTorqueChart]);
   }
   limits_->Modified();
+}
 
-  // A range grows at once and shrinks after a while.
-  const std::array<double, kCharts> wanted{niceAbove(1.08 * largest[0], 0.05), niceAbove(1.08 * largest[1], 5.0),
-                                           1.5 * torques_.limit};
-  for (std::size_t i = 0; i < kCharts; ++i) {
-    shrink_[i] = wanted[i] < ranges_[i] ? shrink_[i] + 1 : 0;
-    if (wanted[i] > ranges_[i] || shrink_[i] > 30) ranges_[i] = wanted[i];
-    vtkAxis* axis = charts_[i]->GetAxis(vtkAxis::LEFT);
-    // A force that pulls is drawn below the line.
-    double low = i == kTorqueChart ? -1.1 * torques_.limit : -0.03 * ranges_[i];
-    if (i == 1 && lowestForce < low) low = -niceAbove(-1.08 * lowestForce, 0.1 * ranges_[i]);
-    if (ranges_[i] != drawnRanges_[i] || low != drawnLows_[i]) {
-      drawnRanges_[i] = ranges_[i];
-      drawnLows_[i] = low;
-      axis->SetRange(low, ranges_[i]);
-      setTicks(axis, low, i == kTorqueChart ? torques_.limit : ranges_[i]);
-    }
-    const ChartPlace& p = places[i];
-    charts_[i]->SetSize(vtkRectf(p.x, p.y, p.width, p.height));
-    charts_[i]->GetAxis(vtkAxis::LEFT)->GetLabelProperties()->SetFontSize(11);
-    charts_[i]->GetAxis(vtkAxis::BOTTOM)->GetLabelProperties()->SetFontSize(11);
-    axis->GetGridPen()->SetWidth(scale);
+// A range grows at once and shrinks after a while.
+void Charts::updateAxis(std::size_t chart, double wanted, float scale) {
+  double& range = ranges_[chart];
+  shrink_[chart] = wanted < range ? shrink_[chart] + 1 : 0;
+  if (wanted > range || shrink_[chart] > 30) range = wanted;
+  vtkAxis* axis = charts_[chart]->GetAxis(vtkAxis::LEFT);
+  // A force that pulls is drawn below the line.
+  double low = chart == kTorqueChart ? -1.1 * torques_.limit : -0.03 * range;
+  if (chart == 1 && lowestForce_ < low) low = -niceAbove(-1.08 * lowestForce_, 0.1 * range);
+  if (range != drawnRanges_[chart] || low != drawnLows_[chart]) {
+    drawnRanges_[chart] = range;
+    drawnLows_[chart] = low;
+    axis->SetRange(low, range);
+    setTicks(axis, low, chart == kTorqueChart ? torques_.limit : range);
   }
-  for (std::size_t i = 0; i < lines_.size(); ++i) lines_[i]->GetPen()->SetWidth(widths_[i] * scale);
-  for (std::size_t i = 0; i < limitLines_.size(); ++i) {
-    limitLines_[i]->GetPen()->SetWidth(scale);
-    const std::size_t chart = i < 2 ? i : kTorqueChart;
-    limitLines_[i]->SetVisible(std::abs(limits[i]) <= ranges_[chart]);
-  }
-  scene_->SetDirty(true);
+  axis->GetGridPen()->SetWidth(scale);
 }
 
 }  // namespace enamel::viewer

@@ -16,44 +16,34 @@
 
 #include "layout.hpp"
 #include "runner.hpp"
+#include "signal_history.hpp"
 #include "torque_style.hpp"
 
 namespace enamel::viewer {
 
-/// Where a chart stands, pixels from the bottom left of its renderer's viewport.
-struct ChartPlace {
-  float x, y, width, height;
-};
-
 class Charts {
  public:
-  static constexpr int kBins = 250;  ///< that are shown, each with its smallest and largest value
-  static constexpr int kBinTicks = 12;
+  static constexpr int kMaxSignals = 2 + kMaxJoints;  ///< penetration [mm], force [N], torques
+  using History = SignalHistory<kMaxSignals>;
 
   /// `font`: a TrueType file, or empty. `period`: of the samples, s. `about`: the middle is now, not the end.
   Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle& torques, double period, bool about);
 
   void add(const Sample& sample);
-  void clear();
+  void clear() { history_.clear(); }
 
-  /// Draws the last kBins bins that were added and are complete. `forceLimit`: what the motors can give along the
-  /// normal, N.
-  void update(const std::array<ChartPlace, kCharts>& places, float scale, double forceLimit);
-
-  /// Upper ends of the axes: mm, N, and as TorqueStyle has it.
-  const std::array<double, kCharts>& ranges() const { return ranges_; }
+  /// Draws what was added last. `places`: pixels from the bottom left of the renderer's viewport. `forceLimit`: what
+  /// the motors can give along the normal, N.
+  void update(const std::array<Rect, kCharts>& places, float scale, double forceLimit);
 
  private:
-  static constexpr int kMaxSignals = 2 + kMaxJoints;  // penetration [mm], force [N], torques
-
-  struct Bin {
-    std::array<float, kMaxSignals> low, high;
-    std::array<bool, kMaxSignals> lowFirst;
-    int count = 0;
-  };
-
-  void plotSignal(int chart, int signal, unsigned colour, bool dashed);
-  void plotLimit(int chart, int index);
+  void makeTables(double begin, double end);
+  void makeChart(vtkChartXY& chart, const std::string& font, double begin, double end);
+  void updateSignals();
+  void updateLimits(const std::array<double, 4>& limits, float scale);
+  void updateAxis(std::size_t chart, double wanted, float scale);
+  void plotSignal(std::size_t chart, int signal, unsigned colour, bool dashed);
+  void plotLimit(std::size_t chart, int index);
 
   vtkSmartPointer<vtkContextScene> scene_;
   std::array<vtkSmartPointer<vtkChartXY>, kCharts> charts_;
@@ -63,10 +53,12 @@ class Charts {
   std::array<vtkNew<vtkFloatArray>, 4> limitValues_;
   std::vector<vtkPlot*> lines_, limitLines_;
   std::vector<float> widths_;
-  std::vector<Bin> bins_;  // a ring
-  std::size_t current_ = 0;
+  History history_;
   TorqueStyle torques_;
   std::size_t signals_;
+  std::array<double, kMaxSignals> largest_{};  // that are shown
+  double lowestForce_ = 0.0;
+  // Upper ends of the axes: mm, N, and as TorqueStyle has it.
   std::array<double, kCharts> ranges_{0.1, 5.0, 2.0};
   std::array<double, kCharts> drawnRanges_{}, drawnLows_{};
   std::array<int, kCharts> shrink_{};  // frames since a smaller range would do

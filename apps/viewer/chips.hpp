@@ -20,7 +20,7 @@ class Chips {
 
   struct Chip {
     Vec3 position = Vec3::Zero(), velocity = Vec3::Zero();  ///< W, m, m/s
-    double age = kLife;                                     ///< s; from kLife on there is none
+    double age = kLife;                                     ///< s; from kLife on it has vanished
     int layer = 0;                                          ///< that it was cut from
   };
 

@@ -5,20 +5,9 @@
 namespace enamel::viewer {
 
 void Comparison::add(const PairSample& sample) {
-  if (bins_[current_].count == kBinTicks) {
-    current_ = (current_ + 1) % bins_.size();
-    bins_[current_].count = 0;
-  }
-  Bin& bin = bins_[current_];
-  bool inside = false;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const double depth = std::max(0.0, sample.side[i].depth);
-    inside = inside || depth > 0.0;
-    Band& band = bin.depth[i];
-    const auto value = static_cast<float>(depth);
-    band = bin.count == 0 ? Band{value, value} : Band{std::min(band.low, value), std::max(band.high, value)};
-  }
-  ++bin.count;
+  const std::array<double, 2> depths{std::max(0.0, sample.side[0].depth), std::max(0.0, sample.side[1].depth)};
+  const bool inside = depths[0] > 0.0 || depths[1] > 0.0;
+  depths_.add({static_cast<float>(depths[0]), static_cast<float>(depths[1])});
 
   if (inside && apart_ >= kApart) {
     for (auto& curve : curves_) curve.clear();
@@ -42,10 +31,6 @@ void Comparison::add(const PairSample& sample) {
     for (std::size_t i = 0; 2 * i < curve.size(); ++i) curve[i] = curve[2 * i];
     curve.resize((curve.size() + 1) / 2);
   }
-}
-
-Comparison::Band Comparison::depth(std::size_t side, int bin) const {
-  return bins_[(current_ + 1 + static_cast<std::size_t>(bin)) % bins_.size()].depth[side];
 }
 
 std::optional<Comparison::Ratio> Comparison::ratio() const {

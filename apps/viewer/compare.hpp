@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "signal_history.hpp"
+
 namespace enamel::viewer {
 
 /// One tick of two tools, left and right.
@@ -21,17 +23,12 @@ struct PairSample {
 /// kept until the next one begins.
 class Comparison {
  public:
-  static constexpr int kBins = 250;        ///< of the curves over time
-  static constexpr int kBinTicks = 12;     ///< in each
+  using History = SignalHistory<2>;        ///< of the depths
   static constexpr int kApart = 300;       ///< ticks
   static constexpr int kCurve = 800;       ///< most points of a press's curve
   static constexpr double kLeast = 2e-6;   ///< m: less deep than this is not measured
   static constexpr double kPressed = 1.0;  ///< N: a press of less force has no ratio
 
-  /// Smallest and largest value of a bin.
-  struct Band {
-    float low = 0.0f, high = 0.0f;
-  };
   struct Point {
     float depth = 0.0f, force = 0.0f;  ///< m, N
   };
@@ -39,8 +36,8 @@ class Comparison {
   void add(const PairSample& sample);
   void clear() { *this = Comparison(); }
 
-  /// Depth of one side, m, in bin 0 (oldest) to kBins - 1. An outside tool has depth 0.
-  Band depth(std::size_t side, int bin) const;
+  /// Depth of one side, m. An outside tool has depth 0.
+  const History::Range& depth(std::size_t side, int bin) const { return depths_.range(side, bin); }
 
   /// Of the press: force over depth, in order of time, thinned evenly; and the largest of both since it began.
   const std::vector<Point>& curve(std::size_t side) const { return curves_[side]; }
@@ -57,13 +54,7 @@ class Comparison {
   std::optional<Ratio> ratio() const;
 
  private:
-  struct Bin {
-    std::array<Band, 2> depth;
-    int count = kBinTicks;
-  };
-
-  std::array<Bin, kBins + 1> bins_{};  // a ring; the current one is still filling
-  std::size_t current_ = 0;
+  History depths_;
   std::array<std::vector<Point>, 2> curves_;
   std::array<double, 2> deepest_{}, strongest_{};
   int apart_ = kApart, thinning_ = 1, skipped_ = 0;

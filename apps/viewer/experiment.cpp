@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "enamel/control/tuning.hpp"
 
@@ -12,7 +11,6 @@ namespace {
 constexpr int kApproachLimit = 1500;           // ticks
 constexpr double kThere = 2e-4, kSlow = 5e-3;  // m and m/s: where an approach ends
 constexpr int kRestWatched = static_cast<int>(ImpactWatch::kRestWindow / kPeriod + 0.5);
-constexpr std::array<const char*, kLinkedRenderers> kLinkedNames{"position-control", "impedance", "hold", "passivity"};
 
 LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose& start) {
   LoopSetup setup;
@@ -28,43 +26,6 @@ LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose
 
 }  // namespace
 
-Delivered deliveredOf(const TickRecord& record) noexcept {
-  const Vec3 force = record.rendered.head<3>();
-  const double normal = record.nearest.normal.dot(force);
-  return {normal, (force - normal * record.nearest.normal).norm(), force.norm()};
-}
-
-DeviceParameters changed(DeviceParameters device, const Settings& settings) {
-  addMass(device, settings.extraMass);
-  addFriction(device, settings.friction);
-  Vec6 damping = Vec6::Zero();
-  damping.head<3>().setConstant(settings.toolDamping);
-  addDamping(device, damping);
-  return device;
-}
-
-RendererSlot slotOf(const PluginLibrary& plugin) noexcept {
-  const auto* linked = std::find(kLinkedNames.begin(), kLinkedNames.end(), std::string_view(plugin.description().name));
-  return static_cast<RendererSlot>(linked - kLinkedNames.begin());
-}
-
-std::vector<std::string> rendererNames(const PluginLibrary* plugin) {
-  std::vector<std::string> names(kLinkedNames.begin(), kLinkedNames.end());
-  if (plugin != nullptr && slotOf(*plugin) == RendererSlot::plugin) names.emplace_back(plugin->description().name);
-  return names;
-}
-
-SurfaceServoOptions surfaceOptions(const ServoedDevice& device, const Mechanism& model, const Delay& delay) {
-  const SurfaceServoOptions usual = surfaceServoFor(model.limits().count, kPeriod, delay.low, delay.high);
-  if (!device.surface) return usual;
-  SurfaceServoOptions options = *device.surface;
-  if (options.delayLow == delay.low && options.delayHigh == delay.high) return options;
-  options.delayLow = delay.low;
-  options.delayHigh = delay.high;
-  options.horizon = usual.horizon;
-  return options;
-}
-
 StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTorque, const Vec3& normal,
                               const Delay& delay) noexcept {
   const double mass = effectiveMass(plant, plant.pose.position, normal);
@@ -73,7 +34,7 @@ StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTor
 }
 
 Experiment::Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
-                       const Hand& hand, RendererSlot slot, std::shared_ptr<Workpiece> workpiece)
+                       const Hand& hand, RendererSlot slot, std::shared_ptr<DrilledSolids> drilled)
     : settings_(settings),
       model_(makeMechanism(device.parameters)),
       plant_(makeMechanism(changed(device.parameters, settings))),
@@ -89,7 +50,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
         return renderers;
       }()),
       loop_(*plant_, *model_, switched_, loopSetup(settings, scene, start)),
-      workpiece_(workpiece ? std::move(workpiece) : std::make_shared<Workpiece>(scene)) {
+      drilledSolids_(drilled ? std::move(drilled) : std::make_shared<DrilledSolids>(scene)) {
   if (scene.bur) loop_.attach(&drill_.emplace(scene.tool, scene.solids, *scene.bur));
   static_cast<LoopSetup&>(push_) = loopSetup(settings, scene, start);
   push_.person.force = kTestForce;
@@ -98,7 +59,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
   frame_.hand = hand;
   frame_.record.pose = start;
   frame_.record.torque = plant_->home().gravity;
-  if (workpiece_.use_count() == 1) look();  // nobody else cuts it
+  if (drilledSolids_.use_count() == 1) look();  // nobody else cuts it
   select(slot);
 }
 
@@ -109,7 +70,7 @@ std::shared_ptr<Recorder> Experiment::recordTo(const std::string& path, Recordin
 }
 
 void Experiment::look() noexcept {
-  fillDrilled();
+  fillDrillState();
   if (frame_.record.nearest.part < 0)
     frame_.record.nearest = nearestContact(loop_.scene(), loop_.tool(), frame_.record.pose, nullptr);
 }
@@ -117,25 +78,25 @@ void Experiment::look() noexcept {
 void Experiment::spin(bool on) noexcept {
   if (!drill_) return;
   drill_->spin(on);
-  if (on) workpiece_->beginStroke();
-  fillDrilled();
+  if (on) drilledSolids_->beginStroke();
+  fillDrillState();
 }
 
 void Experiment::undo() noexcept {
   if (!drill_) return;
-  workpiece_->undo();
-  if (drill_->spins()) workpiece_->beginStroke();
-  fillDrilled();
+  drilledSolids_->undo();
+  if (drill_->spins()) drilledSolids_->beginStroke();
+  fillDrillState();
 }
 
 void Experiment::restore() noexcept {
-  workpiece_->restore();
-  if (drill_ && drill_->spins()) workpiece_->beginStroke();
-  fillDrilled();
+  drilledSolids_->restore();
+  if (drill_ && drill_->spins()) drilledSolids_->beginStroke();
+  fillDrillState();
 }
 
-void Experiment::fillDrilled() noexcept {
-  if (drill_) frame_.drilled = {drill_->spins(), drill_->feed(), workpiece_->removed(), workpiece_->strokes()};
+void Experiment::fillDrillState() noexcept {
+  if (drill_) frame_.drilled = {drill_->spins(), drill_->feed(), drilledSolids_->removed(), drilledSolids_->strokes()};
 }
 
 void Experiment::select(RendererSlot slot) noexcept {
@@ -192,7 +153,7 @@ void Experiment::advanceTestPush(bool mayBegin) noexcept {
     carried_ = wrenchOf(known, loop_.device().kinematics().gravity - known.gravity);
   impact_ = ImpactWatch(kPeriod);
   testDrift_ = 0.0;
-  block_ = complete_ = Block();
+  conditions_.beginBlock();
 }
 
 // As the study's MetricsCollector.
@@ -215,44 +176,6 @@ void Experiment::watchTestPush() noexcept {
     endTestPush(impact_.verdict());
 }
 
-void Experiment::watchConditions() noexcept {
-  constexpr double chatters = 0.25;  // of a torque's limit, standard deviation, as ImpactWatch judges
-  const TickRecord& record = frame_.record;
-  const JointVector shares = record.torque.cwiseQuotient(plant_->limits().torque);
-  const double force = deliveredOf(record).normal;
-  const Vec3& tool = record.pose.position;
-  if (block_.ticks == 0) {
-    block_.lowForce = block_.highForce = force;
-    block_.sum = block_.squares = JointVector::Zero(shares.size());
-  }
-  block_.lowForce = std::min(block_.lowForce, force);
-  block_.highForce = std::max(block_.highForce, force);
-  block_.sum += shares;
-  block_.squares += shares.cwiseAbs2();
-  bool unstable = record.guard == GuardReason::oscillation || record.guard == GuardReason::energy;
-  if (++block_.ticks == kBlock) {
-    const JointVector mean = block_.sum / kBlock;
-    const bool now = (block_.squares / kBlock - mean.cwiseAbs2()).maxCoeff() > chatters * chatters;
-    unstable = unstable || (now && chattered_);  // one block may be a single blow
-    chattered_ = now;
-    complete_ = block_;
-    block_.ticks = 0;
-  }
-  const Vec3 speed = record.twist.head<3>(), normal = record.nearest.normal;
-  const double across = (speed - normal.dot(speed) * normal).norm();
-  const bool slides =
-      record.mode == RenderMode::contact && record.nearest.material.friction > 0.0 && across > Conditions::kSlip;
-  slid_ = slides ? slid_ + kPeriod * across : 0.0;
-  const bool now[] = {record.saturated || shares.cwiseAbs().maxCoeff() > 1.0 - 1e-6, unstable,
-                      slid_ > Conditions::kSlipPath, tool.cwiseAbs().maxCoeff() >= kStop};
-  bool* const shown[] = {&frame_.conditions.saturated, &frame_.conditions.unstable, &frame_.conditions.slipped,
-                         &frame_.conditions.edge};
-  for (std::size_t i = 0; i < shownFor_.size(); ++i) {
-    shownFor_[i] = now[i] ? Conditions::kShown : std::max(0, shownFor_[i] - 1);
-    *shown[i] = shownFor_[i] > 0;
-  }
-}
-
 void Experiment::endTestPush(FirstImpactVerdict verdict, Status status) noexcept {
   TestPush& test = frame_.tests[indexOf(frame_.selected)];
   test = TestPush();
@@ -271,8 +194,7 @@ void Experiment::endTestPush(FirstImpactVerdict verdict, Status status) noexcept
   } else if (verdict == FirstImpactVerdict::slips) {
     test.amount = testDrift_;
   } else if (verdict == FirstImpactVerdict::unstable) {
-    const Block& last = complete_.ticks > 0 ? complete_ : block_;
-    test.amount = 0.5 * (last.highForce - last.lowForce);
+    test.amount = 0.5 * conditions_.forceRange();
   }
   phase_ = Phase::none;
   setGrip(gripBefore_);
@@ -348,11 +270,11 @@ void Experiment::tickHeld() noexcept {
   frame_.holding = frame_.selected == RendererSlot::hold && hold_.holding();
   frame_.reference = hold_.reference();
   if (drill_) {
-    workpiece_->add(drill_->removed());
-    fillDrilled();
+    drilledSolids_->add(drill_->removed());
+    fillDrillState();
   }
   watchTestPush();
-  watchConditions();
+  frame_.conditions = conditions_.add(record, plant_->limits().torque);
   frame_.testing = phase_ != Phase::none;
 }
 

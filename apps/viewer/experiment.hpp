@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "conditions.hpp"
+#include "drilled_solids.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/control/first_impact.hpp"
 #include "enamel/device/device_file.hpp"
@@ -18,70 +20,12 @@
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/push.hpp"
 #include "hand.hpp"
-#include "workpiece.hpp"
+#include "servoed_device.hpp"
 
 namespace enamel::viewer {
 
-/// The renderers to choose from: the contact-space servo, the spring, the paper's law, the spring with passivity
-/// control around it, and a plugin, where it does not stand for one of these.
-enum class RendererSlot : std::uint8_t { positionControl, impedance, hold, passivity, plugin };
-inline constexpr std::size_t kLinkedRenderers = 4, kMaxRenderers = 5;
-
-constexpr std::size_t indexOf(RendererSlot slot) noexcept { return static_cast<std::size_t>(slot); }
-
-/// Everything that a person can set and that needs a new experiment.
-struct Settings {
-  PositionControlOptions hold;
-  ImpedanceOptions spring;
-  double extraMass = 0.0;    ///< on the platform, which no renderer is told of, kg
-  double friction = 0.0;     ///< viscous, of every joint, beyond the device file's, N m s/rad
-  double toolDamping = 4.0;  ///< mechanical, of the TCP along x, y, z, beyond the device file's, N s/m
-  Delay delay;               ///< ticks, at most kMaxServoDelay
-  EncoderOptions encoders{true};
-  double noise = 0.0;  ///< of the hand along the contact's normal, standard deviation, N
-};
-
-/// A device with its servos for kPeriod, and a plugin.
-struct ServoedDevice {
-  DeviceParameters parameters;
-  ServoGain gain;                               ///< of hold
-  std::optional<SurfaceServoOptions> surface;   ///< of position control, from a file; else surfaceServoFor()
-  std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
-  PluginSetup pluginSetup;
-};
-
-/// What position control is made with under a delay, ticks: the file's options where the delay is the file's; else its
-/// numbers with this delay. Throws Error: as surfaceServoFor(). Realtime: no.
-SurfaceServoOptions surfaceOptions(const ServoedDevice& device, const Mechanism& model, const Delay& delay);
-
-/// Names of the renderers, slot by slot, as `--renderer` and scripts call them. A plugin (or nullptr) takes the place
-/// of the linked renderer of its name, else a place of its own. Realtime: no.
-std::vector<std::string> rendererNames(const PluginLibrary* plugin);
-RendererSlot slotOf(const PluginLibrary& plugin) noexcept;
-
-inline constexpr double kPeriod = 1e-3;  // s, of the haptic loop
-
 /// A test push is scenario 1 of runPush() with this force after this preload, from rest on the surface, N.
 inline constexpr double kTestForce = 12.0, kTestPreload = 0.5;
-
-/// Force of the motors on the tool beyond gravity, as delivered during a tick, N: along the nearest contact's normal
-/// (negative: into the wall), across it, and in all. Realtime: yes.
-struct Delivered {
-  double normal, tangential, total;
-};
-Delivered deliveredOf(const TickRecord& record) noexcept;
-
-/// What happens to the tool, each for kShown ticks longer than it does.
-struct Conditions {
-  bool saturated = false;  ///< a motor is at its limit
-  bool unstable = false;   ///< torques alternate by more than a quarter of their limits for two eighths of a second, or
-                           ///< the guard says so
-  bool slipped = false;    ///< it slid for kSlipPath, faster than kSlip, on a wall with friction
-  bool edge = false;       ///< of the workspace: at a mechanical stop
-
-  static constexpr int kShown = 400;
-  static constexpr double kSlip = 2e-3, kSlipPath = 2e-4;  // m/s, m
-};
 
 /// What a test push measured, as `enamel push` and the study judge it. It and what it was made with stay as they are
 /// until the next one.
@@ -112,7 +56,7 @@ struct Frame {
   bool testing = false;       ///< a test push is under way
   Conditions conditions;
   std::array<std::uint64_t, kGuardReasons> guardTicks{};  ///< of this experiment, by GuardReason
-  Drilled drilled;                                        ///< where the scene has a bur
+  DrillState drilled;                                     ///< where the scene has a bur
   std::array<TestPush, kMaxRenderers> tests;              ///< the last of each renderer
   Status plant = Status::ok;                              ///< any other: the loop stands still until it is replaced
   // Filled by the runner:
@@ -124,10 +68,10 @@ struct Frame {
 /// Not movable: the loop refers to its parts.
 class Experiment {
  public:
-  /// The tool begins at rest at `start`, held by `hand`. `workpiece`: of the scene, where it goes on being drilled; a
-  /// new one where there is none. Throws Error: as the renderers, the loop and the drill do.
+  /// The tool begins at rest at `start`, held by `hand`. `drilled`: of the scene, where it goes on being drilled, or
+  /// nullptr. Throws Error: as the renderers, the loop and the drill do.
   Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
-             const Hand& hand, RendererSlot slot, std::shared_ptr<Workpiece> workpiece = nullptr);
+             const Hand& hand, RendererSlot slot, std::shared_ptr<DrilledSolids> drilled = nullptr);
   Experiment(const Experiment&) = delete;
   Experiment& operator=(const Experiment&) = delete;
 
@@ -159,7 +103,7 @@ class Experiment {
   /// that this one replaces may have been cutting the same solids. Realtime: yes.
   void look() noexcept;
   /// Once a period, whether it ticked or not: what has changed of the solids, to the thread that draws. Realtime: yes.
-  void publish() noexcept { workpiece_->publish(); }
+  void publish() noexcept { drilledSolids_->publish(); }
 
   /// The last tick's. Realtime: yes.
   const Frame& frame() const noexcept { return frame_; }
@@ -190,17 +134,8 @@ class Experiment {
   void moveOwnHand() noexcept;
   void advanceTestPush(bool mayBegin) noexcept;
   void watchTestPush() noexcept;
-  void watchConditions() noexcept;
   void endTestPush(FirstImpactVerdict verdict, Status status = Status::ok) noexcept;
-  void fillDrilled() noexcept;
-
-  // Extremes of the force over kBlock ticks; shares of the torques' limits, summed over as many.
-  struct Block {
-    int ticks = 0;
-    double lowForce = 0.0, highForce = 0.0;
-    JointVector sum, squares;
-  };
-  static constexpr int kBlock = 125;
+  void fillDrillState() noexcept;
 
   Settings settings_;
   std::shared_ptr<const Mechanism> model_, plant_;  // what the haptic tick knows, and what is there
@@ -212,7 +147,7 @@ class Experiment {
   std::unique_ptr<Renderer> plugin_;  // or nullptr
   Switched switched_;
   VirtualLoop loop_;
-  std::shared_ptr<Workpiece> workpiece_;  // which other experiments on the scene may have too
+  std::shared_ptr<DrilledSolids> drilledSolids_;  // which other experiments on the scene may have too
   std::optional<Drill> drill_;
   std::shared_ptr<Recorder> recorder_;  // or nullptr
   std::uint64_t recorded_ = 0;          // ticks
@@ -223,17 +158,11 @@ class Experiment {
   PushSetup push_;
   PersonLoad pusher_{push_};
   Vec6 carried_ = Vec6::Zero();  // by the hand that pushes: the weight that the model does not know, N, N m
-  double testDrift_ = 0.0;  // across the normal since the push began, m
+  double testDrift_ = 0.0;       // across the normal since the push began, m
   ImpactWatch impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;
-  Block block_, complete_;
-  double slid_ = 0.0;              // m, without a rest
-  bool chattered_ = false;         // in the block before
-  std::array<int, 4> shownFor_{};  // ticks, of the conditions
+  ConditionWatch conditions_;
 };
-
-/// The parameters of a device with a person's changes to it.
-DeviceParameters changed(DeviceParameters device, const Settings& settings);
 
 /// The physical limit of K_z1 for a test push (firstImpactLimit()) at a pose.
 struct StiffnessLimit {

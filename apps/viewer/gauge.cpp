@@ -23,24 +23,24 @@ std::string shownText(const TestPush& test) {
 
 void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
-  const TickRecord& record = input.frame.record;
-  const TorqueStyle& torques = input.torques;
+  const TickRecord& record = input.left.frame.record;
+  const TorqueStyle& torques = input.device.torques;
   const std::string values[] = {format("%.3f mm", std::max(0.0, -1e3 * record.nearest.gap)),
                                 tenths(deliveredOf(record).normal) + " N",
                                 format(torques.shares ? "%.0f %%" : "%.2f N m",
                                        record.torque.cwiseProduct(torques.factor).cwiseAbs().maxCoeff())};
-  const std::string limits[] = {"paper's bound 1 mm", format("motors allow %.0f N", input.limit.largestForce),
+  const std::string limits[] = {"paper's bound 1 mm", format("motors allow %.0f N", input.device.limit.largestForce),
                                 torques.shares ? "share of each joint's limit" : format("limit %g N m", torques.limit)};
   const char* names[] = {"Penetration", "Normal force", "Joint torques"};
   for (std::size_t i = 0; i < kCharts; ++i) {
-    const Area& a = layout.chart[i];
+    const Rect& a = layout.chart[i];
     const float x = a.x + 14 * s;
     brush.text(gFonts.bold, x, a.y + 6 * s, kInk, names[i]);
     brush.text(gFonts.small, x + Brush::width(gFonts.bold, names[i]) + 8 * s, a.y + 8 * s, kMuted, limits[i]);
     brush.textRight(gFonts.bold, a.x + a.width - 14 * s, a.y + 6 * s, kInk, values[i]);
   }
   // Key of the torques.
-  const Area& a = layout.chart[2];
+  const Rect& a = layout.chart[2];
   float x = a.x + 56 * s;
   const float y = a.y + 34 * s;
   bool dashed = false;
@@ -94,7 +94,7 @@ std::string conditionsText(const TestPush& test, std::size_t slot, const Setting
 
 void drawGauge(const Layout& layout, const OverlayInput& input, const OverlayState& state, const Brush& brush) {
   const float s = layout.scale;
-  const Area& a = layout.gauge;
+  const Rect& a = layout.gauge;
   const float x = a.x + 14 * s, right = a.x + a.width - 14 * s;
   brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper));
   brush.list->AddLine({x, a.y}, {right, a.y}, ink(kLine), s);
@@ -103,8 +103,8 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const OverlaySta
              "a push of 12 N over its depth");
   float y = a.y + 32 * s;
   for (std::size_t i = 0; i < rendererCount(input); ++i) {
-    const TestPush& test = input.frame.tests[i];
-    const bool active = indexOf(input.frame.selected) == i;
+    const TestPush& test = input.left.frame.tests[i];
+    const bool active = indexOf(input.left.frame.selected) == i;
     brush.list->AddCircleFilled({x + 5 * s, y + 9 * s}, 5 * s, ink(kSlotColour[i]));
     brush.text(active ? gFonts.bold : gFonts.text, x + 17 * s, y, kInk, titleOf(input, i));
     if (test.verdict == FirstImpactVerdict::measured) {
@@ -129,10 +129,10 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const OverlaySta
     return x + static_cast<float>(share) * (right - x);
   };
   brush.list->AddRectFilled({x, bar}, {right, bar + height}, ink(kLine), 3 * s);
-  const float limit = place(input.limit.stiffness);
+  const float limit = place(input.device.limit.stiffness);
   brush.list->AddRectFilled({limit, bar}, {right, bar + height}, ink(kMuted, 0.55), 3 * s);
   brush.list->AddLine({limit, bar - 6 * s}, {limit, bar + height + 6 * s}, ink(kInk), 2 * s);
-  const std::string text = "limit " + stiffnessText(input.limit.stiffness);
+  const std::string text = "limit " + stiffnessText(input.device.limit.stiffness);
   const float wide = Brush::width(gFonts.small, text);
   brush.text(gFonts.small, std::min(limit - 0.5f * wide, right - wide), bar - 22 * s, kInk, text);
   constexpr const char* ticks[] = {"1 kN/m", "10", "100", "1 MN/m"};
@@ -142,8 +142,8 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const OverlaySta
     brush.text(gFonts.small, std::clamp(tx - 0.5f * tw, x, right - tw), bar + height + 6 * s, kMuted, ticks[i]);
   }
   for (std::size_t i = 0; i < rendererCount(input); ++i)
-    if (input.frame.tests[i].verdict == FirstImpactVerdict::measured) {
-      const ImVec2 centre{place(input.frame.tests[i].stiffness), bar + 0.5f * height};
+    if (input.left.frame.tests[i].verdict == FirstImpactVerdict::measured) {
+      const ImVec2 centre{place(input.left.frame.tests[i].stiffness), bar + 0.5f * height};
       brush.list->AddCircleFilled(centre, 8 * s, ink(0xFFFFFF));
       brush.list->AddCircleFilled(centre, 6.5f * s, ink(kSlotColour[i]));
     }

@@ -11,12 +11,12 @@ namespace enamel::viewer {
 namespace {
 
 // The scene that is seen at a place, and its size.
-std::pair<Area, glm::dvec2> halfAt(const Layout& layout, const glm::dvec2& place) {
-  const Area& area = layout.isSplit() && place.x >= layout.right.x ? layout.right : layout.scene;
+std::pair<Rect, glm::dvec2> paneAt(const Layout& layout, const glm::dvec2& place) {
+  const Rect& area = layout.isSplit() && place.x >= layout.right.x ? layout.right : layout.scene;
   return {area, {std::max(1.0f, area.width), std::max(1.0f, area.height)}};
 }
 
-double shareOf(const Area& bar, double x) {
+double shareOf(const Rect& bar, double x) {
   return std::clamp((x - static_cast<double>(bar.x)) / static_cast<double>(bar.width), 0.0, 1.0);
 }
 
@@ -44,31 +44,31 @@ void Input::key(int key, int action, int modifiers) {
   if (action == GLFW_RELEASE) return;
   const ActionRow* row = actionOfKey(key, (modifiers & GLFW_MOD_CONTROL) != 0);
   if (row != nullptr && (action == GLFW_PRESS || row->action == Action::step || row->action == Action::stepBack))
-    driven_.act(row->action);
+    target_.act(row->action);
 }
 
 void Input::button(int button, int action, int modifiers) {
   dragged_ = action == GLFW_RELEASE ? -1 : button;
-  const Area& bar = driven_.layout().bar;
+  const Rect& bar = target_.layout().bar;
   seeks_ = dragged_ >= 0 && cursor_.x >= bar.x && cursor_.x < bar.x + bar.width && cursor_.y >= bar.y &&
            cursor_.y < bar.y + bar.height;
   along_ = (modifiers & GLFW_MOD_SHIFT) != 0;
-  if (seeks_) driven_.seek(shareOf(bar, cursor_.x));
+  if (seeks_) target_.seek(shareOf(bar, cursor_.x));
 }
 
 void Input::cursor(const glm::dvec2& place) {
   const glm::dvec2 before = cursor_;
   cursor_ = place;
   if (dragged_ < 0) return;
-  if (seeks_) return driven_.seek(shareOf(driven_.layout().bar, place.x));
-  const auto [area, size] = halfAt(driven_.layout(), place);
+  if (seeks_) return target_.seek(shareOf(target_.layout().bar, place.x));
+  const auto [area, size] = paneAt(target_.layout(), place);
   const glm::dvec2 corner(area.x, area.y);
-  Camera& camera = driven_.camera();
-  const glm::dvec3 like = driven_.tool();
+  Camera& camera = target_.camera();
+  const glm::dvec3 like = target_.tool();
   const glm::dvec3 moved =
       unproject(camera, size, place - corner, like) - unproject(camera, size, before - corner, like);
   if (dragged_ == GLFW_MOUSE_BUTTON_LEFT)
-    driven_.moveHandBy(along_ ? slid(camera, size, before - corner, place - corner, like, driven_.normal()) : moved);
+    target_.moveHandBy(along_ ? slid(camera, size, before - corner, place - corner, like, target_.normal()) : moved);
   else if (dragged_ == GLFW_MOUSE_BUTTON_RIGHT)
     orbit(camera, 4.0 * (place.x - before.x) / size.y, 4.0 * (place.y - before.y) / size.y);
   else
@@ -76,11 +76,11 @@ void Input::cursor(const glm::dvec2& place) {
 }
 
 void Input::wheel(double notches, bool control) {
-  if (!control) return driven_.pressBy(0.4 * notches);
+  if (!control) return target_.pressBy(0.4 * notches);
   // What is seen at the cursor, as far away as the tool, stays there.
-  const auto [area, size] = halfAt(driven_.layout(), cursor_);
-  Camera& camera = driven_.camera();
-  const glm::dvec3 kept = unproject(camera, size, cursor_ - glm::dvec2(area.x, area.y), driven_.tool());
+  const auto [area, size] = paneAt(target_.layout(), cursor_);
+  Camera& camera = target_.camera();
+  const glm::dvec3 kept = unproject(camera, size, cursor_ - glm::dvec2(area.x, area.y), target_.tool());
   const double before = camera.distance;
   zoom(camera, std::pow(0.9, notches));
   camera.focus = kept + camera.distance / before * (camera.focus - kept);
@@ -90,10 +90,10 @@ void Input::hold(const std::function<bool(int key)>& isDown, double seconds) {
   constexpr double speed = 25.0, pressing = 8.0;  // mm/s, N/s
   const auto down = [&isDown](int key) { return isDown(key) ? 1.0 : 0.0; };
   const glm::dvec3 across(down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_W) - down(GLFW_KEY_S), 0.0);
-  if (across != glm::dvec3(0.0)) driven_.moveHandBy(speed * seconds * across);
+  if (across != glm::dvec3(0.0)) target_.moveHandBy(speed * seconds * across);
   const double press = down(GLFW_KEY_E) - down(GLFW_KEY_Q);
-  if (press != 0.0) driven_.pressBy(pressing * seconds * press);
-  if (isDown(GLFW_KEY_F) != pedal_) driven_.spin(pedal_ = !pedal_);
+  if (press != 0.0) target_.pressBy(pressing * seconds * press);
+  if (isDown(GLFW_KEY_F) != pedal_) target_.spin(pedal_ = !pedal_);
 }
 
 }  // namespace enamel::viewer

@@ -13,9 +13,9 @@
 namespace enamel::viewer {
 
 /// What a person drives.
-class Driven {
+class InputTarget {
  public:
-  virtual ~Driven() = default;
+  virtual ~InputTarget() = default;
   virtual void act(Action action) = 0;
   virtual void moveHandBy(const glm::dvec3& millimetres) = 0;
   virtual void pressBy(double newtons) = 0;                      ///< along the wall's normal, inwards
@@ -32,18 +32,18 @@ class Driven {
 /// whose panels want an event does not pass it on, but always passes a release of the mouse.
 class Input {
  public:
-  explicit Input(Driven& driven) : driven_(driven) {}
+  explicit Input(InputTarget& target) : target_(target) {}
 
   void key(int key, int action, int modifiers);
   void button(int button, int action, int modifiers = 0);
   void cursor(const glm::dvec2& place);
   void wheel(double notches, bool control);
-  void drop(const std::vector<std::string>& paths) { driven_.drop(paths); }
+  void drop(const std::vector<std::string>& paths) { target_.drop(paths); }
   /// Keys that act as long as they are down, for the seconds since the last call.
   void hold(const std::function<bool(int key)>& isDown, double seconds);
 
  private:
-  Driven& driven_;
+  InputTarget& target_;
   glm::dvec2 cursor_{0.0};
   int dragged_ = -1;    // mouse button
   bool seeks_ = false;  // it began on the time bar

@@ -13,6 +13,8 @@ namespace enamel::viewer {
 
 namespace {
 
+constexpr double kLeastDepth = 5e-4;  // that has a number, mm
+
 // The inset's section stands on the deepest contact's wall, and on the next one's too where that is near.
 Vec3 insetAcross(const Vec3& n, const ContactSnapshot& contacts) {
   constexpr double near = 3e-3;  // m
@@ -49,150 +51,210 @@ std::string materialText(const Material& material) {
   return text;
 }
 
+// The plane of an inset: across the deepest contact's wall and along its normal, magnified.
+class Inset {
+ public:
+  Inset(const InsetView& view, double toolRadius, OverlayState::Zoom& zoom, const Brush& brush)
+      : view_(view),
+        area_(view.area),
+        brush_(brush),
+        s_(brush.s),
+        bar_(46 * s_),
+        toolRadius_(toolRadius),
+        frame_(view.tool.frame),
+        contact_(frame_.record.nearest),
+        normal_(contact_.normal),
+        across_(insetAcross(normal_, frame_.contacts)),
+        tool_(contact_.point),
+        fromTcp_(tool_ - frame_.record.pose.position),
+        reference_(view.tool.ghost.value_or(Vec3::Zero()) + fromTcp_),
+        origin_([&]() -> Vec3 {
+          const Vec3 surface = tool_ - contact_.gap * normal_;
+          return view.tool.ghost ? Vec3(reference_ - normal_ * normal_.dot(reference_ - surface)) : surface;
+        }()),
+        barMillimetres_([&] {
+          const Vec3 offset = tool_ - origin_;
+          return chooseScale(zoom, 1e3 * std::max(std::abs(normal_.dot(offset)), 0.6 * std::abs(across_.dot(offset))));
+        }()),
+        perMillimetre_(static_cast<double>(bar_) / barMillimetres_),
+        cx_(area_.x + 0.5f * area_.width),
+        cy_(area_.y + (view.isSplit ? kWallShare : 0.56f) * area_.height),
+        top_(area_.y + 26 * s_),
+        bottom_(area_.y + area_.height - s_) {}
+
+  void draw() const {
+    if (view_.isSplit)
+      brush_.list->AddRectFilled({area_.x, area_.y}, {area_.x + area_.width, area_.y + area_.height}, ink(kPaper));
+    else
+      brush_.box(area_, 1.0);
+    brush_.list->PushClipRect({area_.x + s_, top_}, {area_.x + area_.width - s_, bottom_}, true);
+    drawWalls();
+    drawTools();
+    drawForces();
+    drawOtherContacts();
+    drawDepth();
+    brush_.list->PopClipRect();
+    drawLegend();
+  }
+
+ private:
+  // What the bar stands for, mm, so that `reach` (mm) fits: larger at once, smaller after a while.
+  double chooseScale(OverlayState::Zoom& zoom, double reach) const {
+    constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};
+    constexpr int split = 6, last = 8;  // split: what a spring of 6 kN/m sinks under 12 N fills its pane
+    if (view_.isSplit) return steps[split];
+    int wanted = 0;
+    while (wanted < last && reach * bar_ / steps[wanted] > 70 * s_) ++wanted;
+    zoom.patience = wanted < zoom.step ? zoom.patience + 1 : 0;
+    if (wanted > zoom.step || zoom.patience > 20) zoom.step = wanted;
+    return steps[zoom.step];
+  }
+
+  ImVec2 at(const Vec3& point) const {
+    const Vec3 d = 1e3 * (point - origin_);
+    return {cx_ + static_cast<float>(std::clamp(perMillimetre_ * across_.dot(d), -1e4, 1e4)),
+            cy_ - static_cast<float>(std::clamp(perMillimetre_ * normal_.dot(d), -1e4, 1e4))};
+  }
+
+  // The deepest contact's wall with a grid of one bar and its normal; of the others, planes where they cross the inset.
+  void drawWalls() const {
+    ImDrawList* const list = brush_.list;
+    const float right = area_.x + area_.width;
+    list->AddRectFilled({area_.x, cy_}, {right, bottom_}, ink(kEnamel));
+    for (float x = std::fmod(cx_ - area_.x, bar_) + area_.x; x < right; x += bar_)
+      list->AddLine({x, cy_}, {x, bottom_}, ink(kEnamelGrid, 0.6), s_);
+    for (float y = cy_ + bar_; y < bottom_; y += bar_)
+      list->AddLine({area_.x, y}, {right, y}, ink(kEnamelGrid, 0.6), s_);
+    list->AddLine({area_.x, cy_}, {right, cy_}, ink(kEnamelEdge), 2 * s_);
+    for (int i = 1; i < frame_.contacts.count; ++i) {
+      const Contact& other = frame_.contacts.contacts[i];
+      const float mx = static_cast<float>(across_.dot(other.normal)),
+                  my = static_cast<float>(-normal_.dot(other.normal));
+      const float length = std::hypot(mx, my);
+      // The section lies along this wall, or it is the deepest one's, a little further on.
+      if (length < 0.1f || normal_.dot(other.normal) > 0.9) continue;
+      const ImVec2 foot = at(other.point - other.gap * other.normal);
+      fillBehind(list, {area_.x, top_}, {right, bottom_}, foot, {mx, my}, ink(kEnamel));
+      const float far = 2 * area_.width / length;
+      list->AddLine({foot.x - far * my, foot.y + far * mx}, {foot.x + far * my, foot.y - far * mx}, ink(kEnamelEdge),
+                    2 * s_);
+    }
+    list->AddLine({cx_, cy_}, {cx_, top_}, ink(kMuted, 0.6), s_);
+  }
+
+  // A ball, or, where it is a point, a wedge. A colour of 0: without that part.
+  void drawTool(ImVec2 lowest, ImU32 fill, ImU32 outline) const {
+    constexpr int sides = 256;
+    ImDrawList* const list = brush_.list;
+    if (toolRadius_ > 0.0) {
+      const float radius = static_cast<float>(1e3 * toolRadius_ * perMillimetre_);
+      const ImVec2 centre{lowest.x, lowest.y - radius};
+      if (fill != 0) list->AddCircleFilled(centre, radius, fill, sides);
+      if (outline != 0) list->AddCircle(centre, radius, outline, sides, 1.5f * s_);
+      return;
+    }
+    const float height = std::max(lowest.y - top_ + 4 * s_, 20 * s_), wide = 0.17f * height;
+    const ImVec2 a{lowest.x - wide, lowest.y - height}, b{lowest.x + wide, lowest.y - height};
+    if (fill != 0) list->AddTriangleFilled(lowest, a, b, fill);
+    if (outline == 0) return;
+    list->AddLine(lowest, a, outline, 1.5f * s_);
+    list->AddLine(lowest, b, outline, 1.5f * s_);
+  }
+
+  // Where it was, where it is, and its reference pose.
+  void drawTools() const {
+    const std::vector<Vec3>& trail = view_.trail;
+    for (std::size_t i = 1; i < trail.size(); ++i)
+      brush_.list->AddLine(at(trail[i - 1] + fromTcp_), at(trail[i] + fromTcp_),
+                           ink(kReference, static_cast<double>(i) / static_cast<double>(trail.size())), 1.5f * s_);
+    drawTool(at(tool_), ink(view_.colour, view_.isSplit ? 1.0 : 0.88), 0);
+    if (!view_.tool.ghost) return;
+    const ImVec2 rest = at(reference_);
+    const ImU32 outline = ink(view_.isSplit ? kInk : kReference);
+    drawTool(rest, 0, outline);
+    brush_.list->AddCircle(rest, 4 * s_, outline, 0, 1.5f * s_);
+  }
+
+  // That of the motors, away from the wall, or, where they pull, into it; and that of the hand.
+  void drawForces() const {
+    const ImVec2 tip = at(tool_);
+    const double force = deliveredOf(frame_.record).normal, out = force > 0.0 ? 1.0 : -1.0;
+    const auto forceLength = static_cast<float>(out * (std::min(4.0 * std::abs(force), 80.0) + 8.0)) * s_;
+    if (std::abs(force) > 0.05 && (frame_.record.mode == RenderMode::contact || contact_.gap <= 0.0))
+      brush_.arrow({tip.x, tip.y}, {tip.x, tip.y - forceLength}, kForce, 3 * s_);
+    const double pressed = handForce(frame_);
+    if (!(pressed > 0.05)) return;
+    const float from = std::max(top_, tip.y - 118 * s_);
+    const float length = static_cast<float>(std::clamp(3.0 * pressed, 0.0, 50.0)) * s_ + 8 * s_;
+    brush_.arrow({tip.x - 26 * s_, from}, {tip.x - 26 * s_, from + length}, kHand, 3 * s_);
+  }
+
+  // With a number at the next deepest one: more would hide each other.
+  void drawOtherContacts() const {
+    bool labelled = false;
+    for (int i = 1; i < frame_.contacts.count; ++i) {
+      const Contact& other = frame_.contacts.contacts[i];
+      if (other.gap > 0.0) continue;
+      const ImVec2 foot = at(other.point - other.gap * other.normal);
+      brush_.list->AddLine(at(other.point), foot, ink(kInk), 1.5f * s_);
+      brush_.list->AddCircleFilled(foot, 3 * s_, ink(kForce));
+      if (labelled || -1e3 * other.gap < kLeastDepth) continue;
+      labelled = true;
+      const std::string text = format("%.3f mm", -1e3 * other.gap);
+      const bool right = across_.dot(other.normal) < 0.0;  // within its wall
+      brush_.text(gFonts.small, foot.x + (right ? 8 * s_ : -8 * s_ - Brush::width(gFonts.small, text)), foot.y - 7 * s_,
+                  kInk, text);
+    }
+  }
+
+  void drawDepth() const {
+    const double depth = -1e3 * contact_.gap;
+    if (!(depth > kLeastDepth)) return;
+    ImDrawList* const list = brush_.list;
+    const ImVec2 tip = at(tool_);
+    const float x = cx_ + 62 * s_, y = tip.y;
+    list->AddLine({tip.x, y}, {x + 5 * s_, y}, ink(kInk, 0.5), s_);
+    list->AddLine({x, cy_}, {x, y}, ink(kInk), 1.5f * s_);
+    for (const float end : {cy_, y}) list->AddLine({x - 4 * s_, end}, {x + 4 * s_, end}, ink(kInk), 1.5f * s_);
+    const std::string text = format("%.3f mm", depth);
+    brush_.text(gFonts.text, std::min(cx_ + 40 * s_, area_.x + area_.width - 6 * s_ - Brush::width(gFonts.text, text)),
+                std::min(std::max(y, cy_) + 4 * s_, bottom_ - 20 * s_), kInk, text);
+  }
+
+  // Title, scale bar and material.
+  void drawLegend() const {
+    const bool several = frame_.contacts.count > 1 && frame_.contacts.contacts[1].gap <= 0.0;
+    brush_.text(gFonts.bold, area_.x + 10 * s_, area_.y + 6 * s_, kInk,
+                several ? "Contacts, magnified" : "Contact, magnified");
+    const float x = area_.x + 12 * s_, y = area_.y + area_.height - 12 * s_;
+    brush_.list->AddLine({x, y}, {x + bar_, y}, ink(kInk), 2 * s_);
+    for (const float end : {x, x + bar_})
+      brush_.list->AddLine({end, y - 4 * s_}, {end, y + 4 * s_}, ink(kInk), 1.5f * s_);
+    brush_.text(gFonts.small, x, y - 19 * s_, kInk, format("%g mm", barMillimetres_));
+    const std::string material = materialText(contact_.material);
+    const float right = area_.x + area_.width - 10 * s_, left = right - Brush::width(gFonts.small, material);
+    brush_.list->AddRectFilled({left - 4 * s_, y - 7 * s_}, {right + 4 * s_, y + 9 * s_}, ink(kEnamel, 0.9));
+    brush_.text(gFonts.small, left, y - 7 * s_, kInk, material);
+  }
+
+  const InsetView& view_;
+  const Rect& area_;
+  const Brush& brush_;
+  const float s_, bar_;  // scale; length of the scale bar
+  const double toolRadius_;
+  const Frame& frame_;
+  const Contact& contact_;  // the deepest one
+  // Everything is shown where the tool's nearest point is, not its TCP.
+  const Vec3 normal_, across_, tool_, fromTcp_, reference_, origin_;
+  const double barMillimetres_;  // that the bar stands for
+  const double perMillimetre_;
+  const float cx_, cy_, top_, bottom_;  // the middle of the wall's line; the ends of what is drawn
+};
+
 }  // namespace
 
-void drawInset(const InsetView& view, const OverlayInput& input, OverlayState& state, const Brush& brush) {
-  constexpr int kHalfStep = 6;  // of the split screen: what a spring of 6 kN/m sinks under 12 N fills its half
-  constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // mm a bar
-  constexpr int kSteps = 9, kCircleSides = 256;
-  const float s = brush.s;
-  const Area& area = view.area;
-  const Frame& frame = view.frame;
-  const Contact& contact = frame.record.nearest;
-  const Vec3 n = contact.normal;
-  const Vec3 across = insetAcross(n, frame.contacts);
-  // Everything is shown where the tool's nearest point is, not its TCP.
-  const Vec3 tool = contact.point, fromTcp = tool - frame.record.pose.position;
-  const Vec3 reference = view.ghostPosition + fromTcp;
-  const Vec3 surface = tool - contact.gap * n;
-  const Vec3 origin = view.ghost ? reference - n * n.dot(reference - surface) : surface;
-  const float bar = 46 * s;
-
-  const Vec3 offset = tool - origin;
-  const double reach = 1e3 * std::max(std::abs(n.dot(offset)), 0.6 * std::abs(across.dot(offset)));
-  int step = kHalfStep;
-  if (!view.half) {
-    int wanted = 0;
-    while (wanted < kSteps - 1 && reach * bar / steps[wanted] > 70 * s) ++wanted;
-    state.insetPatience = wanted < state.insetStep ? state.insetPatience + 1 : 0;
-    if (wanted > state.insetStep || state.insetPatience > 20) state.insetStep = wanted;
-    step = state.insetStep;
-  }
-  const double perMillimetre = static_cast<double>(bar) / steps[step];
-
-  const float cx = area.x + 0.5f * area.width, cy = area.y + (view.half ? kWallShare : 0.56f) * area.height;
-  const auto at = [&](const Vec3& point) {
-    const Vec3 d = 1e3 * (point - origin);
-    return ImVec2(cx + static_cast<float>(std::clamp(perMillimetre * across.dot(d), -1e4, 1e4)),
-                  cy - static_cast<float>(std::clamp(perMillimetre * n.dot(d), -1e4, 1e4)));
-  };
-  if (view.half)
-    brush.list->AddRectFilled({area.x, area.y}, {area.x + area.width, area.y + area.height}, ink(kPaper));
-  else
-    brush.card(area, 1.0);
-  const float top = area.y + 26 * s, bottom = area.y + area.height - s;
-  brush.list->PushClipRect({area.x + s, top}, {area.x + area.width - s, bottom}, true);
-  // The wall, with a grid of one bar.
-  brush.list->AddRectFilled({area.x, cy}, {area.x + area.width, bottom}, ink(kEnamel));
-  for (float x = std::fmod(cx - area.x, bar) + area.x; x < area.x + area.width; x += bar)
-    brush.list->AddLine({x, cy}, {x, bottom}, ink(kEnamelGrid, 0.6), s);
-  for (float y = cy + bar; y < bottom; y += bar)
-    brush.list->AddLine({area.x, y}, {area.x + area.width, y}, ink(kEnamelGrid, 0.6), s);
-  brush.list->AddLine({area.x, cy}, {area.x + area.width, cy}, ink(kEnamelEdge), 2 * s);
-  // The other contacts' walls, as planes, where they cross the inset.
-  for (int i = 1; i < frame.contacts.count; ++i) {
-    const Contact& other = frame.contacts.contacts[i];
-    const float mx = static_cast<float>(across.dot(other.normal)), my = static_cast<float>(-n.dot(other.normal));
-    const float length = std::hypot(mx, my);
-    // The section lies along this wall, or it is the deepest one's, a little further on.
-    if (length < 0.1f || n.dot(other.normal) > 0.9) continue;
-    const ImVec2 foot = at(other.point - other.gap * other.normal);
-    fillBehind(brush.list, {area.x, top}, {area.x + area.width, bottom}, foot, {mx, my}, ink(kEnamel));
-    const float far = 2 * area.width / length;
-    brush.list->AddLine({foot.x - far * my, foot.y + far * mx}, {foot.x + far * my, foot.y - far * mx},
-                        ink(kEnamelEdge), 2 * s);
-  }
-  // Normal.
-  brush.list->AddLine({cx, cy}, {cx, top}, ink(kMuted, 0.6), s);
-
-  const auto wedge = [&](ImVec2 apex, ImU32 fill, ImU32 outline) {
-    const float height = std::max(apex.y - top + 4 * s, 20 * s), wide = 0.17f * height;
-    const ImVec2 a{apex.x - wide, apex.y - height}, b{apex.x + wide, apex.y - height};
-    if (fill != 0) brush.list->AddTriangleFilled(apex, a, b, fill);
-    if (outline != 0) {
-      brush.list->AddLine(apex, a, outline, 1.5f * s);
-      brush.list->AddLine(apex, b, outline, 1.5f * s);
-    }
-  };
-  const ImVec2 tip = at(tool);
-  for (std::size_t i = 1; i < view.trail.size(); ++i)
-    brush.list->AddLine(at(view.trail[i - 1] + fromTcp), at(view.trail[i] + fromTcp),
-                        ink(kReference, static_cast<double>(i) / static_cast<double>(view.trail.size())), 1.5f * s);
-  const auto drawTool = [&](ImVec2 lowest, ImU32 fill, ImU32 outline) {
-    if (input.toolRadius == 0.0) return wedge(lowest, fill, outline);
-    const float radius = static_cast<float>(1e3 * input.toolRadius * perMillimetre);
-    const ImVec2 centre{lowest.x, lowest.y - radius};
-    if (fill != 0) brush.list->AddCircleFilled(centre, radius, fill, kCircleSides);
-    if (outline != 0) brush.list->AddCircle(centre, radius, outline, kCircleSides, 1.5f * s);
-  };
-  drawTool(tip, ink(view.tool, view.half ? 1.0 : 0.88), 0);
-  if (view.ghost) {
-    const ImVec2 rest = at(reference);
-    const unsigned outline = view.half ? kInk : kReference;
-    drawTool(rest, 0, ink(outline));
-    brush.list->AddCircle(rest, 4 * s, ink(outline), 0, 1.5f * s);
-  }
-  // Away from the wall, or, where the motors pull, into it.
-  const double force = deliveredOf(frame.record).normal, out = force > 0.0 ? 1.0 : -1.0;
-  const auto forceLength = static_cast<float>(out * (std::min(4.0 * std::abs(force), 80.0) + 8.0)) * s;
-  if (std::abs(force) > 0.05 && (frame.record.mode == RenderMode::contact || contact.gap <= 0.0))
-    brush.arrow({tip.x, tip.y}, {tip.x, tip.y - forceLength}, kForce, 3 * s);
-  const double pressed = handForce(frame);
-  if (pressed > 0.05) {
-    const float from = std::max(top, tip.y - 118 * s);
-    const float length = static_cast<float>(std::clamp(3.0 * pressed, 0.0, 50.0)) * s + 8 * s;
-    brush.arrow({tip.x - 26 * s, from}, {tip.x - 26 * s, from + length}, kHand, 3 * s);
-  }
-  bool labelled = false;  // the next deepest: more numbers would hide each other
-  for (int i = 1; i < frame.contacts.count; ++i) {
-    const Contact& other = frame.contacts.contacts[i];
-    if (other.gap > 0.0) continue;
-    const ImVec2 foot = at(other.point - other.gap * other.normal);
-    brush.list->AddLine(at(other.point), foot, ink(kInk), 1.5f * s);
-    brush.list->AddCircleFilled(foot, 3 * s, ink(kForce));
-    if (labelled || -1e3 * other.gap < 5e-4) continue;  // as the first one's
-    labelled = true;
-    const std::string text = format("%.3f mm", -1e3 * other.gap);
-    const bool right = across.dot(other.normal) < 0.0;  // within its wall
-    brush.text(gFonts.small, foot.x + (right ? 8 * s : -8 * s - Brush::width(gFonts.small, text)), foot.y - 7 * s, kInk,
-               text);
-  }
-  // Dimension of the depth.
-  const double depth = -1e3 * frame.record.nearest.gap;
-  if (depth > 5e-4) {
-    const float x = cx + 62 * s, y = tip.y;
-    brush.list->AddLine({tip.x, y}, {x + 5 * s, y}, ink(kInk, 0.5), s);
-    brush.list->AddLine({x, cy}, {x, y}, ink(kInk), 1.5f * s);
-    brush.list->AddLine({x - 4 * s, cy}, {x + 4 * s, cy}, ink(kInk), 1.5f * s);
-    brush.list->AddLine({x - 4 * s, y}, {x + 4 * s, y}, ink(kInk), 1.5f * s);
-    const std::string text = format("%.3f mm", depth);
-    brush.text(gFonts.text, std::min(cx + 40 * s, area.x + area.width - 6 * s - Brush::width(gFonts.text, text)),
-               std::min(std::max(y, cy) + 4 * s, bottom - 20 * s), kInk, text);
-  }
-  brush.list->PopClipRect();
-
-  brush.text(
-      gFonts.bold, area.x + 10 * s, area.y + 6 * s, kInk,
-      frame.contacts.count > 1 && frame.contacts.contacts[1].gap <= 0.0 ? "Contacts, magnified" : "Contact, magnified");
-  const float bx = area.x + 12 * s, by = area.y + area.height - 12 * s;
-  brush.list->AddLine({bx, by}, {bx + bar, by}, ink(kInk), 2 * s);
-  brush.list->AddLine({bx, by - 4 * s}, {bx, by + 4 * s}, ink(kInk), 1.5f * s);
-  brush.list->AddLine({bx + bar, by - 4 * s}, {bx + bar, by + 4 * s}, ink(kInk), 1.5f * s);
-  brush.text(gFonts.small, bx, by - 19 * s, kInk, format("%g mm", steps[step]));
-  const std::string material = materialText(contact.material);
-  const float right = area.x + area.width - 10 * s, left = right - Brush::width(gFonts.small, material);
-  brush.list->AddRectFilled({left - 4 * s, by - 7 * s}, {right + 4 * s, by + 9 * s}, ink(kEnamel, 0.9));
-  brush.text(gFonts.small, left, by - 7 * s, kInk, material);
+void drawInset(const InsetView& view, double toolRadius, OverlayState& state, const Brush& brush) {
+  Inset(view, toolRadius, state.zoom, brush).draw();
 }
 
 }  // namespace enamel::viewer

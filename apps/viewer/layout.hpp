@@ -9,7 +9,7 @@ namespace enamel::viewer {
 inline constexpr int kCharts = 3;
 
 /// A rectangle, pixels from the top left.
-struct Area {
+struct Rect {
   float x = 0, y = 0, width = 0, height = 0;
 };
 
@@ -18,14 +18,14 @@ struct Area {
 struct Layout {
   float scale = 1.0f;
   glm::ivec2 size{0};
-  Area panel, scene, charts, inset, gauge, bar;  ///< width 0: not shown; bar: of time, from end to end
-  std::array<Area, kCharts> chart;               ///< each with room for its title
-  /// Of the split screen, where `scene` and `inset` are the left half's, and there are no charts and no gauge.
-  Area right, rightInset, compare;
+  Rect panel, scene, charts, inset, gauge, bar;  ///< width 0: not shown; bar: of time, from end to end
+  std::array<Rect, kCharts> chart;               ///< each with room for its title
+  /// Of the split screen, where `scene` and `inset` are those of the left pane, and there are no charts and no gauge.
+  Rect right, rightInset, compare;
   bool isSplit() const { return right.width > 0; }
 };
 Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int renderers = 4);
-/// The split screen: two halves with a scene above and the magnified contact below, and what compares them below both.
+/// The split screen: two panes with a scene above and the magnified contact below, and what compares them below both.
 Layout layOutSplit(const glm::ivec2& size, float scale, bool panels);
 inline constexpr float kChartTitle = 28.0f;  // units of layout, above each chart
 inline constexpr float kGaugeRow = 21.0f;    // a renderer in the gauge

@@ -6,7 +6,8 @@
 #include "enamel/render/surface_file.hpp"
 #include "plugin_folder.hpp"
 #include "program.hpp"
-#include "viewer.hpp"
+#include "run.hpp"
+#include "script.hpp"
 
 namespace {
 

@@ -1,18 +1,15 @@
 // Names in the scene.
 #include <algorithm>
 
+#include "device_view.hpp"
 #include "overlay_parts.hpp"
-#include "scene_view.hpp"
 
 namespace enamel::viewer {
 
-void drawNames(const Area& scene, const std::vector<Area>& taken, const Camera& camera, const Frame& frame, bool hand,
+void drawNames(const Rect& scene, const std::vector<Rect>& taken, const Camera& camera, const Frame& frame, bool hand,
                const Brush& brush) {
   const float s = brush.s;
-  const auto seen = [&](const Vec3& point) {
-    const Vec3 mm = kMillimetres * point;
-    return project(camera, {scene.width, scene.height}, {mm.x(), mm.y(), mm.z()});
-  };
+  const auto seen = [&](const Vec3& point) { return project(camera, {scene.width, scene.height}, millimetres(point)); };
   // On the sides that look away from each other: neither hides the handle between them.
   const Pose& tool = frame.record.pose;
   const Vec3 end = frame.hand.position + tool.rotation * Vec3(0.0, 0.0, kHandleEnd);
@@ -22,7 +19,7 @@ void drawNames(const Area& scene, const std::vector<Area>& taken, const Camera& 
     const float px = scene.x + static_cast<float>(at.x), py = scene.y + static_cast<float>(at.y);
     const float wide = Brush::width(gFonts.bold, text), high = 18 * s, x = left ? px - 22 * s - wide : px + 22 * s,
                 y = py - 34 * s;
-    const auto meets = [&](const Area& a) {
+    const auto meets = [&](const Rect& a) {
       return x - 6 * s < a.x + a.width && x + wide + 6 * s > a.x && y < a.y + a.height && y + high > a.y;
     };
     if (at.z > 1.0 || x - 6 * s < scene.x || py < scene.y || py > scene.y + scene.height || y < scene.y ||

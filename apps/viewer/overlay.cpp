@@ -15,24 +15,24 @@ namespace {
 
 void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
-  const Frame& frame = input.frame;
-  const Area& area = layout.scene;
+  const Frame& frame = input.left.frame;
+  const Rect& area = layout.scene;
   const float x = area.x + 18 * s, right = area.x + area.width - 18 * s;
-  brush.clear(x, area.y + 10 * s, Brush::width(gFonts.large, input.sceneName), 32 * s);
-  brush.text(gFonts.large, x, area.y + 12 * s, kInk, input.sceneName);
+  brush.clear(x, area.y + 10 * s, Brush::width(gFonts.large, input.scene.name), 32 * s);
+  brush.text(gFonts.large, x, area.y + 12 * s, kInk, input.scene.name);
   const std::size_t slot = indexOf(frame.selected);
   const Player* const player = input.player;
   const float y = area.y + 46 * s;
   const std::string renderer = player != nullptr ? "Recording of " + player->header().renderer : titleOf(input, slot);
-  const std::string who = format("%s on %s", renderer.c_str(), input.deviceName.c_str());
+  const std::string who = format("%s on %s", renderer.c_str(), input.device.name.c_str());
   brush.clear(x, y - 3 * s, 16 * s + Brush::width(gFonts.text, who), 24 * s);
   brush.list->AddCircleFilled({x + 5 * s, y + 8.5f * s}, 5 * s, ink(player != nullptr ? kInk : kSlotColour[slot]));
   brush.text(gFonts.text, x + 16 * s, y, kMuted, who);
 
-  drawChip(right, area.y + 16 * s, input, frame, brush);
+  drawStatus(right, area.y + 16 * s, input, frame, brush);
   drawBadges(right, area.y + 72 * s, frame, brush);
   if (player != nullptr) return;  // its time stands at the bar
-  std::string time = format("%.3f s", input.simulated);
+  std::string time = format("%.3f s", input.elapsed.simulated);
   if (frame.paused) time += "   paused";
   if (frame.slowdown != 1) time += format("   slow motion 1:%d", frame.slowdown);
   brush.clear(right - Brush::width(gFonts.text, time), y - 3 * s, Brush::width(gFonts.text, time), 24 * s);
@@ -41,8 +41,8 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
 
 void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
-  const Frame& frame = input.frame;
-  const Area& area = layout.scene;
+  const Frame& frame = input.left.frame;
+  const Rect& area = layout.scene;
   const double depth = -1e3 * frame.record.nearest.gap;
   struct Number {
     std::string value;
@@ -100,20 +100,6 @@ void drawNotice(const Layout& layout, const std::string& notice, const Brush& br
 
 }  // namespace
 
-bool isPlugin(const OverlayInput& input, std::size_t slot) {
-  return input.plugin != nullptr && indexOf(slotOf(*input.plugin)) == slot;
-}
-
-std::size_t rendererCount(const OverlayInput& input) {
-  return isPlugin(input, indexOf(RendererSlot::plugin)) ? kMaxRenderers : kLinkedRenderers;
-}
-
-// Never the title of the linked renderer that a plugin stands for.
-std::string titleOf(const OverlayInput& input, std::size_t slot) {
-  return isPlugin(input, slot) ? format("Plugin %s", input.plugin->description().name)
-                               : std::string(kLinkedTitle[slot]);
-}
-
 void setUpOverlay(const std::string& font, const std::string& boldFont, float scale) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
@@ -166,37 +152,36 @@ void setUpOverlay(const std::string& font, const std::string& boldFont, float sc
 }
 
 void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& state) {
-  state.tipSeen = false;
+  state.tip.seen = false;
   if (layout.panel.width > 0) drawPanel(layout, input, state);
   const Brush brush{ImGui::GetBackgroundDrawList(), layout.scale};
-  if (layout.isSplit() && input.right != nullptr) {
-    drawHalves(layout, input, state, brush);
-    if (input.tour >= 0.0) drawTour(layout, input.tour, brush);
+  if (layout.isSplit() && input.right) {
+    drawSplitScreen(layout, input, state, brush);
+    if (input.elapsed.tour >= 0.0) drawTour(layout, input.elapsed.tour, brush);
   } else {
     const float s = layout.scale, numbers = (input.player != nullptr ? 106 : 198) * s;
-    const Area& scene = layout.scene;
+    const Rect& scene = layout.scene;
     drawNames(scene,
               {{scene.x, scene.y, scene.width, 70 * s},
                {scene.x, scene.y + scene.height - numbers, 260 * s, numbers},
-               drillCard(layout, input),
+               drillBox(layout, input),
                layout.inset},
-              input.camera, input.frame, input.player == nullptr, brush);
+              input.camera, input.left.frame, input.player == nullptr, brush);
     drawHeader(layout, input, brush);
     drawNumbers(layout, input, brush);
     if (layout.inset.width > 0)
-      drawInset({layout.inset, input.frame, input.ghost, input.ghostPosition, input.trail, false, kNeedle}, input,
-                state, brush);
+      drawInset({layout.inset, input.left, input.trail, false, kNeedle}, input.scene.toolRadius, state, brush);
   }
   if (layout.charts.width > 0) {
     drawChartTitles(layout, input, brush);
     if (layout.gauge.height > 0) drawGauge(layout, input, state, brush);
   }
-  if (layout.bar.width > 0) drawBar(layout, input, brush);
-  if (input.bur != nullptr && layout.scene.height >= 420 * layout.scale) drawDrill(layout, input, brush);
+  if (layout.bar.width > 0) drawTimeBar(layout, input, brush);
+  if (input.bur && layout.scene.height >= 420 * layout.scale) drawDrill(layout, input, brush);
   if (state.timing) drawTiming(layout, input, brush);
-  drawMaking(layout, input, brush);
+  drawRecordingPills(layout, input, brush);
   drawTips(layout, input, state);
-  if (!state.tipSeen) state.tip.clear();
+  if (!state.tip.seen) state.tip.text.clear();
   if (!state.notice.empty()) drawNotice(layout, state.notice, brush);
   if (state.help) drawHelp(layout, input.player != nullptr, Brush{ImGui::GetForegroundDrawList(), layout.scale});
 }

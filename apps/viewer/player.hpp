@@ -57,7 +57,7 @@ class Player {
   /// Ticks missing about the position; 0: it has one, and frame() is of it.
   std::uint64_t gap() const noexcept;
 
-  /// At the end, playing begins anew.
+  /// At the end, playing starts from the beginning.
   void setPlaying(bool playing) noexcept;
   /// Times real time, kSlowest to kFastest.
   void setSpeed(double speed) noexcept;
@@ -67,7 +67,7 @@ class Player {
   void seek(double position) noexcept;
   /// So many ticks on or back, where ticks are missing over them; pauses.
   void step(std::int64_t ticks) noexcept;
-  /// To the next event, or the one before; pauses. False: there is none.
+  /// To the next event, or the one before; pauses. False: there is no such event.
   bool jump(bool forward) noexcept;
 
   /// The tick at the position, where it is missing the one before. `paused` is filled in. Throws Error: the file was

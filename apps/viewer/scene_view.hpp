@@ -1,7 +1,6 @@
 // The scene as VTK draws it: the device from its bars, the obstacles, and what happens at the contact.
 #pragma once
 
-#include <vtkNew.h>
 #include <vtkRenderer.h>
 
 #include <memory>
@@ -13,12 +12,9 @@
 #include "enamel/collision/contacts.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/device/mechanism.hpp"
-#include "shapes.hpp"
 #include "solid_view.hpp"
 
 namespace enamel::viewer {
-
-inline constexpr double kHandleEnd = 0.082;  ///< along the tool, m: where the hand is
 
 /// What a frame shows. All in W, SI.
 struct SceneState {

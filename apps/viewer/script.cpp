@@ -16,10 +16,15 @@ constexpr double kLongest = 7200.0;  // s
 
 class Line {
  public:
-  Line(const std::string& text, const std::string& file, int number) : file_(file), number_(number) {
+  Line(const std::string& text, const std::string& file, int number, const std::vector<std::string>& renderers)
+      : file_(file), number_(number), renderers_(renderers) {
     std::istringstream stream(text.substr(0, text.find('#')));
     for (std::string word; stream >> word;) words_.push_back(word);
   }
+
+  const std::string& file() const { return file_; }
+  /// To choose from; none: the script is for a recording.
+  const std::vector<std::string>& renderers() const { return renderers_; }
 
   bool empty() const { return next_ >= words_.size(); }
 
@@ -63,104 +68,120 @@ class Line {
   }
 
  private:
-  std::string file_;
+  const std::string& file_;
   int number_;
+  const std::vector<std::string>& renderers_;
   std::vector<std::string> words_;
   std::size_t next_ = 0;
 };
 
-// A name that stays in the folder it is written to.
-std::string pictureName(Line& line) {
-  const std::string name = line.word("picture");
-  for (const char c : name)
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_')
-      line.fail("picture", "is \"" + name + "\", must consist of letters, digits, - and _");
-  return name;
+void parseHand(Line& line, ScriptStep& step) {
+  for (int i = 0; i < 3; ++i) step.target[i] = line.number("hand", -1000.0, 1000.0);
+  if (line.accept("over")) step.over = line.number("over", 0.0, kLongest);
 }
 
-ScriptStep parseStep(Line& line, const std::string& file, const std::vector<std::string>& renderers) {
-  using Kind = ScriptStep::Kind;
+void parseSpin(Line& line, ScriptStep& step) {
+  step.number = line.accept("on") ? 1 : 0;
+  if (step.number == 0 && !line.accept("off")) line.fail("spin", "must be on or off");
+}
+
+void parseView(Line& line, ScriptStep& step) {
+  for (int i = 0; i < 3; ++i) step.view.focus[i] = line.number("view", -300.0, 300.0);
+  step.view.azimuth = glm::radians(line.number("azimuth", -180.0, 180.0));
+  step.view.elevation = glm::radians(line.number("elevation", -88.0, 88.0));
+  step.view.distance = line.number("distance", kNearest, 2000.0);
+}
+
+void parseRenderer(Line& line, ScriptStep& step) {
+  const char* const command = step.kind == ScriptStep::Kind::right ? "right" : "renderer";
+  const std::vector<std::string>& renderers = line.renderers();
+  const std::string name = line.word(command);
+  const auto found = std::find(renderers.begin(), renderers.end(), name);
+  if (found == renderers.end()) {
+    std::string known;
+    for (const std::string& one : renderers)
+      known += (one == renderers.back() ? " or " : known.empty() ? "" : ", ") + one;
+    line.fail(command, "is \"" + name + "\", must be " + known);
+  }
+  step.number = static_cast<int>(found - renderers.begin());
+}
+
+void parseSet(Line& line, ScriptStep& step) {
+  step.name = line.word("set");
+  const auto& rows = settingRows();
+  const auto row = std::find_if(rows.begin(), rows.end(), [&](const SettingRow& r) { return step.name == r.name; });
+  if (row == rows.end()) line.fail("set", "\"" + step.name + "\" is not a known setting");
+  step.value = row->whole ? line.integer(row->name, static_cast<int>(row->low), static_cast<int>(row->high))
+                          : line.number(row->name, row->low, row->high);
+}
+
+void parseScene(Line& line, ScriptStep& step) {
+  const std::filesystem::path path = line.word("scene");
+  step.name = path.is_absolute() ? path.string() : (std::filesystem::path(line.file()).parent_path() / path).string();
+}
+
+void parseSizeOf(Line& line, ScriptStep& step) {
+  const std::string text = line.word("size");
+  try {
+    step.size = parseSize(text);
+  } catch (const Error& error) {
+    line.fail("size", error.what());
+  }
+}
+
+// A name that stays in the folder it is written to.
+void parsePicture(Line& line, ScriptStep& step) {
+  step.name = line.word("picture");
+  for (const char c : step.name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_')
+      line.fail("picture", "is \"" + step.name + "\", must consist of letters, digits, - and _");
+}
+
+struct CommandRow {
+  const char* name;
+  ScriptStep::Kind kind;
+  Source source;
+  void (*parse)(Line& line, ScriptStep& step);
+};
+constexpr CommandRow kCommands[] = {
+    {"hand", ScriptStep::Kind::hand, Source::live, parseHand},
+    {"spin", ScriptStep::Kind::spin, Source::live, parseSpin},
+    {"view", ScriptStep::Kind::view, Source::both, parseView},
+    {"renderer", ScriptStep::Kind::renderer, Source::live, parseRenderer},
+    {"right", ScriptStep::Kind::right, Source::live, parseRenderer},
+    {"set", ScriptStep::Kind::set, Source::live, parseSet},
+    {"scene", ScriptStep::Kind::scene, Source::live, parseScene},
+    {"slow", ScriptStep::Kind::slowdown, Source::both,
+     [](Line& line, ScriptStep& step) { step.number = line.integer("slow", 1, 1000); }},
+    {"seek", ScriptStep::Kind::seek, Source::recording,
+     [](Line& line, ScriptStep& step) { step.value = line.number("seek", 0.0, 1e9); }},
+    {"size", ScriptStep::Kind::size, Source::both, parseSizeOf},
+    {"frames", ScriptStep::Kind::frames, Source::both,
+     [](Line& line, ScriptStep& step) { step.number = line.integer("frames", 0, 60); }},
+    {"picture", ScriptStep::Kind::picture, Source::both, parsePicture},
+    {"end", ScriptStep::Kind::end, Source::both, [](Line&, ScriptStep&) {}},
+};
+
+ScriptStep parseStep(Line& line) {
   ScriptStep step;
   step.time = line.number("time", 0.0, kLongest);
   const std::string command = line.word("command");
-  const bool recording = renderers.empty();
-  const auto isOf = [&](Source source) {
+  const bool recording = line.renderers().empty();
+  const auto check = [&](Source source) {
     if (source != Source::both && (source == Source::recording) != recording)
       line.fail(command, recording ? "is not for a recording" : "is for a recording: there is no --play");
   };
   if (const ActionRow* row = actionOfName(command); row != nullptr) {
-    isOf(row->source);
-    step.kind = Kind::action;
+    check(row->source);
+    step.kind = ScriptStep::Kind::action;
     step.action = row->action;
-  } else if (command == "hand") {
-    isOf(Source::live);
-    step.kind = Kind::hand;
-    for (int i = 0; i < 3; ++i) step.target[i] = line.number("hand", -1000.0, 1000.0);
-    if (line.accept("over")) step.over = line.number("over", 0.0, kLongest);
-  } else if (command == "spin") {
-    isOf(Source::live);
-    step.kind = Kind::spin;
-    step.number = line.accept("on") ? 1 : 0;
-    if (step.number == 0 && !line.accept("off")) line.fail("spin", "must be on or off");
-  } else if (command == "view") {
-    step.kind = Kind::view;
-    for (int i = 0; i < 3; ++i) step.view.focus[i] = line.number("view", -300.0, 300.0);
-    step.view.azimuth = glm::radians(line.number("azimuth", -180.0, 180.0));
-    step.view.elevation = glm::radians(line.number("elevation", -88.0, 88.0));
-    step.view.distance = line.number("distance", kNearest, 2000.0);
-  } else if (command == "renderer" || command == "right") {
-    isOf(Source::live);
-    step.kind = command == "right" ? Kind::right : Kind::renderer;
-    const std::string name = line.word(command.c_str());
-    const auto found = std::find(renderers.begin(), renderers.end(), name);
-    if (found == renderers.end()) {
-      std::string known;
-      for (const std::string& one : renderers)
-        known += (one == renderers.back() ? " or " : known.empty() ? "" : ", ") + one;
-      line.fail(command, "is \"" + name + "\", must be " + known);
-    }
-    step.number = static_cast<int>(found - renderers.begin());
-  } else if (command == "set") {
-    isOf(Source::live);
-    step.kind = Kind::set;
-    step.name = line.word("set");
-    const SettingRow* found = nullptr;
-    for (const SettingRow& candidate : settingRows())
-      if (step.name == candidate.name) found = &candidate;
-    if (found == nullptr) line.fail("set", "\"" + step.name + "\" is not a known setting");
-    step.value = found->whole ? line.integer(found->name, static_cast<int>(found->low), static_cast<int>(found->high))
-                              : line.number(found->name, found->low, found->high);
-  } else if (command == "scene") {
-    isOf(Source::live);
-    step.kind = Kind::scene;
-    const std::filesystem::path path = line.word("scene");
-    step.name = path.is_absolute() ? path.string() : (std::filesystem::path(file).parent_path() / path).string();
-  } else if (command == "slow") {
-    step.kind = Kind::slowdown;
-    step.number = line.integer("slow", 1, 1000);
-  } else if (command == "seek") {
-    isOf(Source::recording);
-    step.kind = Kind::seek;
-    step.value = line.number("seek", 0.0, 1e9);
-  } else if (command == "size") {
-    step.kind = Kind::size;
-    try {
-      step.size = parseSize(line.word("size"));
-    } catch (const ConfigurationError&) {
-      throw;
-    } catch (const Error& error) {
-      line.fail("size", error.what());
-    }
-  } else if (command == "frames") {
-    step.kind = Kind::frames;
-    step.number = line.integer("frames", 0, 60);
-  } else if (command == "picture") {
-    step.kind = Kind::picture;
-    step.name = pictureName(line);
-  } else if (command == "end") {
-    step.kind = Kind::end;
   } else {
-    line.fail(command, "is not a known command");
+    const auto* found = std::find_if(std::begin(kCommands), std::end(kCommands),
+                                     [&](const CommandRow& one) { return command == one.name; });
+    if (found == std::end(kCommands)) line.fail(command, "is not a known command");
+    check(found->source);
+    step.kind = found->kind;
+    found->parse(line, step);
   }
   line.finish();
   return step;
@@ -208,10 +229,10 @@ std::vector<ScriptStep> parseScript(std::string_view text, const std::string& fi
   std::istringstream stream{std::string(text)};
   int number = 0;
   for (std::string content; std::getline(stream, content);) {
-    Line line(content, file, ++number);
+    Line line(content, file, ++number, renderers);
     if (line.empty()) continue;
     if (!steps.empty() && steps.back().kind == ScriptStep::Kind::end) line.fail("", "stands after the end");
-    ScriptStep step = parseStep(line, file, renderers);
+    ScriptStep step = parseStep(line);
     if (!steps.empty() && step.time < steps.back().time) line.fail("time", "is earlier than that of the step before");
     steps.push_back(std::move(step));
   }

@@ -1,14 +1,8 @@
 #include "solid_view.hpp"
 
-#include <vtkCellArray.h>
-#include <vtkFloatArray.h>
-#include <vtkPointData.h>
-#include <vtkPoints.h>
-#include <vtkPolyData.h>
-#include <vtkPolyDataMapper.h>
+#include <vtkMapper.h>
 #include <vtkProperty.h>
 #include <vtkTypeInt32Array.h>
-#include <vtkUnsignedCharArray.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -19,46 +13,10 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr int kGroup = 4;  // bricks along an edge
+constexpr int kGroup = 4;                       // bricks along an edge
+constexpr Finish kFinish{0xFFFFFF, 1.0, 0.25};  // under the layers' colours
 
-// Points with a normal and a colour each.
-struct Coloured {
-  vtkNew<vtkPoints> points;
-  vtkNew<vtkFloatArray> normals;
-  vtkNew<vtkUnsignedCharArray> colours;
-
-  explicit Coloured(vtkIdType room) {
-    normals->SetNumberOfComponents(3);
-    colours->SetNumberOfComponents(3);
-    points->Allocate(room);
-    normals->Allocate(3 * room);
-    colours->Allocate(3 * room);
-  }
-  vtkIdType append(const Vec3& point, const Vec3& normal, const Vec3& rgb) {
-    normals->InsertNextTuple3(normal.x(), normal.y(), normal.z());
-    for (const double c : rgb) colours->InsertNextValue(static_cast<unsigned char>(255.0 * c + 0.5));
-    return points->InsertNextPoint((kMillimetres * point).eval().data());
-  }
-  vtkSmartPointer<vtkActor> actor(vtkCellArray* cells) {
-    vtkNew<vtkPolyData> data;
-    data->SetPoints(points);
-    data->SetPolys(cells);
-    data->GetPointData()->SetNormals(normals);
-    data->GetPointData()->SetScalars(colours);
-    vtkNew<vtkPolyDataMapper> mapper;
-    mapper->SetInputData(data);
-    mapper->SetColorModeToDirectScalars();
-    auto made = vtkSmartPointer<vtkActor>::New();
-    made->SetMapper(mapper);
-    setFinish(made->GetProperty(), {0xFFFFFF, 1.0, 0.25});
-    return made;
-  }
-};
-
-Vec3 colourOf(int layer) {
-  const Colour c = colour(layerColour(layer));
-  return {c.r, c.g, c.b};
-}
+Vec3 colourOf(int layer) { return rgbOf(layerColour(layer)); }
 
 }  // namespace
 
@@ -127,19 +85,18 @@ void SolidView::build(Group& group) {
   if (group.actor) renderer_->RemoveActor(group.actor);
   group.actor = nullptr;
   if (surface_.mesh.triangles.empty()) return;
-  Coloured vertices(static_cast<vtkIdType>(surface_.mesh.vertices.size()));
-  for (std::size_t i = 0; i < surface_.mesh.vertices.size(); ++i)
-    vertices.append(pose_.position + pose_.rotation * surface_.mesh.vertices[i], pose_.rotation * surface_.normals[i],
-                    colourOf(surface_.layers[i]));
+  Polygons polygons(static_cast<vtkIdType>(surface_.mesh.vertices.size()));
+  for (std::size_t i = 0; i < surface_.mesh.vertices.size(); ++i) {
+    polygons.append(pose_.position + pose_.rotation * surface_.mesh.vertices[i], pose_.rotation * surface_.normals[i]);
+    polygons.paint(colourOf(surface_.layers[i]));
+  }
   vtkNew<vtkTypeInt32Array> corners;
   corners->SetNumberOfValues(3 * static_cast<vtkIdType>(surface_.mesh.triangles.size()));
   int* next = corners->GetPointer(0);
   for (const auto& triangle : surface_.mesh.triangles) next = std::copy(triangle.begin(), triangle.end(), next);
-  vtkNew<vtkCellArray> cells;
-  cells->SetData(3, corners);
-  group.actor = vertices.actor(cells);
+  polygons.cells()->SetData(3, corners);
+  group.actor = polygons.addTo(renderer_, kFinish, false);
   if (plane_) group.actor->GetMapper()->AddClippingPlane(clip_);
-  renderer_->AddActor(group.actor);
 }
 
 float SolidView::at(const Vec3& p) const {
@@ -178,15 +135,15 @@ void SolidView::buildSection() {
   for (int j = 0; j < side; ++j)
     for (int i = 0; i < side; ++i) field[static_cast<std::size_t>(j * side + i)] = at(inSolid(placeOf(i, j)));
 
-  Coloured vertices(side * side / 2);
-  vtkNew<vtkCellArray> cells;
+  Polygons polygons(side * side / 2);
   std::vector<vtkIdType> corners(field.size(), -1), polygon;
   std::vector<std::array<Vec3, 2>> outline;
   const auto append = [&](const Vec3& p) {  // borders of layers, which are known by cells, smoothed over three
     Vec3 sum = Vec3::Zero();
     for (int i = 0; i < 27; ++i)
       sum += colourOf(uncut.layerAt(inSolid(p) + step * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
-    return vertices.append(p, n, sum / 27.0);
+    polygons.paint(sum / 27.0);
+    return polygons.append(p, n);
   };
   constexpr int di[] = {0, 1, 1, 0}, dj[] = {0, 0, 1, 1};
   for (int j = 0; j + 1 < side; ++j)
@@ -208,15 +165,14 @@ void SolidView::buildSection() {
         crossings[crossed] = p + t * (placeOf(i + di[l], j + dj[l]) - p);
         polygon.push_back(append(crossings[crossed++]));
       }
-      if (polygon.size() > 2) cells->InsertNextCell(static_cast<vtkIdType>(polygon.size()), polygon.data());
+      if (polygon.size() > 2) polygons.cells()->InsertNextCell(static_cast<vtkIdType>(polygon.size()), polygon.data());
       if (crossed == 2) outline.push_back({crossings[0] + 5e-5 * n, crossings[1] + 5e-5 * n});
     }
-  section_.push_back(vertices.actor(cells));
+  section_.push_back(polygons.addTo(renderer_, kFinish, false));
   vtkProperty* const flat = section_.back()->GetProperty();
   flat->SetAmbient(0.85);
   flat->SetDiffuse(0.12);
   flat->SetSpecular(0.0);
-  renderer_->AddActor(section_.back());
   section_.push_back(addLines(renderer_, outline, kSectionEdge, 2.0f * scale_));
 }
 

@@ -13,7 +13,7 @@
 
 #include "enamel/collision/solid.hpp"
 #include "enamel/collision/solid_surface.hpp"
-#include "shapes.hpp"
+#include "polygons.hpp"
 
 namespace enamel::viewer {
 
@@ -40,7 +40,7 @@ class SolidView {
 
   /// The samples of this brick are others now.
   void change(int brick);
-  /// Makes anew what has changed.
+  /// Builds again what has changed.
   void update();
 
  private:

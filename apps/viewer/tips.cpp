@@ -4,11 +4,12 @@
 #include <algorithm>
 
 #include "overlay_parts.hpp"
+#include "widgets.hpp"
 
 namespace enamel::viewer {
 namespace {
 
-bool has(const Area& area, const ImVec2& at) {
+bool has(const Rect& area, const ImVec2& at) {
   return at.x >= area.x && at.x < area.x + area.width && at.y >= area.y && at.y < area.y + area.height;
 }
 
@@ -45,8 +46,8 @@ void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& sta
   const ImVec2 at = ImGui::GetIO().MousePos;
   if (ImGui::GetIO().WantCaptureMouse || state.help || ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1)) return;
   const float s = layout.scale;
-  const Area& scene = layout.scene;
-  const auto onInset = [&](const Area& inset) { return inset.width > 0 && has(inset, at); };
+  const Rect& scene = layout.scene;
+  const auto onInset = [&](const Rect& inset) { return inset.width > 0 && has(inset, at); };
   if (onInset(layout.inset) || onInset(layout.rightInset)) return showTip(state, kInsetTip);
   if (layout.isSplit()) {
     if (!has(layout.compare, at)) return;
@@ -60,7 +61,7 @@ void drawTips(const Layout& layout, const OverlayInput& input, OverlayState& sta
   const float row = 46 * s, top = scene.y + scene.height - static_cast<float>(count) * row - 14 * s;
   if (has({scene.x + 18 * s, top, 150 * s, static_cast<float>(count) * row}, at))
     return showTip(state, kNumberTip[static_cast<std::size_t>((at.y - top) / row)]);
-  const auto badges = badgesOf(input.frame);
+  const auto badges = badgesOf(input.left.frame);
   const bool any = std::any_of(badges.begin(), badges.end(), [](const auto& badge) { return badge.first; });
   if (any && has({scene.x + scene.width - 240 * s, scene.y + 72 * s, 222 * s, 22 * s}, at)) showTip(state, kBadgeTip);
 }

@@ -12,11 +12,11 @@ namespace {
 constexpr double kSlide = 0.010;  // m, to either side
 
 // Where the hand is between start and pressed, and along the wall, both as shares.
-struct Knot {
+struct Keyframe {
   double time;  // s
   double pressed, along;
 };
-constexpr Knot kKnots[] = {
+constexpr Keyframe kKeyframes[] = {
     {0.0, 0.0, 0.0},  {1.5, 0.0, 0.0},  {3.5, 1.0, 0.0},   {5.0, 1.0, 0.0},  {5.5, 0.6, 0.0},  {6.0, 1.0, 0.0},
     {7.0, 1.0, 0.0},  {9.0, 1.0, 1.0},  {12.0, 1.0, -1.0}, {13.5, 1.0, 0.0}, {15.0, 1.0, 0.0}, {15.1, 0.0, 0.0},
     {17.0, 0.0, 0.0}, {18.0, 1.0, 0.0}, {18.5, 1.0, 0.0},  {18.6, 0.0, 0.0}, {20.0, 0.0, 0.0},
@@ -41,9 +41,9 @@ Tour::Tour(const Vec3& start, const Contact& nearest, const Grip& grip) noexcept
 }
 
 Vec3 Tour::hand(double time) const noexcept {
-  const Knot* next =
-      std::find_if(std::begin(kKnots), std::end(kKnots) - 1, [time](const Knot& k) { return k.time >= time; });
-  const Knot* before = next == kKnots ? next : next - 1;
+  const Keyframe* next = std::find_if(std::begin(kKeyframes), std::end(kKeyframes) - 1,
+                                      [time](const Keyframe& k) { return k.time >= time; });
+  const Keyframe* before = next == kKeyframes ? next : next - 1;
   const double share = next == before ? 0.0 : std::clamp((time - before->time) / (next->time - before->time), 0.0, 1.0);
   const double pressed = before->pressed + share * (next->pressed - before->pressed);
   const double along = before->along + share * (next->along - before->along);
@@ -57,6 +57,25 @@ std::size_t Tour::part(double time) noexcept {
 }
 
 const Tour::Words& Tour::words(std::size_t part) noexcept { return kWords[part]; }
+
+void HandMotion::startTour(const Tour& tour, double now) {
+  tour_ = tour;
+  begin_ = now;
+}
+
+void HandMotion::startLine(const Vec3& from, const Vec3& to, double seconds, double now) {
+  line_ = Line{from, to, seconds};
+  begin_ = now;
+}
+
+std::optional<Vec3> HandMotion::target(double now) {
+  if (tour_) return tour_->hand(now - begin_);
+  if (!line_) return std::nullopt;
+  const double share = line_->seconds > 0.0 ? std::min(1.0, (now - begin_) / line_->seconds) : 1.0;
+  const Vec3 at = (line_->from * (1.0 - share) + line_->to * share) / 1e3;
+  if (share >= 1.0) line_.reset();
+  return at;
+}
 
 bool isFirstStart() {
   namespace fs = std::filesystem;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "enamel/collision/contacts.hpp"
 #include "hand.hpp"
@@ -32,6 +33,33 @@ class Tour {
 
  private:
   Vec3 start_, pressed_, along_;
+};
+
+/// What moves the hand when no person does: a tour, or a script along a line. Times in s, of one clock.
+class HandMotion {
+ public:
+  void startTour(const Tour& tour, double now);
+  void endTour() { tour_.reset(); }
+  bool isTouring() const { return tour_.has_value(); }
+  /// Since the tour began; negative: no tour.
+  double tourTime(double now) const { return tour_ ? now - begin_ : -1.0; }
+
+  /// Along a line, mm, for so many seconds.
+  void startLine(const Vec3& from, const Vec3& to, double seconds, double now);
+  void endLine() { line_.reset(); }
+
+  /// Where the hand is at `now`, m, or nothing. A line ends here.
+  std::optional<Vec3> target(double now);
+
+ private:
+  struct Line {
+    Vec3 from, to;
+    double seconds;
+  };
+
+  std::optional<Tour> tour_;
+  std::optional<Line> line_;
+  double begin_ = 0.0;
 };
 
 /// Whether the program was never started before by this user; from now on it was. A file in $XDG_STATE_HOME (or

@@ -6,48 +6,34 @@
 #include <string>
 #include <vector>
 
+#include "bur_view.hpp"
 #include "camera.hpp"
+#include "canvas.hpp"
 #include "charts.hpp"
+#include "data_folder.hpp"
+#include "display_history.hpp"
 #include "input.hpp"
-#include "overlay.hpp"
+#include "options.hpp"
+#include "overlay_input.hpp"
 #include "player.hpp"
 #include "runner.hpp"
 #include "scene_view.hpp"
 #include "script.hpp"
-#include "seen.hpp"
-#include "servo_gain.hpp"
-#include "sound_output.hpp"
-#include "stage.hpp"
 #include "surface.hpp"
 #include "tour.hpp"
 
 namespace enamel::viewer {
 
-/// What the command line says.
-struct Options {
-  std::string play;  ///< recording; or empty, then:
-  std::string scene, device;
-  std::string gain;  ///< file, or empty: loadServoedDevice()
-  RendererSlot begin = RendererSlot::positionControl;
-  std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
-  std::map<std::string, std::string> pluginParameters;
-  bool headless = false;
-  std::string script, record, report;
-  glm::ivec2 size{1280, 720};
-  float scale = 1.0f;
-  double frameRate = 60.0;  ///< of the window, 1/s, at most
-};
-
-/// Everything but the loop that drives it: see runInWindow() and runHeadless().
-class Viewer final : public Driven {
+/// Everything but the loop that drives it: see run.hpp.
+class Viewer final : public InputTarget {
  public:
   /// Loads scene and device, designs the servo, builds the picture; or opens the recording. Throws Error.
   Viewer(const Options& options, Surface& surface);
 
   Runner* runner() { return runner_.get(); }  ///< nullptr: a recording is played
-  Stage& stage() { return stage_; }
-  const Frame& frame() const { return frame_; }
-  Camera& camera() override { return camera_; }
+  Canvas& canvas() { return canvas_; }
+  const Frame& frame() const { return left_.frame; }
+  Camera& camera() override { return camera_.camera(); }
   const Layout& layout() const override { return layout_; }
   glm::dvec3 tool() const override;
   glm::dvec3 normal() const override;
@@ -61,10 +47,10 @@ class Viewer final : public Driven {
   std::string endRecording();
   /// A word for a while.
   void notify(const std::string& text);
-  const Seen& seen() const { return seen_; }
-  const std::vector<std::string>& sceneNames() const { return sceneNames_; }
+  const DisplayHistory& history() const { return history_; }
+  const std::vector<std::string>& sceneNames() const { return scenes_.names(); }
   const OverlayState& overlay() const { return overlay_; }
-  bool isTouring() const { return tour_.has_value(); }
+  bool isTouring() const { return motion_.isTouring(); }
   bool canTour() const;
   const std::vector<std::string>& rendererNames() const { return rendererNames_; }
   /// Names of pictures that were asked for since the last call; an empty name stands for the next free one.
@@ -75,7 +61,7 @@ class Viewer final : public Driven {
   void pressBy(double newtons) override;
   void spin(bool on) override;
   void seek(double share) override;
-  /// Files dropped on the window: scenes and scans, which join the list of scenes; the first one is shown.
+  /// Files dropped on the window: the first scene or scan among them is shown and joins the list of scenes.
   void drop(const std::vector<std::string>& paths) override;
   /// One step of a script, at `now`, s.
   void follow(const ScriptStep& step, double now);
@@ -86,33 +72,66 @@ class Viewer final : public Driven {
   void draw(bool picture);
 
  private:
+  // A tool in its pane: of the whole scene, or of the split screen.
+  struct Pane {
+    Frame frame;
+    Kinematics kinematics;  // of the plant, with inertia
+    SceneState shown;
+    std::optional<SceneView> view;  // of the right one: since the first split screen
+  };
+
+  // Which renderers are chosen.
+  struct Choice {
+    explicit Choice(RendererSlot first)
+        : begin(first),
+          selected(first),
+          before(first == RendererSlot::impedance ? RendererSlot::positionControl : RendererSlot::impedance),
+          right(before) {}
+    RendererSlot begin;             // with which the person began
+    RendererSlot selected, before;  // for Tab
+    RendererSlot right;             // of the split screen's right tool
+  };
+
+  // Of the ticks of one experiment, with which it ends.
+  struct Recording {
+    std::shared_ptr<Recorder> recorder;  // that the experiment feeds, or nullptr
+    std::string path;
+    double begin = 0.0;  // of simulated_, s
+  };
+
+  // viewer_actions.cpp
   bool isRefused(Source source);
   bool actOnRecording(Action action);
-  void takeRun();
-  void takeRecording(double passed);
-  void send(RunnerCommand::Kind kind, int number);
-  bool loadScene(const std::string& path);
-  void addScene(const std::string& path);
-  void resetAll();
-  void rebuild(const Pose& start, const Hand& hand, bool keepTests, const std::string& record = {});
-  void startAgain(bool keepTests = false);
-  void toggleRecording();
+  bool actOnTool(Action action);
+  bool actOnTime(Action action);
+  void actOnView(Action action);
+  void send(RunnerCommand::Kind kind, int number = 0);
+  void sendHand(RunnerCommand::Kind kind, const Vec3& target);
+  void takeHand();
   void select(RendererSlot slot);
   void selectRight(RendererSlot slot);
   void toggleSplit();
   void startTour();
   void endTour(bool skipped);
-  void fillShown(const Frame& frame, Kinematics& kinematics, SceneState& shown) const;
-  void takeChanges();
-  void takeCut();
+  void setSlowdown(int factor);
+  void undo();
   void cutOpen();
-  double uncutDistance(const Vec3& point) const;
-  Vec3 burTip() const;
-  double burDepth() const;
-  const std::vector<SolidLayer>* layers() const;
-  void selectCamera(int preset);
-  void followContact(double passed);
-  void watch();
+  void resetAll();
+  void toggleRecording();
+
+  // viewer.cpp
+  bool loadScene(const std::string& path);
+  void rebuild(const Pose& start, const Hand& hand, bool keepTests, const std::string& record = {});
+  void startAgain(bool keepTests = false);
+  void takeRun();
+  void takeSolids();
+  void takeRecording(double passed);
+  void takeRequests();
+  void fillShown(Pane& pane) const;
+  void placeCharts();
+  void noteShown();
+  void drawPane(Pane& pane, double aspect);
+  OverlayInput overlayInput() const;
 
   bool isHeadless_;
   Surface& surface_;
@@ -121,77 +140,38 @@ class Viewer final : public Driven {
   std::vector<std::string> rendererNames_;
   std::shared_ptr<const Mechanism> plant_;  // with the person's changes
   TorqueStyle torques_;
-  std::string scenePath_;                             // of what is shown
-  std::string folder_;                                // for recordings
-  std::vector<std::string> sceneFiles_, sceneNames_;  // the shipped ones, and the person's own
-  int sceneIndex_ = 0;
+  std::string folder_;     // for recordings
+  std::string scenePath_;  // of what is shown
   SceneFile scene_;
+  SceneList scenes_;  // the shipped ones, and the person's own
   OverlayState overlay_;
-  RendererSlot begin_;              // with which the person began
-  RendererSlot selected_, before_;  // for Tab
-  RendererSlot right_;              // of the split screen's right tool
-  bool split_ = false;
-  Camera cameraBefore_;  // of the split screen
-  int presetBefore_ = 0;
-  std::shared_ptr<Workpiece> workpiece_;
+  Choice renderers_;
+  std::shared_ptr<DrilledSolids> drilledSolids_;
   std::vector<SolidCopy> solids_;  // by obstacle
   std::optional<CutPlane> plane_;
   bool spins_ = false;
-  double burTime_ = 0.0;        // of the last frame, s
-  RemovedVolume burRemoved_{};  // then, m^3
-  Chips chips_;
-  std::optional<SoundOutput> sound_;     // since it was first wanted
-  std::unique_ptr<Runner> runner_;       // where there is no player
-  std::shared_ptr<Recorder> recording_;  // whose ticks one experiment adds, or nullptr
-  std::string recordingPath_;
-  double recordingBegin_ = 0.0;  // of simulated_, s
-  bool wantsClip_ = false;
-  double clip_ = -1.0;  // s
-  Stage stage_;
-  SceneView view_;
-  std::optional<SceneView> rightView_;  // since the first split screen
+  BurView bur_;
+  std::unique_ptr<Runner> runner_;  // where there is no player
+  Recording recording_;
+  Canvas canvas_;
+  Pane left_, right_;
+  bool split_ = false;
   Charts charts_;
-  Camera camera_;
-  int preset_ = 0;
-  bool follows_ = false;       // the contact
-  double followedNear_ = 0.0;  // until then it also comes near
+  CameraControl camera_;
+  HandMotion motion_;
   float builtScale_ = 0.0f;
   Layout layout_;
-
-  Frame frame_;
-  Kinematics kinematics_;  // of the plant, with inertia
-  SceneState shown_;
-  Frame rightFrame_;  // in the split screen, with:
-  Kinematics rightKinematics_;
-  SceneState rightShown_;
   Comparison comparison_;
   std::vector<Vec3> trail_;
   StiffnessLimit limit_{};
   TimingNumbers timing_;
-  double simulated_ = 0.0, now_ = 0.0, updated_ = 0.0, noticeEnd_ = 0.0;
+  double simulated_ = 0.0, now_ = 0.0, updated_ = 0.0, noticeEnd_ = 0.0;  // s
   bool paused_ = false, end_ = false, fullScreen_ = false;
   int slowdown_ = 1;
+  bool wantsClip_ = false;
+  double clip_ = -1.0;  // s
   std::vector<std::string> pictures_;
-  Seen seen_;
-
-  struct Path {
-    glm::dvec3 from, to;
-    double begin, over;
-  };
-  std::optional<Path> path_;  // of a script's hand
-  std::optional<Tour> tour_;
-  double tourBegin_ = 0.0;
+  DisplayHistory history_;
 };
-
-/// Runs in a window until it is closed, the script ends, or SIGINT or SIGTERM comes, and then writes the report.
-/// Returns that signal, or 0. Throws Error; also where the window is closed while the tool is in contact. `started`:
-/// seconds on the steady clock when the program began.
-int runInWindow(const Options& options, double started);
-
-/// Runs a script without a display on simulated time: the same script gives the same pictures. Otherwise as above.
-int runHeadless(const Options& options, double started);
-
-/// Seconds on the steady clock.
-double steadySeconds();
 
 }  // namespace enamel::viewer

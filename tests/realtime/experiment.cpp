@@ -2,7 +2,7 @@
 #include "experiment.hpp"
 
 #include "runner.hpp"
-#include "servo_gain.hpp"
+#include "servoed_device.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "experiment.hpp"
-#include "servo_gain.hpp"
+#include "servoed_device.hpp"
 #include "support/devices.hpp"
 #include "support/meshes.hpp"
 

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "runner.hpp"
-#include "servo_gain.hpp"
+#include "servoed_device.hpp"
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
 #include "viewer/support.hpp"

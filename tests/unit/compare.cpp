@@ -5,7 +5,7 @@
 
 #include "enamel/collision/scene_file.hpp"
 #include "runner.hpp"
-#include "servo_gain.hpp"
+#include "servoed_device.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "tour.hpp"
@@ -114,8 +114,8 @@ TEST_CASE("curves keep a long press whole in a bounded number of points", "[comp
     for (std::size_t i = 1; i < curve.size(); ++i) CHECK(curve[i].depth > curve[i - 1].depth);
   }
   // The last bin over time is complete and has the newest depths.
-  CHECK(both.depth(1, Comparison::kBins - 1).high == Approx(2e-3).epsilon(1e-3));
-  CHECK(both.depth(1, 0).high < both.depth(1, Comparison::kBins - 1).low);
+  CHECK(both.depth(1, Comparison::History::kBins - 1).high == Approx(2e-3).epsilon(1e-3));
+  CHECK(both.depth(1, 0).high < both.depth(1, Comparison::History::kBins - 1).low);
 }
 
 TEST_CASE("two tools are under one hand, tick for tick, and each has the force of its own depth", "[compare]") {

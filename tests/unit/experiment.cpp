@@ -576,7 +576,7 @@ TEST_CASE("a bur drills while it spins, stroke by stroke, and what is undone is 
   const auto uncut = samplesOf(solid);
   const RemovedVolume whole = solid.volume();
   const auto e = experiment(file, RendererSlot::positionControl);
-  const Drilled& drilled = e->frame().drilled;
+  const DrillState& drilled = e->frame().drilled;
   CHECK(e->frame().record.nearest.gap == Approx(2e-4).epsilon(0.05));
   e->moveHandTo({0.0, 0.0, -5e-3});  // 2 N
   run(*e, 400);

@@ -120,7 +120,7 @@ TEST_CASE("beside a haptic thread: random commands, no sample lost or out of ord
 
 TEST_CASE("a thread that draws gets every brick that was cut, also over experiments and restores", "[experiment]") {
   const SceneFile file = tooth();
-  const auto piece = std::make_shared<Workpiece>(file);
+  const auto piece = std::make_shared<DrilledSolids>(file);
   Pose start;
   start.position = file.start;
   const auto next = [&] {

@@ -15,7 +15,7 @@ namespace enamel::viewer::test_input {
 
 namespace {
 
-class Recorder final : public Driven {
+class Recorder final : public InputTarget {
  public:
   void act(Action action) override { actions.push_back(action); }
   void moveHandBy(const glm::dvec3& millimetres) override { hand += millimetres, ++moves; }
@@ -131,11 +131,11 @@ TEST_CASE(
 }
 
 TEST_CASE("from 640x480 to 4K every part is inside of the window, and none stands on another", "[viewer]") {
-  const auto inside = [](const Area& a, const Area& of) {
+  const auto inside = [](const Rect& a, const Rect& of) {
     return a.x >= of.x && a.y >= of.y && a.x + a.width <= of.x + of.width + 0.01f &&
            a.y + a.height <= of.y + of.height + 0.01f;
   };
-  const auto apart = [](const Area& a, const Area& b) {
+  const auto apart = [](const Rect& a, const Rect& b) {
     return a.x + a.width <= b.x + 0.01f || b.x + b.width <= a.x + 0.01f || a.y + a.height <= b.y + 0.01f ||
            b.y + b.height <= a.y + 0.01f;
   };
@@ -154,17 +154,17 @@ TEST_CASE("from 640x480 to 4K every part is inside of the window, and none stand
         INFO(size.x << "x" << size.y << " " << scale << " " << what);
         const Layout l =
             what == 3 ? layOutSplit(size, scale, true) : layOut(size, scale, what != 2, what != 2, what == 1 ? 0 : 5);
-        const Area window{0, 0, static_cast<float>(size.x), static_cast<float>(size.y)};
-        const Area* const parts[] = {&l.panel, &l.scene, &l.right, &l.charts, &l.gauge, &l.bar, &l.compare};
-        for (const Area* a : parts) {
+        const Rect window{0, 0, static_cast<float>(size.x), static_cast<float>(size.y)};
+        const Rect* const parts[] = {&l.panel, &l.scene, &l.right, &l.charts, &l.gauge, &l.bar, &l.compare};
+        for (const Rect* a : parts) {
           CHECK(inside(*a, window));
-          for (const Area* b : parts)
+          for (const Rect* b : parts)
             if (a != b && a->width * a->height > 0 && b->width * b->height > 0) CHECK(apart(*a, *b));
         }
         CHECK(l.scene.width >= 230 * scale);
         CHECK(l.scene.height >= 100 * scale);
         if (what != 3 && l.inset.width > 0) CHECK(inside(l.inset, l.scene));
-        for (const Area& chart : l.chart)
+        for (const Rect& chart : l.chart)
           if (l.charts.width * l.charts.height > 0) CHECK(inside(chart, l.charts));
       }
 }
@@ -172,7 +172,7 @@ TEST_CASE("from 640x480 to 4K every part is inside of the window, and none stand
 TEST_CASE("zooming keeps what is under the cursor where it is", "[viewer]") {
   Recorder recorder;
   Input input(recorder);
-  const Area& area = recorder.place.scene;
+  const Rect& area = recorder.place.scene;
   const glm::dvec2 size(area.width, area.height), corner(area.x, area.y), cursor = corner + glm::dvec2(140.0, 90.0);
   const Camera before = recorder.view;
   const glm::dvec3 point = unproject(before, size, cursor - corner, recorder.tool());
@@ -210,7 +210,7 @@ TEST_CASE("the right button turns the view, the middle one shifts it, and the ha
   CHECK(recorder.view.elevation > before.elevation);
   CHECK(recorder.view.focus == before.focus);
   const Camera turned = recorder.view;
-  const Area& area = recorder.place.scene;
+  const Rect& area = recorder.place.scene;
   const glm::dvec2 size(area.width, area.height);
   const glm::dvec2 seenBefore(project(turned, size, recorder.tool()));
   input.button(GLFW_MOUSE_BUTTON_MIDDLE, GLFW_PRESS);
@@ -227,7 +227,7 @@ TEST_CASE("the right button turns the view, the middle one shifts it, and the ha
 TEST_CASE("a click on the time bar and a drag from it seek, whatever the button was", "[viewer]") {
   Recorder recorder;
   recorder.place = layOut({1280, 720}, 1.0f, true, true, 0);
-  const Area& bar = recorder.place.bar;
+  const Rect& bar = recorder.place.bar;
   REQUIRE(bar.width > 100);
   const double middle = bar.y + 0.5 * bar.height;
   const auto at = [&](double share) { return glm::dvec2(bar.x + share * bar.width, middle); };

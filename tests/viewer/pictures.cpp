@@ -34,7 +34,7 @@ glm::dvec2 seen(const Pose& pose, const Vec3& inPlatform, const Layout& layout) 
   return {layout.scene.x + at.x, layout.scene.y + at.y};
 }
 
-int distinctColours(const Pixels& pixels, const Area& area) {
+int distinctColours(const Pixels& pixels, const Rect& area) {
   std::vector<bool> seen(1 << 15, false);
   int count = 0;
   for (int y = static_cast<int>(area.y); y < static_cast<int>(area.y + area.height); ++y)
@@ -94,7 +94,7 @@ void checkPictures(const std::string& folder, const Layout& layout, bool exactPo
 
   // The charts move: the force's line stands at the bottom, then higher.
   const auto forceLine = [&](const Pixels& picture) {
-    const Area& a = layout.chart[1];
+    const Rect& a = layout.chart[1];
     const float s = layout.scale;
     return patchOf(picture, kVermilion, glm::ivec2(glm::vec2(a.x + 40 * s, a.y + kChartTitle * s)),
                    glm::ivec2(glm::vec2(a.x + a.width, a.y + a.height)));
@@ -235,7 +235,7 @@ TEST_CASE("test pushes are reported by their renderers' names, with the study's 
 
   // The gauge's dots stand at their places from 1 kN/m to 1 MN/m.
   const Layout layout = layOut({1280, 720}, 1.0f, true, true);
-  const Area& gauge = layout.gauge;
+  const Rect& gauge = layout.gauge;
   const Pixels picture(folder / "push/gauge.png");
   const auto dotAt = [&](double value, unsigned colour) {
     const float left = gauge.x + 14, right = gauge.x + gauge.width - 14;
@@ -286,7 +286,7 @@ TEST_CASE(
                late = leanOn("late", "set delay 3");
   // Of the force's line, and how high it stands: 7.5 N on the stiff spring, 5.7 N on the soft one, on one scale.
   const auto force = [&](const Pixels& picture) {
-    const Area& a = layout.chart[1];
+    const Rect& a = layout.chart[1];
     return patchOf(picture, kVermilion, glm::ivec2(glm::vec2(a.x + a.width / 2, a.y + kChartTitle)),
                    glm::ivec2(glm::vec2(a.x + a.width, a.y + a.height)));
   };
@@ -329,7 +329,7 @@ TEST_CASE("a recording is drawn as the run was, at any time, and played", "[view
   // The bar: contact in its right part, and where the place is: at 0.9 s, 2 s, and after a second at half the speed at
   // 1 s, of 2.999 s.
   const auto onBar = [&](const Pixels& pixels, unsigned colour, double from, double to) {
-    const Area& bar = layout.bar;
+    const Rect& bar = layout.bar;
     return patchOf(pixels, colour, glm::ivec2(bar.x + from * bar.width, bar.y),
                    glm::ivec2(bar.x + to * bar.width, bar.y + 23));
   };
@@ -342,7 +342,7 @@ TEST_CASE("a recording is drawn as the run was, at any time, and played", "[view
   CHECK(placeOn(contact) == Approx(2.0).margin(0.01));
   CHECK(placeOn(picture("played")) == Approx(1.0).margin(0.02));
   // An event: the wall's force begins there, where the charts have their middle.
-  const Area& force = layout.chart[1];
+  const Rect& force = layout.chart[1];
   const Pixels event = picture("event");
   const auto line = [&](float from, float to) {
     return patchOf(event, kVermilion, glm::ivec2(glm::vec2(force.x + from * force.width, force.y + kChartTitle)),
@@ -373,7 +373,7 @@ namespace {
 
 // The split screen's tools, which have their sides' colours there, or the arrow of the force at their tips: how far the
 // lowest point is below the wall's line, at the magnification's 46 units a millimetre.
-double depthOf(const Pixels& pixels, const Area& inset, unsigned colour, float scale) {
+double depthOf(const Pixels& pixels, const Rect& inset, unsigned colour, float scale) {
   const int wall = static_cast<int>(inset.y + 0.45f * inset.height);
   int lowest = wall;
   for (int y = wall; y < static_cast<int>(inset.y + inset.height); ++y)
@@ -403,8 +403,8 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
     const auto picture = [&out](const char* name) { return Pixels(out + "/" + name + ".png"); };
     const Pixels before = picture("before"), pressed = picture("pressed"), swapped = picture("swapped"),
                  kept = picture("kept"), single = picture("single");
-    // Both halves have the scene.
-    for (const Area* half : {&layout.scene, &layout.right}) CHECK(distinctColours(before, *half) > 100);
+    // Both panes have the scene.
+    for (const Rect* pane : {&layout.scene, &layout.right}) CHECK(distinctColours(before, *pane) > 100);
     // 26 mm of hand at 400 N/m against 6 kN/m; position control does not give way. Then they change sides.
     const double sunk = 26.0 * 400.0 / (400.0 + 6000.0);
     CHECK(depthOf(pressed, layout.rightInset, kPurple, s) == Approx(sunk).margin(0.06));
@@ -413,7 +413,7 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
     CHECK(depthOf(swapped, layout.rightInset, kPurple, s) < 0.06);
     // Curves of both: none before, and kept after the hand has gone.
     const auto curves = [&](const Pixels& pixels, unsigned colour) {
-      const Area& a = layout.compare;
+      const Rect& a = layout.compare;
       return patchOf(pixels, colour, glm::ivec2(a.x + 0.4f * a.width, a.y + 30 * s),
                      glm::ivec2(a.x + 0.77f * a.width - 20 * s, a.y + a.height - 28 * s))
           .count;
@@ -426,7 +426,7 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
     }
     // The ratio: large dark figures where there were none.
     const auto figures = [&](const Pixels& pixels) {
-      const Area& a = layout.compare;
+      const Rect& a = layout.compare;
       int dark = 0;
       for (int y = static_cast<int>(a.y + 44 * s); y < static_cast<int>(a.y + 88 * s); ++y)
         for (int x = static_cast<int>(a.x + a.width - std::min(250 * s, 0.4f * a.width));
@@ -437,7 +437,7 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
     CHECK(figures(before) < 150);
     CHECK(figures(pressed) > 600);
     CHECK(figures(kept) > 600);
-    // Shown again, both halves have the same light: at the same poses they differ in their heads alone.
+    // Shown again, both panes have the same light: at the same poses they differ in their heads alone.
     const Pixels again = picture("again");
     int differing = 0, all = 0;
     for (int y = static_cast<int>(60 * s); y < static_cast<int>(layout.scene.height); ++y)
@@ -462,9 +462,9 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   INFO(result.output);
   REQUIRE(result.status == 0);
   const Layout layout = layOutSplit({1280, 720}, 1.0f, true);
-  // The sentence stands in white on a dark ground over the border between the halves.
+  // The sentence stands in white on a dark ground over the border between the panes.
   const glm::ivec2 middle(layout.right.x, layout.inset.y + layout.inset.height - 38 - 76);
-  const auto card = [&](const std::string& name) {
+  const auto sentenceBox = [&](const std::string& name) {
     const Pixels pixels(folder / ("out/" + name + ".png"));
     std::vector<bool> words;
     int dark = 0;
@@ -475,14 +475,14 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
       }
     return dark > 3000 ? words : std::vector<bool>{};
   };
-  const auto push = card("push"), slide = card("slide"), letGo = card("let-go");
+  const auto push = sentenceBox("push"), slide = sentenceBox("slide"), letGo = sentenceBox("let-go");
   REQUIRE_FALSE(push.empty());
   REQUIRE_FALSE(slide.empty());
   REQUIRE_FALSE(letGo.empty());
   CHECK(push != slide);
   CHECK(slide != letGo);
-  CHECK(card("end").empty());
-  CHECK(card("skipped").empty());
+  CHECK(sentenceBox("end").empty());
+  CHECK(sentenceBox("skipped").empty());
   // A scene that is more than a wall has none.
   test::writeFile(folder / "other.txt", "0 tour\n0.5 end\n");
   for (const auto& [scene, tours] :
@@ -641,7 +641,7 @@ TEST_CASE("two tools do not share a bur", "[viewer]") {
   INFO(result.output);
   REQUIRE(result.status == 0);
   const Pixels before(folder / "out/before.png"), after(folder / "out/after.png");
-  const Area scene = layOut({1280, 720}, 1.0f, true, true).scene;
+  const Rect scene = layOut({1280, 720}, 1.0f, true, true).scene;
   // A word of why, on a dark ground; the panel is as it was.
   const int x = static_cast<int>(scene.x + 0.5f * scene.width);
   int dark = 0;
@@ -675,7 +675,7 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
     INFO(result.output);
     REQUIRE(result.status == 0);
   }
-  // Within the tooth: beside the card on the left, whose key has the colours too, and the numbers.
+  // Within the tooth: beside the box on the left, whose key has the colours too, and the numbers.
   const auto count = [&](const std::string& name, unsigned colour) {
     return patchOf(Pixels(folder / ("out/" + name + ".png")), colour, {240, 60}, {480, 340}, 0.04).count;
   };

@@ -11,7 +11,7 @@
 namespace enamel::viewer {
 
 /// What was drilled so far. Plain data.
-struct Drilled {
+struct DrillState {
   bool spins = false;
   double feed = 0.0;        ///< m/s
   RemovedVolume removed{};  ///< by layer, without what came back, m^3
@@ -20,11 +20,11 @@ struct Drilled {
 
 /// Outlasts the experiments on its scene, which replace each other when settings change. Belongs to the thread that
 /// ticks; only takeChange() is for the one that draws. Realtime: all but the constructor.
-class Workpiece {
+class DrilledSolids {
  public:
   static constexpr int kStrokes = 64;
 
-  explicit Workpiece(const SceneFile& scene);
+  explicit DrilledSolids(const SceneFile& scene);
 
   /// What is cut from now on comes back with one undo().
   void beginStroke() noexcept;

@@ -1,4 +1,4 @@
-#include "stage.hpp"
+#include "canvas.hpp"
 
 #include <GL/glew.h>  // before anything that includes OpenGL
 #include <backends/imgui_impl_opengl3.h>
@@ -10,9 +10,10 @@
 
 #include "enamel/core/error.hpp"
 #include "offscreen/render_window.hpp"
+#include "overlay.hpp"
 
 namespace enamel::viewer {
-Stage::Stage(Surface& surface, const std::string& font, const std::string& boldFont)
+Canvas::Canvas(Surface& surface, const std::string& font, const std::string& boldFont)
     : surface_(surface), font_(font), boldFont_(boldFont) {
   window_ = offscreen::makeRenderWindow(surface_, "enamel-viewer");
   const auto* drawnBy = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
@@ -30,7 +31,7 @@ Stage::Stage(Surface& surface, const std::string& font, const std::string& boldF
   if (!ImGui_ImplOpenGL3_Init("#version 150")) throw Error("Dear ImGui cannot draw in this OpenGL context");
 }
 
-Stage::~Stage() {
+Canvas::~Canvas() {
   surface_.makeCurrent();
   ImGui_ImplOpenGL3_Shutdown();
   ImGui::DestroyContext();
@@ -38,7 +39,7 @@ Stage::~Stage() {
   window_->RemoveAllObservers();
 }
 
-void Stage::draw(const Layout& layout, const std::function<void()>& overlay, bool picture) {
+void Canvas::draw(const Layout& layout, const std::function<void()>& overlay, bool picture) {
   surface_.makeCurrent();
   // Smooth edges in both layers, of which this one is drawn last. In software they cost a third of the frames.
   for (vtkRenderer* above : {above_.Get(), aboveRight_.Get()}) above->SetUseFXAA(picture || !software_);
@@ -50,7 +51,7 @@ void Stage::draw(const Layout& layout, const std::function<void()>& overlay, boo
     window_->SetDPI(static_cast<int>(72.0f * layout.scale));
   }
   const double w = layout.size.x, h = layout.size.y;
-  const auto place = [w, h](vtkRenderer* renderer, const Area& area) {
+  const auto place = [w, h](vtkRenderer* renderer, const Rect& area) {
     renderer->SetDraw(area.width > 0 && area.height > 0);
     renderer->SetViewport(area.x / w, 1.0 - (area.y + area.height) / h, (area.x + area.width) / w, 1.0 - area.y / h);
   };
@@ -86,7 +87,7 @@ void Stage::draw(const Layout& layout, const std::function<void()>& overlay, boo
   }
 }
 
-Picture Stage::read() {
+Picture Canvas::read() {
   Picture picture;
   picture.size = surface_.size();
   picture.rgb.resize(3 * static_cast<std::size_t>(picture.size.x) * static_cast<std::size_t>(picture.size.y));

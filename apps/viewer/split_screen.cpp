@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <tuple>
 
 #include "overlay_parts.hpp"
 #include "palette.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 // Two axes from 0 on, and what stands at a value on each. The vertical one begins at `low`, at most 0.
 struct Plot {
-  Area area;
+  Rect area;
   double low, right, top;
   ImVec2 at(double x, double y) const {
     return {area.x + area.width * static_cast<float>(x / right),
@@ -37,7 +37,7 @@ double endFor(double value, double least) {
 
 void drawAxes(const Plot& plot, const char* name, const Brush& brush) {
   const float s = brush.s;
-  const Area& a = plot.area;
+  const Rect& a = plot.area;
   brush.text(gFonts.bold, a.x - 34 * s, a.y - 24 * s, kInk, name);
   const double step = stepFor(plot.top);
   for (int i = static_cast<int>(std::ceil(plot.low / step)); i * step <= plot.top * (1 + 1e-9); ++i) {
@@ -52,11 +52,11 @@ void drawLine(const std::vector<ImVec2>& points, unsigned rgb, const Brush& brus
     brush.list->AddLine(points[i - 1], points[i], ink(rgb), 1.8f * brush.s);
 }
 
-void drawDepths(const Area& area, const Comparison& both, const Brush& brush) {
-  constexpr double window = Comparison::kBins * Comparison::kBinTicks * kPeriod;  // s
+void drawDepths(const Rect& area, const Comparison& both, const Brush& brush) {
+  constexpr double window = Comparison::History::kBins * Comparison::History::kBinTicks * kPeriod;  // s
   float largest = 0.0f;
   for (std::size_t side = 0; side < 2; ++side)
-    for (int bin = 0; bin < Comparison::kBins; ++bin) largest = std::max(largest, both.depth(side, bin).high);
+    for (int bin = 0; bin < Comparison::History::kBins; ++bin) largest = std::max(largest, both.depth(side, bin).high);
   const Plot plot{area, 0.0, window, endFor(1e3 * static_cast<double>(largest), 0.05)};
   drawAxes(plot, "Depth, mm", brush);
   const std::string from = format("-%g s", window);
@@ -64,17 +64,17 @@ void drawDepths(const Area& area, const Comparison& both, const Brush& brush) {
   brush.textRight(gFonts.small, area.x + area.width, area.y + area.height + 3 * brush.s, kMuted, "now");
   for (const std::size_t side : {1u, 0u}) {
     std::vector<ImVec2> points;
-    for (int bin = 0; bin < Comparison::kBins; ++bin) {
-      const Comparison::Band band = both.depth(side, bin);
-      const double time = window * (bin + 0.5) / Comparison::kBins;
-      points.push_back(plot.at(time, 1e3 * static_cast<double>(band.low)));
-      if (band.high > band.low) points.push_back(plot.at(time, 1e3 * static_cast<double>(band.high)));
+    for (int bin = 0; bin < Comparison::History::kBins; ++bin) {
+      const auto& range = both.depth(side, bin);
+      const double time = window * (bin + 0.5) / Comparison::History::kBins;
+      points.push_back(plot.at(time, 1e3 * static_cast<double>(range.low)));
+      if (range.high > range.low) points.push_back(plot.at(time, 1e3 * static_cast<double>(range.high)));
     }
     drawLine(points, kSideColour[side], brush);
   }
 }
 
-void drawCurves(const Area& area, const Comparison& both, const Brush& brush) {
+void drawCurves(const Rect& area, const Comparison& both, const Brush& brush) {
   float lowest = 0.0f;
   for (std::size_t side = 0; side < 2; ++side)
     for (const Comparison::Point& point : both.curve(side)) lowest = std::min(lowest, point.force);
@@ -107,10 +107,10 @@ std::string timesText(const Comparison::Ratio& ratio) {
 }
 
 // How many times as deep the one went as the other.
-void drawRatio(const Area& area, const OverlayInput& input, const Brush& brush) {
+void drawRatio(const Rect& area, const OverlayInput& input, const Brush& brush) {
   const float s = brush.s, x = area.x;
   const Comparison& both = input.comparison;
-  const Frame* const frames[] = {&input.frame, input.right};
+  const Frame* const frames[] = {&input.left.frame, &input.right->frame};
   const auto titled = [&](float y, std::size_t side, const char* before) {
     const float at = x + Brush::width(gFonts.text, before);
     brush.text(gFonts.text, x, y, kInk, before);
@@ -148,8 +148,8 @@ void drawRatio(const Area& area, const OverlayInput& input, const Brush& brush) 
              format("perceived: %s and %s", result(*tests[0]).c_str(), result(*tests[1]).c_str()));
 }
 
-// Of a half: where the tool is, and the motors' force on it as delivered.
-void drawForces(const Area& inset, const Frame& frame, const Brush& brush) {
+// Of a pane: where the tool is, and the motors' force on it as delivered.
+void drawForces(const Rect& inset, const Frame& frame, const Brush& brush) {
   const float s = brush.s, x = inset.x + 10 * s, wall = inset.y + kWallShare * inset.height;
   const Delivered force = deliveredOf(frame.record);
   const double depth = -1e3 * frame.record.nearest.gap;
@@ -169,6 +169,23 @@ void drawForces(const Area& inset, const Frame& frame, const Brush& brush) {
   }
 }
 
+// Below the panes: depths, curves and their ratio.
+void drawComparison(const Layout& layout, const OverlayInput& input, const Brush& brush) {
+  const float s = layout.scale;
+  const Rect& a = layout.compare;
+  brush.list->AddLine({layout.right.x, 0}, {layout.right.x, a.y}, ink(kCubeLine), 2 * s);
+  if (a.height <= 0) return;
+  brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper));
+  brush.list->AddLine({a.x, a.y}, {a.x + a.width, a.y}, ink(kCubeLine), 2 * s);
+  const float ratio = std::min(250 * s, 0.4f * a.width), top = a.y + 34 * s, high = a.height - 34 * s - 26 * s;
+  const float plots = a.width - ratio - 14 * s;
+  const float share = plots >= 480 * s ? 0.5f : 1.0f;  // else one plot
+  drawDepths({a.x + 48 * s, top, share * plots - 74 * s, high}, input.comparison, brush);
+  if (share < 1.0f)
+    drawCurves({a.x + share * plots + 48 * s, top, share * plots - 80 * s, high}, input.comparison, brush);
+  drawRatio({a.x + a.width - ratio, a.y, ratio, a.height}, input, brush);
+}
+
 }  // namespace
 
 // What the tour says, and how far it is: between the tools, above the magnifications' scales.
@@ -177,7 +194,7 @@ void drawTour(const Layout& layout, double time, const Brush& brush) {
   const std::size_t part = Tour::part(time);
   const Tour::Words& words = Tour::words(part);
   const float wide = std::max(Brush::width(gFonts.text, words.sentence), 320 * s) + 2 * pad;
-  const Area& above = layout.inset.width > 0 ? layout.inset : layout.scene;
+  const Rect& above = layout.inset.width > 0 ? layout.inset : layout.scene;
   const float x = layout.scene.x + 0.5f * (whole - wide), left = x + pad, right = x + wide - pad;
   const float y = std::max(0.0f, above.y + above.height - 38 * s - high);
   brush.list->AddRectFilled({x, y}, {x + wide, y + high}, ink(kInk, 0.93), 8 * s);
@@ -189,44 +206,30 @@ void drawTour(const Layout& layout, double time, const Brush& brush) {
   brush.list->AddRectFilled({left, y + 66 * s}, {left + done, y + 69 * s}, ink(0xFFFFFF));
 }
 
-void drawHalves(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
+void drawSplitScreen(const Layout& layout, const OverlayInput& input, OverlayState& state, const Brush& brush) {
   static const std::vector<Vec3> noTrail;
   const float s = layout.scale;
-  const Frame* const frames[] = {&input.frame, input.right};
-  const Area* const scenes[] = {&layout.scene, &layout.right};
-  const Area* const insets[] = {&layout.inset, &layout.rightInset};
-  for (std::size_t side = 0; side < 2; ++side) {
-    const Frame& frame = *frames[side];
-    const Area& scene = *scenes[side];
-    const bool ghost = side == 0 ? input.ghost : input.rightGhost;
-    if (insets[side]->width > 0)
-      drawInset({*insets[side], frame, ghost, side == 0 ? input.ghostPosition : input.rightGhostPosition, noTrail, true,
-                 kSideColour[side]},
-                input, state, brush);
-    if (insets[side]->width > 0) drawForces(*insets[side], frame, brush);
+  const std::tuple<const Rect&, const Rect&, const ToolInput&, unsigned> panes[] = {
+      {layout.scene, layout.inset, input.left, kSideColour[0]},
+      {layout.right, layout.rightInset, *input.right, kSideColour[1]}};
+  for (const auto& [scene, inset, tool, colour] : panes) {
+    const Frame& frame = tool.frame;
+    if (inset.width > 0) {
+      drawInset({inset, tool, noTrail, true, colour}, input.scene.toolRadius, state, brush);
+      drawForces(inset, frame, brush);
+    }
     const std::string title = titleOf(input, indexOf(frame.selected));
     const float x = scene.x + 14 * s, y = scene.y + 10 * s, right = scene.x + scene.width - 14 * s;
     brush.list->PushClipRect({scene.x, scene.y}, {scene.x + scene.width, scene.y + scene.height}, true);
     brush.clear(x, y, Brush::width(gFonts.large, title) + 24 * s, 32 * s);
-    brush.list->AddCircleFilled({x + 8 * s, y + 16 * s}, 8 * s, ink(kSideColour[side]));
+    brush.list->AddCircleFilled({x + 8 * s, y + 16 * s}, 8 * s, ink(colour));
     brush.text(gFonts.large, x + 24 * s, y + 1 * s, kInk, title);
     drawNames(scene, {{scene.x, scene.y, scene.width, 62 * s}}, input.camera, frame, true, brush);
-    drawChip(right, y, input, frame, brush);
+    drawStatus(right, y, input, frame, brush);
     drawBadges(right, y + 32 * s, frame, brush);
     brush.list->PopClipRect();
   }
-  const Area& a = layout.compare;
-  brush.list->AddLine({layout.right.x, 0}, {layout.right.x, a.y}, ink(kCubeLine), 2 * s);
-  if (a.height <= 0) return;
-  brush.list->AddRectFilled({a.x, a.y}, {a.x + a.width, a.y + a.height}, ink(kPaper));
-  brush.list->AddLine({a.x, a.y}, {a.x + a.width, a.y}, ink(kCubeLine), 2 * s);
-  const float card = std::min(250 * s, 0.4f * a.width), top = a.y + 34 * s, high = a.height - 34 * s - 26 * s;
-  const float plots = a.width - card - 14 * s;
-  const float share = plots >= 480 * s ? 0.5f : 1.0f;  // else one plot
-  drawDepths({a.x + 48 * s, top, share * plots - 74 * s, high}, input.comparison, brush);
-  if (share < 1.0f)
-    drawCurves({a.x + share * plots + 48 * s, top, share * plots - 80 * s, high}, input.comparison, brush);
-  drawRatio({a.x + a.width - card, a.y, card, a.height}, input, brush);
+  drawComparison(layout, input, brush);
 }
 
 }  // namespace enamel::viewer

@@ -1,4 +1,4 @@
-#include "servo_gain.hpp"
+#include "servoed_device.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -54,6 +54,17 @@ ServoGain loadHold(const std::string& file, const Mechanism& mechanism) {
 }
 
 }  // namespace
+
+SurfaceServoOptions surfaceOptions(const ServoedDevice& device, const Mechanism& model, const Delay& delay) {
+  const SurfaceServoOptions usual = surfaceServoFor(model.limits().count, kPeriod, delay.low, delay.high);
+  if (!device.surface) return usual;
+  SurfaceServoOptions options = *device.surface;
+  if (options.delayLow == delay.low && options.delayHigh == delay.high) return options;
+  options.delayLow = delay.low;
+  options.delayHigh = delay.high;
+  options.horizon = usual.horizon;
+  return options;
+}
 
 ServoedDevice loadServoedDevice(const std::string& path, const std::string& gain) {
   ServoedDevice device;

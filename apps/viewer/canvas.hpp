@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "overlay.hpp"
+#include "layout.hpp"
 #include "surface.hpp"
 
 class vtkGenericOpenGLRenderWindow;
@@ -23,17 +23,17 @@ struct Picture {
   std::vector<unsigned char> rgb;
 };
 
-class Stage {
+class Canvas {
  public:
   /// Throws Error: VTK cannot draw in the surface's context.
-  Stage(Surface& surface, const std::string& font, const std::string& boldFont);
-  ~Stage();
-  Stage(const Stage&) = delete;
-  Stage& operator=(const Stage&) = delete;
+  Canvas(Surface& surface, const std::string& font, const std::string& boldFont);
+  ~Canvas();
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
 
   vtkRenderer* scene() { return scene_; }
   vtkRenderer* above() { return above_; }  ///< a layer over the scene
-  vtkRenderer* right() { return right_; }  ///< the scene of the split screen's right half, and the layer over it
+  vtkRenderer* right() { return right_; }  ///< the scene of the split screen's right pane, and the layer over it
   vtkRenderer* aboveRight() { return aboveRight_; }
   vtkRenderer* charts() { return charts_; }
 

@@ -1,14 +1,14 @@
-#include "workpiece.hpp"
+#include "drilled_solids.hpp"
 
 #include <algorithm>
 
 namespace enamel::viewer {
 
-Workpiece::Workpiece(const SceneFile& scene) : solids_(scene.solids) {
+DrilledSolids::DrilledSolids(const SceneFile& scene) : solids_(scene.solids) {
   for (const auto& solid : solids_) changes_.push_back(solid ? std::make_unique<SolidChanges>() : nullptr);
 }
 
-void Workpiece::beginStroke() noexcept {
+void DrilledSolids::beginStroke() noexcept {
   if (strokes_ > 0 && removed_ == before_[last()]) return;  // the one before took nothing
   if (strokes_ == kStrokes) {
     std::copy(before_.begin() + 1, before_.end(), before_.begin());
@@ -19,11 +19,11 @@ void Workpiece::beginStroke() noexcept {
     if (solid) solid->mark();
 }
 
-void Workpiece::add(const RemovedVolume& removed) noexcept {
+void DrilledSolids::add(const RemovedVolume& removed) noexcept {
   for (std::size_t i = 0; i < removed.size(); ++i) removed_[i] += removed[i];
 }
 
-bool Workpiece::undo() noexcept {
+bool DrilledSolids::undo() noexcept {
   while (strokes_ > 0 && removed_ == before_[last()]) --strokes_;
   if (strokes_ == 0) return false;
   bool undone = false;
@@ -37,14 +37,14 @@ bool Workpiece::undo() noexcept {
   return true;
 }
 
-void Workpiece::restore() noexcept {
+void DrilledSolids::restore() noexcept {
   for (const auto& solid : solids_)
     if (solid) solid->restore();
   removed_ = RemovedVolume{};
   strokes_ = 0;
 }
 
-void Workpiece::publish() noexcept {
+void DrilledSolids::publish() noexcept {
   for (std::size_t i = 0; i < solids_.size(); ++i)
     if (solids_[i]) changes_[i]->publish(*solids_[i]);
 }

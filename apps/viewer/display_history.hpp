@@ -1,4 +1,4 @@
-// What a person was shown, for the report: each once, in its order.
+// What was shown during a run, for the report: each text once, in its order.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace enamel::viewer {
 
-struct Seen {
+struct DisplayHistory {
   std::vector<std::string> scenes, renderers, notices, badges, tips, stiffnesses;
   double deepest = 0.0;  ///< of the tool in a wall, m
 

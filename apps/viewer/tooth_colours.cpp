@@ -1,4 +1,4 @@
-#include "teeth.hpp"
+#include "tooth_colours.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,6 @@
 
 namespace enamel::viewer {
 namespace {
-
-Vec3 rgbOf(unsigned rgb) {
-  const Colour c = colour(rgb);
-  return {c.r, c.g, c.b};
-}
 
 double smooth(double low, double high, double value) {
   const double t = std::clamp((value - low) / (high - low), 0.0, 1.0);

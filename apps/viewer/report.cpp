@@ -1,0 +1,120 @@
+#include "report.hpp"
+
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "enamel/core/file.hpp"
+#include "overlay_parts.hpp"
+
+namespace enamel::viewer {
+namespace {
+
+long residentKilobytes() {
+  std::ifstream file("/proc/self/statm");
+  long total = 0, resident = 0;
+  file >> total >> resident;
+  return resident * (sysconf(_SC_PAGESIZE) / 1024);
+}
+
+// What test pushes measured, with the names of study/metrics.hpp.
+nlohmann::ordered_json testPushes(const Viewer& viewer) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < viewer.rendererNames().size(); ++i) {
+    const TestPush& test = viewer.frame().tests[i];
+    if (!test.made) continue;
+    const bool judged = test.status == Status::ok || test.status == Status::stopped;
+    nlohmann::ordered_json json = {{"renderer", viewer.rendererNames()[i]},
+                                   {"status", toString(test.status)},
+                                   {"first impact", judged ? nlohmann::ordered_json(toString(test.verdict)) : nullptr},
+                                   {"shown", shownText(test)}};
+    const bool measured = test.verdict == FirstImpactVerdict::measured;
+    json["D_z1 [m]"] = measured ? nlohmann::ordered_json(test.depth) : nullptr;
+    json["K_z1 [N/m]"] = measured ? nlohmann::ordered_json(test.stiffness) : nullptr;
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+}  // namespace
+
+TimingNumbers numbersOf(const PeriodicTiming& timing, double framesPerSecond) {
+  TimingNumbers n;
+  n.available = true;
+  n.realtime = timing.realtime;
+  n.wakeMedian = timing.wakeUp.quantile(0.5);
+  n.wakeHigh = timing.wakeUp.quantile(0.999);
+  n.computeMedian = timing.compute.quantile(0.5);
+  n.computeHigh = timing.compute.quantile(0.999);
+  n.computeLargest = timing.compute.largest();
+  n.periods = timing.periods;
+  n.missed = timing.missed;
+  n.framesPerSecond = framesPerSecond;
+  for (const auto& [shares, histogram] : {std::pair(&n.interval, &timing.interval), {&n.compute, &timing.compute}}) {
+    const double all = std::max(1.0, static_cast<double>(histogram->count()));
+    double low = TimingNumbers::kShortest;
+    for (float& share : *shares) {
+      const double high = low * std::exp2(0.25);
+      share = static_cast<float>(static_cast<double>(histogram->count(low, high)) / all);
+      low = high;
+    }
+  }
+  return n;
+}
+
+void Report::frame(double now) {
+  if (frames_++ == 0) firstFrame_ = now - started_;
+  if (now - lastMemory_ >= 1.0) {
+    lastMemory_ = now;
+    memoryAt_.push_back(now - started_);
+    memory_.push_back(residentKilobytes());
+    const struct mallinfo2 heap = mallinfo2();
+    heap_.push_back(static_cast<long>((heap.uordblks + heap.hblkhd) / 1024));
+  }
+}
+
+void Report::write(const std::string& path, double seconds, Viewer& viewer, const TimingNumbers& timing) const {
+  if (path.empty()) return;
+  nlohmann::ordered_json json;
+  json["seconds"] = seconds;
+  json["frames"] = frames_;
+  json["size"] = {viewer.layout().size.x, viewer.layout().size.y};
+  json["frames_per_second"] = seconds > 0.0 ? static_cast<double>(frames_) / seconds : 0.0;
+  json["first_frame_s"] = firstFrame_;
+  json["touring"] = viewer.isTouring();
+  const DisplayHistory& shown = viewer.history();
+  json["shown"] = {{"scenes", shown.scenes},
+                   {"choice of scenes", viewer.sceneNames()},
+                   {"renderers", shown.renderers},
+                   {"notices", shown.notices},
+                   {"badges", shown.badges},
+                   {"tips", shown.tips},
+                   {"deepest [m]", shown.deepest},
+                   {"stiffnesses", shown.stiffnesses},
+                   {"stiffness [N/m]", viewer.overlay().settings.spring.stiffness},
+                   {"delay [ticks]", viewer.overlay().settings.delay.high}};
+  for (const auto& [name, at] : viewer.overlay().controls) json["controls"][name] = {at.x, at.y};
+  json["opengl_errors"] = viewer.canvas().errors();
+  json["dropped_samples"] = viewer.frame().droppedSamples;
+  json["test_pushes"] = testPushes(viewer);
+  json["memory_at_s"] = memoryAt_;
+  json["resident_kB"] = memory_;
+  json["heap_in_use_kB"] = heap_;
+  if (timing.available)
+    json["haptics"] = {{"realtime_class", timing.realtime},
+                       {"periods", timing.periods},
+                       {"missed", timing.missed},
+                       {"wake_up_us", {{"p50", 1e6 * timing.wakeMedian}, {"p99.9", 1e6 * timing.wakeHigh}}},
+                       {"compute_us",
+                        {{"p50", 1e6 * timing.computeMedian},
+                         {"p99.9", 1e6 * timing.computeHigh},
+                         {"max", 1e6 * timing.computeLargest}}}};
+  writeFile(path, json.dump(1) + '\n');
+}
+
+}  // namespace enamel::viewer

@@ -1,0 +1,370 @@
+// What a person or a script makes the viewer do.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "free_path.hpp"
+#include "scan.hpp"
+#include "viewer.hpp"
+
+namespace enamel::viewer {
+namespace {
+
+// That end a tour, and then do what they do.
+bool endsTour(Action action) {
+  constexpr Action actions[] = {Action::swapRenderers, Action::split, Action::testPush, Action::grip,
+                                Action::home,          Action::reset, Action::nextScene};
+  return std::find(std::begin(actions), std::end(actions), action) != std::end(actions);
+}
+
+// The next one of a run's factors.
+int nextSlowdown(int factor, bool slower) {
+  constexpr int factors[] = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000};
+  int next = factor;
+  for (const int one : factors) {
+    if (slower && one > factor) return one;
+    if (!slower && one < factor) next = one;
+  }
+  return next;
+}
+
+}  // namespace
+
+bool Viewer::isRefused(Source source) {
+  if (source == Source::both || (source == Source::recording) == (player_ != nullptr)) return false;
+  notify(player_ ? "This is a recording: nothing in it can be changed." : "Only in a recording (--play FILE).");
+  return true;
+}
+
+void Viewer::send(RunnerCommand::Kind kind, int number) {
+  RunnerCommand command{kind};
+  command.number = number;
+  runner_->send(command);
+}
+
+void Viewer::sendHand(RunnerCommand::Kind kind, const Vec3& target) {
+  RunnerCommand command{kind};
+  command.target = target;
+  runner_->send(command);
+}
+
+void Viewer::act(Action action) {
+  if (isRefused(actionRows()[static_cast<std::size_t>(action)].source)) return;
+  if (player_ && actOnRecording(action)) return;
+  if (motion_.isTouring() && action == Action::cancel) return endTour(true);
+  if (motion_.isTouring() && endsTour(action)) endTour(true);
+  if (!actOnTool(action) && !actOnTime(action)) actOnView(action);
+}
+
+bool Viewer::actOnRecording(Action action) {
+  constexpr double speeds[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
+  const double speed = player_->speed();
+  switch (action) {
+    case Action::reset: player_->seek(0.0); return true;
+    case Action::pause: player_->setPlaying(!player_->playing()); return true;
+    case Action::step: player_->step(1); return true;
+    case Action::stepBack: player_->step(-1); return true;
+    case Action::nextEvent:
+    case Action::previousEvent:
+      if (!player_->jump(action == Action::nextEvent)) notify("There is no more contact or act of the guard.");
+      return true;
+    case Action::faster:
+      player_->setSpeed(*std::find_if(speeds, std::end(speeds) - 1, [&](double s) { return s > 1.001 * speed; }));
+      return true;
+    case Action::slower:
+      for (const double s : speeds)
+        if (s < 0.999 * speed) player_->setSpeed(s);
+      return true;
+    default: return false;
+  }
+}
+
+// What concerns renderers, hand, bur and scene; false: it is another action.
+bool Viewer::actOnTool(Action action) {
+  switch (action) {
+    case Action::swapRenderers:
+      if (split_) {
+        const RendererSlot left = renderers_.selected;
+        select(renderers_.right);
+        selectRight(left);
+      } else {
+        select(renderers_.before);
+      }
+      return true;
+    case Action::split: toggleSplit(); return true;
+    case Action::tour: startTour(); return true;
+    case Action::testPush:
+      motion_.endLine();
+      send(RunnerCommand::Kind::testPush);
+      return true;
+    case Action::grip: {
+      overlay_.grip = overlay_.grip.stiffness == kFirmGrip.stiffness ? kPaperGrip : kFirmGrip;
+      RunnerCommand command{RunnerCommand::Kind::grip};
+      command.grip = overlay_.grip;
+      runner_->send(command);
+      return true;
+    }
+    case Action::home:
+      motion_.endLine();
+      sendHand(RunnerCommand::Kind::handTo, scene_.start);
+      return true;
+    case Action::reset: resetAll(); return true;
+    case Action::undo: undo(); return true;
+    case Action::nextScene:
+      if (!scenes_.empty()) loadScene(scenes_.choose(scenes_.next()));
+      return true;
+    case Action::record: toggleRecording(); return true;
+    default: return false;
+  }
+}
+
+bool Viewer::actOnTime(Action action) {
+  switch (action) {
+    case Action::pause:
+      paused_ = !paused_;
+      send(paused_ ? RunnerCommand::Kind::pause : RunnerCommand::Kind::resume);
+      return true;
+    case Action::step:
+      if (!paused_) act(Action::pause);
+      send(RunnerCommand::Kind::step, 1);
+      return true;
+    case Action::faster:
+    case Action::slower: setSlowdown(nextSlowdown(slowdown_, action == Action::slower)); return true;
+    default: return false;
+  }
+}
+
+void Viewer::actOnView(Action action) {
+  switch (action) {
+    case Action::cutAway: return cutOpen();
+    case Action::sound:
+      if (isHeadless_) return notify("There is sound only in a window.");
+      overlay_.sound = !overlay_.sound;
+      return notify(overlay_.sound ? "The bur is heard." : "The bur is not heard.");
+    case Action::clip: wantsClip_ = !wantsClip_; break;
+    case Action::camera1:
+    case Action::camera2:
+    case Action::camera3:
+    case Action::camera4:
+      return camera_.select(static_cast<std::size_t>(action) - static_cast<std::size_t>(Action::camera1));
+    case Action::follow: return camera_.toggleFollowing(now_);
+    case Action::nextCamera: return camera_.selectNext();
+    case Action::previousCamera: return camera_.selectPrevious();
+    case Action::help: overlay_.help = !overlay_.help; break;
+    case Action::panels: overlay_.panels = !overlay_.panels; break;
+    case Action::timing: overlay_.timing = !overlay_.timing; break;
+    case Action::charts: overlay_.charts = !overlay_.charts; break;
+    case Action::fullScreen: fullScreen_ = !fullScreen_; break;
+    case Action::screenshot: pictures_.emplace_back(); break;
+    case Action::cancel:
+      if (!overlay_.help) notify("Ctrl+Q ends the viewer.");
+      overlay_.help = false;
+      break;
+    case Action::quit: end_ = true; break;
+    default: break;  // of recordings
+  }
+}
+
+void Viewer::select(RendererSlot slot) {
+  if (slot == renderers_.selected) return;
+  renderers_.before = renderers_.selected;
+  renderers_.selected = slot;
+  comparison_.clear();
+  send(RunnerCommand::Kind::select, static_cast<int>(slot));
+}
+
+void Viewer::selectRight(RendererSlot slot) {
+  if (slot == renderers_.right) return;
+  renderers_.right = slot;
+  comparison_.clear();
+  send(RunnerCommand::Kind::selectRight, static_cast<int>(slot));
+}
+
+// Both tools begin where the one is; the left one goes on alone.
+void Viewer::toggleSplit() {
+  if (!split_ && scene_.bur) return notify("Two tools cannot cut one solid: choose a scene without a bur.");
+  split_ = !split_;
+  builtScale_ = 0.0f;
+  comparison_.clear();
+  if (split_) {
+    camera_.keep();
+    camera_.select(3);
+    if (!right_.view) right_.view.emplace(canvas_.right(), canvas_.aboveRight());
+    if (renderers_.right == renderers_.selected) renderers_.right = renderers_.before;
+  } else {
+    camera_.restore();
+  }
+  rebuild(left_.frame.record.pose, left_.frame.hand, true);
+}
+
+// On anything else the hand would slide off.
+bool Viewer::canTour() const {
+  const auto& obstacles = scene_.scene.obstacles();
+  return !player_ && !scene_.bur && obstacles.size() == 1 && std::holds_alternative<HalfSpace>(obstacles[0].shape);
+}
+
+// From the start, at rest, with position control and the spring.
+void Viewer::startTour() {
+  if (!canTour()) return notify("The tour is for scenes that are one wall, as flat-wall is.");
+  if (!split_) toggleSplit();
+  if (paused_) act(Action::pause);
+  setSlowdown(1);
+  renderers_.selected = RendererSlot::positionControl;
+  renderers_.right = RendererSlot::impedance;
+  comparison_.clear();
+  startAgain();
+  Pose start;
+  start.position = scene_.start;
+  motion_.startTour(Tour(scene_.start, nearestContact(scene_.scene, scene_.tool, start, nullptr), overlay_.grip), now_);
+}
+
+// Then the hand is the person's.
+void Viewer::endTour(bool skipped) {
+  motion_.endTour();
+  if (skipped) act(Action::home);
+  notify("The hand is yours: drag it, or press with the wheel. V: one tool.");
+}
+
+void Viewer::setSlowdown(int factor) {
+  slowdown_ = factor;
+  send(RunnerCommand::Kind::slowdown, factor);
+}
+
+void Viewer::undo() {
+  if (left_.frame.drilled.strokes == 0) return notify("There is no stroke of a bur to take back.");
+  if (recording_.recorder) return notify("A recording cannot take back what it has drilled: Ctrl+R ends it.");
+  send(RunnerCommand::Kind::undo);
+}
+
+// All but the scene and the size of the window.
+void Viewer::resetAll() {
+  overlay_.settings = Settings{};
+  overlay_.grip = kFirmGrip;
+  if (split_) toggleSplit();
+  renderers_ = Choice(renderers_.begin);
+  if (paused_) act(Action::pause);
+  setSlowdown(1);
+  if (plane_) cutOpen();
+  spins_ = false;
+  camera_.select(0);
+  startAgain();
+  send(RunnerCommand::Kind::restore);
+  notify("Settings, renderer, hand, teeth, time and view are as at the start.");
+}
+
+// From the tool at rest where it is, with renderers in their first state: a recording knows its first state. It ends
+// with its experiment.
+void Viewer::toggleRecording() {
+  std::string path;
+  if (!recording_.recorder) {
+    if (split_) return notify("Two tools are not recorded: V shows one.");
+    if (isScan(scenePath_)) return notify("A scan is not recorded as it is dropped: a scene file that names it is.");
+    const RemovedVolume& removed = left_.frame.drilled.removed;
+    if (scene_.bur && std::any_of(removed.begin(), removed.end(), [](double volume) { return volume > 0.0; }))
+      return notify("A recording begins with whole teeth: Ctrl+Z or Backspace puts back what was drilled.");
+    path = freePath(folder_, "enamel", {".rec"}) + ".rec";
+  }
+  rebuild(left_.frame.record.pose, left_.frame.hand, true, path);
+}
+
+std::string Viewer::endRecording() {
+  if (!recording_.recorder) return {};
+  const RecordingResult result = std::exchange(recording_.recorder, nullptr)->close();
+  std::string text = recording_.path + ": " + std::to_string(result.ticks) + " ticks";
+  if (result.lost > 0) text += ", " + std::to_string(result.lost) + " lost";
+  if (!result.problem.empty()) text += "; " + result.problem;
+  return text + ". --play shows it.";
+}
+
+// From a tour, or from a script.
+void Viewer::takeHand() {
+  if (motion_.isTouring()) endTour(true);
+  motion_.endLine();
+}
+
+void Viewer::moveHandBy(const glm::dvec3& millimetres) {
+  if (isRefused(Source::live)) return;
+  takeHand();
+  sendHand(RunnerCommand::Kind::handBy, metres(millimetres));
+}
+
+void Viewer::pressBy(double newtons) {
+  if (isRefused(Source::live)) return;
+  takeHand();
+  const Vec3& normal = left_.frame.record.nearest.normal;
+  sendHand(RunnerCommand::Kind::handBy, -newtons * normal.cwiseQuotient(stiffnessOf(overlay_.grip)));
+}
+
+void Viewer::spin(bool on) {
+  if (isRefused(Source::live)) return;
+  if (!scene_.bur) {
+    if (on) notify("The tool of this scene is no bur: nothing spins (scene drill has one).");
+    return;
+  }
+  spins_ = on;
+  send(RunnerCommand::Kind::spin, on ? 1 : 0);
+}
+
+// Along the tool, towards the camera; or closed again.
+void Viewer::cutOpen() {
+  builtScale_ = 0.0f;
+  if (plane_) {
+    plane_.reset();
+    return;
+  }
+  if (layersOf(solids_) == nullptr) return notify("There is no solid in this scene to cut open (scene drill has one).");
+  const Pose& tool = left_.frame.record.pose;
+  const Vec3 axis = tool.rotation.col(2), towards = metres(camera().eye()) - tool.position;
+  const Vec3 across = towards - axis.dot(towards) * axis;
+  plane_ = CutPlane{tool.position, across.norm() > 1e-6 ? Vec3(across.normalized()) : axis.unitOrthogonal().eval()};
+}
+
+void Viewer::seek(double share) { player_->seek(share * static_cast<double>(player_->size() - 1) + 0.5); }
+
+void Viewer::drop(const std::vector<std::string>& paths) {
+  if (isRefused(Source::live)) return;
+  for (const std::string& path : paths)
+    if (loadScene(path)) return scenes_.add(path);
+}
+
+std::vector<std::string> Viewer::takePictures() {
+  std::vector<std::string> names;
+  names.swap(pictures_);
+  return names;
+}
+
+void Viewer::follow(const ScriptStep& step, double now) {
+  now_ = now;
+  switch (step.kind) {
+    case ScriptStep::Kind::action: act(step.action); break;
+    case ScriptStep::Kind::hand:
+      if (motion_.isTouring()) endTour(true);
+      motion_.startLine(kMillimetres * left_.frame.hand.target, {step.target.x, step.target.y, step.target.z},
+                        step.over, now);
+      break;
+    case ScriptStep::Kind::spin: spin(step.number != 0); break;
+    case ScriptStep::Kind::view: camera() = step.view; break;
+    case ScriptStep::Kind::renderer: select(static_cast<RendererSlot>(step.number)); break;
+    case ScriptStep::Kind::right: selectRight(static_cast<RendererSlot>(step.number)); break;
+    case ScriptStep::Kind::set:
+      for (const SettingRow& row : settingRows())
+        if (step.name == row.name) row.apply(overlay_.settings, step.value);
+      overlay_.asked.settings = true;
+      break;
+    case ScriptStep::Kind::scene: loadScene(step.name); break;
+    case ScriptStep::Kind::slowdown:
+      if (player_)
+        player_->setSpeed(1.0 / step.number);
+      else
+        setSlowdown(step.number);
+      break;
+    case ScriptStep::Kind::seek: player_->seek(std::round(step.value / player_->header().guard.period)); break;
+    case ScriptStep::Kind::size: surface_.resize(step.size); break;
+    case ScriptStep::Kind::picture: pictures_.push_back(step.name); break;
+    case ScriptStep::Kind::frames: break;  // of the headless loop
+    case ScriptStep::Kind::end: end_ = true; break;
+  }
+}
+
+}  // namespace enamel::viewer
