@@ -13,12 +13,12 @@
 #include <optional>
 #include <thread>
 
-#include "bench/nominal_device.hpp"
 #include "commands.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
+#include "enamel/device/nominal_device.hpp"
 #include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/runtime/udp_device.hpp"
@@ -235,7 +235,7 @@ void run(DeviceOptions options) {
   if (options.serve == !options.connect.empty()) throw Error("give --serve or --connect HOST:PORT");
   if (!options.key.empty()) options.server.link.key = readKey(options.key);
   const auto mechanism =
-      makeMechanism(options.device.empty() ? DeviceParameters(bench::nominalDevice()) : loadDevice(options.device));
+      makeMechanism(options.device.empty() ? DeviceParameters(nominalDevice()) : loadDevice(options.device));
   if (options.serve)
     serve(options, *mechanism);
   else

@@ -9,10 +9,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "bench/nominal_device.hpp"
 #include "enamel/control/device_plant.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/device/nominal_device.hpp"
 #include "enamel/render/surface_file.hpp"
 #include "enamel/runtime/recording.hpp"
 #include "enamel/study/laws.hpp"
@@ -36,7 +36,7 @@ struct DeviceSource {
 };
 
 DeviceSource deviceOf(const std::string& path) {
-  if (path.empty()) return {parseDevice(bench::nominalDeviceText(), "tau-nominal.toml"), bench::nominalDeviceText()};
+  if (path.empty()) return {parseDevice(nominalDeviceText(), "tau-nominal.toml"), nominalDeviceText()};
   const std::string text = readFile(path);
   return {parseDevice(text, path), text};
 }
@@ -193,7 +193,7 @@ Study prepareStudy(const StudyOptions& options) {
 
   PluginSetup pluginSetup;
   pluginSetup.devicePath = options.designDevice.empty() ? options.device : options.designDevice;
-  if (pluginSetup.devicePath.empty()) pluginSetup.deviceText = bench::nominalDeviceText();
+  if (pluginSetup.devicePath.empty()) pluginSetup.deviceText = nominalDeviceText();
   const std::map<std::string, std::string> parameters = parseParameters(options.set);
   std::map<std::string, std::string> unused = parameters;
   DampingOption damping(options.deviceDamping);
