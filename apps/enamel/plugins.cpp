@@ -10,8 +10,8 @@
 #include "commands.hpp"
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/plugin/conformance.hpp"
-#include "plugin_folder.hpp"
-#include "program.hpp"
+#include "program/plugin_folder.hpp"
+#include "program/program.hpp"
 #ifndef ENAMEL_SANITIZED
 #include "allocation_counter.hpp"
 #endif

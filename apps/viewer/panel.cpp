@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <optional>
 
+#include "colours/palette.hpp"
 #include "overlay_parts.hpp"
-#include "palette.hpp"
 
 namespace enamel::viewer {
 

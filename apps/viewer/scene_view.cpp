@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "teeth.hpp"
+#include "colours/teeth.hpp"
 
 namespace enamel::viewer {
 namespace {

@@ -15,8 +15,8 @@
 #include <functional>
 #include <vector>
 
+#include "colours/palette.hpp"
 #include "enamel/collision/mesh.hpp"
-#include "palette.hpp"
 
 namespace enamel::viewer {
 

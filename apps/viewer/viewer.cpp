@@ -10,7 +10,7 @@
 #include "data_folder.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
-#include "recorded.hpp"
+#include "program/recorded.hpp"
 #include "scan.hpp"
 
 namespace enamel::viewer {

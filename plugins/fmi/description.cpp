@@ -3,10 +3,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "apps/enamel/plants.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/runtime/recording.hpp"
+#include "enamel/sim/plant_maker.hpp"
 
 namespace enamel::fmi {
 
@@ -41,7 +41,7 @@ UnitConfiguration readUnit(const std::string& path) {
   }
 }
 
-bool canCopyState(const UnitConfiguration& c) noexcept { return c.plant != app::kMultibody; }
+bool canCopyState(const UnitConfiguration& c) noexcept { return c.plant != kMultibody; }
 bool canSerialise(const UnitConfiguration& c) noexcept { return !c.renderer.empty(); }
 
 std::vector<Variable> variablesOf(const UnitConfiguration& c, const Mechanism& device) {

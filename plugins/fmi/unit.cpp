@@ -6,16 +6,17 @@
 #include <functional>
 #include <optional>
 
-#include "apps/enamel/plants.hpp"
-#include "apps/enamel/renderers.hpp"
 #include "description.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/plugin/renderer_source.hpp"
 #include "enamel/render/tick.hpp"
 #include "enamel/sim/hand.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "enamel/sim/real_plant.hpp"
 #include "fmi3.hpp"
+#include "unit_plants.hpp"
 
 namespace enamel::fmi {
 namespace {
@@ -93,7 +94,7 @@ class PlantUnit final : public Unit {
       : Unit(configuration, makeMechanism(parameters)) {
     VirtualDeviceSetup setup;
     setup.seed = configuration.seed;
-    make_ = app::makerOf(configuration.plant, parameters, setup);
+    make_ = plantMaker(configuration.plant, parameters, otherPlants(), setup);
   }
 
   void begin() override {
@@ -172,7 +173,7 @@ class PlantUnit final : public Unit {
     set("rates", rates);
   }
 
-  app::MakePlant make_;
+  MakePlant make_;
   std::unique_ptr<Plant> plant_;
   Pose start_;
   Vec3 normal_ = Vec3::UnitZ();
@@ -185,7 +186,7 @@ class RendererUnit final : public Unit {
   RendererUnit(const UnitConfiguration& configuration, const DeviceParameters& parameters, SceneFile scene)
       : Unit(configuration, makeMechanism(parameters)),
         scene_(std::move(scene)),
-        renderer_(app::makeLinked(configuration.renderer, configuration.parameters, device_, configuration.period)) {}
+        renderer_(makeLinked(configuration.renderer, configuration.parameters, device_, configuration.period)) {}
 
   void begin() override {
     GuardOptions guard = guardFor(*device_, configuration_.period);

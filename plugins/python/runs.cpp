@@ -5,11 +5,13 @@
 #include <mutex>
 #include <optional>
 
-#include "apps/enamel/plants.hpp"
 #include "binding.hpp"
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
+#ifdef ENAMEL_SIMBODY
+#include "enamel/multibody/multibody_plant.hpp"
+#endif
 #include "enamel/plugin/host.hpp"
 #include "enamel/render/drill.hpp"
 #include "enamel/render/impedance.hpp"
@@ -18,6 +20,7 @@
 #include "enamel/render/surface_file.hpp"
 #include "enamel/render/virtual_coupling.hpp"
 #include "enamel/runtime/replay.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "enamel/study/monte_carlo.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/wall_design.hpp"
@@ -205,9 +208,12 @@ RateSource ratesOf(const std::string& rates, bool encoders) {
   throw Error("rates is \"" + rates + "\", must be exact, difference or low-pass");
 }
 
-app::MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
-  if (const std::string problem = app::checkPlant(plant); !problem.empty()) throw Error("plant " + problem);
-  return app::makerOf(plant, parameters, setup);
+MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
+  OtherPlants others;
+#ifdef ENAMEL_SIMBODY
+  others.multibody = multibodyPlants;
+#endif
+  return plantMaker(plant, parameters, others, setup);
 }
 
 class TickTable {
@@ -282,7 +288,7 @@ Push push(const Device& device, const py::object& renderer, const std::shared_pt
   setup.seed = seed;
   setup.run = run;
   if (insideTick) setup.person.instant = randomInstant(seed, run);
-  const app::MakePlant makePlant = plantOf(plant, device.parameters, setup);
+  const MakePlant makePlant = plantOf(plant, device.parameters, setup);
   checkPush(setup);
 
   const auto failure = std::make_shared<Failure>();
@@ -570,7 +576,7 @@ void addRuns(py::module_& m) {
   m.attr("statuses") = namesUpTo(Status::stopped);
   m.attr("guard_reasons") = namesUpTo(GuardReason::deadlines);
   m.attr("verdicts") = namesUpTo(FirstImpactVerdict::unstable);
-  m.attr("plants") = app::plantNames();
+  m.attr("plants") = plantNames();
 
   py::class_<TickInput>(m, "Tick", "What a renderer knows at a tick. SI; in W.")
       .def_readonly("time", &TickInput::time, "s, strictly increasing.")

@@ -16,7 +16,7 @@
 #include "enamel/render/surface_servo.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/push.hpp"
-#include "plugin_folder.hpp"
+#include "program/plugin_folder.hpp"
 
 namespace enamel::bench {
 namespace {

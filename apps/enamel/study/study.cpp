@@ -13,12 +13,14 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/nominal_device.hpp"
+#include "enamel/render/passivity.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/render/surface_file.hpp"
 #include "enamel/runtime/recording.hpp"
 #include "enamel/study/laws.hpp"
 #include "enamel/study/parallel.hpp"
 #include "json_matrices.hpp"
-#include "plugin_folder.hpp"
+#include "program/plugin_folder.hpp"
 #include "study/numbers.hpp"
 
 namespace enamel::app {
@@ -200,7 +202,7 @@ Study prepareStudy(const StudyOptions& options) {
   Json plugins = Json::object(), dampings = Json::object();
   for (const std::string& text : options.renderers) {
     const bool own = text == kScheduled || text == kEdge || isTuned(text);
-    const RendererSource source = own ? RendererSource{text, nullptr} : findRenderer(text);
+    const RendererSource source = own ? RendererSource{text, nullptr} : findRenderer(text, pluginFolder());
     const std::string name = source.name + (source.plugin ? " (plugin)" : "");
     for (const StudyColumn& other : plan.columns)
       if (other.name == name) throw Error("--renderers names " + name + " twice");
@@ -290,8 +292,9 @@ Study prepareStudy(const StudyOptions& options) {
       continue;
     }
     if (kind == ColumnKind::positionControl) {
-      const SurfaceServoOptions servo = surfaceServo(study.gainFor == kPositionControl ? options.gain : "",
-                                                     *study.mechanism, period, plan.setup.delay);
+      const SurfaceServoOptions servo =
+          surfaceServo(study.gainFor == kPositionControl ? options.gain : "", *study.mechanism, period,
+                       plan.setup.delay.low, plan.setup.delay.high);
       gainHashes[column.name] = hashOf(surfaceServoText({"", servo}));
       column.make = [servo](std::size_t) { return std::make_unique<SurfaceServoRenderer>(servo); };
       continue;

@@ -17,8 +17,8 @@ inline constexpr unsigned kPurple = 0xCC79A7, kSky = 0x56B4E9;
 // One meaning each. Renderers: slotColour(); in the split screen blue is the left tool and purple the right one.
 inline constexpr unsigned kForce = kVermilion, kHand = kOrange, kDepth = 0x1F262E, kReference = 0x5B6B7B;
 inline constexpr unsigned kJoints[] = {0x2B3138, 0x9A7B4F, 0x8FA0B0};  // of the charts: dark, brown, light
-inline constexpr unsigned kWrong = 0xA3141E;   // a warning
-inline constexpr unsigned kChosen = 0x3D4957;  // of several buttons; what is under way
+inline constexpr unsigned kWrong = 0xA3141E;                           // a warning
+inline constexpr unsigned kChosen = 0x3D4957;                          // of several buttons; what is under way
 inline constexpr unsigned kMotor = 0x333C47, kLink1 = 0x55606E, kLink2 = 0x8C97A4, kColumn = 0xB9C2CC;
 inline constexpr unsigned kPlatform = 0x6C7785, kHandle = 0x2F6F73, kNeedle = 0x3A424C;
 inline constexpr unsigned kEnamel = 0xF3EAD6, kEnamelGrid = 0xBFA873, kEnamelEdge = 0x9C8A5E, kCubeLine = 0x93A0AE;

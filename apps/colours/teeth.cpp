@@ -1,9 +1,9 @@
-#include "teeth.hpp"
+#include "colours/teeth.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "palette.hpp"
+#include "colours/palette.hpp"
 
 namespace enamel::viewer {
 namespace {
