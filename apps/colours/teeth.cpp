@@ -1,5 +1,6 @@
 #include "colours/teeth.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

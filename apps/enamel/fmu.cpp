@@ -7,6 +7,7 @@
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/renderer_source.hpp"
+#include "enamel/render/guard.hpp"
 #include "plant_option.hpp"
 #include "plugins/fmi/export.hpp"
 #include "program/plugin_folder.hpp"
