@@ -11,7 +11,7 @@
 #include "enamel/collision/proximity.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
-#include "program.hpp"
+#include "program/program.hpp"
 
 namespace enamel::app {
 namespace {

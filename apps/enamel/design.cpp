@@ -14,8 +14,8 @@
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/study/parallel.hpp"
-#include "plants.hpp"
-#include "renderers.hpp"
+#include "plant_option.hpp"
+#include "renderer_option.hpp"
 
 namespace enamel::app {
 namespace {

@@ -8,7 +8,7 @@
 #include "enamel/render/surface_file.hpp"
 #include "enamel/study/laws.hpp"
 #include "enamel/study/parallel.hpp"
-#include "plants.hpp"
+#include "plant_option.hpp"
 
 namespace enamel::app {
 namespace {

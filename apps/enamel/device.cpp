@@ -13,19 +13,20 @@
 #include <optional>
 #include <thread>
 
-#include "bench/nominal_device.hpp"
 #include "commands.hpp"
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
+#include "enamel/device/nominal_device.hpp"
+#include "enamel/plugin/renderer_source.hpp"
 #include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/runtime/udp_device.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/simulated_device.hpp"
-#include "recorded.hpp"
-#include "renderers.hpp"
+#include "program/plugin_folder.hpp"
+#include "program/recorded.hpp"
 
 namespace enamel::app {
 namespace {
@@ -189,7 +190,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
     header.sceneFile = std::filesystem::absolute(options.scene).string();
     if (!options.record.empty()) header.sceneText = readFile(options.scene);
   }
-  const RendererSource source = findRenderer(options.renderer);
+  const RendererSource source = findRenderer(options.renderer, pluginFolder());
   std::map<std::string, std::string> values;
   // The wire: a command acts one tick after its measurement, or two.
   if (!source.plugin && source.name == kPositionControl) values = {{"delay", "1"}, {"delay-high", "2"}};
@@ -235,7 +236,7 @@ void run(DeviceOptions options) {
   if (options.serve == !options.connect.empty()) throw Error("give --serve or --connect HOST:PORT");
   if (!options.key.empty()) options.server.link.key = readKey(options.key);
   const auto mechanism =
-      makeMechanism(options.device.empty() ? DeviceParameters(bench::nominalDevice()) : loadDevice(options.device));
+      makeMechanism(options.device.empty() ? DeviceParameters(nominalDevice()) : loadDevice(options.device));
   if (options.serve)
     serve(options, *mechanism);
   else

@@ -6,10 +6,11 @@
 
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
-#include "plants.hpp"
-#include "plugin_folder.hpp"
+#include "enamel/plugin/renderer_source.hpp"
+#include "enamel/render/guard.hpp"
+#include "plant_option.hpp"
 #include "plugins/fmi/export.hpp"
-#include "renderers.hpp"
+#include "program/plugin_folder.hpp"
 
 namespace enamel::app {
 namespace {
@@ -47,7 +48,7 @@ void run(const FmuOptions& options) {
       (void)make(0);  // refuses here what a unit would
     if (options.plant == kMultibody) binary = "enamel_fmi_unit_multibody.so";
   } else {
-    if (findRenderer(options.renderer).plugin)
+    if (findRenderer(options.renderer, pluginFolder()).plugin)
       throw Error("--renderer " + options.renderer + " is a plugin: a unit holds those of enamel itself");
     unit.renderer = options.renderer;
     unit.parameters = parseParameters(options.set);

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
-#include "program.hpp"
+#include "program/program.hpp"
 
 int main(int argc, char** argv) {
   return enamel::app::runProgram("enamel", [&] {

@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <cstring>
 
-#include "bench/nominal_device.hpp"
 #include "commands.hpp"
+#include "enamel/device/nominal_device.hpp"
 #include "enamel/plugin/conformance.hpp"
-#include "plugin_folder.hpp"
-#include "program.hpp"
+#include "program/plugin_folder.hpp"
+#include "program/program.hpp"
 #ifndef ENAMEL_SANITIZED
 #include "allocation_counter.hpp"
 #endif
@@ -52,7 +52,7 @@ struct CheckOptions {
     PluginSetup setup;
     setup.parameters = parseParameters(options.set);
     if (options.device.empty())
-      setup.deviceText = bench::nominalDeviceText();
+      setup.deviceText = nominalDeviceText();
     else
       setup.devicePath = options.device;
     ConformanceOptions conformance;

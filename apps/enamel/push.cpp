@@ -10,12 +10,13 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/runtime/recorder.hpp"
-#include "plants.hpp"
-#include "plugin_folder.hpp"
+#include "plant_option.hpp"
+#include "program/plugin_folder.hpp"
+#include "program/recorded.hpp"
 #include "push_report.hpp"
-#include "recorded.hpp"
-#include "renderers.hpp"
+#include "renderer_option.hpp"
 
 namespace enamel::app {
 namespace {
@@ -74,7 +75,7 @@ std::vector<RendererSource> sourcesOf(const PushOptions& options) {
   std::vector<RendererSource> sources;
   const auto has = [&](const auto& condition) { return std::any_of(sources.begin(), sources.end(), condition); };
   for (const std::string& text : options.renderers) {
-    const RendererSource source = findRenderer(text);
+    const RendererSource source = findRenderer(text, pluginFolder());
     if (has([&](const RendererSource& s) { return s.name == source.name; }))
       throw Error("--renderer names " + source.name + " twice");
     sources.push_back(source);

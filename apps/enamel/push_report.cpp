@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "enamel/core/error.hpp"
-#include "renderers.hpp"
+#include "renderer_option.hpp"
 
 namespace enamel::app {
 namespace {

@@ -10,9 +10,9 @@
 
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
-#include "plugin_folder.hpp"
-#include "program.hpp"
-#include "recorded.hpp"
+#include "program/plugin_folder.hpp"
+#include "program/program.hpp"
+#include "program/recorded.hpp"
 #include "replay_page.hpp"
 
 namespace enamel::app {

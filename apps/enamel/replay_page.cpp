@@ -7,12 +7,12 @@
 #include <cstring>
 #include <type_traits>
 
+#include "colours/palette.hpp"
+#include "colours/tooth_colours.hpp"
 #include "enamel/collision/solid_surface.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "replay_page_text.hpp"
-#include "viewer/palette.hpp"
-#include "viewer/tooth_colours.hpp"
 #ifdef ENAMEL_REPLAY_PAGE
 #include <zlib.h>
 #endif

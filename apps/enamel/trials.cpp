@@ -6,13 +6,16 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "enamel/control/device_plant.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
+#include "enamel/render/passivity.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/wall_design.hpp"
 #include "enamel/study/wall_trials.hpp"
-#include "plugin_folder.hpp"
-#include "renderers.hpp"
+#include "program/plugin_folder.hpp"
+#include "renderer_option.hpp"
 
 namespace enamel::app {
 namespace {
@@ -37,7 +40,7 @@ Column linkedColumn(const TrialsOptions& options, const std::string& name, const
   const WallTrialSetup& setup = options.setup;
   const std::string title = gain.empty() ? name : std::filesystem::path(gain).stem().string();
   if (name == kPositionControl) {
-    const SurfaceServoOptions servo = surfaceServo(gain, *setup.model, setup.period, setup.delay);
+    const SurfaceServoOptions servo = surfaceServo(gain, *setup.model, setup.period, setup.delay.low, setup.delay.high);
     return {title, [servo] { return std::make_unique<SurfaceServoRenderer>(servo); }};
   }
   if (name == kHold) {
@@ -58,7 +61,7 @@ std::vector<Column> columnsOf(const TrialsOptions& options) {
   std::vector<Column> columns;
   bool plugins = false;
   for (const std::string& text : options.renderers) {
-    const RendererSource source = findRenderer(text);
+    const RendererSource source = findRenderer(text, pluginFolder());
     if (source.plugin) {
       const PluginSetup plugin{options.device, "", "", "", parseParameters(options.set)};
       columns.push_back({source.name, [library = source.plugin, plugin] { return makeRenderer(library, plugin); }});

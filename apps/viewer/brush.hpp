@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "colours/palette.hpp"
 #include "layout.hpp"
-#include "palette.hpp"
 
 namespace enamel::viewer {
 

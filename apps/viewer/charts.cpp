@@ -12,7 +12,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "palette.hpp"
+#include "colours/palette.hpp"
 
 namespace enamel::viewer {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "colours/palette.hpp"
 #include "overlay_parts.hpp"
-#include "palette.hpp"
 
 namespace enamel::viewer {
 

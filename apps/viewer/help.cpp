@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "overlay_parts.hpp"
-#include "palette.hpp"
+#include "colours/palette.hpp"
 
 namespace enamel::viewer {
 

@@ -4,8 +4,8 @@
 
 #include "data_folder.hpp"
 #include "enamel/render/surface_file.hpp"
-#include "plugin_folder.hpp"
-#include "program.hpp"
+#include "program/plugin_folder.hpp"
+#include "program/program.hpp"
 #include "run.hpp"
 #include "script.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tooth_colours.hpp"
+#include "colours/tooth_colours.hpp"
 
 namespace enamel::viewer {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "colours/palette.hpp"
 #include "overlay_parts.hpp"
 #include "widgets.hpp"
 

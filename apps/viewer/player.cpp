@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "enamel/core/error.hpp"
-#include "recorded.hpp"
+#include "program/recorded.hpp"
 
 namespace enamel::viewer {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "overlay_parts.hpp"
-#include "palette.hpp"
+#include "colours/palette.hpp"
 
 namespace enamel::viewer {
 

@@ -11,7 +11,7 @@
 #include <array>
 
 #include "camera.hpp"
-#include "palette.hpp"
+#include "colours/palette.hpp"
 
 namespace enamel::viewer {
 

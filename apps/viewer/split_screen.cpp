@@ -5,8 +5,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "colours/palette.hpp"
 #include "overlay_parts.hpp"
-#include "palette.hpp"
 #include "tour.hpp"
 
 namespace enamel::viewer {

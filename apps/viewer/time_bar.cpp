@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "overlay_parts.hpp"
-#include "palette.hpp"
+#include "colours/palette.hpp"
 
 namespace enamel::viewer {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "palette.hpp"
+#include "colours/palette.hpp"
 
 namespace enamel::viewer {
 
@@ -18,9 +18,7 @@ TorqueStyle::TorqueStyle(const Mechanism& mechanism) : joints(mechanism.joints()
   factor = shares ? JointVector(100.0 * limits.cwiseInverse()) : JointVector::Ones(joints);
 }
 
-unsigned TorqueStyle::colourOf(int joint) const {
-  return kJoints[(perChain > 0 ? joint / perChain : joint) % 3];
-}
+unsigned TorqueStyle::colourOf(int joint) const { return kJoints[(perChain > 0 ? joint / perChain : joint) % 3]; }
 
 bool TorqueStyle::dashed(int joint) const { return perChain > 0 ? joint % perChain > 0 : joint / 3 % 2 > 0; }
 

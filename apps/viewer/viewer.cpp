@@ -10,7 +10,7 @@
 #include "enamel/core/file.hpp"
 #include "overlay.hpp"
 #include "overlay_parts.hpp"
-#include "recorded.hpp"
+#include "program/recorded.hpp"
 #include "scan.hpp"
 
 namespace enamel::viewer {

@@ -4,6 +4,7 @@
 
 #include "enamel/core/error.hpp"
 #include "enamel/sim/hand.hpp"
+#include "unit_plants.hpp"
 
 namespace enamel::fmi {
 
@@ -23,7 +24,7 @@ PlantUnit::PlantUnit(const UnitConfiguration& configuration, const DeviceParamet
     : Unit(configuration, makeMechanism(parameters)) {
   VirtualDeviceSetup setup;
   setup.seed = configuration.seed;
-  make_ = app::makerOf(configuration.plant, parameters, setup);
+  make_ = plantMaker(configuration.plant, parameters, otherPlants(), setup);
 }
 
 void PlantUnit::begin() {

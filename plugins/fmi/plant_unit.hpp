@@ -1,7 +1,7 @@
 // A plant as a unit.
 #pragma once
 
-#include "apps/enamel/plants.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "unit.hpp"
 
 namespace enamel::fmi {
@@ -23,7 +23,7 @@ class PlantUnit final : public Unit {
 
   void show();  // outputs
 
-  app::MakePlant make_;
+  MakePlant make_;
   std::unique_ptr<Plant> plant_;
   Pose start_;
   Vec3 normal_ = Vec3::UnitZ();

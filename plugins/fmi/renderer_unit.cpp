@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "apps/enamel/renderers.hpp"
+#include "enamel/plugin/renderer_source.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel::fmi {
@@ -19,7 +19,7 @@ struct RendererUnit::Saved final : UnitState {
 RendererUnit::RendererUnit(const UnitConfiguration& configuration, const DeviceParameters& parameters, SceneFile scene)
     : Unit(configuration, makeMechanism(parameters)),
       scene_(std::move(scene)),
-      renderer_(app::makeLinked(configuration.renderer, configuration.parameters, device_, configuration.period)) {}
+      renderer_(makeLinked(configuration.renderer, configuration.parameters, device_, configuration.period)) {}
 
 void RendererUnit::begin() {
   GuardOptions guard = guardFor(*device_, configuration_.period);

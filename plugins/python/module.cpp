@@ -1,5 +1,5 @@
 // The Python module enamel._enamel: errors, names of numbers, and what the other files add.
-#include "apps/enamel/plants.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "binding.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/host.hpp"
@@ -44,7 +44,7 @@ PYBIND11_MODULE(_enamel, m) {
   m.attr("statuses") = python::namesUpTo(Status::stopped);
   m.attr("guard_reasons") = python::namesUpTo(GuardReason::deadlines);
   m.attr("verdicts") = python::namesUpTo(FirstImpactVerdict::unstable);
-  m.attr("plants") = app::plantNames();
+  m.attr("plants") = plantNames();
   python::addDevice(m);
   python::addScene(m);
   python::addRenderers(m);

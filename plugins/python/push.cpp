@@ -27,7 +27,7 @@ struct PushOptions {
   std::uint64_t seed = 1;
   std::uint32_t run = 0;
   bool insideTick = false;
-  std::string plant = app::kClosedForm;
+  std::string plant = kClosedForm;
   std::optional<Device> model;
 };
 
@@ -115,7 +115,7 @@ struct Push {
 
 Push push(const Device& device, const py::object& renderer, const PushOptions& options) {
   PushSetup setup = setupOf(options);
-  const app::MakePlant makePlant = plantOf(options.plant, device.parameters, setup);
+  const MakePlant makePlant = plantOf(options.plant, device.parameters, setup);
   checkPush(setup);
 
   const auto failure = std::make_shared<Failure>();

@@ -2,6 +2,9 @@
 
 #include "enamel/core/error.hpp"
 #include "enamel/study/parallel.hpp"
+#ifdef ENAMEL_SIMBODY
+#include "enamel/multibody/multibody_plant.hpp"
+#endif
 
 namespace enamel::python {
 namespace {
@@ -20,9 +23,12 @@ EncoderOptions encodersOf(bool encoders, const std::string& rates, double lowPas
   return {encoders, ratesOf(rates, encoders), lowPass};
 }
 
-app::MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
-  if (const std::string problem = app::checkPlant(plant); !problem.empty()) throw Error("plant " + problem);
-  return app::makerOf(plant, parameters, setup);
+MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
+  OtherPlants others;
+#ifdef ENAMEL_SIMBODY
+  others.multibody = multibodyPlants;
+#endif
+  return plantMaker(plant, parameters, others, setup);
 }
 
 int threadsOf(int threads) { return threads > 0 ? threads : availableThreads(); }

@@ -1,7 +1,7 @@
 // What pushes, studies and trials from Python have in common.
 #pragma once
 
-#include "apps/enamel/plants.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "renderers.hpp"
 
 namespace enamel::python {
@@ -9,8 +9,8 @@ namespace enamel::python {
 /// The encoders of a run; `rates`: exact, difference, low-pass, or "" for the usual one. Throws Error: another one.
 EncoderOptions encodersOf(bool encoders, const std::string& rates, double lowPass);
 
-/// The plant of a device, as --plant. Throws Error: as makerOf() (plants.hpp); no such plant.
-app::MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup);
+/// The plant of a device, as --plant. Throws Error: as plantMaker().
+MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup);
 
 /// 0: all that there are.
 int threadsOf(int threads);

@@ -21,7 +21,7 @@ struct StudyOptions {
   double period = 1e-3;
   std::uint64_t seed = 1;
   bool insideTick = false;
-  std::string plant = app::kClosedForm;
+  std::string plant = kClosedForm;
   int threads = 0;
 };
 

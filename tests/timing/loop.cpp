@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "bench/nominal_device.hpp"
+#include "enamel/device/nominal_device.hpp"
 #include "enamel/device/tau/mechanism.hpp"
 #include "enamel/render/surface_servo.hpp"
 #include "enamel/runtime/haptic_loop.hpp"
@@ -24,7 +24,7 @@ void print(const char* name, const DurationHistogram& h) {
 }  // namespace
 
 TEST_CASE("deadlines of a loop beside a busy core", "[timing]") {
-  const TauMechanism mechanism(bench::nominalDevice());
+  const TauMechanism mechanism(nominalDevice());
   const Scene scene = flatWall();
   for (const double rate : {1000.0, 4000.0}) {
     const double period = 1.0 / rate, seconds = rate > 2000.0 ? test::count(1, 10) : test::count(2, 60);

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <fstream>
 
+#include "colours/palette.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/render/surface_file.hpp"
 #include "enamel/study/metrics.hpp"
-#include "palette.hpp"
 #include "runner.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"

@@ -260,8 +260,8 @@ TEST_CASE("push: position control with a surface servo of a file, linked and as 
   const std::string fast = write("fast.json", surfaceServoFor(count, 5e-4, 0, 0)),
                     three = write("three.json", surfaceServoFor(JointVector::Constant(3, 1e-5), 1e-3, 0, 0));
   refuses(
-      {{"--gain " + same, "same.json: the servo is for a delay of 1 ticks, --delay is 0 ticks"},
-       {"--delay random:0..3 --gain " + same, "for a delay of 1 ticks, --delay is 0 to 3 ticks"},
+      {{"--gain " + same, "same.json: the servo is for a delay of 1 ticks, the loop has one of 0 ticks"},
+       {"--delay random:0..3 --gain " + same, "for a delay of 1 ticks, the loop has one of 0 to 3 ticks"},
        {"--gain " + fast, "fast.json: the servo is for ticks of 0.0005 s, these take 0.001 s"},
        {"--gain " + three, "three.json: the servo is for 3 joints, the device has 6"},
        {"--renderer hold --gain " + same, "is a surface servo, for position-control, which --renderer does not name"},

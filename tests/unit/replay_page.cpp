@@ -5,11 +5,11 @@
 #include <regex>
 
 #include "enamel/core/file.hpp"
+#include "enamel/plugin/renderer_source.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
-#include "recorded.hpp"
-#include "renderers.hpp"
+#include "program/recorded.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/skip.hpp"
@@ -67,7 +67,7 @@ Run record(const test::TemporaryFolder& folder, const std::string& path) {
   header.start.position = scene.start;
   const std::map<std::string, std::string> parameters{{"mode", "surface"}};
   app::nameRenderer("position-control", "", parameters, scene.scene, header);
-  const auto renderer = app::makeLinked("position-control", parameters, device, 1e-3);
+  const auto renderer = makeLinked("position-control", parameters, device, 1e-3);
 
   LoopSetup setup;
   setup.scene = scene.scene;

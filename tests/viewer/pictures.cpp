@@ -1,8 +1,8 @@
 // What the viewer draws, in software GL without any X server, and in a window under Xvfb.
 #include "camera.hpp"
+#include "colours/palette.hpp"
 #include "enamel/study/metrics.hpp"
 #include "layout.hpp"
-#include "palette.hpp"
 #include "support/devices.hpp"
 #include "viewer/support.hpp"
 

@@ -4,11 +4,11 @@
 
 #include "bench/control_cases.hpp"
 #include "bench/measurement.hpp"
-#include "bench/nominal_device.hpp"
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/discretise.hpp"
 #include "enamel/control/riccati.hpp"
 #include "enamel/control/servo_design.hpp"
+#include "enamel/device/nominal_device.hpp"
 #include "enamel/device/tau/mechanism.hpp"
 
 namespace enamel::bench {

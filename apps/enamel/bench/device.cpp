@@ -5,7 +5,7 @@
 
 #include "bench/assembled_dynamics.hpp"
 #include "bench/measurement.hpp"
-#include "bench/nominal_device.hpp"
+#include "enamel/device/nominal_device.hpp"
 #include "enamel/device/tau/dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"
 #include "enamel/device/tau/mechanism.hpp"

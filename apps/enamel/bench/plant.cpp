@@ -2,8 +2,8 @@
 #include <stdexcept>
 
 #include "bench/measurement.hpp"
-#include "bench/nominal_device.hpp"
 #include "enamel/device/device_file.hpp"
+#include "enamel/device/nominal_device.hpp"
 #include "enamel/sim/real_plant.hpp"
 #ifdef ENAMEL_SIMBODY
 #include "enamel/multibody/multibody_plant.hpp"

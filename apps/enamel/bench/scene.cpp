@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/nominal_device.hpp"
 #include "bench/scene_cost.hpp"
+#include "enamel/device/nominal_device.hpp"
 #include "enamel/device/tau/mechanism.hpp"
 #include "enamel/render/surface_servo.hpp"
 #include "enamel/render/tick.hpp"

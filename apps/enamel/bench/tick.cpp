@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "bench/measurement.hpp"
-#include "bench/nominal_device.hpp"
 #include "enamel/control/device_plant.hpp"
+#include "enamel/device/nominal_device.hpp"
 #include "enamel/device/tau/mechanism.hpp"
 #include "enamel/plugin/host.hpp"
 #include "enamel/render/impedance.hpp"
@@ -16,7 +16,7 @@
 #include "enamel/render/surface_servo.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/push.hpp"
-#include "plugin_folder.hpp"
+#include "program/plugin_folder.hpp"
 
 namespace enamel::bench {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "plants.hpp"
-#include "renderers.hpp"
+#include "plant_option.hpp"
+#include "renderer_option.hpp"
 
 namespace enamel::app {
 

@@ -17,7 +17,7 @@
 #include "enamel/core/file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
-#include "program.hpp"
+#include "program/program.hpp"
 #include "study/judge.hpp"
 #include "study/report.hpp"
 

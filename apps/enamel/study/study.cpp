@@ -9,16 +9,18 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "bench/nominal_device.hpp"
 #include "enamel/control/device_plant.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/device/nominal_device.hpp"
+#include "enamel/render/passivity.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/render/surface_file.hpp"
 #include "enamel/runtime/recording.hpp"
 #include "enamel/study/laws.hpp"
 #include "enamel/study/parallel.hpp"
 #include "json_matrices.hpp"
-#include "plugin_folder.hpp"
+#include "program/plugin_folder.hpp"
 #include "study/numbers.hpp"
 
 namespace enamel::app {
@@ -36,7 +38,7 @@ struct DeviceSource {
 };
 
 DeviceSource deviceOf(const std::string& path) {
-  if (path.empty()) return {parseDevice(bench::nominalDeviceText(), "tau-nominal.toml"), bench::nominalDeviceText()};
+  if (path.empty()) return {parseDevice(nominalDeviceText(), "tau-nominal.toml"), nominalDeviceText()};
   const std::string text = readFile(path);
   return {parseDevice(text, path), text};
 }
@@ -193,14 +195,14 @@ Study prepareStudy(const StudyOptions& options) {
 
   PluginSetup pluginSetup;
   pluginSetup.devicePath = options.designDevice.empty() ? options.device : options.designDevice;
-  if (pluginSetup.devicePath.empty()) pluginSetup.deviceText = bench::nominalDeviceText();
+  if (pluginSetup.devicePath.empty()) pluginSetup.deviceText = nominalDeviceText();
   const std::map<std::string, std::string> parameters = parseParameters(options.set);
   std::map<std::string, std::string> unused = parameters;
   DampingOption damping(options.deviceDamping);
   Json plugins = Json::object(), dampings = Json::object();
   for (const std::string& text : options.renderers) {
     const bool own = text == kScheduled || text == kEdge || isTuned(text);
-    const RendererSource source = own ? RendererSource{text, nullptr} : findRenderer(text);
+    const RendererSource source = own ? RendererSource{text, nullptr} : findRenderer(text, pluginFolder());
     const std::string name = source.name + (source.plugin ? " (plugin)" : "");
     for (const StudyColumn& other : plan.columns)
       if (other.name == name) throw Error("--renderers names " + name + " twice");
@@ -290,8 +292,9 @@ Study prepareStudy(const StudyOptions& options) {
       continue;
     }
     if (kind == ColumnKind::positionControl) {
-      const SurfaceServoOptions servo = surfaceServo(study.gainFor == kPositionControl ? options.gain : "",
-                                                     *study.mechanism, period, plan.setup.delay);
+      const SurfaceServoOptions servo =
+          surfaceServo(study.gainFor == kPositionControl ? options.gain : "", *study.mechanism, period,
+                       plan.setup.delay.low, plan.setup.delay.high);
       gainHashes[column.name] = hashOf(surfaceServoText({"", servo}));
       column.make = [servo](std::size_t) { return std::make_unique<SurfaceServoRenderer>(servo); };
       continue;

@@ -119,29 +119,36 @@ static inline void take4(__m256d valid, __m256d squared, __m256d parameter, __m2
   best->part = _mm256_blendv_pd(best->part, _mm256_set1_pd(part), nearer);
 }
 
-// closestToAxis() for four triangles of which none is thin: the nearest one; of equally near ones that of smallest
-// index.
-static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, SegmentCandidate* nearest) {
-  const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0), sign = _mm256_set1_pd(-0.0);
-  const __m256d all = _mm256_cmp_pd(zero, zero, _CMP_EQ_OQ);
-  __m256d v[9], a[3], b[3], span[3], e[3][3], ac[3], fromA[3][3], fromB[3][3], n[3], m[3][3], h[3], q[3];
+// Four triangles and an axis, seen from its ends.
+struct AxisAndFour {
+  __m256d span[3], e[3][3], ac[3], fromA[3][3], fromB[3][3];
+};
+
+static inline void seeFour(const Triangle* const* t, const Axis* axis, AxisAndFour* s) {
+  __m256d v[9], a[3], b[3];
   loadCorners4(t, v);
   for (int k = 0; k < 3; ++k) {
     a[k] = _mm256_set1_pd(axis->a[k]);
     b[k] = _mm256_set1_pd(axis->b[k]);
-    span[k] = _mm256_set1_pd(axis->span[k]);
+    s->span[k] = _mm256_set1_pd(axis->span[k]);
   }
   for (int i = 0; i < 3; ++i) {
-    subtract4(v + (i == 2 ? 0 : 3 * i + 3), v + 3 * i, e[i]);
-    subtract4(a, v + 3 * i, fromA[i]);
-    subtract4(b, v + 3 * i, fromB[i]);
+    subtract4(v + (i == 2 ? 0 : 3 * i + 3), v + 3 * i, s->e[i]);
+    subtract4(a, v + 3 * i, s->fromA[i]);
+    subtract4(b, v + 3 * i, s->fromB[i]);
   }
-  subtract4(v + 6, v, ac);
-  cross4(span, ac, h);
-  cross4(fromA[0], e[0], q);
-  const __m256d det = dot4(e[0], h), size = _mm256_andnot_pd(sign, det), turn = _mm256_and_pd(sign, det);
-  const __m256d border = _mm256_mul_pd(_mm256_set1_pd(-1e-12), size), at = _mm256_div_pd(dot4(ac, q), det);
-  const __m256d inU = _mm256_xor_pd(dot4(fromA[0], h), turn), inV = _mm256_xor_pd(dot4(span, q), turn);
+  subtract4(v + 6, v, s->ac);
+}
+
+// A bit for each triangle that the axis seems to cross: crossesAxis() decides.
+static inline unsigned mayCross4(const AxisAndFour* s) {
+  const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0), sign = _mm256_set1_pd(-0.0);
+  __m256d h[3], q[3];
+  cross4(s->span, s->ac, h);
+  cross4(s->fromA[0], s->e[0], q);
+  const __m256d det = dot4(s->e[0], h), size = _mm256_andnot_pd(sign, det), turn = _mm256_and_pd(sign, det);
+  const __m256d border = _mm256_mul_pd(_mm256_set1_pd(-1e-12), size), at = _mm256_div_pd(dot4(s->ac, q), det);
+  const __m256d inU = _mm256_xor_pd(dot4(s->fromA[0], h), turn), inV = _mm256_xor_pd(dot4(s->span, q), turn);
   __m256d crosses =
       _mm256_and_pd(_mm256_cmp_pd(size, zero, _CMP_GT_OQ), _mm256_cmp_pd(size, _mm256_set1_pd(1e308), _CMP_LT_OQ));
   crosses = _mm256_and_pd(
@@ -149,23 +156,18 @@ static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis
   crosses = _mm256_and_pd(crosses, _mm256_cmp_pd(_mm256_add_pd(inU, inV), _mm256_sub_pd(size, border), _CMP_LE_OQ));
   crosses =
       _mm256_and_pd(crosses, _mm256_and_pd(_mm256_cmp_pd(at, zero, _CMP_GE_OQ), _mm256_cmp_pd(at, one, _CMP_LE_OQ)));
-  constexpr double kCrossed = kPartFace + 1;
-  alignas(32) double column[5][4] = {{1e308, 1e308, 1e308, 1e308}};
-  SegmentCandidate crossed[4];
-  for (unsigned lanes = static_cast<unsigned>(_mm256_movemask_pd(crosses)); lanes != 0; lanes &= lanes - 1) {
-    const int lane = __builtin_ctz(lanes);
-    if (crossesAxis(t[lane], axis, crossed + lane) == 0) continue;
-    column[0][lane] = 0.0;
-    column[4][lane] = kCrossed;
-  }
+  return static_cast<unsigned>(_mm256_movemask_pd(crosses));
+}
 
-  Shortest4 best = {_mm256_load_pd(column[0]), zero, zero, zero, _mm256_load_pd(column[4])};
-
-  cross4(e[0], ac, n);
-  for (int i = 0; i < 3; ++i) cross4(n, e[i], m[i]);
+// The ends of the axis and the faces.
+static inline void takeFaces4(const AxisAndFour* s, Shortest4* best) {
+  const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0);
+  __m256d n[3], m[3][3];
+  cross4(s->e[0], s->ac, n);
+  for (int i = 0; i < 3; ++i) cross4(n, s->e[i], m[i]);
   const __m256d inverse = _mm256_div_pd(one, dot4(n, n));
   for (int end = 1; end >= 0; --end) {
-    const __m256d(*from)[3] = end == 1 ? fromB : fromA;
+    const __m256d(*from)[3] = end == 1 ? s->fromB : s->fromA;
     const __m256d w0 = dot4(from[0], m[0]), w1 = dot4(from[1], m[1]), w2 = dot4(from[2], m[2]);
     const __m256d inside =
         _mm256_and_pd(_mm256_and_pd(_mm256_cmp_pd(w0, zero, _CMP_GT_OQ), _mm256_cmp_pd(w1, zero, _CMP_GT_OQ)),
@@ -174,42 +176,65 @@ static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis
     const __m256d u = _mm256_mul_pd(w2, inverse), w = _mm256_mul_pd(w0, inverse);
     __m256d d[3];
     for (int k = 0; k < 3; ++k)
-      d[k] = _mm256_sub_pd(from[0][k], _mm256_add_pd(_mm256_mul_pd(u, e[0][k]), _mm256_mul_pd(w, ac[k])));
-    take4(inside, dot4(d, d), end == 1 ? one : zero, u, w, kPartFace, &best);
+      d[k] = _mm256_sub_pd(from[0][k], _mm256_add_pd(_mm256_mul_pd(u, s->e[0][k]), _mm256_mul_pd(w, s->ac[k])));
+    take4(inside, dot4(d, d), end == 1 ? one : zero, u, w, kPartFace, best);
   }
+}
 
+// The axis and edge i, each with its ends.
+static inline void takeEdge4(const AxisAndFour* s, const Axis* axis, int i, Shortest4* best) {
+  const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0), sign = _mm256_set1_pd(-0.0);
+  const __m256d all = _mm256_cmp_pd(zero, zero, _CMP_EQ_OQ);
   const __m256d spanSquared = _mm256_set1_pd(axis->squared), perSpan = _mm256_set1_pd(axis->perSquared);
-  for (int i = 0; i < 3; ++i) {
-    const __m256d length = dot4(e[i], e[i]), perLength = _mm256_div_pd(one, length), along = dot4(span, e[i]);
-    const __m256d alongEdge = dot4(e[i], fromA[i]), across = dot4(span, fromA[i]);
-    const auto tryPair4 = [&](__m256d parameter, __m256d u) {
-      __m256d d[3];
-      for (int k = 0; k < 3; ++k)
-        d[k] = _mm256_sub_pd(_mm256_add_pd(fromA[i][k], _mm256_mul_pd(parameter, span[k])), _mm256_mul_pd(u, e[i][k]));
-      take4(all, dot4(d, d), parameter, u, zero, i, &best);
-    };
-    tryPair4(zero, within01Of4(_mm256_mul_pd(alongEdge, perLength)));
-    tryPair4(one, within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, along), perLength)));
-    tryPair4(within01Of4(_mm256_mul_pd(_mm256_xor_pd(across, sign), perSpan)), zero);
-    // As tryEdgeOnAxis().
-    const __m256d both = _mm256_mul_pd(spanSquared, length), lines = _mm256_sub_pd(both, _mm256_mul_pd(along, along));
-    __m256d parameter = within01Of4(
-        _mm256_div_pd(_mm256_sub_pd(_mm256_mul_pd(along, alongEdge), _mm256_mul_pd(length, across)), lines));
-    const __m256d isApart = _mm256_cmp_pd(lines, _mm256_mul_pd(_mm256_set1_pd(kNearlyParallel), both), _CMP_GT_OQ);
-    if (_mm256_movemask_pd(isApart) != 15) {
-      __m256d common[3], moment[3];
-      cross4(span, e[i], common);
-      cross4(e[i], fromA[i], moment);
-      const __m256d square = dot4(common, common);
-      const __m256d parallel = _mm256_and_pd(within01Of4(_mm256_div_pd(dot4(moment, common), square)),
-                                             _mm256_cmp_pd(square, zero, _CMP_GT_OQ));
-      parameter = _mm256_blendv_pd(parallel, parameter, isApart);
-    }
-    const __m256d u = within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, _mm256_mul_pd(parameter, along)), perLength));
-    parameter = within01Of4(_mm256_mul_pd(_mm256_sub_pd(_mm256_mul_pd(u, along), across), perSpan));
-    tryPair4(parameter, u);
+  const __m256d *span = s->span, *e = s->e[i], *from = s->fromA[i];
+  const __m256d length = dot4(e, e), perLength = _mm256_div_pd(one, length), along = dot4(span, e);
+  const __m256d alongEdge = dot4(e, from), across = dot4(span, from);
+  const auto tryPair4 = [&](__m256d parameter, __m256d u) {
+    __m256d d[3];
+    for (int k = 0; k < 3; ++k)
+      d[k] = _mm256_sub_pd(_mm256_add_pd(from[k], _mm256_mul_pd(parameter, span[k])), _mm256_mul_pd(u, e[k]));
+    take4(all, dot4(d, d), parameter, u, zero, i, best);
+  };
+  tryPair4(zero, within01Of4(_mm256_mul_pd(alongEdge, perLength)));
+  tryPair4(one, within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, along), perLength)));
+  tryPair4(within01Of4(_mm256_mul_pd(_mm256_xor_pd(across, sign), perSpan)), zero);
+  // As tryEdgeOnAxis().
+  const __m256d both = _mm256_mul_pd(spanSquared, length), lines = _mm256_sub_pd(both, _mm256_mul_pd(along, along));
+  __m256d parameter = within01Of4(
+      _mm256_div_pd(_mm256_sub_pd(_mm256_mul_pd(along, alongEdge), _mm256_mul_pd(length, across)), lines));
+  const __m256d isApart = _mm256_cmp_pd(lines, _mm256_mul_pd(_mm256_set1_pd(kNearlyParallel), both), _CMP_GT_OQ);
+  if (_mm256_movemask_pd(isApart) != 15) {
+    __m256d common[3], moment[3];
+    cross4(span, e, common);
+    cross4(e, from, moment);
+    const __m256d square = dot4(common, common);
+    const __m256d parallel = _mm256_and_pd(within01Of4(_mm256_div_pd(dot4(moment, common), square)),
+                                           _mm256_cmp_pd(square, zero, _CMP_GT_OQ));
+    parameter = _mm256_blendv_pd(parallel, parameter, isApart);
   }
+  const __m256d u = within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, _mm256_mul_pd(parameter, along)), perLength));
+  parameter = within01Of4(_mm256_mul_pd(_mm256_sub_pd(_mm256_mul_pd(u, along), across), perSpan));
+  tryPair4(parameter, u);
+}
 
+// closestToAxis() for four triangles of which none is thin: the nearest one; of equally near ones that of smallest
+// index.
+static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, SegmentCandidate* nearest) {
+  constexpr double kCrossed = kPartFace + 1;
+  const __m256d zero = _mm256_setzero_pd();
+  AxisAndFour seen;
+  seeFour(t, axis, &seen);
+  alignas(32) double column[5][4] = {{1e308, 1e308, 1e308, 1e308}};
+  SegmentCandidate crossed[4];
+  for (unsigned lanes = mayCross4(&seen); lanes != 0; lanes &= lanes - 1) {
+    const int lane = __builtin_ctz(lanes);
+    if (crossesAxis(t[lane], axis, crossed + lane) == 0) continue;
+    column[0][lane] = 0.0;
+    column[4][lane] = kCrossed;
+  }
+  Shortest4 best = {_mm256_load_pd(column[0]), zero, zero, zero, _mm256_load_pd(column[4])};
+  takeFaces4(&seen, &best);
+  for (int i = 0; i < 3; ++i) takeEdge4(&seen, axis, i, &best);
   const int lane = nearestLane(t, best.squared);
   _mm256_store_pd(column[0], best.squared);
   _mm256_store_pd(column[1], best.parameter);

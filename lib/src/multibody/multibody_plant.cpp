@@ -373,4 +373,8 @@ double MultibodyPlant::closureError() const {
   return largest;
 }
 
+MakePlant multibodyPlants(const DeviceParameters& parameters) {
+  return [parameters](std::uint32_t) { return std::make_unique<MultibodyPlant>(parameters); };
+}
+
 }  // namespace enamel

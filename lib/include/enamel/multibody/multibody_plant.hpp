@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "enamel/device/device_file.hpp"
-#include "enamel/sim/plant.hpp"
+#include "enamel/sim/plant_maker.hpp"
 
 namespace enamel {
 
@@ -42,5 +42,8 @@ class MultibodyPlant final : public Plant {
 
   std::unique_ptr<Model> model_;
 };
+
+/// Return a maker of such plants, every one the same: OtherPlants::multibody. What it makes throws as MultibodyPlant().
+MakePlant multibodyPlants(const DeviceParameters& parameters);
 
 }  // namespace enamel

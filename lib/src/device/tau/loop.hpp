@@ -8,6 +8,16 @@
 
 namespace enamel {
 
+/// sin c, rho / (L1 + L2) and the loop measure below this count as singular.
+inline constexpr double kSingular = 1e-6;
+
+/// Direction of a chain's plane at an elevation, given by its cosine and sine.
+inline Vec3 elevated(const ChainConfiguration& c, double cosine, double sine) noexcept {
+  return {cosine * c.sinYaw, sine, cosine * c.cosYaw};
+}
+
+inline Vec3 link2Direction(const ChainConfiguration& c) noexcept { return elevated(c, c.cosLink2, c.sinLink2); }
+
 /// Matrix of the loop equations: row k has `own[k]` at column k and `next[k]` at column k + 1 (mod 3).
 struct LoopMatrix {
   std::array<double, 3> own;
@@ -36,6 +46,19 @@ struct LoopMatrix {
 inline Vec3 tipPerElevation(const ChainModel& chain, const ChainConfiguration& c) noexcept {
   const double s = -chain.length2 * c.sinLink2;
   return {s * c.sinYaw, chain.length2 * c.cosLink2, s * c.cosYaw};
+}
+
+/// Ways between the tips, from the second of a pair to the first.
+inline std::array<Vec3, 3> sidesOf(const TauConfiguration& configuration) noexcept {
+  const auto& c = configuration.chain;
+  return {c[0].tip - c[1].tip, c[1].tip - c[2].tip, c[2].tip - c[0].tip};
+}
+
+/// tipPerElevation() of the three chains.
+inline std::array<Vec3, 3> slopesOf(const TauModel& model, const TauConfiguration& configuration) noexcept {
+  return {tipPerElevation(model.chain[0], configuration.chain[0]),
+          tipPerElevation(model.chain[1], configuration.chain[1]),
+          tipPerElevation(model.chain[2], configuration.chain[2])};
 }
 
 /// Loop matrix of tips and their derivatives by the elevations.

@@ -1,5 +1,7 @@
 #include "enamel/device/tau/mechanism.hpp"
 
+#include <Eigen/Geometry>
+
 #include "device/limits.hpp"
 #include "enamel/device/tau/dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"

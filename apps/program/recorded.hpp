@@ -17,8 +17,8 @@ void nameRenderer(const std::string& renderer, const std::string& plugin,
 std::shared_ptr<const Mechanism> recordedDevice(const RecordingHeader& header);
 SceneFile recordedScene(const RecordingHeader& header);
 
-/// Whether a file that the header names, a mesh or that of a servo, is another one now. Throws Error: the servo's cannot
-/// be read.
+/// Whether a file that the header names, a mesh or that of a servo, is another one now. Throws Error: the servo's
+/// cannot be read.
 bool filesHaveChanged(const RecordingHeader& header, const Scene& scene);
 
 /// A renderer for a recording of that device: that of the recording, or another one by its name or path. Parameters are

@@ -1,4 +1,4 @@
-#include "recorded.hpp"
+#include "program/recorded.hpp"
 
 #include <fmt/core.h>
 
@@ -7,7 +7,8 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
-#include "renderers.hpp"
+#include "enamel/plugin/renderer_source.hpp"
+#include "program/plugin_folder.hpp"
 
 namespace enamel::app {
 namespace {
@@ -49,7 +50,7 @@ std::unique_ptr<Renderer> recordedRenderer(const RecordingHeader& header,
                                            const std::shared_ptr<const Mechanism>& device, const Scene& scene,
                                            const std::string& renderer, const std::map<std::string, std::string>& set) {
   const std::string own = header.plugin.empty() ? header.renderer : header.plugin;
-  const RendererSource source = findRenderer(renderer.empty() ? own : renderer);
+  const RendererSource source = findRenderer(renderer.empty() ? own : renderer, pluginFolder());
   std::map<std::string, std::string> parameters = set;
   const auto knows = [&](const std::string& key) {
     if (!source.plugin) return true;

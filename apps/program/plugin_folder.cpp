@@ -1,4 +1,4 @@
-#include "plugin_folder.hpp"
+#include "program/plugin_folder.hpp"
 
 #include <filesystem>
 

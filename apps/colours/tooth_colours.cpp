@@ -1,9 +1,9 @@
-#include "tooth_colours.hpp"
+#include "colours/tooth_colours.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "palette.hpp"
+#include "colours/palette.hpp"
 
 namespace enamel::viewer {
 namespace {

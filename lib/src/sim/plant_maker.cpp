@@ -1,18 +1,11 @@
-#include "plants.hpp"
+#include "enamel/sim/plant_maker.hpp"
 
 #include <string_view>
 
 #include "enamel/core/error.hpp"
-#ifdef ENAMEL_SIMBODY
-#include "enamel/multibody/multibody_plant.hpp"
-#endif
 #include "enamel/sim/real_plant.hpp"
-#ifdef ENAMEL_FMI
-#include "plugins/fmi/import.hpp"
-#endif
 
-namespace enamel::app {
-
+namespace enamel {
 namespace {
 
 // All of them are positive or zero.
@@ -40,22 +33,18 @@ std::string checkPlant(const std::string& plant) {
   return plant + " is not among " + names + "FILE.fmu";
 }
 
-MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
+MakePlant plantMaker(const std::string& plant, const DeviceParameters& parameters, const OtherPlants& others,
+                     VirtualDeviceSetup& setup) {
+  if (const std::string problem = checkPlant(plant); !problem.empty()) throw Error("plant " + problem);
   if (plant == kMultibody) {
-#ifdef ENAMEL_SIMBODY
-    return [parameters](std::uint32_t) { return std::make_unique<MultibodyPlant>(parameters); };
-#else
+    if (others.multibody) return others.multibody(parameters);
     throw Error("--plant multibody: this enamel was built without Simbody (Debian: libsimbody-dev)");
-#endif
   }
   if (isUnit(plant)) {
-#ifdef ENAMEL_FMI
-    return fmi::plantsOf(plant, parameters);
-#else
+    if (others.unit) return others.unit(plant, parameters);
     throw Error("--plant " + plant + ": this enamel was built without FMI (Debian: libzip-dev, libpugixml-dev)");
-#endif
   }
-  if (plant != kReal && plant != kRealStiff) return {};
+  if (plant == kClosedForm) return {};
   DeviceParameters real = parameters;
   if (plant == kRealStiff) stiffenCables(real);
   const Imperfections& imperfections = imperfectionsOf(real);
@@ -69,4 +58,4 @@ MakePlant makerOf(const std::string& plant, const DeviceParameters& parameters, 
   };
 }
 
-}  // namespace enamel::app
+}  // namespace enamel

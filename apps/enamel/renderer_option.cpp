@@ -1,0 +1,73 @@
+#include "renderer_option.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "enamel/core/error.hpp"
+
+namespace enamel::app {
+
+Delay parseDelay(const std::string& text) {
+  const char *at = text.data(), *const end = at + text.size();
+  const auto literal = [&](std::string_view expected) {
+    if (std::string_view(at, static_cast<std::size_t>(end - at)).substr(0, expected.size()) != expected) return false;
+    at += expected.size();
+    return true;
+  };
+  const auto number = [&](int& value) {
+    const auto [rest, error] = std::from_chars(at, end, value);
+    at = rest;
+    return error == std::errc{};
+  };
+  Delay delay;
+  bool read = literal("none");
+  if (!read && literal("constant:")) {
+    read = number(delay.low);
+    delay.high = delay.low;
+  } else if (!read && literal("random:")) {
+    read = number(delay.low) && literal("..") && number(delay.high);
+  }
+  if (!read || at != end)
+    throw Error("--delay is \"" + text + "\", must be none, constant:D or random:A..B with whole ticks");
+  return delay;
+}
+
+void checkGain(const std::string& gain, const std::vector<std::string>& linked, const std::string& option) {
+  if (gain.empty()) return;
+  const std::string owner = rendererOf(gain);
+  if (std::find(linked.begin(), linked.end(), owner) == linked.end())
+    throw Error(fmt::format("{}: is {}, for {}, which {} does not name", gain,
+                            owner == kHold ? "an LQR design" : "a surface servo", owner, option));
+}
+
+double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal) {
+  const auto require = [&pose](Status status) {
+    if (status != Status::ok)
+      throw Error(fmt::format("the pose at ({:.4g}, {:.4g}, {:.4g}) m is {}", pose.position.x(), pose.position.y(),
+                              pose.position.z(), toString(status)));
+  };
+  Kinematics k;
+  require(plant.reach(pose, Vec6::Zero(), true, k));
+  // What a motion and its opposite do not have in common: gravity and centrifugal forces are even in the twist.
+  constexpr double kSpeed = 0.1;  // m/s
+  Vec6 twist, forth, back;
+  twist << kSpeed * normal, Vec3::Zero();
+  require(plant.accelerate(pose, twist, k.gravity, Vec6::Zero(), forth));
+  require(plant.accelerate(pose, -twist, k.gravity, Vec6::Zero(), back));
+  const JointVector rates = torqueOf(k.inverseTransposed, twist),
+                    slowing = torqueOf(k.inverseTransposed, 0.5 * (back - forth));
+  return rates.dot(k.inertia * slowing) / (kSpeed * kSpeed);
+}
+
+std::string dampingWarning(const ImpedanceOptions& wall, double period, double available) {
+  const double required = requiredDamping(wall, period);
+  if (available > required * (1.0 + 1e-9)) return "";  // equal is not enough, and `available` has been computed
+  return fmt::format(
+      "a stiffness of {:.6g} N/m and a damping of {:.6g} N s/m need more than {:.6g} N s/m of device damping at {:.6g} "
+      "s (eq. 16), there are {:.6g}: see --device-damping",
+      wall.stiffness, wall.damping, required, period, available);
+}
+
+}  // namespace enamel::app

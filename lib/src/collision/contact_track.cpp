@@ -1,0 +1,164 @@
+// The contacts of a tool that moves: on which side of a surface it is, which contact goes on, its state.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "part_contacts.hpp"
+
+namespace enamel {
+
+using namespace kernel;
+
+namespace {
+
+constexpr double kSameContact = 0.7071067811865476;  // cos 45 deg
+
+// A contact of the last tick goes on where one of the same obstacle and part has about its normal, and no other one
+// more so. `last` holds contacts in the frames of their obstacles.
+void nameContacts(const Scene& scene, ContactSnapshot& last, std::uint32_t& lastKey, ContactSnapshot& contacts) {
+  ContactSnapshot now = contacts;
+  for (int k = 0; k < now.count; ++k) {
+    Contact& contact = now.contacts[k];
+    const Pose& pose = scene.obstacles()[static_cast<std::size_t>(contact.obstacle)].pose;
+    contact.normal = pose.rotation.transpose() * contact.normal;
+    contact.point = pose.rotation.transpose() * (contact.point - pose.position);
+    Contact* best = nullptr;
+    double least = kSameContact;
+    for (int i = 0; i < last.count; ++i) {
+      Contact& known = last.contacts[i];
+      if (known.key == 0 || known.obstacle != contact.obstacle || known.part != contact.part ||
+          (known.point - contact.point).norm() > kLargestMove)
+        continue;
+      const double alike = known.normal.dot(contact.normal);
+      if (!(alike > least)) continue;
+      least = alike;
+      best = &known;
+    }
+    if (best == nullptr) {
+      if (++lastKey == 0) lastKey = 1;
+      contact.key = lastKey;
+    } else {
+      contact.key = std::exchange(best->key, 0u);
+    }
+    contacts.contacts[k].key = contact.key;
+  }
+  last = now;
+}
+
+}  // namespace
+
+ToolTrack::ToolTrack() = default;
+ToolTrack::ToolTrack(const ToolTrack& other) = default;
+ToolTrack::ToolTrack(ToolTrack&& other) noexcept = default;
+ToolTrack& ToolTrack::operator=(const ToolTrack& other) = default;
+ToolTrack& ToolTrack::operator=(ToolTrack&& other) noexcept = default;
+ToolTrack::~ToolTrack() = default;
+
+ToolTrack makeToolTrack(const Scene& scene, const Tool& tool) {
+  ToolTrack track;
+  track.cache_ = makeToolCache(scene, tool);
+  track.parts_.resize(scene.obstacles().size() * static_cast<std::size_t>(tool.count));
+  return track;
+}
+
+namespace {
+
+constexpr std::size_t kPartState = 8;     // its axis, its clearance, whether it is known
+constexpr std::size_t kContactState = 9;  // point, normal, obstacle, part, key
+constexpr double kLargestPlace = 1e3;     // m
+
+std::uint64_t revisionOf(const Obstacle& obstacle) noexcept {
+  if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) return (*solid)->growths();
+  const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape);
+  return mesh == nullptr ? 1 : Inside::of(**mesh).view.revision;
+}
+
+bool isWhole(double value, double most) noexcept { return value >= 0.0 && value <= most && value == std::floor(value); }
+
+}  // namespace
+
+std::size_t ToolTrack::stateSize() const noexcept {
+  return kPartState * parts_.size() + kContactState * kMaxContacts + 2;
+}
+
+void ToolTrack::saveState(const Scene& scene, double* state) const noexcept {
+  const std::size_t obstacles = scene.obstacles().size();
+  for (std::size_t i = 0; i < parts_.size(); ++i, state += kPartState) {
+    const kernel::PartTrack& part = parts_[i];
+    // A part of a mesh that was changed begins anew.
+    const bool isKnown = part.isKnown && part.revision == revisionOf(scene.obstacles()[i * obstacles / parts_.size()]);
+    std::copy_n(part.axis.a.data(), 3, state);
+    std::copy_n(part.axis.b.data(), 3, state + 3);
+    state[6] = part.clear;
+    state[7] = isKnown ? 1.0 : 0.0;
+  }
+  for (const Contact& c : last_.contacts) {
+    const bool isKnown = &c < last_.contacts.data() + last_.count;
+    const Vec3 point = isKnown ? c.point : Vec3(Vec3::Zero()), normal = isKnown ? c.normal : Vec3(Vec3::Zero());
+    std::copy_n(point.data(), 3, state);
+    std::copy_n(normal.data(), 3, state + 3);
+    state[6] = isKnown ? c.obstacle : 0;
+    state[7] = isKnown ? c.part : 0;
+    state[8] = isKnown ? c.key : 0;
+    state += kContactState;
+  }
+  state[0] = last_.count;
+  state[1] = lastKey_;
+}
+
+void ToolTrack::loadState(const Scene& scene, const double* state) noexcept {
+  const std::size_t obstacles = scene.obstacles().size();
+  bool isSound = true;
+  for (std::size_t i = 0; i < stateSize(); ++i) isSound = isSound && std::isfinite(state[i]);
+  for (kernel::PartTrack& part : parts_) {
+    const std::size_t i = static_cast<std::size_t>(&part - parts_.data());
+    const auto ends = Eigen::Map<const Vec6>(state);
+    part.isKnown = isSound && state[7] == 1.0 && ends.cwiseAbs().maxCoeff() <= kLargestPlace;
+    if (isSound) {
+      part.axis = {ends.head<3>(), ends.tail<3>()};
+      part.clear = part.isKnown ? state[6] : -1.0;
+    }
+    part.revision = revisionOf(scene.obstacles()[i * obstacles / parts_.size()]);
+    state += kPartState;
+  }
+  const double* counts = state + kContactState * kMaxContacts;
+  isSound = isSound && isWhole(counts[0], kMaxContacts) && isWhole(counts[1], UINT32_MAX);
+  last_.count = isSound ? static_cast<int>(counts[0]) : 0;
+  lastKey_ = isSound ? static_cast<std::uint32_t>(counts[1]) : 0;
+  for (int k = 0; k < last_.count; ++k, state += kContactState) {
+    Contact& c = last_.contacts[k];
+    c.point = Eigen::Map<const Vec3>(state);
+    c.normal = Eigen::Map<const Vec3>(state + 3);
+    const bool isContact = isWhole(state[6], static_cast<double>(obstacles)) && isWhole(state[7], kMaxToolParts) &&
+                           isWhole(state[8], UINT32_MAX);
+    c.obstacle = isContact ? static_cast<int>(state[6]) : 0;
+    c.part = isContact ? static_cast<int>(state[7]) : 0;
+    c.key = isContact ? static_cast<std::uint32_t>(state[8]) : 0;  // 0: none goes on from it
+  }
+}
+
+Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolTrack& track,
+                      ContactSnapshot& contacts) noexcept {
+  const auto visit = [&](const Obstacle& obstacle, const Segment& axis, double radius, PartCache* known,
+                         Collector& out) {
+    const int pair = out.pair.number * tool.count + out.pair.part;
+    const auto i = static_cast<std::size_t>(pair);
+    if (i >= track.parts_.size()) {
+      addPart(obstacle, axis, radius, known, out);
+      return;
+    }
+    PartTrack& part = track.parts_[i];
+    const PartTrack::State state = part.follow(obstacle, axis, known);
+    out.isOutside = out.pad > 0.0 || state != PartTrack::State::unknown;
+    const bool isHeld = state == PartTrack::State::held;
+    out.from = isHeld ? &part.axis : nullptr;
+    out.actual = isHeld ? &axis : nullptr;
+    addPart(obstacle, isHeld ? part.axis : axis, radius, known, out);
+  };
+  const Status status = forEachPart(scene, tool, pose, margin, &track.cache_, contacts, visit);
+  if (status == Status::ok) nameContacts(scene, track.last_, track.lastKey_, contacts);
+  return status;
+}
+
+}  // namespace enamel

@@ -1,0 +1,183 @@
+// What the scans of all formats of mesh files share: words of a text, and the mesh that they build. Files are scanned
+// strictly: what a report must count is kept (faces with repeated corners, vertices that are not manifold), what cannot
+// be meant is refused (a "nan", a truncated file, a header that promises too much).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "enamel/collision/mesh.hpp"
+#include "enamel/core/error.hpp"
+
+namespace enamel {
+
+inline constexpr std::int64_t kMostCorners = 255;  // of a face
+
+/// Takes what a scan finds, in the order of the file.
+class MeshBuilder {
+ public:
+  MeshBuilder(const std::string& path, std::size_t bytes, double scale)
+      : path_(path), scale_(scale), mostTriangles_(bytes / kLeastBytes) {}
+
+  [[noreturn]] void fail(const std::string& problem, int line = 0) const {
+    throw ConfigurationError(path_, line, "", problem);
+  }
+
+  void vertex(const std::array<double, 3>& position) {
+    const Vec3 v = scale_ * Vec3(position[0], position[1], position[2]);
+    if (!v.allFinite()) fail("vertex " + std::to_string(vertices()) + " has a coordinate that is not a finite number");
+    mesh_.vertices.push_back(v);
+  }
+
+  /// Followed by so many calls of corner().
+  void beginFace(std::int64_t corners) {
+    if (corners < 3 || corners > kMostCorners)
+      fail("face " + std::to_string(faces_) + " has " + std::to_string(corners) + " corners, must have 3 to 255");
+    ++faces_;
+    corners_ = 0;
+  }
+
+  void corner(std::int64_t vertex) {
+    if (vertex < 0 || vertex > INT32_MAX) outOfRange(faces_ - 1, vertex);
+    if (vertex > largest_) {
+      largest_ = vertex;
+      faceOfLargest_ = faces_ - 1;
+    }
+    const int number = static_cast<int>(vertex);
+    if (corners_ == 0) first_ = number;
+    if (corners_ > 1) {
+      if (mesh_.triangles.size() >= mostTriangles_)
+        fail("promises more than " + std::to_string(mostTriangles_) + " triangles, one for every " +
+             std::to_string(kLeastBytes) + " bytes: its faces are no surface");
+      mesh_.triangles.push_back({first_, last_, number});
+    }
+    last_ = number;
+    ++corners_;
+  }
+
+  std::int64_t vertices() const { return static_cast<std::int64_t>(mesh_.vertices.size()); }
+
+  /// To be called once, at the end.
+  TriangleMesh mesh() {
+    if (faces_ == 0) fail("has no faces");
+    if (largest_ >= vertices()) outOfRange(faceOfLargest_, largest_);
+    try {
+      checkMesh(mesh_);
+    } catch (const Error& error) {
+      fail(error.what());
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void outOfRange(std::int64_t face, std::int64_t vertex) const {
+    fail("face " + std::to_string(face) + " names vertex " + std::to_string(vertex) + ", there are " +
+         std::to_string(vertices()));
+  }
+
+  static constexpr std::size_t kLeastBytes =
+      6;  // of a file a triangle: the vertices alone of a closed mesh take as many
+
+  std::string path_;
+  double scale_;
+  std::size_t mostTriangles_;
+  TriangleMesh mesh_;
+  std::int64_t faces_ = 0, largest_ = -1, faceOfLargest_ = 0;
+  int corners_ = 0, first_ = 0, last_ = 0;  // of the face begun last
+};
+
+/// Words and lines of a text.
+class Words {
+ public:
+  Words(std::string_view text, const MeshBuilder& out) : text_(text), out_(out) {}
+
+  [[noreturn]] void fail(const std::string& problem) const { out_.fail(problem, line_); }
+
+  int line() const { return line_; }
+  std::string_view rest() const { return text_.substr(at_); }
+
+  /// The next word of this line, empty at its end. Comments start at '#' where `comments` is set.
+  std::string_view wordOfLine(bool comments = true) {
+    while (at_ < text_.size() && text_[at_] != '\n' && isSpace(text_[at_])) ++at_;
+    if (comments && at_ < text_.size() && text_[at_] == '#') skipLine();
+    const std::size_t start = at_;
+    while (at_ < text_.size() && text_[at_] != '\n' && !isSpace(text_[at_])) ++at_;
+    return text_.substr(start, at_ - start);
+  }
+
+  void skipLine() {
+    while (at_ < text_.size() && text_[at_] != '\n') ++at_;
+  }
+
+  /// Goes to the next line; false at the end of the text.
+  bool nextLine() {
+    skipLine();
+    if (at_ == text_.size()) return false;
+    ++at_;
+    ++line_;
+    return at_ < text_.size();
+  }
+
+  /// The next word, on whatever line.
+  std::string_view word(const char* what) {
+    for (;;) {
+      const std::string_view found = wordOfLine();
+      if (!found.empty()) return found;
+      if (!nextLine()) fail(std::string("is truncated: ") + what + " is missing");
+    }
+  }
+
+  double number(std::string_view word, const std::string& what) const {
+    double value = 0.0;
+    const char* start = word.data() + (!word.empty() && word.front() == '+' ? 1 : 0);
+    const auto result = std::from_chars(start, word.data() + word.size(), value);
+    if (result.ec == std::errc::result_out_of_range && result.ptr == word.data() + word.size()) {
+      long double wide = HUGE_VAL;  // tells which end of the range it is
+      std::from_chars(start, word.data() + word.size(), wide);
+      return std::abs(wide) < 1.0L ? 0.0 : HUGE_VAL;
+    }
+    if (result.ec != std::errc() || result.ptr != word.data() + word.size())
+      fail(what + " is \"" + std::string(word.substr(0, 40)) + "\", must be a number");
+    return value;
+  }
+
+  std::int64_t integer(std::string_view word, const std::string& what) const {
+    std::int64_t value = 0;
+    const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (result.ec != std::errc() || result.ptr != word.data() + word.size())
+      fail(what + " is \"" + std::string(word.substr(0, 40)) + "\", must be an integer");
+    return value;
+  }
+
+  double number(const char* what) { return number(word(what), what); }
+  std::int64_t integer(const char* what) { return integer(word(what), what); }
+
+ private:
+  static bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
+
+  std::string_view text_;
+  const MeshBuilder& out_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+};
+
+/// A count of a header, checked against the least number of bytes that each item takes.
+inline std::int64_t checkedCount(std::int64_t count, std::size_t leastBytes, std::size_t remaining, const char* items,
+                                 const MeshBuilder& out) {
+  if (count < 0) out.fail(std::string("promises ") + std::to_string(count) + " " + items);
+  if (static_cast<std::uint64_t>(count) > remaining / std::max<std::size_t>(leastBytes, 1))
+    out.fail("promises " + std::to_string(count) + " " + items + ", there is room for at most " +
+             std::to_string(remaining / std::max<std::size_t>(leastBytes, 1)));
+  return count;
+}
+
+/// PLY, as text or as bytes of either order.
+void scanPly(std::string_view bytes, MeshBuilder& out);
+
+}  // namespace enamel

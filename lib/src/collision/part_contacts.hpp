@@ -1,0 +1,80 @@
+// The contacts of one part of a tool with one obstacle, while those of a tick are collected.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "minima.hpp"
+#include "tool_parts.hpp"
+
+namespace enamel::kernel {
+
+/// A place on an axis, an end mostly, and what is known of it. The next part often begins where the last one ended.
+struct End {
+  Vec3 point = Vec3::Zero();
+  double limit = -1.0;   ///< as far as the nearest point was looked for
+  SurfacePoint nearest;  ///< signed
+  double reach = -1.0;   ///< as far as the minima of the distance were looked for
+  Minima minima;
+
+  bool isAhead() const { return nearest.distance > 0.0; }
+};
+
+/// Contacts of one tick while they are collected; the deepest first.
+struct Collector {
+  ContactSnapshot* contacts;
+  double margin;
+  Pair pair;
+  End* last;                                         ///< of the part before
+  End* next;                                         ///< to become that
+  double nextRadius;                                 ///< of the part that begins where this one ends, or 0
+  bool isOutside = false;                            ///< the axis is known to be outside
+  double pad = 0.0;                                  ///< of a sheet: half its thickness, added to all radii
+  const Segment *from = nullptr, *actual = nullptr;  ///< the axis that is asked stands for another one
+
+  double reachOf(double radius) const { return radius + std::max(margin, 0.0); }
+
+  /// `asked` and what is found there, in the obstacle's frame.
+  template <typename Found>
+  void add(const Vec3& asked, const Found& found, double radius);
+};
+
+/// Adds the contacts of a part whose axis is given in the obstacle's frame. Realtime: yes.
+void addPart(const Obstacle& obstacle, const Segment& axis, double radius, PartCache* cache, Collector& out) noexcept;
+
+/// Adds the nearest place of a part, under the rules of addPart(). Realtime: yes.
+void addNearest(const Obstacle& obstacle, const Segment& axis, double radius, PartCache* cache,
+                Collector& out) noexcept;
+
+/// Calls visit(obstacle, axis, radius, cache, collector) for every part and obstacle; without contacts where it cannot.
+template <typename Visit>
+Status forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
+                   ContactSnapshot& contacts, const Visit& visit) {
+  contacts.count = 0;
+  if (!isFinite(pose) || !std::isfinite(margin)) return Status::notFinite;
+  if (const Status status = checkTool(tool); status != Status::ok) return status;
+  const std::vector<Obstacle>& obstacles = scene.obstacles();
+  End ends[2];
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    if (!isFinite(obstacles[i].pose)) {
+      contacts.count = 0;
+      return Status::notFinite;
+    }
+    ends[0].limit = -1.0;
+    ends[0].nearest = SurfacePoint();
+    Collector out{&contacts, margin, {&obstacles[i], static_cast<int>(i), 0}, &ends[0], &ends[1], 0.0};
+    out.pad = 0.5 * obstacles[i].thickness;
+    out.isOutside = out.pad > 0.0;
+    for (int k = 0; k < tool.count; ++k) {
+      const ToolPart& part = tool.parts[k];
+      out.pair.part = k;
+      out.nextRadius = k + 1 < tool.count && tool.parts[k + 1].a == part.b ? tool.parts[k + 1].radius + out.pad : 0.0;
+      const Segment axis = axisOf(part, pose, obstacles[i]);
+      PartCache* known = PartCache::of(cache, i, k);
+      visit(obstacles[i], axis, part.radius + out.pad, known, out);
+    }
+  }
+  return Status::ok;
+}
+
+}  // namespace enamel::kernel

@@ -1,0 +1,27 @@
+// Bad inputs for a plugin under test.
+#pragma once
+
+#include "instance.hpp"
+
+namespace enamel::conformance {
+
+/// Offers an instance bad inputs in place of a good one. It must answer each with a defined output, and leave its state
+/// unchanged where it refuses. Every function throws Failure.
+class BadInputs {
+ public:
+  BadInputs(Instance& instance, const EnamelTickInput& good)
+      : instance_(instance), good_(good), before_(instance.save()) {}
+
+  void offer(const std::string& what, const EnamelTickInput& bad, bool mustRefuse);
+  /// Every number of the input in turn; what a renderer does not use it may accept.
+  void offerNumbers();
+  void offerSurfaces();
+  void offerCounts();
+
+ private:
+  Instance& instance_;
+  const EnamelTickInput& good_;
+  const std::vector<unsigned char> before_;
+};
+
+}  // namespace enamel::conformance

@@ -1,0 +1,43 @@
+#include "instance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/message.hpp"
+
+namespace enamel::conformance {
+
+std::string nameOf(std::int32_t result) {
+  constexpr const char* names[] = {"ok",           "not finite", "unreachable", "singular",    "not converged",
+                                   "out of range", "stale",      "inactive",    "wrong order", "bad configuration"};
+  return result >= 0 && result < 10 ? names[result] : "unknown code " + std::to_string(result);
+}
+
+void requireDefined(const EnamelTickOutput& output, const EnamelTickInput& input, bool failed,
+                    const std::string& when) {
+  demand(output.answer == ENAMEL_TORQUE || output.answer == ENAMEL_WRENCH,
+         when + ": the answer is " + std::to_string(output.answer) + ", neither torque nor wrench");
+  for (int i = 0; i < kMaxJoints; ++i) {
+    const std::string name = when + ": torque " + std::to_string(i + 1);
+    const double limit = i < input.joint_count && std::isfinite(input.max_torque[i]) ? input.max_torque[i] : 0.0;
+    demand(std::isfinite(output.torque[i]), name + " is not finite");
+    demand(std::abs(output.torque[i]) <= (failed ? 0.0 : std::max(0.0, limit)),
+           name + " is " + formatNumber(output.torque[i]) + " N m, the limit " + formatNumber(failed ? 0.0 : limit) +
+               " N m");
+    demand(output.answer == ENAMEL_TORQUE || output.torque[i] == 0.0, name + " is set beside a wrench");
+  }
+  for (const double value : output.wrench) {
+    demand(std::isfinite(value), when + ": the wrench is not finite");
+    demand((output.answer == ENAMEL_WRENCH && !failed) || value == 0.0, when + ": the wrench is not zero");
+  }
+  demand(std::isfinite(output.normal_force), when + ": the normal force is not finite");
+  demand(output.mode >= ENAMEL_FREE && output.mode <= ENAMEL_FAULT,
+         when + ": the mode is " + std::to_string(output.mode));
+  demand(output.saturated == 0 || output.saturated == 1, when + ": saturated is " + std::to_string(output.saturated));
+}
+
+bool same(const EnamelTickOutput& a, const EnamelTickOutput& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): to the bit
+}
+
+}  // namespace enamel::conformance

@@ -1,0 +1,126 @@
+#include "enamel/plugin/renderer_source.hpp"
+
+#include <charconv>
+
+#include "core/message.hpp"
+#include "enamel/control/device_plant.hpp"
+#include "enamel/control/servo_file.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/render/passivity.hpp"
+#include "enamel/render/surface_file.hpp"
+
+namespace enamel {
+namespace {
+
+std::string ticksText(int low, int high) {
+  return std::to_string(low) + (low == high ? "" : " to " + std::to_string(high)) + " ticks";
+}
+
+void requireFits(const std::string& path, Eigen::Index joints, double period, int deviceJoints, double devicePeriod) {
+  require(joints == deviceJoints, path + ": the servo is for " + std::to_string(joints) + " joints, the device has " +
+                                      std::to_string(deviceJoints));
+  require(period == devicePeriod, path + ": the servo is for ticks of " + formatNumber(period) + " s, these take " +
+                                      formatNumber(devicePeriod) + " s");
+}
+
+// The parameters of a linked renderer, as texts.
+class LinkedParameters {
+ public:
+  LinkedParameters(const std::string& name, const std::map<std::string, std::string>& values)
+      : name_(name), values_(values) {}
+
+  std::string text(const char* key, const std::string& otherwise) const {
+    const auto found = values_.find(key);
+    return found == values_.end() ? otherwise : found->second;
+  }
+
+  // Leaves `value` where the parameter is not given.
+  template <typename Number>
+  void read(const char* key, Number& value) const {
+    const auto found = values_.find(key);
+    if (found == values_.end()) return;
+    const std::string& of = found->second;
+    const auto [rest, error] = std::from_chars(of.data(), of.data() + of.size(), value);
+    require(error == std::errc{} && rest == of.data() + of.size(), refusal(key, of, "a number"));
+  }
+  void readFlag(const char* key, bool& value) const {
+    const std::string of = text(key, value ? "on" : "off");
+    require(of == "on" || of == "off", refusal(key, of, "on or off"));
+    value = of == "on";
+  }
+
+ private:
+  std::string refusal(const char* key, const std::string& value, const char* expected) const {
+    return std::string("parameter ") + key + " of " + name_ + " is \"" + value + "\", must be " + expected;
+  }
+
+  const std::string& name_;
+  const std::map<std::string, std::string>& values_;
+};
+
+}  // namespace
+
+RendererSource findRenderer(const std::string& nameOrPath, const std::string& pluginFolder) {
+  for (const char* name : {kPositionControl, kHold, kImpedance, kPassivity})
+    if (nameOrPath == name) return {nameOrPath, nullptr};
+  auto library = findPlugin(nameOrPath, pluginFolder);
+  return {library->description().name, library};
+}
+
+std::string rendererOf(const std::string& gain) {
+  if (isSurfaceServo(gain)) return kPositionControl;
+  (void)loadServo(gain);
+  return kHold;
+}
+
+ServoGain loadGain(const std::string& path, int joints, double period) {
+  const ServoFile servo = loadServo(path);
+  requireFits(path, servo.gain.rows(), servo.period, joints, period);
+  return servo.gain;
+}
+
+SurfaceServoOptions surfaceServo(const std::string& gain, const Mechanism& mechanism, double period, int delayLow,
+                                 int delayHigh) {
+  SurfaceServoOptions options;
+  if (gain.empty()) {
+    options = surfaceServoFor(mechanism.limits().count, period, delayLow, delayHigh);
+  } else {
+    options = loadSurfaceServo(gain).options;
+    requireFits(gain, options.count.size(), options.period, mechanism.joints(), period);
+    require(options.delayLow == delayLow && options.delayHigh == delayHigh,
+            gain + ": the servo is for a delay of " + ticksText(options.delayLow, options.delayHigh) +
+                ", the loop has one of " + ticksText(delayLow, delayHigh));
+  }
+  SurfaceServoRenderer{options};  // refuses here what a run would refuse
+  return options;
+}
+
+std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std::string, std::string>& parameters,
+                                     const std::shared_ptr<const Mechanism>& device, double period) {
+  const LinkedParameters of(name, parameters);
+  if (name == kImpedance || name == kPassivity) {
+    ImpedanceOptions options;
+    of.read("stiffness", options.stiffness);
+    of.read("damping", options.damping);
+    auto wall = std::make_unique<ImpedanceRenderer>(options);
+    if (name == kImpedance) return wall;
+    return std::make_unique<PassivityRenderer>(std::move(wall));
+  }
+  const std::string given = of.text("gain", "designed"), gain = given == "designed" ? "" : given;
+  if (name == kPositionControl) {
+    int low = 0;
+    of.read("delay", low);
+    int high = low;
+    if (of.text("delay-high", "same") != "same") of.read("delay-high", high);
+    return std::make_unique<SurfaceServoRenderer>(surfaceServo(gain, *device, period, low, high));
+  }
+  require(name == kHold, "there is no linked renderer \"" + name + "\"");
+  PositionControlOptions options;
+  of.readFlag("release", options.release);
+  of.readFlag("anti-windup", options.antiWindup);
+  return std::make_unique<PositionControlRenderer>(
+      gain.empty() ? ServoGain(designServo(device, Pose{}, period).K) : loadGain(gain, device->joints(), period),
+      period, options);
+}
+
+}  // namespace enamel
