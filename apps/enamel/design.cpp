@@ -98,11 +98,11 @@ void printSummary(const Device& device, const DesignedServo& servo) {
   fmt::print("delay: stable up to {} samples (spectral radius {:.3f} at {})\n", m.toleratedDelay, m.radiusBeyond,
              m.toleratedDelay + 1);
   const double limit = limitOf(device, 0);
-  if (const auto judged = judgeServo(device.problem, 0, w); judged && limit > 0.0)
+  if (const auto servoScore = evaluateServo(device.problem, 0, w); servoScore && limit > 0.0)
     fmt::print(
         "first impact, {:.4g} N: {:.4g} N/m ({:.0f} % of the limit); chatter {:.3f} N m (encoders, differenced "
         "velocity)\n",
-        device.problem.push, judged->stiffness, 100.0 * judged->stiffness / limit, judged->chatter);
+        device.problem.push, servoScore->stiffness, 100.0 * servoScore->stiffness / limit, servoScore->chatter);
   else
     fmt::print("first impact, {:.4g} N: none, {}\n", device.problem.push,
                limit > 0.0 ? "the push is not stopped" : "the motors cannot hold it: see --force");
@@ -259,9 +259,10 @@ void addDesign(CLI::App& app) {
   command->add_flag("--surface", options->surface,
                     "the contact-space servo instead, found by simulation of its loop (minutes)");
   command
-      ->add_flag("--rivals", options->rivals,
-                 "the laws that the servo is compared with, by the same search at every delay (an hour);\n"
-                 "--output writes the values for --laws of study")
+      ->add_flag(
+          "--rivals", options->rivals,
+          "the controllers that position control is compared with, by the same search at every delay (an hour);\n"
+          "--output writes the values for --tuned of study and compare")
       ->excludes("--surface");
   options->search.plant = kClosedForm;
   command->add_option("--plant", options->search.plant, std::string("--surface, --rivals: ") + kPlantHelp)
@@ -280,7 +281,8 @@ void addDesign(CLI::App& app) {
   command->add_option("--generations", options->search.generations, "--surface, --rivals: of the search, 8 servos each")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  command->add_option("--runs", options->search.runs, "--surface, --rivals: steps of force a point that judge a servo")
+  command
+      ->add_option("--runs", options->search.runs, "--surface, --rivals: steps of force a point that evaluate a servo")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command->add_option("--threads", options->search.threads, "--surface, --rivals: 0 means all; the result is the same")

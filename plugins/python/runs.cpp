@@ -420,7 +420,7 @@ py::dict judge(const Device& device, const py::object& renderer, int runs, const
   WallScore score;
   {
     const py::gil_scoped_release release;
-    score = judgeWall(withinMotors(setup), make, 0, threads > 0 ? threads : availableThreads());
+    score = evaluateWall(withinMotors(setup), make, 0, threads > 0 ? threads : availableThreads());
     failure->rethrow();
   }
   py::dict result;

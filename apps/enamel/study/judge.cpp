@@ -11,7 +11,7 @@
 
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
-#include "enamel/study/laws.hpp"
+#include "enamel/study/controllers.hpp"
 #include "enamel/study/wall_trials.hpp"
 #include "enamel/study/welch.hpp"
 #include "json_matrices.hpp"
@@ -440,12 +440,12 @@ void addClaims(Page& page, const std::vector<Condition>& conditions) {
 void addLaws(Page& page, const StudyOptions& options) {
   if (options.laws.empty()) return;
   std::vector<std::string> items;
-  const LawFile file = loadLaws(options.laws);
+  const ControllerFile file = loadControllers(options.laws);
   page.heading("The laws at their best");
   page.paragraph("Found on " + escape(file.model) +
                  " by <code>enamel design --rivals</code>: the same search under the same limits for each.");
-  for (const LawValues& found : file.laws) {
-    const Law& law = rivalLaw(found.law);
+  for (const ControllerValues& found : file.controllers) {
+    const ControllerSpec& law = rivalSpec(found.controller);
     std::string text =
         fmt::format("{}, delay {}: ", law.title,
                     found.delayLow == found.delayHigh ? fmt::format("{}", found.delayLow)

@@ -14,7 +14,7 @@ namespace enamel::app {
 inline constexpr const char* kScheduled = "hold-scheduled";
 /// A spring whose ticks are a quarter as long, as stiff as eq. 16 allows: K = 0.95 * 2 b / T for a device damping b.
 inline constexpr const char* kEdge = "impedance-edge";
-/// "tuned:NAME": a rival law (rivalLaws()) with the values that --laws has for the delay.
+/// "tuned:NAME": a rival law (rivalSpecs()) with the values that --laws has for the delay.
 inline constexpr const char* kTuned = "tuned:";
 
 struct StudyOptions {

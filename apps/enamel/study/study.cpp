@@ -15,7 +15,7 @@
 #include "enamel/core/file.hpp"
 #include "enamel/render/surface_file.hpp"
 #include "enamel/runtime/recording.hpp"
-#include "enamel/study/laws.hpp"
+#include "enamel/study/controllers.hpp"
 #include "enamel/study/parallel.hpp"
 #include "json_matrices.hpp"
 #include "plugin_folder.hpp"
@@ -125,8 +125,8 @@ std::vector<double> valuesFor(const std::string& path, const std::string& law, c
   if (path.empty())
     throw Error(std::string(kTuned) + law +
                 " needs --laws: a file of enamel design --rivals, or servos/rivals-tau.json of the data");
-  for (const LawValues& found : loadLaws(path).laws)
-    if (found.law == law && found.delayLow == delay.low && found.delayHigh == delay.high) return found.values;
+  for (const ControllerValues& found : loadControllers(path).controllers)
+    if (found.controller == law && found.delayLow == delay.low && found.delayHigh == delay.high) return found.values;
   throw Error(fmt::format("{}: has no {} for a delay of {} to {} ticks", path, law, delay.low, delay.high));
 }
 
@@ -215,7 +215,7 @@ Study prepareStudy(const StudyOptions& options) {
     if (!source.plugin) {
       const ColumnKind kind = kindOf(name);
       study.labels.push_back(
-          {kind, kind == ColumnKind::rival ? rivalLaw(name.substr(std::strlen(kTuned))).title : titleOf(kind), whole});
+          {kind, kind == ColumnKind::rival ? rivalSpec(name.substr(std::strlen(kTuned))).title : titleOf(kind), whole});
       continue;
     }
     study.labels.push_back({ColumnKind::plugin, name, whole});
@@ -277,7 +277,7 @@ Study prepareStudy(const StudyOptions& options) {
       continue;
     }
     if (kind == ColumnKind::rival) {
-      const Law& law = rivalLaw(column.name.substr(std::strlen(kTuned)));
+      const ControllerSpec& law = rivalSpec(column.name.substr(std::strlen(kTuned)));
       const std::vector<double> values = valuesFor(options.laws, law.name, plan.setup.delay);
       gainHashes[column.name] = hashOf(values);
       column.make = [make = law.with({study.design, period, plan.setup.delay}, values)](std::size_t) { return make(); };
