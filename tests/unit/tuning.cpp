@@ -14,7 +14,7 @@ namespace enamel::test_tuning {
 
 using namespace enamel::test;
 
-TEST_CASE("the paper's weights, judged") {
+TEST_CASE("the paper's weights, evaluated") {
   const TuneProblem problem = nominalProblem();
   const auto exact = evaluateServo(problem, 0, ServoWeights{});
   REQUIRE(exact);
