@@ -27,7 +27,7 @@ Condition conditionOf(const CompareOptions& options, const std::string& plant, c
   std::replace(name.begin(), name.end(), ':', '-');
   one.output += '/' + name;
   Condition condition{plant, delay, prepareStudy(one), {}, {}, {}};
-  condition.scores.resize(condition.study.labels.size());
+  condition.scores = scoresOf(condition.study.plan, {});
   for (std::size_t c = 0; c < condition.scores.size(); ++c) {
     const std::string& column = condition.study.plan.columns[c].name;
     std::string& title = condition.study.labels[c].title;
@@ -59,7 +59,7 @@ void readPushes(Condition& c) {
   const std::vector<StudyResult> runs = readRuns(c.study.plan, c.study.path("runs.csv"));
   c.points = pointStatistics(c.study.plan, runs);
   c.walls = summarise(c.study.plan, c.points);
-  addPushes(runs, c);
+  c.scores = scoresOf(c.study.plan, runs);
   writeFile(c.study.path("points.csv"), pointsTable(c.study, c.points));
   writeFile(c.study.path("summary.json"), summaryOf(c.study, c.walls, {}));
 }
@@ -95,8 +95,8 @@ void runCompare(CompareOptions options) {
   }
   for (Condition& c : conditions) {
     if (hasPushes(options)) readPushes(c);
-    addWallTasks(wallTasks, c);
-    if (hasPushes(options)) rank(c.scores);
+    addWallTrials(c.study.plan, wallTasks, study.threads, c.scores);
+    if (hasPushes(options)) rankRenderers(c.scores);
     if (!study.output.empty()) continue;
     if (&c != &conditions.front()) fmt::print("\n");
     printTasks(c);

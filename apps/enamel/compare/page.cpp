@@ -26,7 +26,7 @@ void addRanks(Page& page, const std::vector<const Condition*>& conditions) {
     std::vector<std::string> row{conditions.front()->title(i)};
     double mean = 0.0;
     for (const Condition* c : conditions) {
-      const Score& s = c->scores[i];
+      const RendererScore& s = c->scores[i];
       mean += s.rank / static_cast<double>(conditions.size());
       row.push_back(fmt::format("{:.1f}{}", s.rank, s.lost > 0 ? fmt::format(" ({} of {} lost)", s.lost, s.runs) : ""));
     }
@@ -41,13 +41,13 @@ void addRanks(Page& page, const std::vector<const Condition*>& conditions) {
 
 void addFeel(Page& page, const Condition& condition) {
   std::vector<std::string> head{delayText(condition.delay), "K_z1, N/m"};
-  for (const Criterion& c : criteria()) head.push_back(fmt::format("{}, {}", c.name, c.unit));
+  for (const ComparisonCriterion& c : comparisonCriteria()) head.push_back(fmt::format("{}, {}", c.name, c.unit));
   head.insert(head.end(), {"impact 0.2 m/s: bounce, µm", "corner: depth, µm", "lost"});
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < condition.scores.size(); ++i) {
-    const Score& s = condition.scores[i];
+    const RendererScore& s = condition.scores[i];
     std::vector<std::string> row{condition.title(i), meanText(spreadOf(s.stiffness))};
-    for (const Criterion& c : criteria()) row.push_back(scoreText(c.scale * c.value(s)));
+    for (const ComparisonCriterion& c : comparisonCriteria()) row.push_back(scoreText(c.scale * c.value(s)));
     row.push_back(scoreText(s.figure("impact 0.2 m/s", "bounce")));
     row.push_back(scoreText(s.figure("corner", "depth")));
     row.push_back(fmt::format("{} of {}", s.lost, s.runs));
@@ -69,7 +69,7 @@ void addBoxes(Page& page, const std::vector<const Condition*>& conditions, const
     stiffness.groups.push_back(delayText(c->delay));
     stiffness.values.emplace_back();
     depth.values.emplace_back();
-    for (const Score& s : c->scores) {
+    for (const RendererScore& s : c->scores) {
       stiffness.values.back().push_back(s.stiffness);
       depth.values.back().push_back(s.depth);
       for (double& value : depth.values.back().back()) value *= 1e3;
@@ -78,7 +78,7 @@ void addBoxes(Page& page, const std::vector<const Condition*>& conditions, const
   }
   depth.groups = stiffness.groups;
   for (const Condition& c : all)
-    for (const Score& s : c.scores) {
+    for (const RendererScore& s : c.scores) {
       for (const double value : s.stiffness)
         if (value > 0.0) stiffness.extent.see(1e-3 * value);
       for (const double value : s.depth)
@@ -115,7 +115,7 @@ void addTests(Page& page, const std::vector<const Condition*>& conditions) {
 
 // What people do to a wall besides the push, every figure; a table a condition.
 void addTasks(Page& page, const std::vector<Condition>& conditions) {
-  if (conditions.front().scores.front().tasks.empty()) return;
+  if (conditions.front().scores.front().trials.empty()) return;
   page.heading("Every other task");
   page.paragraph(
       "The worst run of each figure, or the mean where its name says so; in brackets the runs that were lost.");
@@ -123,12 +123,12 @@ void addTasks(Page& page, const std::vector<Condition>& conditions) {
     std::vector<std::string> head{plantTitle(c.plant) + ", " + delayText(c.delay)};
     for (std::size_t i = 0; i < c.scores.size(); ++i) head.push_back(escape(c.title(i)));
     std::vector<std::vector<std::string>> rows;
-    for (std::size_t row = 0; row < c.scores.front().tasks.size(); ++row) {
-      const WallFigure& named = c.scores.front().tasks[row];
+    for (std::size_t row = 0; row < c.scores.front().trials.size(); ++row) {
+      const WallFigure& named = c.scores.front().trials[row];
       std::vector<std::string> cells{
           fmt::format("{}: {}{}{}", named.trial, named.figure, *named.unit ? ", " : "", named.unit)};
-      for (const Score& score : c.scores) {
-        const WallFigure& f = score.tasks[row];
+      for (const RendererScore& score : c.scores) {
+        const WallFigure& f = score.trials[row];
         cells.push_back(numberText(f.value) + (f.lost > 0 ? fmt::format(" ({})", f.lost) : ""));
       }
       rows.push_back(cells);
@@ -225,13 +225,13 @@ std::string sentenceOf(const std::vector<const Condition*>& conditions) {
   for (const Condition* c : conditions) {
     const std::size_t ours = c->study.column(ColumnKind::positionControl);
     if (ours == c->scores.size()) return text;
-    const Score& mine = c->scores[ours];
+    const RendererScore& mine = c->scores[ours];
     lost += mine.lost;
     runs += mine.runs;
-    const Score* rival = nullptr;
+    const RendererScore* rival = nullptr;
     for (std::size_t i = 0; i < c->scores.size(); ++i)
-      if (const Score& s = c->scores[i]; i != ours && s.lost == 0 && s.stiffness.size() > 1 &&
-                                         (rival == nullptr || meanOf(s.stiffness) > meanOf(rival->stiffness)))
+      if (const RendererScore& s = c->scores[i]; i != ours && s.lost == 0 && s.stiffness.size() > 1 &&
+                                                 (rival == nullptr || meanOf(s.stiffness) > meanOf(rival->stiffness)))
         rival = &s;
     if (rival == nullptr || mine.lost > 0 || mine.stiffness.size() < 2) continue;
     const double ratio = meanOf(mine.stiffness) / meanOf(rival->stiffness);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "compare/compare.hpp"
-#include "compare/scores.hpp"
+#include "compare/conditions.hpp"
 
 namespace enamel::app {
 

@@ -11,6 +11,8 @@ inline constexpr double kTooDeep = 1e-3;  ///< m: what the paper allows
 /// A plant in words.
 const std::string& plantTitle(const std::string& plant);
 
+inline double meanOf(const std::vector<double>& values) { return spreadOf(values).mean; }
+
 /// "lost" for what is infinite.
 std::string scoreText(double value);
 

@@ -11,6 +11,12 @@
 namespace enamel::app {
 namespace {
 
+double deepestOf(const std::vector<double>& depths) {
+  double most = 0.0;
+  for (const double depth : depths) most = std::max(most, depth);
+  return most;
+}
+
 // The paper's Table III: the largest penetration of the runs, with a random delay in brackets.
 void addTableThree(Page& page, const std::vector<Condition>& conditions) {
   std::vector<std::vector<std::string>> rows;
@@ -22,23 +28,24 @@ void addTableThree(Page& page, const std::vector<Condition>& conditions) {
     });
     for (std::size_t i = 0; i < c.scores.size(); ++i) {
       if (!isPositionBased(c.study.labels[i].kind)) continue;
-      for (const auto depth : {&Score::depth, &Score::depthOfHand}) {
+      for (const auto depth : {&RendererScore::depth, &RendererScore::depthOfHand}) {
         const auto cell = [&](auto&& text) {
           return text(c.scores[i]) + (delayed != conditions.end() ? " (" + text(delayed->scores[i]) + ")" : "");
         };
-        const auto deepest = [depth](const Score& s) {
+        const auto deepest = [depth](const RendererScore& s) {
           const std::vector<double>& d = s.*depth;
           return d.empty() ? std::numeric_limits<double>::quiet_NaN() : 1e6 * deepestOf(d);
         };
-        rows.push_back({c.title(i), c.plant, depth == &Score::depth ? "1" : "2",
-                        cell([&](const Score& s) { return scoreText(1e6 * meanOf(s.*depth)); }),
-                        cell([&](const Score& s) { return scoreText(1e6 * spreadOf(s.*depth).deviation); }),
-                        cell([&](const Score& s) { return scoreText(deepest(s)); }), cell([&](const Score& s) {
-                          const auto deeper = std::count_if((s.*depth).begin(), (s.*depth).end(),
-                                                            [](double d) { return d > kTooDeep; });
-                          return fmt::format("{} of {}", deeper, (s.*depth).size());
-                        }),
-                        cell([](const Score& s) { return fmt::format("{}", s.lost); })});
+        rows.push_back(
+            {c.title(i), c.plant, depth == &RendererScore::depth ? "1" : "2",
+             cell([&](const RendererScore& s) { return scoreText(1e6 * meanOf(s.*depth)); }),
+             cell([&](const RendererScore& s) { return scoreText(1e6 * spreadOf(s.*depth).deviation); }),
+             cell([&](const RendererScore& s) { return scoreText(deepest(s)); }), cell([&](const RendererScore& s) {
+               const auto deeper =
+                   std::count_if((s.*depth).begin(), (s.*depth).end(), [](double d) { return d > kTooDeep; });
+               return fmt::format("{} of {}", deeper, (s.*depth).size());
+             }),
+             cell([](const RendererScore& s) { return fmt::format("{}", s.lost); })});
       }
     }
   }
@@ -81,7 +88,7 @@ void addTableFour(Page& page, const std::vector<Condition>& conditions) {
 }
 
 // The claim about a random delay, of one condition.
-std::string delayClaim(const Condition& c, const Score& s) {
+std::string delayClaim(const Condition& c, const RendererScore& s) {
   const auto deep = std::count_if(s.depth.begin(), s.depth.end(), [](double depth) { return depth > kTooDeep; });
   const double most = deepestOf(s.depth);
   if (s.depth.empty())
@@ -97,7 +104,7 @@ std::string delayClaim(const Condition& c, const Score& s) {
       s.lost == 0 && deep <= 3 && most < 1.1e-3 ? "holds" : "refuted");
 }
 
-std::string stiffnessClaim(const Condition& c, const Score& ours, const Score& spring) {
+std::string stiffnessClaim(const Condition& c, const RendererScore& ours, const RendererScore& spring) {
   const WelchTest t = welchTest(spreadOf(ours.stiffness), spreadOf(spring.stiffness));
   return fmt::format(
       "“Position control is stiffer than impedance” on {}, {}: {} against {} N/m (p {}), "
