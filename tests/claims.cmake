@@ -96,8 +96,8 @@ function(claim_trials sentence row)
     list(GET ARGN ${at} low)
     math(EXPR at "${at} + 1")
     list(GET ARGN ${at} high)
-    claim(lib/docs/measurements.md "${sentence}" "\n${row} +${number}" ${low} ${high} trials
-      --device data/devices/tau-nominal.toml --renderers position-control --runs 100 --delay constant:${delay})
+    claim(lib/docs/measurements.md "${sentence}" "\n${row} +${number}" ${low} ${high} compare
+      --device data/devices/tau-nominal.toml --renderers position-control --runs 100 --delays constant:${delay})
   endforeach()
   set(untrue ${untrue} PARENT_SCOPE)
   set(unknown ${unknown} PARENT_SCOPE)

@@ -13,7 +13,7 @@ void addPush(CLI::App& app);
 void addReplay(CLI::App& app);
 void addExport(CLI::App& app);
 void addStudy(CLI::App& app);
-void addTrials(CLI::App& app);
+void addCompare(CLI::App& app);
 void addDevice(CLI::App& app);
 void addBench(CLI::App& app);
 void addMesh(CLI::App& app);

@@ -98,11 +98,11 @@ void printSummary(const Device& device, const DesignedServo& servo) {
   fmt::print("delay: stable up to {} samples (spectral radius {:.3f} at {})\n", m.toleratedDelay, m.radiusBeyond,
              m.toleratedDelay + 1);
   const double limit = limitOf(device, 0);
-  if (const auto judged = judgeServo(device.problem, 0, w); judged && limit > 0.0)
+  if (const auto servoScore = evaluateServo(device.problem, 0, w); servoScore && limit > 0.0)
     fmt::print(
         "first impact, {:.4g} N: {:.4g} N/m ({:.0f} % of the limit); chatter {:.3f} N m (encoders, differenced "
         "velocity)\n",
-        device.problem.push, judged->stiffness, 100.0 * judged->stiffness / limit, judged->chatter);
+        device.problem.push, servoScore->stiffness, 100.0 * servoScore->stiffness / limit, servoScore->chatter);
   else
     fmt::print("first impact, {:.4g} N: none, {}\n", device.problem.push,
                limit > 0.0 ? "the push is not stopped" : "the motors cannot hold it: see --force");
@@ -217,6 +217,76 @@ void run(DesignOptions options) {
   printSummary(device, servo);
 }
 
+void addServoOptions(CLI::App& command, DesignOptions& options) {
+  command.add_option("--rate", options.rate, "ticks per second, Hz")
+      ->check(CLI::Range(10.0, 100000.0))
+      ->capture_default_str();
+  command.add_option("--q-velocity", options.weights.velocity, "weight of q'")->capture_default_str();
+  command.add_option("--q-position", options.weights.position, "weight of q")->capture_default_str();
+  command.add_option("--q-integral", options.weights.integral, "weight of the integral of the error")
+      ->capture_default_str();
+  command.add_option("--r", options.weights.torque, "weight of the torque")->capture_default_str();
+  command.add_option("--at", options.at, "operating point: TCP position x,y,z, m")
+      ->delimiter(',')
+      ->expected(3)
+      ->capture_default_str();
+  command.add_flag("--tune", options.tune, "search the weights (they are then not read)");
+  command.add_option("--disk-margin", options.required.diskMargin, "--tune: least disk margin")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      .add_option("--delay", options.delay,
+                  "--tune: delay of the servo to write, samples; --surface: also constant:D or random:A..B")
+      ->capture_default_str();
+  command.add_flag("--step-response", options.required.stepResponse,
+                   "--tune: the servo to write meets the step-reference rows of Table II");
+  command.add_option("--impedance-map", options.impedanceMap, "where the stability map goes (CSV)");
+  command.add_option("--force", options.push, "push of the first impact that is reported, N")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      .add_option("--device-damping", options.deviceDamping,
+                  "of the TCP along z, N s/m, beside what the device file gives (the paper's spring has 4)")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+}
+
+void addSearchOptions(CLI::App& command, DesignOptions& options) {
+  command.add_flag("--surface", options.surface,
+                   "the contact-space servo instead, found by simulation of its loop (minutes)");
+  command
+      .add_flag("--rivals", options.rivals,
+                "the controllers that position control is compared with, by the same search at every delay (an hour);\n"
+                "--output writes the values for --tuned of study and compare")
+      ->excludes("--surface");
+  options.search.plant = kClosedForm;
+  command.add_option("--plant", options.search.plant, std::string("--surface, --rivals: ") + kPlantHelp)
+      ->check(CLI::Validator(checkPlant, ""))
+      ->capture_default_str();
+  command
+      .add_option("--inertia-error", options.search.inertiaError,
+                  "--surface: the model's inertia may be wrong by this share")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command.add_option("--scene", options.search.scene,
+                     "--surface, --rivals: pushed there too, must not slide off what the start is nearest to (TOML)");
+  command.add_option("--half-width", options.search.halfWidth, "--surface, --rivals: of the wall, m")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command.add_option("--generations", options.search.generations, "--surface, --rivals: of the search, 8 servos each")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  command
+      .add_option("--runs", options.search.runs, "--surface, --rivals: steps of force a point that evaluate a servo")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command.add_option("--threads", options.search.threads, "--surface, --rivals: 0 means all; the result is the same")
+      ->check(CLI::Range(0, kMaxThreads))
+      ->capture_default_str();
+  command.add_option("--seed", options.search.seed, "--surface, --rivals: of the random numbers")
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void addDesign(CLI::App& app) {
@@ -230,75 +300,14 @@ void addDesign(CLI::App& app) {
       "--impedance-map writes where an impedance wall is stable (CSV).");
   command->add_option("--device", options->device, "device file (TOML)")->required();
   command->add_option("--output", options->output, "where the design goes (JSON)");
-  command->add_option("--rate", options->rate, "ticks per second, Hz")
-      ->check(CLI::Range(10.0, 100000.0))
-      ->capture_default_str();
-  command->add_option("--q-velocity", options->weights.velocity, "weight of q'")->capture_default_str();
-  command->add_option("--q-position", options->weights.position, "weight of q")->capture_default_str();
-  command->add_option("--q-integral", options->weights.integral, "weight of the integral of the error")
-      ->capture_default_str();
-  command->add_option("--r", options->weights.torque, "weight of the torque")->capture_default_str();
-  command->add_option("--at", options->at, "operating point: TCP position x,y,z, m")
-      ->delimiter(',')
-      ->expected(3)
-      ->capture_default_str();
-  command->add_flag("--tune", options->tune, "search the weights (they are then not read)");
-  command->add_option("--disk-margin", options->required.diskMargin, "--tune: least disk margin")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+  addServoOptions(*command, *options);
   command
       ->add_option_function<double>(
           "--chatter", [options](double most) { options->required.chatter = options->search.chatter = most; },
           "--tune, --surface: largest chatter, N m or N (default: " + fmt::format("{:g}", options->required.chatter) +
               "; with --surface 2.5 % of the weakest motor)")
       ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--delay", options->delay,
-                   "--tune: delay of the servo to write, samples; --surface: also constant:D or random:A..B")
-      ->capture_default_str();
-  command->add_flag("--surface", options->surface,
-                    "the contact-space servo instead, found by simulation of its loop (minutes)");
-  command
-      ->add_flag("--rivals", options->rivals,
-                 "the laws that the servo is compared with, by the same search at every delay (an hour);\n"
-                 "--output writes the values for --laws of study")
-      ->excludes("--surface");
-  options->search.plant = kClosedForm;
-  command->add_option("--plant", options->search.plant, std::string("--surface, --rivals: ") + kPlantHelp)
-      ->check(CLI::Validator(checkPlant, ""))
-      ->capture_default_str();
-  command
-      ->add_option("--inertia-error", options->search.inertiaError,
-                   "--surface: the model's inertia may be wrong by this share")
-      ->check(CLI::Range(0.0, 0.5))
-      ->capture_default_str();
-  command->add_option("--scene", options->search.scene,
-                      "--surface, --rivals: pushed there too, must not slide off what the start is nearest to (TOML)");
-  command->add_option("--half-width", options->search.halfWidth, "--surface, --rivals: of the wall, m")
-      ->check(CLI::Range(0.0, 0.5))
-      ->capture_default_str();
-  command->add_option("--generations", options->search.generations, "--surface, --rivals: of the search, 8 servos each")
-      ->check(CLI::Range(0, 10000))
-      ->capture_default_str();
-  command->add_option("--runs", options->search.runs, "--surface, --rivals: steps of force a point that judge a servo")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command->add_option("--threads", options->search.threads, "--surface, --rivals: 0 means all; the result is the same")
-      ->check(CLI::Range(0, kMaxThreads))
-      ->capture_default_str();
-  command->add_option("--seed", options->search.seed, "--surface, --rivals: of the random numbers")
-      ->capture_default_str();
-  command->add_flag("--step-response", options->required.stepResponse,
-                    "--tune: the servo to write meets the step-reference rows of Table II");
-  command->add_option("--impedance-map", options->impedanceMap, "where the stability map goes (CSV)");
-  command->add_option("--force", options->push, "push of the first impact that is reported, N")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--device-damping", options->deviceDamping,
-                   "of the TCP along z, N s/m, beside what the device file gives (the paper's spring has 4)")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
+  addSearchOptions(*command, *options);
   command->callback([options] { run(*options); });
 }
 

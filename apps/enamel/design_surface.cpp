@@ -6,7 +6,7 @@
 
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/surface_file.hpp"
-#include "enamel/study/laws.hpp"
+#include "enamel/study/controllers.hpp"
 #include "enamel/study/parallel.hpp"
 #include "plant_option.hpp"
 
@@ -76,31 +76,31 @@ std::string designSurface(const SurfaceDesignOptions& options) {
   fmt::print("surface servo for {}: delay {}..{} ticks of {:.6g} s, inertia wrong by up to {:.0f} %\n",
              setup.plant->name(), options.delay.low, options.delay.high, options.period, 100.0 * options.inertiaError);
   printTask(setup);
-  const Law law = surfaceServoLaw(start);
-  const auto servo = [&law, &setup](const std::vector<double>& values) {
-    return law.with({setup.plant, setup.period, setup.delay}, values);
+  const ControllerSpec spec = surfaceServoSpec(start);
+  const auto servo = [&spec, &setup](const std::vector<double>& values) {
+    return spec.with({setup.plant, setup.period, setup.delay}, values);
   };
   std::vector<double> first;
-  for (const LawParameter& p : law.parameters) first.push_back(p.start);
+  for (const ControllerParameter& p : spec.parameters) first.push_back(p.start);
   const std::vector<double> found =
-      designLaw(setup, law, first, options.generations, threads, [](int generation, const WallScore& score) {
+      designController(setup, spec, first, options.generations, threads, [](int generation, const WallScore& score) {
         if (generation % 10 == 0) printScore(fmt::format("search {}", generation), score);
       });
   const SurfaceServoOptions best = surfaceServoWith(start, found);
 
   // The trade-off: stiffer or quieter by the observer's trust in the push's constancy.
-  WallDesignSetup judged = setup;
-  judged.runs = 3 * setup.runs;
+  WallDesignSetup thorough = setup;
+  thorough.runs = 3 * setup.runs;
   fmt::print("\non new random numbers, and with another `wander` (what the observer expects of the push):\n");
   printHead();
   for (const double factor : {0.25, 0.5, 2.0, 4.0}) {
     std::vector<double> other = found;
     for (std::size_t i = 0; i < other.size(); ++i)
-      if (law.parameters[i].name == "wander") other[i] *= factor;
-    printScore(fmt::format("wander x {}", factor), judgeWall(judged, servo(other), kFinalTrial, threads));
+      if (spec.parameters[i].name == "wander") other[i] *= factor;
+    printScore(fmt::format("wander x {}", factor), evaluateWall(thorough, servo(other), kFinalTrial, threads));
   }
-  printScore("start", judgeWall(judged, servo(first), kFinalTrial, threads));
-  const WallScore score = judgeWall(judged, servo(found), kFinalTrial, threads);
+  printScore("start", evaluateWall(thorough, servo(first), kFinalTrial, threads));
+  const WallScore score = evaluateWall(thorough, servo(found), kFinalTrial, threads);
   printScore("this servo", score);
   if (score.chatter > setup.chatter)
     fmt::print("its chatter, {:.3g}, is above the bound: none below it was found\n", score.chatter);
@@ -116,34 +116,34 @@ std::string designRivals(const SurfaceDesignOptions& options) {
   fmt::print("rivals on {}, each at its best after {} generations, on new random numbers\n", setup.plant->name(),
              options.generations);
   printTask(setup);
-  LawFile file{std::filesystem::path(options.device).filename().string(), {}};
+  ControllerFile file{std::filesystem::path(options.device).filename().string(), {}};
   for (const Delay& delay : {Delay{0, 0}, Delay{1, 1}, Delay{2, 2}, Delay{3, 3}, Delay{0, 3}}) {
     setup.delay = delay;
     fmt::print("delay {}\n", ticksText(delay));
     const auto print = [&](const std::string& name, const MakeRenderer& make) {
-      WallDesignSetup judged = setup;
-      judged.runs = 3 * setup.runs;
-      printScore(name, judgeWall(judged, make, kFinalTrial, threads));
+      WallDesignSetup thorough = setup;
+      thorough.runs = 3 * setup.runs;
+      printScore(name, evaluateWall(thorough, make, kFinalTrial, threads));
     };
-    for (const Law& law : rivalLaws()) {
+    for (const ControllerSpec& spec : rivalSpecs()) {
       std::vector<double> start;
-      for (const LawParameter& p : law.parameters) start.push_back(p.start);
-      LawValues values{law.name, delay.low, delay.high, {}};
-      values.values = designLaw(setup, law, start, options.generations, threads, {});
-      print(law.name, law.with({setup.plant, setup.period, delay}, values.values));
+      for (const ControllerParameter& p : spec.parameters) start.push_back(p.start);
+      ControllerValues values{spec.name, delay.low, delay.high, {}};
+      values.values = designController(setup, spec, start, options.generations, threads, {});
+      print(spec.name, spec.with({setup.plant, setup.period, delay}, values.values));
       std::string text;
       for (std::size_t i = 0; i < start.size(); ++i)
-        text += fmt::format("  {} {:.4g} {}", law.parameters[i].name, values.values[i], law.parameters[i].unit);
+        text += fmt::format("  {} {:.4g} {}", spec.parameters[i].name, values.values[i], spec.parameters[i].unit);
       fmt::print("            {}\n", text);
-      file.laws.push_back(std::move(values));
+      file.controllers.push_back(std::move(values));
     }
-    const Law servo =
-        surfaceServoLaw(surfaceServoFor(setup.plant->limits().count, options.period, delay.low, delay.high));
+    const ControllerSpec servo =
+        surfaceServoSpec(surfaceServoFor(setup.plant->limits().count, options.period, delay.low, delay.high));
     std::vector<double> shipped;
-    for (const LawParameter& p : servo.parameters) shipped.push_back(p.start);
+    for (const ControllerParameter& p : servo.parameters) shipped.push_back(p.start);
     print(servo.name, servo.with({setup.plant, setup.period, delay}, shipped));
   }
-  return lawsText(file);
+  return controllersText(file);
 }
 
 }  // namespace enamel::app

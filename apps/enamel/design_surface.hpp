@@ -1,5 +1,5 @@
-// `enamel design --surface` and `--rivals`: the contact-space servo and the laws it is compared with, each found by
-// the same simulation of the loop that it runs in.
+// `enamel design --surface` and `--rivals`: the contact-space servo and the controllers it is compared with, each found
+// by the same simulation of the loop that it runs in.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct SurfaceDesignOptions {
 /// Searches, prints the trade-off and how the servo does on new random numbers; returns the servo's file. Throws Error.
 std::string designSurface(const SurfaceDesignOptions& options);
 
-/// The same for every rivalLaws() and delays of 0, 1, 2, 3 and 0..3 ticks (`delay` is not read); returns the file of
+/// The same for every rivalSpecs() and delays of 0, 1, 2, 3 and 0..3 ticks (`delay` is not read); returns the file of
 /// their values. Throws Error.
 std::string designRivals(const SurfaceDesignOptions& options);
 

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "old_commands.hpp"
 #include "program/program.hpp"
 
 int main(int argc, char** argv) {
@@ -15,7 +16,7 @@ int main(int argc, char** argv) {
     enamel::app::addReplay(app);
     enamel::app::addExport(app);
     enamel::app::addStudy(app);
-    enamel::app::addTrials(app);
+    enamel::app::addCompare(app);
     enamel::app::addDevice(app);
     enamel::app::addMesh(app);
     enamel::app::addScene(app);
@@ -24,6 +25,11 @@ int main(int argc, char** argv) {
     enamel::app::addFmu(app);
 #endif
     enamel::app::addBench(app);
-    enamel::app::parse(app, "enamel", argc, argv);
+    std::string warning;
+    std::vector<std::string> arguments = enamel::app::presentCommand({argv + 1, argv + argc}, warning);
+    if (!warning.empty()) enamel::app::tell("enamel: warning", warning);
+    std::vector<char*> words{argv[0]};
+    for (std::string& argument : arguments) words.push_back(argument.data());
+    enamel::app::parse(app, "enamel", static_cast<int>(words.size()), words.data());
   });
 }

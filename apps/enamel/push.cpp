@@ -153,103 +153,228 @@ class WayOut {
   double touched_ = 0.0;  // s
 };
 
-void run(const PushOptions& options) {
-  // The damping that an option adds is the plant's: servos and plugins are designed on the device of the file.
-  DeviceParameters parameters = loadDevice(options.device);
-  const std::shared_ptr<const Mechanism> device = makeMechanism(parameters);
-  addDamping(parameters, options.deviceDamping * Vec6::Unit(2));
-  const std::shared_ptr<const Mechanism> plant = makeMechanism(parameters);
-  PushSetup setup = setupOf(options);
-  const MakePlant makePlant = makerOf(options.plant, parameters, setup);
-  const std::vector<RendererSource> sources = sourcesOf(options);
-  const PluginSetup plugin{options.device, "", options.scene, "", parseParameters(options.set)};
-  const double damping = dampingAlong(*plant, setup.start, setup.person.normal);
-  const std::string owner = options.gain.empty() ? "" : rendererOf(options.gain);
-  const double limit = largestStiffness(*plant, setup);
-
+// What every renderer is pushed on.
+struct PushTask {
+  const PushOptions& options;
+  PushSetup setup;
+  std::shared_ptr<const Mechanism> device;  // of the file: servos and plugins are designed on it
+  std::shared_ptr<const Mechanism> plant;   // with the damping that an option adds
+  MakePlant makePlant;
+  PluginSetup plugin;
+  double damping = 0.0;  // of the plant along the normal, N s/m
+  double limit = 0.0;    // largest first impact stiffness, N/m
+  std::string owner;     // the renderer that --gain is for
   RecordingHeader header;
-  if (!options.record.empty()) {
-    const auto place = [](const std::string& file) { return std::filesystem::absolute(file).lexically_normal(); };
-    if (!options.output.empty() && place(options.output) == place(options.record))
-      throw Error("--record and --output are one file: " + options.record);
-    header = headerOf(options, setup);
+
+  std::unique_ptr<Plant> makeOne() const {
+    return makePlant ? makePlant(setup.run)
+                     : std::make_unique<ClosedFormPlant>(*plant, setup.integrator, setup.substeps);
   }
+};
+
+// What has been written, and measured.
+struct PushResults {
   std::vector<PushOutcome> outcomes;
   std::vector<std::string> files, recordings;
+};
+
+PushTask taskOf(const PushOptions& options) {
+  DeviceParameters parameters = loadDevice(options.device);
+  PushTask task{options, {}, makeMechanism(parameters), {}, {}, {}, 0.0, 0.0, "", {}};
+  addDamping(parameters, options.deviceDamping * Vec6::Unit(2));
+  task.plant = makeMechanism(parameters);
+  task.setup = setupOf(options);
+  task.makePlant = makerOf(options.plant, parameters, task.setup);
+  return task;
+}
+
+// What needs no more checks of the options.
+void completeTask(PushTask& task) {
+  const PushOptions& options = task.options;
+  task.plugin = {options.device, "", options.scene, "", parseParameters(options.set)};
+  task.damping = dampingAlong(*task.plant, task.setup.start, task.setup.person.normal);
+  task.owner = options.gain.empty() ? "" : rendererOf(options.gain);
+  task.limit = largestStiffness(*task.plant, task.setup);
+  if (options.record.empty()) return;
+  const auto place = [](const std::string& file) { return std::filesystem::absolute(file).lexically_normal(); };
+  if (!options.output.empty() && place(options.output) == place(options.record))
+    throw Error("--record and --output are one file: " + options.record);
+  task.header = headerOf(options, task.setup);
+}
+
+// Ends a recording; its name, with what it lost.
+std::string closed(Recorder& recorder, const std::string& file) {
+  const RecordingResult recorded = recorder.close();
+  if (!recorded.problem.empty()) throw Error(fmt::format("{} ({} ticks are lost)", recorded.problem, recorded.lost));
+  return file + (recorded.lost > 0 ? fmt::format(" ({} ticks are lost)", recorded.lost) : "");
+}
+
+// Throws Error: what ended the push too early.
+void pushWith(const RendererSource& source, PushTask& task, PushResults& results) {
+  const PushOptions& options = task.options;
+  const auto& [name, library] = source;
+  const auto values =
+      library ? task.plugin.parameters : parametersOf(options, name, name == task.owner, task.setup.delay);
+  const std::unique_ptr<Renderer> renderer =
+      library ? makeRenderer(library, task.plugin) : makeLinked(name, values, task.device, task.setup.period);
+  if (name == kImpedance && !library) {
+    const std::string warning = dampingWarning(options.impedance, task.setup.period, task.damping);
+    if (!warning.empty()) fmt::print(stderr, "enamel: warning: {}\n", warning);
+  }
+  std::optional<TickFile> file;
+  if (!options.output.empty()) file.emplace(outputFor(options, options.output, name), *task.device);
+  const std::string recording = options.record.empty() ? "" : outputFor(options, options.record, name);
+  if (!recording.empty()) nameRenderer(name, library ? library->path() : "", values, task.setup.scene, task.header);
+  std::optional<Recorder> recorder;
+  MetricsCollector collector(task.setup, task.limit, task.plant->limits().torque);
+  WayOut wayOut(task.setup);
+  const auto perTick = [&](const TickRecord& tick, const VirtualLoop& loop) {
+    collector.add(tick);
+    wayOut.add(tick);
+    if (file) file->write(tick);
+    if (recording.empty()) return;
+    if (!recorder) recorder.emplace(recording, task.header, loop.hapticTick());
+    recorder->makeRoom();
+    recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
+  };
+  const PushResult result = runPush(task.makeOne(), *task.plant, *renderer, task.setup, perTick);
+  if (file) file->close();
+  if (recorder) results.recordings.push_back(closed(*recorder, recording));
+  const double end = static_cast<double>(result.ticks) * task.setup.period;
+  const PushMetrics metrics = collector.metrics();
+  if (result.status != Status::ok && result.status != Status::stopped)
+    throw Error(fmt::format("the device left its workspace at {:.6g} s ({}): its pose is {}", end, wayOut.text(),
+                            toString(result.status)));
+  results.outcomes.push_back({name, library == nullptr && (name == kHold || name == kImpedance), metrics});
+  if (file) results.files.push_back(outputFor(options, options.output, name));
+  if (result.status == Status::stopped)
+    throw Error(fmt::format("stopped by the guard at {} s: {}", end, toString(result.guard)));
+  if (metrics.verdict == FirstImpactVerdict::unstable)
+    throw Error("the loop is unstable: it saturates, or oscillates and does not stop");
+}
+
+void print(const PushTask& task, const PushResults& results) {
+  const PushOptions& options = task.options;
+  if (results.outcomes.empty()) return;
+  if (options.json) {
+    fmt::print("{}", jsonOf(results.outcomes));
+    return;
+  }
+  const Person& person = task.setup.person;
+  const Vec3 start_mm = 1e3 * task.setup.start.position;
+  fmt::print(
+      "{}: scenario {}, {} N after {} N at ({:.4g}, {:.4g}, {:.4g}) mm against ({:.3g}, {:.3g}, {:.3g}), noise {} N, "
+      "guide {}, delay {}, seed {}\nplant of every renderer: {}, mechanical damping {:.4g} N s/m along the "
+      "normal{}\n",
+      task.device->name(), person.scenario, person.force, person.preload, start_mm.x(), start_mm.y(), start_mm.z(),
+      person.normal.x(), person.normal.y(), person.normal.z(), person.noise, options.guide ? "on" : "off",
+      options.delay, task.setup.seed, options.plant, task.damping,
+      task.owner.empty() ? "" : "; servo of " + task.owner + ": " + options.gain);
+  fmt::print("{}", tableOf(results.outcomes, person.scenario));
+  for (const std::string& file : results.files) fmt::print("every tick: {}\n", file);
+  for (const std::string& file : results.recordings) fmt::print("recording: {}\n", file);
+}
+
+void run(const PushOptions& options) {
+  PushTask task = taskOf(options);
+  const std::vector<RendererSource> sources = sourcesOf(options);
+  completeTask(task);
+  PushResults results;
   std::string failures;
-  for (const auto& [name, library] : sources) {
+  for (const RendererSource& source : sources) {
     try {
-      const auto values = library ? plugin.parameters : parametersOf(options, name, name == owner, setup.delay);
-      const std::unique_ptr<Renderer> renderer =
-          library ? makeRenderer(library, plugin) : makeLinked(name, values, device, setup.period);
-      if (name == kImpedance && !library) {
-        const std::string warning = dampingWarning(options.impedance, setup.period, damping);
-        if (!warning.empty()) fmt::print(stderr, "enamel: warning: {}\n", warning);
-      }
-      std::optional<TickFile> file;
-      if (!options.output.empty()) file.emplace(outputFor(options, options.output, name), *device);
-      const std::string recording = options.record.empty() ? "" : outputFor(options, options.record, name);
-      if (!recording.empty()) nameRenderer(name, library ? library->path() : "", values, setup.scene, header);
-      std::optional<Recorder> recorder;
-      MetricsCollector collector(setup, limit, plant->limits().torque);
-      WayOut wayOut(setup);
-      std::unique_ptr<Plant> own = makePlant
-                                       ? makePlant(setup.run)
-                                       : std::make_unique<ClosedFormPlant>(*plant, setup.integrator, setup.substeps);
-      const auto perTick = [&](const TickRecord& tick, const VirtualLoop& loop) {
-        collector.add(tick);
-        wayOut.add(tick);
-        if (file) file->write(tick);
-        if (recording.empty()) return;
-        if (!recorder) recorder.emplace(recording, header, loop.hapticTick());
-        recorder->makeRoom();
-        recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
-      };
-      const PushResult result = runPush(std::move(own), *plant, *renderer, setup, perTick);
-      if (file) file->close();
-      if (recorder) {
-        const RecordingResult recorded = recorder->close();
-        if (!recorded.problem.empty())
-          throw Error(fmt::format("{} ({} ticks are lost)", recorded.problem, recorded.lost));
-        recordings.push_back(recording + (recorded.lost > 0 ? fmt::format(" ({} ticks are lost)", recorded.lost) : ""));
-      }
-      const double end = static_cast<double>(result.ticks) * setup.period;
-      const PushMetrics metrics = collector.metrics();
-      if (result.status != Status::ok && result.status != Status::stopped)
-        throw Error(fmt::format("the device left its workspace at {:.6g} s ({}): its pose is {}", end, wayOut.text(),
-                                toString(result.status)));
-      outcomes.push_back({name, library == nullptr && (name == kHold || name == kImpedance), metrics});
-      if (file) files.push_back(outputFor(options, options.output, name));
-      if (result.status == Status::stopped)
-        throw Error(fmt::format("stopped by the guard at {} s: {}", end, toString(result.guard)));
-      if (metrics.verdict == FirstImpactVerdict::unstable)
-        throw Error("the loop is unstable: it saturates, or oscillates and does not stop");
+      pushWith(source, task, results);
     } catch (const std::exception& error) {  // what the others reach is printed all the same
-      failures += fmt::format("{}{}: {}", failures.empty() ? "" : "; ", name, error.what());
+      failures += fmt::format("{}{}: {}", failures.empty() ? "" : "; ", source.name, error.what());
     }
   }
-
-  if (options.json && !outcomes.empty()) {
-    fmt::print("{}", jsonOf(outcomes));
-  } else if (!outcomes.empty()) {
-    const Person& person = setup.person;
-    const Vec3 start_mm = 1e3 * setup.start.position;
-    fmt::print(
-        "{}: scenario {}, {} N after {} N at ({:.4g}, {:.4g}, {:.4g}) mm against ({:.3g}, {:.3g}, {:.3g}), noise {} N, "
-        "guide {}, delay {}, seed {}\nplant of every renderer: {}, mechanical damping {:.4g} N s/m along the "
-        "normal{}\n",
-        device->name(), person.scenario, person.force, person.preload, start_mm.x(), start_mm.y(), start_mm.z(),
-        person.normal.x(), person.normal.y(), person.normal.z(), person.noise, options.guide ? "on" : "off",
-        options.delay, setup.seed, options.plant, damping,
-        owner.empty() ? "" : "; servo of " + owner + ": " + options.gain);
-    fmt::print("{}", tableOf(outcomes, person.scenario));
-    for (const std::string& file : files) fmt::print("every tick: {}\n", file);
-    for (const std::string& file : recordings) fmt::print("recording: {}\n", file);
-  }
+  print(task, results);
   if (!failures.empty()) {
     std::fflush(stdout);
     throw Error(failures);
   }
+}
+
+// "on" or "off".
+void addSwitch(CLI::App& command, const std::string& name, bool& value, const std::string& text) {
+  command.add_option(name, value, text)
+      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"on", true}, {"off", false}}))
+      ->default_str(value ? "on" : "off");
+}
+
+void addRendererOptions(CLI::App& command, PushOptions& options) {
+  command.add_option("--device", options.device, "device file (TOML)")->required();
+  command
+      .add_option("--renderer", options.renderers,
+                  "position-control (the contact-space servo), hold (the paper's servo), impedance, passivity "
+                  "(impedance with time-domain passivity "
+                  "control), the name of a plugin (see enamel plugins) or its path; several are separated by commas")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command.add_option("--set", options.set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);
+  command.add_option("--gain", options.gain,
+                     "file of a servo: of enamel design --surface for position-control, of enamel design for hold; "
+                     "without it, as found for the TAU and as designed at home");
+  addSwitch(command, "--release", options.servo.release,
+            "of hold: on: it ends when the wall would pull; off: never, as in the paper");
+  addSwitch(command, "--anti-windup", options.servo.antiWindup,
+            "of hold: on: the integrators stop while a motor is saturated");
+  command.add_option("--stiffness", options.impedance.stiffness, "of the impedance wall, N/m")->capture_default_str();
+  command.add_option("--damping", options.impedance.damping, "of the impedance wall, N s/m")->capture_default_str();
+  command
+      .add_option("--device-damping", options.deviceDamping,
+                  "of the TCP along z, N s/m, beside what the device file gives: on the plant of every renderer (the "
+                  "paper's spring has 4)")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command.add_option("--plant", options.plant, kPlantHelp)
+      ->check(CLI::Validator(checkPlant, ""))
+      ->capture_default_str();
+}
+
+void addPersonOptions(CLI::App& command, PushOptions& options) {
+  command.add_option("--scenario", options.setup.person.scenario, "1: step of force at 1 s; 2: a hand moves in")
+      ->capture_default_str();
+  auto* scene = command.add_option("--scene", options.scene, "scene file (TOML); without it the wall z = 0");
+  for (const auto& [name, value] : {std::pair{"--x", &options.x_mm}, {"--y", &options.y_mm}})
+    command.add_option(name, *value, "of the query point on the wall z = 0, mm")
+        ->capture_default_str()
+        ->excludes(scene);
+  command.add_option("--tip", options.tip_mm, kTipHelp)->delimiter(',')->expected(3)->excludes(scene);
+  command.add_option("--force", options.setup.person.force, "F_c, N")->capture_default_str();
+  command
+      .add_option("--preload", options.setup.person.preload,
+                  "pressed with this until the step of scenario 1, with the noise, N")
+      ->capture_default_str();
+  command.add_flag("--inside-tick", options.insideTick,
+                   "the step comes at a random instant inside its tick, not at its beginning");
+  command.add_flag("--arm", options.arm, "scenario 1 pushes through the mass of an arm and a grip (kArm, hand.hpp)");
+  command.add_option("--noise", options.setup.person.noise, "standard deviation of the person's force, N")
+      ->capture_default_str();
+}
+
+void addLoopOptions(CLI::App& command, PushOptions& options) {
+  addSwitch(command, "--guard", options.setup.guarded, "off: every torque passes, and loops are judged to their end");
+  command.add_option("--max-force", options.setup.force, "that the guard lets a renderer put on the tool, N")
+      ->default_str("no limit");
+  addSwitch(command, "--guide", options.guide, "on: a hand holds x, y and the orientation softly");
+  command
+      .add_option("--delay", options.delay,
+                  "of the command, ticks: none, constant:D or random:A..B; position-control is told")
+      ->capture_default_str();
+  command.add_flag("--encoders", options.encoders, "round the joint angles to encoder counts");
+  command
+      .add_option(
+          "--rates", options.rates,
+          "joint rates: exact, difference (of the measured angles over a tick) or low-pass (of the difference); "
+          "difference with --encoders, else exact")
+      ->check(CLI::IsMember({"exact", "difference", "low-pass"}))
+      ->default_str("");
+  command.add_option("--low-pass", options.lowPass_Hz, "cutoff of --rates low-pass, Hz")->capture_default_str();
+  command.add_option("--duration", options.setup.duration, "s")->capture_default_str();
+  command.add_option("--seed", options.setup.seed, "of everything random")->capture_default_str();
+  command.add_option("--substeps", options.setup.substeps, "integration steps a tick")->capture_default_str();
 }
 
 }  // namespace
@@ -262,77 +387,9 @@ void addPush(CLI::App& app) {
       "nearest to\n"
       "its start. The person pushes against the surface's normal.\n"
       "CSV: one line a tick, the state before the tick's torque acts; the first line names columns and units.");
-  const std::map<std::string, bool> onOff = {{"on", true}, {"off", false}};
-  const auto flag = [&](const std::string& name, bool& value, const std::string& text) {
-    command->add_option(name, value, text)
-        ->transform(CLI::CheckedTransformer(onOff))
-        ->default_str(value ? "on" : "off");
-  };
-  command->add_option("--device", options->device, "device file (TOML)")->required();
-  command
-      ->add_option("--renderer", options->renderers,
-                   "position-control (the contact-space servo), hold (the paper's servo), impedance, passivity "
-                   "(impedance with time-domain passivity "
-                   "control), the name of a plugin (see enamel plugins) or its path; several are separated by commas")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->capture_default_str();
-  command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);
-  command->add_option("--gain", options->gain,
-                      "file of a servo: of enamel design --surface for position-control, of enamel design for hold; "
-                      "without it, as found for the TAU and as designed at home");
-  flag("--release", options->servo.release,
-       "of hold: on: it ends when the wall would pull; off: never, as in the paper");
-  flag("--anti-windup", options->servo.antiWindup, "of hold: on: the integrators stop while a motor is saturated");
-  command->add_option("--stiffness", options->impedance.stiffness, "of the impedance wall, N/m")->capture_default_str();
-  command->add_option("--damping", options->impedance.damping, "of the impedance wall, N s/m")->capture_default_str();
-  command
-      ->add_option("--device-damping", options->deviceDamping,
-                   "of the TCP along z, N s/m, beside what the device file gives: on the plant of every renderer (the "
-                   "paper's spring has 4)")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
-  command->add_option("--plant", options->plant, kPlantHelp)
-      ->check(CLI::Validator(checkPlant, ""))
-      ->capture_default_str();
-  command->add_option("--scenario", options->setup.person.scenario, "1: step of force at 1 s; 2: a hand moves in")
-      ->capture_default_str();
-  auto* scene = command->add_option("--scene", options->scene, "scene file (TOML); without it the wall z = 0");
-  for (const auto& [name, value] : {std::pair{"--x", &options->x_mm}, {"--y", &options->y_mm}})
-    command->add_option(name, *value, "of the query point on the wall z = 0, mm")
-        ->capture_default_str()
-        ->excludes(scene);
-  command->add_option("--tip", options->tip_mm, kTipHelp)->delimiter(',')->expected(3)->excludes(scene);
-  command->add_option("--force", options->setup.person.force, "F_c, N")->capture_default_str();
-  command
-      ->add_option("--preload", options->setup.person.preload,
-                   "pressed with this until the step of scenario 1, with the noise, N")
-      ->capture_default_str();
-  command->add_flag("--inside-tick", options->insideTick,
-                    "the step comes at a random instant inside its tick, not at its beginning");
-  command->add_flag("--arm", options->arm, "scenario 1 pushes through the mass of an arm and a grip (kArm, hand.hpp)");
-  command->add_option("--noise", options->setup.person.noise, "standard deviation of the person's force, N")
-      ->capture_default_str();
-  flag("--guard", options->setup.guarded, "off: every torque passes, and loops are judged to their end");
-  command->add_option("--max-force", options->setup.force, "that the guard lets a renderer put on the tool, N")
-      ->default_str("no limit");
-  flag("--guide", options->guide, "on: a hand holds x, y and the orientation softly");
-  command
-      ->add_option("--delay", options->delay,
-                   "of the command, ticks: none, constant:D or random:A..B; position-control is told")
-      ->capture_default_str();
-  command->add_flag("--encoders", options->encoders, "round the joint angles to encoder counts");
-  command
-      ->add_option(
-          "--rates", options->rates,
-          "joint rates: exact, difference (of the measured angles over a tick) or low-pass (of the difference); "
-          "difference with --encoders, else exact")
-      ->check(CLI::IsMember({"exact", "difference", "low-pass"}))
-      ->default_str("");
-  command->add_option("--low-pass", options->lowPass_Hz, "cutoff of --rates low-pass, Hz")->capture_default_str();
-  command->add_option("--duration", options->setup.duration, "s")->capture_default_str();
-  command->add_option("--seed", options->setup.seed, "of everything random")->capture_default_str();
-  command->add_option("--substeps", options->setup.substeps, "integration steps a tick")->capture_default_str();
+  addRendererOptions(*command, *options);
+  addPersonOptions(*command, *options);
+  addLoopOptions(*command, *options);
   command->add_option("--output", options->output, "CSV file");
   command->add_option("--record", options->record, "recording, for enamel replay and enamel export");
   command->add_flag("--json", options->json, "print the metrics as JSON");

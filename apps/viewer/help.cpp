@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "overlay_parts.hpp"
 #include "colours/palette.hpp"
+#include "overlay_parts.hpp"
 
 namespace enamel::viewer {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "overlay_parts.hpp"
 #include "colours/palette.hpp"
+#include "overlay_parts.hpp"
 
 namespace enamel::viewer {
 

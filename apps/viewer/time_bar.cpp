@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "overlay_parts.hpp"
 #include "colours/palette.hpp"
+#include "overlay_parts.hpp"
 
 namespace enamel::viewer {
 

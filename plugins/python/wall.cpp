@@ -54,7 +54,7 @@ py::dict judge(const Device& device, const py::object& renderer, const JudgeOpti
   WallScore score;
   {
     const py::gil_scoped_release release;
-    score = judgeWall(withinMotors(setup), make, 0, threadsOf(options.threads));
+    score = evaluateWall(withinMotors(setup), make, 0, threadsOf(options.threads));
     failure->rethrow();
   }
   py::dict result;

@@ -26,7 +26,7 @@ TEST_CASE("a tuned servo keeps to its requirements, and its neighbours do not do
     const StateSpace loop = runningLoop(tuned->design);
     CHECK(toleratedDelay(loop, tuned->design.K) >= delay);
     CHECK(diskMargin(loop, tuned->design.K, problem.period, delay) >= requirements.diskMargin);
-    const auto again = judgeServo(problem, delay, tuned->design.weights);
+    const auto again = evaluateServo(problem, delay, tuned->design.weights);
     REQUIRE(again);
     CHECK(again->chatter <= requirements.chatter);
     CHECK(again->stiffness == tuned->stiffness);
@@ -36,7 +36,7 @@ TEST_CASE("a tuned servo keeps to its requirements, and its neighbours do not do
       for (int i = 0; i < 3; ++i) {
         ServoWeights w = tuned->design.weights;
         (i == 0 ? w.velocity : i == 1 ? w.position : w.integral) *= factor;
-        const auto neighbour = judgeServo(problem, delay, w);
+        const auto neighbour = evaluateServo(problem, delay, w);
         CHECK((!neighbour || neighbour->stiffness <= tuned->stiffness ||
                neighbour->diskMargin < requirements.diskMargin || neighbour->chatter > requirements.chatter));
       }

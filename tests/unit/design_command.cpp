@@ -5,7 +5,7 @@
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/servo_file.hpp"
 #include "enamel/device/device_file.hpp"
-#include "enamel/study/laws.hpp"
+#include "enamel/study/controllers.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/control_systems.hpp"
@@ -127,7 +127,7 @@ TEST_CASE("design writes the stability map of the impedance wall", "[design]") {
   CHECK_THAT(result.output, test::ContainsSubstring("mechanical damping 4 N s/m"));
 }
 
-TEST_CASE("design --rivals tunes every law at every delay, and study takes its file", "[design]") {
+TEST_CASE("design --rivals tunes every controller at every delay, and study takes its file", "[design]") {
   const test::TemporaryFolder folder;
   const std::string path = folder / "rivals.json";
   const auto result = test::run("design --rivals --device '" + test::deviceFile("tau-nominal.toml") +
@@ -137,7 +137,7 @@ TEST_CASE("design --rivals tunes every law at every delay, and study takes its f
   for (const char* text : {"delay 0..3", "virtual-coupling", "hold-delay", "position-control"})
     CHECK_THAT(result.output, test::ContainsSubstring(text));
   const nlohmann::json file = nlohmann::json::parse(test::readFile(path));
-  CHECK(file.at("laws").size() == 5 * rivalLaws().size());
+  CHECK(file.at("controllers").size() == 5 * rivalSpecs().size());
   CHECK_THAT(test::run("design --rivals --surface --device x").output, test::ContainsSubstring("--surface"));
 }
 

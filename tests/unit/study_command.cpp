@@ -12,13 +12,16 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/text.hpp"
 #include "support/xml.hpp"
 
 namespace enamel::test_study_command {
 
 namespace {
 
+using test::captures;
 using test::ContainsSubstring;
+using test::occurrences;
 using test::run;
 
 const bool kLong = std::getenv("ENAMEL_LONG") != nullptr;
@@ -43,20 +46,6 @@ struct WholeStudy {
 const WholeStudy& wholeStudy() {
   static const WholeStudy study;
   return study;
-}
-
-int count(const std::string& text, const std::string& part) {
-  int found = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size()) ++found;
-  return found;
-}
-
-// What the group of a pattern matches, every time.
-std::vector<std::string> captures(const std::string& text, const std::string& pattern) {
-  const std::regex regex(pattern);
-  std::vector<std::string> found;
-  for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it) found.push_back((*it)[1]);
-  return found;
 }
 
 std::vector<std::string> split(const std::string& line) {
@@ -318,7 +307,7 @@ TEST_CASE("study: a tool that touches 60 mm from the TCP has less mass behind it
   CHECK(there > 30e3);
 }
 
-TEST_CASE("study: a plugin is called a plugin, and is judged as the linked renderer is", "[study_command]") {
+TEST_CASE("study: a plugin is called a plugin, and does what the linked renderer does", "[study_command]") {
   const test::TemporaryFolder folder;
   const std::string plugin = ENAMEL_PLUGINS "/enamel_impedance.so";
   const std::string tiny = "--scenario 1 --grid 1 --runs 2 --renderers ";
@@ -487,18 +476,18 @@ TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_comma
                                        "along-y", "fig11-torque", "fig12-steady-1", "fig13-steady-2",
                                        "impedance-stability", "convergence"});
   CHECK(test::xmlProblem(report) == "");
-  CHECK(count(report, "<figure>") == static_cast<int>(names.size()));
+  CHECK(occurrences(report, "<figure>") == static_cast<int>(names.size()));
   CHECK_THAT(report,
              ContainsSubstring("Figure 10. ") && !ContainsSubstring("Figure 11. ") && !ContainsSubstring("<img"));
 
   // The query points; a tick a point; a mark a method whose error is finite.
-  CHECK(count(figure("fig06-device"), "r=\"2.2\"") == 9);
+  CHECK(occurrences(figure("fig06-device"), "r=\"2.2\"") == 9);
   for (const char* name : {"fig08-response-1", "fig09-response-2"}) {
     INFO(name);
     const std::string svg = figure(name);
     std::vector<int> sizes;
     for (std::size_t at = 0; (at = svg.find("<path d=\"", at)) != std::string::npos; ++at)
-      sizes.push_back(count(svg.substr(at, svg.find("\" ", at + 9) - at), ","));
+      sizes.push_back(occurrences(svg.substr(at, svg.find("\" ", at + 9) - at), ","));
     // The force, each renderer, and each again close up: 0.9 s to 3 s at 1 kHz.
     CHECK(sizes == std::vector<int>(7, 2100));
     // Position control, hold and impedance on one scale; at the step close up, too.
@@ -514,7 +503,7 @@ TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_comma
   for (std::string line; std::getline(table, line);)
     finite += std::isdigit(static_cast<unsigned char>(line.back())) != 0 && line.find("inf") == std::string::npos;
   CHECK(finite > 6);
-  CHECK(count(figure("convergence"), "<circle") == 2 * finite);
+  CHECK(occurrences(figure("convergence"), "<circle") == 2 * finite);
 
   // Maps: every point's mean and interval, as points.csv has them; equal axes for what is compared.
   std::istringstream points(file(folder, "all", "points.csv"));
@@ -550,10 +539,10 @@ TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_comma
       CHECK(std::set<std::string>(ranges.begin(), ranges.end()).size() == 1);
     }
   }
-  CHECK(count(map, "#bdbdbd") == 0);  // every point has a K_z1
+  CHECK(occurrences(map, "#bdbdbd") == 0);  // every point has a K_z1
   int unresolved = 0;
   for (const auto& row : second) unresolved += row[column("K_zs [N/m]")] == "unresolved";
-  CHECK(count(figure("fig13-steady-2"), "#bdbdbd") == unresolved);
+  CHECK(occurrences(figure("fig13-steady-2"), "#bdbdbd") == unresolved);
 
   // Of one point there is no row along y; of three joints there are all the figures.
   REQUIRE(run(study(folder, "point", "--renderers position-control --scenario 1 --grid 1 --runs 2")).status == 0);
@@ -643,62 +632,6 @@ TEST_CASE("study: parts in any order, also interrupted, give the bytes of the wh
   const auto ranked = test::runCommand("OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=1 '" ENAMEL_TOOL "' " +
                                        study(folder, "ranked", small));
   CHECK_THAT(ranked.output, ContainsSubstring("part 2 of 2 is done"));
-}
-
-TEST_CASE("study --judge: ranks computed from the runs, the same bytes in parts", "[study_command]") {
-  const test::TemporaryFolder folder;
-  const std::string laws = folder / "laws.json";
-  test::writeFile(laws, R"({"model": "tau", "laws": [
-    {"law": "impedance", "delay": [0, 0], "stiffness": 10000, "damping": 100},
-    {"law": "hold-delay", "delay": [2, 2], "rate weight": 1, "position weight": 1000, "integral weight": 1e7},
-    {"law": "impedance", "delay": [2, 2], "stiffness": 800, "damping": 20},
-    {"law": "hold-delay", "delay": [0, 0], "rate weight": 1, "position weight": 1000, "integral weight": 1e7}]})");
-  const std::string small = "study --judge --device '" + test::deviceFile("tau-detailed.toml") + "' --laws '" + laws +
-                            "' --delays none,constant:2 --grid 1 --runs 2 --scenario 1 "
-                            "--renderers position-control,tuned:impedance,tuned:hold-delay,impedance-edge,impedance ";
-  const auto judge = [&](const std::string& name, const std::string& more) {
-    return run(small + "--output '" + (folder / name) + "' " + more);
-  };
-  const auto whole = judge("whole", "--plants closed-form,real-stiff");
-  INFO(whole.output);
-  REQUIRE(whole.status == 0);
-  CHECK_THAT(whole.output, ContainsSubstring("On the ideal device: position control ranks first at 2 of 2 delays"));
-  const std::string table = file(folder, "whole", "judge.csv"), page = file(folder, "whole", "judge.html");
-  CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 2 * 2 * 5);
-  std::istringstream lines(table);
-  std::string line;
-  std::getline(lines, line);
-  double ranks = 0.0;
-  while (std::getline(lines, line)) ranks += std::stod(line.substr(line.rfind(',') + 1));
-  CHECK(ranks == Approx(2 * 2 * 15.0));  // 1 + 2 + 3 + 4 + 5 at every plant and delay, whatever is equal
-  for (const char* part :
-       {"<svg", "Welch", "Table III", "Table IV", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
-    CHECK_THAT(page, ContainsSubstring(part));
-  CHECK_THAT(page, !ContainsSubstring("nan") && !ContainsSubstring("inf,"));
-  CHECK(test::xmlProblem(page) == "");
-  // Two plants with two figures each: a box or "none" for each of five laws at two delays.
-  CHECK(count(page, "fill-opacity=\"0.35\"") + count(page, ">none</text>") == 2 * 2 * 5 * 2);
-  // Stiffness on one scale for both plants, depth on another.
-  const auto y = captures(page, "data-y=\"([^\"]*)\"");
-  REQUIRE(y.size() == 4);
-  CHECK((y[0] == y[2] && y[1] == y[3] && y[0] != y[1]));
-  // Of the plant that costs least.
-  const std::string fast = "--plants closed-form ";
-  REQUIRE(judge("one", fast).status == 0);
-  REQUIRE(judge("parts", fast + "--part 2/2").status == 0);
-  CHECK_FALSE(std::filesystem::exists(folder / "parts/judge.html"));
-  REQUIRE(judge("parts", fast + "--part 1/2 --threads 1").status == 0);
-  CHECK(file(folder, "parts", "judge.html") == file(folder, "one", "judge.html"));
-  CHECK(file(folder, "parts", "judge.csv") == file(folder, "one", "judge.csv"));
-
-  const auto refused = [&](const std::string& more, const std::string& why) {
-    const auto result = judge("bad", more);
-    CHECK(result.status != 0);
-    CHECK_THAT(result.output, ContainsSubstring(why));
-  };
-  refused("--delays constant:1", "has no impedance for a delay of 1 to 1 ticks");
-  refused("--plant real", "--plants");
-  refused("--device-damping impedance=4", "impedance-edge needs device damping");
 }
 
 }  // namespace enamel::test_study_command

@@ -10,7 +10,7 @@
 #include "enamel/render/surface_file.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
-#include "enamel/study/laws.hpp"
+#include "enamel/study/controllers.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/mechanisms.hpp"
@@ -66,7 +66,7 @@ struct FirmHand {
   }
 };
 
-WallDesignSetup judged(int delayLow, int delayHigh) {
+WallDesignSetup setupFor(int delayLow, int delayHigh) {
   WallDesignSetup setup;
   setup.plant = tau();
   setup.delay = {delayLow, delayHigh};
@@ -74,9 +74,9 @@ WallDesignSetup judged(int delayLow, int delayHigh) {
   return setup;
 }
 
-WallScore judge(const WallDesignSetup& setup) {
+WallScore evaluate(const WallDesignSetup& setup) {
   const auto options = surfaceServoFor(setup.plant->limits().count, kPeriod, setup.delay.low, setup.delay.high);
-  return judgeWall(
+  return evaluateWall(
       setup, [options] { return std::make_unique<SurfaceServoRenderer>(options); }, 7, 2);
 }
 
@@ -88,9 +88,9 @@ TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[
   const double stiffness[] = {200e3, 70e3, 34e3, 18e3}, ramp[] = {25e-6, 60e-6, 120e-6, 220e-6};
   for (int delay = 0; delay <= 3; ++delay)
     for (const double error : {0.0, 0.3}) {
-      WallDesignSetup setup = judged(delay, delay);
+      WallDesignSetup setup = setupFor(delay, delay);
       setup.inertiaError = error;
-      const WallScore s = judge(setup);
+      const WallScore s = evaluate(setup);
       INFO("delay " << delay << ", inertia wrong by " << error << ": " << s.stiffness << " N/m, chatter " << s.chatter
                     << ", bounce " << s.bounce << ", ramp " << s.ramp);
       CHECK(s.lost == 0);
@@ -109,7 +109,7 @@ TEST_CASE("a random delay loses no run", "[surface_servo]") {
   };
   // The bar for 0 to 3 ticks is 0.8 mm, of 1000 runs; a later command lets the tool go deeper by its square.
   for (const Range& r : {Range{0, 3, 0.85e-3, 0.3e-3}, Range{1, 2, 0.6e-3, 0.25e-3}, Range{2, 5, 2e-3, 1.2e-3}}) {
-    const WallScore s = judge(judged(r.low, r.high));
+    const WallScore s = evaluate(setupFor(r.low, r.high));
     INFO(r.low << " to " << r.high << " ticks: deepest " << s.deepest << ", chatter " << s.chatter << ", ramp "
                << s.ramp);
     CHECK(s.lost == 0);
@@ -120,7 +120,7 @@ TEST_CASE("a random delay loses no run", "[surface_servo]") {
   }
 }
 
-TEST_CASE("a design's judge sees a tool slide off a ball", "[surface_servo]") {
+TEST_CASE("a design's evaluation sees a tool slide off a ball", "[surface_servo]") {
   const auto ball = [](const std::string& friction) {
     return parseScene(
         "name = \"ball\"\nstart = [0.0, 0.0, 0.001]\n[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\nradius = "
@@ -130,17 +130,17 @@ TEST_CASE("a design's judge sees a tool slide off a ball", "[surface_servo]") {
         "ball.toml");
   };
   for (int delay = 0; delay <= 3; ++delay) {
-    WallDesignSetup setup = judged(delay, delay);
-    const WallScore without = judge(setup);
+    WallDesignSetup setup = setupFor(delay, delay);
+    const WallScore without = evaluate(setup);
     CHECK(without.drift == 0.0);
     setup.scene = ball("0.2");
-    const WallScore held = judge(setup);
+    const WallScore held = evaluate(setup);
     INFO("delay " << delay << ": " << held.drift << " m");
     CHECK(held.drift > 0.0);
     CHECK(held.drift < 0.3e-3);
     CHECK(held.value == without.value);
     setup.scene = ball("0.0");
-    const WallScore slides = judge(setup);
+    const WallScore slides = evaluate(setup);
     CHECK(slides.drift > 3e-3);  // 4 mm are off
     CHECK(slides.value < held.value - 0.5);
   }
@@ -397,21 +397,21 @@ TEST_CASE("the servo's file is read as it was written, and refused with its key"
 }
 
 TEST_CASE("a designed servo does not depend on the number of threads", "[surface_servo]") {
-  WallDesignSetup setup = judged(0, 0);
+  WallDesignSetup setup = setupFor(0, 0);
   setup.runs = 1;
-  const Law law = surfaceServoLaw(optionsFor(*setup.plant, 0));
+  const ControllerSpec spec = surfaceServoSpec(optionsFor(*setup.plant, 0));
   std::vector<double> start, first;
-  for (const LawParameter& p : law.parameters) start.push_back(p.start);
+  for (const ControllerParameter& p : spec.parameters) start.push_back(p.start);
   for (const int threads : {1, 3}) {
     std::vector<double> seen;
-    const std::vector<double> best =
-        designLaw(setup, law, start, 2, threads, [&](int, const WallScore& score) { seen.push_back(score.value); });
+    const std::vector<double> best = designController(
+        setup, spec, start, 2, threads, [&](int, const WallScore& score) { seen.push_back(score.value); });
     seen.insert(seen.end(), best.begin(), best.end());
     if (first.empty()) first = seen;
     CHECK(seen == first);
   }
   setup.plant = nullptr;
-  CHECK_THROWS_AS(designLaw(setup, law, start, 1, 1, {}), Error);
+  CHECK_THROWS_AS(designController(setup, spec, start, 1, 1, {}), Error);
 }
 
 }  // namespace enamel::test_surface_servo

@@ -14,18 +14,18 @@ namespace enamel::test_tuning {
 
 using namespace enamel::test;
 
-TEST_CASE("the paper's weights, judged") {
+TEST_CASE("the paper's weights, evaluated") {
   const TuneProblem problem = nominalProblem();
-  const auto exact = judgeServo(problem, 0, ServoWeights{});
+  const auto exact = evaluateServo(problem, 0, ServoWeights{});
   REQUIRE(exact);
   CHECK(exact->stiffness == Approx(12.0 / 0.4529325e-3).epsilon(0.01));  // an independent program's run
   CHECK(exact->toleratedDelay == 1);
   // Found independently: with velocities differenced from encoders they chatter at 1.6 N m at a delay of 1.
-  const auto late = judgeServo(problem, 1, ServoWeights{});
+  const auto late = evaluateServo(problem, 1, ServoWeights{});
   REQUIRE(late);
   CHECK(late->chatter == Approx(1.6).margin(0.1));
   CHECK(exact->chatter < 0.05);
-  CHECK_FALSE(judgeServo(problem, 2, ServoWeights{}));
+  CHECK_FALSE(evaluateServo(problem, 2, ServoWeights{}));
 }
 
 TEST_CASE("the limit of the first impact, at home for 15 N") {

@@ -1,4 +1,4 @@
-// The trials of a wall, and `enamel trials` as a user runs it.
+// The trials of a wall.
 #include "enamel/study/wall_trials.hpp"
 
 #include <cmath>
@@ -170,23 +170,15 @@ TEST_CASE("trials refuse what cannot be run", "[wall_trials]") {
   CHECK_THROWS_AS(runWallTrials(setup, "", 1), Error);
 }
 
-TEST_CASE("enamel trials prints a column a renderer and names what it cannot do", "[wall_trials]") {
-  const std::string device = "trials --device '" + test::deviceFile("tau-nominal.toml") + "' --runs 1 ";
-  const auto result = test::run(device + "--filter release --renderers position-control,impedance");
-  INFO(result.output);
-  CHECK(result.status == 0);
-  CHECK_THAT(result.output, ContainsSubstring("position-control") && ContainsSubstring("impedance") &&
-                                ContainsSubstring("speed over the unavoidable"));
-  for (const auto& [arguments, message] : {std::pair{"--filter wish", "no trial matches --filter wish"},
-                                           {"--renderers wish", "wish"},
-                                           {"--gain missing.json", "missing.json"},
-                                           {"--set a=b", "--set is for plugins, and --renderers names none"},
-                                           {"--delay later", "--delay is \"later\""}}) {
-    INFO(arguments);
-    const auto refused = test::run(device + arguments);
-    CHECK(refused.status != 0);
-    CHECK_THAT(refused.output, ContainsSubstring(message));
-  }
+TEST_CASE("trials have names, each of which runs that trial alone", "[wall_trials]") {
+  WallTrialSetup setup = setupFor("tau-nominal.toml", 0);
+  setup.runs = 1;
+  std::vector<std::string> names;
+  for (const WallFigure& figure : runWallTrials(setup, "", 2))
+    if (names.empty() || names.back() != figure.trial) names.push_back(figure.trial);
+  CHECK(wallTrialNames() == names);
+  for (const std::string& name : {names.front(), names[2], names[4]})
+    for (const WallFigure& figure : runWallTrials(setup, name, 2)) CHECK(figure.trial == name);
 }
 
 }  // namespace enamel::test_wall_trials

@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "bench/assembled_dynamics.hpp"
@@ -82,17 +83,18 @@ TreeState treeState(const TauParameters& device, const Sample& s) {
   return state;
 }
 
-}  // namespace
+constexpr double kNoGoal = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<Measurement> measureDevice(double scale) {
-  const TauParameters device = nominalDevice();
-  const TauModel model = makeModel(device);
-  const std::vector<Sample> samples = randomSamples(model), path = pathSamples(model);
-  const int batches = std::max(20, static_cast<int>(400 * scale)), calls = kSamples;
-  const auto pick = [](const std::vector<Sample>& from, int i) -> const Sample& { return from[i & (kSamples - 1)]; };
+// The measurements, and what all of them need.
+struct DeviceBench {
+  TauParameters device;
+  TauModel model;
+  std::vector<Sample> samples, path;
+  int batches = 0;
   std::vector<Measurement> rows;
-  const auto add = [&rows](const char* name, const Timing& t, double error, const char* errorOf, double goal_us,
-                           double reference_us = std::numeric_limits<double>::quiet_NaN()) {
+
+  void add(const char* name, const Timing& t, double error, const char* errorOf, double goal_us = kNoGoal,
+           double reference_us = kNoGoal) {
     Measurement row;
     row.name = name;
     row.median_us = t.median_us;
@@ -102,175 +104,201 @@ std::vector<Measurement> measureDevice(double scale) {
     row.goal_us = goal_us;
     row.reference_us = reference_us;
     rows.push_back(std::move(row));
-  };
+  }
+};
 
-  {
-    TauConfiguration tracked = path[0].configuration;
-    double error = 0.0;
-    for (int i = 0; i < 2 * kSamples; ++i) {
-      const Sample& s = pick(path, i);
-      if (forwardKinematics(model, s.q, tracked).status != Status::ok) error = 1.0;
-      error = std::max(error, poseError(tracked.pose, s.configuration.pose));
-    }
-    const Timing t = timeCalls(batches, calls, [&](int first, int count) {
-      for (int i = first; i < first + count; ++i) keep(forwardKinematics(model, pick(path, i).q, tracked));
-    });
-    add("forward kinematics, tick to tick", t, error, "pose, m (rotation x 40 mm)", 0.25);
+const Sample& pick(const std::vector<Sample>& from, int i) { return from[i & (kSamples - 1)]; }
+
+void addTracking(DeviceBench& bench) {
+  TauConfiguration tracked = bench.path[0].configuration;
+  double error = 0.0;
+  for (int i = 0; i < 2 * kSamples; ++i) {
+    const Sample& s = pick(bench.path, i);
+    if (forwardKinematics(bench.model, s.q, tracked).status != Status::ok) error = 1.0;
+    error = std::max(error, poseError(tracked.pose, s.configuration.pose));
   }
-  {
-    std::mt19937_64 random(7);
-    std::vector<TauConfiguration> starts;
-    double error = 0.0;
-    for (const Sample& s : samples) {
-      Pose start = s.configuration.pose;
-      start.position += 0.005 * randomVector(random, 1.0).normalized();
-      start.rotation =
-          Eigen::AngleAxis<double>(3.0 * M_PI / 180.0, randomVector(random, 1.0).normalized()) * start.rotation;
-      starts.push_back(sampleAt(model, start).configuration);
-      TauConfiguration solved = starts.back();
-      if (forwardKinematics(model, s.q, solved).status != Status::ok) error = 1.0;
-      error = std::max(error, poseError(solved.pose, s.configuration.pose));
-    }
-    const Timing t = timeCalls(batches, calls, [&](int first, int count) {
-      for (int i = first; i < first + count; ++i) {
-        TauConfiguration c = starts[i & (kSamples - 1)];
-        keep(forwardKinematics(model, pick(samples, i).q, c));
-      }
-    });
-    add("forward kinematics, from 5 mm and 3 deg", t, error, "pose, m (rotation x 40 mm)", 0.25);
+  const Timing t = timeCalls(bench.batches, kSamples, [&](int first, int count) {
+    for (int i = first; i < first + count; ++i) keep(forwardKinematics(bench.model, pick(bench.path, i).q, tracked));
+  });
+  bench.add("forward kinematics, tick to tick", t, error, "pose, m (rotation x 40 mm)", 0.25);
+}
+
+void addFromFar(DeviceBench& bench) {
+  std::mt19937_64 random(7);
+  std::vector<TauConfiguration> starts;
+  double error = 0.0;
+  for (const Sample& s : bench.samples) {
+    Pose start = s.configuration.pose;
+    start.position += 0.005 * randomVector(random, 1.0).normalized();
+    start.rotation =
+        Eigen::AngleAxis<double>(3.0 * M_PI / 180.0, randomVector(random, 1.0).normalized()) * start.rotation;
+    starts.push_back(sampleAt(bench.model, start).configuration);
+    TauConfiguration solved = starts.back();
+    if (forwardKinematics(bench.model, s.q, solved).status != Status::ok) error = 1.0;
+    error = std::max(error, poseError(solved.pose, s.configuration.pose));
   }
-  {
-    double error = 0.0;
-    for (const Sample& s : samples) {
-      TauConfiguration c;
-      if (forwardKinematicsFromHome(model, s.q, c).status != Status::ok) error = 1.0;
-      error = std::max(error, poseError(c.pose, s.configuration.pose));
+  const Timing t = timeCalls(bench.batches, kSamples, [&](int first, int count) {
+    for (int i = first; i < first + count; ++i) {
+      TauConfiguration c = starts[i & (kSamples - 1)];
+      keep(forwardKinematics(bench.model, pick(bench.samples, i).q, c));
     }
-    const Timing t = timeCalls(batches / 4, calls, [&](int first, int count) {
-      TauConfiguration c;
-      for (int i = first; i < first + count; ++i) keep(forwardKinematicsFromHome(model, pick(samples, i).q, c));
-    });
-    add("forward kinematics, cold from home", t, error, "pose, m (rotation x 40 mm)",
-        std::numeric_limits<double>::quiet_NaN());
+  });
+  bench.add("forward kinematics, from 5 mm and 3 deg", t, error, "pose, m (rotation x 40 mm)", 0.25);
+}
+
+void addFromHome(DeviceBench& bench) {
+  double error = 0.0;
+  for (const Sample& s : bench.samples) {
+    TauConfiguration c;
+    if (forwardKinematicsFromHome(bench.model, s.q, c).status != Status::ok) error = 1.0;
+    error = std::max(error, poseError(c.pose, s.configuration.pose));
   }
-  {
-    double error = 0.0;
-    for (const Sample& s : samples) {
-      const Mat6 inverse = inverseJacobian(model, s.configuration);
-      error = std::max(error, relativeError(inverse * s.twist, s.rates));
-    }
-    const Timing t = timeCalls(batches, calls, [&](int first, int count) {
-      TauConfiguration c;
-      for (int i = first; i < first + count; ++i) {
-        keep(inverseKinematics(model, pick(samples, i).configuration.pose, c));
-        keep(jointAngles(c));
-        keep(inverseJacobian(model, c));
-      }
-    });
-    add("inverse kinematics + inverse Jacobian", t, error, "rates, relative, against the twist map", 0.18);
+  const Timing t = timeCalls(bench.batches / 4, kSamples, [&](int first, int count) {
+    TauConfiguration c;
+    for (int i = first; i < first + count; ++i)
+      keep(forwardKinematicsFromHome(bench.model, pick(bench.samples, i).q, c));
+  });
+  bench.add("forward kinematics, cold from home", t, error, "pose, m (rotation x 40 mm)");
+}
+
+void addInverse(DeviceBench& bench) {
+  double error = 0.0;
+  for (const Sample& s : bench.samples) {
+    const Mat6 inverse = inverseJacobian(bench.model, s.configuration);
+    error = std::max(error, relativeError(inverse * s.twist, s.rates));
   }
-  {
-    double error = 0.0;
-    for (const Sample& s : samples) {
-      using Long6 = Eigen::Matrix<long double, 6, 6>;
-      const Long6 inverse = inverseJacobian(model, s.configuration).cast<long double>();
-      const Mat6 reference = inverse.partialPivLu().inverse().cast<double>();
-      error = std::max(error, relativeError(jacobian(model, s.configuration), reference));
+  const Timing t = timeCalls(bench.batches, kSamples, [&](int first, int count) {
+    TauConfiguration c;
+    for (int i = first; i < first + count; ++i) {
+      keep(inverseKinematics(bench.model, pick(bench.samples, i).configuration.pose, c));
+      keep(jointAngles(c));
+      keep(inverseJacobian(bench.model, c));
     }
-    const Timing t = timeCalls(batches, calls, [&](int first, int count) {
-      for (int i = first; i < first + count; ++i) keep(jacobian(model, pick(samples, i).configuration));
-    });
-    const Timing general = timeCalls(batches, calls, [&](int first, int count) {
-      for (int i = first; i < first + count; ++i)
-        keep(Mat6(inverseJacobian(model, pick(samples, i).configuration).partialPivLu().inverse()));
-    });
-    add("Jacobian", t, error, "relative, against an 80-bit inverse", 0.35, general.median_us);
+  });
+  bench.add("inverse kinematics + inverse Jacobian", t, error, "rates, relative, against the twist map", 0.18);
+}
+
+void addJacobian(DeviceBench& bench) {
+  double error = 0.0;
+  for (const Sample& s : bench.samples) {
+    using Long6 = Eigen::Matrix<long double, 6, 6>;
+    const Long6 inverse = inverseJacobian(bench.model, s.configuration).cast<long double>();
+    const Mat6 reference = inverse.partialPivLu().inverse().cast<double>();
+    error = std::max(error, relativeError(jacobian(bench.model, s.configuration), reference));
   }
-  {
-    std::vector<TreeState> trees;
-    double error = 0.0;
-    for (const Sample& s : samples) {
-      trees.push_back(treeState(device, s));
-      const Vec6 reference = assembledForwardDynamics(device, trees.back(), s.torque, s.wrench).twist;
-      error = std::max(error,
-                       relativeError(forwardDynamics(model, s.configuration, s.twist, s.torque, s.wrench), reference));
-    }
-    const Timing assembled = timeCalls(batches / 8, calls, [&](int first, int count) {
-      for (int i = first; i < first + count; ++i) {
-        const Sample& s = pick(samples, i);
-        keep(assembledForwardDynamics(device, trees[i & (kSamples - 1)], s.torque, s.wrench));
-      }
-    });
-    const Timing fromPose = timeCalls(batches, calls, [&](int first, int count) {
-      TauConfiguration c;
-      for (int i = first; i < first + count; ++i) {
-        const Sample& s = pick(samples, i);
-        keep(inverseKinematics(model, s.configuration.pose, c));
-        keep(forwardDynamics(model, c, s.twist, s.torque, s.wrench));
-      }
-    });
-    add("forward dynamics from pose and twist", fromPose, error, "relative, against the assembled KKT system", 0.45,
-        assembled.median_us);
-    const Timing fromAngles = timeCalls(batches, calls, [&](int first, int count) {
-      for (int i = first; i < first + count; ++i) {
-        const Sample& s = pick(path, i);
-        const Sample& load = pick(samples, i);
-        TauConfiguration c = pick(path, i + kSamples - 1).configuration;
-        keep(forwardKinematics(model, s.q, c));
-        const Vec6 twist = twistFromRates(model, c, load.rates);
-        keep(jointAccelerations(model, c, twist, forwardDynamics(model, c, twist, load.torque, load.wrench)));
-      }
-    });
-    add("forward dynamics from q and q' (with forward kinematics)", fromAngles, error,
-        "relative, against the assembled KKT system", 0.75, assembled.median_us);
+  const Timing t = timeCalls(bench.batches, kSamples, [&](int first, int count) {
+    for (int i = first; i < first + count; ++i) keep(jacobian(bench.model, pick(bench.samples, i).configuration));
+  });
+  const Timing general = timeCalls(bench.batches, kSamples, [&](int first, int count) {
+    for (int i = first; i < first + count; ++i)
+      keep(Mat6(inverseJacobian(bench.model, pick(bench.samples, i).configuration).partialPivLu().inverse()));
+  });
+  bench.add("Jacobian", t, error, "relative, against an 80-bit inverse", 0.35, general.median_us);
+}
+
+void addDynamics(DeviceBench& bench) {
+  std::vector<TreeState> trees;
+  double error = 0.0;
+  for (const Sample& s : bench.samples) {
+    trees.push_back(treeState(bench.device, s));
+    const Vec6 reference = assembledForwardDynamics(bench.device, trees.back(), s.torque, s.wrench).twist;
+    error = std::max(
+        error, relativeError(forwardDynamics(bench.model, s.configuration, s.twist, s.torque, s.wrench), reference));
   }
-  {
-    const TauMechanism mechanism(device);
-    std::vector<JointVector> q, rates;
-    for (const Sample& s : path) {
-      q.push_back(s.q);
-      rates.push_back(jointRates(model, s.configuration, samples[q.size() - 1].twist));
+  const Timing assembled = timeCalls(bench.batches / 8, kSamples, [&](int first, int count) {
+    for (int i = first; i < first + count; ++i) {
+      const Sample& s = pick(bench.samples, i);
+      keep(assembledForwardDynamics(bench.device, trees[i & (kSamples - 1)], s.torque, s.wrench));
     }
-    const auto track = [&](int i, bool withInertia, Kinematics& k) {
-      const auto at = static_cast<std::size_t>(i & (kSamples - 1));
-      return mechanism.track(q[at], rates[at], withInertia, k);
-    };
-    const auto reach = [&](int i, Kinematics& k) {
-      const auto at = static_cast<std::size_t>(i & (kSamples - 1));
-      return mechanism.reach(path[at].configuration.pose, samples[at].twist, true, k);
-    };
-    // Everything that a tick gets, each against another way to it: V = J q' against the twist that the rates came from,
-    // gravity and inertia against the functions of a pose.
-    const auto errorOf = [&](int i, const Kinematics& k) {
-      const Sample& s = pick(path, i);
-      double error = poseError(k.pose, s.configuration.pose);
-      error = std::max(error, relativeError(k.twist, pick(samples, i).twist));
-      error = std::max(error, relativeError(k.jacobian * k.rates, k.twist));
-      error = std::max(error, relativeError(k.gravity, gravityTorque(model, s.configuration)));
-      if (k.inertia.size() > 0) error = std::max(error, relativeError(k.inertia, massMatrix(model, s.configuration)));
-      return error;
-    };
-    for (const bool withInertia : {false, true}) {
-      Kinematics k = mechanism.home();
-      double error = 0.0;
-      for (int i = 0; i < 2 * kSamples; ++i)
-        error = std::max(error, track(i, withInertia, k) == Status::ok ? errorOf(i, k) : 1.0);
-      const Timing t = timeCalls(batches, calls, [&](int first, int count) {
-        for (int i = first; i < first + count; ++i) keep(track(i, withInertia, k)), keep(k);
-      });
-      add(withInertia ? "track: pose, twist, Jacobian, gravity, inertia" : "track: pose, twist, Jacobian, gravity", t,
-          error, "worst of them, relative or m", std::numeric_limits<double>::quiet_NaN());
+  });
+  const Timing fromPose = timeCalls(bench.batches, kSamples, [&](int first, int count) {
+    TauConfiguration c;
+    for (int i = first; i < first + count; ++i) {
+      const Sample& s = pick(bench.samples, i);
+      keep(inverseKinematics(bench.model, s.configuration.pose, c));
+      keep(forwardDynamics(bench.model, c, s.twist, s.torque, s.wrench));
     }
-    Kinematics k;
-    double error = 0.0;
-    for (int i = 0; i < kSamples; ++i) error = std::max(error, reach(i, k) == Status::ok ? errorOf(i, k) : 1.0);
-    const Timing t = timeCalls(batches, calls, [&](int first, int count) {
-      for (int i = first; i < first + count; ++i) keep(reach(i, k)), keep(k);
-    });
-    add("reach: the same with inertia from pose and twist", t, error, "worst of them, relative or m",
-        std::numeric_limits<double>::quiet_NaN());
+  });
+  bench.add("forward dynamics from pose and twist", fromPose, error, "relative, against the assembled KKT system", 0.45,
+            assembled.median_us);
+  const Timing fromAngles = timeCalls(bench.batches, kSamples, [&](int first, int count) {
+    for (int i = first; i < first + count; ++i) {
+      const Sample& s = pick(bench.path, i);
+      const Sample& load = pick(bench.samples, i);
+      TauConfiguration c = pick(bench.path, i + kSamples - 1).configuration;
+      keep(forwardKinematics(bench.model, s.q, c));
+      const Vec6 twist = twistFromRates(bench.model, c, load.rates);
+      keep(jointAccelerations(bench.model, c, twist, forwardDynamics(bench.model, c, twist, load.torque, load.wrench)));
+    }
+  });
+  bench.add("forward dynamics from q and q' (with forward kinematics)", fromAngles, error,
+            "relative, against the assembled KKT system", 0.75, assembled.median_us);
+}
+
+void addMechanism(DeviceBench& bench) {
+  const TauMechanism mechanism(bench.device);
+  std::vector<JointVector> q, rates;
+  for (const Sample& s : bench.path) {
+    q.push_back(s.q);
+    rates.push_back(jointRates(bench.model, s.configuration, bench.samples[q.size() - 1].twist));
   }
-  return rows;
+  const auto track = [&](int i, bool withInertia, Kinematics& k) {
+    const auto at = static_cast<std::size_t>(i & (kSamples - 1));
+    return mechanism.track(q[at], rates[at], withInertia, k);
+  };
+  const auto reach = [&](int i, Kinematics& k) {
+    const auto at = static_cast<std::size_t>(i & (kSamples - 1));
+    return mechanism.reach(bench.path[at].configuration.pose, bench.samples[at].twist, true, k);
+  };
+  // Everything that a tick gets, each against another way to it: V = J q' against the twist that the rates came from,
+  // gravity and inertia against the functions of a pose.
+  const auto errorOf = [&](int i, const Kinematics& k) {
+    const Sample& s = pick(bench.path, i);
+    double error = poseError(k.pose, s.configuration.pose);
+    error = std::max(error, relativeError(k.twist, pick(bench.samples, i).twist));
+    error = std::max(error, relativeError(k.jacobian * k.rates, k.twist));
+    error = std::max(error, relativeError(k.gravity, gravityTorque(bench.model, s.configuration)));
+    if (k.inertia.size() > 0)
+      error = std::max(error, relativeError(k.inertia, massMatrix(bench.model, s.configuration)));
+    return error;
+  };
+  for (const bool withInertia : {false, true}) {
+    Kinematics k = mechanism.home();
+    double error = 0.0;
+    for (int i = 0; i < 2 * kSamples; ++i)
+      error = std::max(error, track(i, withInertia, k) == Status::ok ? errorOf(i, k) : 1.0);
+    const Timing t = timeCalls(bench.batches, kSamples, [&](int first, int count) {
+      for (int i = first; i < first + count; ++i) keep(track(i, withInertia, k)), keep(k);
+    });
+    bench.add(withInertia ? "track: pose, twist, Jacobian, gravity, inertia" : "track: pose, twist, Jacobian, gravity",
+              t, error, "worst of them, relative or m");
+  }
+  Kinematics k;
+  double error = 0.0;
+  for (int i = 0; i < kSamples; ++i) error = std::max(error, reach(i, k) == Status::ok ? errorOf(i, k) : 1.0);
+  const Timing t = timeCalls(bench.batches, kSamples, [&](int first, int count) {
+    for (int i = first; i < first + count; ++i) keep(reach(i, k)), keep(k);
+  });
+  bench.add("reach: the same with inertia from pose and twist", t, error, "worst of them, relative or m");
+}
+
+}  // namespace
+
+std::vector<Measurement> measureDevice(double scale) {
+  DeviceBench bench;
+  bench.device = nominalDevice();
+  bench.model = makeModel(bench.device);
+  bench.samples = randomSamples(bench.model);
+  bench.path = pathSamples(bench.model);
+  bench.batches = std::max(20, static_cast<int>(400 * scale));
+  addTracking(bench);
+  addFromFar(bench);
+  addFromHome(bench);
+  addInverse(bench);
+  addJacobian(bench);
+  addDynamics(bench);
+  addMechanism(bench);
+  return std::move(bench.rows);
 }
 
 }  // namespace enamel::bench

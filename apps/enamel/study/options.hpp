@@ -1,12 +1,17 @@
-// What a person asks of `enamel study`.
+// What `enamel study` and `enamel compare` have in common: what a study is made of, and its options.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "plant_option.hpp"
 #include "renderer_option.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace enamel::app {
 
@@ -14,12 +19,12 @@ namespace enamel::app {
 inline constexpr const char* kScheduled = "hold-scheduled";
 /// A spring whose ticks are a quarter as long, as stiff as eq. 16 allows: K = 0.95 * 2 b / T for a device damping b.
 inline constexpr const char* kEdge = "impedance-edge";
-/// "tuned:NAME": a rival law (rivalLaws()) with the values that --laws has for the delay.
+/// "tuned:NAME": a rival (rivalSpecs()) with the values that --tuned has for the delay.
 inline constexpr const char* kTuned = "tuned:";
 
 struct StudyOptions {
   std::string scene;  ///< or empty: the wall z = 0
-  std::string device, designDevice, gain, laws, output, delay = "none", plant = kClosedForm;
+  std::string device, designDevice, gain, tuned, output, delay = "none", plant = kClosedForm;
   std::vector<std::string> set;                              ///< parameters of plugins
   std::vector<std::string> deviceDamping = {"impedance=4"};  ///< B, or NAME=B ...; the paper's baseline has 4 N s/m
   std::vector<int> scenarios = {1, 2};
@@ -28,17 +33,24 @@ struct StudyOptions {
   std::uint64_t seed = 1;
   std::vector<double> tip_mm{0.0, 0.0, 0.0};
   double preload = 0.0;                     ///< N
+  double noise = Person().noise;            ///< standard deviation of the person's force, N
+  double inertia = 1.0;                     ///< of the renderers' model, as a share of the plant's
   std::vector<double> force = {8.0, 15.0};  ///< F_c is uniform between, N
+  ImpedanceOptions impedance;               ///< of the renderers impedance and passivity
   bool arm = false;                         ///< scenario 1 pushes through an arm
   bool insideTick = false;                  ///< the step comes at a random instant of its tick
   bool encoders = false, resume = false;
-  int part = 1, parts = 1;                  ///< which of how many parts of the runs
-  bool judge = false;                       ///< every law on every plant at every delay, as --judge
-  std::vector<std::string> plants, delays;  ///< of the judge; empty: its defaults
-  bool convergence = true, whole = true;    ///< what is done: speed against error of the integration, all else
-  bool guard = true;                        ///< in the loop
-  bool release = false;                     ///< the hold ends when the wall would pull; the paper's never does
+  int part = 1, parts = 1;                ///< which of how many parts of the runs
+  bool convergence = true, whole = true;  ///< what is done: speed against error of the integration, all else
+  bool guard = true;                      ///< in the loop
+  bool release = false;                   ///< the hold ends when the wall would pull; the paper's never does
 };
+
+/// Adds the options that both commands have; defaults are what `options` holds.
+void addStudyOptions(CLI::App& command, const std::shared_ptr<StudyOptions>& options);
+
+/// Take the part of the rank where Open MPI started the process and --part is not given.
+void takeRank(const CLI::App& command, StudyOptions& options);
 
 /// Performs the study and writes its folder. Throws Error, Exit where a signal ended it.
 void runStudy(StudyOptions options);

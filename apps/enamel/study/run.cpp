@@ -18,7 +18,6 @@
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
 #include "program/program.hpp"
-#include "study/judge.hpp"
 #include "study/report.hpp"
 
 namespace enamel::app {
@@ -156,7 +155,7 @@ void claimPart(const Study& study) {
 }
 
 // study.json says what the runs depend on; runs.csv is continued only by the same study, and only a finished one is
-// begun anew.
+// started again.
 void claimFolder(const Study& study) {
   const std::string path = study.path("study.json"), runs = study.path("runs.csv");
   if (!std::filesystem::exists(std::filesystem::symlink_status(runs))) return writeFile(path, study.manifest);
@@ -294,11 +293,10 @@ bool completeRuns(const Study& study) {
 
 void runStudy(StudyOptions options) {
   if (options.threads == 0) options.threads = availableThreads();
-  if (options.judge) return runJudge(options);
   const Study study = prepareStudy(options);
   if (const std::size_t spring = study.column(ColumnKind::impedance); spring < study.labels.size())
     if (const std::string warning =
-            dampingWarning(study.impedance, study.plan.setup.period, study.labels[spring].damping);
+            dampingWarning(options.impedance, study.plan.setup.period, study.labels[spring].damping);
         !warning.empty())
       fmt::print(stderr, "enamel: warning: {}\n", warning);
   prepareFolder(study);

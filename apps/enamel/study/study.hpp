@@ -21,15 +21,15 @@ struct ColumnLabel {
   ColumnKind kind = ColumnKind::plugin;
   std::string title;     ///< in words
   double damping = 0.0;  ///< mechanical, of its plant along z at home, N s/m
+  std::string servo;     ///< file of its own; empty: as the study has it
 };
 
 struct Study {
   StudyOptions options;
   DeviceParameters device, designDevice;
   std::shared_ptr<const Mechanism> mechanism;  ///< of `device`, as its file says
-  std::shared_ptr<const Mechanism> design;     ///< what the servos of hold are designed on
-  ImpedanceOptions impedance;
-  std::optional<ServoDesign> home;  ///< the servo of hold, also a given one; where a column is hold or scheduled
+  std::shared_ptr<const Mechanism> design;     ///< what renderers are designed on
+  std::optional<ServoDesign> home;  ///< the servo of hold, also of --gain; where a column is hold or scheduled
   std::string gainFor;              ///< the renderer that --gain is for; empty: none is given
   StudyPlan plan;
   std::vector<ColumnLabel> labels;  ///< of the plan's columns
@@ -68,6 +68,10 @@ std::string pointText(const Study& study, std::size_t point);
 
 /// "no delay", "1 tick", "0..3 ticks", of --delay.
 std::string delayText(const std::string& delay);
+
+/// How a push ends without a first impact stiffness.
+inline constexpr FirstImpactVerdict kWithoutFirst[] = {FirstImpactVerdict::rings, FirstImpactVerdict::slips,
+                                                       FirstImpactVerdict::noReturn, FirstImpactVerdict::unstable};
 
 /// Why runs have no first impact stiffness, as "2 rings, 1 slipped"; empty where all have one.
 std::string withoutFirstText(const WallSummary& wall);

@@ -29,10 +29,10 @@ bool keepsTo(const TuneProblem& problem, const TuneRequirements& requirements, c
   return std::all_of(rows.begin(), rows.begin() + 3, [](const Requirement& row) { return row.met(); });
 }
 
-// As judgeServo; empty also where the stiffness is not above `toBeat` or the disk margin below `leastMargin`, which are
-// known long before the rest.
-std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const ServoWeights& weights, double toBeat,
-                                double leastMargin) {
+// As evaluateServo; empty also where the stiffness is not above `toBeat` or the disk margin below `leastMargin`, which
+// are known long before the rest.
+std::optional<TunedServo> evaluate(const TuneProblem& problem, int delay, const ServoWeights& weights, double toBeat,
+                                   double leastMargin) {
   requirePeriod(problem.period, "servo: ");
   TunedServo servo;
   try {
@@ -63,8 +63,8 @@ std::optional<TunedServo> judge(const TuneProblem& problem, int delay, const Ser
 
 }  // namespace
 
-std::optional<TunedServo> judgeServo(const TuneProblem& problem, int delay, const ServoWeights& weights) {
-  return judge(problem, delay, weights, 0.0, 0.0);
+std::optional<TunedServo> evaluateServo(const TuneProblem& problem, int delay, const ServoWeights& weights) {
+  return evaluate(problem, delay, weights, 0.0, 0.0);
 }
 
 std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequirements& requirements) {
@@ -73,7 +73,7 @@ std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequir
   const auto improve = [&](const LogWeights& candidate) {
     const double toBeat = best ? best->stiffness : 0.0;
     std::optional<TunedServo> servo =
-        judge(problem, requirements.delay, weightsOf(candidate), toBeat, requirements.diskMargin);
+        evaluate(problem, requirements.delay, weightsOf(candidate), toBeat, requirements.diskMargin);
     if (!servo || !keepsTo(problem, requirements, *servo)) return false;
     best = std::move(servo);
     at = candidate;

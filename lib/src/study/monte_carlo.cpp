@@ -105,11 +105,11 @@ StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
   std::unique_ptr<Plant> plant =
       column.makePlant ? column.makePlant(run.stream)
                        : std::make_unique<ClosedFormPlant>(*column.plant, setup.integrator, setup.substeps);
-  const PushResult push =
-      runPush(std::move(plant), *column.plant, *renderer, setup, [&](const TickRecord& tick, const VirtualLoop&) {
-        collector.add(tick);
-        if (record) record(tick);
-      });
+  const PushResult push = runPush(std::move(plant), column.model ? *column.model : *column.plant, *renderer, setup,
+                                  [&](const TickRecord& tick, const VirtualLoop&) {
+                                    collector.add(tick);
+                                    if (record) record(tick);
+                                  });
   result.status = push.status;
   if (result.status == Status::ok) result.metrics = collector.metrics();
   if (result.status == Status::stopped) result.metrics.verdict = FirstImpactVerdict::unstable;

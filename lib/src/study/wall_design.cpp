@@ -109,7 +109,7 @@ void setLoop(const WallDesignSetup& setup, std::uint32_t stream, LoopSetup& loop
   loop.lostSamples = setup.lostSamples;
   loop.seed = setup.seed;
   loop.run = stream;
-  loop.guarded = false;  // laws are judged to the end
+  loop.guarded = false;  // controllers run to the end
 }
 
 std::unique_ptr<Plant> plantOf(const WallDesignSetup& setup, const LoopSetup& loop) {
@@ -187,8 +187,8 @@ double driftInScene(const WallDesignSetup& setup, const Mechanism& model, const 
   return result.status == Status::ok ? std::min(metrics.metrics().drift, kOff) : kOff;
 }
 
-// How far a value is beyond a limit, as a share of it; from twice the limit on by its logarithm, so that what a law
-// cannot do at all does not drown the rest.
+// How far a value is beyond a limit, as a share of it; from twice the limit on by its logarithm, so that what a
+// controller cannot do at all does not drown the rest.
 double beyond(double value, double limit) {
   const double excess = std::max(0.0, value / limit - 1.0);
   return excess > 1.0 ? 1.0 + std::log(excess) : excess;
@@ -213,42 +213,97 @@ double valueOf(const WallDesignSetup& setup, const WallScore& s) {
          0.5 * beyond(s.drift, setup.drift) - 0.5 * s.lost - 0.02 * s.unmeasured;
 }
 
-std::vector<double> varied(const Law& law, const std::vector<double>& parent, double sigma,
+std::vector<double> varied(const ControllerSpec& spec, const std::vector<double>& parent, double sigma,
                            const RandomStream& random) {
   std::vector<double> child = parent;
   for (std::size_t i = 0; i < child.size(); ++i) {
     if (random.uniform(RandomStream::Purpose::test, 2 * i) > 0.35) continue;
-    const LawParameter& p = law.parameters[i];
+    const ControllerParameter& p = spec.parameters[i];
     const double step = sigma * p.step * random.normal(RandomStream::Purpose::test, 2 * i + 1);
     child[i] = std::clamp(p.logarithmic ? child[i] * std::exp(step) : child[i] + step, p.low, p.high);
   }
   return child;
 }
 
-// A candidate may be empty: there is no such renderer.
-std::vector<WallScore> judgeAll(const WallDesignSetup& setup, const std::vector<MakeRenderer>& candidates,
-                                std::uint32_t trialNumber, int threads) {
-  require(setup.plant != nullptr, kNoPlant);
-  require(setup.runs >= 1 && setup.runs <= 10000, "wall design: the runs must be in 1 to 10000");
-  std::vector<std::shared_ptr<const Mechanism>> models = {setup.plant};
-  if (setup.inertiaError > 0.0)
-    for (const double sign : {-1.0, 1.0}) models.push_back(withInertia(setup.plant, 1.0 + sign * setup.inertiaError));
+int rampsOf(const WallDesignSetup& setup) { return std::max(1, setup.runs / 3); }
 
+// Steps and ramps at every point, with the random numbers of `number`.
+std::vector<Trial> trialsOf(const WallDesignSetup& setup, std::uint32_t number, std::size_t models) {
   std::vector<Trial> trials;
-  const int ramps = std::max(1, setup.runs / 3);
   for (int point = 0; point < kPoints; ++point)
-    for (int i = 0; i < setup.runs + ramps; ++i) {
+    for (int i = 0; i < setup.runs + rampsOf(setup); ++i) {
       Trial trial;
       trial.point = point;
       trial.ramp = i >= setup.runs;
-      trial.model = static_cast<std::size_t>(i) % models.size();
-      trial.stream = trialNumber * 100003u + static_cast<std::uint32_t>(trials.size());
+      trial.model = static_cast<std::size_t>(i) % models;
+      trial.stream = number * 100003u + static_cast<std::uint32_t>(trials.size());
       const RandomStream random(setup.seed, trial.stream);
       trial.force = setup.lowestForce +
                     (setup.highestForce - setup.lowestForce) * random.uniform(RandomStream::Purpose::force, 0);
       trial.instant = random.uniform(RandomStream::Purpose::force, 1);
       trials.push_back(trial);
     }
+  return trials;
+}
+
+// What steps and ramps say, `results` in the order of `trials`.
+WallScore scoreOf(const std::vector<Trial>& trials, const TrialResult* results) {
+  WallScore score;
+  score.stiffness = score.share = score.lowestShare = std::numeric_limits<double>::infinity();
+  double stiffness[kPoints] = {}, share[kPoints] = {};
+  int measured[kPoints] = {};
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    const Trial& trial = trials[i];
+    const TrialResult& r = results[i];
+    score.lost += r.lost;
+    score.chatter = std::max(score.chatter, r.chatter);
+    score.bounce = std::max(score.bounce, r.bounce);
+    score.deepest = std::max(score.deepest, r.deepest);
+    if (trial.ramp) {
+      score.ramp = std::max(score.ramp, r.deepest);
+    } else if (std::isnan(r.stiffness)) {
+      ++score.unmeasured;
+    } else {
+      stiffness[trial.point] += r.stiffness;
+      share[trial.point] += r.share;
+      ++measured[trial.point];
+      score.lowestShare = std::min(score.lowestShare, r.share);
+    }
+  }
+  for (int point = 0; point < kPoints; ++point) {
+    const double count = std::max(1, measured[point]);
+    score.stiffness = std::min(score.stiffness, stiffness[point] / count);
+    score.share = std::min(score.share, share[point] / count);
+  }
+  score.lowestShare = std::min(score.lowestShare, score.share);
+  return score;
+}
+
+void addImpacts(const WallDesignSetup& setup, const MakeRenderer& make, std::uint32_t number, int threads,
+                WallScore& score) {
+  WallTrialSetup impacts;
+  impacts.plant = impacts.model = setup.plant;
+  impacts.makePlant = setup.makePlant;
+  impacts.renderer = make;
+  impacts.delay = setup.delay;
+  impacts.period = setup.period;
+  impacts.runs = rampsOf(setup);
+  impacts.seed = setup.seed + number;
+  for (const WallFigure& f : runWallTrials(impacts, "impact", threads)) {
+    if (f.figure == "bounce") score.impact = std::max(score.impact, 1e-6 * f.value);
+    score.lost += f.lost;
+  }
+}
+
+// A candidate may be empty: there is no such renderer.
+std::vector<WallScore> evaluateAll(const WallDesignSetup& setup, const std::vector<MakeRenderer>& candidates,
+                                   std::uint32_t trialNumber, int threads) {
+  require(setup.plant != nullptr, kNoPlant);
+  require(setup.runs >= 1 && setup.runs <= 10000, "wall design: the runs must be in 1 to 10000");
+  std::vector<std::shared_ptr<const Mechanism>> models = {setup.plant};
+  if (setup.inertiaError > 0.0)
+    for (const double sign : {-1.0, 1.0}) models.push_back(withInertia(setup.plant, 1.0 + sign * setup.inertiaError));
+  const std::vector<Trial> trials = trialsOf(setup, trialNumber, models.size());
   for (const Trial& trial : trials) limitAt(setup, pointOf(setup, trial.point), trial.force);  // throws here
 
   std::vector<TrialResult> results(trials.size() * candidates.size());
@@ -268,56 +323,16 @@ std::vector<WallScore> judgeAll(const WallDesignSetup& setup, const std::vector<
                                trialNumber * 100003u + static_cast<std::uint32_t>(trials.size()) + number);
   });
 
-  std::vector<WallScore> scores;
+  std::vector<WallScore> scores(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c) {
-    WallScore score;
     if (!candidates[c]) {
-      score.value = -std::numeric_limits<double>::infinity();
-      scores.push_back(score);
+      scores[c].value = -std::numeric_limits<double>::infinity();
       continue;
     }
-    score.stiffness = score.share = score.lowestShare = std::numeric_limits<double>::infinity();
-    double stiffness[kPoints] = {}, share[kPoints] = {};
-    int measured[kPoints] = {};
-    for (std::size_t i = 0; i < trials.size(); ++i) {
-      const Trial& trial = trials[i];
-      const TrialResult& r = results[c * trials.size() + i];
-      score.lost += r.lost;
-      score.chatter = std::max(score.chatter, r.chatter);
-      score.bounce = std::max(score.bounce, r.bounce);
-      score.deepest = std::max(score.deepest, r.deepest);
-      if (trial.ramp) {
-        score.ramp = std::max(score.ramp, r.deepest);
-      } else if (std::isnan(r.stiffness)) {
-        ++score.unmeasured;
-      } else {
-        stiffness[trial.point] += r.stiffness;
-        share[trial.point] += r.share;
-        ++measured[trial.point];
-        score.lowestShare = std::min(score.lowestShare, r.share);
-      }
-    }
-    for (int point = 0; point < kPoints; ++point) {
-      const double count = std::max(1, measured[point]);
-      score.stiffness = std::min(score.stiffness, stiffness[point] / count);
-      score.share = std::min(score.share, share[point] / count);
-    }
-    score.lowestShare = std::min(score.lowestShare, score.share);
-    for (std::size_t i = 0; i < pushes; ++i) score.drift += drifts[c * pushes + i] / static_cast<double>(pushes);
-    WallTrialSetup impacts;
-    impacts.plant = impacts.model = setup.plant;
-    impacts.makePlant = setup.makePlant;
-    impacts.renderer = candidates[c];
-    impacts.delay = setup.delay;
-    impacts.period = setup.period;
-    impacts.runs = ramps;
-    impacts.seed = setup.seed + trialNumber;
-    for (const WallFigure& f : runWallTrials(impacts, "impact", threads)) {
-      if (f.figure == "bounce") score.impact = std::max(score.impact, 1e-6 * f.value);
-      score.lost += f.lost;
-    }
-    score.value = valueOf(setup, score);
-    scores.push_back(score);
+    scores[c] = scoreOf(trials, &results[c * trials.size()]);
+    for (std::size_t i = 0; i < pushes; ++i) scores[c].drift += drifts[c * pushes + i] / static_cast<double>(pushes);
+    addImpacts(setup, candidates[c], trialNumber, threads, scores[c]);
+    scores[c].value = valueOf(setup, scores[c]);
   }
   return scores;
 }
@@ -345,22 +360,22 @@ WallDesignSetup withinMotors(WallDesignSetup setup) {
   return setup;
 }
 
-WallScore judgeWall(const WallDesignSetup& setup, const MakeRenderer& make, std::uint32_t trial, int threads) {
-  require(make != nullptr, "wall design: no renderer to judge");
-  return judgeAll(setup, {make}, trial, threads).front();
+WallScore evaluateWall(const WallDesignSetup& setup, const MakeRenderer& make, std::uint32_t trial, int threads) {
+  require(make != nullptr, "wall design: no renderer to evaluate");
+  return evaluateAll(setup, {make}, trial, threads).front();
 }
 
-std::vector<double> designLaw(const WallDesignSetup& setup, const Law& law, const std::vector<double>& start,
-                              int generations, int threads,
-                              const std::function<void(int, const WallScore&)>& progress) {
-  require(start.size() == law.parameters.size(), "wall design: " + law.name + " has " +
-                                                     std::to_string(law.parameters.size()) + " numbers, " +
-                                                     std::to_string(start.size()) + " are given");
-  const LawUse use{setup.plant, setup.period, setup.delay};
-  (void)law.with(use, start);  // refuses here
+std::vector<double> designController(const WallDesignSetup& setup, const ControllerSpec& spec,
+                                     const std::vector<double>& start, int generations, int threads,
+                                     const std::function<void(int, const WallScore&)>& progress) {
+  require(start.size() == spec.parameters.size(), "wall design: " + spec.name + " has " +
+                                                      std::to_string(spec.parameters.size()) + " numbers, " +
+                                                      std::to_string(start.size()) + " are given");
+  const ControllerUse use{setup.plant, setup.period, setup.delay};
+  (void)spec.with(use, start);  // refuses here
   const auto made = [&](const std::vector<double>& values) -> MakeRenderer {
     try {
-      return law.with(use, values);
+      return spec.with(use, values);
     } catch (const Error&) {  // numbers that no servo has
       return {};
     }
@@ -371,10 +386,10 @@ std::vector<double> designLaw(const WallDesignSetup& setup, const Law& law, cons
     const auto number = static_cast<std::uint32_t>(generation);
     std::vector<std::vector<double>> family = {parent};
     for (std::uint32_t child = 0; child < kChildren; ++child)
-      family.push_back(varied(law, parent, sigma, RandomStream(setup.seed, number * kChildren + child)));
+      family.push_back(varied(spec, parent, sigma, RandomStream(setup.seed, number * kChildren + child)));
     std::vector<MakeRenderer> candidates(family.size());
     parallelFor(family.size(), threads, [&](std::size_t i) { candidates[i] = made(family[i]); });
-    const std::vector<WallScore> scores = judgeAll(setup, candidates, number, threads);
+    const std::vector<WallScore> scores = evaluateAll(setup, candidates, number, threads);
     std::size_t best = 0;
     for (std::size_t i = 1; i < family.size(); ++i)
       if (scores[i].value > scores[best].value) best = i;

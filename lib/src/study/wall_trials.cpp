@@ -334,6 +334,12 @@ double forceShare(const Mechanism& plant) {
   return std::min(1.0, 0.3 * largestForce(k, plant.limits().torque, k.pose.position, Vec3::UnitZ()) / 15.0);
 }
 
+std::vector<std::string> wallTrialNames() {
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
 std::vector<WallFigure> runWallTrials(const WallTrialSetup& setup, const std::string& filter, int threads) {
   require(setup.plant && setup.model && setup.renderer, "wall trials: a plant, a model and a renderer are needed");
   require(setup.runs >= 1 && setup.runs <= 10000,

@@ -34,14 +34,13 @@ struct TunedServo {
   int toleratedDelay = -1;  ///< samples
 };
 
-/// Judges the servo with the given weights and `delay` samples of delay. Empty where it cannot be designed, is unstable
-/// with the delay or never stops the push. Throws Error: a
-/// period outside 1e-5 to 0.1 s. Realtime: no.
-std::optional<TunedServo> judgeServo(const TuneProblem& problem, int delay, const ServoWeights& weights);
+/// Evaluate the servo with the given weights and `delay` samples of delay. Empty where it cannot be designed, is
+/// unstable with the delay or never stops the push. Throws Error: a period outside 1e-5 to 0.1 s. Realtime: no.
+std::optional<TunedServo> evaluateServo(const TuneProblem& problem, int delay, const ServoWeights& weights);
 
 /// Searches the weights (torque = 1) for the stiffest servo that keeps to the requirements: a logarithmic grid, then a
 /// compass search (Hooke and Jeeves 1961) from the best point. Empty where no point of the grid keeps to them.
-/// Throws DesignError: the plant has wrong sizes; Error as judgeServo(). Realtime: no (about 10 s).
+/// Throws DesignError: the plant has wrong sizes; Error as evaluateServo(). Realtime: no (about 10 s).
 std::optional<TunedServo> tuneServo(const TuneProblem& problem, const TuneRequirements& requirements);
 
 /// Largest first impact stiffness that any controller without a force sensor can have, N/m: a push that rises from

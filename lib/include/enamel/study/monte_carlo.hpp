@@ -14,7 +14,7 @@
 
 namespace enamel {
 
-/// A renderer to be judged, with the mechanism that it runs on and takes its plant for.
+/// A renderer of the study, with the mechanism that it runs on and takes its plant for.
 struct StudyColumn {
   std::string name;
   std::shared_ptr<const Mechanism> plant;
@@ -25,6 +25,7 @@ struct StudyColumn {
   /// Its ticks where they are shorter than the study's, s: a whole number of them is one of the study's. A delay stays
   /// as long, and the hand's noise as dense. 0: the study's.
   double period = 0.0;
+  std::shared_ptr<const Mechanism> model = {};  ///< what the renderer takes the plant for; null: `plant`
 };
 
 /// Everything that determines a study. Runs are numbered scenario by scenario, column by column, point by point.

@@ -1,5 +1,4 @@
-// Design of renderers by simulation of the loop that they will run in: the same search under the same limits for every
-// law.
+// Design of controllers by simulation of the loop that they will run in: the same search under the same limits for all.
 #pragma once
 
 #include <functional>
@@ -41,7 +40,7 @@ struct WallDesignSetup {
 std::shared_ptr<const Mechanism> withInertia(std::shared_ptr<const Mechanism> mechanism, double factor);
 
 /// The same with forces that the motors can answer: all are made smaller together until the largest push is 0.3 of what
-/// the motors can give at the worst of the points. Throws Error: as judgeWall(). Realtime: no.
+/// the motors can give at the worst of the points. Throws Error: as evaluateWall(). Realtime: no.
 WallDesignSetup withinMotors(WallDesignSetup setup);
 
 /// How a renderer did.
@@ -63,37 +62,38 @@ struct WallScore {
 /// Makes a renderer; may be called from several threads at once.
 using MakeRenderer = std::function<std::unique_ptr<Renderer>()>;
 
-/// Judges a renderer. Throws Error: no plant or renderer; the points cannot be reached; runs outside 1 to 10 000.
+/// Evaluate a renderer. Throws Error: no plant or renderer; the points cannot be reached; runs outside 1 to 10 000.
 /// `threads` do not change a bit of it. `trial`: which random numbers. Realtime: no.
-WallScore judgeWall(const WallDesignSetup& setup, const MakeRenderer& make, std::uint32_t trial, int threads);
+WallScore evaluateWall(const WallDesignSetup& setup, const MakeRenderer& make, std::uint32_t trial, int threads);
 
-/// A number that a law leaves open, and how the search varies it.
-struct LawParameter {
+/// A number that a controller leaves open, and how the search varies it.
+struct ControllerParameter {
   std::string name, unit;
   double start, low, high;  ///< where the search begins, and within what it stays
   double step;              ///< of the number, or of its logarithm
   bool logarithmic;
 };
 
-/// What a law is used on.
-struct LawUse {
+/// What a controller is used on.
+struct ControllerUse {
   std::shared_ptr<const Mechanism> device;  ///< as the renderer has it
   double period = 1e-3;                     ///< s
   Delay delay;                              ///< ticks
 };
 
-/// A control law with its numbers open.
-struct Law {
+/// A controller with its numbers open, and the renderer that runs it.
+struct ControllerSpec {
   std::string name, title;  ///< as commands and as tables have it
-  std::vector<LawParameter> parameters;
-  /// The law with these values, one a parameter. Throws Error: where there is no such renderer.
-  std::function<MakeRenderer(const LawUse& use, const std::vector<double>& values)> with;
+  std::vector<ControllerParameter> parameters;
+  /// A renderer with these values, one a parameter. Throws Error: where there is no such renderer.
+  std::function<MakeRenderer(const ControllerUse& use, const std::vector<double>& values)> with;
 };
 
-/// The values that an evolution strategy finds (one parent, eight children a generation, all judged by the same new
+/// Find values by an evolution strategy (one parent, eight children a generation, all evaluated with the same new
 /// random numbers), from `start` on, one a parameter. `progress`, if any, sees how the best of every generation did.
-/// Throws Error: as judgeWall(); where `start` has no renderer. Realtime: no.
-std::vector<double> designLaw(const WallDesignSetup& setup, const Law& law, const std::vector<double>& start,
-                              int generations, int threads, const std::function<void(int, const WallScore&)>& progress);
+/// Throws Error: as evaluateWall(); where `start` has no renderer. Realtime: no.
+std::vector<double> designController(const WallDesignSetup& setup, const ControllerSpec& spec,
+                                     const std::vector<double>& start, int generations, int threads,
+                                     const std::function<void(int, const WallScore&)>& progress);
 
 }  // namespace enamel

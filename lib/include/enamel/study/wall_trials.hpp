@@ -13,7 +13,7 @@
 namespace enamel {
 
 /// What the trials run on: the wall z = 0 at the home pose, joint angles rounded to encoder counts, rates differenced
-/// over a tick, no guard (laws are judged to the end). A hand keeps the TCP softly across the push (guidingWrench())
+/// over a tick, no guard (controllers run to the end). A hand keeps the TCP softly across the push (guidingWrench())
 /// and trembles by white noise along it.
 struct WallTrialSetup {
   std::shared_ptr<const Mechanism> plant;
@@ -40,6 +40,9 @@ struct WallFigure {
 /// become 0.3 of what the motors can give along the wall's normal at home. Throws Error: home cannot be reached.
 /// Realtime: no.
 double forceShare(const Mechanism& plant);
+
+/// The trials by their names, in the order of their results. Realtime: no.
+std::vector<std::string> wallTrialNames();
 
 /// Runs all trials whose name contains `filter`:
 /// - step: 8 to 15 N after 1 N at a random instant inside a tick. Lowest share of the physical limit

@@ -1,4 +1,4 @@
-#include "enamel/study/laws.hpp"
+#include "enamel/study/controllers.hpp"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -38,30 +38,30 @@ constexpr std::array<Variation, 13> kServoVariations = {{
     {0.01, 10.0, 0.4, true},    // jump growth
 }};
 
-const LawParameter kStiffness{"stiffness", "N/m", 1000.0, 50.0, 2e5, 0.3, true};
-const LawParameter kDamping{"damping", "N s/m", 3.0, 1e-3, 200.0, 0.4, true};
-const std::vector<LawParameter> kWeights = {{"rate weight", "", 0.02, 1e-8, 1e6, 1.0, true},
-                                            {"position weight", "", 300.0, 1e-4, 1e8, 1.0, true},
-                                            {"integral weight", "", 1e6, 1e-2, 1e12, 1.0, true}};
+const ControllerParameter kStiffness{"stiffness", "N/m", 1000.0, 50.0, 2e5, 0.3, true};
+const ControllerParameter kDamping{"damping", "N s/m", 3.0, 1e-3, 200.0, 0.4, true};
+const std::vector<ControllerParameter> kWeights = {{"rate weight", "", 0.02, 1e-8, 1e6, 1.0, true},
+                                                   {"position weight", "", 300.0, 1e-4, 1e8, 1.0, true},
+                                                   {"integral weight", "", 1e6, 1e-2, 1e12, 1.0, true}};
 
-MakeRenderer impedance(const LawUse&, const Values& v) {
+MakeRenderer impedance(const ControllerUse&, const Values& v) {
   return [wall = ImpedanceOptions{v[0], v[1]}] { return std::make_unique<ImpedanceRenderer>(wall); };
 }
 
 template <PassivityBound bound>
-MakeRenderer passivity(const LawUse&, const Values& v) {
+MakeRenderer passivity(const ControllerUse&, const Values& v) {
   return [wall = ImpedanceOptions{v[0], v[1]}] {
     return std::make_unique<PassivityRenderer>(std::make_unique<ImpedanceRenderer>(wall), bound);
   };
 }
 
-MakeRenderer virtualCoupling(const LawUse&, const Values& v) {
+MakeRenderer virtualCoupling(const ControllerUse&, const Values& v) {
   return [coupling = VirtualCouplingOptions{v[0], v[1], v[2]}] {
     return std::make_unique<VirtualCouplingRenderer>(coupling);
   };
 }
 
-MakeRenderer holdWith(const LawUse& use, const Values& v, int foreseen) {
+MakeRenderer holdWith(const ControllerUse& use, const Values& v, int foreseen) {
   const ServoDesign design = designServo(use.device, Pose{}, use.period, {v[0], v[1], v[2], 1.0});
   const DelayedServo servo = servoForDelay(design, foreseen);
   PositionControlOptions options;
@@ -72,8 +72,8 @@ MakeRenderer holdWith(const LawUse& use, const Values& v, int foreseen) {
   };
 }
 
-MakeRenderer hold(const LawUse& use, const Values& v) { return holdWith(use, v, 0); }
-MakeRenderer holdDelay(const LawUse& use, const Values& v) {
+MakeRenderer hold(const ControllerUse& use, const Values& v) { return holdWith(use, v, 0); }
+MakeRenderer holdDelay(const ControllerUse& use, const Values& v) {
   return holdWith(use, v, (use.delay.low + use.delay.high + 1) / 2);
 }
 
@@ -88,21 +88,22 @@ SurfaceServoOptions surfaceServoWith(const SurfaceServoOptions& start, const Val
   return options;
 }
 
-Law surfaceServoLaw(const SurfaceServoOptions& start) {
-  Law law{"position-control", "position control", {}, [start](const LawUse&, const Values& values) -> MakeRenderer {
-            const SurfaceServoOptions options = surfaceServoWith(start, values);
-            return [options] { return std::make_unique<SurfaceServoRenderer>(options); };
-          }};
+ControllerSpec surfaceServoSpec(const SurfaceServoOptions& start) {
+  ControllerSpec spec{
+      "position-control", "position control", {}, [start](const ControllerUse&, const Values& values) -> MakeRenderer {
+        const SurfaceServoOptions options = surfaceServoWith(start, values);
+        return [options] { return std::make_unique<SurfaceServoRenderer>(options); };
+      }};
   for (std::size_t i = 0; i < kServoVariations.size(); ++i) {
     const SurfaceServoParameter& p = surfaceServoParameters()[i];
     const Variation& v = kServoVariations[i];
-    law.parameters.push_back({p.name, p.unit, start.*p.value, v.low, v.high, v.step, v.logarithmic});
+    spec.parameters.push_back({p.name, p.unit, start.*p.value, v.low, v.high, v.step, v.logarithmic});
   }
-  return law;
+  return spec;
 }
 
-const std::vector<Law>& rivalLaws() {
-  static const std::vector<Law> laws = {
+const std::vector<ControllerSpec>& rivalSpecs() {
+  static const std::vector<ControllerSpec> specs = {
       {"impedance", "spring, tuned", {kStiffness, kDamping}, impedance},
       {"passivity", "spring under passivity control, tuned", {kStiffness, kDamping}, passivity<PassivityBound::energy>},
       {"passivity-memory",
@@ -116,37 +117,39 @@ const std::vector<Law>& rivalLaws() {
       {"hold", "hold, tuned", kWeights, hold},
       {"hold-delay", "hold that foresees the delay, tuned", kWeights, holdDelay},
   };
-  return laws;
+  return specs;
 }
 
-const Law& rivalLaw(const std::string& name) {
+const ControllerSpec& rivalSpec(const std::string& name) {
   std::string names;
-  for (const Law& law : rivalLaws()) {
-    if (law.name == name) return law;
-    names += (names.empty() ? "" : ", ") + law.name;
+  for (const ControllerSpec& spec : rivalSpecs()) {
+    if (spec.name == name) return spec;
+    names += (names.empty() ? "" : ", ") + spec.name;
   }
-  throw Error("there is no law \"" + name + "\": " + names);
+  throw Error("there is no controller \"" + name + "\": " + names);
 }
 
-LawFile loadLaws(const std::string& path) {
+ControllerFile loadControllers(const std::string& path) {
   const auto refuse = [&path](const std::string& key, const std::string& problem) {
     throw ConfigurationError(path, 0, key, problem);
   };
   const Json file = Json::parse(readJson(path), nullptr, false);
-  if (!file.is_object() || !file.contains("laws") || !file["laws"].is_array()) refuse("", "has no list \"laws\"");
-  LawFile result;
+  const bool old = file.is_object() && !file.contains("controllers") && file.contains("laws");  // of version 0.2
+  const std::string list = old ? "laws" : "controllers", name = old ? "law" : "controller";
+  if (!file.is_object() || !file.contains(list) || !file[list].is_array()) refuse("", "has no list \"" + list + "\"");
+  ControllerFile result;
   if (file.contains("model") && file["model"].is_string()) result.model = file["model"].get<std::string>();
-  for (std::size_t i = 0; i < file["laws"].size(); ++i) {
-    const Json& entry = file["laws"][i];
-    const std::string at = "laws[" + std::to_string(i) + "]";
-    if (!entry.is_object() || !entry.contains("law") || !entry["law"].is_string()) refuse(at + ".law", "is missing");
-    LawValues read;
-    read.law = entry["law"].get<std::string>();
-    const Law* law = nullptr;
+  for (std::size_t i = 0; i < file[list].size(); ++i) {
+    const Json& entry = file[list][i];
+    const std::string at = list + "[" + std::to_string(i) + "]";
+    if (!entry.is_object() || !entry.contains(name) || !entry[name].is_string()) refuse(at + "." + name, "is missing");
+    ControllerValues read;
+    read.controller = entry[name].get<std::string>();
+    const ControllerSpec* spec = nullptr;
     try {
-      law = &rivalLaw(read.law);
+      spec = &rivalSpec(read.controller);
     } catch (const Error& error) {
-      refuse(at + ".law", error.what());
+      refuse(at + "." + name, error.what());
     }
     const Json delay = entry.value("delay", Json());
     if (!delay.is_array() || delay.size() != 2 || !delay[0].is_number_unsigned() || !delay[1].is_number_unsigned() ||
@@ -154,30 +157,31 @@ LawFile loadLaws(const std::string& path) {
       refuse(at + ".delay", "must be the smallest and the largest delay in whole ticks");
     read.delayLow = delay[0].get<int>();
     read.delayHigh = delay[1].get<int>();
-    for (const LawParameter& p : law->parameters) {
+    for (const ControllerParameter& p : spec->parameters) {
       const Json value = entry.value(p.name, Json());
       if (!value.is_number() || !(value.get<double>() >= p.low && value.get<double>() <= p.high))
         refuse(at + "." + p.name, "must be a number in " + formatNumber(p.low) + " to " + formatNumber(p.high) +
                                       (p.unit.empty() ? "" : " " + p.unit));
       read.values.push_back(value.get<double>());
     }
-    result.laws.push_back(std::move(read));
+    result.controllers.push_back(std::move(read));
   }
   return result;
 }
 
-std::string lawsText(const LawFile& written) {
+std::string controllersText(const ControllerFile& written) {
   Json file;
   file["model"] = written.model;
-  file["laws"] = Json::array();
-  for (const LawValues& found : written.laws) {
-    const Law& law = rivalLaw(found.law);
-    require(found.values.size() == law.parameters.size(), "laws: " + found.law + " has another number of values");
+  file["controllers"] = Json::array();
+  for (const ControllerValues& found : written.controllers) {
+    const ControllerSpec& spec = rivalSpec(found.controller);
+    require(found.values.size() == spec.parameters.size(),
+            "controllers: " + found.controller + " has another number of values");
     Json entry;
-    entry["law"] = found.law;
+    entry["controller"] = found.controller;
     entry["delay"] = {found.delayLow, found.delayHigh};
-    for (std::size_t i = 0; i < found.values.size(); ++i) entry[law.parameters[i].name] = found.values[i];
-    file["laws"].push_back(entry);
+    for (std::size_t i = 0; i < found.values.size(); ++i) entry[spec.parameters[i].name] = found.values[i];
+    file["controllers"].push_back(entry);
   }
   return file.dump(1) + "\n";
 }

@@ -1,0 +1,107 @@
+#include "compare/compare.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "compare/page.hpp"
+#include "enamel/core/error.hpp"
+#include "enamel/core/file.hpp"
+#include "enamel/study/parallel.hpp"
+
+namespace enamel::app {
+namespace {
+
+bool hasPushes(const CompareOptions& options) {
+  return std::count(options.tasks.begin(), options.tasks.end(), kPush) > 0;
+}
+
+// A study with its columns, for a plant and a delay.
+Condition conditionOf(const CompareOptions& options, const std::string& plant, const std::string& delay) {
+  StudyOptions one = options.study;
+  one.plant = plant;
+  one.delay = delay;
+  if (!hasPushes(options)) one.grid = 1;  // no query point but home need be within reach
+  std::string name = plant + '-' + delay;
+  std::replace(name.begin(), name.end(), ':', '-');
+  one.output += '/' + name;
+  Condition condition{plant, delay, prepareStudy(one), {}, {}, {}};
+  condition.scores = scoresOf(condition.study.plan, {});
+  for (std::size_t c = 0; c < condition.scores.size(); ++c) {
+    const std::string& column = condition.study.plan.columns[c].name;
+    std::string& title = condition.study.labels[c].title;
+    if (column == kHold) title = "the paper's hold";
+    if (column == kImpedance) title = "the paper's spring";
+    if (column == kEdge) title = "spring at 4 kHz, at the edge of eq. 16";
+  }
+  return condition;
+}
+
+std::vector<Condition> conditionsOf(const CompareOptions& options) {
+  std::vector<Condition> conditions;
+  for (const std::string& plant : options.plants)
+    for (const std::string& delay : options.delays) conditions.push_back(conditionOf(options, plant, delay));
+  return conditions;
+}
+
+// False: other parts of the runs are not done.
+bool completePushes(const std::vector<Condition>& conditions) {
+  bool complete = true;
+  for (const Condition& c : conditions) {
+    fmt::print(stderr, "{}, delay {}:\n", c.plant, c.delay);
+    complete = completeRuns(c.study) && complete;
+  }
+  return complete;
+}
+
+void readPushes(Condition& c) {
+  const std::vector<StudyResult> runs = readRuns(c.study.plan, c.study.path("runs.csv"));
+  c.points = pointStatistics(c.study.plan, runs);
+  c.walls = summarise(c.study.plan, c.points);
+  c.scores = scoresOf(c.study.plan, runs);
+  writeFile(c.study.path("points.csv"), pointsTable(c.study, c.points));
+  writeFile(c.study.path("summary.json"), summaryOf(c.study, c.walls, {}));
+}
+
+// Without the HTML.
+std::string plain(std::string text) {
+  for (std::size_t at = 0; (at = text.find("&lt;")) != std::string::npos;) text.replace(at, 4, "<");
+  return text;
+}
+
+void writeResults(const CompareOptions& options, const std::vector<Condition>& conditions) {
+  const std::string& folder = options.study.output;
+  std::filesystem::create_directories(folder);
+  if (hasPushes(options)) writeFile(folder + "/compare.csv", comparisonTable(conditions));
+  writeFile(folder + "/tasks.csv", tasksTable(conditions));
+  writeFile(folder + "/compare.html", pageOf(options, conditions));
+  if (hasPushes(options))
+    for (const std::string& plant : options.plants) fmt::print("{}\n", plain(sentenceOf(onPlant(conditions, plant))));
+  fmt::print("page: {}/compare.html\n", folder);
+}
+
+}  // namespace
+
+void runCompare(CompareOptions options) {
+  StudyOptions& study = options.study;
+  if (study.threads == 0) study.threads = availableThreads();
+  if (hasPushes(options) && study.output.empty()) throw Error("the task push keeps its runs in a folder: add --output");
+  const std::vector<std::string> wallTasks = wallTasksOf(options.tasks);
+  std::vector<Condition> conditions = conditionsOf(options);
+  if (hasPushes(options) && !completePushes(conditions)) {
+    fmt::print("part {} of {} is done; the last one writes the page\n", study.part, study.parts);
+    return;
+  }
+  for (Condition& c : conditions) {
+    if (hasPushes(options)) readPushes(c);
+    addWallTrials(c.study.plan, wallTasks, study.threads, c.scores);
+    if (hasPushes(options)) rankRenderers(c.scores);
+    if (!study.output.empty()) continue;
+    if (&c != &conditions.front()) fmt::print("\n");
+    printTasks(c);
+  }
+  if (!study.output.empty()) writeResults(options, conditions);
+}
+
+}  // namespace enamel::app

@@ -1,0 +1,255 @@
+#include "study/columns.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <map>
+
+#include "enamel/core/error.hpp"
+#include "enamel/device/nominal_device.hpp"
+#include "enamel/render/surface_file.hpp"
+#include "enamel/study/controllers.hpp"
+#include "enamel/study/parallel.hpp"
+#include "program/plugin_folder.hpp"
+#include "study/hash.hpp"
+
+namespace enamel::app {
+namespace {
+
+// --device-damping: B for every column, or NAME=B for some and 0 for the others.
+class DampingOption {
+ public:
+  explicit DampingOption(const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      const std::size_t equals = text.find('=');
+      const std::string name = equals == std::string::npos ? "" : text.substr(0, equals);
+      const char* number = text.c_str() + (equals == std::string::npos ? 0 : equals + 1);
+      char* end = nullptr;
+      const double value = std::strtod(number, &end);
+      if (end == number || *end != 0 || !(value >= 0.0 && value <= 1e3) || equals == 0)
+        throw Error("--device-damping is \"" + text + "\", must be B or NAME=B with B in 0 to 1000 N s/m");
+      if (!values_.emplace(name, value).second)
+        throw Error("--device-damping is given twice for " + (name.empty() ? "every renderer" : name));
+    }
+    if (values_.size() > 1 && values_.count("") > 0)
+      throw Error("--device-damping gives a value for every renderer and one for " + values_.rbegin()->first);
+    unused_ = values_;
+    unused_.erase("");
+  }
+
+  double of(const std::string& renderer) {
+    unused_.erase(renderer);
+    const auto found = values_.find(values_.count("") > 0 ? "" : renderer);
+    return found == values_.end() ? 0.0 : found->second;
+  }
+
+  /// A name that no renderer has; empty where all were found.
+  std::string unused() const { return unused_.empty() ? "" : unused_.begin()->first; }
+
+ private:
+  std::map<std::string, double> values_, unused_;
+};
+
+// What a name of --renderers means.
+struct RendererChoice {
+  ColumnKind kind = ColumnKind::plugin;
+  std::string name, title;
+  std::string servo;  // its file; empty: as the study has it
+  std::shared_ptr<const PluginLibrary> plugin;
+};
+
+RendererChoice choiceOf(const std::string& text) {
+  if (text.rfind(kTuned, 0) == 0)
+    return {ColumnKind::rival, text, rivalSpec(text.substr(std::strlen(kTuned))).title, "", nullptr};
+  if (text == kEdge) return {ColumnKind::edge, text, "impedance at the edge of eq. 16", "", nullptr};
+  if (text == kScheduled) return {ColumnKind::scheduled, text, "scheduled hold", "", nullptr};
+  if (const std::filesystem::path path(text); path.extension() == ".json") {
+    const bool hold = rendererOf(text) == kHold;
+    const std::string name = path.stem().string();
+    return {hold ? ColumnKind::hold : ColumnKind::positionControl, name, name, text, nullptr};
+  }
+  const RendererSource source = findRenderer(text, pluginFolder());
+  if (source.plugin)
+    return {ColumnKind::plugin, source.name + " (plugin)", source.name + " (plugin)", "", source.plugin};
+  if (text == kImpedance) return {ColumnKind::impedance, text, "impedance", "", nullptr};
+  if (text == kPassivity) return {ColumnKind::passivity, text, "impedance with passivity control", "", nullptr};
+  if (text == kHold) return {ColumnKind::hold, text, "hold", "", nullptr};
+  return {ColumnKind::positionControl, text, "position control", "", nullptr};
+}
+
+// Makes the renderers of plugins, each with those parameters of --set that it has.
+class Plugins {
+ public:
+  explicit Plugins(const StudyOptions& options) : parameters_(parseParameters(options.set)), unused_(parameters_) {
+    setup_.devicePath = options.designDevice.empty() ? options.device : options.designDevice;
+    if (setup_.devicePath.empty()) setup_.deviceText = nominalDeviceText();
+  }
+
+  std::function<std::unique_ptr<Renderer>(std::size_t)> make(const RendererChoice& choice, ColumnRecords& records) {
+    const EnamelDescription& description = choice.plugin->description();
+    setup_.parameters.clear();
+    for (std::size_t i = 0; i < description.parameter_count; ++i)
+      if (const auto set = parameters_.find(description.parameters[i].key); set != parameters_.end()) {
+        setup_.parameters.insert(*set);
+        unused_.erase(set->first);
+      }
+    records.plugins[choice.name] = {{"version", description.version}, {"parameters", setup_.parameters}};
+    return [plugin = choice.plugin, setup = setup_](std::size_t) { return makeRenderer(plugin, setup); };
+  }
+
+  void requireAllUsed() const {
+    if (!unused_.empty()) throw Error("--set gives " + unused_.begin()->first + ", which no plugin of --renderers has");
+  }
+
+ private:
+  std::map<std::string, std::string> parameters_, unused_;
+  PluginSetup setup_;
+};
+
+// The values that a file has for a rival and a delay.
+std::vector<double> valuesFor(const std::string& path, const std::string& rival, const Delay& delay) {
+  if (path.empty())
+    throw Error(std::string(kTuned) + rival +
+                " needs --tuned: a file of enamel design --rivals, or servos/rivals-tau.json of the data");
+  for (const ControllerValues& found : loadControllers(path).controllers)
+    if (found.controller == rival && found.delayLow == delay.low && found.delayHigh == delay.high) return found.values;
+  throw Error(fmt::format("{}: has no {} for a delay of {} to {} ticks", path, rival, delay.low, delay.high));
+}
+
+// What makes the renderer of a column, by the query point.
+using Make = std::function<std::unique_ptr<Renderer>(std::size_t point)>;
+
+Make impedance(const ImpedanceOptions& wall, bool passive) {
+  return [wall, passive](std::size_t) -> std::unique_ptr<Renderer> {
+    auto spring = std::make_unique<ImpedanceRenderer>(wall);
+    if (passive) return std::make_unique<PassivityRenderer>(std::move(spring));
+    return spring;
+  };
+}
+
+Make edge(const Study& study, std::size_t c, double& period) {
+  constexpr double kRate = 4.0, kInside = 0.95;
+  const double available = study.labels[c].damping;
+  if (!(available > 0.0)) throw Error(std::string(kEdge) + " needs device damping: --device-damping " + kEdge + "=B");
+  period = study.plan.setup.period / kRate;
+  return impedance({kInside * 2.0 * available / period, 0.0}, false);
+}
+
+Make rival(const Study& study, const std::string& column, ColumnRecords& records) {
+  const StudyOptions& options = study.options;
+  const PushSetup& setup = study.plan.setup;
+  const ControllerSpec& spec = rivalSpec(column.substr(std::strlen(kTuned)));
+  const std::vector<double> values = valuesFor(options.tuned, spec.name, setup.delay);
+  records.servos[column] = hashOf(values);
+  return [make = spec.with({study.design, setup.period, setup.delay}, values)](std::size_t) { return make(); };
+}
+
+Make positionControl(const Study& study, std::size_t c, ColumnRecords& records) {
+  const PushSetup& setup = study.plan.setup;
+  const std::string& column = study.plan.columns[c].name;
+  const std::string given = study.gainFor == kPositionControl ? study.options.gain : "",
+                    file = study.labels[c].servo.empty() ? given : study.labels[c].servo;
+  const SurfaceServoOptions servo =
+      surfaceServo(file, *study.mechanism, setup.period, setup.delay.low, setup.delay.high);
+  records.servos[column] = hashOf(surfaceServoText({"", servo}));
+  return [servo](std::size_t) { return std::make_unique<SurfaceServoRenderer>(servo); };
+}
+
+Make hold(const Study& study, std::size_t c, ColumnRecords& records) {
+  const StudyPlan& plan = study.plan;
+  const double period = plan.setup.period;
+  const bool scheduled = study.labels[c].kind == ColumnKind::scheduled;
+  const std::string& file = study.labels[c].servo;
+  std::vector<ServoGain> gains(scheduled ? plan.points() : 1);
+  if (scheduled)
+    parallelFor(gains.size(), study.options.threads, [&](std::size_t point) {
+      Pose pose;
+      pose.position = queryPoint(plan, point);
+      gains[point] = designServo(study.design, pose, period).K;
+    });
+  else
+    gains[0] = file.empty() ? ServoGain(study.home->K) : loadGain(file, study.mechanism->joints(), period);
+  records.servos[plan.columns[c].name] = hashOf(gains);
+  PositionControlOptions servo;
+  servo.release = study.options.release;
+  return [gains = std::move(gains), period, servo](std::size_t point) {
+    return std::make_unique<PositionControlRenderer>(gains[gains.size() > 1 ? point : 0], period, servo);
+  };
+}
+
+Make linked(const Study& study, std::size_t c, double& period, ColumnRecords& records) {
+  switch (study.labels[c].kind) {
+    case ColumnKind::impedance: return impedance(study.options.impedance, false);
+    case ColumnKind::passivity: return impedance(study.options.impedance, true);
+    case ColumnKind::edge: return edge(study, c, period);
+    case ColumnKind::rival: return rival(study, study.plan.columns[c].name, records);
+    case ColumnKind::positionControl: return positionControl(study, c, records);
+    case ColumnKind::hold:
+    case ColumnKind::scheduled: return hold(study, c, records);
+    case ColumnKind::plugin: break;
+  }
+  return study.plan.columns[c].make;
+}
+
+// The servo of hold at home, where a column needs it.
+void designHome(Study& study) {
+  const bool needed = std::any_of(study.labels.begin(), study.labels.end(), [](const ColumnLabel& label) {
+    return label.kind == ColumnKind::scheduled || (label.kind == ColumnKind::hold && label.servo.empty());
+  });
+  if (!needed) return;
+  const double period = study.plan.setup.period;
+  study.home = designServo(study.design, Pose{}, period);
+  if (study.gainFor == kHold) study.home->K = loadGain(study.options.gain, study.mechanism->joints(), period);
+}
+
+}  // namespace
+
+void addColumns(Study& study, ColumnRecords& records) {
+  const StudyOptions& options = study.options;
+  StudyPlan& plan = study.plan;
+  Plugins plugins(options);
+  DampingOption damping(options.deviceDamping);
+  for (const std::string& text : options.renderers) {
+    const RendererChoice choice = choiceOf(text);
+    for (const StudyColumn& other : plan.columns)
+      if (other.name == choice.name) throw Error("--renderers names " + choice.name + " twice");
+    const double more = damping.of(choice.plugin ? choice.plugin->description().name : choice.name);
+    DeviceParameters damped = study.device;
+    addDamping(damped, more * Vec6::Unit(2));
+    StudyColumn column;
+    column.name = choice.name;
+    column.plant = more > 0.0 ? makeMechanism(damped) : study.mechanism;
+    if (options.inertia != 1.0) column.model = withInertia(column.plant, options.inertia);
+    column.makePlant = makerOf(options.plant, damped, plan.setup);
+    // To the nanonewton: what is left of the file's zero is rounding.
+    const double whole =
+        1e-9 * std::nearbyint(1e9 * dampingAlong(*column.plant, plan.setup.start, plan.setup.person.normal));
+    records.dampings[choice.name] = more;
+    if (choice.plugin) column.make = plugins.make(choice, records);
+    plan.columns.push_back(std::move(column));
+    study.labels.push_back({choice.kind, choice.title, whole, choice.servo});
+  }
+  plugins.requireAllUsed();
+  // The default may name a renderer that is not asked for.
+  if (!damping.unused().empty() && options.deviceDamping != StudyOptions().deviceDamping)
+    throw Error("--device-damping names " + damping.unused() + ", which --renderers does not");
+}
+
+void makeRenderers(Study& study, ColumnRecords& records) {
+  std::vector<std::string> names;
+  for (std::size_t c = 0; c < study.labels.size(); ++c)
+    if (study.labels[c].kind != ColumnKind::plugin) names.push_back(study.plan.columns[c].name);
+  checkGain(study.options.gain, names, "--renderers");
+  study.gainFor = study.options.gain.empty() ? "" : rendererOf(study.options.gain);
+  designHome(study);
+  for (std::size_t c = 0; c < study.labels.size(); ++c) {
+    StudyColumn& column = study.plan.columns[c];
+    column.make = linked(study, c, column.period, records);
+  }
+}
+
+}  // namespace enamel::app

@@ -1,0 +1,17 @@
+// Hashes that tell devices, scenes and designs apart in a study's manifest.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "enamel/control/device_plant.hpp"
+#include "enamel/render/position_control.hpp"
+
+namespace enamel::app {
+
+/// FNV-1a, 64 bits, as 16 hexadecimal digits (Fowler, Noll, Vo 1991).
+std::string hashOf(const std::string& text);
+std::string hashOf(const std::vector<double>& values);
+std::string hashOf(const std::vector<ServoGain>& gains);
+
+}  // namespace enamel::app

@@ -1,0 +1,149 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "study/numbers.hpp"
+#include "study/report_parts.hpp"
+
+namespace enamel::app {
+namespace {
+
+double stiffnessOf(const SurveyPoint& p) { return p.stiffness; }
+
+// Means over x at each y, of a column.
+template <typename Value>
+std::vector<double> row(const Study& study, const Findings& findings, std::size_t column, const Value& value) {
+  return rowMeans(study, over(findings.survey[column], value));
+}
+
+// How a value runs over a wall, lowest y against highest.
+std::string trend(double low, double high) {
+  return fmt::format("{} by {}", high > low ? "rises" : "falls", percent(std::abs(high / low - 1.0)));
+}
+
+std::string alongY(const Study& study, const std::vector<double>& k) {
+  return fmt::format(
+      "<b>K_z1 along y.</b> The paper's rises with y. Here K_z1 of hold (no noise, {:.0f} N, means over x) {} from "
+      "y = {} to {} mm: {} to {} kN/m.",
+      kSurveyForce, trend(k.front(), k.back()), givenText(-1e3 * study.plan.halfWidth),
+      givenText(1e3 * study.plan.halfWidth), numberText(1e-3 * k.front()), numberText(1e-3 * k.back()));
+}
+
+std::string saturation(const Study& study, const std::vector<SurveyPoint>& points) {
+  double unlimitedDifference = 0.0;
+  for (const SurveyPoint& p : points)
+    unlimitedDifference = std::max(unlimitedDifference, std::abs(p.unlimited / p.stiffness - 1.0));
+  const int joints = study.mechanism->joints();
+  JointVector peak = JointVector::Zero(joints), gravity = peak;
+  std::vector<int> saturated(static_cast<std::size_t>(joints), 0);
+  for (const SurveyPoint& p : points) {
+    peak = peak.cwiseMax(p.peak);
+    gravity = gravity.cwiseMax(p.gravity.cwiseAbs());
+    for (int j = 0; j < joints; ++j) saturated[static_cast<std::size_t>(j)] += p.cutTicks[j] > 0.0;
+  }
+  Eigen::Index most = 0, heaviest = 0;
+  peak.maxCoeff(&most);
+  gravity.maxCoeff(&heaviest);
+  std::string saturatedText;
+  for (int j = 0; j < joints; ++j)
+    if (const int count = saturated[static_cast<std::size_t>(j)]; count > 0)
+      saturatedText += fmt::format("{}joint {} at {} of {} points", saturatedText.empty() ? "" : ", ", j + 1, count,
+                                   study.plan.points());
+  const double limit = study.mechanism->limits().torque[most];
+  return fmt::format(
+      "<b>Saturation.</b> {}Under {:.0f} N {}; the most loaded is joint {} with at most {:.2f} of {:.3g} N m. "
+      "Gravity takes at most {:.3f} N m (joint {}{}). With motors that never saturate K_z1 changes by at most "
+      "{:.2g} %: saturation {} the reason for the trend.",
+      study.isTau() ? "The paper suspects joint 6, which carries most of its device's weight. " : "", kHardForce,
+      saturatedText.empty() ? "no joint saturates" : "motors saturate (" + saturatedText + ")", most + 1, peak[most],
+      limit, gravity[heaviest], heaviest + 1, study.isTau() ? fmt::format("; joint 6: {:.3f}", gravity[5]) : "",
+      100.0 * unlimitedDifference, unlimitedDifference < 0.01 ? "is not" : "is part of");
+}
+
+// A correlation says which way, not why: the reason is given where the numbers are those that it predicts.
+std::string reason(const Study& study, const Findings& findings, std::size_t hold, const std::vector<double>& k) {
+  const std::vector<SurveyPoint>& points = findings.survey[hold];
+  const std::vector<double> values = over(points, stiffnessOf);
+  const double withMass = correlation(values, over(points, [](const SurveyPoint&p) { return p.mass; })),
+               withLever = correlation(values, over(points, [](const SurveyPoint&p) { return 1.0 / p.lever; }));
+  std::string text = fmt::format(
+      "<b>Reason.</b> Over the wall K_z1 is correlated by {:.2f} with the device's effective mass (what a force "
+      "along the normal has to move) and by {:.2f} with the inverse of the lever |dz/dq| of the joints{}.",
+      withMass, withLever,
+      withMass > 0.7 && withLever > 0.7
+          ? ": the servo is stiff in the joints, and the same joint stiffness holds less where the joints move the "
+            "tool more"
+          : "");
+  if (const std::size_t scheduled = study.column(ColumnKind::scheduled); scheduled < study.plan.columns.size()) {
+    const std::vector<double> s = row(study, findings, scheduled, stiffnessOf);
+    const double gone = (s.back() / s.front() - 1.0) / (k.back() / k.front() - 1.0);
+    text += fmt::format(
+        " A servo designed at every query point {} by {} instead of {}: {:.0f} % of the trend is the device's, the "
+        "rest comes from a servo that was designed at home.",
+        s.back() > s.front() ? "rises" : "falls", percent(std::abs(s.back() / s.front() - 1.0)),
+        percent(std::abs(k.back() / k.front() - 1.0)), 100.0 * gone);
+  }
+  return text;
+}
+
+std::string lastJoint(const Study& study, const std::vector<SurveyPoint>& points) {
+  const int last = study.mechanism->joints() - 1;
+  const auto low = rowMeans(study, over(points, [last](const SurveyPoint& p) { return p.peak[last]; }));
+  return fmt::format(
+      "<b>Joint 6.</b> {}: its largest torque under {:.0f} N is {:.3f} N m at the lowest y and {:.3f} N m at the "
+      "highest.",
+      low.front() > low.back() ? "As in the paper, it works harder at the bottom"
+                               : "Other than in the paper, it works harder at the top",
+      kHardForce, low.front(), low.back());
+}
+
+std::string impedance(const Study& study, const Findings& findings, std::size_t spring) {
+  const std::vector<double> k = row(study, findings, spring, stiffnessOf);
+  const double uniformity = uniformityOf(findings.survey[spring]), rendered = study.options.impedance.stiffness;
+  return fmt::format(
+      "<b>Impedance.</b> {}: uniformity {} without noise; the first impact reaches {} of the {:.0f} N/m "
+      "that are rendered.",
+      uniformity < 0.05 ? "As in the paper the map is flat" : "Other than in the paper the map is not flat",
+      percent(uniformity), percent(spreadOf(k).mean / rendered), rendered);
+}
+
+std::string steady(const Study& study, const Findings& findings, const WallSummary& w) {
+  return fmt::format(
+      "<b>K_zs, scenario {}.</b> Lowest {} N/m, the paper's is {} N/m: the servo's integrators take the mean "
+      "penetration to zero, what is left is {}.",
+      w.scenario, steadyText(pointOf(findings, w, w.lowestSteady->point).of(&PushMetrics::steadyCompliance)),
+      w.scenario == 1 ? "92 387" : "65 002",
+      w.scenario == 1 ? "the first impact averaged over 2 s"
+      : w.unresolved > 0
+          ? fmt::format("noise, so that {} of {} points are not resolved at all", w.unresolved, study.plan.points())
+          : std::string("noise"));
+}
+
+}  // namespace
+
+void addDifferences(Page& page, const Study& study, const Findings& findings) {
+  if (study.plan.grid < 2) return;
+  page.heading("Where this device differs from the paper's, and why");
+  for (const auto& points : findings.survey)
+    if (!std::isfinite(uniformityOf(points))) {
+      page.paragraph("At some query points a push has no first impact: no trend is stated.");
+      return;
+    }
+  const std::size_t hold = study.column(ColumnKind::hold), spring = study.column(ColumnKind::impedance),
+                    none = study.plan.columns.size();
+  std::vector<std::string> items;
+  if (hold < none) {
+    const std::vector<double> k = row(study, findings, hold, stiffnessOf);
+    items.push_back(alongY(study, k));
+    items.push_back(saturation(study, findings.survey[hold]));
+    items.push_back(reason(study, findings, hold, k));
+    if (study.isTau()) items.push_back(lastJoint(study, findings.survey[hold]));
+  }
+  if (spring < none) items.push_back(impedance(study, findings, spring));
+  for (const WallSummary& w : findings.walls)
+    if (w.column == hold && w.lowestSteady) items.push_back(steady(study, findings, w));
+  page.list(items);
+}
+
+}  // namespace enamel::app

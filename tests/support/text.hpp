@@ -1,0 +1,24 @@
+// Parts of texts that commands print.
+#pragma once
+
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace enamel::test {
+
+inline int occurrences(const std::string& text, const std::string& part) {
+  int found = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size()) ++found;
+  return found;
+}
+
+/// What the group of a pattern matches, every time.
+inline std::vector<std::string> captures(const std::string& text, const std::string& pattern) {
+  const std::regex regex(pattern);
+  std::vector<std::string> found;
+  for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it) found.push_back((*it)[1]);
+  return found;
+}
+
+}  // namespace enamel::test

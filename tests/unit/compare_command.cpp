@@ -1,0 +1,226 @@
+// `enamel compare` as a user runs it, and the names that it had before.
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "enamel/device/device_file.hpp"
+#include "enamel/render/impedance.hpp"
+#include "enamel/study/wall_design.hpp"
+#include "enamel/study/wall_trials.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+#include "support/devices.hpp"
+#include "support/text.hpp"
+#include "support/xml.hpp"
+
+namespace enamel::test_compare_command {
+
+using test::captures;
+using test::ContainsSubstring;
+using test::occurrences;
+using test::run;
+
+namespace {
+
+const std::string kNominal = "--device '" + test::deviceFile("tau-nominal.toml") + "' ";
+
+std::string servoFile(const std::string& name) { return ENAMEL_SOURCE_DIR "/data/servos/" + name; }
+
+std::string file(const test::TemporaryFolder& folder, const std::string& name, const std::string& which) {
+  return test::readFile(folder / (name + "/" + which));
+}
+
+// A file of tuned values, small.
+std::string tunedValues(const test::TemporaryFolder& folder) {
+  const std::string path = folder / "tuned.json";
+  test::writeFile(path, R"({"model": "tau", "controllers": [
+    {"controller": "impedance", "delay": [0, 0], "stiffness": 10000, "damping": 100},
+    {"controller": "hold-delay", "delay": [2, 2], "rate weight": 1, "position weight": 1000, "integral weight": 1e7},
+    {"controller": "impedance", "delay": [2, 2], "stiffness": 800, "damping": 20},
+    {"controller": "hold-delay", "delay": [0, 0], "rate weight": 1, "position weight": 1000, "integral weight": 1e7}]})");
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE("compare: a table, a column a renderer, and what it refuses", "[compare_command]") {
+  const std::string small = "compare " + kNominal + "--runs 1 ";
+  const auto result =
+      run(small + "--tasks release --renderers position-control,impedance,'" + servoFile("tau-hold-0.json") + "'");
+  INFO(result.output);
+  CHECK(result.status == 0);
+  for (const char* part :
+       {"position-control", " impedance", " tau-hold-0", "speed over the unavoidable", "plant closed-form"})
+    CHECK_THAT(result.output, ContainsSubstring(part));
+  CHECK_THAT(result.output, !ContainsSubstring("overload"));
+  for (const auto& [arguments, message] :
+       {std::pair{"--tasks wish", "no task matches --tasks wish: there are push, step, ramp"},
+        {"--tasks push", "add --output"},
+        {"--renderers wish", "wish"},
+        {"--renderers missing.json", "missing.json"},
+        {"--set a=b", "--set gives a, which no plugin of --renderers has"},
+        {"--delays later", "--delay is \"later\""},
+        {"--plants wish", "--plants"},
+        {"--inertia 0", "the inertia is 0"},
+        {"--plant real", "--plant"}}) {
+    INFO(arguments);
+    const auto refused = run(small + arguments);
+    CHECK(refused.status != 0);
+    CHECK_THAT(refused.output, ContainsSubstring(message));
+  }
+}
+
+TEST_CASE("compare: its tasks are the library's trials, to the last bit", "[compare_command]") {
+  const test::TemporaryFolder folder;
+  const auto result = run("compare " + kNominal +
+                          "--tasks release,ramp --renderers impedance --stiffness 3000 --damping 2 --device-damping 4 "
+                          "--plants closed-form --delays constant:1 --inertia 0.7 --noise 0.3 --seed 5 --runs 2 "
+                          "--output '" +
+                          (folder / "out") + "'");
+  INFO(result.output);
+  REQUIRE(result.status == 0);
+  CHECK_FALSE(std::filesystem::exists(folder / "out/compare.csv"));  // there was no push
+  DeviceParameters damped = loadDevice(test::deviceFile("tau-nominal.toml"));
+  addDamping(damped, 4.0 * Vec6::Unit(2));
+  WallTrialSetup setup;
+  setup.plant = makeMechanism(damped);
+  setup.model = withInertia(makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml"))), 0.7);
+  setup.renderer = [] { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{3000.0, 2.0}); };
+  setup.delay = {1, 1};
+  setup.noise = 0.3;
+  setup.seed = 5;
+  setup.runs = 2;
+  std::istringstream lines(file(folder, "out", "tasks.csv"));
+  std::string line;
+  std::getline(lines, line);
+  CHECK(line == "plant,delay,renderer,task,figure,unit,value,runs lost");
+  for (const char* task : {"ramp", "release"})  // in the library's order
+    for (const WallFigure& figure : runWallTrials(setup, task, 2)) {
+      INFO(figure.figure);
+      REQUIRE(std::getline(lines, line));
+      CHECK_THAT(line,
+                 ContainsSubstring("closed-form,constant:1,impedance," + figure.trial + "," + figure.figure + ","));
+      const std::size_t end = line.rfind(','), begin = line.rfind(',', end - 1);
+      CHECK(std::stod(line.substr(begin + 1, end - begin - 1)) == figure.value);
+      CHECK(std::stoi(line.substr(end + 1)) == figure.lost);
+    }
+  CHECK_FALSE(std::getline(lines, line));
+  const std::string page = file(folder, "out", "compare.html");
+  CHECK_THAT(page, ContainsSubstring("release: pull"));
+  CHECK(test::xmlProblem(page) == "");
+}
+
+TEST_CASE("compare: a model with the wrong inertia reaches the pushes too", "[compare_command]") {
+  const test::TemporaryFolder folder;
+  const auto stiffness = [&](const std::string& name, const std::string& more) {
+    const auto result = run("compare " + kNominal +
+                            "--tasks push --renderers hold --plants closed-form --delays none "
+                            "--scenario 1 --grid 1 --runs 2 --output '" +
+                            (folder / name) + "' " + more);
+    INFO(result.output);
+    REQUIRE(result.status == 0);
+    const std::string study = file(folder, name, "closed-form-none/study.json");
+    CHECK((study.find("inertia of the model") != std::string::npos) == !more.empty());
+    return nlohmann::json::parse(file(folder, name, "closed-form-none/summary.json"))
+        .at("walls")[0]
+        .at("lowest K_z1 [N/m]")
+        .at("value")
+        .get<double>();
+  };
+  CHECK(stiffness("light", "--inertia 0.7") != stiffness("right", ""));
+}
+
+TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[compare_command]") {
+  const test::TemporaryFolder folder;
+  const std::string small = "compare --device '" + test::deviceFile("tau-detailed.toml") + "' --tuned '" +
+                            tunedValues(folder) +
+                            "' --delays none,constant:2 --grid 1 --runs 2 --scenario 1 "
+                            "--renderers position-control,tuned:impedance,tuned:hold-delay,impedance-edge,impedance ";
+  const auto compare = [&](const std::string& name, const std::string& more) {
+    return run(small + "--output '" + (folder / name) + "' " + more);
+  };
+  const auto whole = compare("whole", "--plants closed-form,real-stiff");
+  INFO(whole.output);
+  REQUIRE(whole.status == 0);
+  CHECK_THAT(whole.output, ContainsSubstring("On the ideal device: position control ranks first at 2 of 2 delays"));
+  const std::string table = file(folder, "whole", "compare.csv"), page = file(folder, "whole", "compare.html");
+  CHECK(std::count(table.begin(), table.end(), '\n') == 1 + 2 * 2 * 5);
+  std::istringstream lines(table);
+  std::string line;
+  std::getline(lines, line);
+  double ranks = 0.0;
+  while (std::getline(lines, line)) ranks += std::stod(line.substr(line.rfind(',') + 1));
+  CHECK(ranks == Approx(2 * 2 * 15.0));  // 1 + 2 + 3 + 4 + 5 at every plant and delay, whatever is equal
+  for (const char* part :
+       {"<svg", "Welch", "Table III", "Table IV", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
+    CHECK_THAT(page, ContainsSubstring(part));
+  CHECK_THAT(page, ContainsSubstring("Every other task"));
+  CHECK_THAT(page, !ContainsSubstring("nan") && !ContainsSubstring("inf,"));
+  CHECK(test::xmlProblem(page) == "");
+  // Two plants with two figures each: a box or "none" for each of five renderers at two delays.
+  CHECK(occurrences(page, "fill-opacity=\"0.35\"") + occurrences(page, ">none</text>") == 2 * 2 * 5 * 2);
+  // Stiffness on one scale for both plants, depth on another.
+  const auto y = captures(page, "data-y=\"([^\"]*)\"");
+  REQUIRE(y.size() == 4);
+  CHECK((y[0] == y[2] && y[1] == y[3] && y[0] != y[1]));
+  // Of the plant that costs least.
+  const std::string fast = "--plants closed-form ";
+  REQUIRE(compare("one", fast).status == 0);
+  REQUIRE(compare("parts", fast + "--part 2/2").status == 0);
+  CHECK_FALSE(std::filesystem::exists(folder / "parts/compare.html"));
+  REQUIRE(compare("parts", fast + "--part 1/2 --threads 1").status == 0);
+  CHECK(file(folder, "parts", "compare.html") == file(folder, "one", "compare.html"));
+  CHECK(file(folder, "parts", "compare.csv") == file(folder, "one", "compare.csv"));
+
+  const auto refused = [&](const std::string& more, const std::string& why) {
+    const auto result = compare("bad", more);
+    CHECK(result.status != 0);
+    CHECK_THAT(result.output, ContainsSubstring(why));
+  };
+  refused("--delays constant:1", "has no impedance for a delay of 1 to 1 ticks");
+  refused("--device-damping impedance=4", "impedance-edge needs device damping");
+}
+
+TEST_CASE("the names of version 0.2 do the same, with a warning that has the new ones", "[compare_command]") {
+  const test::TemporaryFolder folder;
+  // The first line is the warning; the rest must be what the new names print.
+  const auto same = [](const std::string& old, const std::string& today) {
+    INFO(old);
+    const auto before = run(old), after = run(today);
+    INFO(before.output);
+    CHECK(before.status == 0);
+    REQUIRE(after.status == 0);
+    const std::size_t end = before.output.find('\n');
+    REQUIRE(end != std::string::npos);
+    CHECK_THAT(before.output.substr(0, end),
+               ContainsSubstring("enamel: warning: an old name") &&
+                   ContainsSubstring("write: enamel " + today.substr(0, today.find(' '))));
+    CHECK(before.output.substr(end + 1) == after.output);
+    CHECK_THAT(after.output, !ContainsSubstring("warning"));
+  };
+  const std::string servo = servoFile("tau-hold-1.json");
+  same("trials " + kNominal + "--runs 1 --filter ramp --delay constant:1 --gain='" + servo + "' --renderers hold",
+       "compare --release --device-damping 0 " + kNominal +
+           "--runs 1 --tasks ramp --delays constant:1 --renderers hold,'" + servo + "'");
+  same("trials " + kNominal + "--runs 1 --filter slide",
+       "compare --release --device-damping 0 " + kNominal +
+           "--runs 1 --tasks slide --renderers position-control,hold,impedance");
+  const auto output = [&](const std::string& name) { return "--output '" + (folder / name) + "' "; };
+  const std::string tiny = kNominal + "--plants closed-form --delays none --grid 1 --runs 1 --scenario 1 ",
+                    spring = "--renderers tuned:impedance ", values = "'" + tunedValues(folder) + "' ";
+  REQUIRE(run("study --judge --encoders " + tiny + spring + output("judge") + "--laws " + values).status == 0);
+  REQUIRE(run("compare " + tiny + spring + output("compare") + "--tuned " + values).status == 0);
+  for (const char* name : {"compare.csv", "tasks.csv", "compare.html", "closed-form-none/runs.csv"})
+    CHECK(file(folder, "judge", name) == file(folder, "compare", name));
+  const std::string study = "study --no-convergence --grid 1 --runs 1 --scenario 1 " + spring;
+  const auto warned = run(study + output("old") + "--laws=" + values);
+  CHECK(warned.status == 0);
+  CHECK_THAT(warned.output, ContainsSubstring("--tuned=") && !ContainsSubstring("--laws"));
+  REQUIRE(run(study + output("new") + "--tuned " + values).status == 0);
+  CHECK(file(folder, "old", "runs.csv") == file(folder, "new", "runs.csv"));
+  // Where neither name is right, the new one is told.
+  CHECK_THAT(run("trials --filter ramp").output, ContainsSubstring("--device is required"));
+}
+
+}  // namespace enamel::test_compare_command
