@@ -21,7 +21,8 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-RUNNERS = ["tests_unit", "tests_hard", "tests_realtime", "tests_plugin"]
+RUNNERS = ["tests_unit", "tests_hard", "tests_realtime", "tests_plugin"]  # tests_unit: all programs unit_<module>
+RUNNER = re.compile(r"unit_\w+|tests_(hard|realtime|plugin)")
 SWAPS = [(" + ", " - "), (" * ", " / "), (" += ", " -= "), (" *= ", " /= "), (" < ", " <= "), (" > ", " >= "), (" == ", " != "),
          (" && ", " || "), ("++", "--"), ("true", "false"), ("std::min(", "std::max("), ("minCoeff", "maxCoeff"),
          ("std::floor", "std::ceil"), ("break;", "continue;")]
@@ -82,7 +83,7 @@ class Tests:
         if failure := self.make(RUNNERS):
             sys.exit(failure)
         listed = json.loads(subprocess.check_output(["ctest", "--show-only=json-v1"], cwd=self.build))["tests"]
-        self.entries = {t["name"]: t["command"] for t in listed if Path(t.get("command", [""])[0]).name in RUNNERS}
+        self.entries = {t["name"]: t["command"] for t in listed if RUNNER.fullmatch(Path(t.get("command", [""])[0]).name)}
         self.pool, self.running = concurrent.futures.ThreadPoolExecutor(self.jobs), set()
         # How long each takes unchanged. What fails then is of no use; what takes longer than asked is left out.
         file = self.build / "mutate_times.json"

@@ -1,6 +1,6 @@
 // The command line as a user meets it.
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include "support/json.hpp"
 #include <optional>
 
 #include "support/catch.hpp"
@@ -52,7 +52,7 @@ std::optional<double> stiffness(const std::string& options) {
   const test::CommandResult result =
       run("push --device '" + test::deviceFile("tau-nominal.toml") + "' --encoders --json " + options);
   if (result.status != 0) return -1.0;
-  const auto value = nlohmann::json::parse(result.output).at("position-control").at("K_z1 [N/m]");
+  const auto value = test::parseJson(result.output).at("position-control").at("K_z1 [N/m]");
   if (value.is_null()) return std::nullopt;
   return value.get<double>();
 }

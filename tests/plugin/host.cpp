@@ -90,19 +90,18 @@ TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good in
 
 TEST_CASE("the reference runs through plugins have the bits of the linked renderers", "[plugin]") {
   const auto device = std::make_shared<TauMechanism>(test::nominal());
-  for (const auto& run : test::referenceFile("runs-nominal.json").at("rows")) {
-    const bool servo = run.at("controller") == "pc";
-    INFO((servo ? "position_control" : "impedance"));
-    const TauMechanism plant(servo ? test::nominal() : test::dampedNominal());
+  for (const test::ReferenceRun& run : test::referenceRuns()) {
+    INFO((run.servo ? "position_control" : "impedance"));
+    const TauMechanism plant(run.servo ? test::nominal() : test::dampedNominal());
     PositionControlRenderer hold(designServo(device, Pose{}, 1e-3).K, 1e-3, test::asInThePaper());
     ImpedanceRenderer spring({6000.0, 0.0});
     PluginSetup given = nominalSetup();
-    if (servo) given.parameters = {{"mode", "hold"}, {"release", "off"}};
-    const auto plugin = makeRenderer(library(servo ? "position_control" : "impedance"), given);
+    if (run.servo) given.parameters = {{"mode", "hold"}, {"release", "off"}};
+    const auto plugin = makeRenderer(library(run.servo ? "position_control" : "impedance"), given);
     const PushSetup setup = test::referenceSetup(run);
-    const auto linked = test::recordPush(plant, servo ? static_cast<Renderer&>(hold) : spring, setup);
+    const auto linked = test::recordPush(plant, run.servo ? static_cast<Renderer&>(hold) : spring, setup);
     const auto through = test::recordPush(plant, *plugin, setup);
-    REQUIRE(linked.size() == run.at("z").size());
+    REQUIRE(linked.size() == run.z.size());
     REQUIRE(through.size() == linked.size());
     double worst = 0.0;
     for (std::size_t i = 0; i < linked.size(); ++i) {
@@ -114,7 +113,7 @@ TEST_CASE("the reference runs through plugins have the bits of the linked render
       REQUIRE(a.normalForce == b.normalForce);
       REQUIRE(a.mode == b.mode);
       REQUIRE(a.saturated == b.saturated);
-      worst = std::max(worst, std::abs(b.pose.position.z() - run.at("z")[i].get<double>()));
+      worst = std::max(worst, std::abs(b.pose.position.z() - run.z[i]));
     }
     CHECK(worst < 1e-9);  // as the linked renderers in unit.push
   }
@@ -226,11 +225,14 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   const test::TemporaryFolder folder;
   const auto device = std::make_shared<TauMechanism>(test::nominal());
   const Eigen::MatrixXd K = 0.5 * designServo(device, Pose{}, 1e-3).K;
-  nlohmann::json json = {{"model", "tau-nominal.toml"}, {"period", 1e-3}};
-  for (int i = 0; i < K.rows(); ++i) json["K"].push_back(std::vector<double>(K.cols()));
+  std::ostringstream json;
+  json.precision(17);
+  json << R"({"model": "tau-nominal.toml", "period": 1e-3, "K": [)";
   for (int i = 0; i < K.rows(); ++i)
-    for (int j = 0; j < K.cols(); ++j) json["K"][i][j] = K(i, j);
-  test::writeFile(folder / "servo.json", json.dump());
+    for (int j = 0; j < K.cols(); ++j)
+      json << (j > 0 ? ", " : i > 0 ? ", [" : "[") << K(i, j) << (j + 1 < K.cols() ? "" : "]");
+  json << "]}";
+  test::writeFile(folder / "servo.json", json.str());
   PluginSetup setup = nominalSetup();
   setup.parameters = {{"mode", "hold"}, {"gain", folder / "servo.json"}};
   const auto plugin = makeRenderer(library("position_control"), setup);

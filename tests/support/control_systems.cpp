@@ -9,10 +9,7 @@ Eigen::MatrixXd randomMatrix(std::mt19937_64& random, Eigen::Index rows, Eigen::
       rows, columns, [&random] { return 2.0 * (static_cast<double>(random() >> 11) * 0x1p-53) - 1.0; });
 }
 
-Eigen::MatrixXd reference(const char* key) {
-  static const nlohmann::json file = referenceFile("servo-nominal.json");
-  return matrixFrom(file.at(key));
-}
+Eigen::MatrixXd reference(const char* key) { return referenceServo(key); }
 
 StateSpace referencePlant() { return {reference("A"), reference("B")}; }
 

@@ -4,7 +4,6 @@
 // order it likes: where several are needed, they are drawn here, in braces or in one statement each.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 #include <string>
@@ -21,108 +20,35 @@ class Random {
   double uniform(double low, double high) {
     return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
   }
-  Vec3 vector(double size) {
-    const double x = uniform(-size, size), y = uniform(-size, size), z = uniform(-size, size);
-    return {x, y, z};
-  }
-  Vec3 direction() {
-    Vec3 v = vector(1.0);
-    while (!(v.norm() > 0.1 && v.norm() < 1.0)) v = vector(1.0);
-    return v.normalized();
-  }
+  Vec3 vector(double size);
+  Vec3 direction();
   /// 10 to a power between the two.
-  double power(double low, double high) { return std::pow(10.0, uniform(low, high)); }
+  double power(double low, double high);
   /// In any direction, of a length between the two.
-  Vec3 ofLength(double low, double high) {
-    const double length = uniform(low, high);
-    return length * direction();
-  }
+  Vec3 ofLength(double low, double high);
   /// About any axis.
-  Mat3 rotation(double largest) {
-    const Vec3 axis = direction();
-    return Eigen::AngleAxis<double>(uniform(0.0, largest), axis).toRotationMatrix();
-  }
-  Vec6 vector6(double linear, double angular) {
-    Vec6 v;
-    v.head<3>() = vector(linear);
-    v.tail<3>() = vector(angular);
-    return v;
-  }
+  Mat3 rotation(double largest);
+  Vec6 vector6(double linear, double angular);
   /// A pose of the paper's workspace: 50 mm cube, +-10 deg about each axis.
-  Pose workspacePose(double share = 1.0) {
-    Pose pose;
-    pose.position = vector(0.025 * share);
-    pose.rotation = rotationFromEuler(vector(10.0 * M_PI / 180.0 * share));
-    return pose;
-  }
+  Pose workspacePose(double share = 1.0);
 
  private:
   std::mt19937_64 engine_;
 };
 
-inline Mat3 rotationAbout(const Vec3& axis, double angle) {
-  return Eigen::AngleAxis<double>(angle, axis).toRotationMatrix();
-}
+Mat3 rotationAbout(const Vec3& axis, double angle);
 
-inline std::string deviceFile(const std::string& name) { return ENAMEL_SOURCE_DIR "/data/devices/" + name; }
+std::string deviceFile(const std::string& name);
 
-inline TauParameters nominal() { return loadTau(deviceFile("tau-nominal.toml")); }
-inline TauParameters detailed() { return loadTau(deviceFile("tau-detailed.toml")); }
+TauParameters nominal();
+TauParameters detailed();
 
 // The inertia of a few random point masses: any such tensor is that of a body.
-inline Mat3 randomInertia(Random& random, double mass, double size) {
-  Mat3 inertia = Mat3::Zero();
-  for (int i = 0; i < 4; ++i) {
-    const Vec3 r = random.vector(size);
-    inertia += 0.25 * mass * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
-  }
-  return inertia;
-}
+Mat3 randomInertia(Random& random, double mass, double size);
 
 /// A random device that is regular in a neighbourhood of home: varied from the nominal one by about 20 %.
-inline TauParameters randomDevice(std::uint64_t seed) {
-  Random random(seed);
-  while (true) {
-    TauParameters device = nominal();
-    device.name = "random " + std::to_string(seed);
-    device.gravity = 9.81 * random.direction();
-    for (auto& chain : device.chain) {
-      chain.base += random.vector(0.02);
-      chain.platform += random.vector(0.006);
-      chain.elbow = random.uniform(0.0, 1.0) < 0.5 ? 1 : -1;
-      for (LinkParameters* link : {&chain.link1, &chain.link2}) {
-        link->length *= random.uniform(0.85, 1.25);
-        link->mass *= random.uniform(0.5, 2.0);
-        link->com = Vec3(0.0, 0.0, 0.5 * link->length) + random.vector(0.01);
-        link->inertia = randomInertia(random, link->mass, 0.3 * link->length);
-      }
-    }
-    device.platform.mass *= random.uniform(0.5, 2.0);
-    device.platform.com += random.vector(0.02);
-    device.platform.inertia = randomInertia(random, device.platform.mass, 0.03);
-    for (int i = 0; i < 6; ++i) device.platform.damping[i] = random.uniform(0.0, i < 3 ? 2.0 : 0.01);
-    device.motor.rotorInertia = random.uniform(0.0, 3e-4);
-    device.motor.viscousFriction = random.uniform(0.0, 0.01);
-    try {
-      const TauModel model = makeModel(device);
-      bool regular = true;
-      for (int corner = 0; corner < 8; ++corner) {  // of a cube of 20 mm
-        const Vec3 position = 0.01 * Vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-        TauConfiguration c;
-        regular = regular && inverseKinematics(model, Pose{position, Mat3::Identity()}, c) == Status::ok;
-        if (!regular) break;
-        const SingularityMeasures m = singularity(model, c);
-        regular = m.elbow > 0.3 && m.yaw > 0.15 && m.parallel > 0.08;
-      }
-      if (regular) return device;
-    } catch (const Error&) {
-      continue;  // this draw cannot close; the next one may
-    }
-  }
-}
+TauParameters randomDevice(std::uint64_t seed);
 
-inline std::vector<TauParameters> someDevices() {
-  return {nominal(), detailed(), randomDevice(1), randomDevice(2), randomDevice(3), randomDevice(4)};
-}
+std::vector<TauParameters> someDevices();
 
 }  // namespace enamel::test

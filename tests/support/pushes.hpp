@@ -9,82 +9,36 @@
 #include "enamel/render/surface_servo.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/push.hpp"
+#include "enamel/sim/simulated_device.hpp"
 #include "support/devices.hpp"
 #include "support/reference.hpp"
 
 namespace enamel::test {
 
 /// The gain of data/reference/servo-nominal.json: designed for the nominal device at 1 ms.
-inline ServoGain referenceGain() {
-  static const nlohmann::json servo = referenceFile("servo-nominal.json");
-  return matrixFrom(servo.at("K"));
-}
+ServoGain referenceGain();
 
-inline PositionControlRenderer positionControl(const PositionControlOptions& options = {}) {
-  return {referenceGain(), 1e-3, options};
-}
+PositionControlRenderer positionControl(const PositionControlOptions& options = {});
 
 /// The surface servo for a mechanism with a delay of `low` to `high` ticks.
-inline SurfaceServoRenderer surfaceServo(const Mechanism& mechanism, int low = 0, int high = 0) {
-  return SurfaceServoRenderer(surfaceServoFor(mechanism.limits().count, 1e-3, low, high));
-}
+SurfaceServoRenderer surfaceServo(const Mechanism& mechanism, int low = 0, int high = 0);
 
-inline PositionControlOptions asInThePaper() {
-  PositionControlOptions options;
-  options.release = false;
-  return options;
-}
+PositionControlOptions asInThePaper();
 
 /// The plant of the impedance scenarios: 4 N s/m of mechanical damping on the TCP along z.
-inline TauParameters dampedNominal() {
-  TauParameters device = nominal();
-  device.platform.damping[2] = 4.0;
-  return device;
-}
+TauParameters dampedNominal();
 
 /// The push of one row of data/reference/runs-nominal.json.
-inline PushSetup referenceSetup(const nlohmann::json& run) {
-  PushSetup setup;
-  setup.person.force = run.at("force");
-  setup.person.noise = 0.0;
-  setup.person.guide = false;
-  setup.duration = run.at("duration");
-  return setup;
-}
+PushSetup referenceSetup(const ReferenceRun& run);
 
 /// A hand that draws the TCP to (0, 0, z), m, and keeps the orientation: N/m, N s/m.
-inline auto handAt(double z, double stiffness, double damping) {
-  return [=](double, const Pose& pose, const Vec6& twist) {
-    Vec6 wrench;
-    wrench.head<3>() = -stiffness * (pose.position - Vec3(0.0, 0.0, z)) - damping * twist.head<3>();
-    wrench.tail<3>() = holdingMoment(pose.rotation, Mat3::Identity(), twist.tail<3>());
-    return wrench;
-  };
-}
+PersonalLoad handAt(double z, double stiffness, double damping);
 
-inline std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& renderer, const PushSetup& setup) {
-  std::vector<TickRecord> ticks;
-  const PushResult result = runPush(plant, renderer, setup, [&ticks](const TickRecord& t) { ticks.push_back(t); });
-  if (result.status != Status::ok) throw Error(std::string("the plant became ") + toString(result.status));
-  return ticks;
-}
+std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& renderer, const PushSetup& setup);
 
 /// An input at a pose that a renderer accepts, with the TCP's contact with the wall z = 0.
-inline TickInput inputAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist = Vec6::Zero()) {
-  TickInput input;
-  input.time = time;
-  if (mechanism.reach(pose, twist, true, input.kinematics) != Status::ok) throw Error("pose outside the workspace");
-  input.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);
-  input.contacts.count = 1;
-  input.maxTorque = mechanism.limits().torque;
-  input.applied = input.kinematics.gravity;
-  return input;
-}
+TickInput inputAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist = Vec6::Zero());
 
-inline Pose poseAtDepth(double depth) {
-  Pose pose;
-  pose.position.z() = -depth;
-  return pose;
-}
+Pose poseAtDepth(double depth);
 
 }  // namespace enamel::test

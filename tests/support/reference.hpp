@@ -1,38 +1,33 @@
 // Rows of the reference files in data/reference (computed with two independent multibody engines; see the README
-// there) and small helpers to compare with them.
+// there). JSON stays in reference.cpp: its templates take seconds of compiler in every file that sees them.
 #pragma once
 
-#include <fstream>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "enamel/core/types.hpp"
 #include "support/relative_error.hpp"
 
 namespace enamel::test {
 
-/// A reference file; it is read once and stays.
-inline const nlohmann::json& referenceFile(const std::string& name) {
-  static std::map<std::string, nlohmann::json> files;
-  nlohmann::json& file = files[name];
-  if (file.is_null()) file = nlohmann::json::parse(std::ifstream(ENAMEL_SOURCE_DIR "/data/reference/" + name));
-  return file;
-}
+/// A state of a TAU device and what the engines answer: a row of tau-nominal.json or tau-detailed.json.
+struct ReferenceState {
+  Vec3 position, euler, elbow;
+  Vec6 q, rates, torque, wrench, gravityTorque, accelerations;
+  Eigen::MatrixXd jacobian, massMatrix;
+};
+std::vector<ReferenceState> referenceStates(const std::string& name);
 
-template <int rows>
-Eigen::Matrix<double, rows, 1> vectorFrom(const nlohmann::json& list) {
-  Eigen::Matrix<double, rows, 1> v;
-  for (int i = 0; i < rows; ++i) v[i] = list.at(static_cast<std::size_t>(i)).get<double>();
-  return v;
-}
+/// A push against the wall: a row of runs-nominal.json.
+struct ReferenceRun {
+  bool servo;  ///< the paper's controller, else impedance
+  double force, duration;
+  std::vector<double> z;  ///< of the TCP at the ticks, m
+  Vec6 largestTorque;
+};
+const std::vector<ReferenceRun>& referenceRuns();
 
-inline Eigen::MatrixXd matrixFrom(const nlohmann::json& rows) {
-  Eigen::MatrixXd m(rows.size(), rows.at(0).size());
-  for (int i = 0; i < m.rows(); ++i)
-    for (int j = 0; j < m.cols(); ++j)
-      m(i, j) = rows.at(static_cast<std::size_t>(i)).at(static_cast<std::size_t>(j)).get<double>();
-  return m;
-}
+/// A matrix of servo-nominal.json.
+Eigen::MatrixXd referenceServo(const char* key);
 
 }  // namespace enamel::test

@@ -1,5 +1,4 @@
 // `enamel design` as a user runs it.
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "enamel/control/device_plant.hpp"
@@ -10,7 +9,8 @@
 #include "support/command.hpp"
 #include "support/control_systems.hpp"
 #include "support/devices.hpp"
-#include "support/reference.hpp"
+#include "support/json.hpp"
+#include "support/relative_error.hpp"
 
 namespace enamel::test_design_command {
 
@@ -29,7 +29,7 @@ TEST_CASE("design writes the reference servo, with its poles, margins and requir
   const auto result = run(design("--output '" + (folder / "servo.json") + "'"));
   INFO(result.output);
   REQUIRE(result.status == 0);
-  const auto servo = nlohmann::json::parse(test::readFile(folder / "servo.json"));
+  const auto servo = test::parseJson(test::readFile(folder / "servo.json"));
   const auto reference = test::referenceFile("servo-nominal.json");
   for (const auto& [key, value] : reference.items()) {
     INFO(key);
@@ -40,7 +40,7 @@ TEST_CASE("design writes the reference servo, with its poles, margins and requir
     if (value[0].is_array())
       CHECK(test::relativeError(test::matrixFrom(servo[key]), test::matrixFrom(value)) < bar);
     else
-      CHECK(test::relativeError(test::vectorFrom<6>(servo[key]), test::vectorFrom<6>(value)) < bar);
+      CHECK(test::relativeError(test::vectorFrom(servo[key]), test::vectorFrom(value)) < bar);
   }
   CHECK(servo.at("model") == "tau-nominal.toml");
   CHECK(servo.at("period") == 1e-3);
@@ -86,7 +86,7 @@ TEST_CASE("design takes other weights, rates and places", "[design]") {
                  (folder / "servo.json") + "'"));
   INFO(result.output);
   REQUIRE(result.status == 0);
-  const auto servo = nlohmann::json::parse(test::readFile(folder / "servo.json"));
+  const auto servo = test::parseJson(test::readFile(folder / "servo.json"));
   CHECK(servo.at("period") == 5e-4);
   CHECK(servo.at("weights").at("torque") == 4.0);
   CHECK(servo.at("position")[1] == -0.01);
@@ -136,7 +136,7 @@ TEST_CASE("design --rivals tunes every controller at every delay, and study take
   REQUIRE(result.status == 0);
   for (const char* text : {"delay 0..3", "virtual-coupling", "hold-delay", "position-control"})
     CHECK_THAT(result.output, test::ContainsSubstring(text));
-  const nlohmann::json file = nlohmann::json::parse(test::readFile(path));
+  const nlohmann::json file = test::parseJson(test::readFile(path));
   CHECK(file.at("controllers").size() == 5 * rivalSpecs().size());
   CHECK_THAT(test::run("design --rivals --surface --device x").output, test::ContainsSubstring("--surface"));
 }

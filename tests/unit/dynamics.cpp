@@ -46,20 +46,19 @@ bench::TreeState treeState(const TauParameters& device, const Moving& m) {
 TEST_CASE("dynamics agree with independent engines", "[dynamics]") {
   for (const std::string name : {"tau-nominal", "tau-detailed"}) {
     const TauModel model = makeModel(loadTau(test::deviceFile(name + ".toml")));
-    for (const auto& row : test::referenceFile(name + ".json").at("rows")) {
+    for (const test::ReferenceState& row : test::referenceStates(name)) {
       Pose pose;
-      pose.position = test::vectorFrom<3>(row.at("position"));
-      pose.rotation = rotationFromEuler(test::vectorFrom<3>(row.at("euler_xyz")));
+      pose.position = row.position;
+      pose.rotation = rotationFromEuler(row.euler);
       TauConfiguration c;
       REQUIRE(inverseKinematics(model, pose, c) == Status::ok);
-      CHECK(relativeError(massMatrix(model, c), test::matrixFrom(row.at("mass_matrix"))) < 1e-13);
-      CHECK(relativeError(gravityTorque(model, c), test::vectorFrom<6>(row.at("gravity_torque"))) < 1e-13);
-      const Vec6 twist = twistFromRates(model, c, test::vectorFrom<6>(row.at("qdot")));
-      const Vec6 torque = test::vectorFrom<6>(row.at("torque")), wrench = test::vectorFrom<6>(row.at("tcp_wrench"));
+      CHECK(relativeError(massMatrix(model, c), row.massMatrix) < 1e-13);
+      CHECK(relativeError(gravityTorque(model, c), row.gravityTorque) < 1e-13);
+      const Vec6 twist = twistFromRates(model, c, row.rates);
+      const Vec6 torque = row.torque, wrench = row.wrench;
       const Vec6 acceleration = forwardDynamics(model, c, twist, torque, wrench);
       // The condition number of the mass matrix (about 20) on top of the engines' own 2e-15.
-      CHECK(relativeError(jointAccelerations(model, c, twist, acceleration), test::vectorFrom<6>(row.at("qddot"))) <
-            1e-12);
+      CHECK(relativeError(jointAccelerations(model, c, twist, acceleration), row.accelerations) < 1e-12);
       CHECK(relativeError(inverseDynamics(model, c, twist, acceleration, wrench), torque) < 1e-12);
     }
   }

@@ -1,10 +1,10 @@
 // `enamel evaluate` as a user runs it.
-#include <nlohmann/json.hpp>
 
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
-#include "support/reference.hpp"
+#include "support/json.hpp"
+#include "support/relative_error.hpp"
 
 namespace enamel::test_evaluate_command {
 
@@ -37,20 +37,20 @@ TEST_CASE("evaluate reproduces the reference rows, from poses and from joint ang
   test::writeFile(folder / "rows.json", input.dump());
   const auto result = run(evaluate(test::deviceFile("tau-detailed.toml"), folder / "rows.json", folder / "out.json"));
   REQUIRE(result.status == 0);
-  const auto output = nlohmann::json::parse(test::readFile(folder / "out.json"));
+  const auto output = test::parseJson(test::readFile(folder / "out.json"));
   REQUIRE(output.at("rows").size() == 2 * reference.at("rows").size());
   for (std::size_t i = 0; i < output.at("rows").size(); ++i) {
     const auto& out = output.at("rows")[i];
     const auto& expected = reference.at("rows")[i / 2];
     REQUIRE(!out.contains("status"));
     for (const char* key : {"q", "gravity_torque"})
-      CHECK(test::relativeError(test::vectorFrom<6>(out.at(key)), test::vectorFrom<6>(expected.at(key))) < 1e-12);
-    CHECK(test::relativeError(test::vectorFrom<3>(out.at("elbow")), test::vectorFrom<3>(expected.at("elbow"))) < 1e-12);
+      CHECK(test::relativeError(test::vectorFrom(out.at(key)), test::vectorFrom(expected.at(key))) < 1e-12);
+    CHECK(test::relativeError(test::vectorFrom(out.at("elbow")), test::vectorFrom(expected.at("elbow"))) < 1e-12);
     for (const char* key : {"jacobian", "mass_matrix"})
       CHECK(test::relativeError(test::matrixFrom(out.at(key)), test::matrixFrom(expected.at(key))) < 1e-12);
-    CHECK(test::relativeError(test::vectorFrom<6>(out.at("qddot")), test::vectorFrom<6>(expected.at("qddot"))) < 1e-10);
-    CHECK((test::vectorFrom<3>(out.at("position")) - test::vectorFrom<3>(expected.at("position"))).norm() < 1e-12);
-    CHECK((test::vectorFrom<3>(out.at("euler_xyz")) - test::vectorFrom<3>(expected.at("euler_xyz"))).norm() < 1e-11);
+    CHECK(test::relativeError(test::vectorFrom(out.at("qddot")), test::vectorFrom(expected.at("qddot"))) < 1e-10);
+    CHECK((test::vectorFrom(out.at("position")) - test::vectorFrom(expected.at("position"))).norm() < 1e-12);
+    CHECK((test::vectorFrom(out.at("euler_xyz")) - test::vectorFrom(expected.at("euler_xyz"))).norm() < 1e-11);
   }
 }
 
@@ -69,7 +69,7 @@ TEST_CASE("evaluate: a bad row gets a status, the others are still evaluated", "
   ])");
   const auto result = run(evaluate(test::deviceFile("tau-nominal.toml"), folder / "rows.json", folder / "out.json"));
   REQUIRE(result.status == 0);
-  const auto rows = nlohmann::json::parse(test::readFile(folder / "out.json")).at("rows");
+  const auto rows = test::parseJson(test::readFile(folder / "out.json")).at("rows");
   REQUIRE(rows.size() == 9);
   CHECK(rows[0].at("status") == "the pose is unreachable");
   CHECK(!rows[1].contains("status"));

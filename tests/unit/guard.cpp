@@ -45,12 +45,11 @@ Vec6 force(double x, double y, double z) { return (Vec6() << x, y, z, 0.0, 0.0, 
 }  // namespace
 
 TEST_CASE("guard: the reference runs have the same bits with it and without", "[guard]") {
-  for (const auto& run : test::referenceFile("runs-nominal.json").at("rows")) {
-    const bool servo = run.at("controller") == "pc";
-    const TauMechanism plant(servo ? test::nominal() : test::dampedNominal());
+  for (const test::ReferenceRun& run : test::referenceRuns()) {
+    const TauMechanism plant(run.servo ? test::nominal() : test::dampedNominal());
     PositionControlRenderer hold = test::positionControl(test::asInThePaper());
     ImpedanceRenderer spring({6000.0, 0.0});
-    Renderer& renderer = servo ? static_cast<Renderer&>(hold) : spring;
+    Renderer& renderer = run.servo ? static_cast<Renderer&>(hold) : spring;
     PushSetup setup = test::referenceSetup(run);
     const auto guarded = test::recordPush(plant, renderer, setup);
     setup.guarded = false;

@@ -44,17 +44,17 @@ TEST_CASE("Euler angles go to a rotation and back", "[kinematics]") {
 TEST_CASE("kinematics agree with independent engines", "[kinematics]") {
   for (const std::string name : {"tau-nominal", "tau-detailed"}) {
     const TauModel model = makeModel(loadTau(test::deviceFile(name + ".toml")));
-    for (const auto& row : test::referenceFile(name + ".json").at("rows")) {
+    for (const test::ReferenceState& row : test::referenceStates(name)) {
       Pose pose;
-      pose.position = test::vectorFrom<3>(row.at("position"));
-      pose.rotation = rotationFromEuler(test::vectorFrom<3>(row.at("euler_xyz")));
+      pose.position = row.position;
+      pose.rotation = rotationFromEuler(row.euler);
       const TauConfiguration c = configurationAt(model, pose);
       // The engines agree among themselves to 2e-15; ours to a few roundings more.
-      CHECK(relativeError(jointAngles(c), test::vectorFrom<6>(row.at("q"))) < 1e-14);
-      CHECK(relativeError(elbowAngles(c), test::vectorFrom<3>(row.at("elbow"))) < 1e-14);
-      CHECK(relativeError(jacobian(model, c), test::matrixFrom(row.at("jacobian"))) < 5e-14);
+      CHECK(relativeError(jointAngles(c), row.q) < 1e-14);
+      CHECK(relativeError(elbowAngles(c), row.elbow) < 1e-14);
+      CHECK(relativeError(jacobian(model, c), row.jacobian) < 5e-14);
       TauConfiguration solved;
-      REQUIRE(forwardKinematicsFromHome(model, test::vectorFrom<6>(row.at("q")), solved).status == Status::ok);
+      REQUIRE(forwardKinematicsFromHome(model, row.q, solved).status == Status::ok);
       CHECK((solved.pose.position - pose.position).norm() < 1e-14);
       CHECK(angleBetween(solved.pose.rotation, pose.rotation) < 1e-13);
     }

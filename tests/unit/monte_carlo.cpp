@@ -28,7 +28,7 @@ StudyPlan smallPlan(int grid, int runs) {
   const DeviceParameters device = test::nominal();
   DeviceParameters damped = device;
   addDamping(damped, 4.0 * Vec6::Unit(2));
-  const ServoGain gain = test::matrixFrom(test::referenceFile("servo-nominal.json").at("K"));
+  const ServoGain gain = test::referenceServo("K");
   plan.columns.push_back({"hold", makeMechanism(device), [gain](std::size_t) {
                             return std::make_unique<PositionControlRenderer>(gain, 1e-3, PositionControlOptions{});
                           }});

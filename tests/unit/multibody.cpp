@@ -90,9 +90,8 @@ TEST_CASE("multibody: linear models of every shipped device", "[multibody]") {
 }
 
 TEST_CASE("multibody: the reference runs to 10 nm, closed to 0.1 nm", "[multibody]") {
-  for (const auto& run : test::referenceFile("runs-nominal.json").at("rows")) {
-    const bool servo = run.at("controller") == "pc";
-    const TauParameters parameters = servo ? test::nominal() : test::dampedNominal();
+  for (const test::ReferenceRun& run : test::referenceRuns()) {
+    const TauParameters parameters = run.servo ? test::nominal() : test::dampedNominal();
     PositionControlRenderer hold = test::positionControl(test::asInThePaper());
     ImpedanceRenderer spring({6000.0, 0.0});
     PushSetup setup = test::referenceSetup(run);
@@ -101,12 +100,11 @@ TEST_CASE("multibody: the reference runs to 10 nm, closed to 0.1 nm", "[multibod
     auto plant = std::make_unique<MultibodyPlant>(parameters);
     const MultibodyPlant& simbody = *plant;
     double worst = 0.0, closure = 0.0;
-    const PushResult result =
-        runPush(std::move(plant), model, servo ? static_cast<Renderer&>(hold) : spring, setup,
-                [&](const TickRecord& tick, const VirtualLoop&) {
-                  worst = std::max(worst, std::abs(tick.pose.position.z() - run.at("z")[tick.tick].get<double>()));
-                  closure = std::max(closure, simbody.closureError());
-                });
+    const PushResult result = runPush(std::move(plant), model, run.servo ? static_cast<Renderer&>(hold) : spring, setup,
+                                      [&](const TickRecord& tick, const VirtualLoop&) {
+                                        worst = std::max(worst, std::abs(tick.pose.position.z() - run.z[tick.tick]));
+                                        closure = std::max(closure, simbody.closureError());
+                                      });
     CHECK(result.status == Status::ok);
     CHECK(result.ticks >= 1200);
     CHECK(worst < 1e-8);

@@ -12,22 +12,21 @@
 namespace enamel::test_push {
 
 TEST_CASE("the reference runs are reproduced to 1 nm at every tick", "[push]") {
-  for (const auto& run : test::referenceFile("runs-nominal.json").at("rows")) {
-    const bool servo = run.at("controller") == "pc";
-    const TauMechanism plant(servo ? test::nominal() : test::dampedNominal());
+  for (const test::ReferenceRun& run : test::referenceRuns()) {
+    const TauMechanism plant(run.servo ? test::nominal() : test::dampedNominal());
     PositionControlRenderer hold = test::positionControl(test::asInThePaper());
     ImpedanceRenderer spring({6000.0, 0.0});
     const PushSetup setup = test::referenceSetup(run);
-    const auto ticks = test::recordPush(plant, servo ? static_cast<Renderer&>(hold) : spring, setup);
-    REQUIRE(ticks.size() == run.at("z").size());
+    const auto ticks = test::recordPush(plant, run.servo ? static_cast<Renderer&>(hold) : spring, setup);
+    REQUIRE(ticks.size() == run.z.size());
     double worst = 0.0;
     JointVector torque = JointVector::Zero(6);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
-      worst = std::max(worst, std::abs(ticks[i].pose.position.z() - run.at("z")[i].get<double>()));
+      worst = std::max(worst, std::abs(ticks[i].pose.position.z() - run.z[i]));
       torque = torque.cwiseMax(ticks[i].torque.cwiseAbs());
     }
     CHECK(worst < 1e-9);  // measured: 7e-12 m (servo), 2e-10 m (impedance; the reference takes four steps a tick)
-    CHECK(test::relativeError(Vec6(torque), test::vectorFrom<6>(run.at("torque_max"))) < 1e-6);
+    CHECK(test::relativeError(Vec6(torque), run.largestTorque) < 1e-6);
   }
 }
 

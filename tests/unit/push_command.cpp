@@ -1,5 +1,4 @@
 // `enamel push` as a user runs it.
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "enamel/render/surface_file.hpp"
@@ -7,6 +6,7 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/json.hpp"
 #include "support/reference.hpp"
 
 namespace enamel::test_push_command {
@@ -57,9 +57,8 @@ std::vector<std::string> column(const std::string& text, const std::string& name
 
 TEST_CASE("push reproduces the reference runs, with a gain designed from the device file", "[push_command]") {
   const test::TemporaryFolder folder;
-  for (const auto& reference : test::referenceFile("runs-nominal.json").at("rows")) {
-    const bool servo = reference.at("controller") == "pc";
-    const std::string renderer = servo ? "hold" : "impedance --device-damping 4";
+  for (const test::ReferenceRun& reference : test::referenceRuns()) {
+    const std::string renderer = reference.servo ? "hold" : "impedance --device-damping 4";
     const auto result = run(push("--renderer " + renderer +
                                  " --release off --guide off --noise 0 --force 12 --duration 1.3 --output '" +
                                  (folder / "run.csv") + "'"));
@@ -68,11 +67,10 @@ TEST_CASE("push reproduces the reference runs, with a gain designed from the dev
     const std::string csv = test::readFile(folder / "run.csv");
     CHECK(csv.rfind("t [s],x [m],y [m],z [m],", 0) == 0);
     const auto z = column(csv, "z [m]"), t = column(csv, "t [s]");
-    REQUIRE(z.size() == reference.at("z").size());
+    REQUIRE(z.size() == reference.z.size());
     CHECK(std::stod(t[1001]) == Approx(1.001).epsilon(1e-15));
     double worst = 0.0;
-    for (std::size_t i = 0; i < z.size(); ++i)
-      worst = std::max(worst, std::abs(std::stod(z[i]) - reference.at("z")[i].get<double>()));
+    for (std::size_t i = 0; i < z.size(); ++i) worst = std::max(worst, std::abs(std::stod(z[i]) - reference.z[i]));
     CHECK(worst < 1e-9);
   }
 }
@@ -84,7 +82,7 @@ TEST_CASE("push: plants by name", "[push_command]") {
     const auto result = run(device + plant);
     INFO(result.output);
     REQUIRE(result.status == 0);
-    return nlohmann::json::parse(result.output).at("impedance").at("K_z1 [N/m]").get<double>();
+    return test::parseJson(result.output).at("impedance").at("K_z1 [N/m]").get<double>();
   };
   const double closed = stiffness("closed-form"), real = stiffness("real");
   CHECK(real != closed);
@@ -114,7 +112,7 @@ TEST_CASE("push: metrics under one name each as a table and as JSON, all rendere
   CHECK(std::filesystem::exists(folder / "run-impedance.csv"));
   const auto json = run(push(all + "--json"));
   REQUIRE(json.status == 0);
-  const auto metrics = nlohmann::json::parse(json.output);
+  const auto metrics = test::parseJson(json.output);
   REQUIRE(metrics.size() == 3);
   for (const char* renderer : {"position-control", "hold", "impedance"}) {
     const auto& of = metrics.at(renderer);
@@ -156,7 +154,7 @@ TEST_CASE("push: a missing stiffness has its reason", "[push_command]") {
            {"--renderer impedance --noise 0 --duration 2", "unstable"},
            {"--renderer hold --release off --delay constant:1 --encoders --guard off", "unstable"}}) {
     INFO(options);
-    const auto json = nlohmann::json::parse(printed(options + " --json").output).front();
+    const auto json = test::parseJson(printed(options + " --json").output).front();
     CHECK(json.at("first impact") == reason);
     CHECK(json.at("K_z1 [N/m]").is_null());
     CHECK(json.at("D_z1 [m]").is_null());
@@ -312,7 +310,7 @@ TEST_CASE("push and design on other mechanisms: as many columns as joints, in th
     INFO(designed.output);
     REQUIRE(designed.status == 0);
     CHECK_THAT(designed.output, ContainsSubstring("q3 ") && !ContainsSubstring("q4 ") && ContainsSubstring("Table II"));
-    const auto K = nlohmann::json::parse(test::readFile(folder / "servo.json")).at("K");
+    const auto K = test::parseJson(test::readFile(folder / "servo.json")).at("K");
     CHECK(K.size() == 3);
     const std::string inPlace = ticks("--renderer hold");
     CHECK_THAT(inPlace.substr(0, inPlace.find('\n')), ContainsSubstring(",wall force [N]," + columns + ","));
@@ -339,7 +337,7 @@ TEST_CASE("push: what one renderer reached outlives the failure of another", "[p
     CHECK(std::count(errors.begin(), errors.end(), '\n') == 1);
     const auto json = printed(both + "--json");
     CHECK(json.status == 1);
-    const auto metrics = nlohmann::json::parse(json.output);
+    const auto metrics = test::parseJson(json.output);
     CHECK(metrics.size() == 1);
     CHECK(metrics.contains("hold"));
   }

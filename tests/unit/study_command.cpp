@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -12,6 +11,7 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/json.hpp"
 #include "support/text.hpp"
 #include "support/xml.hpp"
 
@@ -136,7 +136,7 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
   const test::CommandResult& result = wholeStudy().result;
   INFO(result.output);
   REQUIRE(result.status == 0);
-  const auto summary = nlohmann::json::parse(file(folder, "all", "summary.json"));
+  const auto summary = test::parseJson(file(folder, "all", "summary.json"));
   REQUIRE(summary.at("claims").size() == 10);
   for (const auto& claim : summary.at("claims")) {
     INFO(claim.dump());
@@ -202,7 +202,7 @@ TEST_CASE("study: damping is the plant's, whatever the renderer", "[study_comman
     const auto result = run(study(folder, name, tiny + "position-control,impedance " + arguments));
     INFO(result.output);
     REQUIRE(result.status == 0);
-    return nlohmann::json::parse(file(folder, name, "summary.json"));
+    return test::parseJson(file(folder, name, "summary.json"));
   };
   const auto dampings = [](const nlohmann::json& summary) {
     std::vector<double> list;
@@ -242,12 +242,12 @@ TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
   const test::TemporaryFolder folder;
   const std::string tiny = "--scenario 1 --grid 1 --runs 2 --renderers hold ";
   // The reference design has another author than ours and agrees with it to 1e-9 and better.
-  auto servo = nlohmann::json::parse(test::readFile(ENAMEL_SOURCE_DIR "/data/reference/servo-nominal.json"));
+  auto servo = test::parseJson(test::readFile(ENAMEL_SOURCE_DIR "/data/reference/servo-nominal.json"));
   const auto firstStiffness = [&](const std::string& name, const std::string& arguments) {
     const auto result = run(study(folder, name, tiny + arguments));
     INFO(result.output);
     REQUIRE(result.status == 0);
-    return nlohmann::json::parse(file(folder, name, "summary.json"))
+    return test::parseJson(file(folder, name, "summary.json"))
         .at("walls")[0]
         .at("lowest K_z1 [N/m]")
         .at("value")
@@ -298,8 +298,8 @@ TEST_CASE("study: a tool that touches 60 mm from the TCP has less mass behind it
     const auto result = test::run(study(folder, name, tiny + more));
     INFO(result.output);
     REQUIRE(result.status == 0);
-    const auto summary = nlohmann::json::parse(file(folder, name, "summary.json"));
-    CHECK(nlohmann::json::parse(file(folder, name, "study.json")).at("tip [mm]").size() == 3);
+    const auto summary = test::parseJson(file(folder, name, "summary.json"));
+    CHECK(test::parseJson(file(folder, name, "study.json")).at("tip [mm]").size() == 3);
     return summary.at("walls").at(0).at("lowest K_z1 [N/m]").at("value").get<double>();
   };
   const double here = lowest("here", ""), there = lowest("there", "--tip 60,0,0");
@@ -329,7 +329,7 @@ TEST_CASE("study: a plugin is called a plugin, and does what the linked renderer
   CHECK(report.find("<h1>On a stiff wall: position-control (plugin)</h1>") != std::string::npos);
   CHECK(report.find("position control<") == std::string::npos);
   CHECK(report.find("here, as in the paper") == std::string::npos);
-  CHECK(nlohmann::json::parse(file(folder, "servo", "summary.json")).at("claims").empty());
+  CHECK(test::parseJson(file(folder, "servo", "summary.json")).at("claims").empty());
   // One value a --set: the next argument is not eaten.
   CHECK(run(study(folder, "set", tiny + "'" + plugin + "' --set stiffness=6000 --set damping=1")).status == 0);
   const auto eaten = run(study(folder, "eaten", tiny + "'" + plugin + "' --set stiffness=6000 damping=1"));
@@ -343,7 +343,7 @@ TEST_CASE("study: a device of three joints", "[study_command]") {
       run(study(folder, "delta", "--device '" + test::deviceFile("delta.toml") + "' --grid 3 --runs 3"));
   INFO(result.output);
   REQUIRE(result.status == 0);
-  const auto summary = nlohmann::json::parse(file(folder, "delta", "summary.json"));
+  const auto summary = test::parseJson(file(folder, "delta", "summary.json"));
   REQUIRE(summary.at("walls").size() == 6);
   for (const auto& wall : summary.at("walls")) {
     INFO(wall.dump());
@@ -380,7 +380,7 @@ TEST_CASE("study: runs that the plant cannot finish are lost, not numbers", "[st
   const auto result = run(study(folder, "late", "--renderers hold --scenario 1 --grid 1 --runs 2 --delay constant:8"));
   INFO(result.output);
   REQUIRE(result.status == 0);
-  const auto summary = nlohmann::json::parse(file(folder, "late", "summary.json"));
+  const auto summary = test::parseJson(file(folder, "late", "summary.json"));
   for (const auto& claim : summary.at("claims")) CHECK_FALSE(claim.at("holds").get<bool>());
   // What no run could measure is not zero.
   for (const auto& wall : summary.at("walls"))

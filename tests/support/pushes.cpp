@@ -1,0 +1,72 @@
+#include "support/pushes.hpp"
+
+namespace enamel::test {
+
+ServoGain referenceGain() {
+  static const ServoGain gain = referenceServo("K");
+  return gain;
+}
+
+PositionControlRenderer positionControl(const PositionControlOptions& options) {
+  return {referenceGain(), 1e-3, options};
+}
+
+SurfaceServoRenderer surfaceServo(const Mechanism& mechanism, int low, int high) {
+  return SurfaceServoRenderer(surfaceServoFor(mechanism.limits().count, 1e-3, low, high));
+}
+
+PositionControlOptions asInThePaper() {
+  PositionControlOptions options;
+  options.release = false;
+  return options;
+}
+
+TauParameters dampedNominal() {
+  TauParameters device = nominal();
+  device.platform.damping[2] = 4.0;
+  return device;
+}
+
+PushSetup referenceSetup(const ReferenceRun& run) {
+  PushSetup setup;
+  setup.person.force = run.force;
+  setup.person.noise = 0.0;
+  setup.person.guide = false;
+  setup.duration = run.duration;
+  return setup;
+}
+
+PersonalLoad handAt(double z, double stiffness, double damping) {
+  return [=](double, const Pose& pose, const Vec6& twist) {
+    Vec6 wrench;
+    wrench.head<3>() = -stiffness * (pose.position - Vec3(0.0, 0.0, z)) - damping * twist.head<3>();
+    wrench.tail<3>() = holdingMoment(pose.rotation, Mat3::Identity(), twist.tail<3>());
+    return wrench;
+  };
+}
+
+std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& renderer, const PushSetup& setup) {
+  std::vector<TickRecord> ticks;
+  const PushResult result = runPush(plant, renderer, setup, [&ticks](const TickRecord& t) { ticks.push_back(t); });
+  if (result.status != Status::ok) throw Error(std::string("the plant became ") + toString(result.status));
+  return ticks;
+}
+
+TickInput inputAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist) {
+  TickInput input;
+  input.time = time;
+  if (mechanism.reach(pose, twist, true, input.kinematics) != Status::ok) throw Error("pose outside the workspace");
+  input.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);
+  input.contacts.count = 1;
+  input.maxTorque = mechanism.limits().torque;
+  input.applied = input.kinematics.gravity;
+  return input;
+}
+
+Pose poseAtDepth(double depth) {
+  Pose pose;
+  pose.position.z() = -depth;
+  return pose;
+}
+
+}  // namespace enamel::test
