@@ -180,7 +180,7 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
     const RecordedTick& t = chunk_.ticks[i];
     (void)tick_(t.measurement, command);
     const bool plain = isPlain(t, header().joints);
-    const Kinematics& k = tick_.input().kinematics;  // as it was, where the measurement cannot be
+    const Kinematics& k = tick_.frame().kinematics;  // as it was, where the measurement cannot be
     TickRecord& r = frame.record;
     r.tick = t.number;
     r.time = t.measurement.time;
@@ -202,7 +202,7 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
     r.saturated = t.saturated;
     r.status = t.status;
     r.guard = t.reason;
-    frame.contacts = tick_.input().contacts;
+    frame.contacts = tick_.frame().contacts;
     frame.hand.target = frame.hand.position = k.pose.position;
     each(plain);
     if (i == 0) tick_.loadState(chunk_.state.data());  // that is the state behind the first tick

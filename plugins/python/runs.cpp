@@ -92,7 +92,7 @@ class ScriptedRenderer final : public Renderer {
   }
   StateBlock stateBlock() noexcept override { return {nullptr, 0}; }
 
-  Status render(const TickInput& input, TickOutput& output) noexcept override {
+  Status render(const TickFrame& input, TickOutput& output) noexcept override {
     const Kinematics& k = input.kinematics;
     const bool done = attempt([&] {
       const Array torque = Array::ensure(self_->attr("render")(py::cast(input)));
@@ -572,15 +572,15 @@ void addRuns(py::module_& m) {
   m.attr("verdicts") = namesUpTo(FirstImpactVerdict::unstable);
   m.attr("plants") = app::plantNames();
 
-  py::class_<TickInput>(m, "Tick", "What a renderer knows at a tick. SI; in W.")
-      .def_readonly("time", &TickInput::time, "s, strictly increasing.")
-      .def_readonly("kinematics", &TickInput::kinematics, "Measured; the inertia where needs_inertia is set.")
-      .def_readonly("max_torque", &TickInput::maxTorque, "Limit of every motor, (n,), N m or N.")
-      .def_readonly("applied", &TickInput::applied,
+  py::class_<TickFrame>(m, "Tick", "What a renderer knows at a tick. SI; in W.")
+      .def_readonly("time", &TickFrame::time, "s, strictly increasing.")
+      .def_readonly("kinematics", &TickFrame::kinematics, "Measured; the inertia where needs_inertia is set.")
+      .def_readonly("max_torque", &TickFrame::maxTorque, "Limit of every motor, (n,), N m or N.")
+      .def_readonly("applied", &TickFrame::applied,
                     "Torque that really acted since the last tick, (n,), N m or N; (0,): the device cannot tell.")
       .def_property_readonly(
           "contacts",
-          [](const TickInput& self) {
+          [](const TickFrame& self) {
             std::vector<ContactRow> rows;
             for (int i = 0; i < self.contacts.count; ++i)
               rows.push_back(rowOf(0, self.contacts.contacts[static_cast<std::size_t>(i)]));

@@ -121,7 +121,7 @@ TEST_CASE("a push through the tool gives the bits of the native loop: wall and m
                                sameBits(command.torque, bench.driver->force)
                            ? 0
                            : 1;
-          touching += tick.output().normalForce > 0.1 ? 1 : 0;
+          touching += tick.frame().output.normalForce > 0.1 ? 1 : 0;
         }
         CHECK(different == 0);
         CHECK(touching > 500);
@@ -202,14 +202,14 @@ TEST_CASE("six axes: what the device measures, and a command a native tick gives
           {worst, (m.q - bench.driver->measured.q).norm(), 1e-3 * (m.rates - bench.driver->measured.rates).norm()});
       Vec6 sent;
       sent << bench.driver->force, bench.driver->moment;
-      worstWrench = std::max(worstWrench, (torqueOf(tick.input().kinematics.jacobian, sent) - command.torque).norm());
+      worstWrench = std::max(worstWrench, (torqueOf(tick.frame().kinematics.jacobian, sent) - command.torque).norm());
       moment = std::max(moment, bench.driver->moment.norm());
       if (i == 0) continue;  // start() has measured at this instant
       Vec6 shown;
       shown << fromChai3d(bench.tool.getDeviceLocalLinVel()), fromChai3d(bench.tool.getDeviceLocalAngVel());
-      worst = std::max(worst, 1e-3 * (shown - twistOf(tick.input().kinematics.jacobian, m.rates)).norm());
+      worst = std::max(worst, 1e-3 * (shown - twistOf(tick.frame().kinematics.jacobian, m.rates)).norm());
       worst =
-          std::max(worst, (fromChai3d(bench.tool.getDeviceLocalRot()) - tick.input().kinematics.pose.rotation).norm());
+          std::max(worst, (fromChai3d(bench.tool.getDeviceLocalRot()) - tick.frame().kinematics.pose.rotation).norm());
     }
     CHECK(different == 0);
     CHECK(worst < 1e-14);        // a rotation vector to a matrix and back

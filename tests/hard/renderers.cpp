@@ -24,7 +24,7 @@ TEST_CASE("garbage into the renderers", "[hard]") {
     int ok = 0, refused = 0;
     for (int i = 0; i < ticks; ++i) {
       Vec6 twist = random.vector6(0.5, 5.0);
-      TickInput input = test::inputAt(device, random.workspacePose(), 1e-3 * i, twist);
+      TickFrame input = test::inputAt(device, random.workspacePose(), 1e-3 * i, twist);
       const int damage = static_cast<int>(random.uniform(0.0, 8.0));
       Kinematics& k = input.kinematics;
       double* numbers[] = {&input.time,

@@ -23,7 +23,7 @@ class Spoiled final : public Renderer {
 
  private:
   void prepare(double period) override { inner_.activate(period); }
-  Status render(const TickInput& input, TickOutput& output) noexcept override {
+  Status render(const TickFrame& input, TickOutput& output) noexcept override {
     const Status status = inner_.step(input, output);
     return spoil_ && ++ticks_ > from_ && status == Status::ok ? spoil_(ticks_ - from_, output) : status;
   }
@@ -144,7 +144,7 @@ inline void requireGuarded(Renderer& renderer, const Fault& fault, bool echo) {
     if (!echo) m.applied.resize(0);
     if (i >= kFaultAt && fault.measure) fault.measure(i - kFaultAt, m);
     const Status status = tick(m, command);
-    contacts += tick.output().mode == RenderMode::contact;
+    contacts += tick.frame().output.mode == RenderMode::contact;
     const JointVector& torque = command.torque;
     REQUIRE(torque.size() == 6);
     REQUIRE(torque.allFinite());
@@ -153,15 +153,15 @@ inline void requireGuarded(Renderer& renderer, const Fault& fault, bool echo) {
     last = torque;
     if (i < kFaultAt) {
       REQUIRE(status == Status::ok);
-      REQUIRE(tick.reason() == GuardReason::none);
-      REQUIRE(torque == tick.output().torque);
-    } else if (seen < 0 && isFault(tick.reason())) {
+      REQUIRE(tick.frame().reason == GuardReason::none);
+      REQUIRE(torque == tick.frame().output.torque);
+    } else if (seen < 0 && isFault(tick.frame().reason)) {
       seen = i;
     }
     if (seen >= 0) {
       REQUIRE(status != Status::ok);
-      REQUIRE((tick.reason() == fault.reason || tick.reason() == fault.other));
-      REQUIRE(tick.guard().fault() == tick.reason());
+      REQUIRE((tick.frame().reason == fault.reason || tick.frame().reason == fault.other));
+      REQUIRE(tick.guard().fault() == tick.frame().reason);
     }
     if (seen >= 0 && i >= seen + 2 * ramp) {  // two: what is not known can come to it on the way
       const bool known = fault.reason != GuardReason::measurement && fault.reason != GuardReason::jump &&

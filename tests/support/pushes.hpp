@@ -70,8 +70,8 @@ inline std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& rend
 }
 
 /// An input at a pose that a renderer accepts, with the TCP's contact with the wall z = 0.
-inline TickInput inputAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist = Vec6::Zero()) {
-  TickInput input;
+inline TickFrame inputAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist = Vec6::Zero()) {
+  TickFrame input;
   input.time = time;
   if (mechanism.reach(pose, twist, true, input.kinematics) != Status::ok) throw Error("pose outside the workspace");
   input.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);

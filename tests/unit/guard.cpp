@@ -368,16 +368,16 @@ TEST_CASE("guard: where it steps in and the device cannot tell, the renderer hea
     Kinematics k;
     REQUIRE(device.reach(test::poseAtDepth(i < 10 ? 0.0 : 5e-5 * (i - 9)), Vec6::Zero(), false, k) == Status::ok);
     m = {1e-3 * i, k.q, k.rates, {}, true};
-    const bool changed = tick.reason() != GuardReason::none;
+    const bool changed = tick.frame().reason != GuardReason::none;
     REQUIRE(tick(m, command) == Status::ok);
     if (changed)
-      CHECK(tick.input().applied == last.torque);
+      CHECK(tick.frame().applied == last.torque);
     else
-      CHECK(tick.input().applied.size() == 0);
+      CHECK(tick.frame().applied.size() == 0);
     last = command;
   }
-  CHECK(tick.reason() == GuardReason::force);
-  CHECK(command.torque != tick.output().torque);
+  CHECK(tick.frame().reason == GuardReason::force);
+  CHECK(command.torque != tick.frame().output.torque);
 }
 
 TEST_CASE("guard: a copy goes on as the original does; a thousand ticks are kept", "[guard]") {

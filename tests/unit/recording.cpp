@@ -142,8 +142,8 @@ TEST_CASE("recording: every field there and back", "[recording]") {
       }
       recorder.add(7 * i, rig.measurement, rig.tick, rig.command, status, reset);
       ++rig.number;
-      const TickOutput& out = rig.tick.output();
-      kept.push_back({rig.measurement, out.torque, rig.command.torque, out.normalForce, status, rig.tick.reason(),
+      const TickOutput& out = rig.tick.frame().output;
+      kept.push_back({rig.measurement, out.torque, rig.command.torque, out.normalForce, status, rig.tick.frame().reason,
                       out.mode, out.saturated, reset});
     }
     const RecordingResult result = recorder.close();

@@ -265,7 +265,7 @@ TEST_CASE("a surface that is lowered is followed, one that vanishes has no force
   const auto device = tau();
   SurfaceServoRenderer servo(optionsFor(*device, 0));
   servo.activate(kPeriod);
-  TickInput input;
+  TickFrame input;
   input.kinematics = device->home();
   input.maxTorque = device->limits().torque;
   input.contacts.count = 1;
@@ -316,7 +316,7 @@ TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[su
   SurfaceServoRenderer servo(optionsFor(*device, 2)), copy(optionsFor(*device, 2));
   VirtualLoop loop(*device, *device, servo, loopWith(wallOf(HUGE_VAL, 0.2, 0.2), 2));
   TickRecord tick;
-  std::vector<TickInput> inputs;
+  std::vector<TickFrame> inputs;
   std::vector<JointVector> torques;
   std::vector<char> state;
   for (int i = 0; i < 300; ++i) {
@@ -325,7 +325,7 @@ TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[su
       state.resize(servo.stateSize());
       servo.saveState(state.data());
     } else if (i > 100) {
-      inputs.push_back(loop.input());
+      inputs.push_back(loop.frame());
       torques.push_back(tick.command);
     }
   }
@@ -356,7 +356,7 @@ TEST_CASE("the servo's options are checked", "[surface_servo]") {
   SurfaceServoRenderer servo(good);
   CHECK_THROWS_AS(servo.activate(2e-3), Error);
   servo.activate(kPeriod);
-  TickInput input;
+  TickFrame input;
   TickOutput output;
   CHECK(servo.step(input, output) == Status::outOfRange);
 }

@@ -167,29 +167,29 @@ class SurfaceServoRenderer final : public Renderer {
   };
 
   void prepare(double period) override;
-  Status render(const TickInput& input, TickOutput& output) noexcept override;
+  Status render(const TickFrame& frame, TickOutput& output) noexcept override;
   void resetState() noexcept override { state_ = State{}; }
   StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
   void stateLoaded() noexcept override;
 
-  void start(const TickInput& input) noexcept;
+  void start(const TickFrame& frame) noexcept;
   void advance(const Row& torque, const Inertia& inertia, double ticks) noexcept;
-  void passOver(const TickInput& input, const Inertia& inertia, double& ticks) noexcept;
+  void passOver(const TickFrame& frame, const Inertia& inertia, double& ticks) noexcept;
   bool isRepeated(const Kinematics& kinematics) const noexcept;
   void rememberCommand(const Row& command) noexcept;
-  Row acted(const TickInput& input) const noexcept;
+  Row acted(const TickFrame& frame) const noexcept;
   UnderWay underWay(int ahead) const noexcept;
   void learnFromStrongCommand(double most, Row& innovation) noexcept;
-  void observe(const TickInput& input, const Inertia& inertia, const Normals& normals, double ticks) noexcept;
+  void observe(const TickFrame& frame, const Inertia& inertia, const Normals& normals, double ticks) noexcept;
   Jump jumpOf(int contacts, const Normals& normals, const Row& innovation) const noexcept;
   Ahead predict(const Inertia& inertia) const noexcept;
   const Schedule& scheduleNow() const noexcept { return state_.letsGo != 0.0 ? letGo_ : pushed_; }
   int delays() const noexcept { return options_.delayHigh - options_.delayLow + 1; }  // each as likely
   bool isRandom() const noexcept { return options_.delayLow < options_.delayHigh; }
   LateGain lateGain(double pole) const;
-  Pushing pushing(const TickInput& input, const Inertia& inertia, const Normals& normals,
+  Pushing pushing(const TickFrame& frame, const Inertia& inertia, const Normals& normals,
                   const Ahead& ahead) const noexcept;
-  Row addFriction(const TickInput& input, const Inertia& inertia, const Normals& normals, const Ahead& ahead,
+  Row addFriction(const TickFrame& frame, const Inertia& inertia, const Normals& normals, const Ahead& ahead,
                   double sinceSample, Pushing& pushing) noexcept;
 
   SurfaceServoOptions options_;
