@@ -23,8 +23,8 @@ bool isPlain(const RecordedTick& t, int joints) {
   const auto plain = [joints](const JointVector& v) {
     return v.size() == joints && (v.array().abs() < kLargest).all();  // false for NaN
   };
-  return plain(m.q) && plain(m.rates) && plain(t.requested) && plain(t.command) &&
-         (m.applied.size() == 0 || plain(m.applied)) && std::isfinite(m.time) && std::abs(t.normalForce) < kLargest;
+  return plain(m.q) && plain(m.rates) && plain(t.requested) && plain(t.command) && (!m.applied || plain(*m.applied)) &&
+         std::isfinite(m.time) && std::abs(t.normalForce) < kLargest;
 }
 
 Sample nothing(int joints) {
@@ -189,7 +189,7 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
     r.q = t.measurement.q;
     r.requested = t.requested;
     r.command = t.command;
-    r.torque = t.measurement.applied.size() > 0 ? t.measurement.applied : t.command;
+    r.torque = t.measurement.applied.value_or(t.command);
     if (!plain) r.torque = k.gravity;
     r.rendered = wrenchOf(k, r.torque - k.gravity);
     r.nearest = nearestContact(scene_.scene, scene_.tool, k.pose, &cache_);

@@ -33,7 +33,7 @@ Vec6 upward(double speed) {
 // The driver tells that no torque acted, whatever the motors did.
 PressedWall appliedZero() {
   return withDriver([](int tick, Measurement& sample) {
-    if (tick >= 0) sample.applied.setZero();
+    if (tick >= 0) sample.applied->setZero();
     return Status::ok;
   });
 }
@@ -82,7 +82,7 @@ PressedWall risingWall(int every) {
 // An application adds 2 N of vibration behind the controller, on a device that reports the torque that acted or not.
 PressedWall vibrating(bool reportsTorque) {
   PressedWall press = withDriver([=](int, Measurement& sample) {
-    if (!reportsTorque) sample.applied.resize(0);
+    if (!reportsTorque) sample.applied.reset();
     return Status::ok;
   });
   press.force = 3.0;

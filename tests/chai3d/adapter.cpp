@@ -104,8 +104,8 @@ TEST_CASE("a push through the tool gives the bits of the native loop: wall and m
         int different = 0, touching = 0;
         for (int i = 0; i < 3000; ++i) {
           REQUIRE(native.measure(measurement) == Status::ok);
-          measurement.applied.resize(0);  // what CHAI3D cannot tell
-          if (cutoff > 0.0) {             // the rates of lib/docs/own-device.md
+          measurement.applied.reset();  // what CHAI3D cannot tell
+          if (cutoff > 0.0) {           // the rates of lib/docs/own-device.md
             const Vec3 q = measurement.q;
             const double passed = measurement.time - lastTime;
             if (i > 0) rates += -std::expm1(-2.0 * M_PI * cutoff * passed) * ((q - last) / passed - rates);
@@ -138,7 +138,7 @@ TEST_CASE("a driver of CHAI3D in a loop gives the bits of the same device withou
     explicit Plain(const Mechanism& m) : physics(m, test::driverSetup()) {}
     Status measure(Measurement& m) noexcept override {
       const Status status = physics.measure(m);
-      m.applied.resize(0);
+      m.applied.reset();
       return status;
     }
     Status actuate(const Command& command) noexcept override {
@@ -286,10 +286,10 @@ TEST_CASE("what a device cannot do is a status, and leaves the measurement as it
   CHECK(wrapped.measure(m) == Status::inactive);
   CHECK(wrapped.actuate(command) == Status::inactive);
   wrapped.open();
-  m.applied.setZero(6);
+  m.applied = JointVector::Zero(6);
   REQUIRE(wrapped.measure(m) == Status::ok);
   CHECK(m.enabled);
-  CHECK(m.applied.size() == 0);
+  CHECK_FALSE(m.applied.has_value());
   CHECK(wrapped.measure(m) == Status::stale);  // the clock stands still
   const JointVector q = m.q;
   driver->moves = false;

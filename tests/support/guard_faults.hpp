@@ -141,7 +141,7 @@ inline void requireGuarded(Renderer& renderer, const Fault& fault, bool echo) {
         if (plant.measure(m) != Status::ok || plant.advance(hand) != Status::ok) break;
     REQUIRE(plant.measure(m) == Status::ok);
     const JointVector gravity = plant.kinematics().gravity;
-    if (!echo) m.applied.resize(0);
+    if (!echo) m.applied.reset();
     if (i >= kFaultAt && fault.measure) fault.measure(i - kFaultAt, m);
     const Status status = tick(m, command);
     contacts += tick.frame().output.mode == RenderMode::contact;

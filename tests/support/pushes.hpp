@@ -69,16 +69,17 @@ inline std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& rend
   return ticks;
 }
 
-/// An input at a pose that a renderer accepts, with the TCP's contact with the wall z = 0.
-inline TickFrame inputAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist = Vec6::Zero()) {
-  TickFrame input;
-  input.time = time;
-  if (mechanism.reach(pose, twist, true, input.kinematics) != Status::ok) throw Error("pose outside the workspace");
-  input.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);
-  input.contacts.count = 1;
-  input.maxTorque = mechanism.limits().torque;
-  input.applied = input.kinematics.gravity;
-  return input;
+/// A frame at a pose that a renderer accepts, with the TCP's contact with the wall z = 0.
+inline TickFrame frameAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist = Vec6::Zero()) {
+  TickFrame frame;
+  frame.time = time;
+  if (mechanism.reach(pose, twist, true, frame.kinematics) != Status::ok) throw Error("pose outside the workspace");
+  frame.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);
+  frame.contacts.count = 1;
+  frame.maxTorque = mechanism.limits().torque;
+  frame.applied = frame.kinematics.gravity;
+  if (fillContactRows(frame) != Status::ok) throw Error("the inertia is not positive definite");
+  return frame;
 }
 
 inline Pose poseAtDepth(double depth) {

@@ -515,7 +515,7 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
     s.acting[i] = s.ticks == 1.0 ? s.torque[i] : s.acting[i] + (s.torque[i] - s.acting[i]) / s.ticks;
   }
   s.acted = true;
-  s.surface = status == Status::ok ? surfaceVelocity(frame) : Vec3(Vec3::Zero());
+  s.surface = known && status == Status::ok ? surfaceVelocity(frame) : Vec3(Vec3::Zero());
   if (s.fault == GuardReason::none || s.rampTicks * options_.period <= options_.rampOut * kRounding) {
     GuardTick& tick = ring_[count_++ % kGuardTicks];
     tick.time = m.time;
