@@ -9,7 +9,7 @@
 
 namespace enamel::test_renderers {
 
-using test::inputAt;
+using test::frameAt;
 using test::poseAtDepth;
 using test::relativeError;
 
