@@ -53,7 +53,9 @@ Mat6 dampingOf(const Mechanism& device) {
 }
 
 // Velocity of what the tool touches, W: that of each obstacle by how much of the commanded force is along its normal.
-Vec3 surfaceVelocity(const TickFrame& frame) noexcept {
+// `turn`: angular velocity of the tool that the joints do not measure, W, rad/s. It is the hand's, and moves the tool
+// over the obstacle as if the obstacle moved.
+Vec3 surfaceVelocity(const TickFrame& frame, const Vec3& turn) noexcept {
   const ContactSnapshot& contacts = frame.contacts;
   if (contacts.count == 0) return Vec3::Zero();
   const Vec3 force = wrenchOf(frame.kinematics, frame.command - frame.kinematics.gravity).head<3>();
@@ -64,9 +66,12 @@ Vec3 surfaceVelocity(const TickFrame& frame) noexcept {
     if (contact.gap < kTouching) along[c] = std::max(0.0, contact.normal.dot(force));
     sum += along[c];
   }
-  if (!(sum > 0.0)) return contacts.contacts[0].obstacleVelocity;
+  const auto velocityOf = [&](const Contact& c) {
+    return Vec3(c.obstacleVelocity - turn.cross(c.point - frame.kinematics.pose.position));
+  };
+  if (!(sum > 0.0)) return velocityOf(contacts.contacts[0]);
   Vec3 velocity = Vec3::Zero();
-  for (int c = 0; c < contacts.count; ++c) velocity += along[c] / sum * contacts.contacts[c].obstacleVelocity;
+  for (int c = 0; c < contacts.count; ++c) velocity += along[c] / sum * velocityOf(contacts.contacts[c]);
   return velocity;
 }
 
@@ -191,6 +196,7 @@ void Guard::forEachNumber(AnyState& s, const Visit& visit) {
     for (auto& number : *row) visit(number);
   for (int i = 0; i < 6; ++i) visit(s.twist[i]);
   for (int i = 0; i < 3; ++i) visit(s.surface[i]);
+  for (int i = 0; i < 9; ++i) visit(s.rotation.data()[i]);
   for (auto& flag : s.even) visit(flag);
   for (auto& ticks : s.still) visit(ticks);
 }
@@ -515,7 +521,13 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
     s.acting[i] = s.ticks == 1.0 ? s.torque[i] : s.acting[i] + (s.torque[i] - s.acting[i]) / s.ticks;
   }
   s.acted = true;
-  s.surface = known && status == Status::ok ? surfaceVelocity(frame) : Vec3(Vec3::Zero());
+  if (m.age == 0 || !known) {
+    Vec3 turn = Vec3::Zero();
+    if (known && n_ < 6 && s.ticks == 1.0 && elapsed > 0.0)  // six joints measure every turn
+      turn = rotationVector(k.pose.rotation * s.rotation.transpose()) / elapsed - s.twist.tail<3>();
+    s.surface = known && status == Status::ok ? surfaceVelocity(frame, turn) : Vec3(Vec3::Zero());
+    if (known) s.rotation = k.pose.rotation;
+  }
   if (s.fault == GuardReason::none || s.rampTicks * options_.period <= options_.rampOut * kRounding) {
     GuardTick& tick = ring_[count_++ % kGuardTicks];
     tick.time = m.time;

@@ -119,20 +119,21 @@ class Guard {
     double sampleTime = 0.0;  // of the last sample, with what follows
     Row q{};
     Vec6 twist = Vec6::Zero();
-    Row acting{};                 // applied since then, the mean
-    double ticks = 0.0;           // since then
-    Row torque{};                 // applied last; of a joint without a motor what the wall would have needed
-    Row gravity{};                // at the last tick
-    Row rendered{};               // requested beyond gravity, at the last tick
-    Vec3 surface = Vec3::Zero();  // velocity of what was touched at the last tick, W
-    double weight = 0.0;          // of the rendered part
-    Row from{}, fromGravity{};    // where a fault's ramp begins
-    int rampTicks = 0;            // of it
-    double energy = 0.0;          // J
-    double peak = 0.0;            // largest rendered force of late, N
-    Row beyond{};                 // that acted beyond gravity before the last tick
-    Row jerk{};                   // mean square change of the rendered torque, shares
-    double missed = 0.0;          // ticks
+    Row acting{};                      // applied since then, the mean
+    double ticks = 0.0;                // since then
+    Row torque{};                      // applied last; of a joint without a motor what the wall would have needed
+    Row gravity{};                     // at the last tick
+    Row rendered{};                    // requested beyond gravity, at the last tick
+    Vec3 surface = Vec3::Zero();       // velocity of what was touched at the last tick, W
+    Mat3 rotation = Mat3::Identity();  // of the platform at the last sample
+    double weight = 0.0;               // of the rendered part
+    Row from{}, fromGravity{};         // where a fault's ramp begins
+    int rampTicks = 0;                 // of it
+    double energy = 0.0;               // J
+    double peak = 0.0;                 // largest rendered force of late, N
+    Row beyond{};                      // that acted beyond gravity before the last tick
+    Row jerk{};                        // mean square change of the rendered torque, shares
+    double missed = 0.0;               // ticks
     Row pace{}, claimed{};  // of a joint that stands still: counts a tick before, counts that its rate tells of since
     std::array<bool, kMaxJoints> even{};  // whether the pace was that of the tick before
     std::array<int, kMaxJoints> still{};  // for how many ticks
