@@ -33,17 +33,17 @@ Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const
   area_ = (M_PI * part_.radius + 2.0 * (part_.b - part_.a).norm()) * part_.radius;
 }
 
-void Drill::correct(ContactSnapshot& contacts, double period) const noexcept {
+void Drill::correct(ContactSnapshot& contacts) const noexcept {
   if (obstacle_ < 0) return;
   const double feed = std::clamp(feed_, 0.0, kMostFeed);
   for (int i = 0; i < contacts.count; ++i) {
     Contact& c = contacts.contacts[i];
     if (c.obstacle != obstacle_ || c.part != number_) continue;
     const double along = way_.dot(c.normal);
-    double back = c.gap < 0.0 ? rough_ : 0.0;
+    double back = rough_;
     if (along < kSide) c.material.stiffness = std::min(c.material.stiffness, kSideStiffness);
     if (along > kFacing) {
-      back += feed * period * along;  // what this tick will remove
+      back = std::max(back, advance_ * along);  // what this tick will remove
       c.obstacleVelocity -= feed * along * c.normal;
     }
     c.gap = std::max(c.gap, std::min(c.gap + back, 0.0));
@@ -81,13 +81,13 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   way_ = pressed > 0.0 ? Vec3(force_ / pressed) : deepest->normal;
   rough_ = solid.cell() * solid.cell() / (4.0 * part_.radius);
   const double asked = removal_ * pressed / hardness_ * elapsed + owed_;
-  const double advance = std::clamp(asked / area_, 0.0, kMostFeed * elapsed + rough_);
+  advance_ = std::clamp(asked / area_, 0.0, kMostFeed * elapsed + rough_);
 
   // So far back is the bur that is nowhere deeper than that.
   double back = -rough_;
   for (const Contact* c = deepest; c != end; ++c) {
     if (c->obstacle != number || c->part != number_ || c->gap >= 0.0 || way_.dot(c->normal) < kAhead) continue;
-    back = std::max(back, -c->gap / way_.dot(c->normal) - advance);
+    back = std::max(back, -c->gap / way_.dot(c->normal) - advance_);
   }
   const Segment axis{inSolid(pose.position + pose.rotation * part_.a + back * way_),
                      inSolid(pose.position + pose.rotation * part_.b + back * way_)};

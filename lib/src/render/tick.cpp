@@ -99,7 +99,7 @@ Status HapticTick::findContacts(double time) noexcept {
   const Pose& pose = frame_.kinematics.pose;
   const Status status = followContacts(scene_, tool_, pose, kContactMargin, track_, frame_.contacts);
   if (status != Status::ok) return status;
-  if (drill_ != nullptr) drill_->correct(frame_.contacts, guard_.options().period);
+  if (drill_ != nullptr) drill_->correct(frame_.contacts);
   sampleTime_ = time;
   return Status::ok;
 }

@@ -26,9 +26,8 @@ class Drill {
   bool spins() const noexcept { return isOn_; }
 
   /// Before the renderer: corrects the contacts for the cut that goes on: gaps, the velocity at which the surface
-  /// recedes, and a stiffness of at most 20 N/mm more than 26 deg beside the force. `period` of the ticks, s.
-  /// Realtime: yes.
-  void correct(ContactSnapshot& contacts, double period) const noexcept;
+  /// recedes, and a stiffness of at most 20 N/mm more than 26 deg beside the force. Realtime: yes.
+  void correct(ContactSnapshot& contacts) const noexcept;
 
   /// The last stage of a tick: cuts with the force of the wall on the tool, W, N; its mean over some 20 ticks counts.
   /// `contacts` as correct() left them; `elapsed` since the last cut, s. Realtime: yes.
@@ -49,6 +48,7 @@ class Drill {
   int obstacle_ = -1;          // that was cut at the last tick
   Vec3 way_ = Vec3::Zero();    // against which the surface recedes, W
   double rough_ = 0.0;         // so far a surface that was cut may be above its samples, m
+  double advance_ = 0.0;       // of the surface in a tick, by the law, m
   Segment last_;               // the bur then, in the obstacle's frame
   Vec3 force_ = Vec3::Zero();  // W
   double owed_ = 0.0;          // that could not be cut, m^3
