@@ -33,7 +33,8 @@ Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const
   area_ = (M_PI * part_.radius + 2.0 * (part_.b - part_.a).norm()) * part_.radius;
 }
 
-void Drill::correct(ContactSnapshot& contacts) const noexcept {
+void Drill::correct(ContactSnapshot& contacts) noexcept {
+  for (int i = 0; i < contacts.count; ++i) gaps_[static_cast<std::size_t>(i)] = contacts.contacts[i].gap;
   if (obstacle_ < 0) return;
   const double feed = std::clamp(feed_, 0.0, kMostFeed);
   for (int i = 0; i < contacts.count; ++i) {
@@ -86,8 +87,9 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   // So far back is the bur that is nowhere deeper than that.
   double back = -rough_;
   for (const Contact* c = deepest; c != end; ++c) {
-    if (c->obstacle != number || c->part != number_ || c->gap >= 0.0 || way_.dot(c->normal) < kAhead) continue;
-    back = std::max(back, -c->gap / way_.dot(c->normal) - advance_);
+    const double gap = gaps_[static_cast<std::size_t>(c - first)];
+    if (c->obstacle != number || c->part != number_ || gap >= 0.0 || way_.dot(c->normal) < kAhead) continue;
+    back = std::max(back, -gap / way_.dot(c->normal) - advance_);
   }
   const Segment axis{inSolid(pose.position + pose.rotation * part_.a + back * way_),
                      inSolid(pose.position + pose.rotation * part_.b + back * way_)};

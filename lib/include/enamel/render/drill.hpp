@@ -1,6 +1,7 @@
 // A bur that takes away what it is pressed against, a little every tick.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -27,10 +28,10 @@ class Drill {
 
   /// Before the renderer: corrects the contacts for the cut that goes on: gaps, the velocity at which the surface
   /// recedes, and a stiffness of at most 20 N/mm more than 26 deg beside the force. Realtime: yes.
-  void correct(ContactSnapshot& contacts) const noexcept;
+  void correct(ContactSnapshot& contacts) noexcept;
 
   /// The last stage of a tick: cuts with the force of the wall on the tool, W, N; its mean over some 20 ticks counts.
-  /// `contacts` as correct() left them; `elapsed` since the last cut, s. Realtime: yes.
+  /// `contacts` are those that correct() was given; `elapsed` since the last cut, s. Realtime: yes.
   void cut(const Scene& scene, const Pose& pose, const Vec3& force, double elapsed,
            const ContactSnapshot& contacts) noexcept;
 
@@ -45,13 +46,14 @@ class Drill {
   double area_;     // of the bur, m^2
   bool isOn_ = false;
   std::vector<std::shared_ptr<Solid>> solids_;
-  int obstacle_ = -1;          // that was cut at the last tick
-  Vec3 way_ = Vec3::Zero();    // against which the surface recedes, W
-  double rough_ = 0.0;         // so far a surface that was cut may be above its samples, m
-  double advance_ = 0.0;       // of the surface in a tick, by the law, m
-  Segment last_;               // the bur then, in the obstacle's frame
-  Vec3 force_ = Vec3::Zero();  // W
-  double owed_ = 0.0;          // that could not be cut, m^3
+  int obstacle_ = -1;                        // that was cut at the last tick
+  Vec3 way_ = Vec3::Zero();                  // against which the surface recedes, W
+  double rough_ = 0.0;                       // so far a surface that was cut may be above its samples, m
+  std::array<double, kMaxContacts> gaps_{};  // of this tick's contacts, before they were corrected, m
+  double advance_ = 0.0;                     // of the surface in a tick, by the law, m
+  Segment last_;                             // the bur then, in the obstacle's frame
+  Vec3 force_ = Vec3::Zero();                // W
+  double owed_ = 0.0;                        // that could not be cut, m^3
   double hardness_ = 0.0;
   RemovedVolume removed_{};
   double feed_ = 0.0;
