@@ -63,7 +63,7 @@ inline std::vector<Fault> guardFaults() {
          if (t == 0) m.q[4] -= 0.3;
        }},
       {"switched sign", GuardReason::jump, 1, [](int, Measurement& m) { m.q[0] = -m.q[0]; }},
-      {"time stands still", GuardReason::late, 5, [](int t, Measurement& m) { m.time -= 1e-3 * (t + 1); }},
+      {"time stands still", GuardReason::clock, 5, [](int t, Measurement& m) { m.time -= 1e-3 * (t + 1); }},
       {"time runs backwards", GuardReason::clock, 1, [](int t, Measurement& m) { m.time -= 2e-3 * (t + 1); }},
       {"time jumps back", GuardReason::clock, 1, [](int, Measurement& m) { m.time -= 0.2; }},
       {"5 ms late", GuardReason::late, 1, {}, {}, 5},

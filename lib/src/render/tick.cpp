@@ -47,11 +47,13 @@ Status HapticTick::operator()(const Measurement& measurement, Command& command) 
   return status;
 }
 
-// A sample that repeats its time stamp is none. A sample older than the prediction before it comes a little after it.
+// A sample that repeats its time stamp is none, for as long as the guard bridges lost samples. A sample older than the
+// prediction before it comes a little after it.
 Measurement HapticTick::adjusted(const Measurement& measurement) const noexcept {
   const double period = guard_.options().period;
   Measurement m = measurement;
-  if (m.age == 0 && m.time == sampleTime_) {
+  const bool isBridged = guard_.fault() == GuardReason::none && frame_.age < guard_.options().longestGap;
+  if (m.age == 0 && m.time == sampleTime_ && isBridged) {
     m.age = frame_.age + 1;
     m.time = frame_.time + period;
   } else if (m.age == 0 && m.time > sampleTime_ && frame_.age > 0) {
