@@ -107,10 +107,8 @@ TEST_CASE("render and guard: what was requested and what reaches the motors are 
   Recorder renderer(false);
   HapticTick tick(tau(), wall, Tool(), renderer, limits);
   Command command;
-  const auto next = [&, time = 0.0]() mutable {
-    time += kPeriod;
-    return tick(sampleAt(test::poseAtDepth(1e-4), time), command);
-  };
+  double time = 0.0;
+  const auto next = [&] { return tick(sampleAt(test::poseAtDepth(1e-4), time += kPeriod), command); };
   REQUIRE(next() == Status::ok);
   CHECK(tick.frame().reason == GuardReason::none);
   renderer.push = 5.0;
@@ -162,7 +160,7 @@ TEST_CASE("cut: the last stage, with the force of the tick", "[tick]") {
   for (int i = 0; i < 20; ++i) removed += next();
   volume = solid->volume()[0];
   CHECK(removed > 0.0);
-  CHECK(whole - volume == Approx(removed).epsilon(1e-3));  // single-precision samples
+  CHECK(1e9 * (whole - volume) == Approx(1e9 * removed).epsilon(1e-3));  // mm^3; samples in single precision
   Measurement lost = sampleAt(pose, time += kPeriod);
   lost.age = 1;
   REQUIRE(tick(lost, command) == Status::ok);
