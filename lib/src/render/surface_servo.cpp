@@ -169,9 +169,8 @@ const std::array<SurfaceServoParameter, 13>& surfaceServoParameters() noexcept {
 }
 
 SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int delayLow, int delayHigh) {
-  // In the order of surfaceServoParameters(), for delays of 0, 1, 2 and 3 ticks and for random ones of 0 to 3.
-  static constexpr double values[5][13] = {
-      {0.3061, 1.103, 0.298, 3.089, 0.01084, 3.237e-5, 0.5032, 0.32, 0.005, 4.306, 0.95, 13.73, 0.3},
+  // In the order of surfaceServoParameters(), for delays of 1, 2 and 3 ticks and for random ones of 0 to 3.
+  static constexpr double values[4][13] = {
       {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 0.01, 5.035, 0.95, 59.31, 0.25},
       {0.4596, 0.8894, 0.6415, 8.609, 0.003, 8e-6, 0.55, 0.17, 0.006, 6.095, 0.6458, 162.8, 0.3},
       {0.5217, 0.9228, 0.6563, 6.432, 0.008, 2.5e-5, 0.5427, 0.055, 0.004, 5.028, 0.5619, 12.26, 0.03},
@@ -183,7 +182,8 @@ SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int
   options.delayLow = delayLow;
   options.delayHigh = delayHigh;
   options.horizon = (delayLow + delayHigh) / 2;
-  const double* row = values[delayLow < delayHigh ? 4 : std::clamp(delayHigh, 0, 3)];
+  if (delayHigh <= 0) return options;
+  const double* row = values[delayLow < delayHigh ? 3 : std::min(delayHigh, 3) - 1];
   for (const SurfaceServoParameter& p : surfaceServoParameters()) options.*p.value = *row++;
   return options;
 }
