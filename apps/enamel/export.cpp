@@ -65,8 +65,8 @@ void run(const ExportOptions& options) {
     closed = chunk.last;
     for (const RecordedTick& t : chunk.ticks) {
       line = fmt::format("{},{}", t.number, t.measurement.time);
-      for (const JointVector* v :
-           {&t.measurement.q, &t.measurement.rates, &t.measurement.applied, &t.requested, &t.command})
+      const JointVector applied = t.measurement.applied.value_or(JointVector());
+      for (const JointVector* v : {&t.measurement.q, &t.measurement.rates, &applied, &t.requested, &t.command})
         list(*v, device->joints());
       fmt::format_to(std::back_inserter(line), ",{},{},{},{},{},{},{},{:016x}", t.normalForce,
                      t.measurement.enabled ? 1 : 0, t.saturated ? 1 : 0, t.reset ? 1 : 0, toString(t.mode),

@@ -107,11 +107,11 @@ void PageSide::see(const RecordedTick& recorded, const HapticTick& tick) {
   const double time = recorded.measurement.time - begin_;
   if (!std::isfinite(time) || recorded.status == Status::notFinite) return;  // there is nothing to show
   end_ = std::max(end_, time);
-  const ContactSnapshot& contacts = tick.input().contacts;
+  const ContactSnapshot& contacts = tick.frame().contacts;
   const Contact& contact = contacts.contacts[0];
   // What the tool feels: the command without what carries the device.
-  const Kinematics& k = tick.input().kinematics;
-  const JointVector& torque = isAsked_ ? tick.output().torque : recorded.command;
+  const Kinematics& k = tick.frame().kinematics;
+  const JointVector& torque = isAsked_ ? tick.frame().output.torque : recorded.command;
   const bool acts = recorded.status == Status::ok && torque.size() == k.gravity.size() && !torque.isZero();
   const Vec3 push = acts ? Vec3(wrenchOf(k, torque - k.gravity).head<3>()) : Vec3(Vec3::Zero());
   const double force = push.norm();
@@ -135,7 +135,7 @@ void PageSide::see(const RecordedTick& recorded, const HapticTick& tick) {
   for (const double x : {turn.x(), turn.y(), turn.z(), turn.w()}) poses_.push_back(static_cast<float>(x));
   forces_.push_back(static_cast<float>(force));
   depths_.push_back(static_cast<float>(1e3 * depth));
-  const bool touches = contacts.count > 0 && tick.output().mode == RenderMode::contact;
+  const bool touches = contacts.count > 0 && tick.frame().output.mode == RenderMode::contact;
   for (const double x : contact.point) contacts_.push_back(static_cast<float>(touches ? 1e3 * x : NAN));
   for (const double x : push) contacts_.push_back(static_cast<float>(touches ? x : NAN));
   guards_.push_back(static_cast<std::uint8_t>(recorded.reason));

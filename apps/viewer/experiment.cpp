@@ -264,7 +264,7 @@ void Experiment::tickHeld() noexcept {
     recorder_->add(recorded_++, loop_.measurement(), loop_.hapticTick(), loop_.command(), record.status, isReset_);
   isReset_ = false;
   ++frame_.guardTicks[static_cast<std::size_t>(record.guard)];
-  frame_.contacts = loop_.input().contacts;
+  frame_.contacts = loop_.frame().contacts;
   frame_.inertiaScale = servo_.inertiaScale();
   frame_.jumps = servo_.jumps();
   frame_.holding = frame_.selected == RendererSlot::hold && hold_.holding();
@@ -288,7 +288,7 @@ void Experiment::Switched::prepare(double period) {
     if (renderer != nullptr) renderer->activate(period);
 }
 
-Status Experiment::Switched::render(const TickInput& input, TickOutput& output) noexcept {
+Status Experiment::Switched::render(const TickFrame& input, TickOutput& output) noexcept {
   return renderers_[selected_]->step(input, output);
 }
 

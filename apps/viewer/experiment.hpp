@@ -119,7 +119,7 @@ class Experiment {
 
    private:
     void prepare(double period) override;
-    Status render(const TickInput& input, TickOutput& output) noexcept override;
+    Status render(const TickFrame& input, TickOutput& output) noexcept override;
     void resetState() noexcept override;
     StateBlock stateBlock() noexcept override { return {&selected_, sizeof(selected_)}; }
 

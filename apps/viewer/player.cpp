@@ -23,8 +23,8 @@ bool isPlain(const RecordedTick& t, int joints) {
   const auto plain = [joints](const JointVector& v) {
     return v.size() == joints && (v.array().abs() < kLargest).all();  // false for NaN
   };
-  return plain(m.q) && plain(m.rates) && plain(t.requested) && plain(t.command) &&
-         (m.applied.size() == 0 || plain(m.applied)) && std::isfinite(m.time) && std::abs(t.normalForce) < kLargest;
+  return plain(m.q) && plain(m.rates) && plain(t.requested) && plain(t.command) && (!m.applied || plain(*m.applied)) &&
+         std::isfinite(m.time) && std::abs(t.normalForce) < kLargest;
 }
 
 Sample nothing(int joints) {
@@ -180,7 +180,7 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
     const RecordedTick& t = chunk_.ticks[i];
     (void)tick_(t.measurement, command);
     const bool plain = isPlain(t, header().joints);
-    const Kinematics& k = tick_.input().kinematics;  // as it was, where the measurement cannot be
+    const Kinematics& k = tick_.frame().kinematics;  // as it was, where the measurement cannot be
     TickRecord& r = frame.record;
     r.tick = t.number;
     r.time = t.measurement.time;
@@ -189,7 +189,7 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
     r.q = t.measurement.q;
     r.requested = t.requested;
     r.command = t.command;
-    r.torque = t.measurement.applied.size() > 0 ? t.measurement.applied : t.command;
+    r.torque = t.measurement.applied.value_or(t.command);
     if (!plain) r.torque = k.gravity;
     r.rendered = wrenchOf(k, r.torque - k.gravity);
     r.nearest = nearestContact(scene_.scene, scene_.tool, k.pose, &cache_);
@@ -202,7 +202,7 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
     r.saturated = t.saturated;
     r.status = t.status;
     r.guard = t.reason;
-    frame.contacts = tick_.input().contacts;
+    frame.contacts = tick_.frame().contacts;
     frame.hand.target = frame.hand.position = k.pose.position;
     each(plain);
     if (i == 0) tick_.loadState(chunk_.state.data());  // that is the state behind the first tick

@@ -82,7 +82,7 @@ class Player {
   // Asks for nothing; HapticTick needs one.
   class Watcher final : public Renderer {
     void prepare(double) override {}
-    Status render(const TickInput& input, TickOutput& output) noexcept override {
+    Status render(const TickFrame& input, TickOutput& output) noexcept override {
       output.torque = input.kinematics.gravity;
       output.mode = RenderMode::free;
       return Status::ok;

@@ -132,7 +132,7 @@ class Chai3dDevice final : public HapticDevice {
     started_ = true;
     measurement.q = kinematics_.q;
     measurement.rates = kinematics_.rates;
-    measurement.applied.resize(0);  // CHAI3D's getForce() tells what was sent, not what acted
+    measurement.applied.reset();  // CHAI3D's getForce() tells what was sent, not what acted
     measurement.enabled = options_.enableSwitch < 0 || ((switches_ >> options_.enableSwitch) & 1U) != 0;
     return Status::ok;
   }

@@ -87,6 +87,13 @@ std::vector<Variable> variablesOf(const UnitConfiguration& c, const Mechanism& d
     add({"rates", C::input, rate, "Measured joint rates", zeros});
     add({"applied", C::input, torque, "Torque that acted since the last tick", balance});
     add({"enabled", C::input, "", "The user's enable", {1.0}, false, Type::boolean});
+    add({"age",
+         C::input,
+         "",
+         "Steps since q and rates were sampled; 0: a new sample. Above 0, q and rates are ignored",
+         {0.0},
+         false,
+         Type::integer});
     add({"torque", C::output, torque, "For the motors, from the guard", balance});
     add({"requested", C::output, torque, "Torque that the renderer asked for", balance});
     add({"normal_force", C::output, "N", "Of the wall on the tool, as the renderer reports it", {0.0}, false});

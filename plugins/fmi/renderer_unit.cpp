@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "enamel/plugin/renderer_source.hpp"
 #include "enamel/core/error.hpp"
+#include "enamel/plugin/renderer_source.hpp"
 
 namespace enamel::fmi {
 
@@ -42,15 +42,16 @@ void RendererUnit::refresh() {
   m.rates = joints("rates");
   m.applied = joints("applied");
   m.enabled = value("enabled")[0] != 0.0;
+  m.age = static_cast<int>(value("age")[0]);
   Command command;
   const enamel::Status status = (*tick_)(m, command);
   put("torque", command.torque);
-  put("requested", tick_->output().torque);
-  value("normal_force")[0] = tick_->output().normalForce;
-  value("mode")[0] = static_cast<double>(tick_->output().mode);
-  value("saturated")[0] = tick_->output().saturated ? 1.0 : 0.0;
+  put("requested", tick_->frame().output.torque);
+  value("normal_force")[0] = tick_->frame().output.normalForce;
+  value("mode")[0] = static_cast<double>(tick_->frame().output.mode);
+  value("saturated")[0] = tick_->frame().output.saturated ? 1.0 : 0.0;
   value("status")[0] = static_cast<double>(status);
-  value("guard")[0] = static_cast<double>(tick_->reason());
+  value("guard")[0] = static_cast<double>(tick_->frame().reason);
   now_.isNew = false;
 }
 

@@ -1,9 +1,9 @@
 // The Python module enamel._enamel: errors, names of numbers, and what the other files add.
-#include "enamel/sim/plant_maker.hpp"
 #include "binding.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/host.hpp"
 #include "enamel/render/guard.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "enamel/study/metrics.hpp"
 
 namespace enamel::python {

@@ -80,7 +80,8 @@ class Recording {
     table.add(t.number);
     table.add(m.time);
     table.add(t.normalForce);
-    for (const JointVector* v : {&m.q, &m.rates, &m.applied, &t.requested, &t.command}) table.addJoints(*v, n);
+    const JointVector applied = m.applied.value_or(JointVector());
+    for (const JointVector* v : {&m.q, &m.rates, &applied, &t.requested, &t.command}) table.addJoints(*v, n);
     const bool found = device_.mechanism->track(m.q, m.rates, false, kinematics) == Status::ok;
     const double nothing = std::numeric_limits<double>::quiet_NaN();
     table.add(found ? kinematics.pose.position : Vec3(Vec3::Constant(nothing)));

@@ -67,7 +67,7 @@ class ScriptedRenderer final : public Renderer {
   }
   StateBlock stateBlock() noexcept override { return {nullptr, 0}; }
 
-  Status render(const TickInput& input, TickOutput& output) noexcept override {
+  Status render(const TickFrame& input, TickOutput& output) noexcept override {
     const Kinematics& k = input.kinematics;
     const bool done = attempt([&] {
       const Array torque = Array::ensure(self_->attr("render")(py::cast(input)));
@@ -173,15 +173,19 @@ RendererRecipe plugin(const py::object& path, const py::object& device, const st
 }
 
 void addTick(py::module_& m) {
-  py::class_<TickInput>(m, "Tick", "What a renderer knows at a tick. SI; in W.")
-      .def_readonly("time", &TickInput::time, "s, strictly increasing.")
-      .def_readonly("kinematics", &TickInput::kinematics, "Measured; the inertia where needs_inertia is set.")
-      .def_readonly("max_torque", &TickInput::maxTorque, "Limit of every motor, (n,), N m or N.")
-      .def_readonly("applied", &TickInput::applied,
-                    "Torque that really acted since the last tick, (n,), N m or N; (0,): the device cannot tell.")
+  py::class_<TickFrame>(m, "Tick", "What a renderer knows at a tick. SI; in W.")
+      .def_readonly("time", &TickFrame::time, "s, strictly increasing.")
+      .def_readonly("kinematics", &TickFrame::kinematics, "Measured; the inertia where needs_inertia is set.")
+      .def_readonly("max_torque", &TickFrame::maxTorque, "Limit of every motor, (n,), N m or N.")
+      .def_readonly(
+          "age", &TickFrame::age,
+          "Periods since the sample; 0: a new one. Above 0, kinematics and contacts are those of the last sample.")
+      .def_property_readonly(
+          "applied", [](const TickFrame& self) { return self.applied.value_or(JointVector()); },
+          "Torque that acted since the last tick, (n,), N m or N; (0,): the device cannot tell.")
       .def_property_readonly(
           "contacts",
-          [](const TickInput& self) {
+          [](const TickFrame& self) {
             std::vector<ContactRow> rows;
             for (int i = 0; i < self.contacts.count; ++i)
               rows.push_back(rowOf(0, self.contacts.contacts[static_cast<std::size_t>(i)]));

@@ -70,7 +70,7 @@ Slide slideAlong(Obstacle groove) {
       return wrench;
     };
     if (loop.tick(hand, record) != Status::ok) return slide;
-    const int contacts = loop.input().contacts.count;
+    const int contacts = loop.frame().contacts.count;
     if (i > 300) {
       slide.ticksInContact += contacts > 0;
       slide.changes += contacts != before;

@@ -104,8 +104,8 @@ TEST_CASE("a push through the tool gives the bits of the native loop: wall and m
         int different = 0, touching = 0;
         for (int i = 0; i < 3000; ++i) {
           REQUIRE(native.measure(measurement) == Status::ok);
-          measurement.applied.resize(0);  // what CHAI3D cannot tell
-          if (cutoff > 0.0) {             // the rates of lib/docs/own-device.md
+          measurement.applied.reset();  // what CHAI3D cannot tell
+          if (cutoff > 0.0) {           // the rates of lib/docs/own-device.md
             const Vec3 q = measurement.q;
             const double passed = measurement.time - lastTime;
             if (i > 0) rates += -std::expm1(-2.0 * M_PI * cutoff * passed) * ((q - last) / passed - rates);
@@ -121,7 +121,7 @@ TEST_CASE("a push through the tool gives the bits of the native loop: wall and m
                                sameBits(command.torque, bench.driver->force)
                            ? 0
                            : 1;
-          touching += tick.output().normalForce > 0.1 ? 1 : 0;
+          touching += tick.frame().output.normalForce > 0.1 ? 1 : 0;
         }
         CHECK(different == 0);
         CHECK(touching > 500);
@@ -138,7 +138,7 @@ TEST_CASE("a driver of CHAI3D in a loop gives the bits of the same device withou
     explicit Plain(const Mechanism& m) : physics(m, test::driverSetup()) {}
     Status measure(Measurement& m) noexcept override {
       const Status status = physics.measure(m);
-      m.applied.resize(0);
+      m.applied.reset();
       return status;
     }
     Status actuate(const Command& command) noexcept override {
@@ -202,14 +202,14 @@ TEST_CASE("six axes: what the device measures, and a command a native tick gives
           {worst, (m.q - bench.driver->measured.q).norm(), 1e-3 * (m.rates - bench.driver->measured.rates).norm()});
       Vec6 sent;
       sent << bench.driver->force, bench.driver->moment;
-      worstWrench = std::max(worstWrench, (torqueOf(tick.input().kinematics.jacobian, sent) - command.torque).norm());
+      worstWrench = std::max(worstWrench, (torqueOf(tick.frame().kinematics.jacobian, sent) - command.torque).norm());
       moment = std::max(moment, bench.driver->moment.norm());
       if (i == 0) continue;  // start() has measured at this instant
       Vec6 shown;
       shown << fromChai3d(bench.tool.getDeviceLocalLinVel()), fromChai3d(bench.tool.getDeviceLocalAngVel());
-      worst = std::max(worst, 1e-3 * (shown - twistOf(tick.input().kinematics.jacobian, m.rates)).norm());
+      worst = std::max(worst, 1e-3 * (shown - twistOf(tick.frame().kinematics.jacobian, m.rates)).norm());
       worst =
-          std::max(worst, (fromChai3d(bench.tool.getDeviceLocalRot()) - tick.input().kinematics.pose.rotation).norm());
+          std::max(worst, (fromChai3d(bench.tool.getDeviceLocalRot()) - tick.frame().kinematics.pose.rotation).norm());
     }
     CHECK(different == 0);
     CHECK(worst < 1e-14);        // a rotation vector to a matrix and back
@@ -286,10 +286,10 @@ TEST_CASE("what a device cannot do is a status, and leaves the measurement as it
   CHECK(wrapped.measure(m) == Status::inactive);
   CHECK(wrapped.actuate(command) == Status::inactive);
   wrapped.open();
-  m.applied.setZero(6);
+  m.applied = JointVector::Zero(6);
   REQUIRE(wrapped.measure(m) == Status::ok);
   CHECK(m.enabled);
-  CHECK(m.applied.size() == 0);
+  CHECK_FALSE(m.applied.has_value());
   CHECK(wrapped.measure(m) == Status::stale);  // the clock stands still
   const JointVector q = m.q;
   driver->moves = false;

@@ -24,10 +24,10 @@ TEST_CASE("garbage into the renderers", "[hard]") {
     int ok = 0, refused = 0;
     for (int i = 0; i < ticks; ++i) {
       Vec6 twist = random.vector6(0.5, 5.0);
-      TickInput input = test::inputAt(device, random.workspacePose(), 1e-3 * i, twist);
+      TickFrame frame = test::frameAt(device, random.workspacePose(), 1e-3 * i, twist);
       const int damage = static_cast<int>(random.uniform(0.0, 8.0));
-      Kinematics& k = input.kinematics;
-      double* numbers[] = {&input.time,
+      Kinematics& k = frame.kinematics;
+      double* numbers[] = {&frame.time,
                            k.q.data(),
                            k.rates.data(),
                            k.pose.position.data(),
@@ -37,26 +37,27 @@ TEST_CASE("garbage into the renderers", "[hard]") {
                            k.inverseTransposed.data(),
                            k.gravity.data(),
                            k.inertia.data(),
-                           input.applied.data(),
-                           &input.contacts.contacts[0].gap,
-                           input.contacts.contacts[0].normal.data(),
-                           input.maxTorque.data(),
-                           input.contacts.contacts[0].point.data(),
-                           &input.contacts.contacts[0].material.stiffness,
-                           &input.contacts.contacts[0].material.friction,
-                           &input.contacts.contacts[0].material.sliding};
+                           frame.applied->data(),
+                           &frame.contacts.contacts[0].gap,
+                           frame.contacts.contacts[0].normal.data(),
+                           frame.maxTorque.data(),
+                           frame.contacts.contacts[0].point.data(),
+                           &frame.contacts.contacts[0].material.stiffness,
+                           &frame.contacts.contacts[0].material.friction,
+                           &frame.contacts.contacts[0].material.sliding};
       const int sizes[] = {1, 6, 6, 3, 9, 6, 36, 36, 6, 36, 6, 1, 3, 6, 3, 1, 1, 1};
       for (int blow = 0; blow < damage; ++blow) {
         const int field = static_cast<int>(random.uniform(0.0, 18.0));
         numbers[field][static_cast<int>(random.uniform(0.0, sizes[field]))] = test::garbage(random);
       }
-      if (random.uniform(0.0, 1.0) < 0.05) input.contacts.count = static_cast<int>(random.uniform(-20.0, 20.0));
+      if (random.uniform(0.0, 1.0) < 0.05) frame.contacts.count = static_cast<int>(random.uniform(-20.0, 20.0));
+      (void)fillContactRows(frame);  // what is damaged, checkFrame() refuses
       TickOutput output;
       output.torque.setConstant(6, std::nan(""));
-      const Status status = renderer->step(input, output);
+      const Status status = renderer->step(frame, output);
       REQUIRE(output.torque.allFinite());
       REQUIRE(std::isfinite(output.normalForce));
-      const Status expected = checkInput(input, lastTime);
+      const Status expected = checkFrame(frame, lastTime);
       if (expected != Status::ok) {
         REQUIRE(status == expected);
       } else {  // a Jacobian of 1e308 makes no torque that can be; an inertia need not be one
@@ -64,8 +65,8 @@ TEST_CASE("garbage into the renderers", "[hard]") {
       }
       if (status == Status::ok) {
         ++ok;
-        lastTime = input.time;
-        REQUIRE((output.torque.array().abs() <= input.maxTorque.array()).all());
+        lastTime = frame.time;
+        REQUIRE((output.torque.array().abs() <= frame.maxTorque.array()).all());
         REQUIRE(output.mode != RenderMode::fault);
         if (lastTime > 1e-3 * ticks) {  // garbage carried the clock into the far future: start again
           renderer->reset();

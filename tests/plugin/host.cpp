@@ -58,7 +58,7 @@ TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good in
     for (int i = 0; i < 3000; ++i) {
       Vec6 twist = Vec6::Zero();
       twist.head<3>() = random.vector(0.1);
-      TickInput input = test::inputAt(*device, test::poseAtDepth(2e-4 * std::sin(0.01 * i)), 1e-3 * (i + 1), twist);
+      TickFrame input = test::frameAt(*device, test::poseAtDepth(2e-4 * std::sin(0.01 * i)), 1e-3 * (i + 1), twist);
       if (i % 50 == 7) input.kinematics.q[2] = std::nan("");
       if (i % 50 == 8) input.contacts.contacts[0].gap = 1e9;
       if (i % 50 == 9) input.contacts.count = 99;
@@ -174,7 +174,7 @@ TEST_CASE("the template's wrench becomes the torque of gravity and wall on any m
   int contact = 0;
   for (int i = 0; i < 500; ++i) {
     const Pose pose = random.workspacePose(0.2);
-    TickInput input = test::inputAt(device, pose, 1e-3 * (i + 1), random.vector6(0.1, 1.0));
+    TickFrame input = test::frameAt(device, pose, 1e-3 * (i + 1), random.vector6(0.1, 1.0));
     // Several contacts with their obstacles in motion, the deepest first.
     input.contacts.count = i % 4;
     double gap = -2e-3;
@@ -209,7 +209,7 @@ TEST_CASE("a plugin that is not active has no state", "[plugin]") {
       plugin->reset();
       CHECK(state == before);
       TickOutput output;
-      CHECK(plugin->step(TickInput{}, output) == Status::inactive);
+      CHECK(plugin->step(TickFrame{}, output) == Status::inactive);
     };
     hasNone();
     plugin->activate(1e-3);
@@ -240,7 +240,7 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   PositionControlRenderer linked(K, 1e-3, {});
   linked.activate(1e-3);
   for (int i = 1; i < 100; ++i) {
-    const TickInput input = test::inputAt(*device, test::poseAtDepth(1e-4 * std::sin(0.1 * i)), 1e-3 * i);
+    const TickFrame input = test::frameAt(*device, test::poseAtDepth(1e-4 * std::sin(0.1 * i)), 1e-3 * i);
     TickOutput a, b;
     REQUIRE(plugin->step(input, a) == Status::ok);
     REQUIRE(linked.step(input, b) == Status::ok);
@@ -274,7 +274,7 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   surface->activate(1e-3);
   linkedSurface.activate(1e-3);
   for (int i = 1; i < 100; ++i) {
-    const TickInput input = test::inputAt(*device, test::poseAtDepth(1e-4 * std::sin(0.1 * i)), 1e-3 * i);
+    const TickFrame input = test::frameAt(*device, test::poseAtDepth(1e-4 * std::sin(0.1 * i)), 1e-3 * i);
     TickOutput a, b;
     REQUIRE(surface->step(input, a) == Status::ok);
     REQUIRE(linkedSurface.step(input, b) == Status::ok);
@@ -328,7 +328,7 @@ TEST_CASE("what a bad plugin does in a tick becomes a fault", "[plugin]") {
     INFO(name);
     const auto renderer = makeRenderer(PluginLibrary::load(ENAMEL_BAD_PLUGINS "/bad_" + std::string(name) + ".so"), {});
     renderer->activate(1e-3);
-    CHECK(renderer->step(test::inputAt(device, test::poseAtDepth(1e-4), 1.0), output) == status);
+    CHECK(renderer->step(test::frameAt(device, test::poseAtDepth(1e-4), 1.0), output) == status);
     CHECK(output.torque.allFinite());
     CHECK((output.torque.array().abs() <= device.limits().torque.array()).all());
   }

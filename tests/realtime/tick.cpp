@@ -19,7 +19,7 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
 
    private:
     void prepare(double) override {}
-    Status render(const TickInput& input, TickOutput& output) noexcept override {
+    Status render(const TickFrame& input, TickOutput& output) noexcept override {
       output.torque = input.kinematics.gravity + 1e-3 * input.kinematics.inertia.diagonal();
       output.mode = input.contacts.count > 0 ? RenderMode::contact : RenderMode::free;
       return Status::ok;
@@ -67,7 +67,7 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
       const Status status = tick(m, command);
       if (status != Status::ok) tick.reset();
       ok += status == Status::ok;
-      contact += tick.output().mode == RenderMode::contact;
+      contact += tick.frame().output.mode == RenderMode::contact;
       sum += motors.actuate(i, command.torque, stream)[0] + stream.normal(RandomStream::Purpose::noise, i);
       renderer->saveState(state.data());
       renderer->loadState(state.data());

@@ -20,7 +20,7 @@ std::vector<Fault> guardFaults() {
          if (t == 0) m.q[4] -= 0.3;
        }},
       {"switched sign", GuardReason::jump, 1, [](int, Measurement& m) { m.q[0] = -m.q[0]; }},
-      {"time stands still", GuardReason::late, 5, [](int t, Measurement& m) { m.time -= 1e-3 * (t + 1); }},
+      {"time stands still", GuardReason::clock, 5, [](int t, Measurement& m) { m.time -= 1e-3 * (t + 1); }},
       {"time runs backwards", GuardReason::clock, 1, [](int t, Measurement& m) { m.time -= 2e-3 * (t + 1); }},
       {"time jumps back", GuardReason::clock, 1, [](int, Measurement& m) { m.time -= 0.2; }},
       {"5 ms late", GuardReason::late, 1, {}, {}, 5},
@@ -95,10 +95,10 @@ void requireGuarded(Renderer& renderer, const Fault& fault, bool echo) {
         if (plant.measure(m) != Status::ok || plant.advance(hand) != Status::ok) break;
     REQUIRE(plant.measure(m) == Status::ok);
     const JointVector gravity = plant.kinematics().gravity;
-    if (!echo) m.applied.resize(0);
+    if (!echo) m.applied.reset();
     if (i >= kFaultAt && fault.measure) fault.measure(i - kFaultAt, m);
     const Status status = tick(m, command);
-    contacts += tick.output().mode == RenderMode::contact;
+    contacts += tick.frame().output.mode == RenderMode::contact;
     const JointVector& torque = command.torque;
     REQUIRE(torque.size() == 6);
     REQUIRE(torque.allFinite());
@@ -107,15 +107,15 @@ void requireGuarded(Renderer& renderer, const Fault& fault, bool echo) {
     last = torque;
     if (i < kFaultAt) {
       REQUIRE(status == Status::ok);
-      REQUIRE(tick.reason() == GuardReason::none);
-      REQUIRE(torque == tick.output().torque);
-    } else if (seen < 0 && isFault(tick.reason())) {
+      REQUIRE(tick.frame().reason == GuardReason::none);
+      REQUIRE(torque == tick.frame().output.torque);
+    } else if (seen < 0 && isFault(tick.frame().reason)) {
       seen = i;
     }
     if (seen >= 0) {
       REQUIRE(status != Status::ok);
-      REQUIRE((tick.reason() == fault.reason || tick.reason() == fault.other));
-      REQUIRE(tick.guard().fault() == tick.reason());
+      REQUIRE((tick.frame().reason == fault.reason || tick.frame().reason == fault.other));
+      REQUIRE(tick.guard().fault() == tick.frame().reason);
     }
     if (seen >= 0 && i >= seen + 2 * ramp) {  // two: what is not known can come to it on the way
       const bool known = fault.reason != GuardReason::measurement && fault.reason != GuardReason::jump &&

@@ -23,7 +23,7 @@ class Spoiled final : public Renderer {
 
  private:
   void prepare(double period) override { inner_.activate(period); }
-  Status render(const TickInput& input, TickOutput& output) noexcept override {
+  Status render(const TickFrame& input, TickOutput& output) noexcept override {
     const Status status = inner_.step(input, output);
     return spoil_ && ++ticks_ > from_ && status == Status::ok ? spoil_(ticks_ - from_, output) : status;
   }

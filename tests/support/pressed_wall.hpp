@@ -64,7 +64,7 @@ class Vibrating final : public Renderer {
 
  private:
   void prepare(double period) override { controller_.activate(period); }
-  Status render(const TickInput& input, TickOutput& output) noexcept override {
+  Status render(const TickFrame& input, TickOutput& output) noexcept override {
     const Status status = controller_.step(input, output);
     Vec6 wrench = Vec6::Zero();
     wrench[2] = amplitude_ * std::sin(2.0 * M_PI * 150.0 * input.time);

@@ -52,15 +52,16 @@ std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& renderer, c
   return ticks;
 }
 
-TickInput inputAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist) {
-  TickInput input;
-  input.time = time;
-  if (mechanism.reach(pose, twist, true, input.kinematics) != Status::ok) throw Error("pose outside the workspace");
-  input.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);
-  input.contacts.count = 1;
-  input.maxTorque = mechanism.limits().torque;
-  input.applied = input.kinematics.gravity;
-  return input;
+TickFrame frameAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist) {
+  TickFrame frame;
+  frame.time = time;
+  if (mechanism.reach(pose, twist, true, frame.kinematics) != Status::ok) throw Error("pose outside the workspace");
+  frame.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);
+  frame.contacts.count = 1;
+  frame.maxTorque = mechanism.limits().torque;
+  frame.applied = frame.kinematics.gravity;
+  if (fillContactRows(frame) != Status::ok) throw Error("the inertia is not positive definite");
+  return frame;
 }
 
 Pose poseAtDepth(double depth) {

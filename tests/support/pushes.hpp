@@ -37,7 +37,7 @@ PersonalLoad handAt(double z, double stiffness, double damping);
 std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& renderer, const PushSetup& setup);
 
 /// An input at a pose that a renderer accepts, with the TCP's contact with the wall z = 0.
-TickInput inputAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist = Vec6::Zero());
+TickFrame frameAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist = Vec6::Zero());
 
 Pose poseAtDepth(double depth);
 

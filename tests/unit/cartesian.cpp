@@ -257,4 +257,69 @@ TEST_CASE("cartesian: a bad file is refused with file, line, key, value and limi
   CHECK_THROWS_AS(CartesianMechanism(device), ConfigurationError);
 }
 
+namespace {
+
+std::string stylusFile(const std::string& more, const std::string& platform) {
+  return "kind = \"cartesian\"\nname = \"stylus\"\naxes = 6\nhalf_widths = [0.08, 0.06, 0.035]\nmax_force = 3.3\n"
+         "position_step = 5e-6\nangle_step = 2e-4\n" +
+         more + "\n[platform]\ninertia = [4e-5, 4e-5, 2e-5]\n" + platform;
+}
+
+}  // namespace
+
+TEST_CASE("axes without a motor are sensed and not driven", "[cartesian]") {
+  const std::string driven = "driven = [1, 1, 1, 0, 0, 0]";
+  const CartesianMechanism stylus(parseCartesian(stylusFile(driven, "mass = 0.1"), "stylus.toml"));
+  CHECK(stylus.joints() == 6);
+  CHECK(stylus.limits().torque == (JointVector(6) << 3.3, 3.3, 3.3, 0.0, 0.0, 0.0).finished());
+  const JointVector& limits = stylus.limits().torque;
+  CHECK(largestForce(stylus.home(), limits, Vec3(0.01, 0.0, 0.0), Vec3::UnitZ()) == 3.3);  // beside the tip, too
+  const auto refuses = [](const std::string& more, const std::string& words) {
+    REQUIRE_THROWS_WITH(parseCartesian(stylusFile(more, "mass = 0.1"), "stylus.toml"), test::ContainsSubstring(words));
+  };
+  refuses("driven = [1, 1, 1]", "has 3 numbers, must have one for each of the 6 axes");
+  refuses("driven = [1, 1, 1, 0, 0, 0.5]", "must be 1 (the axis has a motor) or 0");
+  refuses("driven = [0, 0, 0, 0, 0, 0]", "names no axis with a motor");
+  refuses("driven = [1, 1, 1, 0, 0, 1]", "max_moment");
+}
+
+TEST_CASE("an apparent mass that depends on the position", "[cartesian]") {
+  // 50 g on the left, 150 g on the right: linear in x.
+  const std::string table = "mass_counts = [2, 2, 2]\nmass_table = [0.05, 0.15, 0.05, 0.15, 0.05, 0.15, 0.05, 0.15]";
+  const CartesianMechanism device(parseCartesian(stylusFile("max_moment = 1.0", table), "stylus.toml"));
+  const auto massAt = [&](const Vec3& position) {
+    Kinematics k;
+    REQUIRE(device.reach({position, Mat3::Identity()}, Vec6::Zero(), true, k) == Status::ok);
+    return k.inertia(0, 0);
+  };
+  CHECK(massAt(Vec3::Zero()) == Approx(0.10).epsilon(1e-12));
+  CHECK(massAt({-0.08, 0.05, 0.0}) == Approx(0.05).epsilon(1e-12));
+  CHECK(massAt({0.04, -0.06, 0.035}) == Approx(0.125).epsilon(1e-12));
+  // Kinetic energy changes by the work of the force alone, also where the mass changes on the way.
+  Pose pose;
+  Vec6 twist = (Vec6() << 0.3, 0.1, -0.05, 0.0, 0.0, 0.0).finished();
+  const auto energy = [&] { return 0.5 * massAt(pose.position) * twist.head<3>().squaredNorm(); };
+  const double before = energy();
+  double work = 0.0;
+  const Vec6 wrench = (Vec6() << 0.4, -0.2, 0.1, 0.0, 0.0, 0.0).finished();
+  constexpr double kStep = 1e-6;
+  for (int i = 0; i < 100000; ++i) {
+    Vec6 acceleration;
+    REQUIRE(device.accelerate(pose, twist, JointVector::Zero(6), wrench, acceleration) == Status::ok);
+    const Vec6 half = twist + 0.5 * kStep * acceleration;
+    work += kStep * wrench.dot(half);
+    pose.position += kStep * half.head<3>();
+    twist += kStep * acceleration;
+  }
+  CHECK(energy() - before == Approx(work).epsilon(1e-4));  // steps of 1 us, of first order
+  const auto refuses = [](const std::string& platform, const std::string& words) {
+    REQUIRE_THROWS_WITH(parseCartesian(stylusFile("max_moment = 1.0", platform), "stylus.toml"),
+                        test::ContainsSubstring(words));
+  };
+  refuses("mass = 0.1\n" + table, "is given beside mass_table");
+  refuses("mass_counts = [2, 2, 3]\nmass_table = [0.1, 0.1]", "has 2 masses, mass_counts asks for 12");
+  refuses("mass_counts = [1, 2, 2]\nmass_table = [0.1, 0.1]", "whole numbers in 2 to 64");
+  refuses("mass_counts = [2, 2, 2]\nmass_table = [0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, -0.1]", "greater than 0 kg");
+}
+
 }  // namespace enamel::test_cartesian

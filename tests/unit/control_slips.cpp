@@ -134,7 +134,7 @@ TEST_CASE("gains of 1e308 become no torque", "[control_slips]") {
     int refused = 0;
     for (int i = 1; i < 20; ++i) {
       TickOutput output;
-      const Status status = renderer->step(test::inputAt(device, test::poseAtDepth(1e-4 * i), 1e-3 * i), output);
+      const Status status = renderer->step(test::frameAt(device, test::poseAtDepth(1e-4 * i), 1e-3 * i), output);
       refused += status != Status::ok;
       CHECK((output.torque.cwiseAbs() - device.limits().torque).maxCoeff() <= 0.0);
       if (status != Status::ok) CHECK(output.torque == JointVector::Zero(6));

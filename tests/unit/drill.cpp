@@ -168,6 +168,7 @@ TEST_CASE("drill: contacts and material go together while it cuts", "[drill]") {
     if (way.norm() > 1e-9) at.position += std::min(3e-5, way.norm()) * way.normalized();
     ContactSnapshot contacts;
     REQUIRE(followContacts(scene, tool, at, 1e-3, track, contacts) == Status::ok);
+    drill.correct(contacts);
     const double whole = drill.removed()[0] + drill.removed()[1];
     drill.cut(scene, at, contacts.count > 0 ? Vec3(2.0 * contacts.contacts[0].normal) : Vec3(Vec3::Zero()), 1e-3,
               contacts);
@@ -215,8 +216,9 @@ TEST_CASE("drill: what does not spin does not cut; what is refused", "[drill]") 
     ContactSnapshot contacts;
     REQUIRE(findContacts(scene, tool, at, 1e-3, nullptr, contacts) == Status::ok);
     const double gap = contacts.contacts[0].gap;
-    drill.cut(scene, at, force, 1e-3, contacts);
+    drill.correct(contacts);
     CHECK(contacts.contacts[0].gap >= gap);
+    drill.cut(scene, at, force, 1e-3, contacts);
     return drill.removed()[0];
   };
   Drill drill(tool, {solid}, kBur);

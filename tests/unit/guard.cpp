@@ -7,6 +7,7 @@
 #include "enamel/device/device_file.hpp"
 #include "support/catch.hpp"
 #include "support/guard_faults.hpp"
+#include "support/guard_step.hpp"
 #include "support/pushes.hpp"
 
 namespace enamel::test_guard {
@@ -32,12 +33,12 @@ struct Bench {
     m.rates = JointVector::Zero(6);
   }
 
-  GuardedCommand ask(const Vec6& wrench, double later = 1e-3) {
+  test::GuardedCommand ask(const Vec6& wrench, double later = 1e-3) {
     time += later;
     m.time = time;
-    return guard.step(m, k, staticTorque(k, wrench), Status::ok);
+    return test::guardStep(guard, m, k, staticTorque(k, wrench), Status::ok);
   }
-  Vec6 rendered(const GuardedCommand& command) const { return wrenchOf(k, command.torque - gravity); }
+  Vec6 rendered(const test::GuardedCommand& command) const { return wrenchOf(k, command.torque - gravity); }
 };
 
 Vec6 force(double x, double y, double z) { return (Vec6() << x, y, z, 0.0, 0.0, 0.0).finished(); }
@@ -79,16 +80,16 @@ TEST_CASE("guard: every injected fault, with both renderers", "[guard]") {
 TEST_CASE("guard: a force is cut without being turned, gravity stays", "[guard]") {
   Bench limited([](GuardOptions& o) { o.force = 5.0; });
   limited.ask(Vec6::Zero());
-  const GuardedCommand less = limited.ask(force(0.0, 3.0, 4.0 - 1e-9));
+  const test::GuardedCommand less = limited.ask(force(0.0, 3.0, 4.0 - 1e-9));
   CHECK(less.reason == GuardReason::none);
-  const GuardedCommand cut = limited.ask(force(6.0, 0.0, 8.0));
+  const test::GuardedCommand cut = limited.ask(force(6.0, 0.0, 8.0));
   CHECK(cut.reason == GuardReason::force);
   CHECK((limited.rendered(cut) - force(3.0, 0.0, 4.0)).norm() < 1e-9);
 
   Bench bench;
   bench.ask(Vec6::Zero());
   const double most = largestForce(bench.k, bench.device.limits().torque, bench.k.pose.position, Vec3::UnitY());
-  const GuardedCommand saturated = bench.ask(force(0.0, 3.0 * most, 0.0));
+  const test::GuardedCommand saturated = bench.ask(force(0.0, 3.0 * most, 0.0));
   CHECK(saturated.reason == GuardReason::torque);
   CHECK((bench.rendered(saturated) - force(0.0, most, 0.0)).norm() < 1e-6);
 
@@ -99,7 +100,7 @@ TEST_CASE("guard: a force is cut without being turned, gravity stays", "[guard]"
 
   // Less than gravity needs: gravity's torque as a whole becomes smaller.
   Bench tired([](GuardOptions& o) { o.torque *= 0.02; });
-  const GuardedCommand sinking = tired.ask(Vec6::Zero());
+  const test::GuardedCommand sinking = tired.ask(Vec6::Zero());
   CHECK(sinking.reason == GuardReason::torque);
   CHECK(sinking.torque.normalized().isApprox(tired.gravity.normalized(), 1e-12));
 }
@@ -109,7 +110,7 @@ TEST_CASE("guard: the slew is kept on the straight way to what is asked", "[guar
   JointVector last = bench.ask(Vec6::Zero()).torque;
   const JointVector goal = staticTorque(bench.k, force(0.0, 0.0, 8.0));
   int ticks = 0;
-  for (GuardedCommand c; c.torque.size() == 0 || c.torque != goal; ++ticks) {
+  for (test::GuardedCommand c; c.torque.size() == 0 || c.torque != goal; ++ticks) {
     REQUIRE(ticks < 100);
     c = bench.ask(force(0.0, 0.0, 8.0));
     REQUIRE((c.torque - last).cwiseAbs().maxCoeff() <= 0.02 * (1.0 + 1e-9));
@@ -123,14 +124,14 @@ TEST_CASE("guard: the slew is kept on the straight way to what is asked", "[guar
 TEST_CASE("guard: it engages only where little is demanded, and ramps in", "[guard]") {
   Bench bench;
   for (int i = 0; i < 50; ++i) {
-    const GuardedCommand c = bench.ask(force(0.0, 0.0, 18.0));
+    const test::GuardedCommand c = bench.ask(force(0.0, 0.0, 18.0));
     REQUIRE(c.reason == GuardReason::waiting);
     REQUIRE(c.torque.isApprox(bench.gravity, 1e-14));
   }
   CHECK_FALSE(bench.guard.engaged());
   double last = 0.0;
   for (int i = 0; i < 110; ++i) {  // 0.1 s
-    const GuardedCommand c = bench.ask(force(0.0, 0.0, 1.0));
+    const test::GuardedCommand c = bench.ask(force(0.0, 0.0, 1.0));
     const double rendered = bench.rendered(c)[2];
     REQUIRE(rendered == Approx(std::min(1.0, 0.01 * (i + 1))).margin(1e-9));
     REQUIRE(c.reason == (i < 99 ? GuardReason::engaging : GuardReason::none));
@@ -179,7 +180,7 @@ TEST_CASE("guard: the user's enable ramps out and in, without a fault", "[guard]
   bench.ask(force(0.0, 0.0, 10.0));
   bench.m.enabled = false;
   for (int i = 1; i <= 30; ++i) {
-    const GuardedCommand c = bench.ask(force(0.0, 0.0, 10.0));
+    const test::GuardedCommand c = bench.ask(force(0.0, 0.0, 10.0));
     CHECK(c.reason == GuardReason::disabled);
     CHECK(bench.rendered(c)[2] == Approx(10.0 * std::max(0.0, 1.0 - i / 20.0)).margin(1e-9));
   }
@@ -191,7 +192,7 @@ TEST_CASE("guard: the user's enable ramps out and in, without a fault", "[guard]
 
 TEST_CASE("guard: a brake beyond the speed and the workspace, then a stop", "[guard]") {
   const auto moveAt = [](Bench& bench, const Vec3& from, const Vec3& velocity) {
-    GuardedCommand c;
+    test::GuardedCommand c;
     Pose pose;
     for (int i = 0; i < 2; ++i) {
       pose.position = from + i * 1e-3 * velocity;
@@ -206,7 +207,7 @@ TEST_CASE("guard: a brake beyond the speed and the workspace, then a stop", "[gu
   const Vec3 aside(0.6, 0.0, 0.8);
   Bench slow, fast, faster;
   CHECK(moveAt(slow, Vec3::Zero(), 0.95 * aside).reason == GuardReason::none);
-  const GuardedCommand braked = moveAt(fast, Vec3::Zero(), 1.5 * aside);
+  const test::GuardedCommand braked = moveAt(fast, Vec3::Zero(), 1.5 * aside);
   CHECK(braked.reason == GuardReason::brake);
   // 0.5 m/s too fast; the chord of 1.5 mm against the tangent: a per cent.
   const Vec3 brake = fast.rendered(braked).head<3>();
@@ -216,7 +217,7 @@ TEST_CASE("guard: a brake beyond the speed and the workspace, then a stop", "[gu
   const auto boxed = [](GuardOptions& o) { o.workspace.setConstant(0.01); };
   Bench inside(boxed), outwards(boxed), back(boxed), beyond(boxed);
   CHECK(moveAt(inside, Vec3(0.0, 0.0095, 0.0), Vec3(0.0, 0.2, 0.0)).reason == GuardReason::none);
-  const GuardedCommand held = moveAt(outwards, Vec3(0.0, 0.0105, 0.0), Vec3(0.1, 0.2, 0.0));
+  const test::GuardedCommand held = moveAt(outwards, Vec3(0.0, 0.0105, 0.0), Vec3(0.1, 0.2, 0.0));
   CHECK(held.reason == GuardReason::brake);
   CHECK((outwards.rendered(held).head<3>() + 0.2 * outwards.guard.options().brake * Vec3::UnitY()).norm() < 0.02);
   CHECK(moveAt(back, Vec3(0.0, 0.0105, 0.0), Vec3(0.0, -0.2, 0.0)).reason == GuardReason::none);
@@ -252,8 +253,8 @@ TEST_CASE("guard: energy is held against a renderer, but not against a moving wa
       REQUIRE(bench.device.reach(pose, Vec6::Zero(), false, bench.k) == Status::ok);
       bench.m.q = bench.k.q;
       bench.m.time = 1e-3 * i;
-      const GuardedCommand c =
-          bench.guard.step(bench.m, bench.k, staticTorque(bench.k, force(0.0, f(1e-3 * i), 0.0)), Status::ok, surface);
+      const test::GuardedCommand c = test::guardStep(
+          bench.guard, bench.m, bench.k, staticTorque(bench.k, force(0.0, f(1e-3 * i), 0.0)), Status::ok, surface);
       if (c.reason != GuardReason::none) return c.reason;
     }
     return GuardReason::none;
@@ -323,8 +324,8 @@ TEST_CASE("guard: a fault's ramp never pushes the tool on", "[guard]") {
       bench.gravity = bench.k.gravity;
       bench.m.time = 1e-3 * i;
       if (i > 0) asked = force(0.0, 4.0, 0.0);
-      const GuardedCommand c =
-          bench.guard.step(bench.m, bench.k, staticTorque(bench.k, asked), i < 10 ? Status::ok : Status::notConverged);
+      const test::GuardedCommand c = test::guardStep(bench.guard, bench.m, bench.k, staticTorque(bench.k, asked),
+                                                     i < 10 ? Status::ok : Status::notConverged);
       const double rendered = bench.rendered(c)[1];
       if (i < 10) continue;
       REQUIRE(c.reason == GuardReason::renderer);
@@ -366,17 +367,17 @@ TEST_CASE("guard: where it steps in and the device cannot tell, the renderer hea
   for (int i = 0; i < 20; ++i) {
     Kinematics k;
     REQUIRE(device.reach(test::poseAtDepth(i < 10 ? 0.0 : 5e-5 * (i - 9)), Vec6::Zero(), false, k) == Status::ok);
-    m = {1e-3 * i, k.q, k.rates, {}, true};
-    const bool changed = tick.reason() != GuardReason::none;
+    m = {1e-3 * i, k.q, k.rates, std::nullopt, true};
+    const bool changed = tick.frame().reason != GuardReason::none;
     REQUIRE(tick(m, command) == Status::ok);
     if (changed)
-      CHECK(tick.input().applied == last.torque);
+      CHECK(tick.frame().applied == last.torque);
     else
-      CHECK(tick.input().applied.size() == 0);
+      CHECK_FALSE(tick.frame().applied.has_value());
     last = command;
   }
-  CHECK(tick.reason() == GuardReason::force);
-  CHECK(command.torque != tick.output().torque);
+  CHECK(tick.frame().reason == GuardReason::force);
+  CHECK(command.torque != tick.frame().output.torque);
 }
 
 TEST_CASE("guard: a copy goes on as the original does; a thousand ticks are kept", "[guard]") {
@@ -390,8 +391,8 @@ TEST_CASE("guard: a copy goes on as the original does; a thousand ticks are kept
     bench.m.time = bench.time += 1e-3;
     if (i == 100) bench.m.q[3] += 1.0;
     const JointVector asked = staticTorque(bench.k, force(0.0, 0.0, 5.0 * std::sin(0.1 * i)));
-    const GuardedCommand a = bench.guard.step(bench.m, bench.k, asked, Status::ok),
-                         b = copy.step(bench.m, bench.k, asked, Status::ok);
+    const test::GuardedCommand a = test::guardStep(bench.guard, bench.m, bench.k, asked, Status::ok),
+                               b = test::guardStep(copy, bench.m, bench.k, asked, Status::ok);
     REQUIRE(a.torque == b.torque);
     REQUIRE(a.reason == b.reason);
   }

@@ -68,7 +68,7 @@ class Bench final : public HapticDevice {
 class Pusher final : public Renderer {
  private:
   void prepare(double) override {}
-  Status render(const TickInput& input, TickOutput& output) noexcept override {
+  Status render(const TickFrame& input, TickOutput& output) noexcept override {
     force_ = std::min(2.0, force_ + 0.05);
     output.torque = input.kinematics.gravity;
     output.torque[2] += force_;
@@ -91,8 +91,8 @@ class Counter final : public TickSink {
  public:
   std::atomic<std::uint64_t> ticks{0}, wrong{0}, resets{0};
   void tick(const LoopTick& t, const HapticTick& haptics) noexcept override {
-    if (t.number != ticks || t.command.torque.size() != 3 || t.reason != haptics.reason() ||
-        t.requested != haptics.output().torque || !(t.age >= t.compute))
+    if (t.number != ticks || t.command.torque.size() != 3 || t.reason != haptics.frame().reason ||
+        t.requested != haptics.frame().output.torque || !(t.age >= t.compute))
       ++wrong;
     resets.fetch_add(t.reset ? 1u : 0u);
     ++ticks;

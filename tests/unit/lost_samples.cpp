@@ -257,7 +257,7 @@ TEST_CASE("an old sample is predicted by its rates", "[lost]") {
   options.stiffness = 1000.0;
   ImpedanceRenderer renderer(options);
   renderer.activate(kPeriod);
-  TickInput input = test::inputAt(tau(), pose, 1.0, twist);
+  TickFrame input = test::frameAt(tau(), pose, 1.0, twist);
   TickOutput output;
   REQUIRE(renderer.step(input, output) == Status::ok);
   CHECK(output.normalForce == Approx(1.0).epsilon(1e-12));

@@ -89,8 +89,8 @@ TEST_CASE("passivity control makes a force smaller, never larger, and turns none
     pose.position.z() = -2e-3 + 4e-3 * std::sin(0.05 * i) + 1e-4 * random.uniform(-1.0, 1.0);
     Vec6 twist = Vec6::Zero();
     twist[2] = 0.2 * std::cos(0.05 * i);
-    TickInput input = test::inputAt(device, pose, 1e-3 * i, twist);
-    input.applied.resize(0);
+    TickFrame input = test::frameAt(device, pose, 1e-3 * i, twist);
+    input.applied.reset();
     TickOutput one, other;
     REQUIRE(bare.step(input, one) == Status::ok);
     REQUIRE(passive.step(input, other) == Status::ok);
@@ -115,7 +115,7 @@ TEST_CASE("with memory no depth gives more than it has taken, whatever the wall"
   // Pushes out with three times the force with which it lets in, as a wall that makes energy does.
   class Thrower final : public Renderer {
     void prepare(double) override {}
-    Status render(const TickInput& input, TickOutput& output) noexcept override {
+    Status render(const TickFrame& input, TickOutput& output) noexcept override {
       const double gap = input.contacts.count > 0 ? input.contacts.contacts[0].gap : 0.0;
       Vec6 wrench = Vec6::Zero();
       wrench[2] = std::max(0.0, -gap) * (input.kinematics.twist[2] > 0.0 ? 9e3 : 3e3);
@@ -149,8 +149,8 @@ TEST_CASE("with memory no depth gives more than it has taken, whatever the wall"
         pose.position.z() = z;
         Vec6 twist = Vec6::Zero();
         twist[2] = speed;
-        TickInput input = test::inputAt(device, pose, 1e-3 * ++tick, twist);
-        input.applied.resize(0);
+        TickFrame input = test::frameAt(device, pose, 1e-3 * ++tick, twist);
+        input.applied.reset();
         TickOutput output;
         REQUIRE(passive.step(input, output) == Status::ok);
         force = output.normalForce =
@@ -183,7 +183,7 @@ TEST_CASE("a wall behind passivity control goes on from a copied state") {
     Pose pose;
     pose.position.z() = -1e-3 * std::sin(0.03 * i);
     TickOutput output;
-    REQUIRE(renderer.step(test::inputAt(device, pose, 1e-3 * i), output) == Status::ok);
+    REQUIRE(renderer.step(test::frameAt(device, pose, 1e-3 * i), output) == Status::ok);
     return output.torque;
   };
   for (int i = 1; i < 40; ++i) (void)step(passive, i);

@@ -9,7 +9,7 @@
 
 namespace enamel::test_renderers {
 
-using test::inputAt;
+using test::frameAt;
 using test::poseAtDepth;
 using test::relativeError;
 
@@ -31,7 +31,7 @@ TEST_CASE("impedance: spring and damper along the normal, never pulling", "[rend
   const auto forceAt = [&](double depth, double speed, double time) {
     Vec6 twist = Vec6::Zero();
     twist[2] = speed;
-    const TickInput input = inputAt(device, poseAtDepth(depth), time, twist);
+    const TickFrame input = frameAt(device, poseAtDepth(depth), time, twist);
     REQUIRE(renderer.step(input, output) == Status::ok);
     // Of the TAU's own functions, not of those that the renderer uses.
     TauConfiguration c;
@@ -54,7 +54,7 @@ TEST_CASE("impedance: forces at contacts away from the TCP have their moments, a
   const TauModel& model = device.model();
   ImpedanceRenderer renderer({1000.0, 0.0});
   renderer.activate(1e-3);
-  TickInput input = inputAt(device, Pose{}, 1.0);
+  TickFrame input = frameAt(device, Pose{}, 1.0);
   const Vec3 points[2] = {{0.01, 0.02, -0.05}, {-0.02, 0.0, 0.01}};
   const Vec3 normals[2] = {Vec3(0.0, 0.6, 0.8), Vec3::UnitX()};
   Vec6 expected = Vec6::Zero();
@@ -85,7 +85,7 @@ TEST_CASE("position control: gravity in free space, the servo law in contact", "
   PositionControlRenderer renderer = test::positionControl(test::asInThePaper());
   renderer.activate(1e-3);
   TickOutput output;
-  const TickInput outside = inputAt(device, poseAtDepth(-1e-3), 0.0);
+  const TickFrame outside = frameAt(device, poseAtDepth(-1e-3), 0.0);
   REQUIRE(renderer.step(outside, output) == Status::ok);
   CHECK(output.mode == RenderMode::free);
   TauConfiguration c;
@@ -95,7 +95,7 @@ TEST_CASE("position control: gravity in free space, the servo law in contact", "
   // First touch at 0.1 mm: the measured angles become the reference, so only the rates count.
   Vec6 twist = Vec6::Zero();
   twist[2] = -0.05;
-  const TickInput touch = inputAt(device, poseAtDepth(1e-4), 1e-3, twist);
+  const TickFrame touch = frameAt(device, poseAtDepth(1e-4), 1e-3, twist);
   REQUIRE(renderer.step(touch, output) == Status::ok);
   CHECK(output.mode == RenderMode::contact);
   REQUIRE(inverseKinematics(model, touch.kinematics.pose, c) == Status::ok);
@@ -105,12 +105,12 @@ TEST_CASE("position control: gravity in free space, the servo law in contact", "
   CHECK(output.normalForce > 0.0);
 
   // Deeper: the error counts; one tick later its integral too.
-  const TickInput deeper = inputAt(device, poseAtDepth(2e-4), 2e-3);
+  const TickFrame deeper = frameAt(device, poseAtDepth(2e-4), 2e-3);
   const Vec6 error = deeper.kinematics.q - touch.kinematics.q;
   REQUIRE(renderer.step(deeper, output) == Status::ok);
   expected = gravityTorque(model, c) - gain.middleCols<6>(6) * error;
   CHECK(relativeError(Vec6(output.torque), expected) < 1e-12);
-  TickInput next = deeper;
+  TickFrame next = deeper;
   next.time = 3e-3;
   REQUIRE(renderer.step(next, output) == Status::ok);
   expected += gain.rightCols<6>() * (1e-3 * error);
@@ -128,7 +128,7 @@ TEST_CASE("position control: release ends the hold, and the next touch refers to
   const auto tick = [&](double depth, double speed) {
     Vec6 twist = Vec6::Zero();
     twist[2] = speed;
-    REQUIRE(renderer.step(inputAt(device, poseAtDepth(depth), time += 1e-3, twist), output) == Status::ok);
+    REQUIRE(renderer.step(frameAt(device, poseAtDepth(depth), time += 1e-3, twist), output) == Status::ok);
     return output.mode;
   };
   CHECK(tick(-1e-3, -0.1) == RenderMode::free);
@@ -154,14 +154,14 @@ TEST_CASE("position control: anti-windup stops the integrators while a motor sat
     PositionControlRenderer renderer = test::positionControl(options);
     renderer.activate(1e-3);
     TickOutput output;
-    REQUIRE(renderer.step(inputAt(device, Pose{}, 0.0), output) == Status::ok);
+    REQUIRE(renderer.step(frameAt(device, Pose{}, 0.0), output) == Status::ok);
     for (int i = 1; i <= 5; ++i) {
-      REQUIRE(renderer.step(inputAt(device, poseAtDepth(0.02), 1e-3 * i), output) == Status::ok);
+      REQUIRE(renderer.step(frameAt(device, poseAtDepth(0.02), 1e-3 * i), output) == Status::ok);
       CHECK(output.saturated);
       CHECK(output.torque.cwiseAbs().maxCoeff() <= test::nominal().motor.maxTorque);
     }
     // Back at the reference only the integral is left.
-    REQUIRE(renderer.step(inputAt(device, Pose{}, 0.01), output) == Status::ok);
+    REQUIRE(renderer.step(frameAt(device, Pose{}, 0.01), output) == Status::ok);
     const double left = (output.torque - device.home().gravity).norm();
     CHECK((antiWindup ? left < 1e-12 : left > 0.1));
   }
@@ -182,7 +182,7 @@ TEST_CASE("renderers: reset gives the first tick again, a saved state continues 
         TickOutput output;
         Vec6 twist = Vec6::Zero();
         twist[2] = 0.01 * std::cos(0.3 * i);
-        REQUIRE(renderer->step(inputAt(device, poseAtDepth(1e-4 * std::sin(0.3 * i)), 1e-3 * i, twist), output) ==
+        REQUIRE(renderer->step(frameAt(device, poseAtDepth(1e-4 * std::sin(0.3 * i)), 1e-3 * i, twist), output) ==
                 Status::ok);
         torques.push_back(output.torque);
       }
@@ -208,13 +208,13 @@ TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the sta
   for (Renderer* renderer :
        {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&surface), static_cast<Renderer*>(&spring)}) {
     TickOutput output;
-    TickInput good = inputAt(device, poseAtDepth(1e-4), 1.0);
+    TickFrame good = frameAt(device, poseAtDepth(1e-4), 1.0);
     CHECK(renderer->step(good, output) == Status::inactive);
     renderer->activate(1e-3);
     REQUIRE(renderer->step(good, output) == Status::ok);
     const auto before = stateOf(*renderer);
     const auto refuse = [&](Status status, auto change) {
-      TickInput bad = good;
+      TickFrame bad = good;
       bad.time = 2.0;
       change(bad);
       output.torque.setConstant(7.0);
@@ -223,37 +223,37 @@ TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the sta
       CHECK(output.mode == RenderMode::fault);
       CHECK(stateOf(*renderer) == before);
     };
-    refuse(Status::notFinite, [](TickInput& in) { in.kinematics.q[3] = std::nan(""); });
-    refuse(Status::notFinite, [](TickInput& in) { in.kinematics.rates[0] = HUGE_VAL; });
-    refuse(Status::notFinite, [](TickInput& in) { in.kinematics.pose.rotation(1, 1) = std::nan(""); });
-    refuse(Status::notFinite, [](TickInput& in) { in.contacts.contacts[0].gap = std::nan(""); });
-    refuse(Status::notFinite, [](TickInput& in) { in.time = std::nan(""); });
-    refuse(Status::notFinite, [](TickInput& in) { in.maxTorque[5] = std::nan(""); });
-    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.q[0] = 1e6; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.twist[1] = 1e3; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.twist[4] = 1001.0; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.rates[2] = 1001.0; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.pose.position.x() = 10.1; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.contacts.contacts[0].point.y() = 10.1; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.contacts.contacts[0].gap = 101.0; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.contacts.contacts[0].obstacleVelocity.z() = 101.0; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.pose.rotation *= 1.1; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.pose.rotation.col(0) *= -1.0; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.contacts.contacts[0].normal *= 2.0; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.contacts.count = kMaxContacts + 1; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.contacts.count = -1; });
-    refuse(Status::outOfRange, [](TickInput& in) { in.maxTorque[2] = -1.0; });
-    refuse(Status::stale, [](TickInput& in) { in.time = 1.0; });
-    refuse(Status::stale, [](TickInput& in) { in.time = 0.5; });
-    refuse(Status::notFinite, [](TickInput& in) { in.kinematics.jacobian(4, 5) = HUGE_VAL; });
-    refuse(Status::notFinite, [](TickInput& in) { in.kinematics.inverseTransposed(0, 0) = std::nan(""); });
-    refuse(Status::notFinite, [](TickInput& in) { in.kinematics.gravity[1] = -HUGE_VAL; });
-    refuse(Status::notFinite, [](TickInput& in) { in.kinematics.inertia(2, 3) = std::nan(""); });
-    refuse(Status::notFinite, [](TickInput& in) { in.applied[0] = std::nan(""); });
-    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.q.conservativeResize(5); });
-    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.q.resize(0); });
-    refuse(Status::outOfRange, [](TickInput& in) { in.kinematics.jacobian.conservativeResize(6, 3); });
-    refuse(Status::outOfRange, [](TickInput& in) { in.applied.conservativeResize(1); });
+    refuse(Status::notFinite, [](TickFrame& in) { in.kinematics.q[3] = std::nan(""); });
+    refuse(Status::notFinite, [](TickFrame& in) { in.kinematics.rates[0] = HUGE_VAL; });
+    refuse(Status::notFinite, [](TickFrame& in) { in.kinematics.pose.rotation(1, 1) = std::nan(""); });
+    refuse(Status::notFinite, [](TickFrame& in) { in.contacts.contacts[0].gap = std::nan(""); });
+    refuse(Status::notFinite, [](TickFrame& in) { in.time = std::nan(""); });
+    refuse(Status::notFinite, [](TickFrame& in) { in.maxTorque[5] = std::nan(""); });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.q[0] = 1e6; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.twist[1] = 1e3; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.twist[4] = 1001.0; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.rates[2] = 1001.0; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.pose.position.x() = 10.1; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.contacts.contacts[0].point.y() = 10.1; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.contacts.contacts[0].gap = 101.0; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.contacts.contacts[0].obstacleVelocity.z() = 101.0; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.pose.rotation *= 1.1; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.pose.rotation.col(0) *= -1.0; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.contacts.contacts[0].normal *= 2.0; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.contacts.count = kMaxContacts + 1; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.contacts.count = -1; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.maxTorque[2] = -1.0; });
+    refuse(Status::stale, [](TickFrame& in) { in.time = 1.0; });
+    refuse(Status::stale, [](TickFrame& in) { in.time = 0.5; });
+    refuse(Status::notFinite, [](TickFrame& in) { in.kinematics.jacobian(4, 5) = HUGE_VAL; });
+    refuse(Status::notFinite, [](TickFrame& in) { in.kinematics.inverseTransposed(0, 0) = std::nan(""); });
+    refuse(Status::notFinite, [](TickFrame& in) { in.kinematics.gravity[1] = -HUGE_VAL; });
+    refuse(Status::notFinite, [](TickFrame& in) { in.kinematics.inertia(2, 3) = std::nan(""); });
+    refuse(Status::notFinite, [](TickFrame& in) { (*in.applied)[0] = std::nan(""); });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.q.conservativeResize(5); });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.q.resize(0); });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.jacobian.conservativeResize(6, 3); });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.applied->conservativeResize(1); });
     renderer->deactivate();
     CHECK(renderer->step(good, output) == Status::inactive);
   }
@@ -264,13 +264,17 @@ TEST_CASE("surface servo: an inertia that is none is refused and leaves the stat
   SurfaceServoRenderer servo = test::surfaceServo(device);
   servo.activate(1e-3);
   TickOutput output;
-  REQUIRE(servo.step(inputAt(device, poseAtDepth(1e-4), 1.0), output) == Status::ok);
+  REQUIRE(servo.step(frameAt(device, poseAtDepth(1e-4), 1.0), output) == Status::ok);
   const auto before = stateOf(servo);
-  TickInput bad = inputAt(device, poseAtDepth(1e-4), 1.001);
+  const auto stepped = [&](TickFrame& frame) {
+    CHECK(fillContactRows(frame) == Status::outOfRange);
+    return servo.step(frame, output);
+  };
+  TickFrame bad = frameAt(device, poseAtDepth(1e-4), 1.001);
   bad.kinematics.inertia.setZero();
-  CHECK(servo.step(bad, output) == Status::outOfRange);
+  CHECK(stepped(bad) == Status::outOfRange);
   bad.kinematics.inertia.resize(0, 0);
-  CHECK(servo.step(bad, output) == Status::outOfRange);
+  CHECK(stepped(bad) == Status::outOfRange);
   CHECK(output.torque == JointVector::Zero(6));
   CHECK(stateOf(servo) == before);
 }
@@ -302,7 +306,7 @@ TEST_CASE("renderers: a renderer's answer is checked as its input is", "[rendere
 
    private:
     void prepare(double) override {}
-    Status render(const TickInput&, TickOutput& output) noexcept override {
+    Status render(const TickFrame&, TickOutput& output) noexcept override {
       output.torque = torque;
       output.normalForce = normalForce;
       output.mode = RenderMode::contact;
@@ -317,7 +321,7 @@ TEST_CASE("renderers: a renderer's answer is checked as its input is", "[rendere
   double time = 0.0;
   const auto answer = [&](Status status) {
     TickOutput output;
-    CHECK(parrot.step(inputAt(device, Pose{}, time += 1e-3), output) == status);
+    CHECK(parrot.step(frameAt(device, Pose{}, time += 1e-3), output) == status);
     if (status != Status::ok) CHECK(output.torque == JointVector::Zero(6));
     return output;
   };
@@ -354,7 +358,7 @@ TEST_CASE("position control: a gain for another number of joints is refused in t
   PositionControlRenderer renderer(ServoGain::Zero(3, 9), 1e-3, {});
   renderer.activate(1e-3);
   TickOutput output;
-  CHECK(renderer.step(inputAt(device, poseAtDepth(1e-4), 1.0), output) == Status::outOfRange);
+  CHECK(renderer.step(frameAt(device, poseAtDepth(1e-4), 1.0), output) == Status::outOfRange);
   CHECK(output.torque == JointVector::Zero(6));
 }
 
@@ -365,7 +369,7 @@ TEST_CASE("position control: the reference at a deep touch is the surface's, to 
     PositionControlRenderer renderer = test::positionControl();
     renderer.activate(1e-3);
     TickOutput output;
-    REQUIRE(renderer.step(inputAt(device, poseAtDepth(depth), 1.0), output) == Status::ok);
+    REQUIRE(renderer.step(frameAt(device, poseAtDepth(depth), 1.0), output) == Status::ok);
     REQUIRE(renderer.holding());
     Kinematics surface = device.home();
     REQUIRE(device.track(renderer.reference(), JointVector::Zero(6), false, surface) == Status::ok);
@@ -400,7 +404,7 @@ TEST_CASE("renderers: state bytes from elsewhere never become a torque that cann
       renderer->loadState(bytes.data());
       for (int tick = 0; tick < 3; ++tick) {
         TickOutput output;
-        const Status status = renderer->step(inputAt(device, poseAtDepth(1e-4), 1.0 + 1e-3 * tick), output);
+        const Status status = renderer->step(frameAt(device, poseAtDepth(1e-4), 1.0 + 1e-3 * tick), output);
         ok += status == Status::ok;
         REQUIRE(output.torque.allFinite());
         REQUIRE((output.torque.cwiseAbs() - device.limits().torque).maxCoeff() <= 0.0);

@@ -90,7 +90,7 @@ Run record(const test::TemporaryFolder& folder, const std::string& path) {
     REQUIRE(loop.tick(load, tick) == Status::ok);
     recorder.makeRoom();
     recorder.add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
-    const Kinematics& k = loop.input().kinematics;
+    const Kinematics& k = loop.frame().kinematics;
     run.forces.push_back(wrenchOf(k, loop.command().torque - k.gravity).head<3>().norm());
     for (const double volume : drill.removed()) run.removed += volume;
   }

@@ -139,7 +139,7 @@ TEST_CASE("a renderer without activate() has no state, and none after one that f
     renderer.loadState(state.data());
     renderer.reset();
     TickOutput output;
-    TickInput input;
+    TickFrame input;
     CHECK(renderer.step(input, output) == Status::inactive);
   };
   hasNone();
@@ -159,7 +159,7 @@ TEST_CASE("a renderer without activate() has no state, and none after one that f
   const Scene scene = flatWall();
   for (const Mat3& matrix : {Mat3(Mat3::Zero()), Mat3(-Mat3::Identity()), Mat3(Mat3::Constant(kNan))}) {
     HapticTick tick(*device, scene, Tool{}, renderer, 1e-3, Pose{{0.01, 0.0, 0.0}, matrix});
-    CHECK(tick.input().kinematics.q == device->home().q);
+    CHECK(tick.frame().kinematics.q == device->home().q);
   }
   CHECK_THROWS_AS(HapticTick(*device, scene, toolOf({Vec3::Zero(), Vec3::Zero(), -1.0}), renderer, 1e-3), Error);
 }

@@ -265,7 +265,7 @@ TEST_CASE("a surface that is lowered is followed, one that vanishes has no force
   const auto device = tau();
   SurfaceServoRenderer servo(optionsFor(*device, 0));
   servo.activate(kPeriod);
-  TickInput input;
+  TickFrame input;
   input.kinematics = device->home();
   input.maxTorque = device->limits().torque;
   input.contacts.count = 1;
@@ -273,6 +273,7 @@ TEST_CASE("a surface that is lowered is followed, one that vanishes has no force
   for (int i = 0; i < 50; ++i) {
     input.time = kPeriod * i;
     input.contacts.contacts[0].gap = -1e-5;
+    REQUIRE(fillContactRows(input) == Status::ok);
     REQUIRE(servo.step(input, output) == Status::ok);
   }
   CHECK(output.normalForce > 0.0);
@@ -283,6 +284,8 @@ TEST_CASE("a surface that is lowered is followed, one that vanishes has no force
   CHECK(output.torque.isApprox(input.kinematics.gravity));
   input.time += kPeriod;
   input.contacts.count = 0;
+  CHECK(servo.step(input, output) == Status::outOfRange);  // rows of another number of contacts
+  REQUIRE(fillContactRows(input) == Status::ok);
   REQUIRE(servo.step(input, output) == Status::ok);
   CHECK(output.mode == RenderMode::free);
 }
@@ -316,7 +319,7 @@ TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[su
   SurfaceServoRenderer servo(optionsFor(*device, 2)), copy(optionsFor(*device, 2));
   VirtualLoop loop(*device, *device, servo, loopWith(wallOf(HUGE_VAL, 0.2, 0.2), 2));
   TickRecord tick;
-  std::vector<TickInput> inputs;
+  std::vector<TickFrame> inputs;
   std::vector<JointVector> torques;
   std::vector<char> state;
   for (int i = 0; i < 300; ++i) {
@@ -325,7 +328,7 @@ TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[su
       state.resize(servo.stateSize());
       servo.saveState(state.data());
     } else if (i > 100) {
-      inputs.push_back(loop.input());
+      inputs.push_back(loop.frame());
       torques.push_back(tick.command);
     }
   }
@@ -356,7 +359,7 @@ TEST_CASE("the servo's options are checked", "[surface_servo]") {
   SurfaceServoRenderer servo(good);
   CHECK_THROWS_AS(servo.activate(2e-3), Error);
   servo.activate(kPeriod);
-  TickInput input;
+  TickFrame input;
   TickOutput output;
   CHECK(servo.step(input, output) == Status::outOfRange);
 }

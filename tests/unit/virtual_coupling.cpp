@@ -89,7 +89,7 @@ TEST_CASE("in the air one feels the virtual tool's mass, and nothing once it has
   const TauMechanism device(test::nominal());
   VirtualCouplingRenderer renderer({3000.0, 5.0, 0.1});
   renderer.activate(1e-3);
-  TickInput input;
+  TickFrame input;
   input.kinematics = device.home();
   input.maxTorque = device.limits().torque;
   TickOutput output;
@@ -113,7 +113,7 @@ TEST_CASE("a virtual coupling replays from its state, and refuses what it cannot
   one.activate(1e-3);
   other.activate(1e-3);
   std::vector<unsigned char> state(one.stateSize());
-  TickInput input;
+  TickFrame input;
   input.kinematics = device.home();
   input.maxTorque = device.limits().torque;
   input.contacts.count = 1;

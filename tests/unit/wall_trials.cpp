@@ -79,7 +79,7 @@ TEST_CASE("a trial takes its time, and no more", "[wall_trials]") {
 
    private:
     void prepare(double period) override { wall_.activate(period); }
-    Status render(const TickInput& input, TickOutput& output) noexcept override {
+    Status render(const TickFrame& input, TickOutput& output) noexcept override {
       ++count_;
       return wall_.step(input, output);
     }

@@ -105,7 +105,7 @@ Measurement measureServo(const std::string& name, const Scene& scene, int ticks)
     faults += mechanism.reach(pose, twist, false, k) != Status::ok;
     const enamel::Measurement measured{t, k.q, k.rates, {}};
     times_us.push_back(timeOnce([&] { faults += tick(measured, command) != Status::ok; }));
-    most = std::max(most, tick.input().contacts.count);
+    most = std::max(most, tick.frame().contacts.count);
   }
   Measurement row = rowOf(fmt::format("whole tick of position control, {} ({} contacts)", name, most), times_us, faults,
                           "ticks that were not ok");

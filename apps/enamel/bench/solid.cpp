@@ -100,6 +100,7 @@ void measureCutting(const std::shared_ptr<Solid>& solid, int calls, std::vector<
     const Vec3 force = contacts.count > 0 ? Vec3(2.0 * contacts.contacts[0].normal) : Vec3(Vec3::Zero());
     const double time_us = timeOnce([&] {
       keep(followContacts(scene, tool, at, kReach, track, contacts));
+      drill.correct(contacts);
       drill.cut(scene, at, force, 1e-3, contacts);
     });
     const double taken = sum(drill.removed());

@@ -71,7 +71,7 @@ Path pathThroughTheWall(const Mechanism& mechanism, int ticks, double sideways =
 
 // The linked renderer and its plugin in turns, a hundred ticks each, so that what else the machine does meets both;
 // per tick, over the turns. Adds the ticks that were not ok to `faults`.
-std::pair<Percentiles, Percentiles> timeLinkedAndPlugin(const std::vector<TickInput>& inputs, Renderer& linked,
+std::pair<Percentiles, Percentiles> timeLinkedAndPlugin(const std::vector<TickFrame>& inputs, Renderer& linked,
                                                         Renderer* plugin, int& faults) {
   using Clock = std::chrono::steady_clock;
   constexpr std::size_t kTurn = 100;
@@ -125,7 +125,7 @@ Measurement timeTicks(const std::string& name, const Path& path, int contacts, H
     const auto start = Clock::now();
     const Status status = tick(measured, command);
     times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
-    wrong += status != Status::ok || tick.input().contacts.count != contacts;
+    wrong += status != Status::ok || tick.frame().contacts.count != contacts;
   }
   return rowOf(name, std::move(times_us), wrong, "ticks not ok, or with more or fewer contacts");
 }
@@ -198,7 +198,7 @@ std::vector<Measurement> measureTick(double scale) {
        {std::pair<const char*, Renderer*>{"position-control", &servo}, {"hold", &hold}, {"impedance", &spring}}) {
     int faults = 0;
     TickOutput output;
-    std::vector<TickInput> inputs;
+    std::vector<TickFrame> inputs;
     {
       HapticTick tick(*mechanism, wall, tool, *renderer, guarded);
       Command command;
@@ -219,21 +219,15 @@ std::vector<Measurement> measureTick(double scale) {
     Command command;
     for (const enamel::Measurement& measured : path.measured) {
       faults += tick(measured, command) != Status::ok;
-      inputs.push_back(tick.input());
+      inputs.push_back(tick.frame());
     }
     {  // the guard alone, on what it saw; `error`: requests that it changed
       Guard guard(*mechanism, guarded);
-      std::vector<JointVector> requests;
-      renderer->reset();
-      for (const TickInput& in : inputs) {
-        faults += renderer->step(in, output) != Status::ok;
-        requests.push_back(output.torque);
-      }
       int changed = 0;
       const Percentiles alone = timeEach(ticks, [&](int i) {
         const auto at = static_cast<std::size_t>(i);
-        changed +=
-            guard.step(path.measured[at], inputs[at].kinematics, requests[at], Status::ok).reason != GuardReason::none;
+        guard.step(path.measured[at], Status::ok, inputs[at]);
+        changed += inputs[at].reason != GuardReason::none;
       });
       add(std::string("its guard, ") + name, alone, changed, "ticks that it touched", 0.5);
       renderer->reset();
@@ -256,7 +250,7 @@ std::vector<Measurement> measureTick(double scale) {
     plugin->reset();
     TickOutput linked;
     int different = 0;
-    for (const TickInput& in : inputs) {
+    for (const TickFrame& in : inputs) {
       const bool same = plugin->step(in, output) == renderer->step(in, linked);
       different += !same || output.torque != linked.torque;
     }

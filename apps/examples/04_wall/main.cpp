@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
       measurement.q = position;  // of a Cartesian device the joints are x, y and z
       measurement.rates = speed;
       const Status status = tick(measurement, command);  // no allocation, no lock, no exception; see `command` always
-      if (status != Status::ok) throw Error(std::string("the guard stopped: ") + toString(tick.reason()));
+      if (status != Status::ok) throw Error(std::string("the guard stopped: ") + toString(tick.frame().reason));
 
       // Your device, in place of this: 45 g under the hand and the motors, in steps of 0.1 ms.
       const double pressed = 0.002 * std::sin(1e-3 * M_PI * i), along = 0.01 * std::sin(4e-3 * M_PI * i);  // m
@@ -47,8 +47,8 @@ int main(int argc, char** argv) {
         position += 1e-4 * speed;
       }
 
-      const double gap = tick.input().contacts.count > 0 ? tick.input().contacts.contacts[0].gap : kContactMargin;
-      const double force = tick.output().normalForce;
+      const double gap = tick.frame().contacts.count > 0 ? tick.frame().contacts.contacts[0].gap : kContactMargin;
+      const double force = tick.frame().output.normalForce;
       deepest = std::max(deepest, -gap);
       most = std::max(most, force);
       if (i % 50 == 49)

@@ -16,7 +16,7 @@ class SmoothWall final : public enamel::Renderer {
     share_ = -std::expm1(-period / smoothing_);
   }
 
-  enamel::Status render(const enamel::TickInput& in, enamel::TickOutput& out) noexcept override {
+  enamel::Status render(const enamel::TickFrame& in, enamel::TickOutput& out) noexcept override {
     const bool inside = in.contacts.count > 0 && in.contacts.contacts[0].gap < 0.0;  // the deepest comes first
     const enamel::Contact& contact = in.contacts.contacts[0];
     const double spring = inside ? -stiffness_ * contact.gap : 0.0;

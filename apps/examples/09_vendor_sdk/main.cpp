@@ -34,7 +34,7 @@ class VendorDevice final : public HapticDevice {
     time_ = m.time = time;
     m.q = last_ = position;
     m.rates = rates_;
-    m.applied.resize(0);  // the SDK does not tell
+    m.applied.reset();  // the SDK does not report it
     m.enabled = grip != 0;
     return Status::ok;
   }

@@ -21,7 +21,7 @@ class MyWall final : public Renderer {
   void prepare(double) override {}
   void resetState() noexcept override {}
   StateBlock stateBlock() noexcept override { return {nullptr, 0}; }
-  Status render(const TickInput& in, TickOutput& out) noexcept override {
+  Status render(const TickFrame& in, TickOutput& out) noexcept override {
     Vec6 wrench = Vec6::Zero();
     if (in.contacts.count > 0 && in.contacts.contacts[0].gap < 0.0) {
       const Contact& contact = in.contacts.contacts[0];

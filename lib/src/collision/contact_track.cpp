@@ -138,6 +138,16 @@ void ToolTrack::loadState(const Scene& scene, const double* state) noexcept {
   }
 }
 
+void ToolTrack::reset(const Scene& scene) noexcept {
+  const std::size_t obstacles = scene.obstacles().size();
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    parts_[i].isKnown = false;
+    parts_[i].revision = revisionOf(scene.obstacles()[i * obstacles / parts_.size()]);
+  }
+  last_.count = 0;
+  lastKey_ = 0;
+}
+
 Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolTrack& track,
                       ContactSnapshot& contacts) noexcept {
   const auto visit = [&](const Obstacle& obstacle, const Segment& axis, double radius, PartCache* known,

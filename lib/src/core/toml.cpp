@@ -151,6 +151,14 @@ Vec6 TomlTable::vector6(std::string_view key) {
   return value;
 }
 
+std::vector<double> TomlTable::numbers(std::string_view key) {
+  const toml::node& node = require(key);
+  if (!node.is_array()) fail(key, "is " + nameOfType(node) + ", must be a list of numbers");
+  std::vector<double> values(node.as_array()->size());
+  asNumbers(node, key, values.data(), values.size());
+  return values;
+}
+
 Mat3 TomlTable::matrix3(std::string_view key) {
   const toml::node& node = require(key);
   const toml::array* rows = node.as_array();

@@ -38,6 +38,7 @@ class TomlTable {
   bool boolean(std::string_view key);
   Vec3 vector3(std::string_view key);
   Vec6 vector6(std::string_view key);
+  std::vector<double> numbers(std::string_view key);  ///< of any length
   /// A 3 x 3 matrix given by its rows, or by its diagonal as a list of three numbers.
   Mat3 matrix3(std::string_view key);
   TomlTable table(std::string_view key);

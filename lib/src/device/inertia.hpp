@@ -2,7 +2,7 @@
 // once.
 #pragma once
 
-#include "core/cholesky.hpp"
+#include "enamel/core/cholesky.hpp"
 #include "enamel/device/mechanism.hpp"
 
 namespace enamel {

@@ -54,7 +54,7 @@ double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, 
   double force = std::numeric_limits<double>::infinity();
   for (int i = 0; i < torquePerForce.size(); ++i) {
     const double left = maxTorque[i] - std::copysign(1.0, torquePerForce[i]) * kinematics.gravity[i];
-    if (torquePerForce[i] != 0.0) force = std::min(force, left / std::abs(torquePerForce[i]));
+    if (torquePerForce[i] != 0.0 && maxTorque[i] > 0.0) force = std::min(force, left / std::abs(torquePerForce[i]));
   }
   return force;
 }

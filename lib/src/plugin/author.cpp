@@ -115,8 +115,9 @@ int32_t PluginInstance::step(const EnamelTickInput& input, EnamelTickOutput& out
   TickOutput answer;
   Status status = Status::inactive;
   if (renderer_ && input.joint_count >= 1 && input.joint_count <= kMaxJoints) {
-    fromPlain(input, needsInertia_, input_);
-    status = renderer_->step(input_, answer);
+    fromPlain(input, needsInertia_, frame_);
+    if (needsInertia_) (void)fillContactRows(frame_);  // what a bad frame lacks, step() refuses
+    status = renderer_->step(frame_, answer);
   } else if (renderer_) {
     status = Status::outOfRange;
   }

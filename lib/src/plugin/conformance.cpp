@@ -24,7 +24,7 @@ std::vector<EnamelTickInput> pathThroughWall(const Mechanism& mechanism, const C
   JointVector before = mechanism.home().q;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const double t = static_cast<double>(i) / static_cast<double>(path.size());
-    TickInput in;
+    TickFrame in;
     in.time = options.period * static_cast<double>(i + 1);
     Pose pose;
     pose.position = {2e-3 * std::sin(7.0 * t), 1e-3 * std::cos(5.0 * t), 1e-3 * std::cos(6.0 * M_PI * t)};

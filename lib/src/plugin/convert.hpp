@@ -25,7 +25,7 @@ inline void fromPlain(const double* in, int count, JointVector& out) noexcept {
   std::copy_n(in, count, out.data());
 }
 
-inline void toPlain(const TickInput& in, EnamelTickInput& out) noexcept {
+inline void toPlain(const TickFrame& in, EnamelTickInput& out) noexcept {
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Kinematics& k = in.kinematics;
   out.time = in.time;
@@ -37,8 +37,8 @@ inline void toPlain(const TickInput& in, EnamelTickInput& out) noexcept {
   Eigen::Map<Vec6>(out.twist) = k.twist;
   toPlain(k.gravity, out.gravity);
   toPlain(in.maxTorque, out.max_torque);
-  toPlain(in.applied, out.applied);
-  out.applied_known = in.applied.size() > 0 ? 1 : 0;
+  if (in.applied) toPlain(*in.applied, out.applied);
+  out.applied_known = in.applied ? 1 : 0;
   std::copy_n(k.jacobian.data(), k.jacobian.size(), out.jacobian[0]);
   std::copy_n(k.inverseTransposed.data(), k.inverseTransposed.size(), out.inverse[0]);
   for (Eigen::Index i = 0; i < k.inertia.cols(); ++i)
@@ -67,7 +67,7 @@ inline void toPlain(const TickInput& in, EnamelTickInput& out) noexcept {
 }
 
 /// `withInertia`: the inertia is defined.
-inline void fromPlain(const EnamelTickInput& in, bool withInertia, TickInput& out) noexcept {
+inline void fromPlain(const EnamelTickInput& in, bool withInertia, TickFrame& out) noexcept {
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const int n = storedJoints(in.joint_count);
   Kinematics& k = out.kinematics;
@@ -79,7 +79,8 @@ inline void fromPlain(const EnamelTickInput& in, bool withInertia, TickInput& ou
   k.twist = Eigen::Map<const Vec6>(in.twist);
   fromPlain(in.gravity, n, k.gravity);
   fromPlain(in.max_torque, n, out.maxTorque);
-  fromPlain(in.applied, in.applied_known != 0 ? n : 0, out.applied);
+  out.applied.reset();
+  if (in.applied_known != 0) fromPlain(in.applied, n, out.applied.emplace());
   k.jacobian.resize(6, n);
   std::copy_n(in.jacobian[0], 6 * n, k.jacobian.data());
   k.inverseTransposed.resize(6, n);

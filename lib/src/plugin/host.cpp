@@ -127,7 +127,7 @@ class PluginRenderer final : public Renderer {
 
   bool needsInertia() const noexcept override { return (table_.needs & ENAMEL_NEEDS_INERTIA) != 0; }
 
-  Status render(const TickInput& input, TickOutput& output) noexcept override {
+  Status render(const TickFrame& input, TickOutput& output) noexcept override {
     toPlain(input, input_);
     const std::int32_t result = table_.step(self_.get(), &input_, &output_);
     if (result < ENAMEL_OK || result > ENAMEL_INACTIVE) return Status::inactive;  // no status that a tick can have

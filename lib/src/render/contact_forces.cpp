@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/cholesky.hpp"
+#include "enamel/core/cholesky.hpp"
 
 namespace enamel {
 namespace {

@@ -33,12 +33,30 @@ Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const
   area_ = (M_PI * part_.radius + 2.0 * (part_.b - part_.a).norm()) * part_.radius;
 }
 
-void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double period,
-                ContactSnapshot& contacts) noexcept {
+void Drill::correct(ContactSnapshot& contacts) noexcept {
+  for (int i = 0; i < contacts.count; ++i) gaps_[static_cast<std::size_t>(i)] = contacts.contacts[i].gap;
+  if (obstacle_ < 0) return;
+  const double feed = std::clamp(feed_, 0.0, kMostFeed);
+  for (int i = 0; i < contacts.count; ++i) {
+    Contact& c = contacts.contacts[i];
+    if (c.obstacle != obstacle_ || c.part != number_) continue;
+    const double along = way_.dot(c.normal);
+    double back = rough_;
+    if (along < kSide) c.material.stiffness = std::min(c.material.stiffness, kSideStiffness);
+    if (along > kFacing) {
+      back = std::max(back, advance_ * along);  // what this tick will remove
+      c.obstacleVelocity -= feed * along * c.normal;
+    }
+    c.gap = std::max(c.gap, std::min(c.gap + back, 0.0));
+  }
+}
+
+void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double elapsed,
+                const ContactSnapshot& contacts) noexcept {
   removed_ = RemovedVolume{};
-  Contact* const first = contacts.contacts.data();
-  Contact* const end = first + contacts.count;
-  Contact* const deepest = std::find_if(first, end, [this](const Contact& c) {
+  const Contact* const first = contacts.contacts.data();
+  const Contact* const end = first + contacts.count;
+  const Contact* const deepest = std::find_if(first, end, [this](const Contact& c) {
     const auto obstacle = static_cast<std::size_t>(c.obstacle);
     return c.part == number_ && obstacle < solids_.size() && solids_[obstacle] != nullptr;
   });
@@ -61,23 +79,20 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   }
   force_ += kFollow * (force - force_);
   const double pressed = force_.norm();
-  const Vec3 way = pressed > 0.0 ? Vec3(force_ / pressed) : deepest->normal;
-  const double asked = removal_ * pressed / hardness_ * period + owed_;
-  // So far back is the bur that is nowhere deeper than that. A surface that it has cut stands up to `rough` above its
-  // samples.
-  const double rough = solid.cell() * solid.cell() / (4.0 * part_.radius);
-  const double advance = std::clamp(asked / area_, 0.0, kMostFeed * period + rough);
+  way_ = pressed > 0.0 ? Vec3(force_ / pressed) : deepest->normal;
+  rough_ = solid.cell() * solid.cell() / (4.0 * part_.radius);
+  const double asked = removal_ * pressed / hardness_ * elapsed + owed_;
+  advance_ = std::clamp(asked / area_, 0.0, kMostFeed * elapsed + rough_);
 
-  double back = -rough;
-  const auto faces = [&](const Contact& c) {
-    return c.obstacle == number && c.part == number_ && way.dot(c.normal) > kFacing;
-  };
+  // So far back is the bur that is nowhere deeper than that.
+  double back = -rough_;
   for (const Contact* c = deepest; c != end; ++c) {
-    if (!faces(*c) || c->gap >= 0.0 || way.dot(c->normal) < kAhead) continue;
-    back = std::max(back, -c->gap / way.dot(c->normal) - advance);
+    const double gap = gaps_[static_cast<std::size_t>(c - first)];
+    if (c->obstacle != number || c->part != number_ || gap >= 0.0 || way_.dot(c->normal) < kAhead) continue;
+    back = std::max(back, -gap / way_.dot(c->normal) - advance_);
   }
-  const Segment axis{inSolid(pose.position + pose.rotation * part_.a + back * way),
-                     inSolid(pose.position + pose.rotation * part_.b + back * way)};
+  const Segment axis{inSolid(pose.position + pose.rotation * part_.a + back * way_),
+                     inSolid(pose.position + pose.rotation * part_.b + back * way_)};
   removed_ = solid.cut(obstacle_ == number ? last_ : axis, axis, part_.radius);
   const double volume = std::accumulate(removed_.begin(), removed_.end(), 0.0);
   if (volume > 0.0) {
@@ -85,23 +100,12 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
     for (std::size_t k = 0; k < solid.layers().size(); ++k) weighted += removed_[k] * solid.layers()[k].hardness;
     hardness_ += kFollow * (weighted / volume - hardness_);
   }
-  owed_ = std::clamp(asked - volume, -kMostOwed * area_ * rough, kMostOwed * area_ * rough);
+  owed_ = std::clamp(asked - volume, -kMostOwed * area_ * rough_, kMostOwed * area_ * rough_);
   // While it cuts, the tool moves with the surface.
   const Vec3 moved = obstacle.pose.rotation * (axis.a - last_.a);
-  if (obstacle_ == number) feed_ += kFollow * (-way.dot(moved) / period - feed_);
-  const double feed = std::clamp(feed_, 0.0, kMostFeed);
+  if (obstacle_ == number) feed_ += kFollow * (-way_.dot(moved) / elapsed - feed_);
   obstacle_ = number;
   last_ = axis;
-
-  for (Contact* c = deepest; c != end; ++c) {
-    if (c->obstacle == number && c->part == number_ && c->gap < 0.0) c->gap = std::min(c->gap + rough, 0.0);
-    if (c->obstacle == number && c->part == number_ && way.dot(c->normal) < kSide)
-      c->material.stiffness = std::min(c->material.stiffness, kSideStiffness);
-    if (!faces(*c)) continue;
-    const double along = way.dot(c->normal);
-    c->gap = std::max(c->gap, std::min(-std::max(back, 0.0) * along, 0.0));
-    c->obstacleVelocity -= feed * along * c->normal;
-  }
 }
 
 }  // namespace enamel

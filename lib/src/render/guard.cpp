@@ -18,6 +18,7 @@ constexpr double kLever = 0.05;         // m at which a moment counts as a force
 constexpr double kOscillationTime = 0.1;
 constexpr double kForgottenMisses = 0.01;
 constexpr double kRounding = 1.0 + 1e-9;
+constexpr double kTouching = 1e-4;  // m: contacts farther away carry no force
 // A reading is frozen that has not changed by a bit for so many ticks, though the joint went on evenly by as many
 // counts a tick before, or its rate tells of as many counts since (of the second half: a filter's rate comes late).
 constexpr int kStillTicks = 50;
@@ -49,6 +50,29 @@ Mat6 dampingOf(const Mechanism& device) {
     damping.col(i) = inertia * (other - forth) / (2.0 * kSpeed);
   }
   return 0.5 * (damping + damping.transpose());
+}
+
+// Velocity of what the tool touches, W: that of each obstacle by how much of the commanded force is along its normal.
+// `turn`: angular velocity of the tool that the joints do not measure, W, rad/s. It is the hand's, and moves the tool
+// over the obstacle as if the obstacle moved.
+Vec3 surfaceVelocity(const TickFrame& frame, const Vec3& turn) noexcept {
+  const ContactSnapshot& contacts = frame.contacts;
+  if (contacts.count == 0) return Vec3::Zero();
+  const Vec3 force = wrenchOf(frame.kinematics, frame.command - frame.kinematics.gravity).head<3>();
+  std::array<double, kMaxContacts> along{};
+  double sum = 0.0;
+  for (int c = 0; c < contacts.count; ++c) {
+    const Contact& contact = contacts.contacts[c];
+    if (contact.gap < kTouching) along[c] = std::max(0.0, contact.normal.dot(force));
+    sum += along[c];
+  }
+  const auto velocityOf = [&](const Contact& c) {
+    return Vec3(c.obstacleVelocity - turn.cross(c.point - frame.kinematics.pose.position));
+  };
+  if (!(sum > 0.0)) return velocityOf(contacts.contacts[0]);
+  Vec3 velocity = Vec3::Zero();
+  for (int c = 0; c < contacts.count; ++c) velocity += along[c] / sum * velocityOf(contacts.contacts[c]);
+  return velocity;
 }
 
 }  // namespace
@@ -125,7 +149,7 @@ Guard::Guard(const Mechanism& device, const GuardOptions& options)
     require(o.torque[i] >= 0.0 && o.torque[i] <= limit,
             "guard: the torque limit of joint " + std::to_string(i + 1) + " is " + formatNumber(o.torque[i]) +
                 ", must be in 0 to the device's " + formatNumber(limit) + " N m or N");
-    require(o.slew[i] > 0.0 && o.rate[i] > 0.0 && o.count[i] > 0.0,
+    require((o.slew[i] > 0.0 || o.torque[i] == 0.0) && o.rate[i] > 0.0 && o.count[i] > 0.0,
             "guard: slew, rate and count of joint " + std::to_string(i + 1) + " must be greater than 0");
   }
   requireLimit(o.force, "the largest force", "N");
@@ -172,6 +196,7 @@ void Guard::forEachNumber(AnyState& s, const Visit& visit) {
     for (auto& number : *row) visit(number);
   for (int i = 0; i < 6; ++i) visit(s.twist[i]);
   for (int i = 0; i < 3; ++i) visit(s.surface[i]);
+  for (int i = 0; i < 9; ++i) visit(s.rotation.data()[i]);
   for (auto& flag : s.even) visit(flag);
   for (auto& ticks : s.still) visit(ticks);
 }
@@ -206,7 +231,8 @@ void Guard::loadState(const double* state) noexcept {
   });
   for (int i = 0; i < n_; ++i) isSound = isSound && std::abs(loaded.torque[i]) <= kLargestTorque;
   if (isSound && options_.on)
-    for (int i = 0; i < n_; ++i) isSound = isSound && std::abs(loaded.torque[i]) <= options_.torque[i];
+    for (int i = 0; i < n_; ++i)
+      isSound = isSound && (!isDriven(i) || std::abs(loaded.torque[i]) <= options_.torque[i]);
   if (isSound)
     state_ = loaded;
   else
@@ -217,7 +243,7 @@ void Guard::loadState(const double* state) noexcept {
 GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   State& s = state_;
   if (!isSize(m.q, n_) || !isSize(m.rates, n_) || !m.q.allFinite() || !m.rates.allFinite() || !std::isfinite(m.time) ||
-      !(m.applied.size() == 0 || (isSize(m.applied, n_) && eachWithin(m.applied, kLargestTorque))))
+      !(!m.applied || (isSize(*m.applied, n_) && eachWithin(*m.applied, kLargestTorque))))
     return GuardReason::measurement;
   if (!s.started) return GuardReason::none;
   const double longest = options_.longestGap * options_.period * kRounding;
@@ -252,11 +278,11 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   State& s = state_;
   const GuardOptions& o = options_;
   const double elapsed = m.time - s.sampleTime;
-  const bool acts = isSize(m.applied, n_) && s.ticks == 1.0;  // it says what acted in the last tick
+  const bool acts = m.applied && s.ticks == 1.0;  // it says what acted in the last tick
   double work = 0.0;
   Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
   for (int i = 0; i < n_; ++i) {
-    const double step = m.q[i] - s.q[i], beyond = (acts ? m.applied[i] : s.acting[i]) - s.gravity[i];
+    const double step = m.q[i] - s.q[i], beyond = (acts && isDriven(i) ? (*m.applied)[i] : s.acting[i]) - s.gravity[i];
     way += k.jacobian.col(i) * step;
     wrench += k.inverseTransposed.col(i) * beyond;
     // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
@@ -295,7 +321,8 @@ GuardReason Guard::asked(const JointVector& requested, const Kinematics& k) noex
   bool oscillates = false;
   for (int i = 0; i < n_; ++i) {
     const double rendered = requested[i] - k.gravity[i];
-    const double change = std::clamp((rendered - s.rendered[i]) / options_.torque[i], -2.0, 2.0);
+    const double limit = options_.torque[i];
+    const double change = limit > 0.0 ? std::clamp((rendered - s.rendered[i]) / limit, -2.0, 2.0) : 0.0;
     s.rendered[i] = rendered;
     if (!s.started || s.weight == 0.0) continue;
     s.jerk[i] += share * (change * change - s.jerk[i]);
@@ -308,7 +335,8 @@ GuardReason Guard::asked(const JointVector& requested, const Kinematics& k) noex
 Guard::Row Guard::bounded(const JointVector& gravity) const noexcept {
   double scale = 1.0;
   for (int i = 0; i < n_; ++i)
-    if (std::abs(gravity[i]) > options_.torque[i]) scale = std::min(scale, options_.torque[i] / std::abs(gravity[i]));
+    if (isDriven(i) && std::abs(gravity[i]) > options_.torque[i])
+      scale = std::min(scale, options_.torque[i] / std::abs(gravity[i]));
   Row row{};
   for (int i = 0; i < n_; ++i) row[i] = std::clamp(scale * gravity[i], -options_.torque[i], options_.torque[i]);
   return row;
@@ -320,7 +348,7 @@ bool Guard::limitSlew(double elapsed, JointVector& torque) const noexcept {
   double scale = 1.0;
   for (int i = 0; i < n_; ++i) {
     const double change = std::abs(torque[i] - state_.torque[i]), most = options_.slew[i] * time;
-    if (change > most * kRounding) scale = std::min(scale, most / change);
+    if (isDriven(i) && change > most * kRounding) scale = std::min(scale, most / change);
   }
   if (scale == 1.0) return false;
   for (int i = 0; i < n_; ++i) torque[i] = state_.torque[i] + scale * (torque[i] - state_.torque[i]);
@@ -335,7 +363,7 @@ GuardReason Guard::shape(const Measurement& m, const Kinematics& k, const JointV
   const Vec6& twist = s.twist;
   GuardReason reason = GuardReason::none;
   bool small = true;
-  for (int i = 0; i < n_; ++i) small = small && std::abs(s.rendered[i]) <= o.engage * o.torque[i];
+  for (int i = 0; i < n_; ++i) small = small && (!isDriven(i) || std::abs(s.rendered[i]) <= o.engage * o.torque[i]);
   if (!m.enabled) {
     s.open = false;
     s.withheld = true;
@@ -379,14 +407,20 @@ GuardReason Guard::shape(const Measurement& m, const Kinematics& k, const JointV
   double fits = scale;
   for (int i = 0; i < n_; ++i) {
     const double most = rendered[i] > 0.0 ? o.torque[i] - gravity[i] : o.torque[i] + gravity[i];
-    if (scale * std::abs(rendered[i]) > most * kRounding) fits = std::min(fits, most / std::abs(rendered[i]));
+    if (isDriven(i) && scale * std::abs(rendered[i]) > most * kRounding)
+      fits = std::min(fits, most / std::abs(rendered[i]));
   }
   if (fits < scale && reason == GuardReason::none) reason = GuardReason::torque;
 
-  if (s.weight == 1.0 && !brakes && fits == 1.0 && (requested.array().abs() <= o.torque.array()).all()) {
+  bool passes = s.weight == 1.0 && !brakes && fits == 1.0;
+  for (int i = 0; i < n_; ++i) passes = passes && (!isDriven(i) || std::abs(requested[i]) <= o.torque[i]);
+  if (passes) {
     torque = requested;
   } else {
-    for (int i = 0; i < n_; ++i) torque[i] = std::clamp(gravity[i] + fits * rendered[i], -o.torque[i], o.torque[i]);
+    for (int i = 0; i < n_; ++i) {
+      torque[i] = gravity[i] + fits * rendered[i];
+      if (isDriven(i)) torque[i] = std::clamp(torque[i], -o.torque[i], o.torque[i]);
+    }
     if (reason == GuardReason::none) reason = GuardReason::torque;  // gravity alone is beyond the limit
   }
   if (s.acted && limitSlew(s.started ? elapsed : o.period, torque) && reason == GuardReason::none)
@@ -417,15 +451,17 @@ void Guard::ramp(const Measurement& m, bool known, JointVector& torque) noexcept
   }
 }
 
-GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const JointVector& requested, Status status,
-                           const Vec3& surface) noexcept {
+void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept {
   State& s = state_;
-  GuardedCommand command;
-  command.torque.setZero(n_);
+  const Kinematics& k = frame.kinematics;
+  const JointVector& requested = frame.output.torque;
+  JointVector& torque = frame.command;
+  torque.setZero(n_);
+  frame.reason = GuardReason::none;
   if (m.age > 0 && !s.started) {  // no sample yet since reset(): as before
-    for (int i = 0; i < n_; ++i) command.torque[i] = s.torque[i];
-    command.reason = GuardReason::waiting;
-    return command;
+    for (int i = 0; i < n_; ++i) torque[i] = s.torque[i];
+    frame.reason = GuardReason::waiting;
+    return;
   }
   const double elapsed = m.time - s.time;
   const GuardReason read = measured(m, elapsed);
@@ -434,7 +470,7 @@ GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const Join
                      k.inverseTransposed.cols() == n_ && k.gravity.allFinite() && std::isfinite(k.jacobian.sum()) &&
                      std::isfinite(k.inverseTransposed.sum());
   if (!options_.on) {
-    if (isSize(requested, n_)) command.torque = requested;
+    if (isSize(requested, n_)) torque = requested;
   } else {
     GuardReason found = read;
     if (found == GuardReason::none && !known) found = GuardReason::unreachable;
@@ -458,13 +494,13 @@ GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const Join
       s.rampTicks = 0;
     }
     if (s.fault == GuardReason::none) {
-      command.reason = shape(m, k, requested, elapsed, command.torque);
+      frame.reason = shape(m, k, requested, elapsed, torque);
       s.gravity = bounded(k.gravity);
     } else {
-      command.reason = s.fault;
+      frame.reason = s.fault;
       if (known) s.gravity = bounded(k.gravity);
-      ramp(m, known, command.torque);
-      if (s.acted) (void)limitSlew(options_.period, command.torque);
+      ramp(m, known, torque);
+      if (s.acted) (void)limitSlew(options_.period, torque);
     }
   }
 
@@ -479,22 +515,28 @@ GuardedCommand Guard::step(const Measurement& m, const Kinematics& k, const Join
   }
   s.ticks = std::min(s.ticks + 1.0, options_.longestGap + 2.0);  // a fault may last for months
   for (int i = 0; i < n_; ++i) {
-    if (!std::isfinite(command.torque[i])) command.torque[i] = 0.0;  // a Jacobian of 1e308
-    s.torque[i] = command.torque[i];
+    if (!std::isfinite(torque[i])) torque[i] = 0.0;  // a Jacobian of 1e308
+    s.torque[i] = torque[i];
+    if (options_.on && !isDriven(i)) torque[i] = 0.0;  // the wall's share in it is no work that the renderer gave
     s.acting[i] = s.ticks == 1.0 ? s.torque[i] : s.acting[i] + (s.torque[i] - s.acting[i]) / s.ticks;
   }
   s.acted = true;
-  s.surface = surface;
+  if (m.age == 0 || !known) {
+    Vec3 turn = Vec3::Zero();
+    if (known && n_ < 6 && s.ticks == 1.0 && elapsed > 0.0)  // six joints measure every turn
+      turn = rotationVector(k.pose.rotation * s.rotation.transpose()) / elapsed - s.twist.tail<3>();
+    s.surface = known && status == Status::ok ? surfaceVelocity(frame, turn) : Vec3(Vec3::Zero());
+    if (known) s.rotation = k.pose.rotation;
+  }
   if (s.fault == GuardReason::none || s.rampTicks * options_.period <= options_.rampOut * kRounding) {
     GuardTick& tick = ring_[count_++ % kGuardTicks];
     tick.time = m.time;
     tick.q = m.q;
     tick.requested = requested;
-    tick.applied = command.torque;
+    tick.applied = torque;
     tick.energy = s.energy;
-    tick.reason = command.reason;
+    tick.reason = frame.reason;
   }
-  return command;
 }
 
 }  // namespace enamel

@@ -30,8 +30,8 @@ void ImpedanceRenderer::stateLoaded() noexcept {
   if (!isFinite(stateBlock())) resetState();
 }
 
-Status ImpedanceRenderer::render(const TickInput& input, TickOutput& output) noexcept {
-  const Kinematics& k = input.kinematics;
+Status ImpedanceRenderer::render(const TickFrame& frame, TickOutput& output) noexcept {
+  const Kinematics& k = frame.kinematics;
   JointVector moved = JointVector::Zero(k.q.size());
   for (Eigen::Index i = 0; i < k.q.size(); ++i) {
     if (state_.started != 0.0) moved[i] = k.q[i] - state_.q[i];
@@ -39,20 +39,20 @@ Status ImpedanceRenderer::render(const TickInput& input, TickOutput& output) noe
   }
   const Vec6 way = twistOf(k.jacobian, moved);
   double elapsed = 0.0;  // between samples, s
-  if (input.age == 0) {
-    if (state_.started != 0.0) elapsed = input.time - state_.sampleTime;
-    state_.sampleTime = input.time;
+  if (frame.age == 0) {
+    if (state_.started != 0.0) elapsed = frame.time - state_.sampleTime;
+    state_.sampleTime = frame.time;
     state_.started = 1.0;
   }
 
   Vec6 wrench = Vec6::Zero();
   state_.friction.begin();
   output.mode = RenderMode::free;
-  for (int i = 0; i < input.contacts.count; ++i) {
-    const Contact& contact = input.contacts.contacts[i];
+  for (int i = 0; i < frame.contacts.count; ++i) {
+    const Contact& contact = frame.contacts.contacts[i];
     const Vec3 arm = contact.point - k.pose.position, velocity = contactVelocity(k, contact);
-    const double gap = predictedGap(input, contact, period_);
-    const Slide slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, input.age * period_ * velocity,
+    const double gap = predictedGap(frame, contact, period_);
+    const Slide slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, frame.age * period_ * velocity,
                       velocity};
     const Grasp grasp{options_.stiffness, options_.damping};
     if (!(gap < 0.0)) {

@@ -81,17 +81,17 @@ void PassivityRenderer::stateLoaded() noexcept {
   if (!isFinite({state_.data(), sizeof(Port)}) || std::memcmp(loaded_.data(), wall, loaded_.size()) != 0) resetState();
 }
 
-Status PassivityRenderer::render(const TickInput& input, TickOutput& output) noexcept {
-  const Kinematics& k = input.kinematics;
+Status PassivityRenderer::render(const TickFrame& frame, TickOutput& output) noexcept {
+  const Kinematics& k = frame.kinematics;
   const auto n = k.q.size();
-  const Status status = wall_->step(input, output);
+  const Status status = wall_->step(frame, output);
   if (status != Status::ok) return status;
   Port port = portOf(state_);
   // The motion at the deepest contact that is the obstacle's is no work of the wall.
   Vec6 carried = Vec6::Zero();
   double depth = 0.0, inward = 0.0;  // m, m/s; without memory all is one layer
-  if (input.contacts.count > 0) {
-    const Contact& deepest = input.contacts.contacts[0];
+  if (frame.contacts.count > 0) {
+    const Contact& deepest = frame.contacts.contacts[0];
     carried.head<3>() = deepest.obstacleVelocity;
     if (bound_ == PassivityBound::memory) {
       depth = std::max(0.0, -deepest.gap);
@@ -99,12 +99,12 @@ Status PassivityRenderer::render(const TickInput& input, TickOutput& output) noe
     }
   }
   const JointVector carriedRates = k.inverseTransposed.transpose() * carried;
-  const bool isSample = input.age == 0;  // without one, the motion is not known yet
+  const bool isSample = frame.age == 0;  // without one, the motion is not known yet
   if (isSample && port.started != 0.0) {
     double taken = 0.0;
     for (Eigen::Index i = 0; i < n; ++i) {
-      const bool isTold = input.applied.size() == n && port.ticks == 1.0;
-      const double acted = isTold ? input.applied[i] - k.gravity[i] : port.torque[i];
+      const bool isTold = frame.applied && port.ticks == 1.0;
+      const double acted = isTold ? (*frame.applied)[i] - k.gravity[i] : port.torque[i];
       taken -= acted * (k.q[i] - port.q[i] - port.ticks * period_ * carriedRates[i]);
     }
     alongLayers(port.depth, depth, [&](std::size_t i, double share) { port.energy[i] += share * taken; });

@@ -39,17 +39,17 @@ void PositionControlRenderer::stateLoaded() noexcept {
   if (!isFinite(stateBlock())) resetState();
 }
 
-Status PositionControlRenderer::render(const TickInput& input, TickOutput& output) noexcept {
-  const Kinematics& k = input.kinematics;
+Status PositionControlRenderer::render(const TickFrame& frame, TickOutput& output) noexcept {
+  const Kinematics& k = frame.kinematics;
   const auto n = joints_;
   if (k.q.size() != n) return Status::outOfRange;
-  updatePhase(input);
+  updatePhase(frame);
   output.mode = RenderMode::free;
   output.torque = k.gravity;
   if (state_.phase != kHolding) return Status::ok;
 
-  moveReference(input);
-  const JointVector error = k.q + input.age * period_ * k.rates - state_.reference.head(n);
+  moveReference(frame);
+  const JointVector error = k.q + frame.age * period_ * k.rates - state_.reference.head(n);
   Eigen::Matrix<double, kRows, 1> answer = Eigen::Matrix<double, kRows, 1>::Zero();
   const auto add = [&](Eigen::Index column, double value) { answer -= value * gain_.col(column); };
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -68,11 +68,11 @@ Status PositionControlRenderer::render(const TickInput& input, TickOutput& outpu
   output.mode = RenderMode::contact;
   output.normalForce = normalForce;
   output.torque = state_.feedForward.head(n) + servo;
-  const bool cut = (output.torque.array().abs() > input.maxTorque.array()).any();
+  const bool cut = (output.torque.array().abs() > frame.maxTorque.array()).any();
   if (!(options_.antiWindup && cut)) state_.integral.head(n) -= period_ * error;
   output.saturated = cut;
   if (cut && output.torque.allFinite())
-    output.torque = output.torque.cwiseMin(input.maxTorque).cwiseMax(-input.maxTorque);
+    output.torque = output.torque.cwiseMin(frame.maxTorque).cwiseMax(-frame.maxTorque);
   if (const Eigen::Index late = options_.commandGain.cols(); late > 0) {
     std::copy_backward(state_.commands.begin(), state_.commands.begin() + late - n, state_.commands.begin() + late);
     for (Eigen::Index i = 0; i < n; ++i) state_.commands[i] = output.torque[i] - state_.feedForward[i];
@@ -80,35 +80,35 @@ Status PositionControlRenderer::render(const TickInput& input, TickOutput& outpu
   return Status::ok;
 }
 
-void PositionControlRenderer::updatePhase(const TickInput& input) noexcept {
+void PositionControlRenderer::updatePhase(const TickFrame& frame) noexcept {
   if (state_.phase == kHolding) return;
-  const Contact& contact = input.contacts.contacts[0];
-  const bool inside = input.contacts.count > 0 && contact.gap <= kTouchGap;
+  const Contact& contact = frame.contacts.contacts[0];
+  const bool inside = frame.contacts.count > 0 && contact.gap <= kTouchGap;
   if (!inside)
     state_.phase = kFree;
-  else if (state_.phase == kFree || contact.normal.dot(contactVelocity(input.kinematics, contact)) < 0.0)
-    hold(input);
+  else if (state_.phase == kFree || contact.normal.dot(contactVelocity(frame.kinematics, contact)) < 0.0)
+    hold(frame);
 }
 
 // With the obstacle, and on to the surface.
-void PositionControlRenderer::moveReference(const TickInput& input) noexcept {
+void PositionControlRenderer::moveReference(const TickFrame& frame) noexcept {
   const double step = std::min(state_.left, kWalk * period_);
   state_.left -= step;
   Vec6 way = Vec6::Zero();
   way.head<3>() = step * state_.normal;
-  for (int i = 0; i < input.contacts.count; ++i) {
-    const Contact& contact = input.contacts.contacts[i];
+  for (int i = 0; i < frame.contacts.count; ++i) {
+    const Contact& contact = frame.contacts.contacts[i];
     if (contact.obstacle != state_.obstacle) continue;
     way.head<3>() += period_ * contact.obstacleVelocity;
     break;
   }
-  if (!way.isZero(0.0)) state_.reference.head(joints_) += torqueOf(input.kinematics.inverseTransposed, way);
+  if (!way.isZero(0.0)) state_.reference.head(joints_) += torqueOf(frame.kinematics.inverseTransposed, way);
 }
 
 // Takes the reference: the joint pose at first touch or, with release, that pose moved back to the surface.
-void PositionControlRenderer::hold(const TickInput& input) noexcept {
-  const Kinematics& k = input.kinematics;
-  const Contact& contact = input.contacts.contacts[0];
+void PositionControlRenderer::hold(const TickFrame& frame) noexcept {
+  const Kinematics& k = frame.kinematics;
+  const Contact& contact = frame.contacts.contacts[0];
   const auto n = joints_;
   state_ = State{};
   state_.phase = kHolding;

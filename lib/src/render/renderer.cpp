@@ -35,13 +35,12 @@ bool allFinite(const Matrix& m) noexcept {
   return std::isfinite(m.sum()) || m.allFinite();
 }
 
-bool sizesAgree(const TickInput& in) noexcept {
+bool sizesAgree(const TickFrame& in) noexcept {
   const Kinematics& k = in.kinematics;
   const auto n = k.q.size();
   return n >= 1 && k.rates.size() == n && k.jacobian.cols() == n && k.inverseTransposed.cols() == n &&
          k.gravity.size() == n && (k.inertia.rows() == n || k.inertia.rows() == 0) &&
-         k.inertia.cols() == k.inertia.rows() && in.maxTorque.size() == n &&
-         (in.applied.size() == n || in.applied.size() == 0);
+         k.inertia.cols() == k.inertia.rows() && in.maxTorque.size() == n && (!in.applied || in.applied->size() == n);
 }
 
 bool isMaterial(const Material& m) noexcept {
@@ -50,12 +49,12 @@ bool isMaterial(const Material& m) noexcept {
 }
 
 // Everything has a limit, so that NaN and infinity pass none.
-bool isPlausible(const TickInput& in) noexcept {
+bool isPlausible(const TickFrame& in) noexcept {
   const Kinematics& k = in.kinematics;
   bool plausible = std::isfinite(in.time) && isRotation(k.pose.rotation) && within(k.q, kLargestAngle) &&
                    within(k.rates, kLargestRate) && within(k.pose.position, kLargestPosition) &&
                    within(k.twist.head<3>(), kLargestSpeed) && within(k.twist.tail<3>(), kLargestRate) &&
-                   within(k.gravity, kLargestTorque) && within(in.applied, kLargestTorque) &&
+                   within(k.gravity, kLargestTorque) && (!in.applied || within(*in.applied, kLargestTorque)) &&
                    within(in.maxTorque, kLargestTorque) && in.maxTorque.minCoeff() >= 0.0 && allFinite(k.jacobian) &&
                    allFinite(k.inverseTransposed) && allFinite(k.inertia);
   for (int i = 0; i < in.contacts.count; ++i) {
@@ -67,32 +66,23 @@ bool isPlausible(const TickInput& in) noexcept {
   return plausible;
 }
 
-bool isFinite(const TickInput& in) noexcept {
+bool isFinite(const TickFrame& in) noexcept {
   const Kinematics& k = in.kinematics;
   bool finite = std::isfinite(in.time) && allFinite(k.q) && allFinite(k.rates) && allFinite(k.pose.position) &&
                 allFinite(k.pose.rotation) && allFinite(k.twist) && allFinite(k.jacobian) &&
                 allFinite(k.inverseTransposed) && allFinite(k.gravity) && allFinite(k.inertia) &&
-                allFinite(in.maxTorque) && allFinite(in.applied);
+                allFinite(in.maxTorque) && (!in.applied || allFinite(*in.applied));
   for (int i = 0; i < in.contacts.count; ++i) finite = finite && isFinite(in.contacts.contacts[i]);
   return finite;
 }
 
 }  // namespace
 
-const char* toString(RenderMode mode) noexcept {
-  switch (mode) {
-    case RenderMode::free: return "free";
-    case RenderMode::contact: return "contact";
-    case RenderMode::fault: return "fault";
-  }
-  return "unknown mode";
-}
-
-Status checkInput(const TickInput& input, double lastTime) noexcept {
-  if (input.contacts.count < 0 || input.contacts.count > kMaxContacts || input.age < 0 || !sizesAgree(input))
+Status checkFrame(const TickFrame& frame, double lastTime) noexcept {
+  if (frame.contacts.count < 0 || frame.contacts.count > kMaxContacts || frame.age < 0 || !sizesAgree(frame))
     return Status::outOfRange;
-  if (!isPlausible(input)) return isFinite(input) ? Status::outOfRange : Status::notFinite;
-  return input.time > lastTime ? Status::ok : Status::stale;
+  if (!isPlausible(frame)) return isFinite(frame) ? Status::outOfRange : Status::notFinite;
+  return frame.time > lastTime ? Status::ok : Status::stale;
 }
 
 void Renderer::activate(double period) {
@@ -105,16 +95,17 @@ void Renderer::activate(double period) {
   active_ = true;
 }
 
-Status Renderer::step(const TickInput& input, TickOutput& output) noexcept {
-  const auto joints = input.kinematics.q.size();
+Status Renderer::step(const TickFrame& frame, TickOutput& output) noexcept {
+  const auto joints = frame.kinematics.q.size();
   output = TickOutput{};
   output.torque.setZero(joints);
   if (!active_) return Status::inactive;
-  Status status = checkInput(input, lastTime_);
+  Status status = checkFrame(frame, lastTime_);
+  if (status == Status::ok && needsInertia() && frame.rows.count != frame.contacts.count) status = Status::outOfRange;
   if (status != Status::ok) return status;
   const StateBlock before = stateBlock();
   std::copy_n(static_cast<const unsigned char*>(before.data), before.size, kept_.begin());
-  status = render(input, output);
+  status = render(frame, output);
   if (status == Status::ok &&
       !(output.torque.size() == joints && allFinite(output.torque) && std::isfinite(output.normalForce)))
     status = Status::notFinite;
@@ -123,8 +114,8 @@ Status Renderer::step(const TickInput& input, TickOutput& output) noexcept {
     status = Status::outOfRange;
   if (status == Status::ok) {
     // A renderer may have cut it.
-    output.saturated = saturate(output.torque, input.kinematics.gravity, input.maxTorque) || output.saturated;
-    lastTime_ = input.time;
+    output.saturated = saturate(output.torque, frame.kinematics.gravity, frame.maxTorque) || output.saturated;
+    lastTime_ = frame.time;
   } else {
     output = TickOutput{};
     output.torque.setZero(joints);
@@ -174,15 +165,17 @@ bool saturate(JointVector& torque, const JointVector& gravity, const JointVector
   double scale = 1.0;
   bool cut = false;
   for (Eigen::Index i = 0; i < torque.size(); ++i) {
-    if (std::abs(torque[i]) <= maxTorque[i]) continue;
+    if (maxTorque[i] == 0.0 || std::abs(torque[i]) <= maxTorque[i]) continue;
     cut = true;
     const double rendered = torque[i] - gravity[i];
     const double most = std::copysign(maxTorque[i], rendered) - gravity[i];  // of the sign of `rendered`, or gravity's
     scale = std::min(scale, std::max(0.0, most / rendered));                 // own torque is too large
   }
   if (!cut) return false;
-  for (Eigen::Index i = 0; i < torque.size(); ++i)
-    torque[i] = std::clamp(gravity[i] + scale * (torque[i] - gravity[i]), -maxTorque[i], maxTorque[i]);
+  for (Eigen::Index i = 0; i < torque.size(); ++i) {
+    torque[i] = gravity[i] + scale * (torque[i] - gravity[i]);
+    if (maxTorque[i] > 0.0) torque[i] = std::clamp(torque[i], -maxTorque[i], maxTorque[i]);
+  }
   return true;
 }
 
@@ -194,9 +187,9 @@ Vec3 contactVelocity(const Kinematics& kinematics, const Contact& contact) noexc
   return translationAt(kinematics.twist, contact.point - kinematics.pose.position) - contact.obstacleVelocity;
 }
 
-double predictedGap(const TickInput& input, const Contact& contact, double period) noexcept {
-  if (input.age == 0) return contact.gap;
-  return contact.gap + input.age * period * contact.normal.dot(contactVelocity(input.kinematics, contact));
+double predictedGap(const TickFrame& frame, const Contact& contact, double period) noexcept {
+  if (frame.age == 0) return contact.gap;
+  return contact.gap + frame.age * period * contact.normal.dot(contactVelocity(frame.kinematics, contact));
 }
 
 }  // namespace enamel

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/cholesky.hpp"
 #include "core/message.hpp"
 #include "enamel/collision/scene.hpp"
+#include "enamel/core/cholesky.hpp"
 #include "render/contact_forces.hpp"
 
 namespace enamel {
@@ -77,16 +77,6 @@ double dot(const std::array<double, kMaxJoints>& a, const std::array<double, kMa
   return sum;
 }
 
-// Torques of a force on the tool at a point: J^T [f; (point - p) x f].
-std::array<double, kMaxJoints> torquesOf(const Kinematics& k, const Vec3& point, const Vec3& force) noexcept {
-  Vec6 wrench;
-  wrench << force, (point - k.pose.position).cross(force);
-  const JointVector torque = torqueOf(k.jacobian, wrench);
-  std::array<double, kMaxJoints> torques{};
-  std::copy_n(torque.data(), torque.size(), torques.begin());
-  return torques;
-}
-
 // Mean of one over a jump's age in ticks, by the innovations along the contact now and before, counts. A push of age t
 // has moved the tool by t^2 / 2, and by (t - 1)^2 / 2 a tick ago.
 double youthOf(double now, double before, double deviation) noexcept {
@@ -112,18 +102,12 @@ Vec6 motionOf(const Kinematics& k, const std::array<double, kMaxJoints>& way) no
 struct SurfaceServoRenderer::Inertia {
   int n;
   double perTick;  // T^2
-  Cholesky<kMaxJoints> factors;
+  const Cholesky<kMaxJoints>& factors;
   Row gravity{};
 
-  bool set(const Kinematics& k, double period) noexcept {
-    n = static_cast<int>(k.q.size());
-    perTick = period * period;
-    double M[kMaxJoints][kMaxJoints];
-    for (int i = 0; i < n; ++i) {
-      for (int j = 0; j < n; ++j) M[i][j] = k.inertia(i, j);
-      gravity[i] = k.gravity[i];
-    }
-    return factors.factor(M, n);
+  Inertia(const TickFrame& frame, double period) noexcept
+      : n(static_cast<int>(frame.kinematics.q.size())), perTick(period * period), factors(frame.rows.inertia) {
+    std::copy_n(frame.kinematics.gravity.data(), n, gravity.begin());
   }
 
   // T^2 M^-1 torque: what a torque beyond gravity does to the joints, rad/tick^2.
@@ -140,17 +124,14 @@ struct SurfaceServoRenderer::Inertia {
   }
 };
 
-// What a unit force along the normal does at each contact of the snapshot.
+// The frame's rows and responses along the normals, with time in ticks.
 struct SurfaceServoRenderer::Normals {
-  Row row[kMaxContacts];       // N_k: its torques
-  Row response[kMaxContacts];  // T^2 M^-1 N_k^T
+  const ContactRow* rows;
+  Row response[kMaxContacts];  // T^2 M^-1 D N_k^T
 
-  Normals(const TickInput& input, const Inertia& inertia) noexcept {
-    for (int c = 0; c < input.contacts.count; ++c) {
-      const Contact& contact = input.contacts.contacts[c];
-      row[c] = torquesOf(input.kinematics, contact.point, contact.normal);
-      response[c] = inertia.response(row[c]);
-    }
+  Normals(const TickFrame& frame, double perTick) noexcept : rows(frame.rows.row.data()) {
+    for (int c = 0; c < frame.rows.count; ++c)
+      for (int i = 0; i < kMaxJoints; ++i) response[c][i] = rows[c].response[i] * perTick;
   }
 };
 
@@ -188,9 +169,8 @@ const std::array<SurfaceServoParameter, 13>& surfaceServoParameters() noexcept {
 }
 
 SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int delayLow, int delayHigh) {
-  // In the order of surfaceServoParameters(), for delays of 0, 1, 2 and 3 ticks and for random ones of 0 to 3.
-  static constexpr double values[5][13] = {
-      {0.3061, 1.103, 0.298, 3.089, 0.01084, 3.237e-5, 0.5032, 0.32, 0.005, 4.306, 0.95, 13.73, 0.3},
+  // In the order of surfaceServoParameters(), for delays of 1, 2 and 3 ticks and for random ones of 0 to 3.
+  static constexpr double values[4][13] = {
       {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 0.01, 5.035, 0.95, 59.31, 0.25},
       {0.4596, 0.8894, 0.6415, 8.609, 0.003, 8e-6, 0.55, 0.17, 0.006, 6.095, 0.6458, 162.8, 0.3},
       {0.5217, 0.9228, 0.6563, 6.432, 0.008, 2.5e-5, 0.5427, 0.055, 0.004, 5.028, 0.5619, 12.26, 0.03},
@@ -202,7 +182,8 @@ SurfaceServoOptions surfaceServoFor(const JointVector& count, double period, int
   options.delayLow = delayLow;
   options.delayHigh = delayHigh;
   options.horizon = (delayLow + delayHigh) / 2;
-  const double* row = values[delayLow < delayHigh ? 4 : std::clamp(delayHigh, 0, 3)];
+  if (delayHigh <= 0) return options;
+  const double* row = values[delayLow < delayHigh ? 3 : std::min(delayHigh, 3) - 1];
   for (const SurfaceServoParameter& p : surfaceServoParameters()) options.*p.value = *row++;
   return options;
 }
@@ -348,8 +329,8 @@ void SurfaceServoRenderer::Motion::correct(int joint, const Gain& gain, double i
   growth[joint] += gain[3] * innovation;
 }
 
-void SurfaceServoRenderer::start(const TickInput& input) noexcept {
-  const Kinematics& k = input.kinematics;
+void SurfaceServoRenderer::start(const TickFrame& frame) noexcept {
+  const Kinematics& k = frame.kinematics;
   State fresh;
   fresh.scale = state_.scale;
   fresh.information = state_.information;
@@ -378,9 +359,9 @@ void SurfaceServoRenderer::advance(const Row& torque, const Inertia& inertia, do
 }
 
 // Ticks that never came: the last command acted on. Leaves of `ticks` what has passed since.
-void SurfaceServoRenderer::passOver(const TickInput& input, const Inertia& inertia, double& ticks) noexcept {
+void SurfaceServoRenderer::passOver(const TickFrame& frame, const Inertia& inertia, double& ticks) noexcept {
   for (; ticks >= 1.5; ticks -= 1.0) {
-    advance(acted(input), inertia, 1.0);
+    advance(acted(frame), inertia, 1.0);
     rememberCommand(Row(state_.commands[0]));
     state_.missing += 1.0;
   }
@@ -414,10 +395,10 @@ SurfaceServoRenderer::UnderWay SurfaceServoRenderer::underWay(int ahead) const n
 }
 
 // The torque that has acted since the last tick.
-SurfaceServoRenderer::Row SurfaceServoRenderer::acted(const TickInput& input) const noexcept {
-  if (input.applied.size() == 0) return underWay(-1).torque;
+SurfaceServoRenderer::Row SurfaceServoRenderer::acted(const TickFrame& frame) const noexcept {
+  if (!frame.applied) return underWay(-1).torque;
   Row torque{};
-  for (int i = 0; i < joints_; ++i) torque[i] = input.applied[i];
+  for (int i = 0; i < joints_; ++i) torque[i] = (*frame.applied)[i];
   return torque;
 }
 
@@ -479,24 +460,25 @@ void SurfaceServoRenderer::learnFromStrongCommand(double most, Row& innovation) 
   }
 }
 
-void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inertia, const Normals& normals,
+void SurfaceServoRenderer::observe(const TickFrame& frame, const Inertia& inertia, const Normals& normals,
                                    double ticks) noexcept {
   State& s = state_;
   const int n = joints_;
-  const Row torque = acted(input), response = inertia.responseOf(torque);
+  const Row torque = acted(frame), response = inertia.responseOf(torque);
   advance(torque, inertia, ticks);
   Row innovation{};
   double strength = 0.0, moved = 0.0;  // share of the motors' limits; counts^2 in this tick
   bool astray = false;
   for (int i = 0; i < n; ++i) {
-    innovation[i] = input.kinematics.q[i] - s.estimate.q[i];
-    strength = std::max(strength, std::abs(torque[i] - inertia.gravity[i]) / input.maxTorque[i]);
+    innovation[i] = frame.kinematics.q[i] - s.estimate.q[i];
+    if (frame.maxTorque[i] > 0.0)
+      strength = std::max(strength, std::abs(torque[i] - inertia.gravity[i]) / frame.maxTorque[i]);
     moved += 0.25 * response[i] * response[i] / (options_.count[i] * options_.count[i]);
     astray = astray || !(std::abs(innovation[i]) < kAstray * options_.count[i]);
   }
-  if (astray) return start(input);
+  if (astray) return start(frame);
   if (strength > 0.0) learnFromStrongCommand(std::sqrt(moved) / strength, innovation);
-  const Jump jump = jumpOf(input.contacts.count, normals, innovation);
+  const Jump jump = jumpOf(frame.contacts.count, normals, innovation);
   s.sure = jump.seen ? jump.sure : 1.0;
   s.lateJumps *= kHabitKept;
   if (jump.seen) {
@@ -525,7 +507,7 @@ void SurfaceServoRenderer::observe(const TickInput& input, const Inertia& inerti
     s.meanInnovation[i] += kMeanFollows * quickError;
     s.meanByChance[i] += kMeanFollows * quickSlope;
     const double weight = std::min(1.0, kLargestSlope * count / std::abs(quickSlope));
-    const double reading = input.kinematics.q[i], band = kRestBand * count;
+    const double reading = frame.kinematics.q[i], band = kRestBand * count;
     const double rest = std::clamp(s.rest[i], reading - band, reading + band);
     s.sinceMoved[i] = rest != s.rest[i] ? 0.0 : std::min(s.sinceMoved[i] + 1.0, kTeachingTicks);
     s.rest[i] = rest;
@@ -564,7 +546,7 @@ SurfaceServoRenderer::Ahead SurfaceServoRenderer::predict(const Inertia& inertia
   return a;
 }
 
-SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& input, const Inertia& inertia,
+SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickFrame& frame, const Inertia& inertia,
                                                             const Normals& normals, const Ahead& ahead) const noexcept {
   const State& s = state_;
   const int n = joints_;
@@ -577,8 +559,8 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
   const double k2 = random ? late[1] : 0.5 * options_.damping * (1.0 - z) * (3.0 + z);
   Row wayNow{}, way{};
   for (int i = 0; i < n; ++i) {
-    wayNow[i] = s.estimate.q[i] - input.kinematics.q[i];
-    way[i] = ahead.q[i] - input.kinematics.q[i];
+    wayNow[i] = s.estimate.q[i] - frame.kinematics.q[i];
+    way[i] = ahead.q[i] - frame.kinematics.q[i];
   }
   const double likely = 1.0 / delays(), cautious = 1.0 + kCautious * std::sqrt(1.0 - likely);
   Row waiting[kMaxServoDelay];  // what each command that may yet act does to the joints
@@ -587,9 +569,9 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
   Pushing pushing;
   ContactProblem& p = pushing.problem;
   double alone = 0.0;  // of each contact as if there were no other, their sum, N
-  for (int c = 0; c < input.contacts.count && p.contacts < kMaxServoContacts; ++c) {
-    const Contact& contact = input.contacts.contacts[c];
-    const Row& row = normals.row[c];
+  for (int c = 0; c < frame.contacts.count && p.contacts < kMaxServoContacts; ++c) {
+    const Contact& contact = frame.contacts.contacts[c];
+    const Row& row = normals.rows[c].normal;
     const double obstacle = T * contact.normal.dot(contact.obstacleVelocity);
     const double gap = contact.gap + dot(row, way, n) - (options_.horizon + s.missing) * obstacle;
     const double speed = dot(row, ahead.rate, n) - obstacle, pushed = dot(row, ahead.push, n);
@@ -630,19 +612,21 @@ SurfaceServoRenderer::Pushing SurfaceServoRenderer::pushing(const TickInput& inp
   if (alone > 0.0) p.most = std::min(p.most, kMostShare * alone);
   p.motors = n;
   for (int i = 0; i < n; ++i) {
-    for (int m = 0; m < p.contacts; ++m) p.motor[i][m] = normals.row[pushing.contact[m]][i];
-    p.low[i] = std::min(0.0, -input.maxTorque[i] - inertia.gravity[i]);
-    p.high[i] = std::max(0.0, input.maxTorque[i] - inertia.gravity[i]);
+    const bool isDriven = frame.maxTorque[i] > 0.0;
+    for (int m = 0; m < p.contacts; ++m) p.motor[i][m] = !isDriven ? 0.0 : normals.rows[pushing.contact[m]].normal[i];
+    p.low[i] = std::min(0.0, -frame.maxTorque[i] - inertia.gravity[i]);
+    p.high[i] = std::max(0.0, frame.maxTorque[i] - inertia.gravity[i]);
+    if (!isDriven) p.low[i] = p.high[i] = 0.0;
   }
   pushing.solution = solveContacts(p);
   return pushing;
 }
 
 // Friction at the contacts that carry force, as torques; the normal forces are found anew beside it.
-SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& input, const Inertia& inertia,
+SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickFrame& frame, const Inertia& inertia,
                                                             const Normals& normals, const Ahead& ahead,
                                                             double sinceSample, Pushing& pushing) noexcept {
-  const Kinematics& k = input.kinematics;
+  const Kinematics& k = frame.kinematics;
   // Slower than the wall's: what sticks need not stand at the edge, and counts are felt less. A firmer grip creeps:
   // what a light tool goes while it hops is then more than the load holds.
   const double T = options_.period, z = 0.6 + 0.4 * options_.pole;
@@ -657,27 +641,27 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& inp
   state_.friction.begin();
   bool any = false;
   int solved = 0;
-  for (int index = 0; index < input.contacts.count; ++index) {
-    const Contact& contact = input.contacts.contacts[index];
+  for (int index = 0; index < frame.contacts.count; ++index) {
+    const Contact& contact = frame.contacts.contacts[index];
     // One that is not near carries nothing, but may do so again at once: a light tool hops.
     const bool near = solved < problem.contacts && pushing.contact[solved] == index;
     const double normalForce = near ? pushing.solution.force[solved++] : 0.0;
     if (!(contact.material.friction > 0.0)) continue;
     any = any || normalForce > 0.0;
     // The largest inverse inertia along the surface.
-    const Mat3 frame = frameAlong(contact.normal);
-    const Row first = torquesOf(k, contact.point, frame.col(0)), second = torquesOf(k, contact.point, frame.col(1));
-    const Row answer = inertia.response(first);
-    const double a = dot(first, answer, joints_), b = dot(second, answer, joints_),
-                 c = dot(second, inertia.response(second), joints_);
-    const double largest = state_.scale * (0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
+    const ContactRow& row = normals.rows[index];
+    const Row &first = row.tangent[0], &second = row.tangent[1];
+    const double a = dot(first, row.tangentResponse[0], joints_), b = dot(second, row.tangentResponse[0], joints_),
+                 c = dot(second, row.tangentResponse[1], joints_);
+    const double largest = state_.scale * inertia.perTick * (0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
     const Grasp grasp{(1.0 - z) * (1.0 - z) / largest, 0.5 * T * options_.damping * (1.0 - z) * (3.0 + z) / largest};
     const Vec3 arm = contact.point - k.pose.position;
     const Slide slide{translationAt(way, arm) - sinceSample * T * contact.obstacleVelocity,
                       translationAt(wayAhead, arm) - (options_.horizon + state_.missing) * T * contact.obstacleVelocity,
                       translationAt(velocity, arm) - contact.obstacleVelocity};
-    const Row torques = torquesOf(k, contact.point, state_.friction.force(contact, slide, grasp, normalForce));
-    for (int i = 0; i < joints_; ++i) torque[i] += torques[i];
+    const Vec3 force = state_.friction.force(contact, slide, grasp, normalForce);
+    const double along[2] = {row.axes.col(0).dot(force), row.axes.col(1).dot(force)};
+    for (int i = 0; i < joints_; ++i) torque[i] += along[0] * first[i] + along[1] * second[i];
   }
   state_.friction.end();
   if (!any) return torque;
@@ -691,37 +675,36 @@ SurfaceServoRenderer::Row SurfaceServoRenderer::addFriction(const TickInput& inp
   return torque;
 }
 
-Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) noexcept {
-  const Kinematics& k = input.kinematics;
-  if (k.q.size() != joints_ || k.inertia.rows() != joints_) return Status::outOfRange;
-  Inertia inertia;
-  if (!inertia.set(k, options_.period)) return Status::outOfRange;  // no mass matrix
-  const Normals normals(input, inertia);
+Status SurfaceServoRenderer::render(const TickFrame& frame, TickOutput& output) noexcept {
+  const Kinematics& k = frame.kinematics;
+  if (k.q.size() != joints_) return Status::outOfRange;
+  const Inertia inertia(frame, options_.period);
+  const Normals normals(frame, inertia.perTick);
   State& s = state_;
-  double ticks = (input.time - s.lastTime) / options_.period;  // since the last one
+  double ticks = (frame.time - s.lastTime) / options_.period;  // since the last one
   if (std::abs(ticks - 1.0) < 1e-6) ticks = 1.0;
   double sinceSample = 0.0;  // ticks; 0 without a new one
   if (s.started == 0.0 || ticks > kMostMissing || s.missing + ticks > kMostMissing + 0.5) {
-    start(input);
+    start(frame);
   } else {
-    passOver(input, inertia, ticks);
-    if (input.age > 0 || isRepeated(k)) {
-      advance(acted(input), inertia, ticks);
+    passOver(frame, inertia, ticks);
+    if (frame.age > 0 || isRepeated(k)) {
+      advance(acted(frame), inertia, ticks);
       s.missing = std::min(s.missing + 1.0, double{kMostMissing});
     } else {
       sinceSample = s.missing + ticks;
-      observe(input, inertia, normals, ticks);
+      observe(frame, inertia, normals, ticks);
       for (int i = 0; i < joints_; ++i) {
         s.lastReading[i] = k.q[i];
         s.lastRates[i] = k.rates[i];
       }
     }
   }
-  s.lastTime = input.time;
+  s.lastTime = frame.time;
 
   const Ahead ahead = predict(inertia);
-  Pushing found = pushing(input, inertia, normals, ahead);
-  Row torque = addFriction(input, inertia, normals, ahead, sinceSample, found);
+  Pushing found = pushing(frame, inertia, normals, ahead);
+  Row torque = addFriction(frame, inertia, normals, ahead, sinceSample, found);
 
   output.mode = RenderMode::free;
   output.saturated = found.solution.limited;
@@ -729,7 +712,7 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
     const double force = found.solution.force[m];
     if (force > 0.0) output.mode = RenderMode::contact;
     if (found.contact[m] == 0) output.normalForce = force;
-    for (int i = 0; i < joints_; ++i) torque[i] += force * normals.row[found.contact[m]][i];
+    for (int i = 0; i < joints_; ++i) torque[i] += force * normals.rows[found.contact[m]].normal[i];
   }
   s.pushes = output.mode == RenderMode::contact ? 1.0 : 0.0;
   output.torque.resize(joints_);
@@ -741,9 +724,10 @@ Status SurfaceServoRenderer::render(const TickInput& input, TickOutput& output) 
   }
   if (!finite) return Status::notFinite;  // numbers that are finite one by one can overflow together
   for (int i = 0; i < joints_; ++i) output.torque[i] = k.gravity[i] + torque[i];
-  output.saturated = saturate(output.torque, k.gravity, input.maxTorque) || output.saturated;
+  output.saturated = saturate(output.torque, k.gravity, frame.maxTorque) || output.saturated;
   Row command{};
-  std::copy_n(output.torque.data(), joints_, command.begin());
+  for (int i = 0; i < joints_; ++i)
+    if (frame.maxTorque[i] > 0.0) command[i] = output.torque[i];
   rememberCommand(command);
   return Status::ok;
 }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <limits>
 
 namespace enamel {
 namespace {
 
-// What forward kinematics goes on from; the inertia is made anew.
+constexpr double kLeastStep = 1e-3;  // of a tick whose sample is older than the prediction before it, periods
+
+// What forward kinematics starts from; the inertia is computed again.
 template <typename AnyKinematics, typename Visit>
 void forEachMatrix(AnyKinematics& k, const Visit& visit) {
   visit(k.pose.position);
@@ -22,9 +22,7 @@ void forEachMatrix(AnyKinematics& k, const Visit& visit) {
 }
 
 // With the last command, the sample's time and age, the tick's time, and the guard's reason.
-std::size_t kinematicsSize(int joints) noexcept { return 18 + 16 * static_cast<std::size_t>(joints) + 4; }
-
-constexpr double kLeastStep = 1e-3;  // of a tick whose sample is older than the prediction before it, periods
+std::size_t frameSize(int joints) noexcept { return 18 + 16 * static_cast<std::size_t>(joints) + 4; }
 
 }  // namespace
 
@@ -37,57 +35,96 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
       guard_(mechanism, guard),
       track_(makeToolTrack(scene, tool)) {
   placeAt(start);
-  input_.maxTorque = guard.on ? guard.torque : mechanism.limits().torque;
-  output_.torque.setZero(mechanism.joints());
+  frame_.maxTorque = guard.on ? guard.torque : mechanism.limits().torque;
+  frame_.output.torque.setZero(mechanism.joints());
   renderer.activate(guard.period);
-  numbers_.resize(kinematicsSize(mechanism.joints()) + track_.stateSize() + Guard::stateSize());
 }
 
 Status HapticTick::operator()(const Measurement& measurement, Command& command) noexcept {
-  const bool isNext = measurement.age == 0 && measurement.time > sampleTime_ && measurement.time > input_.time;
-  return tick(isNext ? measurement : adjusted(measurement), command);
+  const bool isNext = measurement.age == 0 && measurement.time > sampleTime_ && measurement.time > frame_.time;
+  const Status status = tick(isNext ? measurement : adjusted(measurement));
+  command.torque = frame_.command;
+  return status;
 }
 
-// A sample that repeats its time stamp is none. A sample older than the prediction before it comes a little after it.
+// A sample that repeats its time stamp is none, for as long as the guard bridges lost samples. A sample older than the
+// prediction before it comes a little after it.
 Measurement HapticTick::adjusted(const Measurement& measurement) const noexcept {
   const double period = guard_.options().period;
   Measurement m = measurement;
-  if (m.age == 0 && m.time == sampleTime_) {
-    m.age = input_.age + 1;
-    m.time = input_.time + period;
-  } else if (m.age == 0 && m.time > sampleTime_ && input_.age > 0) {
-    m.time = std::max(m.time, input_.time + kLeastStep * period);
+  const bool isBridged = guard_.fault() == GuardReason::none && frame_.age < guard_.options().longestGap;
+  if (m.age == 0 && m.time == sampleTime_ && isBridged) {
+    m.age = frame_.age + 1;
+    m.time = frame_.time + period;
+  } else if (m.age == 0 && m.time > sampleTime_ && frame_.age > 0) {
+    m.time = std::max(m.time, frame_.time + kLeastStep * period);
   }
   if (m.age > 0) {
-    m.q = input_.kinematics.q;
-    m.rates = input_.kinematics.rates;
+    m.q = frame_.kinematics.q;
+    m.rates = frame_.kinematics.rates;
   }
   return m;
 }
 
-Status HapticTick::tick(const Measurement& measurement, Command& command) noexcept {
-  Status status = see(measurement);
-  if (status == Status::ok) {
-    status = renderer_.step(input_, output_);
-  } else {
-    output_ = TickOutput{};
-    output_.torque.setZero(mechanism_.joints());
+// The stages, one a line; the frame is what travels.
+Status HapticTick::tick(const Measurement& measurement) noexcept {
+  const int lost = frame_.age;  // periods without a sample before this tick
+  const bool isSample = measurement.age == 0;
+  Status status = sense(measurement);
+  if (status == Status::ok && isSample) status = findContacts(measurement.time);
+  if (status == Status::ok && isSample && renderer_.needsInertia()) status = fillContactRows(frame_);
+  status = render(status);
+  guard_.step(measurement, status, frame_);
+  if (status == Status::ok && isSample) cut((1 + lost) * guard_.options().period);
+  const bool isStopped = guard_.fault() != GuardReason::none;
+  if (guard_.options().on && !isStopped && !guard_.engaged()) renderer_.reset();
+  return status == Status::ok && isStopped ? Status::stopped : status;
+}
+
+Status HapticTick::sense(const Measurement& m) noexcept {
+  const bool isSample = m.age == 0;
+  if (!isSample && sampleTime_ == kNever) return Status::stale;
+  if (isSample) {
+    sampleTime_ = kNever;  // until the configuration is known
+    const Status status = mechanism_.track(m.q, m.rates, renderer_.needsInertia(), frame_.kinematics);
+    if (status != Status::ok) return status;
   }
-  const bool touches = status == Status::ok && input_.contacts.count > 0;
-  const GuardedCommand guarded =
-      guard_.step(measurement, input_.kinematics, output_.torque, status,
-                  touches ? input_.contacts.contacts[0].obstacleVelocity : Vec3(Vec3::Zero()));
-  last_ = command.torque = guarded.torque;
-  reason_ = guarded.reason;
-  const bool stopped = guard_.fault() != GuardReason::none;
-  if (guard_.options().on && !stopped && !guard_.engaged()) renderer_.reset();
-  return status != Status::ok ? status : stopped ? Status::stopped : Status::ok;
+  frame_.time = m.time;
+  frame_.age = m.age;
+  frame_.applied = m.applied;
+  // Where the device cannot tell, the renderer takes its own answer for what acted, unless the guard changed it.
+  if (!m.applied && frame_.reason != GuardReason::none) frame_.applied = frame_.command;
+  return Status::ok;
+}
+
+Status HapticTick::findContacts(double time) noexcept {
+  const Pose& pose = frame_.kinematics.pose;
+  const Status status = followContacts(scene_, tool_, pose, kContactMargin, track_, frame_.contacts);
+  if (status != Status::ok) return status;
+  if (drill_ != nullptr) drill_->correct(frame_.contacts);
+  sampleTime_ = time;
+  return Status::ok;
+}
+
+Status HapticTick::render(Status status) noexcept {
+  if (status == Status::ok) return renderer_.step(frame_, frame_.output);
+  frame_.output = TickOutput{};
+  frame_.output.torque.setZero(mechanism_.joints());
+  return status;
+}
+
+void HapticTick::cut(double elapsed) noexcept {
+  if (drill_ == nullptr) return;
+  Vec3 force = Vec3::Zero();  // of the wall on the tool, W, N
+  const Kinematics& k = frame_.kinematics;
+  if (frame_.output.mode == RenderMode::contact) force = wrenchOf(k, frame_.command - k.gravity).head<3>();
+  drill_->cut(scene_, k.pose, force, elapsed, frame_.contacts);
 }
 
 void HapticTick::placeAt(const Pose& start) noexcept {
-  input_.kinematics = Kinematics();
-  if (!isRotation(start.rotation) || mechanism_.reach(start, Vec6::Zero(), false, input_.kinematics) != Status::ok)
-    input_.kinematics = mechanism_.home();
+  frame_.kinematics = Kinematics();
+  if (!isRotation(start.rotation) || mechanism_.reach(start, Vec6::Zero(), false, frame_.kinematics) != Status::ok)
+    frame_.kinematics = mechanism_.home();
 }
 
 void HapticTick::reset() noexcept {
@@ -101,36 +138,35 @@ void HapticTick::restart(const Pose& start) noexcept {
   renderer_.reset();
   sampleTime_ = kNever;
   placeAt(start);
-  std::fill(numbers_.begin(), numbers_.end(), std::numeric_limits<double>::quiet_NaN());
-  track_.loadState(scene_, numbers_.data());  // what no track can have: that of a new one
-  output_ = TickOutput{};
-  output_.torque.setZero(mechanism_.joints());
-  last_ = JointVector();
-  reason_ = GuardReason::none;
+  track_.reset(scene_);
+  frame_.output = TickOutput{};
+  frame_.output.torque.setZero(mechanism_.joints());
+  frame_.command = JointVector();
+  frame_.reason = GuardReason::none;
 }
 
-std::size_t HapticTick::stateSize() const noexcept { return numbers_.size() * sizeof(double) + renderer_.stateSize(); }
+std::size_t HapticTick::numbers() const noexcept {
+  return frameSize(mechanism_.joints()) + track_.stateSize() + Guard::stateSize();
+}
 
 void HapticTick::saveState(void* state) const noexcept {
-  double* at = numbers_.data();
-  forEachMatrix(input_.kinematics, [&at](const auto& matrix) { at = std::copy_n(matrix.data(), matrix.size(), at); });
+  double* at = static_cast<double*>(state);
+  forEachMatrix(frame_.kinematics, [&at](const auto& matrix) { at = std::copy_n(matrix.data(), matrix.size(), at); });
   std::fill_n(at, mechanism_.joints(), 0.0);
-  std::copy_n(last_.data(), last_.size(), at);
+  std::copy_n(frame_.command.data(), frame_.command.size(), at);
   at += mechanism_.joints();
-  for (const double number : {sampleTime_, input_.time, static_cast<double>(input_.age), static_cast<double>(reason_)})
+  for (const double number :
+       {sampleTime_, frame_.time, static_cast<double>(frame_.age), static_cast<double>(frame_.reason)})
     *at++ = number;
   track_.saveState(scene_, at);
-  guard_.saveState(at + track_.stateSize());
-  const std::size_t size = numbers_.size() * sizeof(double);
-  std::memcpy(state, numbers_.data(), size);
-  renderer_.saveState(static_cast<char*>(state) + size);
+  at += track_.stateSize();
+  guard_.saveState(at);
+  renderer_.saveState(at + Guard::stateSize());
 }
 
 void HapticTick::loadState(const void* state) noexcept {
-  const std::size_t size = numbers_.size() * sizeof(double);
-  std::memcpy(numbers_.data(), state, size);
-  const double* at = numbers_.data();
-  const double* const reason = at + kinematicsSize(mechanism_.joints()) - 1;
+  const double* at = static_cast<const double*>(state);
+  const double* const reason = at + frameSize(mechanism_.joints()) - 1;
   bool isSound = isRotation(Eigen::Map<const Mat3>(at + 3)) && *reason >= 0.0 &&
                  *reason <= static_cast<double>(GuardReason::deadlines) && *reason == std::floor(*reason);
   for (const double* number = at; number < reason; ++number) isSound = isSound && std::isfinite(*number);
@@ -138,46 +174,20 @@ void HapticTick::loadState(const void* state) noexcept {
     reset();
     return;
   }
-  forEachMatrix(input_.kinematics, [&at](auto& matrix) {
+  forEachMatrix(frame_.kinematics, [&at](auto& matrix) {
     std::copy_n(at, matrix.size(), matrix.data());
     at += matrix.size();
   });
-  last_ = Eigen::Map<const JointVector>(at, mechanism_.joints());
+  frame_.command = Eigen::Map<const JointVector>(at, mechanism_.joints());
   sampleTime_ = reason[-3];
-  input_.time = reason[-2];
-  input_.age = static_cast<int>(std::clamp(reason[-1], 0.0, 1e6));
-  reason_ = static_cast<GuardReason>(*reason);
-  track_.loadState(scene_, reason + 1);
-  guard_.loadState(reason + 1 + track_.stateSize());
-  renderer_.loadState(static_cast<const char*>(state) + size);
-}
-
-Status HapticTick::see(const Measurement& measurement) noexcept {
-  // Where the device cannot tell, the renderer takes its own answer for what acted, unless the guard changed it.
-  const bool isTold = measurement.applied.size() > 0 || reason_ == GuardReason::none;
-  if (measurement.age > 0) {
-    if (sampleTime_ == kNever) return Status::stale;
-    input_.time = measurement.time;
-    input_.age = measurement.age;
-    input_.applied = isTold ? measurement.applied : last_;
-    return Status::ok;
-  }
-  Vec3 force = Vec3::Zero();  // of the wall at the last tick
-  if (drill_ != nullptr && output_.mode == RenderMode::contact)
-    force = wrenchOf(input_.kinematics, output_.torque - input_.kinematics.gravity).head<3>();
-  const double periods = 1.0 + input_.age;  // since the last sample
-  sampleTime_ = kNever;                     // until this one is known
-  const Status status = mechanism_.track(measurement.q, measurement.rates, renderer_.needsInertia(), input_.kinematics);
-  if (status != Status::ok) return status;
-  input_.time = measurement.time;
-  input_.age = measurement.age;
-  input_.applied = isTold ? measurement.applied : last_;
-  const Pose& pose = input_.kinematics.pose;
-  const Status found = followContacts(scene_, tool_, pose, kContactMargin, track_, input_.contacts);
-  if (found != Status::ok) return found;
-  if (drill_ != nullptr) drill_->cut(scene_, pose, force, periods * guard_.options().period, input_.contacts);
-  sampleTime_ = measurement.time;
-  return Status::ok;
+  frame_.time = reason[-2];
+  frame_.age = static_cast<int>(std::clamp(reason[-1], 0.0, 1e6));
+  frame_.reason = static_cast<GuardReason>(*reason);
+  at = reason + 1;
+  track_.loadState(scene_, at);
+  at += track_.stateSize();
+  guard_.loadState(at);
+  renderer_.loadState(at + Guard::stateSize());
 }
 
 }  // namespace enamel

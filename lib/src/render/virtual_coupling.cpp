@@ -30,9 +30,9 @@ void VirtualCouplingRenderer::stateLoaded() noexcept {
   if (!isFinite(stateBlock())) resetState();
 }
 
-Status VirtualCouplingRenderer::render(const TickInput& input, TickOutput& output) noexcept {
-  const Kinematics& k = input.kinematics;
-  const double ahead = input.age * period_;  // since the sample, s
+Status VirtualCouplingRenderer::render(const TickFrame& frame, TickOutput& output) noexcept {
+  const Kinematics& k = frame.kinematics;
+  const double ahead = frame.age * period_;  // since the sample, s
   const Vec3 speed = k.twist.head<3>(), device = k.pose.position + ahead * speed;
   Eigen::Map<Vec3> position(state_.position.data()), velocity(state_.velocity.data());
   if (state_.started == 0.0) {
@@ -47,8 +47,8 @@ Status VirtualCouplingRenderer::render(const TickInput& input, TickOutput& outpu
   ContactProblem problem;
   problem.most = 1e6;
   problem.motors = 0;
-  problem.contacts = std::min(input.contacts.count, kMaxServoContacts);
-  const Contact* const contacts = input.contacts.contacts.data();
+  problem.contacts = std::min(frame.contacts.count, kMaxServoContacts);
+  const Contact* const contacts = frame.contacts.contacts.data();
   for (int i = 0; i < problem.contacts; ++i) {
     const double gap = contacts[i].gap - ahead * contacts[i].normal.dot(contacts[i].obstacleVelocity);
     problem.r[i] = -(gap + contacts[i].normal.dot(position + T * free - k.pose.position));

@@ -228,7 +228,8 @@ void LinkClient::receive(const unsigned char* d, std::size_t size, std::int64_t 
   bool finite = std::isfinite(m.time);
   finite = getNumbers(d + kHead + 8, options_.joints, m.q) && finite;
   finite = getNumbers(d + kHead + 64, options_.joints, m.rates) && finite;
-  finite = ((h.flags & kHasApplied) == 0 || getNumbers(d + kHead + 120, options_.joints, m.applied)) && finite;
+  if ((h.flags & kHasApplied) != 0)
+    finite = getNumbers(d + kHead + 120, options_.joints, m.applied.emplace()) && finite;
   if (!finite) {
     count(counts_, DropReason::notFinite);
     return;
@@ -366,7 +367,7 @@ JointVector LinkServer::torque(const JointVector& q, double period, std::int64_t
 std::size_t LinkServer::measurement(const Measurement& m, std::int64_t now, Datagram& datagram) noexcept {
   if (!session_ || now - heard_ > kSessionEnds || m.q.size() != options_.joints || m.rates.size() != options_.joints)
     return 0;
-  const bool applied = m.applied.size() == options_.joints;
+  const bool applied = m.applied && m.applied->size() == options_.joints;
   Head h;
   h.kind = kMeasurement;
   h.joints = static_cast<unsigned>(options_.joints);
@@ -381,7 +382,7 @@ std::size_t LinkServer::measurement(const Measurement& m, std::int64_t now, Data
   putNumber(&datagram[kHead], m.time);
   putNumbers(&datagram[kHead + 8], m.q);
   putNumbers(&datagram[kHead + 64], m.rates);
-  putNumbers(&datagram[kHead + 120], applied ? m.applied : JointVector());
+  putNumbers(&datagram[kHead + 120], applied ? *m.applied : JointVector());
   counts_.sent.fetch_add(1, std::memory_order_relaxed);
   return seal(options_, kMeasurementBytes, datagram);
 }

@@ -49,7 +49,7 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
   }
   // An earlier loop's fault, and the time since, are not this one's.
   if (haptics.guard().kept() > 0) haptics.reset();
-  tick_.pose = haptics.input().kinematics.pose;
+  tick_.pose = haptics.frame().kinematics.pose;
   tick_.requested = command_.torque = JointVector::Zero(guard.torque.size());
 }
 
@@ -96,13 +96,13 @@ bool LoopBody::step() noexcept {
   tick_.device = device != Status::ok ? device : sent;
   age_.add(tick_.age);
 
-  const TickInput& input = haptics_.input();
-  tick_.pose = input.kinematics.pose;
-  tick_.twist = input.kinematics.twist;
-  tick_.requested = haptics_.output().torque;
-  tick_.normalForce = haptics_.output().normalForce;
-  tick_.mode = haptics_.output().mode;
-  tick_.reason = haptics_.reason();
+  const TickFrame& frame = haptics_.frame();
+  tick_.pose = frame.kinematics.pose;
+  tick_.twist = frame.kinematics.twist;
+  tick_.requested = frame.output.torque;
+  tick_.normalForce = frame.output.normalForce;
+  tick_.mode = frame.output.mode;
+  tick_.reason = frame.reason;
   if (sink_ != nullptr) sink_->tick(tick_, haptics_);
   ++tick_.number;
 

@@ -64,7 +64,7 @@ Recorder::Recorder(Write write, const std::string& path, RecordingHeader header,
 
 void Recorder::start(const HapticTick& tick) {
   header_.guard = tick.guard().options();
-  header_.joints = static_cast<int>(tick.output().torque.size());
+  header_.joints = static_cast<int>(tick.frame().output.torque.size());
   header_.stateSize = tick.stateSize();
   header_.rendererState = tick.renderer().stateSize();
   require(header_.stateSize <= kLargestState, path_ + ": the state of a tick is " + std::to_string(header_.stateSize) +
@@ -117,13 +117,13 @@ void Recorder::add(std::uint64_t number, const Measurement& measurement, const H
     }
     begin(tick);
   }
-  const TickOutput& output = tick.output();
+  const TickOutput& output = tick.frame().output;
   TickBytes t;
   t.number = number;
   t.time = measurement.time;
   copy(measurement.q, t.q);
   copy(measurement.rates, t.rates);
-  copy(measurement.applied, t.applied);
+  copy(measurement.applied.value_or(JointVector()), t.applied);
   copy(output.torque, t.requested);
   copy(command.torque, t.command);
   t.normalForce = output.normalForce;
@@ -131,9 +131,9 @@ void Recorder::add(std::uint64_t number, const Measurement& measurement, const H
   t.stateHash = hashOf(rendererState_.data(), rendererState_.size());
   t.sizes[0] = static_cast<std::uint8_t>(measurement.q.size());
   t.sizes[1] = static_cast<std::uint8_t>(measurement.rates.size());
-  t.sizes[2] = static_cast<std::uint8_t>(measurement.applied.size());
+  t.sizes[2] = static_cast<std::uint8_t>(measurement.applied ? measurement.applied->size() : 0);
   t.status = static_cast<std::uint8_t>(status);
-  t.reason = static_cast<std::uint8_t>(tick.reason());
+  t.reason = static_cast<std::uint8_t>(tick.frame().reason);
   t.mode = static_cast<std::uint8_t>(output.mode);
   t.flags =
       static_cast<std::uint8_t>((measurement.enabled ? kEnabled : 0) | (output.saturated ? kSaturated : 0) |

@@ -176,7 +176,7 @@ RecordedTick tickOf(const TickBytes& t, int joints) {
   tick.measurement.time = t.time;
   tick.measurement.q = vector(t.q, t.sizes[0]);
   tick.measurement.rates = vector(t.rates, t.sizes[1]);
-  tick.measurement.applied = vector(t.applied, t.sizes[2]);
+  if (t.sizes[2] > 0) tick.measurement.applied = vector(t.applied, t.sizes[2]);
   tick.measurement.enabled = (t.flags & kEnabled) != 0;
   tick.measurement.age = t.age;
   tick.requested = vector(t.requested, joints);

@@ -52,7 +52,7 @@ double numberOf(Enum value) {
 ReplayResult replay(RecordingReader& recording, HapticTick& tick, std::uint64_t from,
                     const std::function<void(const RecordedTick&, const HapticTick&)>& each) {
   const RecordingHeader& header = recording.header();
-  const int joints = static_cast<int>(tick.output().torque.size());
+  const int joints = static_cast<int>(tick.frame().output.torque.size());
   require(joints == header.joints, "the device has " + std::to_string(joints) + " joints, that of the recording " +
                                        std::to_string(header.joints));
   ReplayResult result;
@@ -83,13 +83,13 @@ ReplayResult replay(RecordingReader& recording, HapticTick& tick, std::uint64_t 
       } else {
         Comparison with(result, recorded);
         ++result.ticks;
-        with.vectors("requested torque", recorded.requested, tick.output().torque, result.requested);
+        with.vectors("requested torque", recorded.requested, tick.frame().output.torque, result.requested);
         with.vectors("command", recorded.command, command.torque, result.command);
-        with.numbers("normal force", -1, recorded.normalForce, tick.output().normalForce);
+        with.numbers("normal force", -1, recorded.normalForce, tick.frame().output.normalForce);
         with.numbers("status", -1, numberOf(recorded.status), numberOf(status));
-        with.numbers("guard's reason", -1, numberOf(recorded.reason), numberOf(tick.reason()));
-        with.numbers("mode", -1, numberOf(recorded.mode), numberOf(tick.output().mode));
-        with.numbers("saturated", -1, recorded.saturated, tick.output().saturated);
+        with.numbers("guard's reason", -1, numberOf(recorded.reason), numberOf(tick.frame().reason));
+        with.numbers("mode", -1, numberOf(recorded.mode), numberOf(tick.frame().output.mode));
+        with.numbers("saturated", -1, recorded.saturated, tick.frame().output.saturated);
         if (restores && &recorded == chunk.ticks.data()) {
           tick.saveState(state.data());
           if (state != chunk.state) with.tell("state of the tick", -1, std::nan(""), std::nan(""));

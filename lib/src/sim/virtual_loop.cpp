@@ -70,18 +70,18 @@ Status VirtualLoop::react(TickRecord& record) noexcept {
   record.pose = truth.pose;
   record.twist = truth.twist;
   record.q = measurement_.q;
-  record.requested = tick_.output().torque;
+  record.requested = tick_.frame().output.torque;
   record.command = command_.torque;
-  record.guard = tick_.reason();
+  record.guard = tick_.frame().reason;
   record.torque = device_.torque();
   record.rendered = wrenchOf(truth, record.torque - truth.gravity);
   record.nearest = nearestContact(scene_, tool_, truth.pose, &trueCache_);
   record.gapRate = record.nearest.normal.dot(contactVelocity(truth, record.nearest));
   record.normalForce = record.guard == GuardReason::none
-                           ? tick_.output().normalForce
+                           ? tick_.frame().output.normalForce
                            : record.nearest.normal.dot(wrenchOf(truth, record.command - truth.gravity).head<3>());
-  record.mode = tick_.output().mode;
-  record.saturated = tick_.output().saturated;
+  record.mode = tick_.frame().output.mode;
+  record.saturated = tick_.frame().output.saturated;
   return Status::ok;
 }
 

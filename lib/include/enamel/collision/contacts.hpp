@@ -69,6 +69,9 @@ class ToolTrack {
   void saveState(const Scene& scene, double* state) const noexcept;
   void loadState(const Scene& scene, const double* state) noexcept;
 
+  /// Forgets where the tool was, as after makeToolTrack(). Realtime: yes.
+  void reset(const Scene& scene) noexcept;
+
  private:
   friend ToolTrack makeToolTrack(const Scene& scene, const Tool& tool);
   friend Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolTrack& track,

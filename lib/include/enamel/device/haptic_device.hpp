@@ -2,6 +2,9 @@
 // are those of a Mechanism.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "enamel/core/status.hpp"
 #include "enamel/core/types.hpp"
 
@@ -9,12 +12,15 @@ namespace enamel {
 
 /// What a device reports at a tick. A tick without a new sample is a normal tick: `age` says so, and the tick predicts.
 struct Measurement {
-  double time = 0.0;    ///< of this tick, s, strictly increasing
-  JointVector q;        ///< joint coordinates, rad or m
-  JointVector rates;    ///< q', rad/s or m/s
-  JointVector applied;  ///< torque that acted since the last measurement, N m or N; empty where the device cannot tell
-  bool enabled = true;  ///< the user's enable, such as a dead man's switch; true where the device has none
-  int age = 0;          ///< periods since q and rates were sampled; 0: a new sample. Above 0, q and rates are ignored
+  double time = 0.0;  ///< of this tick, s, strictly increasing
+  JointVector q;      ///< joint coordinates, rad or m
+  JointVector rates;  ///< q', rad/s or m/s
+  /// Torque that acted since the last measurement, N m or N; empty where the device cannot tell.
+  std::optional<JointVector> applied;
+  bool enabled = true;            ///< the user's enable, such as a dead man's switch; true where the device has none
+  std::uint32_t buttons = 0;      ///< bit i: button i is pressed
+  std::optional<double> gripper;  ///< opening angle, rad; empty where the device has none
+  int age = 0;  ///< periods since q and rates were sampled; 0: a new sample. Above 0, q and rates are ignored
 };
 
 /// What a device is told.

@@ -70,7 +70,7 @@ class PluginInstance {
   Configure configure_;
   Activate activate_;
   std::unique_ptr<Renderer> renderer_;  // while active
-  TickInput input_;
+  TickFrame frame_;
 };
 
 /// Plugin::kNeedsInertia where a class has it: whether its renderers read the inertia.

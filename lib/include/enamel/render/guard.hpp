@@ -15,41 +15,9 @@
 
 #include "enamel/device/haptic_device.hpp"
 #include "enamel/device/mechanism.hpp"
+#include "enamel/render/frame.hpp"
 
 namespace enamel {
-
-/// Why the applied torque is not the requested one.
-enum class GuardReason : std::uint8_t {
-  none = 0,  ///< it is
-  // For as long as it lasts:
-  waiting,   ///< nothing is rendered yet: the demanded force is not small
-  engaging,  ///< the rendered part ramps in
-  disabled,  ///< the user's enable is off: it ramps out, or is out
-  force,     ///< the force or moment at the TCP
-  torque,    ///< a motor's limit
-  slew,      ///< a motor's torque may not change that fast
-  brake,     ///< the damper beyond `speed`, `turn` or `workspace` acts
-  // Faults, latched until reset():
-  measurement,  ///< not finite, or not one number a joint
-  jump,         ///< a joint moved faster than it can
-  frozen,       ///< a joint's reading stands still, though it moves
-  clock,        ///< time did not advance
-  late,         ///< no tick or no new sample for more than `longestGap`
-  unreachable,  ///< no configuration of the device has these joint coordinates
-  renderer,     ///< contacts or renderer answered with a status, or with a torque that is none
-  workspace,    ///< beyond the workspace and its margin
-  speed,        ///< faster than `stopSpeed` or `stopTurn`
-  energy,       ///< the tool was given more energy than it gave, beyond the budget
-  oscillation,  ///< the rendered torque oscillates
-  deadlines,    ///< too many ticks or samples were missed
-};
-
-inline constexpr std::size_t kGuardReasons = static_cast<std::size_t>(GuardReason::deadlines) + 1;
-
-inline constexpr bool isFault(GuardReason reason) noexcept { return reason >= GuardReason::measurement; }
-
-/// Name of a reason in plain words. Realtime: yes.
-const char* toString(GuardReason reason) noexcept;
 
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
@@ -58,7 +26,7 @@ struct GuardOptions {
   bool on = true;        ///< false: everything passes; ticks are kept all the same
   double period = 1e-3;  ///< of the ticks, s
 
-  JointVector torque;                           ///< largest of every motor, N m or N
+  JointVector torque;                           ///< largest of every motor, N m or N; 0: a joint without a motor
   JointVector slew;                             ///< largest change, N m/s or N/s
   double force = kUnlimited;                    ///< largest rendered at the TCP, N
   double moment = kUnlimited;                   ///< the same, N m
@@ -91,12 +59,6 @@ struct GuardOptions {
 /// Throws Error: a period outside 1e-5 to 0.1 s. Realtime: no.
 GuardOptions guardFor(const Mechanism& device, double period);
 
-/// What the motors get.
-struct GuardedCommand {
-  JointVector torque;  ///< N m or N; finite and within the limits, whatever came in
-  GuardReason reason = GuardReason::none;
-};
-
 /// One tick as the guard keeps it.
 struct GuardTick {
   double time = 0.0;                       ///< s
@@ -116,11 +78,10 @@ class Guard {
   /// numbers; a period outside 1e-5 to 0.1 s. Realtime: no.
   Guard(const Mechanism& device, const GuardOptions& options);
 
-  /// One tick. `kinematics` is that of the measurement where its q is; `requested` is the renderer's torque, gravity
-  /// included; `status` that of everything before; `surface` the velocity of the obstacle that is touched, W, m/s: what
-  /// a moving wall does to the tool is not held against the renderer. Realtime: yes (no allocation).
-  GuardedCommand step(const Measurement& measurement, const Kinematics& kinematics, const JointVector& requested,
-                      Status status, const Vec3& surface = Vec3::Zero()) noexcept;
+  /// One tick: reads kinematics, contacts and requested torque of the frame, writes its command and reason. The
+  /// kinematics count where their q is that of the measurement. `status` is that of everything before. What a moving
+  /// obstacle does to the tool is not held against the renderer. Realtime: yes (no allocation).
+  void step(const Measurement& measurement, Status status, TickFrame& frame) noexcept;
 
   /// Forgets a fault. What is rendered next ramps in once the demanded force is small. Realtime: yes.
   void reset() noexcept;
@@ -158,20 +119,21 @@ class Guard {
     double sampleTime = 0.0;  // of the last sample, with what follows
     Row q{};
     Vec6 twist = Vec6::Zero();
-    Row acting{};                 // applied since then, the mean
-    double ticks = 0.0;           // since then
-    Row torque{};                 // applied last
-    Row gravity{};                // at the last tick
-    Row rendered{};               // requested beyond gravity, at the last tick
-    Vec3 surface = Vec3::Zero();  // at the last tick
-    double weight = 0.0;          // of the rendered part
-    Row from{}, fromGravity{};    // where a fault's ramp begins
-    int rampTicks = 0;            // of it
-    double energy = 0.0;          // J
-    double peak = 0.0;            // largest rendered force of late, N
-    Row beyond{};                 // that acted beyond gravity before the last tick
-    Row jerk{};                   // mean square change of the rendered torque, shares
-    double missed = 0.0;          // ticks
+    Row acting{};                      // applied since then, the mean
+    double ticks = 0.0;                // since then
+    Row torque{};                      // applied last; of a joint without a motor what the wall would have needed
+    Row gravity{};                     // at the last tick
+    Row rendered{};                    // requested beyond gravity, at the last tick
+    Vec3 surface = Vec3::Zero();       // velocity of what was touched at the last tick, W
+    Mat3 rotation = Mat3::Identity();  // of the platform at the last sample
+    double weight = 0.0;               // of the rendered part
+    Row from{}, fromGravity{};         // where a fault's ramp begins
+    int rampTicks = 0;                 // of it
+    double energy = 0.0;               // J
+    double peak = 0.0;                 // largest rendered force of late, N
+    Row beyond{};                      // that acted beyond gravity before the last tick
+    Row jerk{};                        // mean square change of the rendered torque, shares
+    double missed = 0.0;               // ticks
     Row pace{}, claimed{};  // of a joint that stands still: counts a tick before, counts that its rate tells of since
     std::array<bool, kMaxJoints> even{};  // whether the pace was that of the tick before
     std::array<int, kMaxJoints> still{};  // for how many ticks
@@ -187,6 +149,7 @@ class Guard {
   void ramp(const Measurement& m, bool known, JointVector& torque) noexcept;
   bool limitSlew(double elapsed, JointVector& torque) const noexcept;
   Row bounded(const JointVector& gravity) const noexcept;
+  bool isDriven(int joint) const noexcept { return options_.torque[joint] > 0.0; }
 
   GuardOptions options_;
   int n_;

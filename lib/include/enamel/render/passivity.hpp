@@ -43,7 +43,7 @@ class PassivityRenderer final : public Renderer {
 
  private:
   void prepare(double period) override;
-  Status render(const TickInput& input, TickOutput& output) noexcept override;
+  Status render(const TickFrame& frame, TickOutput& output) noexcept override;
   void resetState() noexcept override;
   StateBlock stateBlock() noexcept override { return {state_.data(), state_.size()}; }
   void stateLoaded() noexcept override;

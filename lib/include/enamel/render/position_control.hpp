@@ -69,14 +69,14 @@ class PositionControlRenderer final : public Renderer {
   static constexpr double kReleased = 2.0;  // released inside the wall, and not yet out of it
 
   void prepare(double period) override;
-  Status render(const TickInput& input, TickOutput& output) noexcept override;
+  Status render(const TickFrame& frame, TickOutput& output) noexcept override;
   void resetState() noexcept override { state_ = State{}; }
   StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
   void stateLoaded() noexcept override;
 
-  void updatePhase(const TickInput& input) noexcept;
-  void hold(const TickInput& input) noexcept;
-  void moveReference(const TickInput& input) noexcept;
+  void updatePhase(const TickFrame& frame) noexcept;
+  void hold(const TickFrame& frame) noexcept;
+  void moveReference(const TickFrame& frame) noexcept;
 
   static constexpr int kRows = kMaxJoints + 1;         // even: columns of whole SIMD registers
   Eigen::Matrix<double, kRows, 3 * kMaxJoints> gain_;  // zero beyond n x 3n

@@ -51,8 +51,8 @@ namespace enamel {
 inline constexpr int kMaxServoDelay = 8;
 inline constexpr int kMaxServoContacts = 6;
 
-/// What the servo is told of the device, and what `enamel design --surface` chooses: surfaceServoFor() or a file has
-/// the numbers, zeros are refused.
+/// What the servo is told of the device, and what `enamel design --surface` chooses. The defaults are those for a
+/// device without delay; surfaceServoFor() or a file has the others.
 struct SurfaceServoOptions {
   double period = 1e-3;  ///< of the ticks, s
   JointVector count;     ///< step of each joint's encoder, rad or m: as many as the device has joints
@@ -61,20 +61,20 @@ struct SurfaceServoOptions {
   int delayLow = 0, delayHigh = 0;
   int horizon = 0;  ///< how far the law looks ahead, ticks: the delay where it is constant
 
-  double pole = 0.0;             ///< z of the contact's loop, in [0, 1)
-  double damping = 0.0;          ///< r
-  double jumpPole = 0.0;         ///< z for the first `jumpTicks` ticks of a jump
-  double jumpTicks = 0.0;        ///< ticks
-  double outwardSpeed = 0.0;     ///< m/s
-  double outwardDistance = 0.0;  ///< m
+  double pole = 0.3061;               ///< z of the contact's loop, in [0, 1)
+  double damping = 1.103;             ///< r
+  double jumpPole = 0.298;            ///< z for the first `jumpTicks` ticks of a jump
+  double jumpTicks = 3.089;           ///< ticks
+  double outwardSpeed = 0.01084;      ///< m/s
+  double outwardDistance = 3.237e-5;  ///< m
 
-  double tremor = 0.0;         ///< of the hand, white, counts/tick^2
-  double wander = 0.0;         ///< of the push from tick to tick, counts/tick^2
-  double growth = 0.0;         ///< of the push's growth from tick to tick, counts/tick^3
-  double jumpThreshold = 0.0;  ///< innovation of a jump, counts
-  double jumpAge = 0.0;        ///< least age of a jump that is seen for the first time, ticks, in [0, 1)
-  double jumpSize = 0.0;       ///< counts/tick^2
-  double jumpGrowth = 0.0;     ///< of the push after a jump, counts/tick^3
+  double tremor = 0.5032;        ///< of the hand, white, counts/tick^2
+  double wander = 0.32;          ///< of the push from tick to tick, counts/tick^2
+  double growth = 0.005;         ///< of the push's growth from tick to tick, counts/tick^3
+  double jumpThreshold = 4.306;  ///< innovation of a jump, counts
+  double jumpAge = 0.95;         ///< least age of a jump that is seen for the first time, ticks, in [0, 1)
+  double jumpSize = 13.73;       ///< counts/tick^2
+  double jumpGrowth = 0.3;       ///< of the push after a jump, counts/tick^3
 };
 
 /// One of the numbers that a design chooses.
@@ -167,29 +167,29 @@ class SurfaceServoRenderer final : public Renderer {
   };
 
   void prepare(double period) override;
-  Status render(const TickInput& input, TickOutput& output) noexcept override;
+  Status render(const TickFrame& frame, TickOutput& output) noexcept override;
   void resetState() noexcept override { state_ = State{}; }
   StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
   void stateLoaded() noexcept override;
 
-  void start(const TickInput& input) noexcept;
+  void start(const TickFrame& frame) noexcept;
   void advance(const Row& torque, const Inertia& inertia, double ticks) noexcept;
-  void passOver(const TickInput& input, const Inertia& inertia, double& ticks) noexcept;
+  void passOver(const TickFrame& frame, const Inertia& inertia, double& ticks) noexcept;
   bool isRepeated(const Kinematics& kinematics) const noexcept;
   void rememberCommand(const Row& command) noexcept;
-  Row acted(const TickInput& input) const noexcept;
+  Row acted(const TickFrame& frame) const noexcept;
   UnderWay underWay(int ahead) const noexcept;
   void learnFromStrongCommand(double most, Row& innovation) noexcept;
-  void observe(const TickInput& input, const Inertia& inertia, const Normals& normals, double ticks) noexcept;
+  void observe(const TickFrame& frame, const Inertia& inertia, const Normals& normals, double ticks) noexcept;
   Jump jumpOf(int contacts, const Normals& normals, const Row& innovation) const noexcept;
   Ahead predict(const Inertia& inertia) const noexcept;
   const Schedule& scheduleNow() const noexcept { return state_.letsGo != 0.0 ? letGo_ : pushed_; }
   int delays() const noexcept { return options_.delayHigh - options_.delayLow + 1; }  // each as likely
   bool isRandom() const noexcept { return options_.delayLow < options_.delayHigh; }
   LateGain lateGain(double pole) const;
-  Pushing pushing(const TickInput& input, const Inertia& inertia, const Normals& normals,
+  Pushing pushing(const TickFrame& frame, const Inertia& inertia, const Normals& normals,
                   const Ahead& ahead) const noexcept;
-  Row addFriction(const TickInput& input, const Inertia& inertia, const Normals& normals, const Ahead& ahead,
+  Row addFriction(const TickFrame& frame, const Inertia& inertia, const Normals& normals, const Ahead& ahead,
                   double sinceSample, Pushing& pushing) noexcept;
 
   SurfaceServoOptions options_;

@@ -26,7 +26,7 @@ class VirtualCouplingRenderer final : public Renderer {
 
  private:
   void prepare(double period) override { period_ = period; }
-  Status render(const TickInput& input, TickOutput& output) noexcept override;
+  Status render(const TickFrame& frame, TickOutput& output) noexcept override;
   void resetState() noexcept override { state_ = State{}; }
   StateBlock stateBlock() noexcept override { return {&state_, sizeof(State)}; }
   void stateLoaded() noexcept override;

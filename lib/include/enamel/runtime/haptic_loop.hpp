@@ -38,7 +38,7 @@ class TickSink {
  public:
   virtual ~TickSink() = default;
 
-  /// After actuate(). `haptics` has the whole of TickInput and TickOutput, and the guard. Must be Realtime: yes.
+  /// After actuate(). `haptics` has the whole of TickFrame and TickOutput, and the guard. Must be Realtime: yes.
   virtual void tick(const LoopTick& tick, const HapticTick& haptics) noexcept = 0;
 };
 

@@ -69,8 +69,8 @@ class VirtualLoop {
   const Measurement& measurement() const noexcept { return measurement_; }
   const Command& command() const noexcept { return command_; }
 
-  /// What the renderer saw at the last tick; the guard. Realtime: yes.
-  const TickInput& input() const noexcept { return tick_.input(); }
+  /// Everything about the last tick; the guard. Realtime: yes.
+  const TickFrame& frame() const noexcept { return tick_.frame(); }
   const Guard& guard() const noexcept { return tick_.guard(); }
 
   /// HapticTick::attach(). Realtime: yes.

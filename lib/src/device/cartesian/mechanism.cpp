@@ -62,6 +62,8 @@ JointLimits cartesianLimits(const CartesianParameters& p) {
     limits.torque[i] = p.maxMoment;
     limits.count[i] = p.angleStep;
   }
+  for (int i = 0; i < p.axes; ++i)
+    if (!p.driven[static_cast<std::size_t>(i)]) limits.torque[i] = 0.0;
   return limits;
 }
 
@@ -83,16 +85,26 @@ CartesianMechanism::CartesianMechanism(const CartesianParameters& parameters)
   setHome();
 }
 
+double CartesianMechanism::massAt(const Vec3& position, Vec3& gradient) const noexcept {
+  gradient.setZero();
+  if (device_.massTable.isEmpty()) return device_.mass;
+  return device_.massTable.at(position, device_.halfWidths, gradient);
+}
+
 // Everything but q, rates, pose and twist; the pose must be set.
 void CartesianMechanism::evaluate(const Vec3& turn, bool withInertia, Kinematics& kinematics) const noexcept {
   const int n = device_.axes;
   kinematics.jacobian.setIdentity(6, n);
   kinematics.inverseTransposed.setIdentity(6, n);
   kinematics.gravity.setZero(n);
-  kinematics.gravity.head<3>() = -device_.mass * device_.gravity;
+  Vec3 gradient;
+  const double mass = massAt(kinematics.pose.position, gradient);
+  kinematics.gravity.head<3>() = -mass * device_.gravity;
+  for (int i = 0; i < 3; ++i)
+    if (!device_.driven[static_cast<std::size_t>(i)]) kinematics.gravity[i] = 0.0;
   if (withInertia) {
     kinematics.inertia.setZero(n, n);
-    kinematics.inertia.topLeftCorner<3, 3>() = device_.mass * Mat3::Identity();
+    kinematics.inertia.topLeftCorner<3, 3>() = mass * Mat3::Identity();
   } else {
     kinematics.inertia.resize(0, 0);
   }
@@ -170,7 +182,13 @@ Status CartesianMechanism::accelerate(const Pose& pose, const Vec6& twist, const
   if (status != Status::ok) return status;
   const Vec6 opposing = device_.damping.cwiseProduct(twist);
   const Vec3 force = torque.head<3>() + wrench.head<3>() - opposing.head<3>();
-  acceleration.head<3>() = force / device_.mass + device_.gravity;
+  Vec3 gradient;
+  const double mass = massAt(pose.position, gradient);
+  acceleration.head<3>() = force / mass + device_.gravity;
+  if (!device_.massTable.isEmpty()) {  // Lagrange: d/dt (m v) - 1/2 |v|^2 grad m = the forces
+    const Vec3 v = twist.head<3>();
+    acceleration.head<3>() -= (gradient.dot(v) * v - 0.5 * v.squaredNorm() * gradient) / mass;
+  }
   acceleration.tail<3>().setZero();
   if (device_.axes == 3) return Status::ok;
   const Vec3 driven = inverseLeftJacobian(turn).transpose().lazyProduct(Vec3(torque.segment<3>(3)));

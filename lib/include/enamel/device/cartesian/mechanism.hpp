@@ -15,7 +15,8 @@ namespace enamel {
 /// Largest turn from home, rad: v is unique below pi, and E far from its singularity at 2 pi.
 inline constexpr double kMaxCartesianTurn = 2.5;
 
-/// limits(): max_force for the first three joints, max_moment for the others; the steps likewise. A position outside
+/// limits(): max_force for the first three joints, max_moment for the others, 0 for an axis without a motor; the steps
+/// likewise. A position outside
 /// the workspace and a turn beyond kMaxCartesianTurn are unreachable; with 3 axes also a pose turned by more than 1e-9
 /// and a twist that turns faster than 1e-9 rad/s. Nothing is singular.
 class CartesianMechanism final : public Mechanism {
@@ -35,6 +36,7 @@ class CartesianMechanism final : public Mechanism {
 
  private:
   Status reach(const Pose& pose, const Vec6& twist, Vec3& turn) const noexcept;
+  double massAt(const Vec3& position, Vec3& gradient) const noexcept;
   void evaluate(const Vec3& turn, bool withInertia, Kinematics& kinematics) const noexcept;
 
   CartesianParameters device_;

@@ -1,0 +1,60 @@
+#include "enamel/render/frame.hpp"
+
+#include <algorithm>
+
+#include "device/inertia.hpp"
+#include "enamel/collision/scene.hpp"
+
+namespace enamel {
+namespace {
+
+// J^T [force; r x force], and M^-1 D of it.
+void fillRow(const TickFrame& frame, const Vec3& arm, const Vec3& force, JointRow& torque,
+             JointRow& response) noexcept {
+  Vec6 wrench;
+  wrench << force, arm.cross(force);
+  const JointVector row = torqueOf(frame.kinematics.jacobian, wrench);
+  torque = response = JointRow{};
+  for (Eigen::Index i = 0; i < row.size(); ++i) {
+    torque[i] = row[i];
+    if (frame.maxTorque[i] > 0.0) response[i] = row[i];
+  }
+  frame.rows.inertia.solve(response.data());
+}
+
+}  // namespace
+
+const char* toString(RenderMode mode) noexcept {
+  switch (mode) {
+    case RenderMode::free: return "free";
+    case RenderMode::contact: return "contact";
+    case RenderMode::fault: return "fault";
+  }
+  return "unknown mode";
+}
+
+Status fillContactRows(TickFrame& frame) noexcept {
+  const Kinematics& k = frame.kinematics;
+  const Eigen::Index n = k.q.size();
+  frame.rows.count = -1;
+  if (n < 1 || k.inertia.rows() != n || k.inertia.cols() != n || k.jacobian.cols() != n ||
+      frame.maxTorque.size() != n || frame.contacts.count < 0 || frame.contacts.count > kMaxContacts ||
+      !factorInertia(k.inertia, frame.rows.inertia))
+    return Status::outOfRange;
+  for (int c = 0; c < frame.contacts.count; ++c) {
+    const Contact& contact = frame.contacts.contacts[c];
+    ContactRow& row = frame.rows.row[c];
+    const Vec3 arm = contact.point - k.pose.position;
+    fillRow(frame, arm, contact.normal, row.normal, row.response);
+    double inverseMass = 0.0;
+    for (Eigen::Index i = 0; i < n; ++i) inverseMass += row.normal[i] * row.response[i];
+    row.mass = 1.0 / inverseMass;
+    if (!(contact.material.friction > 0.0)) continue;
+    row.axes = frameAlong(contact.normal);
+    for (int t = 0; t < 2; ++t) fillRow(frame, arm, row.axes.col(t), row.tangent[t], row.tangentResponse[t]);
+  }
+  frame.rows.count = frame.contacts.count;
+  return Status::ok;
+}
+
+}  // namespace enamel

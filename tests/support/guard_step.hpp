@@ -1,0 +1,26 @@
+// One tick of a guard on its own.
+#pragma once
+
+#include "enamel/render/guard.hpp"
+
+namespace enamel::test {
+
+/// What the motors get.
+struct GuardedCommand {
+  JointVector torque;  ///< N m or N
+  GuardReason reason = GuardReason::none;
+};
+
+/// `surface`: velocity of an obstacle that is touched, W, m/s.
+inline GuardedCommand guardStep(Guard& guard, const Measurement& measurement, const Kinematics& kinematics,
+                                const JointVector& requested, Status status, const Vec3& surface = Vec3::Zero()) {
+  TickFrame frame;
+  frame.kinematics = kinematics;
+  frame.output.torque = requested;
+  frame.contacts.count = 1;
+  frame.contacts.contacts[0].obstacleVelocity = surface;
+  guard.step(measurement, status, frame);
+  return {frame.command, frame.reason};
+}
+
+}  // namespace enamel::test
