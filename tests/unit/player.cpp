@@ -53,11 +53,11 @@ struct Run {
       Command command;
       const Status status = (*tick)(measurement, command);
       recorder.add(number, measurement, *tick, command, status);
-      poses.push_back(tick->input().kinematics.pose);
-      contacts.push_back(tick->input().contacts.count);
-      forces.push_back(tick->output().normalForce);
+      poses.push_back(tick->frame().kinematics.pose);
+      contacts.push_back(tick->frame().contacts.count);
+      forces.push_back(tick->frame().output.normalForce);
       commands.push_back(command.torque);
-      reasons.push_back(tick->reason());
+      reasons.push_back(tick->frame().reason);
     }
   }
 
