@@ -26,7 +26,7 @@ void setDefaults(const CLI::App& command, CompareOptions& options) {
   const auto unless = [&command](const char* name, auto& value, const auto& otherwise) {
     if (command.count(name) == 0) value = otherwise;
   };
-  unless("--plants", options.plants, folder ? Names{kClosedForm, kRealStiff, kReal} : Names{kClosedForm});
+  unless("--plants", options.plants, folder ? Names{kClosedForm, kImperfectStiff, kImperfect} : Names{kClosedForm});
   unless("--delays", options.delays,
          folder ? Names{"none", "constant:1", "constant:2", "constant:3", "random:0..3"} : Names{"none"});
   unless("--tasks", options.tasks, folder ? Names{kPush, "impact", "release", "slide", "corner"} : wallTrialNames());
@@ -61,7 +61,7 @@ void addCompare(CLI::App& app) {
   command->add_option("--plants", options->plants, "the ideal device and imperfect ones; multibody takes hours")
       ->delimiter(',')
       ->check(CLI::IsMember(plantNames()))
-      ->default_str("closed-form; with --output closed-form,real-stiff,real");
+      ->default_str("closed-form; with --output closed-form,imperfect-stiff,imperfect");
   command->add_option("--delays", options->delays, "of the command, ticks: none, constant:D or random:A..B")
       ->delimiter(',')
       ->default_str("none; with --output none,constant:1,constant:2,constant:3,random:0..3");

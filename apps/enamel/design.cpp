@@ -7,8 +7,8 @@
 
 #include "commands.hpp"
 #include "design_file.hpp"
+#include "design_position_control.hpp"
 #include "design_results.hpp"
-#include "design_surface.hpp"
 #include "enamel/control/tuning.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
@@ -29,7 +29,7 @@ struct DesignOptions {
   std::vector<double> at{0.0, 0.0, 0.0};
   bool tune = false, surface = false, rivals = false;
   std::string delay = "0";
-  SurfaceDesignOptions search;
+  DesignSearchOptions search;
   TuneRequirements required;
   double deviceDamping = 0.0, push = 12.0;
 };
@@ -55,8 +55,8 @@ Device makeDevice(const DesignOptions& options) {
   device.problem = {outputsAsStates(device.linear),
                     device.plant.jacobian,
                     1.0 / options.rate,
-                    limits.count,
-                    limits.torque,
+                    limits.encoderStep,
+                    limits.effort,
                     options.push};
   return device;
 }
@@ -186,11 +186,11 @@ void run(DesignOptions options) {
   const bool bare = options.delay.find_first_not_of("0123456789") == std::string::npos;
   const Delay delay = parseDelay(bare ? "constant:" + options.delay : options.delay);
   if (options.surface || options.rivals) {
-    SurfaceDesignOptions& search = options.search;
+    DesignSearchOptions& search = options.search;
     search.device = options.device;
     search.period = 1.0 / options.rate;
     search.delay = delay;
-    const std::string file = options.surface ? designSurface(search) : designRivals(search);
+    const std::string file = options.surface ? designPositionControl(search) : designRivals(search);
     if (!options.output.empty()) writeFile(options.output, file);
     return;
   }

@@ -90,7 +90,7 @@ void print(const LinkCounts& counts, const char* trip) {
 
 // A hand that goes in and out along z once in two seconds, from 5 mm before home to 20 mm behind it, and is soft enough
 // to be stopped by a wall.
-PersonalLoad scriptedHand() {
+WrenchFunction scriptedHand() {
   return [](double time, const Pose& pose, const Vec6& twist) {
     constexpr Grip grip{400.0, 12.0};
     const double turn = M_PI * time;

@@ -83,7 +83,7 @@ void addFmu(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--period", options->period, "of the ticks, s")->capture_default_str();
   command->add_option("--substeps", options->substeps, "of a plant: integration steps a step")->capture_default_str();
-  command->add_option("--seed", options->seed, "of a real plant: which of those within the tolerances")
+  command->add_option("--seed", options->seed, "of an imperfect plant: which of those within the tolerances")
       ->capture_default_str();
   command->add_option("--max-force", options->force, "of a renderer: that its guard lets it put on the tool, N")
       ->default_str("no limit");

@@ -10,7 +10,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
-#include "enamel/render/position_control.hpp"
+#include "enamel/render/hold.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "plant_option.hpp"
 #include "program/plugin_folder.hpp"
@@ -28,7 +28,7 @@ struct PushOptions {
   std::vector<std::string> renderers = {kPositionControl};
   std::string delay = "none", plant = kClosedForm;
   bool guide = true, arm = false, encoders = false, insideTick = false, json = false;
-  PositionControlOptions servo;
+  HoldOptions servo;
   std::string rates;
   std::vector<std::string> set;
   std::vector<double> tip_mm{0.0, 0.0, 0.0};
@@ -50,15 +50,15 @@ PushSetup setupOf(const PushOptions& options) {
   PushSetup setup = options.setup;
   setup.start.position = Vec3(1e-3 * options.x_mm, 1e-3 * options.y_mm, 0.0);
   if (const Vec3 tip(options.tip_mm[0], options.tip_mm[1], options.tip_mm[2]); tip != Vec3::Zero())
-    holdAt(1e-3 * tip, setup);
+    setToolTip(1e-3 * tip, setup);
   if (!options.scene.empty()) {
     const SceneFile file = loadScene(options.scene);
     for (const std::string& note : file.notes) fmt::print(stderr, "{}\n", note);
-    pushIn(file, setup);
+    setScene(file, setup);
   }
-  setup.person.guide = options.guide;
-  if (options.arm) setup.person.arm = kArm;
-  if (options.insideTick) setup.person.instant = randomInstant(setup.seed, setup.run);
+  setup.hand.guide = options.guide;
+  if (options.arm) setup.hand.arm = kArm;
+  if (options.insideTick) setup.hand.instant = randomInstant(setup.seed, setup.run);
   setup.delay = parseDelay(options.delay);
   setup.encoders.quantised = options.encoders;
   setup.encoders.cutoff = options.lowPass_Hz;
@@ -192,7 +192,7 @@ PushTask taskOf(const PushOptions& options) {
 void completeTask(PushTask& task) {
   const PushOptions& options = task.options;
   task.plugin = {options.device, "", options.scene, "", parseParameters(options.set)};
-  task.damping = dampingAlong(*task.plant, task.setup.start, task.setup.person.normal);
+  task.damping = dampingAlong(*task.plant, task.setup.start, task.setup.hand.normal);
   task.owner = options.gain.empty() ? "" : rendererOf(options.gain);
   task.limit = largestStiffness(*task.plant, task.setup);
   if (options.record.empty()) return;
@@ -226,7 +226,7 @@ void pushWith(const RendererSource& source, PushTask& task, PushResults& results
   const std::string recording = options.record.empty() ? "" : outputFor(options, options.record, name);
   if (!recording.empty()) nameRenderer(name, library ? library->path() : "", values, task.setup.scene, task.header);
   std::optional<Recorder> recorder;
-  MetricsCollector collector(task.setup, task.limit, task.plant->limits().torque);
+  MetricsCollector collector(task.setup, task.limit, task.plant->limits().effort);
   WayOut wayOut(task.setup);
   const auto perTick = [&](const TickRecord& tick, const VirtualLoop& loop) {
     collector.add(tick);
@@ -260,17 +260,17 @@ void print(const PushTask& task, const PushResults& results) {
     fmt::print("{}", jsonOf(results.outcomes));
     return;
   }
-  const Person& person = task.setup.person;
+  const HandModel& hand = task.setup.hand;
   const Vec3 start_mm = 1e3 * task.setup.start.position;
   fmt::print(
       "{}: scenario {}, {} N after {} N at ({:.4g}, {:.4g}, {:.4g}) mm against ({:.3g}, {:.3g}, {:.3g}), noise {} N, "
       "guide {}, delay {}, seed {}\nplant of every renderer: {}, mechanical damping {:.4g} N s/m along the "
       "normal{}\n",
-      task.device->name(), person.scenario, person.force, person.preload, start_mm.x(), start_mm.y(), start_mm.z(),
-      person.normal.x(), person.normal.y(), person.normal.z(), person.noise, options.guide ? "on" : "off",
-      options.delay, task.setup.seed, options.plant, task.damping,
+      task.device->name(), hand.scenario, hand.force, hand.preload, start_mm.x(), start_mm.y(), start_mm.z(),
+      hand.normal.x(), hand.normal.y(), hand.normal.z(), hand.noise, options.guide ? "on" : "off", options.delay,
+      task.setup.seed, options.plant, task.damping,
       task.owner.empty() ? "" : "; servo of " + task.owner + ": " + options.gain);
-  fmt::print("{}", tableOf(results.outcomes, person.scenario));
+  fmt::print("{}", tableOf(results.outcomes, hand.scenario));
   for (const std::string& file : results.files) fmt::print("every tick: {}\n", file);
   for (const std::string& file : results.recordings) fmt::print("recording: {}\n", file);
 }
@@ -334,7 +334,7 @@ void addRendererOptions(CLI::App& command, PushOptions& options) {
 }
 
 void addPersonOptions(CLI::App& command, PushOptions& options) {
-  command.add_option("--scenario", options.setup.person.scenario, "1: step of force at 1 s; 2: a hand moves in")
+  command.add_option("--scenario", options.setup.hand.scenario, "1: step of force at 1 s; 2: a hand moves in")
       ->capture_default_str();
   auto* scene = command.add_option("--scene", options.scene, "scene file (TOML); without it the wall z = 0");
   for (const auto& [name, value] : {std::pair{"--x", &options.x_mm}, {"--y", &options.y_mm}})
@@ -342,15 +342,15 @@ void addPersonOptions(CLI::App& command, PushOptions& options) {
         ->capture_default_str()
         ->excludes(scene);
   command.add_option("--tip", options.tip_mm, kTipHelp)->delimiter(',')->expected(3)->excludes(scene);
-  command.add_option("--force", options.setup.person.force, "F_c, N")->capture_default_str();
+  command.add_option("--force", options.setup.hand.force, "F_c, N")->capture_default_str();
   command
-      .add_option("--preload", options.setup.person.preload,
+      .add_option("--preload", options.setup.hand.preload,
                   "pressed with this until the step of scenario 1, with the noise, N")
       ->capture_default_str();
   command.add_flag("--inside-tick", options.insideTick,
                    "the step comes at a random instant inside its tick, not at its beginning");
   command.add_flag("--arm", options.arm, "scenario 1 pushes through the mass of an arm and a grip (kArm, hand.hpp)");
-  command.add_option("--noise", options.setup.person.noise, "standard deviation of the person's force, N")
+  command.add_option("--noise", options.setup.hand.noise, "standard deviation of the person's force, N")
       ->capture_default_str();
 }
 

@@ -93,7 +93,7 @@ void TickFile::write(const TickRecord& t) {
   append(euler.data(), 3);
   append(t.twist.data(), 6);
   append(&t.nearest.gap, 1);
-  append(t.person.data(), 3);
+  append(t.handWrench.data(), 3);
   append(t.rendered.data(), 3);
   append(&t.normalForce, 1);
   append(t.q.data(), t.q.size());

@@ -39,7 +39,7 @@ void checkGain(const std::string& gain, const std::vector<std::string>& linked, 
   const std::string owner = rendererOf(gain);
   if (std::find(linked.begin(), linked.end(), owner) == linked.end())
     throw Error(fmt::format("{}: is {}, for {}, which {} does not name", gain,
-                            owner == kHold ? "an LQR design" : "a surface servo", owner, option));
+                            owner == kHold ? "an LQR design" : "a position-control design", owner, option));
 }
 
 double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal) {

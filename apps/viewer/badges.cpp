@@ -10,7 +10,7 @@
 
 namespace enamel::viewer {
 
-double handForce(const Frame& frame) { return -frame.record.nearest.normal.dot(frame.record.person.head<3>()); }
+double handForce(const Frame& frame) { return -frame.record.nearest.normal.dot(frame.record.handWrench.head<3>()); }
 
 // What the tool is doing, in a word.
 void drawStatus(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush) {

@@ -32,7 +32,7 @@ double ConditionWatch::forceRange() const noexcept {
 }
 
 bool ConditionWatch::chatters(const TickRecord& record, const JointVector& shares) noexcept {
-  constexpr double least = 0.25;  // of a torque's limit, standard deviation, as ImpactWatch judges
+  constexpr double least = 0.25;  // of a torque's limit, standard deviation, as ImpactMonitor judges
   const double force = deliveredOf(record).normal;
   if (block_.ticks == 0) {
     block_.lowForce = block_.highForce = force;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kApproachLimit = 1500;           // ticks
 constexpr double kThere = 2e-4, kSlow = 5e-3;  // m and m/s: where an approach ends
-constexpr int kRestWatched = static_cast<int>(ImpactWatch::kRestWindow / kPeriod + 0.5);
+constexpr int kRestWatched = static_cast<int>(ImpactMonitor::kRestWindow / kPeriod + 0.5);
 
 LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose& start) {
   LoopSetup setup;
@@ -39,7 +39,7 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
       model_(makeMechanism(device.parameters)),
       plant_(makeMechanism(changed(device.parameters, settings))),
       random_(1, 0),
-      servo_(surfaceOptions(device, *model_, settings.delay)),
+      servo_(positionControlOptions(device, *model_, settings.delay)),
       hold_(device.gain, kPeriod, settings.hold),
       spring_(settings.spring),
       passive_(std::make_unique<ImpedanceRenderer>(settings.spring)),
@@ -53,9 +53,9 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
       drilledSolids_(drilled ? std::move(drilled) : std::make_shared<DrilledSolids>(scene)) {
   if (scene.bur) loop_.attach(&drill_.emplace(scene.tool, scene.solids, *scene.bur));
   static_cast<LoopSetup&>(push_) = loopSetup(settings, scene, start);
-  push_.person.force = kTestForce;
-  push_.person.preload = kTestPreload;
-  push_.person.noise = settings.noise;
+  push_.hand.force = kTestForce;
+  push_.hand.preload = kTestPreload;
+  push_.hand.noise = settings.noise;
   frame_.hand = hand;
   frame_.record.pose = start;
   frame_.record.torque = plant_->home().gravity;
@@ -141,17 +141,17 @@ void Experiment::advanceTestPush(bool mayBegin) noexcept {
   if (phase_ != Phase::approach) return;
   ++phaseTicks_;
   frame_.hand.target =
-      push_.start.position - kTestPreload * push_.person.normal.cwiseQuotient(stiffnessOf(frame_.hand.grip));
+      push_.start.position - kTestPreload * push_.hand.normal.cwiseQuotient(stiffnessOf(frame_.hand.grip));
   if (!mayBegin || !isThere()) return;
   if (loop_.restart(push_.start) != Status::ok) return endTestPush(FirstImpactVerdict::noStep);
   isReset_ = true;
   phase_ = Phase::push;
-  pusher_ = PersonLoad(push_);
+  pusher_ = SimulatedHand(push_);
   Kinematics known;
   carried_.setZero();
   if (model_->reach(push_.start, Vec6::Zero(), false, known) == Status::ok)
     carried_ = wrenchOf(known, loop_.device().kinematics().gravity - known.gravity);
-  impact_ = ImpactWatch(kPeriod);
+  impact_ = ImpactMonitor(kPeriod);
   testDrift_ = 0.0;
   conditions_.beginBlock();
 }
@@ -161,11 +161,11 @@ void Experiment::watchTestPush() noexcept {
   if (phase_ != Phase::push) return;
   const TickRecord& record = frame_.record;
   const PushTimes times = timesOf(push_);
-  const Vec3& normal = push_.person.normal;
+  const Vec3& normal = push_.hand.normal;
   const Vec3 moved = record.pose.position - push_.start.position;
   testDrift_ = std::max(testDrift_, (moved - normal.dot(moved) * normal).norm());
-  const ImpactTick tick{record.nearest.gap, record.gapRate,   -normal.dot(record.person.head<3>()),
-                        testDrift_,         record.saturated, record.torque.cwiseQuotient(plant_->limits().torque)};
+  const ImpactTick tick{record.nearest.gap, record.gapRate,   -normal.dot(record.handWrench.head<3>()),
+                        testDrift_,         record.saturated, record.torque.cwiseQuotient(plant_->limits().effort)};
   if (record.tick >= times.onset)
     impact_.push(tick);
   else if (record.tick + kRestWatched >= times.onset)
@@ -185,7 +185,7 @@ void Experiment::endTestPush(FirstImpactVerdict verdict, Status status) noexcept
   test.settings = settings_;
   Kinematics inertia = loop_.device().kinematics();
   if (plant_->reach(push_.start, Vec6::Zero(), true, inertia) == Status::ok)
-    test.limit = stiffnessLimit(inertia, plant_->limits().torque, push_.person.normal, settings_.delay).stiffness;
+    test.limit = stiffnessLimit(inertia, plant_->limits().effort, push_.hand.normal, settings_.delay).stiffness;
   if (verdict == FirstImpactVerdict::measured) {
     test.stiffness = impact_.stiffness();
     test.depth = impact_.depth();
@@ -251,7 +251,7 @@ void Experiment::tickHeld() noexcept {
     Vec3 tremor = Vec3::Zero();
     if (settings_.noise > 0.0)
       tremor = -settings_.noise * random_.normal(RandomStream::Purpose::noise, record.tick + 1) * record.nearest.normal;
-    frame_.plant = loop_.tick(HandLoad(frame_.hand, loop_.device().time(), tremor), record);
+    frame_.plant = loop_.tick(HandWrench(frame_.hand, loop_.device().time(), tremor), record);
     if (frame_.plant != Status::ok && phase_ == Phase::approach) {  // thrown away on its way: it is put there
       frame_.plant = loop_.restart(push_.start);
       record.pose = push_.start;
@@ -274,7 +274,7 @@ void Experiment::tickHeld() noexcept {
     fillDrillState();
   }
   watchTestPush();
-  frame_.conditions = conditions_.add(record, plant_->limits().torque);
+  frame_.conditions = conditions_.add(record, plant_->limits().effort);
   frame_.testing = phase_ != Phase::none;
 }
 

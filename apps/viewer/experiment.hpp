@@ -13,10 +13,10 @@
 #include "enamel/control/first_impact.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/plugin/host.hpp"
+#include "enamel/render/hold.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/passivity.hpp"
 #include "enamel/render/position_control.hpp"
-#include "enamel/render/surface_servo.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/push.hpp"
 #include "hand.hpp"
@@ -140,8 +140,8 @@ class Experiment {
   Settings settings_;
   std::shared_ptr<const Mechanism> model_, plant_;  // what the haptic tick knows, and what is there
   RandomStream random_;
-  SurfaceServoRenderer servo_;
-  PositionControlRenderer hold_;
+  PositionControlRenderer servo_;
+  HoldRenderer hold_;
   ImpedanceRenderer spring_;
   PassivityRenderer passive_;         // around a spring of its own
   std::unique_ptr<Renderer> plugin_;  // or nullptr
@@ -156,10 +156,10 @@ class Experiment {
   Phase phase_ = Phase::none;
   int phaseTicks_ = 0;
   PushSetup push_;
-  PersonLoad pusher_{push_};
+  SimulatedHand pusher_{push_};
   Vec6 carried_ = Vec6::Zero();  // by the hand that pushes: the weight that the model does not know, N, N m
   double testDrift_ = 0.0;       // across the normal since the push began, m
-  ImpactWatch impact_{kPeriod};
+  ImpactMonitor impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;
   ConditionWatch conditions_;
 };

@@ -11,12 +11,12 @@ constexpr double kStopStiffness = 3000.0, kStopDamping = 20.0;  // N/m, N s/m
 }  // namespace
 
 Vec3 stiffnessOf(const Grip& grip) noexcept {
-  const double across = std::max(grip.stiffness, kGuide.stiffness);
+  const double across = std::max(grip.stiffness, kGuideGrip.stiffness);
   return {across, across, grip.stiffness};
 }
 
 Vec3 dampingOf(const Grip& grip) noexcept {
-  const double across = std::max(grip.damping, kGuide.damping);
+  const double across = std::max(grip.damping, kGuideGrip.damping);
   return {across, across, grip.damping};
 }
 
@@ -37,7 +37,7 @@ void moveHand(Hand& hand, double dt) noexcept {
   hand.position += dt * hand.velocity;
 }
 
-HandLoad::HandLoad(const Hand& hand, double since, const Vec3& held) noexcept
+HandWrench::HandWrench(const Hand& hand, double since, const Vec3& held) noexcept
     : stiffness_(stiffnessOf(hand.grip)),
       damping_(dampingOf(hand.grip)),
       position_(hand.position),
@@ -45,7 +45,7 @@ HandLoad::HandLoad(const Hand& hand, double since, const Vec3& held) noexcept
       held_(held),
       since_(since) {}
 
-Vec6 HandLoad::operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
+Vec6 HandWrench::operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
   const Vec3 point = position_ + (time - since_) * velocity_;
   Vec6 wrench;
   wrench.head<3>() =

@@ -15,7 +15,7 @@ inline constexpr double kLargestHandForce = 15.0;
 inline constexpr double kStop = 0.028;
 
 /// The hand in motion. Its point follows `target` like a critically damped spring of kHandRate; along x and y it is at
-/// least as firm as kGuide, and it holds the tool's axes at those of W (holdingMoment()).
+/// least as firm as kGuideGrip, and it holds the tool's axes at those of W (holdingMoment()).
 struct Hand {
   Grip grip = kFirmGrip;
   Vec3 target = Vec3::Zero();    ///< m
@@ -39,9 +39,9 @@ void moveHand(Hand& hand, double dt) noexcept;
 
 /// Wrench on the platform at the TCP: of the hand (its point moving on from time `since`), of a held force, and of the
 /// mechanical stops (3 kN/m, 20 N s/m outside the cube of kStop). A load for VirtualLoop::tick(). Realtime: yes.
-class HandLoad {
+class HandWrench {
  public:
-  HandLoad(const Hand& hand, double since, const Vec3& held) noexcept;
+  HandWrench(const Hand& hand, double since, const Vec3& held) noexcept;
   Vec6 operator()(double time, const Pose& pose, const Vec6& twist) const noexcept;
 
  private:

@@ -46,7 +46,7 @@ void fillBehind(ImDrawList* list, ImVec2 low, ImVec2 high, ImVec2 point, ImVec2 
 std::string materialText(const Material& material) {
   std::string text = "no friction";
   if (material.friction > 0.0) text = format("friction %g", material.friction);
-  if (material.sliding < material.friction) text += format(", sliding %g", material.sliding);
+  if (material.slidingFriction < material.friction) text += format(", sliding %g", material.slidingFriction);
   if (std::isfinite(material.stiffness)) text += ", " + stiffnessText(material.stiffness);
   return text;
 }

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "data_folder.hpp"
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
 #include "run.hpp"
@@ -50,7 +50,8 @@ void runViewer(int argc, char** argv) {
       ->check(CLI::Range(1.0, 240.0))
       ->excludes(headless);
   if (!enamel::app::parse(app, kProgram, argc, argv)) return;
-  const RendererSlot gainOf = enamel::isSurfaceServo(options.gain) ? RendererSlot::positionControl : RendererSlot::hold;
+  const RendererSlot gainOf =
+      enamel::isPositionControlFile(options.gain) ? RendererSlot::positionControl : RendererSlot::hold;
   const auto linked = rendererNames(nullptr);
   const auto found = std::find(linked.begin(), linked.end(), renderer);
   if (renderer.empty()) {

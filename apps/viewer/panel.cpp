@@ -151,7 +151,7 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
                       "were seen, which it leaves out.",
                       frame.jumps)
                    .c_str());
-    const SurfaceServoOptions* file = input.device.surface;
+    const PositionControlOptions* file = input.device.surface;
     if (file != nullptr && (file->delayLow != settings.delay.low || file->delayHigh != settings.delay.high))
       remark(format("Its file is for a delay of %d to %d ms.", file->delayLow, file->delayHigh), kWrong);
   }

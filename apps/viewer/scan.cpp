@@ -58,7 +58,7 @@ SceneFile sceneOfScan(const std::string& path) {
   obstacle.name = "scan";
   obstacle.shape = std::shared_ptr<const MeshModel>(model);
   obstacle.pose.position = origin;
-  obstacle.material.friction = obstacle.material.sliding = friction;
+  obstacle.material.friction = obstacle.material.slidingFriction = friction;
   scene.scene.add(std::move(obstacle));
   scene.meshes.push_back(std::move(model));
   scene.solids.push_back(nullptr);

@@ -199,9 +199,9 @@ const std::vector<SettingRow>& settingRows() {
       {"joint-friction", 0.0, 1.0, false, [](Settings& s, double v) { s.friction = v; }},            // N m s/rad
       {"tool-damping", 0.0, 100.0, false, [](Settings& s, double v) { s.toolDamping = v; }},         // N s/m
       {"tremor", 0.0, 10.0, false, [](Settings& s, double v) { s.noise = v; }},                      // N
-      {"delay", 0.0, kMaxServoDelay, true,
+      {"delay", 0.0, kMaxLoopDelay, true,
        [](Settings& s, double v) { s.delay.low = s.delay.high = static_cast<int>(v); }},  // ticks
-      {"delay-low", 0.0, kMaxServoDelay, true,
+      {"delay-low", 0.0, kMaxLoopDelay, true,
        [](Settings& s, double v) { s.delay.low = std::min(s.delay.high, static_cast<int>(v)); }},  // of a random delay
       {"encoders", 0.0, 1.0, true, [](Settings& s, double v) { s.encoders.quantised = v != 0.0; }},  // 0 or 1
       {"rates", 0.0, 2.0, true,  // 0 exact, 1 difference, 2 low pass

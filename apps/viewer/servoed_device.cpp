@@ -6,7 +6,7 @@
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -28,15 +28,15 @@ void checkJoints(const std::string& file, const char* key, Eigen::Index joints, 
     refuse(file, key, "is for ", joints, " joints, but ", mechanism.name(), " has ", mechanism.joints());
 }
 
-SurfaceServoOptions loadSurface(const std::string& file, const Mechanism& mechanism) {
-  const SurfaceServoOptions options = loadSurfaceServo(file).options;
+PositionControlOptions loadSurface(const std::string& file, const Mechanism& mechanism) {
+  const PositionControlOptions options = loadPositionControl(file).options;
   checkPeriod(file, options.period);
-  checkJoints(file, "count", options.count.size(), mechanism);
-  const JointVector& count = mechanism.limits().count;
+  checkJoints(file, "count", options.encoderStep.size(), mechanism);
+  const JointVector& count = mechanism.limits().encoderStep;
   for (Eigen::Index i = 0; i < count.size(); ++i)
-    if (std::abs(options.count[i] - count[i]) > 1e-6 * count[i])
-      refuse(file, "count", "is ", options.count[i], " at joint ", i + 1, ", but ", mechanism.name(), " has ", count[i],
-             " rad or m");
+    if (std::abs(options.encoderStep[i] - count[i]) > 1e-6 * count[i])
+      refuse(file, "count", "is ", options.encoderStep[i], " at joint ", i + 1, ", but ", mechanism.name(), " has ",
+             count[i], " rad or m");
   return options;
 }
 
@@ -55,10 +55,10 @@ ServoGain loadHold(const std::string& file, const Mechanism& mechanism) {
 
 }  // namespace
 
-SurfaceServoOptions surfaceOptions(const ServoedDevice& device, const Mechanism& model, const Delay& delay) {
-  const SurfaceServoOptions usual = surfaceServoFor(model.limits().count, kPeriod, delay.low, delay.high);
+PositionControlOptions positionControlOptions(const ServoedDevice& device, const Mechanism& model, const Delay& delay) {
+  const PositionControlOptions usual = positionControlFor(model.limits().encoderStep, kPeriod, delay.low, delay.high);
   if (!device.surface) return usual;
-  SurfaceServoOptions options = *device.surface;
+  PositionControlOptions options = *device.surface;
   if (options.delayLow == delay.low && options.delayHigh == delay.high) return options;
   options.delayLow = delay.low;
   options.delayHigh = delay.high;
@@ -70,7 +70,7 @@ ServoedDevice loadServoedDevice(const std::string& path, const std::string& gain
   ServoedDevice device;
   device.parameters = loadDevice(path);
   const auto mechanism = makeMechanism(device.parameters);
-  const bool surface = isSurfaceServo(gain);
+  const bool surface = isPositionControlFile(gain);
   if (surface) device.surface = loadSurface(gain, *mechanism);
   device.gain =
       gain.empty() || surface ? ServoGain(designServo(mechanism, Pose{}, kPeriod).K) : loadHold(gain, *mechanism);

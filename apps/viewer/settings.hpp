@@ -8,8 +8,8 @@
 
 #include "enamel/device/device_file.hpp"
 #include "enamel/plugin/host.hpp"
+#include "enamel/render/hold.hpp"
 #include "enamel/render/impedance.hpp"
-#include "enamel/render/position_control.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 
 namespace enamel::viewer {
@@ -30,12 +30,12 @@ RendererSlot slotOf(const PluginLibrary& plugin) noexcept;
 
 /// Everything that a person can set and that needs a new experiment.
 struct Settings {
-  PositionControlOptions hold;
+  HoldOptions hold;
   ImpedanceOptions spring;
   double extraMass = 0.0;    ///< on the platform, which no renderer is told of, kg
   double friction = 0.0;     ///< viscous, of every joint, beyond the device file's, N m s/rad
   double toolDamping = 4.0;  ///< mechanical, of the TCP along x, y, z, beyond the device file's, N s/m
-  Delay delay;               ///< ticks, at most kMaxServoDelay
+  Delay delay;               ///< ticks, at most kMaxLoopDelay
   EncoderOptions encoders{true};
   double noise = 0.0;  ///< of the hand along the contact's normal, standard deviation, N
 };

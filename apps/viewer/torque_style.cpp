@@ -7,7 +7,7 @@
 namespace enamel::viewer {
 
 TorqueStyle::TorqueStyle(const Mechanism& mechanism) : joints(mechanism.joints()) {
-  const JointVector& limits = mechanism.limits().torque;
+  const JointVector& limits = mechanism.limits().effort;
   const std::vector<Bar> bars = mechanism.bars(mechanism.home().pose);
   int chains = 0;
   for (const Bar& bar : bars) chains = std::max(chains, bar.chain + 1);

@@ -290,7 +290,7 @@ void Viewer::update(double now, const TimingNumbers& timing) {
 
   fillShown(left_);
   if (split_) fillShown(right_);
-  limit_ = stiffnessLimit(left_.kinematics, plant_->limits().torque, record.nearest.normal, overlay_.settings.delay);
+  limit_ = stiffnessLimit(left_.kinematics, plant_->limits().effort, record.nearest.normal, overlay_.settings.delay);
   layout_ = split_ ? layOutSplit(surface_.size(), surface_.scale(), overlay_.panels)
                    : layOut(surface_.size(), surface_.scale(), overlay_.panels, overlay_.charts,
                             player_ ? 0 : static_cast<int>(rendererNames_.size()));

@@ -152,9 +152,9 @@ class Chai3dDevice final : public HapticDevice {
   /// What actuate() sends, N and N m, in the axes of CHAI3D; zero where the status is not ok. Realtime: yes.
   [[nodiscard]] Status wrenchOf(const Command& command, chai3d::cVector3d& force,
                                 chai3d::cVector3d& moment) const noexcept {
-    const bool fits = command.torque.size() == mechanism_.joints();
-    const bool isFinite = fits && command.torque.allFinite();
-    Vec6 wrench = isFinite ? enamel::wrenchOf(kinematics_, command.torque) : Vec6(Vec6::Zero());
+    const bool fits = command.effort.size() == mechanism_.joints();
+    const bool isFinite = fits && command.effort.allFinite();
+    Vec6 wrench = isFinite ? enamel::wrenchOf(kinematics_, command.effort) : Vec6(Vec6::Zero());
     if (mechanism_.joints() < 6) wrench.tail<3>().setZero();
     force = toChai3d(limited(wrench.head<3>(), specifications_.m_maxLinearForce));
     moment = toChai3d(limited(wrench.tail<3>(), specifications_.m_maxAngularTorque));

@@ -1,7 +1,7 @@
 // A stiff wall in CHAI3D: a box, touched through a Chai3dTool in the loop that every CHAI3D program has.
 #include <cstdio>
 #include <enamel/device/cartesian/mechanism.hpp>
-#include <enamel/render/surface_servo.hpp>
+#include <enamel/render/position_control.hpp>
 #include <enamel/sim/virtual_device.hpp>
 #include <enamel_chai3d.hpp>
 
@@ -43,7 +43,7 @@ class SimulatedStylus final : public chai3d::cGenericHapticDevice {
 int main() try {
   const auto stylus = std::make_shared<SimulatedStylus>();  // yours: cHapticDeviceHandler().getDevice(stylus, 0)
   const CartesianMechanism mechanism(cartesianFor(stylus->getSpecifications(), 0.045, 1e-5));
-  SurfaceServoRenderer servo(surfaceServoFor(mechanism.limits().count, 1e-3, 0, 0));
+  PositionControlRenderer servo(positionControlFor(mechanism.limits().encoderStep, 1e-3, 0, 0));
   Chai3dOptions options;
   options.clock = [&stylus] { return stylus->physics->time(); };  // yours: nothing, that is a real clock
   chai3d::cWorld world;

@@ -55,7 +55,7 @@ class UnitPlant final : private Owner, public Plant {
   }
 
   [[nodiscard]] enamel::Status advance(double time, double duration, const JointVector& torque,
-                                       const Load& load) noexcept override {
+                                       const ExternalWrench& load) noexcept override {
     if (!unit_->anyStep) {
       if (step_ == 0.0) step_ = duration;
       if (std::abs(duration - step_) > 1e-9 * step_) {
@@ -77,7 +77,7 @@ class UnitPlant final : private Owner, public Plant {
       state_ = before;
       return enamel::Status::notConverged;
     }
-    if (!isSlowEnough(state_)) {
+    if (!isWithinSpeedLimits(state_)) {
       state_ = before;
       return enamel::Status::outOfRange;
     }

@@ -45,7 +45,7 @@ void RendererUnit::refresh() {
   m.age = static_cast<int>(value("age")[0]);
   Command command;
   const enamel::Status status = (*tick_)(m, command);
-  put("torque", command.torque);
+  put("torque", command.effort);
   put("requested", tick_->frame().output.torque);
   value("normal_force")[0] = tick_->frame().output.normalForce;
   value("mode")[0] = static_cast<double>(tick_->frame().output.mode);

@@ -1,4 +1,4 @@
-// The position servos of enamel::SurfaceServoRenderer (mode surface) and enamel::PositionControlRenderer (mode hold) as
+// The position servos of enamel::PositionControlRenderer (mode surface) and enamel::HoldRenderer (mode hold) as
 // a plugin.
 #include <cmath>
 
@@ -6,8 +6,8 @@
 #include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/author.hpp"
-#include "enamel/render/position_control.hpp"
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/hold.hpp"
+#include "enamel/render/position_control_file.hpp"
 
 namespace {
 
@@ -26,7 +26,7 @@ const EnamelParameter kParameters[] = {
 }
 
 int ticksOf(const enamel::PluginConfiguration& configuration, const char* key) {
-  const double ticks = configuration.number(key, 0.0, enamel::kMaxServoDelay, "ticks");
+  const double ticks = configuration.number(key, 0.0, enamel::kMaxLoopDelay, "ticks");
   if (ticks != std::floor(ticks)) refuse(key, "is " + configuration.text(key) + ", must be a whole number of ticks");
   return static_cast<int>(ticks);
 }
@@ -48,9 +48,10 @@ class PositionControl {
     if (mode != "surface" && mode != "hold") refuse("mode", "is \"" + mode + "\", must be surface or hold");
     surface_ = mode == "surface";
     const bool given = gain != "designed";
-    if (given && enamel::isSurfaceServo(gain) != surface_) {
+    if (given && enamel::isPositionControlFile(gain) != surface_) {
       if (surface_) (void)enamel::loadServo(gain);  // says what is wrong with a file that is neither
-      refuse("gain", "is " + gain + ", " + (surface_ ? "an LQR design" : "a surface servo") + ", the mode is " + mode);
+      refuse("gain", "is " + gain + ", " + (surface_ ? "an LQR design" : "a position-control design") +
+                         ", the mode is " + mode);
     }
     const int low = ticksOf(configuration, "delay"),
               high = configuration.text("delay-high") == "same" ? low : ticksOf(configuration, "delay-high");
@@ -60,37 +61,37 @@ class PositionControl {
     if (!surface_) {
       if (given) servo_ = enamel::loadServo(gain);
     } else if (given) {
-      options_ = enamel::loadSurfaceServo(gain).options;
+      options_ = enamel::loadPositionControl(gain).options;
       if (options_->delayLow != low || options_->delayHigh != high)
         refuse("gain", "is " + gain + ", for a delay of " + std::to_string(options_->delayLow) + " to " +
                            std::to_string(options_->delayHigh) + " ticks, delay and delay-high are " +
                            std::to_string(low) + " and " + std::to_string(high));
-      if (options_->count.size() != mechanism_->joints())
-        refuse("gain", "is " + gain + ", for " + std::to_string(options_->count.size()) + " joints, the device has " +
-                           std::to_string(mechanism_->joints()));
+      if (options_->encoderStep.size() != mechanism_->joints())
+        refuse("gain", "is " + gain + ", for " + std::to_string(options_->encoderStep.size()) +
+                           " joints, the device has " + std::to_string(mechanism_->joints()));
     } else {
       low_ = low;
       high_ = high;
-      enamel::SurfaceServoRenderer{enamel::surfaceServoFor(mechanism_->limits().count, 1e-3, low, high)};
+      enamel::PositionControlRenderer{enamel::positionControlFor(mechanism_->limits().encoderStep, 1e-3, low, high)};
     }
   }
 
   std::unique_ptr<enamel::Renderer> activate(double period) const {
     if (surface_)
-      return std::make_unique<enamel::SurfaceServoRenderer>(
-          options_ ? *options_ : enamel::surfaceServoFor(mechanism_->limits().count, period, low_, high_));
+      return std::make_unique<enamel::PositionControlRenderer>(
+          options_ ? *options_ : enamel::positionControlFor(mechanism_->limits().encoderStep, period, low_, high_));
     const enamel::ServoFile servo =
         servo_ ? *servo_ : enamel::ServoFile{"", period, enamel::designServo(mechanism_, enamel::Pose{}, period).K};
-    return std::make_unique<enamel::PositionControlRenderer>(servo.gain, servo.period, hold_);
+    return std::make_unique<enamel::HoldRenderer>(servo.gain, servo.period, hold_);
   }
 
  private:
   std::shared_ptr<const enamel::Mechanism> mechanism_;
   bool surface_ = true;
-  int low_ = 0, high_ = 0;                              // delay, ticks
-  std::optional<enamel::SurfaceServoOptions> options_;  // given, of mode surface
-  std::optional<enamel::ServoFile> servo_;              // given, of mode hold
-  enamel::PositionControlOptions hold_;
+  int low_ = 0, high_ = 0;                                 // delay, ticks
+  std::optional<enamel::PositionControlOptions> options_;  // given, of mode surface
+  std::optional<enamel::ServoFile> servo_;                 // given, of mode hold
+  enamel::HoldOptions hold_;
 };
 
 }  // namespace

@@ -103,10 +103,10 @@ void addDevice(py::module_& m) {
       .def_property_readonly(
           "joints", [](const Device& self) { return self.mechanism->joints(); }, "n.")
       .def_property_readonly(
-          "max_torque", [](const Device& self) { return self.mechanism->limits().torque; },
+          "max_torque", [](const Device& self) { return self.mechanism->limits().effort; },
           "Largest torque of every motor, (n,), N m or N.")
       .def_property_readonly(
-          "count", [](const Device& self) { return self.mechanism->limits().count; },
+          "encoder_step", [](const Device& self) { return self.mechanism->limits().encoderStep; },
           "Step of every encoder, (n,), rad or m.")
       .def_property_readonly(
           "home", [](const Device& self) -> const Kinematics& { return self.mechanism->home(); },

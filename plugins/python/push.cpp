@@ -45,20 +45,20 @@ Keywords<PushOptions> pushKeywords() {
 
 PushSetup setupOf(const PushOptions& options) {
   PushSetup setup;
-  setup.person.scenario = options.scenario;
-  setup.person.force = options.force;
-  setup.person.preload = options.preload;
-  setup.person.noise = options.noise;
-  setup.person.guide = options.guide;
-  if (options.arm) setup.person.arm = kArm;
+  setup.hand.scenario = options.scenario;
+  setup.hand.force = options.force;
+  setup.hand.preload = options.preload;
+  setup.hand.noise = options.noise;
+  setup.hand.guide = options.guide;
+  if (options.arm) setup.hand.arm = kArm;
   if (options.start) setup.start.position = vec3(*options.start, "start", "m");
-  if (options.tip) holdAt(vec3(*options.tip, "tip", "m"), setup);
+  if (options.tip) setToolTip(vec3(*options.tip, "tip", "m"), setup);
   setup.force = options.maxForce;
   if (options.scene) {
     if (options.start || options.tip)
       throw Error("a push into a scene has its own start and tool: start and tip are for the wall z = 0");
     if (options.scene->scene.obstacles().empty()) throw Error("the scene has no obstacle");
-    pushIn(*options.scene, setup);
+    setScene(*options.scene, setup);
   }
   setup.guarded = options.guard;
   setup.delay = {options.delay.first, options.delay.second};
@@ -68,7 +68,7 @@ PushSetup setupOf(const PushOptions& options) {
   setup.duration = options.duration;
   setup.seed = options.seed;
   setup.run = options.run;
-  if (options.insideTick) setup.person.instant = randomInstant(options.seed, options.run);
+  if (options.insideTick) setup.hand.instant = randomInstant(options.seed, options.run);
   return setup;
 }
 
@@ -88,7 +88,7 @@ class TickTable {
     for (const double value : {r.time, r.nearest.gap, r.gapRate, r.normalForce}) table_.add(value);
     for (const Vec3* v : {&r.pose.position, &r.nearest.point, &r.nearest.normal}) table_.add(*v);
     table_.add(r.pose.rotation);
-    for (const Vec6* v : {&r.twist, &r.person, &r.rendered}) table_.add(*v);
+    for (const Vec6* v : {&r.twist, &r.handWrench, &r.rendered}) table_.add(*v);
     for (const JointVector* v : {&r.q, &r.requested, &r.command, &r.torque}) table_.addJoints(*v, n_);
     for (const int value : {static_cast<int>(r.mode), static_cast<int>(r.saturated), static_cast<int>(r.status),
                             static_cast<int>(r.guard)})
@@ -126,7 +126,7 @@ Push push(const Device& device, const py::object& renderer, const PushOptions& o
   std::optional<PushMetrics> metrics;
   {
     const py::gil_scoped_release release;
-    MetricsCollector collector(setup, largestStiffness(mechanism, setup), mechanism.limits().torque);
+    MetricsCollector collector(setup, largestStiffness(mechanism, setup), mechanism.limits().effort);
     const auto perTick = [&](const TickRecord& tick, const VirtualLoop&) {
       failure->rethrow();
       collector.add(tick);

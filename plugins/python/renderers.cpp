@@ -6,10 +6,10 @@
 #include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/host.hpp"
+#include "enamel/render/hold.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/passivity.hpp"
-#include "enamel/render/position_control.hpp"
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 #include "enamel/render/virtual_coupling.hpp"
 
 namespace enamel::python {
@@ -107,25 +107,25 @@ namespace {
 
 RendererRecipe positionControl(const Device& device, double period, const Delays& delay, const py::object& file,
                                const std::map<std::string, double>& numbers) {
-  SurfaceServoOptions options;
+  PositionControlOptions options;
   if (file.is_none()) {
-    options = surfaceServoFor(device.mechanism->limits().count, period, delay.first, delay.second);
+    options = positionControlFor(device.mechanism->limits().encoderStep, period, delay.first, delay.second);
   } else {
     const std::string path = py::str(file).cast<std::string>();
-    options = loadSurfaceServo(path).options;
-    if (options.count.size() != device.mechanism->joints())
-      throw Error(path + ": the servo is for " + std::to_string(options.count.size()) + " joints, the device has " +
-                  std::to_string(device.mechanism->joints()));
+    options = loadPositionControl(path).options;
+    if (options.encoderStep.size() != device.mechanism->joints())
+      throw Error(path + ": the servo is for " + std::to_string(options.encoderStep.size()) +
+                  " joints, the device has " + std::to_string(device.mechanism->joints()));
   }
   for (const auto& [key, value] : numbers) {
     const std::string& name = key;  // which Clang lets a lambda capture
-    const auto& all = surfaceServoParameters();
+    const auto& all = positionControlParameters();
     const auto found = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.name == name; });
     if (found == all.end()) throw Error("position_control has no number \"" + name + "\"");
     options.*found->value = value;
   }
-  SurfaceServoRenderer{options};  // refuses here what a run would refuse
-  return {"position-control", [options] { return std::make_unique<SurfaceServoRenderer>(options); }};
+  PositionControlRenderer{options};  // refuses here what a run would refuse
+  return {"position-control", [options] { return std::make_unique<PositionControlRenderer>(options); }};
 }
 
 RendererRecipe hold(const Device& device, double period, const std::optional<Eigen::MatrixXd>& gain, bool release,
@@ -134,12 +134,12 @@ RendererRecipe hold(const Device& device, double period, const std::optional<Eig
   if (design.rows() > kMaxJoints || design.cols() > 3 * kMaxJoints)
     throw Error("a gain of " + std::to_string(design.rows()) + " x " + std::to_string(design.cols()) +
                 " is for no device");
-  PositionControlOptions options;
+  HoldOptions options;
   options.release = release;
   options.antiWindup = antiWindup;
   const ServoGain servo = design;
-  PositionControlRenderer(servo, period, options);
-  return {"hold", [=] { return std::make_unique<PositionControlRenderer>(servo, period, options); }};
+  HoldRenderer(servo, period, options);
+  return {"hold", [=] { return std::make_unique<HoldRenderer>(servo, period, options); }};
 }
 
 RendererRecipe impedance(double stiffness, double damping) {

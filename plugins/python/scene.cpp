@@ -64,7 +64,7 @@ py::array nearestOf(const SceneFile& file, const Array& positions, const std::op
 Material materialOf(double stiffness, double friction) {
   Material material;
   material.stiffness = stiffness;
-  material.friction = material.sliding = friction;
+  material.friction = material.slidingFriction = friction;
   return material;
 }
 

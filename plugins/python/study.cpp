@@ -50,8 +50,8 @@ StudyPlan planOf(const StudyOptions& options) {
   plan.lowestForce = options.lowestForce;
   plan.highestForce = options.highestForce;
   plan.insideTick = options.insideTick;
-  plan.setup.person.preload = options.preload;
-  plan.setup.person.noise = options.noise;
+  plan.setup.hand.preload = options.preload;
+  plan.setup.hand.noise = options.noise;
   plan.setup.delay = {options.delay.first, options.delay.second};
   plan.setup.encoders = encodersOf(options.encoders, "", 100.0);
   plan.setup.guarded = options.guard;

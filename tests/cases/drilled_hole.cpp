@@ -49,7 +49,7 @@ Rest drillAndRest() {
     rest.mean += frame.record.normalForce / kTicks;
     square += frame.record.normalForce * frame.record.normalForce / kTicks;
     rest.largest = std::max(rest.largest, frame.record.normalForce);
-    rest.hand += frame.record.person.head<3>().norm() / kTicks;
+    rest.hand += frame.record.handWrench.head<3>().norm() / kTicks;
     rest.lightest = std::min(rest.lightest, 1.0 / frame.inertiaScale);
     rest.depth = -frame.record.pose.position.z();
   }

@@ -57,7 +57,7 @@ PressedWall oneSampleWith(Status status) {
 
 // One sample in which joint 0 is that many counts off.
 PressedWall oneSampleOff(const std::string& device, double force, double counts) {
-  const double step = makeMechanism(loadDevice(test::deviceFile(device)))->limits().count[0];
+  const double step = makeMechanism(loadDevice(test::deviceFile(device)))->limits().encoderStep[0];
   PressedWall press = withDriver([=](int tick, Measurement& sample) {
     if (tick == 0) sample.q[0] += counts * step;
     return Status::ok;

@@ -8,7 +8,7 @@
 
 #include "enamel/collision/contacts.hpp"
 #include "enamel/device/device_file.hpp"
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/render/tick.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
@@ -40,7 +40,7 @@ TriangleMesh grooveMesh(double slope) {
   return mesh;
 }
 
-struct Slide {
+struct SurfaceMotion {
   int ticksInContact = 0;
   int changes = 0;  // of the number of contacts
   bool finished = false;
@@ -49,7 +49,7 @@ struct Slide {
 // A ball of 1 mm lies in the groove under 3 N and slides along it at 10 mm/s for one second.
 Slide slideAlong(Obstacle groove) {
   const auto mechanism = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
-  SurfaceServoRenderer controller(surfaceServoFor(mechanism->limits().count, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
   LoopSetup setup;
   setup.scene = Scene();
   setup.scene.add(std::move(groove));
@@ -59,7 +59,7 @@ Slide slideAlong(Obstacle groove) {
   setup.encoders = {true, RateSource::lowPass};
   VirtualLoop loop(*mechanism, controller, setup);
   TickRecord record;
-  Slide slide;
+  SurfaceMotion slide;
   int before = 0;
   for (int i = 0; i < 1300; ++i) {
     Pose guide = setup.start;
@@ -126,7 +126,7 @@ struct Tilting {
 Tilting tiltOnPins() {
   const auto mechanism = makeMechanism(loadDevice(test::deviceFile("cartesian-6.toml")));
   const BarOnPins setup;
-  SurfaceServoRenderer controller(surfaceServoFor(mechanism->limits().count, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
   Pose start;
   start.position.z() = 5e-4;
   HapticTick tick(*mechanism, setup.scene, setup.bar, controller, 1e-3, start);
@@ -141,11 +141,11 @@ Tilting tiltOnPins() {
     sample.q[4] = i < 300 ? 0.0 : (i / 20) % 2 == 0 ? -4e-7 : 4e-7;
     result.faults += tick(sample, command) != Status::ok;
     if (i >= 300) {
-      result.force += command.torque[2] / 100.0;
-      result.moment = std::max(result.moment, std::abs(command.torque[4]));
-      result.jump = std::max(result.jump, std::abs(command.torque[4] - before));
+      result.force += command.effort[2] / 100.0;
+      result.moment = std::max(result.moment, std::abs(command.effort[4]));
+      result.jump = std::max(result.jump, std::abs(command.effort[4] - before));
     }
-    before = command.torque[4];
+    before = command.effort[4];
   }
   return result;
 }
@@ -153,14 +153,14 @@ Tilting tiltOnPins() {
 }  // namespace
 
 TEST_CASE("case 11: in a groove of a mesh the number of contacts is steady", "[cases]") {
-  const Slide slide = slideAlongMesh();
+  const SurfaceMotion slide = slideAlongMesh();
   CHECK(slide.finished);
   CHECK(slide.ticksInContact == 999);
   CHECK(slide.changes <= 10);
 }
 
 TEST_CASE("case 11: in a groove of a solid the ball slides to the end", "[cases]") {
-  const Slide slide = slideAlongSolid();
+  const SurfaceMotion slide = slideAlongSolid();
   CHECK(slide.finished);
   CHECK(slide.ticksInContact == 999);
 }
@@ -169,7 +169,7 @@ TEST_CASE(
     "case 11: in a groove of a solid the number of contacts is steady "
     "(expected failure until the controller follows from physics)",
     "[!shouldfail][cases]") {
-  const Slide slide = slideAlongSolid();
+  const SurfaceMotion slide = slideAlongSolid();
   CAPTURE(slide.changes);
   CHECK(slide.changes <= 10);
 }

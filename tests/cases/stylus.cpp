@@ -6,7 +6,7 @@
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/cartesian/mechanism.hpp"
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 #include "support/catch.hpp"
@@ -40,7 +40,7 @@ struct Press {
 
 // A hand presses a ball against a wall with 1.5 N and holds the stylus' axes. The ball is `arm` (m) beside the TCP.
 Press press(const CartesianMechanism& stylus, double arm) {
-  SurfaceServoRenderer controller(surfaceServoFor(stylus.limits().count, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(stylus.limits().encoderStep, 1e-3, 0, 0));
   LoopSetup setup;
   setup.tool.parts[0].a = setup.tool.parts[0].b = Vec3(arm, 0.0, 1e-3);
   setup.tool.parts[0].radius = 1e-3;
@@ -118,7 +118,7 @@ Turning turnOnTheWall(double angle) {
   const Vec3 arm(0.01, 0.0, 1e-3);  // in P, m
   Tool tool;
   tool.parts[0] = {arm, arm, 1e-3};
-  SurfaceServoRenderer controller(surfaceServoFor(stylus.limits().count, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(stylus.limits().encoderStep, 1e-3, 0, 0));
   Pose start;
   start.position.z() = 4e-3;
   HapticTick tick(stylus, scene, tool, controller, 1e-3, start);
@@ -136,7 +136,7 @@ Turning turnOnTheWall(double angle) {
     constexpr int kSteps = 10;
     for (int k = 0; k < kSteps; ++k) {
       const Vec3 hand(-300.0 * position.x(), -300.0 * position.y(), -1.5);
-      velocity += 1e-3 / kSteps * (hand - 4.0 * velocity + Vec3(command.torque)) / 0.1;
+      velocity += 1e-3 / kSteps * (hand - 4.0 * velocity + Vec3(command.effort)) / 0.1;
       position += 1e-3 / kSteps * velocity;
     }
     const double height = (position + rotation * arm).z() - tool.parts[0].radius;

@@ -9,7 +9,7 @@
 #include "chai3d/driver.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/impedance.hpp"
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 #include "support/catch.hpp"
 
 namespace enamel::test_adapter {
@@ -28,7 +28,7 @@ std::shared_ptr<const Mechanism> device(const std::string& name) {
 
 std::unique_ptr<Renderer> renderer(const std::string& name, const Mechanism& mechanism) {
   if (name == "impedance") return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{2000.0, 1.0});
-  return std::make_unique<SurfaceServoRenderer>(surfaceServoFor(mechanism.limits().count, 1e-3, 0, 0));
+  return std::make_unique<PositionControlRenderer>(positionControlFor(mechanism.limits().encoderStep, 1e-3, 0, 0));
 }
 
 TriangleMesh boxInW() {
@@ -117,8 +117,8 @@ TEST_CASE("a push through the tool gives the bits of the native loop: wall and m
           REQUIRE(native.actuate(command) == Status::ok);
           REQUIRE(native.advance(test::pressingHand) == Status::ok);
           bench.tick();
-          different += sameBits(command.torque, bench.tool.latest()->command.torque) &&
-                               sameBits(command.torque, bench.driver->force)
+          different += sameBits(command.effort, bench.tool.latest()->command.effort) &&
+                               sameBits(command.effort, bench.driver->force)
                            ? 0
                            : 1;
           touching += tick.frame().output.normalForce > 0.1 ? 1 : 0;
@@ -164,8 +164,8 @@ TEST_CASE("a driver of CHAI3D in a loop gives the bits of the same device withou
       for (int i = 0; i < 2000; ++i) {
         (void)loopA.step();
         (void)loopB.step();
-        different += sameBits(loopA.tick().command.torque, loopB.tick().command.torque) ? 0 : 1;
-        most = std::max(most, loopB.tick().command.torque.norm());
+        different += sameBits(loopA.tick().command.effort, loopB.tick().command.effort) ? 0 : 1;
+        most = std::max(most, loopB.tick().command.effort.norm());
       }
       CHECK(different == 0);
       CHECK(most > 0.5);
@@ -197,12 +197,12 @@ TEST_CASE("six axes: what the device measures, and a command a native tick gives
       bench.tick();
       const Measurement& m = bench.tool.latest()->measurement;
       (void)tick(m, command);
-      different += sameBits(command.torque, bench.tool.latest()->command.torque) ? 0 : 1;
+      different += sameBits(command.effort, bench.tool.latest()->command.effort) ? 0 : 1;
       worst = std::max(
           {worst, (m.q - bench.driver->measured.q).norm(), 1e-3 * (m.rates - bench.driver->measured.rates).norm()});
       Vec6 sent;
       sent << bench.driver->force, bench.driver->moment;
-      worstWrench = std::max(worstWrench, (torqueOf(tick.frame().kinematics.jacobian, sent) - command.torque).norm());
+      worstWrench = std::max(worstWrench, (torqueOf(tick.frame().kinematics.jacobian, sent) - command.effort).norm());
       moment = std::max(moment, bench.driver->moment.norm());
       if (i == 0) continue;  // start() has measured at this instant
       Vec6 shown;
@@ -232,7 +232,7 @@ TEST_CASE("forces stay within the device's specifications, their direction kept"
   CHECK(wrapped.actuate(command) == Status::ok);
   CHECK((driver->force - Vec3(1.2, 1.6, 0.0)).norm() < 1e-15);
   CHECK((driver->moment - Vec3(0.0, 0.1, 0.0)).norm() < 1e-15);
-  command.torque << 0.3, 0.4, 0.0, 0.0, 0.05, 0.0;
+  command.effort << 0.3, 0.4, 0.0, 0.0, 0.05, 0.0;
   CHECK(wrapped.actuate(command) == Status::ok);
   CHECK(driver->force == Vec3(0.3, 0.4, 0.0));
   CHECK(driver->moment == Vec3(0.0, 0.05, 0.0));
@@ -329,10 +329,10 @@ TEST_CASE("what a device cannot do is a status, and leaves the measurement as it
 
   CHECK(wrapped.actuate(command) == Status::ok);
   CHECK(!driver->force.isZero(0.0));
-  command.torque[2] = std::numeric_limits<double>::quiet_NaN();
+  command.effort[2] = std::numeric_limits<double>::quiet_NaN();
   CHECK(wrapped.actuate(command) == Status::notFinite);
   CHECK(driver->force.isZero(0.0));
-  command.torque = JointVector::Constant(3, 0.01);
+  command.effort = JointVector::Constant(3, 0.01);
   CHECK(wrapped.actuate(command) == Status::outOfRange);
   CHECK(driver->force.isZero(0.0));
   driver->refuses = true;
@@ -425,7 +425,7 @@ TEST_CASE("meshes that are none, and a tool that cannot start, are refused", "[c
 
 TEST_CASE("a pose that is none ramps the force out; reset() goes on", "[chai3d]") {
   const auto mechanism = device("cartesian-3");
-  SurfaceServoRenderer servo(surfaceServoFor(mechanism->limits().count, 1e-3, 0, 0));
+  PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
   Bench bench(*mechanism, servo);
   bench.tool.addObstacle(halfSpace("wall", Vec3::Zero(), Vec3::UnitZ()));
   REQUIRE(bench.tool.start());
@@ -458,7 +458,7 @@ TEST_CASE("a clock that tells no time ramps the force out too", "[chai3d]") {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity()}) {
     INFO(bad);
-    SurfaceServoRenderer servo(surfaceServoFor(mechanism->limits().count, 1e-3, 0, 0));
+    PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
     Bench bench(*mechanism, servo);
     bench.tool.addObstacle(halfSpace("wall", Vec3::Zero(), Vec3::UnitZ()));
     REQUIRE(bench.tool.start());
@@ -496,7 +496,7 @@ TEST_CASE("the scale of the world is none of the wall", "[chai3d]") {
   std::vector<Vec3> forces[2];
   for (int scaled = 0; scaled < 2; ++scaled) {
     const double scale = scaled == 0 ? 1.0 : kScale;
-    SurfaceServoRenderer servo(surfaceServoFor(mechanism->limits().count, 1e-3, 0, 0));
+    PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
     Bench bench(*mechanism, servo);
     REQUIRE(bench.tool.setWorkspaceScaleFactor(scale));
     cMesh box;

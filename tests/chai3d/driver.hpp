@@ -34,8 +34,8 @@ class Driver final : public chai3d::cGenericHapticDevice {
   explicit Driver(const Mechanism& mechanism) : mechanism_(mechanism), physics(mechanism, driverSetup()) {
     const bool turns = mechanism.joints() == 6;
     m_specifications.m_modelName = "driver";
-    m_specifications.m_maxLinearForce = mechanism.limits().torque[0];
-    m_specifications.m_maxAngularTorque = turns ? mechanism.limits().torque[3] : 0.0;
+    m_specifications.m_maxLinearForce = mechanism.limits().effort[0];
+    m_specifications.m_maxAngularTorque = turns ? mechanism.limits().effort[3] : 0.0;
     m_specifications.m_sensedPosition = m_specifications.m_actuatedPosition = true;
     m_specifications.m_sensedRotation = m_specifications.m_actuatedRotation = turns;
   }

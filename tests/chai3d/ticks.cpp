@@ -1,7 +1,7 @@
 // A tick of the tool, and of a device that CHAI3D drives, allocates nothing, whatever comes.
 #include "chai3d/driver.hpp"
 #include "enamel/device/device_file.hpp"
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 #include "support/allocation_counter.hpp"
 #include "support/catch.hpp"
 
@@ -12,7 +12,7 @@ TEST_CASE("ticks of the CHAI3D adapter allocate nothing", "[chai3d]") {
     INFO(name);
     const auto mechanism =
         makeMechanism(loadDevice(std::string(ENAMEL_SOURCE_DIR) + "/data/devices/" + name + ".toml"));
-    SurfaceServoRenderer servo(surfaceServoFor(mechanism->limits().count, 1e-3, 0, 0));
+    PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
     test::Bench bench(*mechanism, servo, 100.0);
     chai3d::cMesh box;
     test::makeBox(box);

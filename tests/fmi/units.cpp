@@ -13,9 +13,9 @@
 #include "enamel/control/device_plant.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/render/hold.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
-#include "enamel/render/surface_servo.hpp"
 #include "enamel/sim/push.hpp"
 #include "plugins/fmi/archive.hpp"
 #include "plugins/fmi/export.hpp"
@@ -244,15 +244,15 @@ TEST_CASE("fmi: units of plant and renderer make the native loop's bits", "[fmi]
     std::unique_ptr<Renderer> native;
     std::map<std::string, std::string> parameters;
     if (name == "hold") {
-      PositionControlOptions options;
+      HoldOptions options;
       options.release = false;
       parameters["release"] = "off";
-      native = std::make_unique<PositionControlRenderer>(designServo(device, Pose{}, 1e-3).K, 1e-3, options);
+      native = std::make_unique<HoldRenderer>(designServo(device, Pose{}, 1e-3).K, 1e-3, options);
     } else {
-      native = std::make_unique<SurfaceServoRenderer>(surfaceServoFor(device->limits().count, 1e-3, 0, 0));
+      native = std::make_unique<PositionControlRenderer>(positionControlFor(device->limits().encoderStep, 1e-3, 0, 0));
     }
     PushSetup setup;
-    setup.person.noise = 0.0;
+    setup.hand.noise = 0.0;
     setup.duration = 1.2;
     std::vector<Seen> expected;
     const PushResult result = runPush(*device, *native, setup, [&](const TickRecord& tick) {
@@ -415,7 +415,7 @@ TEST_CASE("fmi: a unit as a plant is the plant that it was written from", "[fmi]
     for (int i = 0; i < 100; ++i) {
       JointVector torque = mechanism->home().gravity;
       for (Eigen::Index j = 0; j < torque.size(); ++j)
-        torque[j] += 0.02 * mechanism->limits().torque[j] * std::sin(0.1 * i + static_cast<double>(j));
+        torque[j] += 0.02 * mechanism->limits().effort[j] * std::sin(0.1 * i + static_cast<double>(j));
       Vec6 wrench = Vec6::Zero();
       wrench[i % 3] = 0.3;
       const auto held = [&](double, const Pose&, const Vec6&) { return wrench; };

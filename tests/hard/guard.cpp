@@ -62,12 +62,12 @@ TEST_CASE("garbage into the guard: finite, within the limits and the slew, alway
     }
     const test::GuardedCommand c = test::guardStep(guard, m, k, requested, status, surface);
     ++reasons[static_cast<std::size_t>(c.reason)];
-    REQUIRE(c.torque.size() == 6);
-    REQUIRE(c.torque.allFinite());
-    REQUIRE((c.torque.cwiseAbs() - options.torque).maxCoeff() <= 0.0);
-    if (i > 0) REQUIRE(((c.torque - last).cwiseAbs() - 1e-3 * options.slew).maxCoeff() <= 1e-12);
+    REQUIRE(c.effort.size() == 6);
+    REQUIRE(c.effort.allFinite());
+    REQUIRE((c.effort.cwiseAbs() - options.torque).maxCoeff() <= 0.0);
+    if (i > 0) REQUIRE(((c.effort - last).cwiseAbs() - 1e-3 * options.slew).maxCoeff() <= 1e-12);
     REQUIRE(std::isfinite(guard.tick(0).energy));
-    last = c.torque;
+    last = c.effort;
   }
   std::cout << ticks << " ticks, seed " << seed << ":";
   for (std::size_t i = 0; i < reasons.size(); ++i)
@@ -83,11 +83,11 @@ TEST_CASE("walls that are known to be bad are stopped by their energy", "[hard]"
   const GuardOptions options = guardFor(*device, 1e-3);
   for (const double force : {2.0, 12.0})
     for (const bool hold : {false, true}) {
-      PositionControlRenderer paper = test::positionControl(test::asInThePaper());
+      HoldRenderer paper = test::holdRenderer(test::asInThePaper());
       ImpedanceRenderer spring({20e3, 0.0});
       PushSetup setup;
       setup.delay = hold ? Delay{2, 2} : Delay{3, 3};
-      setup.person.force = force;
+      setup.hand.force = force;
       setup.encoders = {true, RateSource::difference, 100.0};
       const auto ticks = [&] {
         std::vector<TickRecord> all;
@@ -103,7 +103,7 @@ TEST_CASE("walls that are known to be bad are stopped by their energy", "[hard]"
       REQUIRE(device->reach(end.pose, end.twist, true, k) == Status::ok);
       double given = 0.0, way = 0.0;
       for (const TickRecord& t : ticks) {
-        given += 1e-3 * t.person.dot(t.twist);
+        given += 1e-3 * t.handWrench.dot(t.twist);
         way = std::max(way, (t.pose.position - setup.start.position).norm());
       }
       const double motion = 0.5 * k.rates.dot(k.inertia * k.rates);
@@ -123,20 +123,20 @@ TEST_CASE("ordinary study runs pass untouched", "[hard]") {
   for (int delay = 0; delay <= 4; ++delay) {  // 4: random
     StudyPlan plan;
     plan.setup.delay = delay < 4 ? Delay{delay, delay} : Delay{0, 3};
-    const SurfaceServoOptions servo =
-        surfaceServoFor(device->limits().count, 1e-3, plan.setup.delay.low, plan.setup.delay.high);
+    const PositionControlOptions servo =
+        positionControlFor(device->limits().encoderStep, 1e-3, plan.setup.delay.low, plan.setup.delay.high);
     plan.columns.push_back(
-        {"servo", device, [&](std::size_t) { return std::make_unique<SurfaceServoRenderer>(servo); }});
+        {"servo", device, [&](std::size_t) { return std::make_unique<PositionControlRenderer>(servo); }});
     if (delay == 0) {
       plan.columns.push_back({"hold", device, [](std::size_t) {
-                                return std::make_unique<PositionControlRenderer>(test::referenceGain(), 1e-3,
-                                                                                 test::asInThePaper());
+                                return std::make_unique<HoldRenderer>(test::referenceGain(), 1e-3,
+                                                                      test::asInThePaper());
                               }});
       plan.columns.push_back(
           {"spring", damped, [](std::size_t) { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{}); }});
     }
     plan.setup.encoders = {true, RateSource::difference, 100.0};
-    plan.setup.person.preload = 1.0;
+    plan.setup.hand.preload = 1.0;
     plan.insideTick = true;
     plan.runs = 6;
     plan.setup.seed = 4;
@@ -164,13 +164,13 @@ TEST_CASE("a loop that is unstable and stays inside is called unstable", "[hard]
   // The guard off: the paper's gain with a tick of delay and rates from encoders oscillates at a motor's limit.
   const TauMechanism device(test::nominal());
   for (const int scenario : {1, 2}) {
-    PositionControlRenderer paper = test::positionControl(test::asInThePaper());
+    HoldRenderer paper = test::holdRenderer(test::asInThePaper());
     PushSetup setup;
     setup.guarded = false;
     setup.delay = {1, 1};
     setup.encoders = {true, RateSource::difference, 100.0};
-    setup.person.scenario = scenario;
-    MetricsCollector collector(setup, 0.0, device.limits().torque);
+    setup.hand.scenario = scenario;
+    MetricsCollector collector(setup, 0.0, device.limits().effort);
     CHECK(runPush(device, paper, setup, [&](const TickRecord& t) { collector.add(t); }).status == Status::ok);
     const PushMetrics m = collector.metrics();
     CHECK(m.chatter > 0.5);
@@ -183,7 +183,7 @@ TEST_CASE("hold goes with a wall that moves, and back to the surface in small st
   const TauMechanism device(test::nominal());
   const auto hand = [](double z) { return test::handAt(z, 200.0, 8.0); };
   // A touch 20 mm deep: no kick.
-  PositionControlRenderer hold = test::positionControl();
+  HoldRenderer hold = test::holdRenderer();
   LoopSetup setup;
   setup.guarded = false;
   setup.start.position.z() = -0.02;
@@ -200,7 +200,7 @@ TEST_CASE("hold goes with a wall that moves, and back to the surface in small st
 
   // A wall that comes at 20 mm/s takes the tool along.
   Scene moving = flatWall();
-  PositionControlRenderer carried = test::positionControl();
+  HoldRenderer carried = test::holdRenderer();
   VirtualDeviceSetup start;
   VirtualDevice plant(device, start);
   HapticTick tick(device, moving, Tool(), carried, 1e-3);

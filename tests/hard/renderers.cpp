@@ -13,8 +13,8 @@ TEST_CASE("garbage into the renderers", "[hard]") {
   constexpr std::uint64_t seed = 71;
   const int ticks = test::count(200000, 1000000);
   const TauMechanism device(test::nominal());
-  PositionControlRenderer hold = test::positionControl(), paper = test::positionControl(test::asInThePaper());
-  SurfaceServoRenderer servo = test::surfaceServo(device, 0, 3);
+  HoldRenderer hold = test::holdRenderer(), paper = test::holdRenderer(test::asInThePaper());
+  PositionControlRenderer servo = test::positionControl(device, 0, 3);
   ImpedanceRenderer spring({6000.0, 5.0});
   for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&paper),
                              static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring)}) {
@@ -44,7 +44,7 @@ TEST_CASE("garbage into the renderers", "[hard]") {
                            frame.contacts.contacts[0].point.data(),
                            &frame.contacts.contacts[0].material.stiffness,
                            &frame.contacts.contacts[0].material.friction,
-                           &frame.contacts.contacts[0].material.sliding};
+                           &frame.contacts.contacts[0].material.slidingFriction};
       const int sizes[] = {1, 6, 6, 3, 9, 6, 36, 36, 6, 36, 6, 1, 3, 6, 3, 1, 1, 1};
       for (int blow = 0; blow < damage; ++blow) {
         const int field = static_cast<int>(random.uniform(0.0, 18.0));

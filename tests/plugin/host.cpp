@@ -2,7 +2,7 @@
 #include "enamel/plugin/host.hpp"
 
 #include "enamel/control/device_plant.hpp"
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 #include "enamel/render/tick.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
@@ -38,9 +38,9 @@ void requireSame(const TickOutput& a, const TickOutput& b) {
 
 TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good input and bad", "[plugin]") {
   const auto device = std::make_shared<TauMechanism>(test::nominal());
-  PositionControlRenderer hold(designServo(device, Pose{}, 1e-3).K, 1e-3, {});
+  HoldRenderer hold(designServo(device, Pose{}, 1e-3).K, 1e-3, {});
   ImpedanceRenderer spring({6000.0, 0.0});
-  SurfaceServoRenderer servo = test::surfaceServo(*device), late = test::surfaceServo(*device, 0, 3);
+  PositionControlRenderer servo = test::positionControl(*device), late = test::positionControl(*device, 0, 3);
   using Parameters = std::map<std::string, std::string>;
   for (const auto& [name, parameters, linked] :
        {std::tuple<std::string, Parameters, Renderer*>{"position_control", {}, &servo},
@@ -93,7 +93,7 @@ TEST_CASE("the reference runs through plugins have the bits of the linked render
   for (const test::ReferenceRun& run : test::referenceRuns()) {
     INFO((run.servo ? "position_control" : "impedance"));
     const TauMechanism plant(run.servo ? test::nominal() : test::dampedNominal());
-    PositionControlRenderer hold(designServo(device, Pose{}, 1e-3).K, 1e-3, test::asInThePaper());
+    HoldRenderer hold(designServo(device, Pose{}, 1e-3).K, 1e-3, test::asInThePaper());
     ImpedanceRenderer spring({6000.0, 0.0});
     PluginSetup given = nominalSetup();
     if (run.servo) given.parameters = {{"mode", "hold"}, {"release", "off"}};
@@ -237,7 +237,7 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   setup.parameters = {{"mode", "hold"}, {"gain", folder / "servo.json"}};
   const auto plugin = makeRenderer(library("position_control"), setup);
   plugin->activate(1e-3);
-  PositionControlRenderer linked(K, 1e-3, {});
+  HoldRenderer linked(K, 1e-3, {});
   linked.activate(1e-3);
   for (int i = 1; i < 100; ++i) {
     const TickFrame input = test::frameAt(*device, test::poseAtDepth(1e-4 * std::sin(0.1 * i)), 1e-3 * i);
@@ -261,16 +261,16 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   refuse(R"({"model": "a", "period": 0.001, "K": []})", "K: has 0 rows, must have 1 to 7");
 
   // The same for the other mode.
-  const JointVector count = device->limits().count;
-  SurfaceServoOptions soft = surfaceServoFor(count, 1e-3, 1, 2);
+  const JointVector count = device->limits().encoderStep;
+  PositionControlOptions soft = positionControlFor(count, 1e-3, 1, 2);
   soft.pole = soft.jumpPole = 0.7;
-  test::writeFile(folder / "surface.json", surfaceServoText({"tau-nominal.toml", soft}));
+  test::writeFile(folder / "surface.json", positionControlText({"tau-nominal.toml", soft}));
   const auto given = [&](std::map<std::string, std::string> more) {
     more.insert({"gain", folder / "surface.json"});
     return makeRenderer(library("position_control"), nominalSetup(std::move(more)));
   };
   const auto surface = given({{"delay", "1"}, {"delay-high", "2"}});
-  SurfaceServoRenderer linkedSurface(soft);
+  PositionControlRenderer linkedSurface(soft);
   surface->activate(1e-3);
   linkedSurface.activate(1e-3);
   for (int i = 1; i < 100; ++i) {
@@ -282,7 +282,8 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   }
   CHECK_THROWS_WITH(surface->activate(2e-3), ContainsSubstring("designed for 0.001 s"));
   CHECK_THROWS_WITH(given({}), ContainsSubstring("for a delay of 1 to 2 ticks, delay and delay-high are 0 and 0"));
-  CHECK_THROWS_WITH(given({{"mode", "hold"}}), ContainsSubstring("surface.json, a surface servo, the mode is hold"));
+  CHECK_THROWS_WITH(given({{"mode", "hold"}}),
+                    ContainsSubstring("surface.json, a position-control design, the mode is hold"));
   setup.parameters = {{"gain", folder / "servo.json"}};
   CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup),
                     ContainsSubstring("servo.json, an LQR design, the mode is surface"));
@@ -330,7 +331,7 @@ TEST_CASE("what a bad plugin does in a tick becomes a fault", "[plugin]") {
     renderer->activate(1e-3);
     CHECK(renderer->step(test::frameAt(device, test::poseAtDepth(1e-4), 1.0), output) == status);
     CHECK(output.torque.allFinite());
-    CHECK((output.torque.array().abs() <= device.limits().torque.array()).all());
+    CHECK((output.torque.array().abs() <= device.limits().effort.array()).all());
   }
 }
 

@@ -19,8 +19,8 @@ void print(const Vector& v) {
 int main() {
   const auto nominal = std::make_shared<TauMechanism>(test::nominal());
   const TauMechanism damped(test::dampedNominal());
-  PositionControlRenderer hold(designServo(nominal, Pose{}, 1e-3).K, 1e-3, {});
-  SurfaceServoRenderer servo = test::surfaceServo(*nominal);
+  HoldRenderer hold(designServo(nominal, Pose{}, 1e-3).K, 1e-3, {});
+  PositionControlRenderer servo = test::positionControl(*nominal);
   ImpedanceRenderer spring({6000.0, 0.0});
   PushSetup setup;
   setup.encoders = {true, RateSource::lowPass, 100.0};

@@ -44,7 +44,7 @@ TEST_CASE("the device module allocates nothing in a tick", "[realtime]") {
     sum += jointAccelerations(model, c, v, acceleration)[0] + inverseDynamics(model, c, v, acceleration, v)[0];
     sum += kineticEnergy(model, c, v) + potentialEnergy(model, c) + twistFromRates(model, c, v)[0];
     sum += effectiveMass(device.home(), Vec3::Zero(), Vec3::UnitZ()) + singularity(model, c).parallel;
-    sum += largestForce(device.home(), device.limits().torque, Vec3::Zero(), Vec3::UnitZ());
+    sum += largestForce(device.home(), device.limits().effort, Vec3::Zero(), Vec3::UnitZ());
     Kinematics k = device.home();
     if (device.track(q + 0.3 * v, v, i % 2 == 0, k) == Status::ok) sum += wrenchOf(k, k.gravity)[2];
     if (device.reach(pose, v, i % 2 == 0, k) == Status::ok) sum += staticTorque(k, v)[1] + twistOf(k.jacobian, k.rates)[0];
@@ -87,7 +87,7 @@ TEST_CASE("a mechanism of any kind allocates nothing in a tick", "[realtime]") {
       count(mechanism->accelerate(pose, twist, torque, wrench, acceleration));
       sum += acceleration[0] + twistOf(kinematics.jacobian, kinematics.rates)[0];
       sum += torqueOf(kinematics.jacobian, wrench)[0] + wrenchOf(kinematics, kinematics.gravity)[0];
-      sum += largestForce(kinematics, mechanism->limits().torque, kinematics.pose.position, Vec3::UnitZ());
+      sum += largestForce(kinematics, mechanism->limits().effort, kinematics.pose.position, Vec3::UnitZ());
       sum += effectiveMass(mechanism->home(), Vec3::Zero(), Vec3::UnitX());
       allocated += test::allocationCount() - before;
     }

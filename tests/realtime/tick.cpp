@@ -29,23 +29,23 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
   };
   const TauMechanism device(test::nominal());
   const Scene wall = flatWall();
-  PositionControlRenderer hold = test::positionControl();
+  HoldRenderer hold = test::holdRenderer();
   ImpedanceRenderer spring({6000.0, 0.0});
   PassivityRenderer passive(std::make_unique<ImpedanceRenderer>(ImpedanceOptions{6000.0, 0.0}));
   PassivityRenderer remembering(std::make_unique<ImpedanceRenderer>(ImpedanceOptions{6000.0, 0.0}),
                                 PassivityBound::memory);
-  SurfaceServoRenderer servo = test::surfaceServo(device, 0, 3);
+  PositionControlRenderer servo = test::positionControl(device, 0, 3);
   VirtualCouplingRenderer coupling({3000.0, 2.0, 0.02});
-  PositionControlOptions late;
+  HoldOptions late;
   late.commandGain = Eigen::MatrixXd::Constant(6, 12, 1e-3);
-  PositionControlRenderer foreseeing = test::positionControl(late);
+  HoldRenderer foreseeing = test::holdRenderer(late);
   Heavy heavy;
   for (Renderer* renderer :
        {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&servo), static_cast<Renderer*>(&spring),
         static_cast<Renderer*>(&passive), static_cast<Renderer*>(&remembering), static_cast<Renderer*>(&coupling),
         static_cast<Renderer*>(&foreseeing), static_cast<Renderer*>(&heavy)}) {
     HapticTick tick(device, wall, Tool(), *renderer, 1e-3);
-    Encoders encoders({true, RateSource::lowPass, 100.0}, device.limits().count, 1e-3);
+    Encoders encoders({true, RateSource::lowPass, 100.0}, device.limits().encoderStep, 1e-3);
     const RandomStream stream(1, 0);
     Motors motors({0, 3}, JointVector::Zero(6));
     std::vector<unsigned char> state(renderer->stateSize());
@@ -68,7 +68,7 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
       if (status != Status::ok) tick.reset();
       ok += status == Status::ok;
       contact += tick.frame().output.mode == RenderMode::contact;
-      sum += motors.actuate(i, command.torque, stream)[0] + stream.normal(RandomStream::Purpose::noise, i);
+      sum += motors.actuate(i, command.effort, stream)[0] + stream.normal(RandomStream::Purpose::noise, i);
       renderer->saveState(state.data());
       renderer->loadState(state.data());
       if (i % 1000 == 999) renderer->reset();
@@ -83,8 +83,8 @@ TEST_CASE("a tick of every renderer allocates nothing, with inertia or without",
 
 TEST_CASE("a loop on the virtual device allocates nothing", "[realtime]") {
   const TauMechanism device(test::nominal());
-  PositionControlRenderer hold = test::positionControl();
-  SurfaceServoRenderer servo = test::surfaceServo(device, 0, 3);
+  HoldRenderer hold = test::holdRenderer();
+  PositionControlRenderer servo = test::positionControl(device, 0, 3);
   LoopSetup setup;
   Obstacle rough = flatWall().obstacles()[0];
   rough.material = {1e5, 0.5, 0.4, 1.0};
@@ -111,7 +111,7 @@ TEST_CASE("a loop on the virtual device allocates nothing", "[realtime]") {
 TEST_CASE("recording a tick allocates nothing, also while ticks are lost", "[realtime]") {
   const TauMechanism device(test::nominal());
   const Scene wall = flatWall();
-  SurfaceServoRenderer servo = test::surfaceServo(device);
+  PositionControlRenderer servo = test::positionControl(device);
   HapticTick tick(device, wall, Tool(), servo, 1e-3);
   Recorder recorder([written = 0](const char*, std::size_t size) mutable { return ++written < 20 ? size : 0; },
                     "a disk", {}, tick);

@@ -37,7 +37,7 @@ std::size_t Wire::index(std::size_t size) {
   return std::min(size - 1, static_cast<std::size_t>(random_.uniform(0, 1) * static_cast<double>(size)));
 }
 
-PersonalLoad swingingHand() {
+WrenchFunction swingingHand() {
   return [](double time, const Pose& pose, const Vec6& twist) {
     Vec6 wrench = Vec6::Zero();
     const Vec3 hand(0.0, 0.0, 0.003 - 0.004 * (1.0 - std::cos(2.0 * M_PI * time)));

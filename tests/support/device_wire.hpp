@@ -75,7 +75,7 @@ class WiredDevice final : public HapticDevice {
   }
   Status actuate(const Command& command) noexcept override {
     Datagram d{};
-    const std::size_t size = client.command(command.torque, now, d);
+    const std::size_t size = client.command(command.effort, now, d);
     up.send(d.data(), size, now);
     return size > 0 ? Status::ok : Status::inactive;
   }
@@ -88,7 +88,7 @@ class WiredDevice final : public HapticDevice {
     }
     up.deliver(now, [&](const unsigned char* d, std::size_t size) { (void)server.receive(d, size, now); });
     if (plant_.measure(measured) != Status::ok) throw Error("the plant left its workspace");
-    motors.torque = server.torque(measured.q, 1e-3, now);
+    motors.effort = server.torque(measured.q, 1e-3, now);
     (void)plant_.actuate(motors);
     Datagram d{};
     down.send(d.data(), server.measurement(measured, now, d), now);
@@ -127,7 +127,7 @@ class WiredDevice final : public HapticDevice {
 };
 
 /// A hand that swings through the wall z = 0, once a second.
-PersonalLoad swingingHand();
+WrenchFunction swingingHand();
 
 VirtualDeviceSetup swingStart();
 

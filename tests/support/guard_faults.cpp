@@ -99,7 +99,7 @@ void requireGuarded(Renderer& renderer, const Fault& fault, bool echo) {
     if (i >= kFaultAt && fault.measure) fault.measure(i - kFaultAt, m);
     const Status status = tick(m, command);
     contacts += tick.frame().output.mode == RenderMode::contact;
-    const JointVector& torque = command.torque;
+    const JointVector& torque = command.effort;
     REQUIRE(torque.size() == 6);
     REQUIRE(torque.allFinite());
     REQUIRE((torque.cwiseAbs() - limits.torque).maxCoeff() <= 0.0);

@@ -7,7 +7,7 @@ namespace enamel::test {
 
 /// What the motors get.
 struct GuardedCommand {
-  JointVector torque;  ///< N m or N
+  JointVector effort;  ///< N m or N
   GuardReason reason = GuardReason::none;
 };
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "enamel/device/device_file.hpp"
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_device.hpp"
@@ -91,7 +91,7 @@ inline PressResult run(const PressedWall& press) {
   VirtualDevice device(*mechanism, setup);
   pressed_wall::Driver driver(device, press, faultTick);
   Scene scene = flatWall();
-  SurfaceServoRenderer controller(surfaceServoFor(mechanism->limits().count, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
   pressed_wall::Vibrating effect(controller, press.vibration);
   HapticTick haptics(*mechanism, scene, Tool{},
                      press.vibration == 0.0 ? static_cast<Renderer&>(controller) : static_cast<Renderer&>(effect), 1e-3,

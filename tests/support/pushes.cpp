@@ -7,16 +7,14 @@ ServoGain referenceGain() {
   return gain;
 }
 
-PositionControlRenderer positionControl(const PositionControlOptions& options) {
-  return {referenceGain(), 1e-3, options};
+HoldRenderer holdRenderer(const HoldOptions& options) { return {referenceGain(), 1e-3, options}; }
+
+PositionControlRenderer positionControl(const Mechanism& mechanism, int low, int high) {
+  return PositionControlRenderer(positionControlFor(mechanism.limits().encoderStep, 1e-3, low, high));
 }
 
-SurfaceServoRenderer surfaceServo(const Mechanism& mechanism, int low, int high) {
-  return SurfaceServoRenderer(surfaceServoFor(mechanism.limits().count, 1e-3, low, high));
-}
-
-PositionControlOptions asInThePaper() {
-  PositionControlOptions options;
+HoldOptions asInThePaper() {
+  HoldOptions options;
   options.release = false;
   return options;
 }
@@ -29,14 +27,14 @@ TauParameters dampedNominal() {
 
 PushSetup referenceSetup(const ReferenceRun& run) {
   PushSetup setup;
-  setup.person.force = run.force;
-  setup.person.noise = 0.0;
-  setup.person.guide = false;
+  setup.hand.force = run.force;
+  setup.hand.noise = 0.0;
+  setup.hand.guide = false;
   setup.duration = run.duration;
   return setup;
 }
 
-PersonalLoad handAt(double z, double stiffness, double damping) {
+WrenchFunction handAt(double z, double stiffness, double damping) {
   return [=](double, const Pose& pose, const Vec6& twist) {
     Vec6 wrench;
     wrench.head<3>() = -stiffness * (pose.position - Vec3(0.0, 0.0, z)) - damping * twist.head<3>();
@@ -58,7 +56,7 @@ TickFrame frameAt(const Mechanism& mechanism, const Pose& pose, double time, con
   if (mechanism.reach(pose, twist, true, frame.kinematics) != Status::ok) throw Error("pose outside the workspace");
   frame.contacts.contacts[0] = nearestContact(flatWall(), Tool(), pose, nullptr);
   frame.contacts.count = 1;
-  frame.maxTorque = mechanism.limits().torque;
+  frame.maxTorque = mechanism.limits().effort;
   frame.applied = frame.kinematics.gravity;
   if (fillContactRows(frame) != Status::ok) throw Error("the inertia is not positive definite");
   return frame;

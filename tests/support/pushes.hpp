@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "enamel/device/tau/mechanism.hpp"
+#include "enamel/render/hold.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
-#include "enamel/render/surface_servo.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/push.hpp"
 #include "enamel/sim/simulated_device.hpp"
@@ -18,12 +18,12 @@ namespace enamel::test {
 /// The gain of data/reference/servo-nominal.json: designed for the nominal device at 1 ms.
 ServoGain referenceGain();
 
-PositionControlRenderer positionControl(const PositionControlOptions& options = {});
+HoldRenderer holdRenderer(const HoldOptions& options = {});
 
-/// The surface servo for a mechanism with a delay of `low` to `high` ticks.
-SurfaceServoRenderer surfaceServo(const Mechanism& mechanism, int low = 0, int high = 0);
+/// Position control for a mechanism with a delay of `low` to `high` ticks.
+PositionControlRenderer positionControl(const Mechanism& mechanism, int low = 0, int high = 0);
 
-PositionControlOptions asInThePaper();
+HoldOptions asInThePaper();
 
 /// The plant of the impedance scenarios: 4 N s/m of mechanical damping on the TCP along z.
 TauParameters dampedNominal();
@@ -32,7 +32,7 @@ TauParameters dampedNominal();
 PushSetup referenceSetup(const ReferenceRun& run);
 
 /// A hand that draws the TCP to (0, 0, z), m, and keeps the orientation: N/m, N s/m.
-PersonalLoad handAt(double z, double stiffness, double damping);
+WrenchFunction handAt(double z, double stiffness, double damping);
 
 std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& renderer, const PushSetup& setup);
 

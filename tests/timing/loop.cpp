@@ -5,7 +5,7 @@
 
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/device/tau/mechanism.hpp"
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/simulated_device.hpp"
@@ -38,7 +38,7 @@ TEST_CASE("deadlines of a loop beside a busy core", "[timing]") {
           return wrench;
         },
         true);
-    SurfaceServoRenderer servo(surfaceServoFor(mechanism.limits().count, period, 0, 0));
+    PositionControlRenderer servo(positionControlFor(mechanism.limits().encoderStep, period, 0, 0));
     HapticTick haptics(mechanism, scene, Tool(), servo, period);
     std::atomic<bool> busy{true};
     std::thread other([&busy] {

@@ -59,8 +59,8 @@ TEST_CASE("cartesian, 3 axes: position in, force out", "[cartesian]") {
   CHECK(k.inverseTransposed == Eigen::MatrixXd::Identity(6, 3));
   CHECK(k.gravity == Vec3(0.0, 2.0 * device.mass, 0.0));
   CHECK(k.inertia == device.mass * Mat3::Identity());
-  CHECK(mechanism.limits().torque == Vec3::Constant(3.3));
-  CHECK(mechanism.limits().count == Vec3::Constant(5.5e-5));
+  CHECK(mechanism.limits().effort == Vec3::Constant(3.3));
+  CHECK(mechanism.limits().encoderStep == Vec3::Constant(5.5e-5));
   CHECK(effectiveMass(k, Vec3::Zero(), Vec3(0.6, 0.0, 0.8)) == Approx(device.mass).epsilon(1e-14));
 
   // m v' = f + F + m g - D v; a moment is borne by the device.
@@ -271,8 +271,8 @@ TEST_CASE("axes without a motor are sensed and not driven", "[cartesian]") {
   const std::string driven = "driven = [1, 1, 1, 0, 0, 0]";
   const CartesianMechanism stylus(parseCartesian(stylusFile(driven, "mass = 0.1"), "stylus.toml"));
   CHECK(stylus.joints() == 6);
-  CHECK(stylus.limits().torque == (JointVector(6) << 3.3, 3.3, 3.3, 0.0, 0.0, 0.0).finished());
-  const JointVector& limits = stylus.limits().torque;
+  CHECK(stylus.limits().effort == (JointVector(6) << 3.3, 3.3, 3.3, 0.0, 0.0, 0.0).finished());
+  const JointVector& limits = stylus.limits().effort;
   CHECK(largestForce(stylus.home(), limits, Vec3(0.01, 0.0, 0.0), Vec3::UnitZ()) == 3.3);  // beside the tip, too
   const auto refuses = [](const std::string& more, const std::string& words) {
     REQUIRE_THROWS_WITH(parseCartesian(stylusFile(more, "mass = 0.1"), "stylus.toml"), test::ContainsSubstring(words));

@@ -184,7 +184,7 @@ TEST_CASE("a test push steps on both in the same tick, also where one needs long
     runner->period();
     const Frame* const frames[] = {&runner->frame(), runner->secondFrame()};
     for (int side = 0; side < 2; ++side)
-      if (jumped[side] < 0 && frames[side]->testing && -frames[side]->record.person.z() > 10.0) jumped[side] = i;
+      if (jumped[side] < 0 && frames[side]->testing && -frames[side]->record.handWrench.z() > 10.0) jumped[side] = i;
     if (i > 10 && !frames[0]->testing && !frames[1]->testing) break;
   }
   CHECK(jumped[0] > 0);

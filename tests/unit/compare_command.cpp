@@ -63,7 +63,7 @@ TEST_CASE("compare: a table, a column a renderer, and what it refuses", "[compar
         {"--delays later", "--delay is \"later\""},
         {"--plants wish", "--plants"},
         {"--inertia 0", "the inertia is 0"},
-        {"--plant real", "--plant"}}) {
+        {"--plant imperfect", "--plant"}}) {
     INFO(arguments);
     const auto refused = run(small + arguments);
     CHECK(refused.status != 0);
@@ -140,7 +140,7 @@ TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[co
   const auto compare = [&](const std::string& name, const std::string& more) {
     return run(small + "--output '" + (folder / name) + "' " + more);
   };
-  const auto whole = compare("whole", "--plants closed-form,real-stiff");
+  const auto whole = compare("whole", "--plants closed-form,imperfect-stiff");
   INFO(whole.output);
   REQUIRE(whole.status == 0);
   CHECK_THAT(whole.output, ContainsSubstring("On the ideal device: position control ranks first at 2 of 2 delays"));

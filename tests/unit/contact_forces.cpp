@@ -81,7 +81,7 @@ TEST_CASE("contact forces keep to all bounds and are the best that do", "[contac
   test::Random random(4);
   int limited = 0;
   for (int i = 0; i < test::count(3000, 100000); ++i) {
-    const int contacts = 1 + i % kMaxServoContacts;
+    const int contacts = 1 + i % kMaxActiveContacts;
     const ContactProblem p = randomProblem(random, contacts, contacts);
     const ContactSolution s = solveContacts(p);
     REQUIRE(s.exact);

@@ -127,7 +127,7 @@ TEST_CASE("gains of 1e308 become no torque", "[control_slips]") {
   const TauMechanism device(test::nominal());
   ServoGain gain = test::referenceGain();
   gain *= 1e308 / gain.cwiseAbs().maxCoeff();
-  PositionControlRenderer hold(gain, 1e-3, test::asInThePaper());
+  HoldRenderer hold(gain, 1e-3, test::asInThePaper());
   ImpedanceRenderer spring({1e308, 1e308});
   for (Renderer* renderer : {static_cast<Renderer*>(&hold), static_cast<Renderer*>(&spring)}) {
     renderer->activate(1e-3);
@@ -136,7 +136,7 @@ TEST_CASE("gains of 1e308 become no torque", "[control_slips]") {
       TickOutput output;
       const Status status = renderer->step(test::frameAt(device, test::poseAtDepth(1e-4 * i), 1e-3 * i), output);
       refused += status != Status::ok;
-      CHECK((output.torque.cwiseAbs() - device.limits().torque).maxCoeff() <= 0.0);
+      CHECK((output.torque.cwiseAbs() - device.limits().effort).maxCoeff() <= 0.0);
       if (status != Status::ok) CHECK(output.torque == JointVector::Zero(6));
     }
     CHECK(refused > 0);
@@ -157,7 +157,7 @@ TEST_CASE("pushes and studies of nothing", "[control_slips]") {
   refuse([](PushSetup& s) { s.substeps = -1; }, "substeps is -1");
   refuse([](PushSetup& s) { s.delay = {-1, 0}; }, "delay is -1..0");
   const TauMechanism device(test::nominal());
-  PositionControlRenderer renderer = test::positionControl();
+  HoldRenderer renderer = test::holdRenderer();
   for (const int count : {-1, 9}) {
     PushSetup setup;
     setup.tool.count = count;
@@ -168,8 +168,7 @@ TEST_CASE("pushes and studies of nothing", "[control_slips]") {
   plan.grid = 2;
   plan.runs = 3;
   plan.columns.push_back({"hold", makeMechanism(test::nominal()), [](std::size_t) {
-                            return std::make_unique<PositionControlRenderer>(test::referenceGain(), 1e-3,
-                                                                             PositionControlOptions{});
+                            return std::make_unique<HoldRenderer>(test::referenceGain(), 1e-3, HoldOptions{});
                           }});
   REQUIRE(plan.size() == 2 * 4 * 3);
   CHECK(runAt(plan, 23).run == 2);

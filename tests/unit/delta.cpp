@@ -156,7 +156,7 @@ TEST_CASE("delta: the envelope that the shipped file promises", "[delta]") {
     REQUIRE(mechanism.reach({position, Mat3::Identity()}, Vec6::Zero(), false, k) == Status::ok);
     for (int axis = 0; axis < 3; ++axis)
       for (const double way : {1.0, -1.0})
-        least = std::min(least, largestForce(k, mechanism.limits().torque, k.pose.position, way * Vec3::Unit(axis)));
+        least = std::min(least, largestForce(k, mechanism.limits().effort, k.pose.position, way * Vec3::Unit(axis)));
     return least;
   };
   overCube(0.03, [&](const Vec3& p) {

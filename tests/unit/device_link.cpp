@@ -46,9 +46,9 @@ struct Rig {
     device.serve();
     body.step();
     device.pass();
-    const double most = device.motors.torque.cwiseAbs().maxCoeff();
-    within = within && most <= stylus().limits().torque[0] &&
-             body.tick().command.torque.cwiseAbs().maxCoeff() <= stylus().limits().torque[0];
+    const double most = device.motors.effort.cwiseAbs().maxCoeff();
+    within = within && most <= stylus().limits().effort[0] &&
+             body.tick().command.effort.cwiseAbs().maxCoeff() <= stylus().limits().effort[0];
     largest = std::max(largest, most);
   }
   void run(double seconds) {
@@ -242,7 +242,7 @@ TEST_CASE("a forged stamp of long ago is a long time ago", "[device_link]") {
 TEST_CASE("recorded datagrams of an earlier session do nothing", "[device_link]") {
   Pair p{kKey};
   CHECK(p.takes(p.torque));
-  p.now += kSessionEnds + 1;
+  p.now += kSessionTimeout + 1;
   Measurement m;
   CHECK(p.client.measure(m, p.now) == Status::stale);
   Datagram call{};
@@ -254,7 +254,7 @@ TEST_CASE("recorded datagrams of an earlier session do nothing", "[device_link]"
   CHECK(droppedBy(p.client.counts(), DropReason::session) == 1);
   CHECK(p.server.torque(p.m.q, 1e-3, p.now).isZero(0.0));
   // A call opens a session once another one is over; the commands that came after it are of another number.
-  p.now += kSessionEnds + 1;
+  p.now += kSessionTimeout + 1;
   CHECK(p.server.receive(p.called.data(), kCommandBytes, p.now));
   CHECK_FALSE(p.takes(p.torque));
   CHECK(p.server.torque(p.m.q, 1e-3, p.now).isZero(0.0));
@@ -295,12 +295,12 @@ TEST_CASE("whatever the wire does, commands stay within the limits", "[device_li
     Rig rig(c.keyed ? std::optional<LinkKey>(kKey) : std::nullopt);
     rig.run(1.3);  // within the wall
     REQUIRE(rig.body.tick().reason == GuardReason::none);
-    REQUIRE(rig.device.motors.torque.norm() > 0.1);
+    REQUIRE(rig.device.motors.effort.norm() > 0.1);
     rig.device.up.faults = rig.device.down.faults = c.faults;
     double silentAfter = 0.0;  // s, until the motors give nothing
     for (int i = 0; i < 2000; ++i) {
       rig.tick();
-      if (rig.device.motors.torque.norm() > 0.0) silentAfter = 1e-3 * (i + 1);
+      if (rig.device.motors.effort.norm() > 0.0) silentAfter = 1e-3 * (i + 1);
     }
     CHECK(rig.within);
     const GuardReason fault = rig.haptics.guard().fault();
@@ -308,7 +308,7 @@ TEST_CASE("whatever the wire does, commands stay within the limits", "[device_li
     if (c.faultExpected) CHECK(fault != GuardReason::none);
     // 10 ms of silence, 20 ms of ramp, a tick of each end.
     if (c.silent) CHECK(silentAfter <= 0.0335);
-    if (fault != GuardReason::none) CHECK(rig.device.motors.torque.isZero(0.0));
+    if (fault != GuardReason::none) CHECK(rig.device.motors.effort.isZero(0.0));
   }
 }
 
@@ -319,7 +319,7 @@ TEST_CASE("an unplugged device, and one whose commands alone are lost", "[device
   int until = 0;
   for (int i = 0; i < 200; ++i) {
     rig.tick();
-    if (rig.body.tick().command.torque.norm() > 0.0) until = i + 1;
+    if (rig.body.tick().command.effort.norm() > 0.0) until = i + 1;
   }
   CHECK(rig.body.tick().reason == GuardReason::late);
   CHECK(until <= 4 + 20 + 2);  // the longest gap, the ramp
@@ -338,7 +338,7 @@ TEST_CASE("an unplugged device, and one whose commands alone are lost", "[device
   int motors = 0;
   for (int i = 0; i < 200; ++i) {
     deaf.tick();
-    if (deaf.device.motors.torque.norm() > 0.0) motors = i + 1;
+    if (deaf.device.motors.effort.norm() > 0.0) motors = i + 1;
   }
   CHECK(motors <= 10 + 20 + 2);
   CHECK(isFault(deaf.body.tick().reason));
@@ -348,7 +348,7 @@ TEST_CASE("mutated datagrams never make a command beyond the limits", "[device_l
   Pair p;
   test::Random random(9);
   const auto any = [&random](int n) { return static_cast<int>(random.uniform(0, n)) % n; };
-  const double most = stylus().limits().torque[0];
+  const double most = stylus().limits().effort[0];
   bool within = true;
   int commands = 0;
   const int rounds = test::count(10000, 100000);

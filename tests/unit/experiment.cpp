@@ -8,7 +8,7 @@
 
 #include "colours/palette.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 #include "enamel/study/metrics.hpp"
 #include "runner.hpp"
 #include "support/catch.hpp"
@@ -55,7 +55,7 @@ TEST_CASE("the tool stops at the wall, the hand goes on, and the force is the ha
     const double depth = -frame.record.nearest.gap;
     const double force = 400.0 * (0.025 - depth);
     CHECK(frame.hand.position.z() == Approx(-0.025).epsilon(1e-3));
-    CHECK(-frame.record.person[2] == Approx(force).epsilon(3e-3));
+    CHECK(-frame.record.handWrench[2] == Approx(force).epsilon(3e-3));
     // On the average: position control answers every count of the encoders.
     double mean = 0.0;
     for (int i = 0; i < 500; ++i) {
@@ -77,13 +77,13 @@ TEST_CASE("the hand's force is bounded, and it does not wind up", "[experiment]"
     e->moveHandTo({0.0, 0.0, -0.5});
     e->tick();
   }
-  CHECK(-e->frame().record.person[2] == Approx(kLargestHandForce).epsilon(1e-2));
+  CHECK(-e->frame().record.handWrench[2] == Approx(kLargestHandForce).epsilon(1e-2));
   CHECK(e->frame().hand.target.z() > -0.05);
   // A change of grip leaves the force as it is.
-  const double before = e->frame().record.person[2];
+  const double before = e->frame().record.handWrench[2];
   e->setGrip(kPaperGrip);
   e->tick();
-  CHECK(e->frame().record.person[2] == Approx(before).epsilon(0.02));
+  CHECK(e->frame().record.handWrench[2] == Approx(before).epsilon(0.02));
   CHECK(e->frame().hand.position.z() < -0.3);  // 15 N at 40 N/m
 }
 
@@ -144,9 +144,9 @@ TEST_CASE("the stiffness shown is that of the continuous motion, also where a de
 
       // The plant again from every tick to the next, in 16 steps, until it has come back by a tenth.
       PushSetup setup;
-      setup.person.noise = 0.0;
-      PersonLoad person(setup);
-      person.hold(onset);
+      setup.hand.noise = 0.0;
+      SimulatedHand hand(setup);
+      hand.hold(onset);
       double deepest = 0.0, depth = 0.0;
       const double force = kTestForce - kTestPreload;
       for (std::size_t i = onset; depth >= 0.9 * deepest; ++i) {
@@ -157,7 +157,7 @@ TEST_CASE("the stiffness shown is that of the continuous motion, also where a de
         state.twist = record.twist;
         for (int step = 0; step < 16; ++step) {
           const double dt = kPeriod / 16.0;
-          REQUIRE(stepRungeKutta4(*plant, record.time + step * dt, dt, record.torque, person, state) == Status::ok);
+          REQUIRE(stepRungeKutta4(*plant, record.time + step * dt, dt, record.torque, hand, state) == Status::ok);
           depth = rest - state.position.z();
           deepest = std::max(deepest, depth);
         }
@@ -216,18 +216,18 @@ TEST_CASE("a test push is runPush() on the surface nearest to the hand, bit for 
     PushSetup setup;
     setup.encoders = settings.encoders;
     setup.delay = settings.delay;
-    setup.person.force = kTestForce;
-    setup.person.preload = kTestPreload;
-    setup.person.noise = settings.noise;
-    pushIn(scene, setup);
+    setup.hand.force = kTestForce;
+    setup.hand.preload = kTestPreload;
+    setup.hand.noise = settings.noise;
+    setScene(scene, setup);
     std::unique_ptr<Renderer> renderer;
     if (c.slot == RendererSlot::positionControl)
-      renderer = std::make_unique<SurfaceServoRenderer>(surfaceOptions(nominal(), *model, settings.delay));
+      renderer = std::make_unique<PositionControlRenderer>(positionControlOptions(nominal(), *model, settings.delay));
     else if (c.slot == RendererSlot::impedance)
       renderer = std::make_unique<ImpedanceRenderer>(settings.spring);
     else
-      renderer = std::make_unique<PositionControlRenderer>(nominal().gain, kPeriod, settings.hold);
-    MetricsCollector collector(setup, largestStiffness(*plant, setup), plant->limits().torque);
+      renderer = std::make_unique<HoldRenderer>(nominal().gain, kPeriod, settings.hold);
+    MetricsCollector collector(setup, largestStiffness(*plant, setup), plant->limits().effort);
     std::size_t i = 0, other = 0;
     const PushResult result =
         runPush(std::make_unique<ClosedFormPlant>(*plant), *model, *renderer, setup,
@@ -286,7 +286,7 @@ TEST_CASE("the limit is that of a step to 12 N from the preload, at the plant's 
   heavier.extraMass = 0.1;
   for (const Settings& settings : {Settings{}, heavier}) {
     const auto plant = makeMechanism(changed(nominal().parameters, settings));
-    const JointVector& maxTorque = plant->limits().torque;
+    const JointVector& maxTorque = plant->limits().effort;
     // 0.273 kg is the specification's; a mass at the platform adds to it as it is where the push does not turn it.
     const double mass = effectiveMass(plant->home(), Vec3::Zero(), Vec3::UnitZ());
     CHECK(mass == Approx(0.273 + settings.extraMass).epsilon(0.02));
@@ -329,7 +329,7 @@ TEST_CASE("one plant under both renderers: damped by the tool's damping, with a 
     // The hand carries the weight that the renderer does not balance.
     e->moveHandTo({0.0, 0.0, 0.012});
     run(*e, 3000);
-    CHECK(e->frame().record.person[1] == Approx(0.2 * 9.81).epsilon(0.01));
+    CHECK(e->frame().record.handWrench[1] == Approx(0.2 * 9.81).epsilon(0.01));
   }
   CHECK(free[0] == free[1]);
 }
@@ -373,29 +373,29 @@ TEST_CASE("a servo's gain from a file", "[experiment]") {
 
   // Of position control: its numbers, under the viewer's delay.
   const auto mechanism = makeMechanism(nominal().parameters);
-  const JointVector count = mechanism->limits().count;
-  const auto writeSurface = [&](const SurfaceServoOptions& options) {
-    std::ofstream(folder / "surface.json") << surfaceServoText({"tau-nominal.toml", options});
+  const JointVector count = mechanism->limits().encoderStep;
+  const auto writeSurface = [&](const PositionControlOptions& options) {
+    std::ofstream(folder / "surface.json") << positionControlText({"tau-nominal.toml", options});
     return folder / "surface.json";
   };
-  SurfaceServoOptions options = surfaceServoFor(count, kPeriod, 2, 2);
+  PositionControlOptions options = positionControlFor(count, kPeriod, 2, 2);
   options.pole = 0.71;
   options.horizon = 1;
   const ServoedDevice surface = loadServoedDevice(device, writeSurface(options));
   CHECK(surface.gain == nominal().gain);
-  CHECK(surfaceOptions(surface, *mechanism, {2, 2}).pole == 0.71);
-  CHECK(surfaceOptions(surface, *mechanism, {2, 2}).horizon == 1);
-  const SurfaceServoOptions other = surfaceOptions(surface, *mechanism, {0, 3});
+  CHECK(positionControlOptions(surface, *mechanism, {2, 2}).pole == 0.71);
+  CHECK(positionControlOptions(surface, *mechanism, {2, 2}).horizon == 1);
+  const PositionControlOptions other = positionControlOptions(surface, *mechanism, {0, 3});
   CHECK(other.pole == 0.71);
   CHECK((other.delayLow == 0 && other.delayHigh == 3));
-  CHECK(other.horizon == surfaceServoFor(count, kPeriod, 0, 3).horizon);
-  CHECK(surfaceOptions(nominal(), *mechanism, {1, 1}).delayHigh == 1);
-  CHECK(refused(writeSurface(surfaceServoFor(count, 5e-4, 0, 0))) ==
+  CHECK(other.horizon == positionControlFor(count, kPeriod, 0, 3).horizon);
+  CHECK(positionControlOptions(nominal(), *mechanism, {1, 1}).delayHigh == 1);
+  CHECK(refused(writeSurface(positionControlFor(count, 5e-4, 0, 0))) ==
         folder / "surface.json" + ": period: is 0.0005 s, must be 0.001 s, the viewer's");
-  CHECK(refused(writeSurface(surfaceServoFor(count.head(3), kPeriod, 0, 0))) ==
+  CHECK(refused(writeSurface(positionControlFor(count.head(3), kPeriod, 0, 0))) ==
         folder / "surface.json" + ": count: is for 3 joints, but TAU nominal has 6");
-  CHECK(refused(writeSurface(surfaceServoFor(2.0 * count, kPeriod, 0, 0))).find("surface.json: count: is 7.6699e-05") !=
-        std::string::npos);
+  CHECK(refused(writeSurface(positionControlFor(2.0 * count, kPeriod, 0, 0)))
+            .find("surface.json: count: is 7.6699e-05") != std::string::npos);
   std::ofstream(folder / "neither.json") << "{\"model\": \"a\", \"period\": 0.001}";
   CHECK(refused(folder / "neither.json") ==
         folder / "neither.json" + ": K: is missing (--gain takes a servo of enamel design, with or without --surface)");
@@ -659,7 +659,7 @@ TEST_CASE(
     REQUIRE(sampleOf(record).normalForce == force.normal);
     Kinematics k = plant->home();
     REQUIRE(plant->reach(record.pose, Vec6::Zero(), true, k) == Status::ok);
-    const double allowed = stiffnessLimit(k, plant->limits().torque, record.nearest.normal, {}).largestForce;
+    const double allowed = stiffnessLimit(k, plant->limits().effort, record.nearest.normal, {}).largestForce;
     CHECK(force.normal < 1.01 * allowed);
     beyond += record.normalForce > 1.05 * allowed;  // what the renderer says of itself
     if (record.normalForce > 1.05 * allowed) CHECK(e->frame().conditions.saturated);
@@ -739,7 +739,7 @@ TEST_CASE(
   SceneFile rough = shipped("flat-wall.toml");
   Scene scene;
   for (Obstacle obstacle : rough.scene.obstacles()) {
-    obstacle.material.friction = obstacle.material.sliding = 0.2;
+    obstacle.material.friction = obstacle.material.slidingFriction = 0.2;
     (void)scene.add(obstacle);
   }
   rough.scene = scene;

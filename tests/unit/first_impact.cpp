@@ -26,14 +26,14 @@ struct Oscillator {
 };
 
 template <typename Motion>
-ImpactWatch watch(const Motion& motion, int ticks) {
-  ImpactWatch impact(kPeriod);
+ImpactMonitor watch(const Motion& motion, int ticks) {
+  ImpactMonitor impact(kPeriod);
   for (int i = 0; i < 100; ++i) impact.rest({kRest, 0.0, kPreload, 0.0, false});
   for (int i = 0; i < ticks; ++i) impact.push(motion(kPeriod * i));
   return impact;
 }
 
-ImpactWatch watch(const Oscillator& oscillator, int ticks) {
+ImpactMonitor watch(const Oscillator& oscillator, int ticks) {
   return watch([&](double time) { return oscillator.at(time); }, ticks);
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("the deepest point lies between ticks, and counts from the rest; the f
           "[first_impact]") {
   for (const double omega : {150.0, 700.0}) {  // turns after 21 and after 4.5 ticks
     const Oscillator oscillator{omega, 30.0};
-    const ImpactWatch impact = watch(oscillator, 750);
+    const ImpactMonitor impact = watch(oscillator, 750);
     REQUIRE(impact.verdict() == FirstImpactVerdict::measured);
     const double exact = oscillator.depth * (1.0 + std::exp(-oscillator.decay * M_PI / omega));
     double atTicks = 0.0;

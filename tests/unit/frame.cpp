@@ -16,14 +16,14 @@ namespace {
 TickFrame randomFrame(const test::Shipped& shipped, const Mechanism& mechanism, test::Random& random, int count) {
   TickFrame frame;
   frame.time = 1.0;
-  frame.maxTorque = mechanism.limits().torque;
+  frame.maxTorque = mechanism.limits().effort;
   REQUIRE(mechanism.reach(shipped.pose(random), Vec6::Zero(), true, frame.kinematics) == Status::ok);
   frame.contacts.count = count;
   for (int i = 0; i < count; ++i) {
     Contact& c = frame.contacts.contacts[i];
     c.normal = random.vector(1.0).normalized();
     c.point = frame.kinematics.pose.position + random.vector(0.02);
-    c.material.friction = c.material.sliding = i % 2 == 0 ? 0.3 : 0.0;
+    c.material.friction = c.material.slidingFriction = i % 2 == 0 ? 0.3 : 0.0;
   }
   return frame;
 }

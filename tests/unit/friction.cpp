@@ -13,18 +13,18 @@ namespace enamel::test_friction {
 namespace {
 
 constexpr double kPeriod = 1e-3;
-constexpr Grasp kGrasp{20e3, 10.0};
+constexpr TangentialGains kGains{20e3, 10.0};
 
 Contact rough(double friction, double sliding) {
   Contact contact;
   contact.obstacle = contact.part = 0;
   contact.material.friction = friction;
-  contact.material.sliding = sliding;
+  contact.material.slidingFriction = sliding;
   return contact;
 }
 
-// A grasp as the servo chooses it for a mass: poles at 0.7.
-Grasp graspOf(double mass) {
+// Gains as the servo chooses them for a mass: poles at 0.7.
+TangentialGains gainsOf(double mass) {
   constexpr double z = 0.7;
   return {(1.0 - z) * (1.0 - z) * mass / (kPeriod * kPeriod), 0.5 * (1.0 - z) * (3.0 + z) * mass / kPeriod};
 }
@@ -36,7 +36,7 @@ TEST_CASE("friction sticks below its limit and slides at it, against the motion"
   const Contact contact = rough(0.5, 0.4);
   const auto pulled = [&](double way) {
     memory.begin();
-    const Vec3 force = memory.force(contact, {{way, 0, 0}, Vec3::Zero(), Vec3::Zero()}, kGrasp, 2.0);
+    const Vec3 force = memory.force(contact, {{way, 0, 0}, Vec3::Zero(), Vec3::Zero()}, kGains, 2.0);
     memory.end();
     return force;
   };
@@ -57,7 +57,7 @@ TEST_CASE("friction sticks below its limit and slides at it, against the motion"
 // stays, under 0.3 N it goes.
 TEST_CASE("friction holds by the mean of a force that flickers", "[friction]") {
   const double mass = 0.25, count = 4e-6;
-  const Grasp grasp = graspOf(mass);
+  const TangentialGains gains = gainsOf(mass);
   for (const double hand : {0.1, 0.3}) {
     FrictionMemory memory;
     double x = 0.0, v = 0.0, measured = 0.0;
@@ -67,7 +67,7 @@ TEST_CASE("friction holds by the mean of a force that flickers", "[friction]") {
       const double way = measured - last, flickers = i % 2 == 0 ? 1.9 : 0.1;
       memory.begin();
       const Vec3 force =
-          memory.force(rough(0.2, 0.2), {{way, 0, 0}, Vec3::Zero(), {way / kPeriod, 0, 0}}, grasp, flickers);
+          memory.force(rough(0.2, 0.2), {{way, 0, 0}, Vec3::Zero(), {way / kPeriod, 0, 0}}, gains, flickers);
       memory.end();
       REQUIRE(force.norm() <= 0.2 * 1.9 + 1e-12);
       const double acceleration = (hand + force.x() - 5.0 * v) / mass;
@@ -88,7 +88,7 @@ TEST_CASE("friction outlasts hops, and is never more than its share", "[friction
     for (int i = 0; i < 301; ++i) {
       const double normal = i % 3 == 0 ? 3.0 : 0.0, way = dragged ? 1e-3 : i == 1 ? 20e-6 : 0.0;
       memory.begin();
-      last = memory.force(rough(0.2, 0.2), {{way, 0, 0}, Vec3::Zero(), Vec3::Zero()}, kGrasp, normal).norm();
+      last = memory.force(rough(0.2, 0.2), {{way, 0, 0}, Vec3::Zero(), Vec3::Zero()}, kGains, normal).norm();
       memory.end();
       held += last;
       pressed += normal;
@@ -107,7 +107,7 @@ TEST_CASE("friction outlasts hops, and is never more than its share", "[friction
       const double normal = std::max(0.0, random.uniform(-3.0, 3.0));
       const Vec3 way = 1e-4 * Vec3(random.uniform(-1.0, 1.5), random.uniform(-1.0, 1.0), 0.0);
       memory.begin();
-      held += memory.force(rough(0.5, 0.4), {way, Vec3::Zero(), way / kPeriod}, kGrasp, normal).norm();
+      held += memory.force(rough(0.5, 0.4), {way, Vec3::Zero(), way / kPeriod}, kGains, normal).norm();
       memory.end();
       pressed += normal;
       REQUIRE(held <= 0.5 * pressed + 1e-9);
@@ -121,24 +121,24 @@ TEST_CASE("friction lies in the surface, is forgotten with the contact, and know
   Contact first = rough(1.0, 1.0), second = first;
   first.normal = Vec3(0.6, 0.0, 0.8);
   second.part = 1;
-  const Slide slide{{10e-6, 20e-6, 30e-6}, Vec3::Zero(), Vec3::Zero()};
+  const SurfaceMotion slide{{10e-6, 20e-6, 30e-6}, Vec3::Zero(), Vec3::Zero()};
   for (int i = 0; i < 2; ++i) {
     memory.begin();
-    memory.force(second, slide, kGrasp, 100.0);
-    memory.force(first, slide, kGrasp, 100.0);
+    memory.force(second, slide, kGains, 100.0);
+    memory.force(first, slide, kGains, 100.0);
     memory.end();
   }
   memory.begin();
-  const Slide none{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  const Vec3 a = memory.force(first, none, kGrasp, 100.0), b = memory.force(second, none, kGrasp, 100.0);
+  const SurfaceMotion none{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  const Vec3 a = memory.force(first, none, kGains, 100.0), b = memory.force(second, none, kGains, 100.0);
   CHECK(std::abs(a.dot(first.normal)) < 1e-12);
   // Only the second tick has moved a contact that was there before.
-  const Vec3 along = slide.way - first.normal.dot(slide.way) * first.normal;
-  CHECK(a.isApprox(-kGrasp.stiffness * along));
-  CHECK(b.isApprox(-kGrasp.stiffness * Vec3(10e-6, 20e-6, 0.0)));
-  // No normal force, no friction, no grasp: nothing.
-  CHECK(memory.force(first, slide, kGrasp, 0.0).norm() == 0.0);
-  CHECK(memory.force(rough(0.0, 0.0), slide, kGrasp, 1.0).norm() == 0.0);
+  const Vec3 along = slide.displacement - first.normal.dot(slide.displacement) * first.normal;
+  CHECK(a.isApprox(-kGains.stiffness * along));
+  CHECK(b.isApprox(-kGains.stiffness * Vec3(10e-6, 20e-6, 0.0)));
+  // No normal force, no friction, no gains: nothing.
+  CHECK(memory.force(first, slide, kGains, 0.0).norm() == 0.0);
+  CHECK(memory.force(rough(0.0, 0.0), slide, kGains, 1.0).norm() == 0.0);
   CHECK(memory.force(first, slide, {0.0, 0.0}, 1.0).norm() == 0.0);
 }
 
@@ -151,16 +151,16 @@ TEST_CASE("friction follows a contact by its key, and by its place where it has 
     if (keys) floor.key = 1, side.key = 2;
     const auto pulled = [&](Contact& a, Contact& b, const Vec3& way) {
       memory.begin();
-      const Slide slide{way, Vec3::Zero(), Vec3::Zero()};
-      const Vec3 ofA = memory.force(a, slide, kGrasp, 100.0), ofB = memory.force(b, slide, kGrasp, 100.0);
+      const SurfaceMotion slide{way, Vec3::Zero(), Vec3::Zero()};
+      const Vec3 ofA = memory.force(a, slide, kGains, 100.0), ofB = memory.force(b, slide, kGains, 100.0);
       memory.end();
       return std::pair{ofA, ofB};
     };
     pulled(floor, side, Vec3::Zero());
     pulled(floor, side, {10e-6, 20e-6, 0.0});
     const auto [ofSide, ofFloor] = pulled(side, floor, Vec3::Zero());
-    CHECK(ofFloor.isApprox(-kGrasp.stiffness * Vec3(10e-6, 20e-6, 0.0)) == keys);
-    CHECK(ofSide.isApprox(-kGrasp.stiffness * Vec3(0.0, 20e-6, 0.0)));
+    CHECK(ofFloor.isApprox(-kGains.stiffness * Vec3(10e-6, 20e-6, 0.0)) == keys);
+    CHECK(ofSide.isApprox(-kGains.stiffness * Vec3(0.0, 20e-6, 0.0)));
     side.key *= 3;  // another contact at the same place
     const Vec3 first = pulled(side, floor, Vec3::Zero()).first;
     CHECK(first.isZero(0.0) == keys);
@@ -176,7 +176,7 @@ TEST_CASE("friction creates no energy on random paths", "[friction]") {
   double stuck = 0.0, slid = 0.0;
   for (int path = 0; path < paths; ++path) {
     const double mass = random.uniform(0.05, 0.55), friction = random.uniform(0.1, 1.0);
-    const Grasp grasp = graspOf(mass * random.uniform(0.7, 1.3));
+    const TangentialGains gains = gainsOf(mass * random.uniform(0.7, 1.3));
     const Contact contact = rough(friction, friction * random.uniform(0.5, 1.0));
     const double normal = random.uniform(1.0, 6.0), strength = random.uniform(0.0, 8.0),
                  beat = random.uniform(0.0, 3.0);
@@ -188,7 +188,7 @@ TEST_CASE("friction creates no energy on random paths", "[friction]") {
       if (i % 10 == 0) hand = strength * Vec3{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.0};
       memory.begin();
       const double pressed = normal * (1.0 + 0.5 * std::sin(beat * i));
-      const Vec3 force = memory.force(contact, {x - last, Vec3::Zero(), v}, grasp, pressed);
+      const Vec3 force = memory.force(contact, {x - last, Vec3::Zero(), v}, gains, pressed);
       memory.end();
       last = x;
       const Vec3 acceleration = (hand + force) / mass;
@@ -199,7 +199,7 @@ TEST_CASE("friction creates no energy on random paths", "[friction]") {
       work += tick;
       largestTick = std::max(largestTick, tick);
       created = created || work > largestTick + 1e-12;
-      (force.norm() < contact.material.sliding * pressed * (1.0 - 1e-9) ? stuck : slid) += 1.0;
+      (force.norm() < contact.material.slidingFriction * pressed * (1.0 - 1e-9) ? stuck : slid) += 1.0;
     }
     REQUIRE_FALSE(created);
   }

@@ -38,7 +38,7 @@ struct Bench {
     m.time = time;
     return test::guardStep(guard, m, k, staticTorque(k, wrench), Status::ok);
   }
-  Vec6 rendered(const test::GuardedCommand& command) const { return wrenchOf(k, command.torque - gravity); }
+  Vec6 rendered(const test::GuardedCommand& command) const { return wrenchOf(k, command.effort - gravity); }
 };
 
 Vec6 force(double x, double y, double z) { return (Vec6() << x, y, z, 0.0, 0.0, 0.0).finished(); }
@@ -48,7 +48,7 @@ Vec6 force(double x, double y, double z) { return (Vec6() << x, y, z, 0.0, 0.0, 
 TEST_CASE("guard: the reference runs have the same bits with it and without", "[guard]") {
   for (const test::ReferenceRun& run : test::referenceRuns()) {
     const TauMechanism plant(run.servo ? test::nominal() : test::dampedNominal());
-    PositionControlRenderer hold = test::positionControl(test::asInThePaper());
+    HoldRenderer hold = test::holdRenderer(test::asInThePaper());
     ImpedanceRenderer spring({6000.0, 0.0});
     Renderer& renderer = run.servo ? static_cast<Renderer&>(hold) : spring;
     PushSetup setup = test::referenceSetup(run);
@@ -70,7 +70,7 @@ TEST_CASE("guard: every injected fault, with both renderers", "[guard]") {
   const TauMechanism device(test::nominal());
   for (const test::Fault& fault : test::guardFaults())
     for (const bool echo : {true, false}) {
-      SurfaceServoRenderer servo = test::surfaceServo(device);
+      PositionControlRenderer servo = test::positionControl(device);
       test::requireGuarded(servo, fault, echo);
       ImpedanceRenderer spring({3000.0, 0.0});
       test::requireGuarded(spring, fault, echo);
@@ -88,7 +88,7 @@ TEST_CASE("guard: a force is cut without being turned, gravity stays", "[guard]"
 
   Bench bench;
   bench.ask(Vec6::Zero());
-  const double most = largestForce(bench.k, bench.device.limits().torque, bench.k.pose.position, Vec3::UnitY());
+  const double most = largestForce(bench.k, bench.device.limits().effort, bench.k.pose.position, Vec3::UnitY());
   const test::GuardedCommand saturated = bench.ask(force(0.0, 3.0 * most, 0.0));
   CHECK(saturated.reason == GuardReason::torque);
   CHECK((bench.rendered(saturated) - force(0.0, most, 0.0)).norm() < 1e-6);
@@ -102,21 +102,21 @@ TEST_CASE("guard: a force is cut without being turned, gravity stays", "[guard]"
   Bench tired([](GuardOptions& o) { o.torque *= 0.02; });
   const test::GuardedCommand sinking = tired.ask(Vec6::Zero());
   CHECK(sinking.reason == GuardReason::torque);
-  CHECK(sinking.torque.normalized().isApprox(tired.gravity.normalized(), 1e-12));
+  CHECK(sinking.effort.normalized().isApprox(tired.gravity.normalized(), 1e-12));
 }
 
 TEST_CASE("guard: the slew is kept on the straight way to what is asked", "[guard]") {
   Bench bench([](GuardOptions& o) { o.slew.setConstant(20.0); });  // 0.02 N m a tick
-  JointVector last = bench.ask(Vec6::Zero()).torque;
+  JointVector last = bench.ask(Vec6::Zero()).effort;
   const JointVector goal = staticTorque(bench.k, force(0.0, 0.0, 8.0));
   int ticks = 0;
-  for (test::GuardedCommand c; c.torque.size() == 0 || c.torque != goal; ++ticks) {
+  for (test::GuardedCommand c; c.effort.size() == 0 || c.effort != goal; ++ticks) {
     REQUIRE(ticks < 100);
     c = bench.ask(force(0.0, 0.0, 8.0));
-    REQUIRE((c.torque - last).cwiseAbs().maxCoeff() <= 0.02 * (1.0 + 1e-9));
-    CHECK((c.torque - last).normalized().isApprox((goal - last).normalized(), 1e-9));
-    CHECK(c.reason == (c.torque == goal ? GuardReason::none : GuardReason::slew));
-    last = c.torque;
+    REQUIRE((c.effort - last).cwiseAbs().maxCoeff() <= 0.02 * (1.0 + 1e-9));
+    CHECK((c.effort - last).normalized().isApprox((goal - last).normalized(), 1e-9));
+    CHECK(c.reason == (c.effort == goal ? GuardReason::none : GuardReason::slew));
+    last = c.effort;
   }
   CHECK(ticks == Approx((goal - bench.gravity).cwiseAbs().maxCoeff() / 0.02).margin(1.0));
 }
@@ -126,7 +126,7 @@ TEST_CASE("guard: it engages only where little is demanded, and ramps in", "[gua
   for (int i = 0; i < 50; ++i) {
     const test::GuardedCommand c = bench.ask(force(0.0, 0.0, 18.0));
     REQUIRE(c.reason == GuardReason::waiting);
-    REQUIRE(c.torque.isApprox(bench.gravity, 1e-14));
+    REQUIRE(c.effort.isApprox(bench.gravity, 1e-14));
   }
   CHECK_FALSE(bench.guard.engaged());
   double last = 0.0;
@@ -145,7 +145,7 @@ TEST_CASE("guard: it engages only where little is demanded, and ramps in", "[gua
 TEST_CASE("guard: a tool that is inside a wall when it is switched on is not kicked", "[guard]") {
   const TauMechanism device(test::dampedNominal());
   ImpedanceRenderer spring({6000.0, 0.0});
-  PositionControlRenderer hold = test::positionControl();
+  HoldRenderer hold = test::holdRenderer();
   for (Renderer* renderer : {static_cast<Renderer*>(&spring), static_cast<Renderer*>(&hold)}) {
     LoopSetup setup;
     setup.start.position.z() = -3e-3;
@@ -235,7 +235,7 @@ TEST_CASE("guard: damping and the budget of energy are taken from the device's m
     double weakest = HUGE_VAL;  // the largest force at home in the direction where it is least
     for (int axis = 0; axis < 3; ++axis)
       for (const Vec3& way : {Vec3(Vec3::Unit(axis)), Vec3(-Vec3::Unit(axis))})
-        weakest = std::min(weakest, largestForce(device->home(), device->limits().torque, Vec3::Zero(), way));
+        weakest = std::min(weakest, largestForce(device->home(), device->limits().effort, Vec3::Zero(), way));
     CHECK(options.energy == Approx(0.7e-3 * weakest));
     CHECK(options.power == Approx(1e-3 * weakest));
     CHECK(options.brake > 0.0);
@@ -343,7 +343,7 @@ TEST_CASE("guard: a fault that stands for months stays a fault", "[guard]") {
   std::vector<double> before(Guard::stateSize()), state = before;
   for (int i = 0; i < 50; ++i) {
     bench.guard.saveState(before.data());
-    REQUIRE(bench.ask(Vec6::Zero()).torque.isZero(0.0) == (i >= 19));
+    REQUIRE(bench.ask(Vec6::Zero()).effort.isZero(0.0) == (i >= 19));
   }
   bench.guard.saveState(state.data());
   int counters = 0;
@@ -351,7 +351,7 @@ TEST_CASE("guard: a fault that stands for months stays a fault", "[guard]") {
     if (state[i] == before[i] + 1.0) ++counters, state[i] = std::numeric_limits<int>::max() - 2;
   CHECK(counters == 1);
   bench.guard.loadState(state.data());
-  for (int i = 0; i < 5; ++i) CHECK(bench.ask(Vec6::Zero()).torque.isZero(0.0));
+  for (int i = 0; i < 5; ++i) CHECK(bench.ask(Vec6::Zero()).effort.isZero(0.0));
   CHECK(bench.guard.fault() == GuardReason::measurement);
 }
 
@@ -377,7 +377,7 @@ TEST_CASE("guard: where it steps in and the device cannot tell, the renderer hea
     last = command;
   }
   CHECK(tick.frame().reason == GuardReason::force);
-  CHECK(command.torque != tick.frame().output.torque);
+  CHECK(command.effort != tick.frame().output.torque);
 }
 
 TEST_CASE("guard: a copy goes on as the original does; a thousand ticks are kept", "[guard]") {
@@ -393,7 +393,7 @@ TEST_CASE("guard: a copy goes on as the original does; a thousand ticks are kept
     const JointVector asked = staticTorque(bench.k, force(0.0, 0.0, 5.0 * std::sin(0.1 * i)));
     const test::GuardedCommand a = test::guardStep(bench.guard, bench.m, bench.k, asked, Status::ok),
                                b = test::guardStep(copy, bench.m, bench.k, asked, Status::ok);
-    REQUIRE(a.torque == b.torque);
+    REQUIRE(a.effort == b.effort);
     REQUIRE(a.reason == b.reason);
   }
   CHECK(copy.fault() == GuardReason::jump);

@@ -58,8 +58,8 @@ class Bench final : public HapticDevice {
   }
   Status actuate(const Command& command) noexcept override {
     ++actuated;
-    steepest = std::max(steepest.load(), std::abs(command.torque[2] - last));
-    last = command.torque[2];
+    steepest = std::max(steepest.load(), std::abs(command.effort[2] - last));
+    last = command.effort[2];
     return Status::ok;
   }
 };
@@ -91,7 +91,7 @@ class Counter final : public TickSink {
  public:
   std::atomic<std::uint64_t> ticks{0}, wrong{0}, resets{0};
   void tick(const LoopTick& t, const HapticTick& haptics) noexcept override {
-    if (t.number != ticks || t.command.torque.size() != 3 || t.reason != haptics.frame().reason ||
+    if (t.number != ticks || t.command.effort.size() != 3 || t.reason != haptics.frame().reason ||
         t.requested != haptics.frame().output.torque || !(t.age >= t.compute))
       ++wrong;
     resets.fetch_add(t.reset ? 1u : 0u);
@@ -246,12 +246,12 @@ TEST_CASE("over the loopback: a wall is felt, the end of either side ramps out",
   auto server = std::make_unique<DeviceServer>(plant, stylus(), [] {
     ServeOptions options;
     options.port = 0;
-    options.link.silence = 0.1;  // threads of a loaded machine
+    options.link.timeout = 0.1;  // threads of a loaded machine
     return options;
   }());
   LinkOptions link;
   link.joints = 3;
-  link.silence = 0.1;
+  link.timeout = 0.1;
   UdpDevice device("127.0.0.1", server->port(), link);
   const Scene scene = flatWall();
   ImpedanceRenderer wall({400.0, 0.0});
@@ -265,13 +265,13 @@ TEST_CASE("over the loopback: a wall is felt, the end of either side ramps out",
     HapticLoop loop(device, haptics, options);
     CHECK(eventually([&] {
       (void)loop.refresh();
-      return loop.latest().reason == GuardReason::none && loop.latest().command.torque.norm() > 0.3;
+      return loop.latest().reason == GuardReason::none && loop.latest().command.effort.norm() > 0.3;
     }));
     CHECK(loop.latest().measurement.enabled);
     server.reset();
     CHECK(eventually([&] {
       (void)loop.refresh();
-      return loop.latest().reason == GuardReason::late && loop.latest().command.torque.norm() == 0.0;
+      return loop.latest().reason == GuardReason::late && loop.latest().command.effort.norm() == 0.0;
     }));
   }
   CHECK(device.counts().accepted > 100);

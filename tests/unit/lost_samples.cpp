@@ -85,7 +85,7 @@ Press press(const Mechanism& mechanism, Renderer& renderer, double force, const 
   for (int i = 0; i < 1000; ++i) {
     if (!body.step()) throw Error("the loop ended");
     const double depth = -plant.state().position.z();
-    const JointVector& command = body.tick().command.torque;
+    const JointVector& command = body.tick().command.effort;
     if (i >= kFault - 100 && i < kFault) result.before = std::max(result.before, depth);
     if (i >= kFault) {
       result.after = std::max(result.after, depth);
@@ -114,7 +114,7 @@ const TauMechanism& tau() {
 
 TEST_CASE("a lost sample does not erase what position control knows", "[lost]") {
   SECTION("TAU, 8 N") {
-    auto servo = test::surfaceServo(tau());
+    auto servo = test::positionControl(tau());
     const Press p = press(tau(), servo, 8.0, lost(1)), whole = press(tau(), servo, 8.0, lost(0));
     INFO(1e6 * p.before << " um, then " << 1e6 * p.after << " um, torque steps " << p.step << " N m, without loss "
                         << whole.step);
@@ -126,7 +126,7 @@ TEST_CASE("a lost sample does not erase what position control knows", "[lost]") 
     const CartesianMechanism light = lightDevice();
     const double most[] = {0.0, 20e-6, 60e-6};  // m, by lost samples
     for (const int count : {1, 2}) {
-      auto servo = test::surfaceServo(light);
+      auto servo = test::positionControl(light);
       const Press p = press(light, servo, 10.0, lost(count));
       INFO(count << " lost: " << 1e6 * p.before << " um, then " << 1e6 * p.after << " um");
       CHECK(p.before > 0.0);
@@ -170,7 +170,7 @@ TEST_CASE("samples that are late, repeated or stamped twice", "[lost]") {
   };
   for (const Mechanism* mechanism : {static_cast<const Mechanism*>(&tau()), static_cast<const Mechanism*>(&light)})
     for (const auto& [name, fault] : faults) {
-      auto servo = test::surfaceServo(*mechanism);
+      auto servo = test::positionControl(*mechanism);
       const Press p = press(*mechanism, servo, 8.0, fault);
       INFO(mechanism->name() << ", " << name << ": " << 1e6 * p.before << " um, then " << 1e6 * p.after << " um");
       CHECK(p.after - p.before < 20e-6);
@@ -181,7 +181,7 @@ TEST_CASE("samples that are late, repeated or stamped twice", "[lost]") {
 TEST_CASE("gaps up to the guard's longest are bridged, longer ones ramp out", "[lost]") {
   const int longest = guardFor(tau(), kPeriod).longestGap;
   for (int count = 1; count <= longest + 1; ++count) {
-    auto servo = test::surfaceServo(tau());
+    auto servo = test::positionControl(tau());
     const Press p = press(tau(), servo, 8.0, lost(count));
     INFO(count << " lost: " << 1e6 * p.before << " um, then " << 1e6 * p.after << " um");
     CHECK(p.worst == (count <= longest ? GuardReason::none : GuardReason::late));
@@ -195,16 +195,16 @@ TEST_CASE("one sample in a hundred that is lost costs at most a tenth of the sti
     double sum = 0.0;
     for (int run = 0; run < runs; ++run) {
       PushSetup setup;
-      setup.person.force = 12.0;
-      setup.person.preload = 1.0;
-      setup.person.instant = randomInstant(7, static_cast<std::uint32_t>(run));
+      setup.hand.force = 12.0;
+      setup.hand.preload = 1.0;
+      setup.hand.instant = randomInstant(7, static_cast<std::uint32_t>(run));
       setup.encoders.quantised = true;
       setup.encoders.rates = RateSource::lowPass;
       setup.lostSamples = share;
       setup.duration = 1.5;
       setup.seed = 7;
       setup.run = static_cast<std::uint32_t>(run);
-      auto servo = test::surfaceServo(tau());
+      auto servo = test::positionControl(tau());
       double mean = 0.0, deepest = 0.0;  // m
       const PushResult result = runPush(tau(), servo, setup, [&](const TickRecord& t) {
         const double depth = -t.pose.position.z();
@@ -236,7 +236,7 @@ TEST_CASE("every renderer answers a tick without a sample", "[lost]") {
   soft.stiffness = 1000.0;
   ImpedanceRenderer impedance(soft);
   check("impedance", impedance, 60e-6);
-  auto hold = test::positionControl();
+  auto hold = test::holdRenderer();
   check("hold", hold, 60e-6);
   VirtualCouplingOptions coupling;
   coupling.stiffness = 1000.0;
@@ -273,7 +273,7 @@ TEST_CASE("an old sample is predicted by its rates", "[lost]") {
 }
 
 TEST_CASE("a tick before any sample is refused and commands nothing", "[lost]") {
-  auto servo = test::surfaceServo(tau());
+  auto servo = test::positionControl(tau());
   const Scene scene = flatWall();
   HapticTick haptics(tau(), scene, Tool(), servo, kPeriod);
   Measurement m;
@@ -282,7 +282,7 @@ TEST_CASE("a tick before any sample is refused and commands nothing", "[lost]") 
   m.age = 1;
   Command command;
   CHECK(haptics(m, command) == Status::stale);
-  CHECK(command.torque.isZero(0.0));
+  CHECK(command.effort.isZero(0.0));
   CHECK(haptics.guard().fault() == GuardReason::none);
   m.age = 0;
   m.time = kPeriod;

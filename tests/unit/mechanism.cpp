@@ -66,11 +66,11 @@ TEST_CASE("every mechanism: home is P = W, at rest, with inertia, and limits tha
     CHECK(home.rates == JointVector::Zero(n));
     CHECK(home.twist == Vec6::Zero());
     CHECK(home.inertia.rows() == n);
-    CHECK(mechanism->limits().torque.size() == n);
-    CHECK(mechanism->limits().count.size() == n);
+    CHECK(mechanism->limits().effort.size() == n);
+    CHECK(mechanism->limits().encoderStep.size() == n);
     for (int i = 0; i < n; ++i) {
-      CHECK(mechanism->limits().torque[i] > 0.0);
-      CHECK(mechanism->limits().count[i] > 0.0);
+      CHECK(mechanism->limits().effort[i] > 0.0);
+      CHECK(mechanism->limits().encoderStep[i] > 0.0);
     }
     // A push of the effective mass needs that force: F = m a along the direction.
     const double mass = effectiveMass(home, Vec3::Zero(), Vec3::UnitZ());
@@ -80,22 +80,22 @@ TEST_CASE("every mechanism: home is P = W, at rest, with inertia, and limits tha
     CHECK(acceleration[2] == Approx(2.0 / mass).epsilon(1e-12));
     // The largest force: some motor is at its limit, none beyond, along both ways.
     for (const double way : {1.0, -1.0}) {
-      const double force = largestForce(home, mechanism->limits().torque, home.pose.position, way * Vec3::UnitZ());
+      const double force = largestForce(home, mechanism->limits().effort, home.pose.position, way * Vec3::UnitZ());
       push.setZero();
       push[2] = way * force;
       const JointVector needed = torqueOf(home.jacobian, push) + home.gravity;
       double fullest = 0.0;
-      for (int i = 0; i < n; ++i) fullest = std::max(fullest, std::abs(needed[i]) / mechanism->limits().torque[i]);
+      for (int i = 0; i < n; ++i) fullest = std::max(fullest, std::abs(needed[i]) / mechanism->limits().effort[i]);
       CHECK(fullest == Approx(1.0).epsilon(1e-12));
       if (n < 6) continue;  // a lever is a moment, which needs six joints
       const Vec3 tip(0.06, 0.0, -0.02);
       const double there =
-          largestForce(home, mechanism->limits().torque, home.pose.position + tip, way * Vec3::UnitZ());
+          largestForce(home, mechanism->limits().effort, home.pose.position + tip, way * Vec3::UnitZ());
       push.tail<3>() = tip.cross(Vec3(way * there * Vec3::UnitZ()));
       push[2] = way * there;
       const JointVector atTip = torqueOf(home.jacobian, push) + home.gravity;
       fullest = 0.0;
-      for (int i = 0; i < n; ++i) fullest = std::max(fullest, std::abs(atTip[i]) / mechanism->limits().torque[i]);
+      for (int i = 0; i < n; ++i) fullest = std::max(fullest, std::abs(atTip[i]) / mechanism->limits().effort[i]);
       CHECK(fullest == Approx(1.0).epsilon(1e-12));
     }
   }

@@ -7,8 +7,8 @@
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
+#include "enamel/render/hold.hpp"
 #include "enamel/render/impedance.hpp"
-#include "enamel/render/position_control.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
 #include "support/catch.hpp"
@@ -29,9 +29,8 @@ StudyPlan smallPlan(int grid, int runs) {
   DeviceParameters damped = device;
   addDamping(damped, 4.0 * Vec6::Unit(2));
   const ServoGain gain = test::referenceServo("K");
-  plan.columns.push_back({"hold", makeMechanism(device), [gain](std::size_t) {
-                            return std::make_unique<PositionControlRenderer>(gain, 1e-3, PositionControlOptions{});
-                          }});
+  plan.columns.push_back({"hold", makeMechanism(device),
+                          [gain](std::size_t) { return std::make_unique<HoldRenderer>(gain, 1e-3, HoldOptions{}); }});
   plan.columns.push_back({"impedance", makeMechanism(damped),
                           [](std::size_t) { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{}); }});
   return plan;
@@ -311,8 +310,8 @@ TEST_CASE("a step inside its tick: another instant each run, no other number", "
   CHECK(sum == Approx(0.5).margin(5.0 / std::sqrt(12.0 * plan.runs)));
   const StudyRun run = runAt(plan, 3);
   std::vector<double> before, after;
-  (void)performRun(plan, run, [&](const TickRecord& t) { before.push_back(t.person[2]); });
-  (void)performRun(inside, run, [&](const TickRecord& t) { after.push_back(t.person[2]); });
+  (void)performRun(plan, run, [&](const TickRecord& t) { before.push_back(t.handWrench[2]); });
+  (void)performRun(inside, run, [&](const TickRecord& t) { after.push_back(t.handWrench[2]); });
   REQUIRE(before.size() == after.size());
   for (std::size_t i = 0; i < before.size(); ++i)
     CHECK(after[i] == Approx(before[i] + (i == 1000 ? run.force : 0.0)).margin(1e-12));
@@ -401,7 +400,7 @@ TEST_CASE("a column may have shorter ticks: delay and density of the noise stay"
   CHECK(slow.period == plan.setup.period);
   CHECK(fast.period == 0.25e-3);
   CHECK(fast.delay.high == 12);
-  CHECK(fast.person.noise == 2.0 * slow.person.noise);  // a quarter of the time a sample, the same power per hertz
+  CHECK(fast.hand.noise == 2.0 * slow.hand.noise);  // a quarter of the time a sample, the same power per hertz
   std::size_t ticks = 0;
   REQUIRE(performRun(plan, run, [&](const TickRecord&) { ++ticks; }).status == Status::ok);
   CHECK(ticks == 5200);

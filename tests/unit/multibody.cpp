@@ -19,7 +19,7 @@ namespace {
 const auto nothing = [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); };
 
 JointVector torqueOf(test::Random& random, const Mechanism& device) {
-  return randomJoints(random, device.joints(), 0.5 * device.limits().torque.minCoeff());
+  return randomJoints(random, device.joints(), 0.5 * device.limits().effort.minCoeff());
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ TEST_CASE("multibody: linear models of every shipped device", "[multibody]") {
 TEST_CASE("multibody: the reference runs to 10 nm, closed to 0.1 nm", "[multibody]") {
   for (const test::ReferenceRun& run : test::referenceRuns()) {
     const TauParameters parameters = run.servo ? test::nominal() : test::dampedNominal();
-    PositionControlRenderer hold = test::positionControl(test::asInThePaper());
+    HoldRenderer hold = test::holdRenderer(test::asInThePaper());
     ImpedanceRenderer spring({6000.0, 0.0});
     PushSetup setup = test::referenceSetup(run);
     setup.duration = 1e-3 * test::count(1200, 3000);  // the push comes at 1 s; a second takes Simbody about one

@@ -22,10 +22,10 @@ Outcome push(const Mechanism& device, Renderer& renderer, int delay, bool encode
   PushSetup setup;
   setup.delay = {delay, delay};
   setup.guarded = false;
-  setup.person.noise = 0.0;
-  setup.person.force = 12.0;
+  setup.hand.noise = 0.0;
+  setup.hand.force = 12.0;
   if (encoders) setup.encoders = {true, RateSource::difference, 100.0};
-  MetricsCollector collector(setup, 0.0, device.limits().torque);
+  MetricsCollector collector(setup, 0.0, device.limits().effort);
   Outcome outcome;
   double given = 0.0;
   outcome.status = runPush(device, renderer, setup, [&](const TickRecord& t) {

@@ -56,7 +56,7 @@ struct Run {
       poses.push_back(tick->frame().kinematics.pose);
       contacts.push_back(tick->frame().contacts.count);
       forces.push_back(tick->frame().output.normalForce);
-      commands.push_back(command.torque);
+      commands.push_back(command.effort);
       reasons.push_back(tick->frame().reason);
     }
   }

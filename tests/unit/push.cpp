@@ -14,7 +14,7 @@ namespace enamel::test_push {
 TEST_CASE("the reference runs are reproduced to 1 nm at every tick", "[push]") {
   for (const test::ReferenceRun& run : test::referenceRuns()) {
     const TauMechanism plant(run.servo ? test::nominal() : test::dampedNominal());
-    PositionControlRenderer hold = test::positionControl(test::asInThePaper());
+    HoldRenderer hold = test::holdRenderer(test::asInThePaper());
     ImpedanceRenderer spring({6000.0, 0.0});
     const PushSetup setup = test::referenceSetup(run);
     const auto ticks = test::recordPush(plant, run.servo ? static_cast<Renderer&>(hold) : spring, setup);
@@ -33,8 +33,8 @@ TEST_CASE("the reference runs are reproduced to 1 nm at every tick", "[push]") {
 TEST_CASE("the wall's metrics at home are those of the specification", "[push]") {
   const TauMechanism device(test::nominal()), damped(test::dampedNominal());
   PushSetup setup;
-  setup.person.noise = 0.0;
-  PositionControlRenderer hold = test::positionControl(test::asInThePaper());
+  setup.hand.noise = 0.0;
+  HoldRenderer hold = test::holdRenderer(test::asInThePaper());
   MetricsCollector servo(setup), spring(setup);
   (void)runPush(device, hold, setup, [&](const TickRecord& t) { servo.add(t); });
   ImpedanceRenderer impedance({6000.0, 0.0});
@@ -62,17 +62,17 @@ TEST_CASE("an arm brings its push late, and what its own stiffness leaves of it"
   CHECK(arm.push(0.0, 0.0) == Approx(rest).epsilon(1e-9));
 
   PushSetup setup;
-  setup.person.arm = kArm;
-  setup.person.noise = 0.0;
+  setup.hand.arm = kArm;
+  setup.hand.noise = 0.0;
   const TauMechanism device(test::nominal());
-  PositionControlRenderer hold = test::positionControl(test::asInThePaper());
+  HoldRenderer hold = test::holdRenderer(test::asInThePaper());
   const auto ticks = test::recordPush(device, hold, setup);
-  CHECK(-ticks[1003].person[2] < 3.0);
-  CHECK(-ticks.back().person[2] == Approx(rest).epsilon(1e-3));
-  setup.person.scenario = 2;
+  CHECK(-ticks[1003].handWrench[2] < 3.0);
+  CHECK(-ticks.back().handWrench[2] == Approx(rest).epsilon(1e-3));
+  setup.hand.scenario = 2;
   CHECK_THROWS_WITH(checkPush(setup), "an arm pushes in scenario 1 only");
-  setup.person.scenario = 1;
-  setup.person.arm->mass = 0.0;
+  setup.hand.scenario = 1;
+  setup.hand.arm->mass = 0.0;
   CHECK_THROWS_WITH(checkPush(setup), test::ContainsSubstring("the arm's mass is 0"));
 }
 
@@ -92,15 +92,15 @@ TEST_CASE("scenario 2: the hand arrives where its force is F_c", "[push]") {
   }
   // Against a wall that holds, the spring's force at rest is F_c to within the penetration over 275 mm.
   const TauMechanism device(test::nominal());
-  PositionControlRenderer hold = test::positionControl();
+  HoldRenderer hold = test::holdRenderer();
   PushSetup setup;
-  setup.person.scenario = 2;
-  setup.person.force = force;
-  setup.person.noise = 0.0;
+  setup.hand.scenario = 2;
+  setup.hand.force = force;
+  setup.hand.noise = 0.0;
   const auto ticks = test::recordPush(device, hold, setup);
-  CHECK(-ticks.back().person[2] == Approx(force).epsilon(1e-3));
+  CHECK(-ticks.back().handWrench[2] == Approx(force).epsilon(1e-3));
   CHECK(ticks.back().normalForce == Approx(force).epsilon(1e-2));
-  CHECK(ticks[999].person[2] == Approx(0.0).margin(1e-9));
+  CHECK(ticks[999].handWrench[2] == Approx(0.0).margin(1e-9));
 }
 
 TEST_CASE("the guide holds the free directions, without it the impedance wall drifts", "[push]") {
@@ -109,7 +109,7 @@ TEST_CASE("the guide holds the free directions, without it the impedance wall dr
   for (const bool guide : {false, true}) {
     ImpedanceRenderer impedance({6000.0, 0.0});
     PushSetup setup;
-    setup.person.guide = guide;
+    setup.hand.guide = guide;
     setup.duration = 2.0;
     MetricsCollector collector(setup);
     (void)runPush(plant, impedance, setup, [&](const TickRecord& t) { collector.add(t); });
@@ -191,7 +191,7 @@ TEST_CASE("the same seed gives the same bits, another one does not", "[push]") {
   const auto record = [&](std::uint64_t seed, std::uint32_t run) {
     setup.seed = seed;
     setup.run = run;
-    PositionControlRenderer renderer = test::positionControl();
+    HoldRenderer renderer = test::holdRenderer();
     std::vector<Vec6> all;
     for (const TickRecord& t : test::recordPush(device, renderer, setup)) all.push_back(t.twist);
     return all;
@@ -210,7 +210,7 @@ TEST_CASE("a default-length run allows the default integration step", "[push]") 
     PushSetup setup;
     setup.substeps = substeps;
     setup.duration = 1.5;
-    PositionControlRenderer renderer = test::positionControl();
+    HoldRenderer renderer = test::holdRenderer();
     runs[substeps == 8] = test::recordPush(device, renderer, setup);
   }
   double worst = 0.0;
@@ -230,7 +230,7 @@ PushMetrics metricsOf(const PushSetup& setup, const std::function<void(TickRecor
     t.tick = i;
     t.time = setup.period * static_cast<double>(i);
     t.torque = JointVector::Zero(6);
-    t.person[2] = t.time >= 1.0 - 1e-9 ? -setup.person.force : 0.0;
+    t.handWrench[2] = t.time >= 1.0 - 1e-9 ? -setup.hand.force : 0.0;
     move(t, t.time - 1.0);
     t.pose.position.z() = t.nearest.gap;
     t.twist[2] = t.gapRate;
@@ -243,7 +243,7 @@ PushMetrics metricsOf(const PushSetup& setup, const std::function<void(TickRecor
 
 TEST_CASE("metrics of a hand-made record", "[push]") {
   PushSetup setup;
-  setup.person.force = 10.0;
+  setup.hand.force = 10.0;
   // From 0.2 mm deep it goes to 1.2 mm within 10.4 ms and back to 0.7 mm, along two half cosines.
   const double turn = 10.4e-3;
   const auto gap = [turn](double t) {
@@ -288,7 +288,7 @@ TEST_CASE("metrics of a hand-made record", "[push]") {
 
 TEST_CASE("a push without a first impact stiffness says why", "[push]") {
   PushSetup setup;
-  setup.person.force = 10.0;
+  setup.hand.force = 10.0;
   const auto verdictOf = [&](const std::function<void(TickRecord&, double)>& move) {
     const PushMetrics m = metricsOf(setup, move);
     CHECK(m.firstStiffness.has_value() == (m.verdict == FirstImpactVerdict::measured));
@@ -324,7 +324,7 @@ TEST_CASE("a push without a first impact stiffness says why", "[push]") {
   };
   CHECK(verdictOf(bounce) == FirstImpactVerdict::noReturn);
   CHECK(metricsOf(setup, bounce).bounce == Approx(2.2e-3).epsilon(1e-3));  // the ticks pass its top within 5 mrad
-  setup.person.scenario = 2;
+  setup.hand.scenario = 2;
   CHECK(verdictOf(oscillation(20.0)) == FirstImpactVerdict::noStep);
 }
 
@@ -355,10 +355,10 @@ TEST_CASE("first impact on the device agrees with a push of finer steps", "[push
   const TauMechanism device(test::nominal());
   for (const int delay : {0, 1}) {
     PushSetup setup;
-    setup.person.noise = 0.0;
+    setup.hand.noise = 0.0;
     setup.duration = 1.5;
     setup.delay = {delay, delay};
-    PositionControlRenderer renderer = test::positionControl(test::asInThePaper());
+    HoldRenderer renderer = test::holdRenderer(test::asInThePaper());
     MetricsCollector collector(setup);
     (void)runPush(device, renderer, setup, [&](const TickRecord& t) { collector.add(t); });
     const double coarse = collector.metrics().firstDepth.value_or(0.0);
@@ -372,7 +372,7 @@ TEST_CASE("first impact on the device agrees with a push of finer steps", "[push
       state.position = ticks[i].pose.position;
       state.orientation = ticks[i].pose.rotation;
       state.twist = ticks[i].twist;
-      const auto person = [&](double, const Pose&, const Vec6&) { return ticks[i].person; };
+      const auto person = [&](double, const Pose&, const Vec6&) { return ticks[i].handWrench; };
       for (int step = 0; step < 64; ++step) {
         REQUIRE(stepRungeKutta4(device, 0.0, 1e-3 / 64, ticks[i].torque, person, state) == Status::ok);
         if (state.position.z() < -deepest)
@@ -391,12 +391,12 @@ TEST_CASE("the limit of a push: its force, preload, largest delay and pose", "[p
   const TauMechanism device(test::nominal());
   const Kinematics& home = device.home();
   const double mass = effectiveMass(home, Vec3::Zero(), Vec3::UnitZ()),
-               motors = largestForce(home, device.limits().torque, home.pose.position, Vec3::UnitZ());
+               motors = largestForce(home, device.limits().effort, home.pose.position, Vec3::UnitZ());
   PushSetup setup;
   CHECK(largestStiffness(device, setup) == Approx(2.0 * mass * (motors - 12.0) / motors / 1e-6));
   setup.delay = {0, 2};
   CHECK(largestStiffness(device, setup) == Approx(2.0 * mass * (motors - 12.0) / motors / 9e-6));
-  setup.person.preload = 5.0;
+  setup.hand.preload = 5.0;
   CHECK(largestStiffness(device, setup) == Approx(2.0 * mass * (motors - 12.0) / (motors - 5.0) / 9e-6));
   const double here = largestStiffness(device, setup);
   setup.start.position = {0.02, -0.02, 0.0};
@@ -404,10 +404,10 @@ TEST_CASE("the limit of a push: its force, preload, largest delay and pose", "[p
   setup.start.position.x() = 1.0;
   CHECK(largestStiffness(device, setup) == 0.0);
   setup.start = Pose{};
-  setup.person.force = 1000.0;
+  setup.hand.force = 1000.0;
   CHECK(largestStiffness(device, setup) == 0.0);
-  setup.person = Person{};
-  setup.person.scenario = 2;
+  setup.hand = HandModel{};
+  setup.hand.scenario = 2;
   CHECK(largestStiffness(device, setup) == 0.0);
 }
 
@@ -416,25 +416,26 @@ TEST_CASE("a tool that is held and touches 60 mm from the TCP", "[push]") {
   for (const Vec3& tip : {Vec3(0.0, 0.0, 0.0), Vec3(0.06, 0.0, 0.0), Vec3(0.03, -0.04, -0.03)}) {
     INFO("tip " << tip.transpose());
     PushSetup setup;
-    holdAt(tip, setup);
-    setup.person.noise = 0.0;
+    setToolTip(tip, setup);
+    setup.hand.noise = 0.0;
     setup.guarded = false;
     const auto metricsOf = [&](Renderer& renderer) {
-      MetricsCollector collector(setup, largestStiffness(device, setup), device.limits().torque);
+      MetricsCollector collector(setup, largestStiffness(device, setup), device.limits().effort);
       TickRecord last;
       REQUIRE(runPush(device, renderer, setup, [&](const TickRecord& t) {
                 collector.add(t);
                 last = t;
               }).status == Status::ok);
       // The hand's force is along the normal; its moment about the TCP that of the tip's lever.
-      const Vec3 lever = last.pose.rotation * tip, moment = last.person.tail<3>() - lever.cross(last.person.head<3>());
-      CHECK(-last.person[2] == Approx(setup.person.force).margin(1e-9));
+      const Vec3 lever = last.pose.rotation * tip,
+                 moment = last.handWrench.tail<3>() - lever.cross(last.handWrench.head<3>());
+      CHECK(-last.handWrench[2] == Approx(setup.hand.force).margin(1e-9));
       CHECK((moment - holdingMoment(last.pose.rotation, Mat3::Identity(), last.twist.tail<3>())).norm() < 1e-12);
       return collector.metrics();
     };
     ImpedanceRenderer spring({3000.0, 30.0});
     CHECK(metricsOf(spring).steadyDepth == Approx(12.0 / 3000.0).epsilon(0.02));  // the mean over 2 s, the way in too
-    SurfaceServoRenderer servo = test::surfaceServo(device, 0, 0);
+    PositionControlRenderer servo = test::positionControl(device, 0, 0);
     const PushMetrics metrics = metricsOf(servo);
     CHECK(metrics.verdict == FirstImpactVerdict::measured);
     CHECK(metrics.largestDepth < 0.2e-3);
@@ -447,7 +448,7 @@ TEST_CASE("a tool that is held and touches 60 mm from the TCP", "[push]") {
 
 TEST_CASE("bad setups are refused before anything runs", "[push]") {
   const TauMechanism device(test::nominal());
-  PositionControlRenderer renderer = test::positionControl();
+  HoldRenderer renderer = test::holdRenderer();
   const auto refuse = [&](auto change, const std::string& message) {
     PushSetup setup;
     change(setup);
@@ -455,12 +456,12 @@ TEST_CASE("bad setups are refused before anything runs", "[push]") {
     CHECK_THROWS_WITH(runPush(device, renderer, setup, [&](const TickRecord&) { ++ticks; }), message);
     CHECK(ticks == 0);
   };
-  refuse([](PushSetup& s) { s.person.scenario = 3; }, "scenario is 3, must be 1 or 2");
-  refuse([](PushSetup& s) { s.person.grip.x() = 2; }, "the grip is 2 m from the TCP, must be within 1 m");
-  refuse([](PushSetup& s) { s.person.force = -1; }, "force is -1, must be in 0 to 1000 N");
-  refuse([](PushSetup& s) { s.person.noise = std::nan(""); }, "noise is nan, must be in 0 to 1000 N");
-  refuse([](PushSetup& s) { s.person.preload = -1; }, "preload is -1, must be in 0 to 1000 N");
-  refuse([](PushSetup& s) { s.person.instant = 1.0; }, "instant of the step is 1, must be in 0 to below 1 tick");
+  refuse([](PushSetup& s) { s.hand.scenario = 3; }, "scenario is 3, must be 1 or 2");
+  refuse([](PushSetup& s) { s.hand.grip.x() = 2; }, "the grip is 2 m from the TCP, must be within 1 m");
+  refuse([](PushSetup& s) { s.hand.force = -1; }, "force is -1, must be in 0 to 1000 N");
+  refuse([](PushSetup& s) { s.hand.noise = std::nan(""); }, "noise is nan, must be in 0 to 1000 N");
+  refuse([](PushSetup& s) { s.hand.preload = -1; }, "preload is -1, must be in 0 to 1000 N");
+  refuse([](PushSetup& s) { s.hand.instant = 1.0; }, "instant of the step is 1, must be in 0 to below 1 tick");
   refuse([](PushSetup& s) { s.duration = 1e9; }, "duration is 1e+09, must be in 0 to 3600 s");
   refuse([](PushSetup& s) { s.substeps = 0; }, "substeps is 0, must be in 1 to 1000");
   refuse([](PushSetup& s) { s.delay = {2, 1}; }, "delay is 2..1, must be in 0 to 63 ticks, low first");
@@ -474,12 +475,12 @@ TEST_CASE("bad setups are refused before anything runs", "[push]") {
     CHECK_NOTHROW(checkPush(setup));
   };
   for (const double force : {0.0, 1000.0}) {
-    allow([&](PushSetup& s) { s.person.force = force; });
-    allow([&](PushSetup& s) { s.person.preload = force; });
-    allow([&](PushSetup& s) { s.person.noise = force; });
+    allow([&](PushSetup& s) { s.hand.force = force; });
+    allow([&](PushSetup& s) { s.hand.preload = force; });
+    allow([&](PushSetup& s) { s.hand.noise = force; });
   }
   for (const double duration : {0.0, 3600.0}) allow([&](PushSetup& s) { s.duration = duration; });
-  allow([](PushSetup& s) { s.person.instant = 0.0; });
+  allow([](PushSetup& s) { s.hand.instant = 0.0; });
 }
 
 }  // namespace enamel::test_push

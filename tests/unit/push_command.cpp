@@ -1,7 +1,7 @@
 // `enamel push` as a user runs it.
 #include <sstream>
 
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 #include "enamel/study/metrics.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
@@ -84,17 +84,17 @@ TEST_CASE("push: plants by name", "[push_command]") {
     REQUIRE(result.status == 0);
     return test::parseJson(result.output).at("impedance").at("K_z1 [N/m]").get<double>();
   };
-  const double closed = stiffness("closed-form"), real = stiffness("real");
-  CHECK(real != closed);
-  CHECK(real == Approx(closed).epsilon(0.2));
-  CHECK(stiffness("real --seed 2") != real);
+  const double closed = stiffness("closed-form"), imperfect = stiffness("imperfect");
+  CHECK(imperfect != closed);
+  CHECK(imperfect == Approx(closed).epsilon(0.2));
+  CHECK(stiffness("imperfect --seed 2") != imperfect);
   CHECK(run(device + "ideal").status != 0);
   // Ticks at which nothing came from the device are none of a recording.
   const test::TemporaryFolder folder;
-  REQUIRE(run(device + "real --record '" + (folder / "real.rec") + "'").status == 0);
-  CHECK_THAT(run("replay '" + (folder / "real.rec") + "'").output, ContainsSubstring("equal, bit for bit"));
+  REQUIRE(run(device + "imperfect --record '" + (folder / "imperfect.rec") + "'").status == 0);
+  CHECK_THAT(run("replay '" + (folder / "imperfect.rec") + "'").output, ContainsSubstring("equal, bit for bit"));
   const auto cartesian =
-      run("push --device '" + test::deviceFile("cartesian-6.toml") + "' --renderer impedance --plant real");
+      run("push --device '" + test::deviceFile("cartesian-6.toml") + "' --renderer impedance --plant imperfect");
   CHECK(cartesian.status == 1);
   CHECK_THAT(cartesian.output, ContainsSubstring("nothing is known of the drives of a Cartesian device"));
 }
@@ -229,7 +229,7 @@ TEST_CASE("push: hold with a servo of enamel design --output, linked and as a pl
            {plugin + "--gain '" + same + "'", "for hold, which --renderer does not name"}});
 }
 
-TEST_CASE("push: position control with a surface servo of a file, linked and as a plugin", "[push_command]") {
+TEST_CASE("push: position control with a design from a file, linked and as a plugin", "[push_command]") {
   const test::TemporaryFolder folder;
   const auto ticks = [&](const std::string& options) {
     const auto result = run(push("--encoders --duration 1.1 --output '" + (folder / "run.csv") + "' " + options));
@@ -238,15 +238,15 @@ TEST_CASE("push: position control with a surface servo of a file, linked and as 
     return test::readFile(folder / "run.csv");
   };
   const JointVector count = JointVector::Constant(6, 2.0 * M_PI / 163840);
-  const auto write = [&](const std::string& name, const SurfaceServoOptions& servo) {
-    test::writeFile(folder / name, surfaceServoText({"tau-nominal", servo}));
+  const auto write = [&](const std::string& name, const PositionControlOptions& servo) {
+    test::writeFile(folder / name, positionControlText({"tau-nominal", servo}));
     return "'" + (folder / name) + "' ";
   };
-  SurfaceServoOptions soft = surfaceServoFor(count, 1e-3, 1, 1);
+  PositionControlOptions soft = positionControlFor(count, 1e-3, 1, 1);
   soft.pole = soft.jumpPole = 0.8;
   const std::string late = "--delay constant:1 ",
                     plugin = "--renderer '" ENAMEL_PLUGINS "/enamel_position_control.so' --set delay=1 ";
-  const std::string same = write("same.json", surfaceServoFor(count, 1e-3, 1, 1)), softer = write("soft.json", soft);
+  const std::string same = write("same.json", positionControlFor(count, 1e-3, 1, 1)), softer = write("soft.json", soft);
   const std::string inPlace = ticks(late), softly = ticks(late + "--gain " + softer);
   CHECK(ticks(late + "--gain " + same) == inPlace);
   CHECK(softly != inPlace);
@@ -255,15 +255,15 @@ TEST_CASE("push: position control with a surface servo of a file, linked and as 
   // With several renderers a file goes to the one that it is for.
   CHECK(run(push(late + "--renderer position-control,hold --release off --duration 1.1 --gain " + softer)).status == 0);
 
-  const std::string fast = write("fast.json", surfaceServoFor(count, 5e-4, 0, 0)),
-                    three = write("three.json", surfaceServoFor(JointVector::Constant(3, 1e-5), 1e-3, 0, 0));
-  refuses(
-      {{"--gain " + same, "same.json: the servo is for a delay of 1 ticks, the loop has one of 0 ticks"},
-       {"--delay random:0..3 --gain " + same, "for a delay of 1 ticks, the loop has one of 0 to 3 ticks"},
-       {"--gain " + fast, "fast.json: the servo is for ticks of 0.0005 s, these take 0.001 s"},
-       {"--gain " + three, "three.json: the servo is for 3 joints, the device has 6"},
-       {"--renderer hold --gain " + same, "is a surface servo, for position-control, which --renderer does not name"},
-       {"--delay constant:9", "the largest delay is 9, must be in 0 to 8 ticks"}});
+  const std::string fast = write("fast.json", positionControlFor(count, 5e-4, 0, 0)),
+                    three = write("three.json", positionControlFor(JointVector::Constant(3, 1e-5), 1e-3, 0, 0));
+  refuses({{"--gain " + same, "same.json: the servo is for a delay of 1 ticks, the loop has one of 0 ticks"},
+           {"--delay random:0..3 --gain " + same, "for a delay of 1 ticks, the loop has one of 0 to 3 ticks"},
+           {"--gain " + fast, "fast.json: the servo is for ticks of 0.0005 s, these take 0.001 s"},
+           {"--gain " + three, "three.json: the servo is for 3 joints, the device has 6"},
+           {"--renderer hold --gain " + same,
+            "is a position-control design, for position-control, which --renderer does not name"},
+           {"--delay constant:9", "the largest delay is 9, must be in 0 to 8 ticks"}});
 }
 
 TEST_CASE("push: a preload, and a step inside its tick", "[push_command]") {

@@ -143,7 +143,7 @@ TEST_CASE("recording: every field there and back", "[recording]") {
       recorder.add(7 * i, rig.measurement, rig.tick, rig.command, status, reset);
       ++rig.number;
       const TickOutput& out = rig.tick.frame().output;
-      kept.push_back({rig.measurement, out.torque, rig.command.torque, out.normalForce, status, rig.tick.frame().reason,
+      kept.push_back({rig.measurement, out.torque, rig.command.effort, out.normalForce, status, rig.tick.frame().reason,
                       out.mode, out.saturated, reset});
     }
     const RecordingResult result = recorder.close();
@@ -172,8 +172,8 @@ TEST_CASE("recording: every field there and back", "[recording]") {
         std::tie(b.on, b.period, b.force, b.moment, b.margin, b.speed, b.stopSpeed, b.turn, b.stopTurn, b.brake));
   CHECK(std::tie(a.brakeTurn, a.longestGap, a.mostMissed, a.energy, a.power, a.softest, a.oscillation, a.engage) ==
         std::tie(b.brakeTurn, b.longestGap, b.mostMissed, b.energy, b.power, b.softest, b.oscillation, b.engage));
-  CHECK(std::tie(a.rampIn, a.rampOut, a.workspace, a.damping, a.torque, a.slew, a.rate, a.count) ==
-        std::tie(b.rampIn, b.rampOut, b.workspace, b.damping, b.torque, b.slew, b.rate, b.count));
+  CHECK(std::tie(a.rampIn, a.rampOut, a.workspace, a.damping, a.torque, a.slew, a.rate, a.encoderStep) ==
+        std::tie(b.rampIn, b.rampOut, b.workspace, b.damping, b.torque, b.slew, b.rate, b.encoderStep));
   REQUIRE(reader.chunks() == 3);
   RecordedChunk chunk;
   std::size_t seen = 0;
@@ -222,7 +222,7 @@ TEST_CASE("recording: a push replays bit for bit, from every chunk, and another 
   setup.delay = {0, 2};
   setup.encoders = {true, RateSource::lowPass, 100.0};
   setup.duration = 1.2;
-  SurfaceServoRenderer servo = test::surfaceServo(device, 0, 2);
+  PositionControlRenderer servo = test::positionControl(device, 0, 2);
   const std::string file = folder / "push.rec";
   std::optional<Recorder> recorder;
   (void)runPush(std::make_unique<ClosedFormPlant>(device), device, servo, setup,
@@ -356,7 +356,7 @@ TEST_CASE("recording: a loop on a device, with a fault and a reset, replays", "[
     int number_ = 0;
   };
   const TauMechanism device(test::nominal());
-  SurfaceServoRenderer servo = test::surfaceServo(device);
+  PositionControlRenderer servo = test::positionControl(device);
   const Scene wall = flatWall();
   SimulatedDevice simulated(device, {}, test::handAt(-1e-3, 1000.0, 5.0));
   Missing missing(simulated);
@@ -566,7 +566,7 @@ TEST_CASE("recording: a tick takes any state, and its command stays within the l
     rig.tick.loadState(state.data());
     for (int k = 0; k < 3; ++k, ++rig.number) {
       stopped += rig.step() != Status::ok;
-      for (int j = 0; j < 6; ++j) beyond += !(std::abs(rig.command.torque[j]) <= rig.tick.guard().options().torque[j]);
+      for (int j = 0; j < 6; ++j) beyond += !(std::abs(rig.command.effort[j]) <= rig.tick.guard().options().torque[j]);
     }
     if (i % 10 == 0) rig.number = 50;
   }

@@ -82,7 +82,7 @@ TEST_CASE("impedance: the bound of eq. 16 is computed", "[renderers]") {
 TEST_CASE("position control: gravity in free space, the servo law in contact", "[renderers]") {
   const TauMechanism device(test::nominal());
   const TauModel& model = device.model();
-  PositionControlRenderer renderer = test::positionControl(test::asInThePaper());
+  HoldRenderer renderer = test::holdRenderer(test::asInThePaper());
   renderer.activate(1e-3);
   TickOutput output;
   const TickFrame outside = frameAt(device, poseAtDepth(-1e-3), 0.0);
@@ -119,9 +119,9 @@ TEST_CASE("position control: gravity in free space, the servo law in contact", "
 
 TEST_CASE("position control: release ends the hold, and the next touch refers to the surface", "[renderers]") {
   const TauMechanism device(test::nominal());
-  PositionControlOptions options;
+  HoldOptions options;
   options.releaseForce = 0.3;
-  PositionControlRenderer renderer = test::positionControl(options);
+  HoldRenderer renderer = test::holdRenderer(options);
   renderer.activate(1e-3);
   TickOutput output;
   double time = 0.0;
@@ -149,9 +149,9 @@ TEST_CASE("position control: release ends the hold, and the next touch refers to
 TEST_CASE("position control: anti-windup stops the integrators while a motor saturates", "[renderers]") {
   const TauMechanism device(test::nominal());
   for (const bool antiWindup : {false, true}) {
-    PositionControlOptions options = test::asInThePaper();
+    HoldOptions options = test::asInThePaper();
     options.antiWindup = antiWindup;
-    PositionControlRenderer renderer = test::positionControl(options);
+    HoldRenderer renderer = test::holdRenderer(options);
     renderer.activate(1e-3);
     TickOutput output;
     REQUIRE(renderer.step(frameAt(device, Pose{}, 0.0), output) == Status::ok);
@@ -169,8 +169,8 @@ TEST_CASE("position control: anti-windup stops the integrators while a motor sat
 
 TEST_CASE("renderers: reset gives the first tick again, a saved state continues bit for bit", "[renderers]") {
   const TauMechanism device(test::nominal());
-  PositionControlRenderer servo = test::positionControl();
-  SurfaceServoRenderer surface = test::surfaceServo(device);
+  HoldRenderer servo = test::holdRenderer();
+  PositionControlRenderer surface = test::positionControl(device);
   ImpedanceRenderer spring({6000.0, 1.0});
   for (Renderer* renderer :
        {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&surface), static_cast<Renderer*>(&spring)}) {
@@ -202,8 +202,8 @@ TEST_CASE("renderers: reset gives the first tick again, a saved state continues 
 
 TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the state", "[renderers]") {
   const TauMechanism device(test::nominal());
-  PositionControlRenderer servo = test::positionControl();
-  SurfaceServoRenderer surface = test::surfaceServo(device);
+  HoldRenderer servo = test::holdRenderer();
+  PositionControlRenderer surface = test::positionControl(device);
   ImpedanceRenderer spring({6000.0, 0.0});
   for (Renderer* renderer :
        {static_cast<Renderer*>(&servo), static_cast<Renderer*>(&surface), static_cast<Renderer*>(&spring)}) {
@@ -259,9 +259,9 @@ TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the sta
   }
 }
 
-TEST_CASE("surface servo: an inertia that is none is refused and leaves the state", "[renderers]") {
+TEST_CASE("position control: an inertia that is none is refused and leaves the state", "[renderers]") {
   const TauMechanism device(test::nominal());
-  SurfaceServoRenderer servo = test::surfaceServo(device);
+  PositionControlRenderer servo = test::positionControl(device);
   servo.activate(1e-3);
   TickOutput output;
   REQUIRE(servo.step(frameAt(device, poseAtDepth(1e-4), 1.0), output) == Status::ok);
@@ -284,17 +284,16 @@ TEST_CASE("renderers: a bad configuration is refused", "[renderers]") {
                     "impedance renderer: stiffness is -1, must be at least 0 N/m and finite");
   CHECK_THROWS_AS(ImpedanceRenderer({1.0, std::nan("")}), Error);
   ServoGain gain = test::referenceGain();
-  CHECK_THROWS_WITH(PositionControlRenderer(gain.leftCols(12), 1e-3, {}),
-                    "hold renderer: the gain K is 6 x 12, must be n x 3n");
-  PositionControlRenderer renderer(gain, 1e-3, {});
+  CHECK_THROWS_WITH(HoldRenderer(gain.leftCols(12), 1e-3, {}), "hold renderer: the gain K is 6 x 12, must be n x 3n");
+  HoldRenderer renderer(gain, 1e-3, {});
   CHECK_THROWS_WITH(renderer.activate(2e-3),
                     "hold renderer: activated for a period of 0.002 s, but its gain was designed for 0.001 s");
   CHECK_THROWS_WITH(renderer.activate(0.0), "renderer: the period is 0, must be in 1e-05 to 0.1 s");
   gain(0, 0) = std::nan("");
-  CHECK_THROWS_AS(PositionControlRenderer(gain, 1e-3, {}), Error);
-  PositionControlOptions options;
+  CHECK_THROWS_AS(HoldRenderer(gain, 1e-3, {}), Error);
+  HoldOptions options;
   options.releaseForce = -1.0;
-  CHECK_THROWS_AS(PositionControlRenderer(test::referenceGain(), 1e-3, options), Error);
+  CHECK_THROWS_AS(HoldRenderer(test::referenceGain(), 1e-3, options), Error);
 }
 
 TEST_CASE("renderers: a renderer's answer is checked as its input is", "[renderers]") {
@@ -342,7 +341,7 @@ TEST_CASE("renderers: a renderer's answer is checked as its input is", "[rendere
   parrot.torque = staticTorque(home, 100.0 * Vec6::Unit(1));
   const TickOutput cut = answer(Status::ok);
   CHECK(cut.saturated);
-  CHECK((cut.torque.cwiseAbs() - device.limits().torque).maxCoeff() == Approx(0.0).margin(1e-15));
+  CHECK((cut.torque.cwiseAbs() - device.limits().effort).maxCoeff() == Approx(0.0).margin(1e-15));
   const Vec6 wrench = wrenchOf(home, cut.torque - home.gravity);
   CHECK(wrench[1] > 10.0);
   CHECK((wrench - wrench[1] * Vec6::Unit(1)).norm() < 1e-9);
@@ -355,7 +354,7 @@ TEST_CASE("renderers: a renderer's answer is checked as its input is", "[rendere
 
 TEST_CASE("position control: a gain for another number of joints is refused in the tick", "[renderers]") {
   const TauMechanism device(test::nominal());
-  PositionControlRenderer renderer(ServoGain::Zero(3, 9), 1e-3, {});
+  HoldRenderer renderer(ServoGain::Zero(3, 9), 1e-3, {});
   renderer.activate(1e-3);
   TickOutput output;
   CHECK(renderer.step(frameAt(device, poseAtDepth(1e-4), 1.0), output) == Status::outOfRange);
@@ -366,7 +365,7 @@ TEST_CASE("position control: the reference at a deep touch is the surface's, to 
           "[renderers]") {
   const TauMechanism device(test::nominal());
   for (const double depth : {1e-5, 1e-4, 1e-3}) {
-    PositionControlRenderer renderer = test::positionControl();
+    HoldRenderer renderer = test::holdRenderer();
     renderer.activate(1e-3);
     TickOutput output;
     REQUIRE(renderer.step(frameAt(device, poseAtDepth(depth), 1.0), output) == Status::ok);
@@ -381,8 +380,8 @@ TEST_CASE("position control: the reference at a deep touch is the surface's, to 
 
 TEST_CASE("renderers: state bytes from elsewhere never become a torque that cannot be", "[renderers]") {
   const TauMechanism device(test::nominal());
-  PositionControlRenderer servo = test::positionControl();
-  SurfaceServoRenderer surface = test::surfaceServo(device, 0, 3);
+  HoldRenderer servo = test::holdRenderer();
+  PositionControlRenderer surface = test::positionControl(device, 0, 3);
   ImpedanceRenderer spring({6000.0, 1.0});
   test::Random random(33);
   for (Renderer* renderer :
@@ -407,7 +406,7 @@ TEST_CASE("renderers: state bytes from elsewhere never become a torque that cann
         const Status status = renderer->step(frameAt(device, poseAtDepth(1e-4), 1.0 + 1e-3 * tick), output);
         ok += status == Status::ok;
         REQUIRE(output.torque.allFinite());
-        REQUIRE((output.torque.cwiseAbs() - device.limits().torque).maxCoeff() <= 0.0);
+        REQUIRE((output.torque.cwiseAbs() - device.limits().effort).maxCoeff() <= 0.0);
         REQUIRE(std::abs(output.normalForce) <= 1e6);
       }
     }

@@ -91,7 +91,7 @@ Run record(const test::TemporaryFolder& folder, const std::string& path) {
     recorder.makeRoom();
     recorder.add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
     const Kinematics& k = loop.frame().kinematics;
-    run.forces.push_back(wrenchOf(k, loop.command().torque - k.gravity).head<3>().norm());
+    run.forces.push_back(wrenchOf(k, loop.command().effort - k.gravity).head<3>().norm());
     for (const double volume : drill.removed()) run.removed += volume;
   }
   REQUIRE(recorder.close().ticks == kTicks);

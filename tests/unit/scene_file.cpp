@@ -102,7 +102,7 @@ TEST_CASE("scene files: spheres, capsules, meshes and tools stand where the file
   CHECK(tooth.gap == Approx(0.003));
   CHECK(tooth.material.stiffness == 3000.0);
   CHECK(tooth.material.friction == 0.4);
-  CHECK(tooth.material.sliding == 0.3);
+  CHECK(tooth.material.slidingFriction == 0.3);
   CHECK(tooth.material.viscosity == 0.5);
 
   CHECK((tooth.normal - Vec3::UnitZ()).norm() < 1e-7);  // single precision coordinates of the file

@@ -14,7 +14,7 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/plugin/author.hpp"
 #include "enamel/plugin/host.hpp"
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/render/tick.hpp"
 #include "enamel/runtime/periodic_thread.hpp"
 #include "support/catch.hpp"
@@ -129,7 +129,7 @@ TEST_CASE("an obstacle goes only where an obstacle can be", "[slips]") {
 
 TEST_CASE("a renderer without activate() has no state, and none after one that failed", "[slips]") {
   const auto device = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
-  SurfaceServoRenderer renderer(surfaceServoFor(device->limits().count, 1e-3, 0, 0));
+  PositionControlRenderer renderer(positionControlFor(device->limits().encoderStep, 1e-3, 0, 0));
   std::vector<unsigned char> state(1 << 16, 0x5a);
   const auto before = state;
   const auto hasNone = [&] {

@@ -239,7 +239,7 @@ TEST_CASE("solid: layers, their contacts' material, undo and restore", "[solid]"
   solid.mark();
   cutAlong(solid, Vec3(0, 0, 2e-3), Vec3(0, 0, 1.2e-3), 0.5e-3, 10);
   const std::vector<BrickSamples> first = samplesOf(solid);
-  const std::uint64_t growths = solid.growths();
+  const std::uint64_t restorations = solid.restorations();
   solid.mark();
   cutAlong(solid, Vec3(0, 0, 1.2e-3), Vec3(0.3e-3, 0, 0.6e-3), 0.5e-3, 10);
   CHECK(samplesOf(solid) != first);
@@ -248,7 +248,7 @@ TEST_CASE("solid: layers, their contacts' material, undo and restore", "[solid]"
   CHECK(samplesOf(solid) == first);
   REQUIRE(solid.undo());
   CHECK(samplesOf(solid) == whole);
-  CHECK(solid.growths() > growths);
+  CHECK(solid.restorations() > restorations);
   for (int k = 0; k < 3; ++k) CHECK(solid.volume()[k] == Approx(before[k]).epsilon(1e-9));
   CHECK_FALSE(solid.undo());
 

@@ -72,11 +72,11 @@ TEST_CASE("sense: pose, twist and gravity of the sample; the inertia only where 
     CHECK((frame.kinematics.pose.position - pose.position).norm() < 1e-11);
     CHECK((frame.kinematics.twist - twist).norm() < 1e-9);
     CHECK(frame.applied == m.applied);
-    CHECK(frame.maxTorque == tau().limits().torque);
+    CHECK(frame.maxTorque == tau().limits().effort);
     CHECK(frame.kinematics.inertia.rows() == (inertia ? 6 : 0));
     CHECK(frame.rows.count == (inertia ? 1 : -1));
-    CHECK(tick.frame().output.torque == command.torque);
-    CHECK(tick.frame().command == command.torque);
+    CHECK(tick.frame().output.torque == command.effort);
+    CHECK(tick.frame().command == command.effort);
   }
 }
 

@@ -64,8 +64,8 @@ TEST_CASE("a pressed device rests where the coupling carries the force") {
 TEST_CASE("a light virtual tool is the spring and damper of the impedance wall while in contact") {
   const TauMechanism device(test::dampedNominal());
   PushSetup setup;
-  setup.person.noise = 0.0;
-  setup.person.preload = 2.0;  // both stay in contact
+  setup.hand.noise = 0.0;
+  setup.hand.preload = 2.0;  // both stay in contact
   setup.guarded = false;
   std::vector<double> depths[2];
   VirtualCouplingRenderer coupling({3000.0, 1.0, 1e-9});
@@ -91,7 +91,7 @@ TEST_CASE("in the air one feels the virtual tool's mass, and nothing once it has
   renderer.activate(1e-3);
   TickFrame input;
   input.kinematics = device.home();
-  input.maxTorque = device.limits().torque;
+  input.maxTorque = device.limits().effort;
   TickOutput output;
   double first = 0.0;
   for (int i = 0; i < 2000; ++i) {
@@ -115,7 +115,7 @@ TEST_CASE("a virtual coupling replays from its state, and refuses what it cannot
   std::vector<unsigned char> state(one.stateSize());
   TickFrame input;
   input.kinematics = device.home();
-  input.maxTorque = device.limits().torque;
+  input.maxTorque = device.limits().effort;
   input.contacts.count = 1;
   TickOutput a, b;
   for (int i = 0; i < 200; ++i) {

@@ -5,7 +5,7 @@
 
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/impedance.hpp"
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
@@ -22,8 +22,8 @@ WallTrialSetup setupFor(const std::string& device, int delay) {
   setup.plant = setup.model = makeMechanism(loadDevice(test::deviceFile(device)));
   setup.delay = {delay, delay};
   setup.runs = 3;
-  setup.renderer = [options = surfaceServoFor(setup.plant->limits().count, setup.period, delay, delay)] {
-    return std::make_unique<SurfaceServoRenderer>(options);
+  setup.renderer = [options = positionControlFor(setup.plant->limits().encoderStep, setup.period, delay, delay)] {
+    return std::make_unique<PositionControlRenderer>(options);
   };
   return setup;
 }
@@ -158,7 +158,7 @@ TEST_CASE("forces become what a weaker device can answer", "[wall_trials]") {
              delta = makeMechanism(loadDevice(test::deviceFile("delta.toml")));
   CHECK(forceShare(*tau) == 1.0);
   CHECK(15.0 * forceShare(*delta) ==
-        Approx(0.3 * largestForce(delta->home(), delta->limits().torque, Vec3::Zero(), Vec3::UnitZ())).epsilon(1e-6));
+        Approx(0.3 * largestForce(delta->home(), delta->limits().effort, Vec3::Zero(), Vec3::UnitZ())).epsilon(1e-6));
 }
 
 TEST_CASE("trials refuse what cannot be run", "[wall_trials]") {

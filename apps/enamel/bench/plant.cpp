@@ -4,7 +4,7 @@
 #include "bench/measurement.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/device/nominal_device.hpp"
-#include "enamel/sim/real_plant.hpp"
+#include "enamel/sim/imperfect_plant.hpp"
 #ifdef ENAMEL_SIMBODY
 #include "enamel/multibody/multibody_plant.hpp"
 #endif
@@ -48,8 +48,8 @@ std::vector<Measurement> measurePlant(double scale) {
     rows.push_back(row);
   };
   add("a second, closed form", closed, 100);
-  RealPlant real(makeRealDevice(device, 1));
-  add("a second, real, without imperfections", real, 20);
+  ImperfectPlant imperfect(makeImperfectDevice(device, 1));
+  add("a second, imperfect plant without imperfections", imperfect, 20);
 #ifdef ENAMEL_SIMBODY
   MultibodyPlant multibody(device);
   add("a second, multibody", multibody, 3);

@@ -9,7 +9,7 @@
 #include "bench/scene_cost.hpp"
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/device/tau/mechanism.hpp"
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/render/tick.hpp"
 #include "mesh_generator.hpp"
 
@@ -88,7 +88,7 @@ Measurement measure(const std::string& name, Scene& scene, const Vec3& start, in
 // A whole tick of position control on the TAU, pressed into the scene.
 Measurement measureServo(const std::string& name, const Scene& scene, int ticks) {
   const TauMechanism mechanism(nominalDevice());
-  SurfaceServoRenderer servo(surfaceServoFor(mechanism.limits().count, kTickPeriod, 0, 0));
+  PositionControlRenderer servo(positionControlFor(mechanism.limits().encoderStep, kTickPeriod, 0, 0));
   GuardOptions guard = guardFor(mechanism, kTickPeriod);
   guard.energy = guard.oscillation = kUnlimited;  // the way goes on whatever the torques do
   HapticTick tick(mechanism, scene, ballTool(), servo, guard);

@@ -11,9 +11,9 @@
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/device/tau/mechanism.hpp"
 #include "enamel/plugin/host.hpp"
+#include "enamel/render/hold.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/position_control.hpp"
-#include "enamel/render/surface_servo.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/sim/push.hpp"
 #include "program/plugin_folder.hpp"
@@ -151,8 +151,8 @@ void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOpti
 
 std::vector<Measurement> measureTick(double scale) {
   const auto mechanism = std::make_shared<TauMechanism>(nominalDevice());
-  PositionControlRenderer hold(designServo(mechanism, Pose{}, kPeriod).K, kPeriod, {});
-  SurfaceServoRenderer servo(surfaceServoFor(mechanism->limits().count, kPeriod, 0, 0));
+  HoldRenderer hold(designServo(mechanism, Pose{}, kPeriod).K, kPeriod, {});
+  PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, kPeriod, 0, 0));
   ImpedanceRenderer spring(ImpedanceOptions{});
   const int ticks = std::max(2000, static_cast<int>(50000 * scale));
   const Path path = pathThroughTheWall(*mechanism, ticks);

@@ -63,7 +63,7 @@ void printTasks(const Condition& condition) {
   const double share = forceShare(*study.mechanism);
   fmt::print("{}: plant {}, delay {}, the worst of {} runs; noise {:.3g} N, forces {:.3g} of what the names say\n",
              study.mechanism->name(), condition.plant, condition.delay, study.plan.runs,
-             study.plan.setup.person.noise * share, share);
+             study.plan.setup.hand.noise * share, share);
   fmt::print("{:<16} {:<28} {:<4}", "", "", "");
   for (const StudyColumn& column : study.plan.columns) fmt::print(" {:>18}", column.name);
   fmt::print("\n");

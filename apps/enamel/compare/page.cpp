@@ -195,8 +195,8 @@ void addRanking(Page& page, const CompareOptions& options, const std::vector<Con
 const std::string& plantTitle(const std::string& plant) {
   static const std::map<std::string, std::string> titles = {{kClosedForm, "the ideal device"},
                                                             {kMultibody, "the device in Simbody"},
-                                                            {kReal, "the real device"},
-                                                            {kRealStiff, "the real device with stiff cables"}};
+                                                            {kImperfect, "the imperfect plant"},
+                                                            {kImperfectStiff, "the imperfect plant with stiff cables"}};
   return titles.at(plant);
 }
 

@@ -11,7 +11,7 @@
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/nominal_device.hpp"
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 #include "enamel/study/controllers.hpp"
 #include "enamel/study/parallel.hpp"
 #include "program/plugin_folder.hpp"
@@ -153,10 +153,10 @@ Make positionControl(const Study& study, std::size_t c, ColumnRecords& records) 
   const std::string& column = study.plan.columns[c].name;
   const std::string given = study.gainFor == kPositionControl ? study.options.gain : "",
                     file = study.labels[c].servo.empty() ? given : study.labels[c].servo;
-  const SurfaceServoOptions servo =
-      surfaceServo(file, *study.mechanism, setup.period, setup.delay.low, setup.delay.high);
-  records.servos[column] = hashOf(surfaceServoText({"", servo}));
-  return [servo](std::size_t) { return std::make_unique<SurfaceServoRenderer>(servo); };
+  const PositionControlOptions servo =
+      positionControlOptions(file, *study.mechanism, setup.period, setup.delay.low, setup.delay.high);
+  records.servos[column] = hashOf(positionControlText({"", servo}));
+  return [servo](std::size_t) { return std::make_unique<PositionControlRenderer>(servo); };
 }
 
 Make hold(const Study& study, std::size_t c, ColumnRecords& records) {
@@ -174,10 +174,10 @@ Make hold(const Study& study, std::size_t c, ColumnRecords& records) {
   else
     gains[0] = file.empty() ? ServoGain(study.home->K) : loadGain(file, study.mechanism->joints(), period);
   records.servos[plan.columns[c].name] = hashOf(gains);
-  PositionControlOptions servo;
+  HoldOptions servo;
   servo.release = study.options.release;
   return [gains = std::move(gains), period, servo](std::size_t point) {
-    return std::make_unique<PositionControlRenderer>(gains[gains.size() > 1 ? point : 0], period, servo);
+    return std::make_unique<HoldRenderer>(gains[gains.size() > 1 ? point : 0], period, servo);
   };
 }
 
@@ -227,7 +227,7 @@ void addColumns(Study& study, ColumnRecords& records) {
     column.makePlant = makerOf(options.plant, damped, plan.setup);
     // To the nanonewton: what is left of the file's zero is rounding.
     const double whole =
-        1e-9 * std::nearbyint(1e9 * dampingAlong(*column.plant, plan.setup.start, plan.setup.person.normal));
+        1e-9 * std::nearbyint(1e9 * dampingAlong(*column.plant, plan.setup.start, plan.setup.hand.normal));
     records.dampings[choice.name] = more;
     if (choice.plugin) column.make = plugins.make(choice, records);
     plan.columns.push_back(std::move(column));

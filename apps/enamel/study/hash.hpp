@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "enamel/control/device_plant.hpp"
-#include "enamel/render/position_control.hpp"
+#include "enamel/render/hold.hpp"
 
 namespace enamel::app {
 

@@ -49,11 +49,11 @@ void placePush(Study& study, SourceTexts& texts) {
     if (options.grid != 1 || options.tip_mm != StudyOptions().tip_mm)
       throw Error("--scene has one query point and a tool of its own: it needs --grid 1 and no --tip");
     texts.scene = readFile(options.scene);
-    pushIn(parseScene(texts.scene, options.scene), plan.setup);
+    setScene(parseScene(texts.scene, options.scene), plan.setup);
     plan.middle = plan.setup.start.position;
   }
   const Vec3 tip = 1e-3 * Vec3(options.tip_mm[0], options.tip_mm[1], options.tip_mm[2]);
-  if (tip != Vec3::Zero()) holdAt(tip, plan.setup);
+  if (tip != Vec3::Zero()) setToolTip(tip, plan.setup);
 }
 
 void setPlan(Study& study, SourceTexts& texts) {
@@ -64,9 +64,9 @@ void setPlan(Study& study, SourceTexts& texts) {
   plan.runs = options.runs;
   plan.setup.seed = options.seed;
   plan.insideTick = options.insideTick;
-  plan.setup.person.preload = options.preload;
-  plan.setup.person.noise = options.noise;
-  if (options.arm) plan.setup.person.arm = kArm;
+  plan.setup.hand.preload = options.preload;
+  plan.setup.hand.noise = options.noise;
+  if (options.arm) plan.setup.hand.arm = kArm;
   if (!(0.0 <= options.force[0] && options.force[0] <= options.force[1] && options.force[1] <= 1e3))
     throw Error(fmt::format("--force is {},{}, must be in 0 to 1000 N, low first", options.force[0], options.force[1]));
   plan.lowestForce = options.force[0];
@@ -106,14 +106,14 @@ std::string manifestOf(const Study& study, const SourceTexts& texts, const Colum
   m["rates"] = kRateNames[static_cast<int>(setup.encoders.rates)];
   m["period [s]"] = setup.period;
   m["duration [s]"] = setup.duration;
-  m["noise [N]"] = setup.person.noise;
-  m["preload [N]"] = setup.person.preload;
+  m["noise [N]"] = setup.hand.noise;
+  m["preload [N]"] = setup.hand.preload;
   m["arm"] = options.arm;
   m["tip [mm]"] = options.tip_mm;
   m["step inside its tick"] = plan.insideTick;
   m["release"] = options.release;
   m["guard"] = options.guard;
-  m["guide"] = setup.person.guide;
+  m["guide"] = setup.hand.guide;
   m["F_c [N]"] = {plan.lowestForce, plan.highestForce};
   m["half width [m]"] = plan.halfWidth;
   if (!options.scene.empty()) m["scene"] = hashOf(texts.scene);

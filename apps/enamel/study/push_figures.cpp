@@ -46,8 +46,8 @@ Responses responsesAt(const Study& study, int scenario, std::size_t point) {
       r.all.see(depth.values.back());
       if (!r.depths.empty()) return;
       r.force.times.push_back(t.time);
-      r.force.values.push_back(-t.person[2]);
-      r.force.extent.see(-t.person[2]);
+      r.force.values.push_back(-t.handWrench[2]);
+      r.force.extent.see(-t.handWrench[2]);
     });
     depth.lost = result.status != Status::ok;
     r.depths.push_back(depth);
@@ -243,7 +243,7 @@ Figure torqueFigure(const Study& study) {
               "Torque of joint {} under a step of {:.0f} N at 1 s with {}, at two query points with the same noise "
               "(after the paper's Fig. 11). To see: at which of them the joint works harder; the motor's limit is {} "
               "N m.",
-              last + 1, kForce, escape(study.labels[hold].title), givenText(study.mechanism->limits().torque[last]))};
+              last + 1, kForce, escape(study.labels[hold].title), givenText(study.mechanism->limits().effort[last]))};
 }
 
 }  // namespace enamel::app

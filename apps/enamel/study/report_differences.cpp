@@ -50,7 +50,7 @@ std::string saturation(const Study& study, const std::vector<SurveyPoint>& point
     if (const int count = saturated[static_cast<std::size_t>(j)]; count > 0)
       saturatedText += fmt::format("{}joint {} at {} of {} points", saturatedText.empty() ? "" : ", ", j + 1, count,
                                    study.plan.points());
-  const double limit = study.mechanism->limits().torque[most];
+  const double limit = study.mechanism->limits().effort[most];
   return fmt::format(
       "<b>Saturation.</b> {}Under {:.0f} N {}; the most loaded is joint {} with at most {:.2f} of {:.3g} N m. "
       "Gravity takes at most {:.3f} N m (joint {}{}). With motors that never saturate K_z1 changes by at most "

@@ -57,7 +57,7 @@ void addTerms(Page& page, const Study& study) {
                   study.options.encoders ? "read in the steps of the encoders" : "known exactly", setup.seed));
   for (std::size_t c = 0; c < study.labels.size(); ++c)
     terms.emplace_back("Renderer: " + escape(study.labels[c].title), definitionOf(study, c));
-  const std::string noise = givenText(setup.person.noise);
+  const std::string noise = givenText(setup.hand.noise);
   if (has(1))
     terms.emplace_back(
         "Scenario 1",

@@ -15,7 +15,7 @@ constexpr double kNeverReached = 1e6;  // N m or N
 class Strong final : public Mechanism {
  public:
   explicit Strong(std::shared_ptr<const Mechanism> weak)
-      : Mechanism(weak->name(), {JointVector::Constant(weak->joints(), kNeverReached), weak->limits().count}),
+      : Mechanism(weak->name(), {JointVector::Constant(weak->joints(), kNeverReached), weak->limits().encoderStep}),
         weak_(std::move(weak)) {
     setHome();
   }
@@ -53,16 +53,16 @@ Survey surveyWall(const Study& study) {
     const StudyColumn& column = plan.columns[i / plan.points()];
     SurveyPoint& s = survey[i / plan.points()][point];
     PushSetup setup = setupOf(plan, {1, i / plan.points(), point, 0, kSurveyForce, 0});
-    setup.person.instant = plan.setup.person.instant;
+    setup.hand.instant = plan.setup.hand.instant;
     setup.duration = kDuration;
-    setup.person.noise = 0.0;
+    setup.hand.noise = 0.0;
     s.stiffness = stiffnessAt(column, setup, point);
     StudyColumn strong = column;
     strong.plant = std::make_shared<Strong>(column.plant);
     s.unlimited = stiffnessAt(strong, setup, point);
 
-    setup.person.force = kHardForce;
-    const JointVector& limit = column.plant->limits().torque;
+    setup.hand.force = kHardForce;
+    const JointVector& limit = column.plant->limits().effort;
     s.peak = s.cutTicks = JointVector::Zero(limit.size());
     const auto renderer = column.make(point);
     (void)runPush(*column.plant, *renderer, setup, [&](const TickRecord& tick) {

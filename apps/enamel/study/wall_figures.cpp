@@ -233,7 +233,7 @@ Figure alongYFigure(const Study& study, const Findings& findings) {
           "torque of each joint for {:.0f} N with {}; the motors' limit is {} N m. To see: which way the stiffness "
           "runs along y, and how far below their limit the motors stay.",
           kSurveyForce, kHardForce, escape(study.labels[shown].title),
-          givenText(study.mechanism->limits().torque.minCoeff()))};
+          givenText(study.mechanism->limits().effort.minCoeff()))};
 }
 
 }  // namespace enamel::app

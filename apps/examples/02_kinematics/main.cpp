@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
     const auto device = makeMechanism(loadDevice(argv[1]));
     const double reach = 1e-3 * (argc > 2 ? std::atof(argv[2]) : 25.0);
     std::printf("%s: %d joints, at most %.3g, measured to %.2g (N m and rad, or N and m)\n", device->name().c_str(),
-                device->joints(), device->limits().torque.maxCoeff(), device->limits().count.maxCoeff());
+                device->joints(), device->limits().effort.maxCoeff(), device->limits().encoderStep.maxCoeff());
     std::printf("    x     y     z [mm]   mass along x     y     z [kg]   force along x     y     z [N]\n");
     double worst = 0.0;
     int outside = 0;
@@ -38,8 +38,8 @@ int main(int argc, char** argv) {
         std::printf("%6.3f", effectiveMass(solved, there, Vec3::Unit(k)));
       std::printf("          ");
       for (int k = 0; k < 3; ++k)  // the weaker of the two directions
-        std::printf("%6.1f", std::min(largestForce(solved, device->limits().torque, there, Vec3::Unit(k)),
-                                      largestForce(solved, device->limits().torque, there, -Vec3::Unit(k))));
+        std::printf("%6.1f", std::min(largestForce(solved, device->limits().effort, there, Vec3::Unit(k)),
+                                      largestForce(solved, device->limits().effort, there, -Vec3::Unit(k))));
       std::printf("\n");
     }
     std::printf("there and back: %.1e m at most; %d of 27 places out of reach\n", worst, outside);

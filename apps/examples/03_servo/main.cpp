@@ -8,9 +8,9 @@
 #include <enamel/control/margins.hpp>
 #include <enamel/core/error.hpp>
 #include <enamel/device/device_file.hpp>
+#include <enamel/render/hold.hpp>
 #include <enamel/render/impedance.hpp>
 #include <enamel/render/position_control.hpp>
-#include <enamel/render/surface_servo.hpp>
 #include <enamel/sim/push.hpp>
 
 using namespace enamel;
@@ -23,9 +23,9 @@ constexpr double kPeriod = 1e-3;  // s
 double depthOf(const Mechanism& device, Renderer& renderer, const char* name) {
   PushSetup push;  // a step of 12 N at 1 s
   push.period = kPeriod;
-  push.person.force =
-      std::min(12.0, 0.3 * largestForce(device.home(), device.limits().torque, Vec3::Zero(), Vec3::UnitZ()));
-  push.person.noise = 0.0;
+  push.hand.force =
+      std::min(12.0, 0.3 * largestForce(device.home(), device.limits().effort, Vec3::Zero(), Vec3::UnitZ()));
+  push.hand.noise = 0.0;
   double deepest = 0.0, last = 0.0;
   const PushResult result = runPush(device, renderer, push, [&](const TickRecord& tick) {
     deepest = std::max(deepest, -tick.nearest.gap);
@@ -54,13 +54,13 @@ int main(int argc, char** argv) {
       const ServoDesign design = designServo(device, Pose{}, kPeriod, weights);
       const Margins margins = measureMargins(runningLoop(design), design.K, kPeriod);
       std::printf("%.0e         %.2f  %d ticks           ", weight, margins.disk, margins.toleratedDelay);
-      PositionControlRenderer hold(design.K, kPeriod, PositionControlOptions{});
+      HoldRenderer hold(design.K, kPeriod, HoldOptions{});
       stiffest = depthOf(*device, hold, "hold");
       if (softest == 0.0) softest = stiffest;
     }
     ImpedanceRenderer spring({6000.0, 0.0});  // N/m, N s/m
     const double conventional = depthOf(*device, spring, "                                    spring");
-    SurfaceServoRenderer servo(surfaceServoFor(device->limits().count, kPeriod, 0, 0));
+    PositionControlRenderer servo(positionControlFor(device->limits().encoderStep, kPeriod, 0, 0));
     const double best = depthOf(*device, servo, "                          in contact space");
     return stiffest < softest && best < stiffest && stiffest < conventional ? 0 : 1;
   } catch (const Error& error) {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <enamel/core/error.hpp>
 #include <enamel/device/device_file.hpp>
-#include <enamel/render/surface_servo.hpp>
+#include <enamel/render/position_control.hpp>
 #include <enamel/render/tick.hpp>
 #include <string>
 
@@ -21,11 +21,11 @@ int main(int argc, char** argv) {
     if (device->joints() != 3) throw Error("this example moves a device of 3 axes");
     Scene scene;
     Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());  // a point of it (m), outward normal
-    wall.material.friction = wall.material.sliding = 0.2;
+    wall.material.friction = wall.material.slidingFriction = 0.2;
     scene.add(wall);
     Tool tool;  // a ball of 1 mm; as it comes, a point
     tool.parts[0].radius = 0.5e-3;
-    SurfaceServoRenderer servo(surfaceServoFor(device->limits().count, kPeriod, 0, 0));
+    PositionControlRenderer servo(positionControlFor(device->limits().encoderStep, kPeriod, 0, 0));
     Vec3 position(0.0, 0.0, 0.003), speed = Vec3::Zero();  // m, m/s
     HapticTick tick(*device, scene, tool, servo, kPeriod, Pose{position, Mat3::Identity()});
 
@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
       const double pressed = 0.002 * std::sin(1e-3 * M_PI * i), along = 0.01 * std::sin(4e-3 * M_PI * i);  // m
       for (int step = 0; step < 10; ++step) {
         const Vec3 hand = 600.0 * (Vec3(along, 0.0, 0.0015 - 2.0 * pressed) - position) - 8.0 * speed;
-        speed += 1e-4 * (hand + command.torque) / 0.045;
+        speed += 1e-4 * (hand + command.effort) / 0.045;
         position += 1e-4 * speed;
       }
 
@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
       most = std::max(most, force);
       if (i % 50 == 49)
         std::printf("%.2f s  x %6.2f mm  gap %7.4f mm  wall %5.2f N  along %5.2f N  |%s\n", measurement.time,
-                    1e3 * position.x(), 1e3 * gap, force, command.torque.head<2>().norm(),
+                    1e3 * position.x(), 1e3 * gap, force, command.effort.head<2>().norm(),
                     std::string(static_cast<std::size_t>(std::lround(10.0 * force)), '#').c_str());
     }
     std::printf("pressed with up to %.2f N, the tool went %.3f mm into the wall\n", most, 1e3 * deepest);

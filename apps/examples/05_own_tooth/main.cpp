@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     Scene scene;
     Obstacle obstacle{"tooth", tooth, Pose{}, Vec6::Zero(), Material{}, 0.0};
     obstacle.pose.position = -0.5 * (low + high);  // its middle comes to the origin
-    obstacle.material.friction = obstacle.material.sliding = 0.2;
+    obstacle.material.friction = obstacle.material.slidingFriction = 0.2;
     scene.add(obstacle);
 
     Tool bur;  // a ball of 1.2 mm on a shaft of 0.8 mm; the lowest point is the TCP

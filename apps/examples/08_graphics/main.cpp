@@ -10,7 +10,7 @@
 #include <enamel/collision/scene_file.hpp>
 #include <enamel/core/error.hpp>
 #include <enamel/device/device_file.hpp>
-#include <enamel/render/surface_servo.hpp>
+#include <enamel/render/position_control.hpp>
 #include <enamel/runtime/haptic_loop.hpp>
 #include <enamel/sim/hand.hpp>
 #include <enamel/sim/simulated_device.hpp>
@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
         },
         true);  // in real time
 
-    SurfaceServoRenderer servo(surfaceServoFor(mechanism->limits().count, 1e-3, 0, 0));
+    PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
     HapticTick haptics(*mechanism, file.scene, file.tool, servo, 1e-3, setup.start);
     HapticLoop loop(device, haptics);  // the thread runs from here to the end of this function
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <enamel/core/error.hpp>
 #include <enamel/device/device_file.hpp>
-#include <enamel/render/surface_servo.hpp>
+#include <enamel/render/position_control.hpp>
 #include <enamel/runtime/haptic_loop.hpp>
 #include <thread>
 
@@ -40,7 +40,7 @@ class VendorDevice final : public HapticDevice {
   }
 
   Status actuate(const Command& command) noexcept override {
-    const double force[3] = {command.torque[0], command.torque[1], -command.torque[2]};
+    const double force[3] = {command.effort[0], command.effort[1], -command.effort[2]};
     return sdk_force(force) == 0 ? Status::ok : Status::outOfRange;
   }
 
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
     const double seconds = argc > 2 ? std::stod(argv[2]) : 2.0;
     const auto stylus = makeMechanism(loadDevice(argv[1]));
     const Scene table = flatWall();
-    SurfaceServoRenderer servo(surfaceServoFor(stylus->limits().count, 1e-3, 0, 1));
+    PositionControlRenderer servo(positionControlFor(stylus->limits().encoderStep, 1e-3, 0, 1));
     HapticTick haptics(*stylus, table, Tool(), servo, 1e-3);  // 1 kHz
     VendorDevice device;
     HapticLoop loop(device, haptics);  // the wall is there from here to the end of this function
@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       (void)loop.refresh();
       const LoopTick& t = loop.latest();
-      const double z_mm = 1e3 * t.pose.position.z(), force = t.command.torque.size() == 3 ? t.command.torque[2] : 0.0;
+      const double z_mm = 1e3 * t.pose.position.z(), force = t.command.effort.size() == 3 ? t.command.effort[2] : 0.0;
       largest = std::max(largest, force);
       std::printf("%5.2f s %7.3f mm over the table %6.2f N %s\n", 0.05 * line, z_mm, force,
                   t.reason == GuardReason::none ? "" : toString(t.reason));

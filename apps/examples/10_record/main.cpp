@@ -6,7 +6,7 @@
 #include <enamel/core/file.hpp>
 #include <enamel/device/device_file.hpp>
 #include <enamel/render/impedance.hpp>
-#include <enamel/render/surface_servo.hpp>
+#include <enamel/render/position_control.hpp>
 #include <enamel/runtime/recorder.hpp>
 #include <enamel/runtime/replay.hpp>
 #include <enamel/sim/hand.hpp>
@@ -24,8 +24,8 @@ int main(int argc, char** argv) {
     setup.start.position.z() = 0.002;
     setup.encoders.quantised = true;
     VirtualDevice device(*mechanism, setup);
-    const SurfaceServoOptions options = surfaceServoFor(mechanism->limits().count, kPeriod, 0, 0);
-    SurfaceServoRenderer servo(options);
+    const PositionControlOptions options = positionControlFor(mechanism->limits().encoderStep, kPeriod, 0, 0);
+    PositionControlRenderer servo(options);
     HapticTick tick(*mechanism, scene, Tool(), servo, kPeriod, setup.start);
 
     RecordingHeader header;  // so that `enamel replay` and the viewer can build the tick again
@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
     // Again, from the file alone: the device of the header, the same servo made anew.
     RecordingReader reader(argv[2]);
     const auto recorded = makeMechanism(parseDevice(reader.header().deviceText, reader.header().deviceFile));
-    SurfaceServoRenderer same(options);
+    PositionControlRenderer same(options);
     ImpedanceRenderer other({6000.0, 0.0});  // N/m, N s/m
     const auto compare = [&](Renderer& renderer, const char* name) {
       HapticTick again(*recorded, scene, Tool(), renderer, reader.header().guard, reader.header().start);

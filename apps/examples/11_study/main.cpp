@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <enamel/core/error.hpp>
 #include <enamel/device/device_file.hpp>
-#include <enamel/render/surface_servo.hpp>
+#include <enamel/render/position_control.hpp>
 #include <enamel/study/monte_carlo.hpp>
 #include <enamel/study/parallel.hpp>
 #include <memory>
@@ -45,17 +45,17 @@ int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "usage: study DEVICE.toml\n"), 2;
   try {
     const auto device = makeMechanism(loadDevice(argv[1]));
-    const SurfaceServoOptions options = surfaceServoFor(device->limits().count, 1e-3, 0, 0);
+    const PositionControlOptions options = positionControlFor(device->limits().encoderStep, 1e-3, 0, 0);
     StudyPlan plan;
     plan.scenarios = {1};  // a step of 8 to 15 N
     plan.columns = {
         {"mine", device, [](std::size_t) { return std::make_unique<MyWall>(); }},
-        {"position control", device, [&](std::size_t) { return std::make_unique<SurfaceServoRenderer>(options); }}};
+        {"position control", device, [&](std::size_t) { return std::make_unique<PositionControlRenderer>(options); }}};
     plan.grid = 3;  // query points along x and y
     plan.runs = 4;  // at each
     plan.insideTick = true;
     plan.setup.encoders = {true, RateSource::difference};
-    plan.setup.person.preload = 1.0;  // N
+    plan.setup.hand.preload = 1.0;  // N
     checkStudy(plan);
 
     std::vector<StudyResult> results(plan.size());  // the same whatever the number of threads

@@ -69,7 +69,7 @@ constexpr std::size_t kContactState = 9;  // point, normal, obstacle, part, key
 constexpr double kLargestPlace = 1e3;     // m
 
 std::uint64_t revisionOf(const Obstacle& obstacle) noexcept {
-  if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) return (*solid)->growths();
+  if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) return (*solid)->restorations();
   const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape);
   return mesh == nullptr ? 1 : Inside::of(**mesh).view.revision;
 }

@@ -41,12 +41,12 @@ void MeshChanges::List::clear() noexcept {
   change.corners.clear();
 }
 
-void MeshChanges::tellVertex(int vertex, const Vec3& position) noexcept {
+void MeshChanges::recordVertex(int vertex, const Vec3& position) noexcept {
   put(vertex, position, told_->ofVertex, told_->change.vertices, told_->change.positions);
   isEdited_ = true;
 }
 
-void MeshChanges::tellTriangle(int triangle, const std::array<int, 3>& corners) noexcept {
+void MeshChanges::recordTriangle(int triangle, const std::array<int, 3>& corners) noexcept {
   put(triangle, corners, told_->ofTriangle, told_->change.triangles, told_->change.corners);
   isEdited_ = true;
 }

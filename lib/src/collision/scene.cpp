@@ -28,7 +28,8 @@ int Scene::add(Obstacle obstacle) {
   if (!sized) throw Error(name + ": the shape has a size that is not positive and finite, or no mesh or solid");
   const Material& m = obstacle.material;
   if (!(m.stiffness > 0.0) || !(m.friction >= 0.0 && m.friction <= 10.0) ||
-      !(m.sliding >= 0.0 && m.sliding <= m.friction) || !(m.viscosity >= 0.0 && std::isfinite(m.viscosity)))
+      !(m.slidingFriction >= 0.0 && m.slidingFriction <= m.friction) ||
+      !(m.viscosity >= 0.0 && std::isfinite(m.viscosity)))
     throw Error(name +
                 ": the material must have a stiffness above 0 N/m, friction in 0 to 10, sliding friction in 0 to that, "
                 "a finite viscosity of at least 0 N s/m");

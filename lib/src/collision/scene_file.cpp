@@ -138,8 +138,8 @@ void readMaterial(TomlTable& table, Material& material) {
   };
   read("stiffness", 1.0, 1e9, " N/m", material.stiffness);
   read("friction", 0.0, 10.0, "", material.friction);
-  material.sliding = material.friction;
-  read("sliding_friction", 0.0, material.friction, "", material.sliding);
+  material.slidingFriction = material.friction;
+  read("sliding_friction", 0.0, material.friction, "", material.slidingFriction);
   read("viscosity", 0.0, 1e3, " N s/m", material.viscosity);
 }
 

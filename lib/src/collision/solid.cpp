@@ -317,7 +317,7 @@ bool Solid::undo() noexcept {
   for (const std::uint64_t mark = last().mark; keptCount_ > 0 && last().mark == mark; --keptCount_)
     put(last().brick, last().samples);
   ++mark_;
-  ++growths_;
+  ++restorations_;
   return true;
 }
 
@@ -326,7 +326,7 @@ void Solid::restore() noexcept {
     if (bricks_[i].samples != original_[i]) put(static_cast<std::int32_t>(i), original_[i]);
   keptCount_ = 0;
   ++mark_;
-  ++growths_;
+  ++restorations_;
 }
 
 void Solid::put(std::int32_t number, const BrickSamples& samples) noexcept {

@@ -98,7 +98,7 @@ bool findOpen(const ShapeType& shape, const Segment& goal, PartCache* cache, boo
 }
 
 std::uint64_t revisionOf(const MeshModel& mesh) noexcept { return Inside::of(mesh).view.revision; }
-std::uint64_t revisionOf(const Solid& solid) noexcept { return solid.growths(); }  // a cut leaves all ways open
+std::uint64_t revisionOf(const Solid& solid) noexcept { return solid.restorations(); }  // a cut leaves all ways open
 template <typename Analytic>
 std::uint64_t revisionOf(const Analytic&) noexcept {
   return 1;

@@ -50,7 +50,7 @@ DevicePlant devicePlant(const std::shared_ptr<const Mechanism>& mechanism, const
   plant.joints = operating.q;
   plant.jacobian = operating.jacobian;
   plant.effectiveMass = effectiveMass(operating, pose.position, Vec3::UnitZ());
-  plant.largestForce = largestForce(operating, mechanism->limits().torque, pose.position, Vec3::UnitZ());
+  plant.largestForce = largestForce(operating, mechanism->limits().effort, pose.position, Vec3::UnitZ());
   plant.x0 = Eigen::VectorXd::Zero(2 * n);
   plant.x0.head<3>() = pose.position;
   plant.u0 = operating.gravity;

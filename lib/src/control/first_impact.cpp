@@ -43,14 +43,14 @@ const char* toString(FirstImpactVerdict verdict) noexcept {
   return "unknown verdict";
 }
 
-void ImpactWatch::rest(const ImpactTick& tick) noexcept {
+void ImpactMonitor::rest(const ImpactTick& tick) noexcept {
   restDepth_ -= tick.gap;
   restForce_ += tick.force;
   lowestAtRest_ = std::fmin(lowestAtRest_, tick.gap);
   ++restTicks_;
 }
 
-void ImpactWatch::push(const ImpactTick& tick) noexcept {
+void ImpactMonitor::push(const ImpactTick& tick) noexcept {
   if (ticks_ == 0) {
     rest_ = -(restDepth_ - tick.gap) / (restTicks_ + 1);
     unrest_ = std::fmax(0.0, rest_ - std::fmin(lowestAtRest_, tick.gap));
@@ -81,7 +81,7 @@ void ImpactWatch::push(const ImpactTick& tick) noexcept {
   ++ticks_;
 }
 
-void ImpactWatch::Block::add(const ImpactTick& tick) noexcept {
+void ImpactMonitor::Block::add(const ImpactTick& tick) noexcept {
   ++ticks;
   sum -= tick.gap;
   squares += tick.gap * tick.gap;
@@ -91,12 +91,12 @@ void ImpactWatch::Block::add(const ImpactTick& tick) noexcept {
   }
 }
 
-double ImpactWatch::Block::deviation() const noexcept {
+double ImpactMonitor::Block::deviation() const noexcept {
   const double count = static_cast<double>(std::max<std::uint64_t>(ticks, 1)), mean = sum / count;
   return std::sqrt(std::fmax(0.0, squares / count - mean * mean));
 }
 
-double ImpactWatch::Block::chatter() const noexcept {
+double ImpactMonitor::Block::chatter() const noexcept {
   const double count = static_cast<double>(std::max<std::uint64_t>(ticks, 1));
   double largest = 0.0;
   for (int i = 0; i < kMaxJoints; ++i) {
@@ -106,18 +106,18 @@ double ImpactWatch::Block::chatter() const noexcept {
   return std::sqrt(largest);
 }
 
-bool ImpactWatch::ringing() const noexcept {
+bool ImpactMonitor::ringing() const noexcept {
   if (lateTicks_ < ticksIn(kJudged, period_)) return false;
   const double count = static_cast<double>(lateTicks_), mean = lateSum_ / count;
   return std::sqrt(std::fmax(0.0, lateSquares_ / count - mean * mean)) > kRinging * depth_;
 }
 
-bool ImpactWatch::unstable() const noexcept {
+bool ImpactMonitor::unstable() const noexcept {
   if (lateTicks_ < ticksIn(kJudged, period_)) return false;
   return 2 * lateSaturated_ > lateTicks_ || lastBlock_.chatter() > kChatters;
 }
 
-FirstImpactVerdict ImpactWatch::verdict() const noexcept {
+FirstImpactVerdict ImpactMonitor::verdict() const noexcept {
   const bool grows = ringing() && depth_ > 0.0 && lastBlock_.deviation() > kGrows * firstBlock_.deviation();
   if (unstable() || grows) return FirstImpactVerdict::unstable;
   if (depth_ == 0.0) return FirstImpactVerdict::noReturn;

@@ -86,7 +86,7 @@ double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& n
   if (n == 0 || trace.y.rows() != 2 * n || !(period > 0.0))
     throw DesignError("first impact: the normal needs one entry a joint, the period must be positive, s");
   (void)runTicks(1.0, period);
-  ImpactWatch watch(period);
+  ImpactMonitor watch(period);
   ImpactTick tick;
   tick.force = force;
   for (Index j = 0; j < trace.y.cols(); ++j) {

@@ -60,7 +60,7 @@ struct Acting {
   const Mechanism* cartesian = nullptr;  // where the motors act on the platform itself
 
   JointVector torque;
-  const Load* load = nullptr;
+  const ExternalWrench* load = nullptr;
   double timeAhead = 0.0;  // the caller's time less the state's
 };
 
@@ -310,7 +310,8 @@ Status MultibodyPlant::start(const Pose& pose) {
   return Status::ok;
 }
 
-Status MultibodyPlant::advance(double time, double duration, const JointVector& torque, const Load& load) noexcept {
+Status MultibodyPlant::advance(double time, double duration, const JointVector& torque,
+                               const ExternalWrench& load) noexcept {
   if (torque.size() != mechanism().joints()) return Status::outOfRange;
   if (!torque.allFinite()) return Status::notFinite;
   if (!(duration > 0.0)) return Status::ok;
@@ -328,7 +329,7 @@ Status MultibodyPlant::advance(double time, double duration, const JointVector& 
       if (m.integrator->stepTo(end, end) == SimTK::Integrator::EndOfSimulation) return Status::notConverged;
     const SimTK::State& moved = m.integrator->getAdvancedState();
     const DeviceState now = m.platformOf(moved);
-    if (!isSlowEnough(now)) return Status::outOfRange;
+    if (!isWithinSpeedLimits(now)) return Status::outOfRange;
     m.state.updQ() = moved.getQ();
     m.state.updU() = moved.getU();
     m.state.setTime(moved.getTime());
@@ -357,7 +358,7 @@ Status MultibodyPlant::accelerate(const Pose& pose, const Vec6& twist, const Joi
   m.set(k);
   m.acting.torque = torque;
   const auto constant = [&](double, const Pose&, const Vec6&) { return wrench; };
-  const Load load(constant);
+  const ExternalWrench load(constant);
   m.acting.load = &load;
   m.system.realize(m.state, SimTK::Stage::Acceleration);
   acceleration = fromSpatial(m.acting.platform.getBodyAcceleration(m.state));

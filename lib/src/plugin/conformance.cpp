@@ -35,7 +35,7 @@ std::vector<EnamelTickInput> pathThroughWall(const Mechanism& mechanism, const C
     k.twist = twistOf(k.jacobian, k.rates);
     in.contacts.contacts[0] = nearestContact(wall, Tool(), pose, nullptr);
     in.contacts.count = 1;
-    in.maxTorque = mechanism.limits().torque;
+    in.maxTorque = mechanism.limits().effort;
     in.applied = k.gravity;
     std::memset(&path[i], 0, sizeof path[i]);
     toPlain(in, path[i]);

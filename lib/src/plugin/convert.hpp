@@ -56,7 +56,7 @@ inline void toPlain(const TickFrame& in, EnamelTickInput& out) noexcept {
     to.obstacle = from.obstacle;
     to.stiffness = from.material.stiffness;
     to.friction = from.material.friction;
-    to.sliding_friction = from.material.sliding;
+    to.sliding_friction = from.material.slidingFriction;
     to.viscosity = from.material.viscosity;
     to.part = from.part;
     to.triangle = from.triangle;

@@ -7,7 +7,7 @@
 #include "enamel/control/servo_file.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/passivity.hpp"
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 
 namespace enamel {
 namespace {
@@ -68,7 +68,7 @@ RendererSource findRenderer(const std::string& nameOrPath, const std::string& pl
 }
 
 std::string rendererOf(const std::string& gain) {
-  if (isSurfaceServo(gain)) return kPositionControl;
+  if (isPositionControlFile(gain)) return kPositionControl;
   (void)loadServo(gain);
   return kHold;
 }
@@ -79,19 +79,19 @@ ServoGain loadGain(const std::string& path, int joints, double period) {
   return servo.gain;
 }
 
-SurfaceServoOptions surfaceServo(const std::string& gain, const Mechanism& mechanism, double period, int delayLow,
-                                 int delayHigh) {
-  SurfaceServoOptions options;
+PositionControlOptions positionControlOptions(const std::string& gain, const Mechanism& mechanism, double period,
+                                              int delayLow, int delayHigh) {
+  PositionControlOptions options;
   if (gain.empty()) {
-    options = surfaceServoFor(mechanism.limits().count, period, delayLow, delayHigh);
+    options = positionControlFor(mechanism.limits().encoderStep, period, delayLow, delayHigh);
   } else {
-    options = loadSurfaceServo(gain).options;
-    requireFits(gain, options.count.size(), options.period, mechanism.joints(), period);
+    options = loadPositionControl(gain).options;
+    requireFits(gain, options.encoderStep.size(), options.period, mechanism.joints(), period);
     require(options.delayLow == delayLow && options.delayHigh == delayHigh,
             gain + ": the servo is for a delay of " + ticksText(options.delayLow, options.delayHigh) +
                 ", the loop has one of " + ticksText(delayLow, delayHigh));
   }
-  SurfaceServoRenderer{options};  // refuses here what a run would refuse
+  PositionControlRenderer{options};  // refuses here what a run would refuse
   return options;
 }
 
@@ -112,13 +112,13 @@ std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std
     of.read("delay", low);
     int high = low;
     if (of.text("delay-high", "same") != "same") of.read("delay-high", high);
-    return std::make_unique<SurfaceServoRenderer>(surfaceServo(gain, *device, period, low, high));
+    return std::make_unique<PositionControlRenderer>(positionControlOptions(gain, *device, period, low, high));
   }
   require(name == kHold, "there is no linked renderer \"" + name + "\"");
-  PositionControlOptions options;
+  HoldOptions options;
   of.readFlag("release", options.release);
   of.readFlag("anti-windup", options.antiWindup);
-  return std::make_unique<PositionControlRenderer>(
+  return std::make_unique<HoldRenderer>(
       gain.empty() ? ServoGain(designServo(device, Pose{}, period).K) : loadGain(gain, device->joints(), period),
       period, options);
 }

@@ -9,7 +9,7 @@
 namespace enamel {
 namespace {
 
-constexpr int kN = kMaxServoContacts;
+constexpr int kN = kMaxActiveContacts;
 constexpr int kMostSteps = 60;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

@@ -25,11 +25,11 @@ void FrictionMemory::begin() noexcept {
   count_ = 0.0;
 }
 
-Vec3 FrictionMemory::force(const Contact& contact, const Slide& slide, const Grasp& grasp,
+Vec3 FrictionMemory::force(const Contact& contact, const SurfaceMotion& slide, const TangentialGains& gains,
                            double normalForce) noexcept {
   const Material& material = contact.material;
   const int slot = static_cast<int>(count_);
-  if (!(material.friction > 0.0 && grasp.stiffness > 0.0) || slot >= kMaxFrictionPoints) return Vec3::Zero();
+  if (!(material.friction > 0.0 && gains.stiffness > 0.0) || slot >= kMaxFrictionPoints) return Vec3::Zero();
 
   // The same contact at the last tick; without a key the nearest of its obstacle and part. It is taken over once only.
   FrictionPoint* before = nullptr;
@@ -48,21 +48,21 @@ Vec3 FrictionMemory::force(const Contact& contact, const Slide& slide, const Gra
   double load = normalForce, budget = normalForce;
   bool slides = false;
   if (before != nullptr) {
-    stretch = along(n, vector(before->stretch) + slide.way);
+    stretch = along(n, vector(before->stretch) + slide.displacement);
     load = before->load + kLoadFollows * (normalForce - before->load);
     budget += std::min(before->budget, load / kLoadFollows);
     slides = before->slides != 0.0;
     before->obstacle = -1.0;
   }
 
-  const Vec3 lead = along(n, slide.ahead), velocity = along(n, slide.velocity);
+  const Vec3 lead = along(n, slide.predicted), velocity = along(n, slide.velocity);
   // What the mean lends in a weak tick was saved in strong ones. A tool that hops keeps its grip until it comes down.
   const double holds = normalForce > 0.0 ? std::min(std::max(load, normalForce), budget) : budget;
   // The spring says whether it slides; the damper, which feels every count of an encoder, does not.
-  slides = grasp.stiffness * (stretch + lead).norm() > (slides ? material.sliding : material.friction) * holds;
-  const double most = (slides ? material.sliding : material.friction) * holds;
-  if (slides) stretch = shortened(stretch + lead, most / grasp.stiffness) - lead;
-  const Vec3 force = shortened(-grasp.stiffness * (stretch + lead) - grasp.damping * velocity, most);
+  slides = gains.stiffness * (stretch + lead).norm() > (slides ? material.slidingFriction : material.friction) * holds;
+  const double most = (slides ? material.slidingFriction : material.friction) * holds;
+  if (slides) stretch = shortened(stretch + lead, most / gains.stiffness) - lead;
+  const Vec3 force = shortened(-gains.stiffness * (stretch + lead) - gains.damping * velocity, most);
 
   FrictionPoint& point = now_[slot];
   point = {static_cast<double>(contact.obstacle),

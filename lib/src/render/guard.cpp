@@ -108,9 +108,9 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   const Kinematics& home = device.home();
   GuardOptions o;
   o.period = period;
-  o.torque = device.limits().torque;
+  o.torque = device.limits().effort;
   o.slew = o.torque * (2.0 / 0.5e-3);
-  o.count = device.limits().count;
+  o.encoderStep = device.limits().encoderStep;
   Cholesky<kMaxJoints> inertia;  // positive definite: a device without is none
   factorInertia(home.inertia, inertia);
   Mat6 inverseInertia;
@@ -141,16 +141,16 @@ Guard::Guard(const Mechanism& device, const GuardOptions& options)
     : options_(options), n_(device.joints()), damped_(!options.damping.isZero(0.0)), ring_(kGuardTicks) {
   const GuardOptions& o = options;
   requirePeriod(o.period, "guard: ");
-  for (const JointVector* v : {&o.torque, &o.slew, &o.rate, &o.count})
-    require(isSize(*v, n_), "guard: torque, slew, rate and count need " + std::to_string(n_) + " numbers, one has " +
-                                std::to_string(v->size()));
+  for (const JointVector* v : {&o.torque, &o.slew, &o.rate, &o.encoderStep})
+    require(isSize(*v, n_), "guard: torque, slew, rate and encoder step need " + std::to_string(n_) +
+                                " numbers, one has " + std::to_string(v->size()));
   for (int i = 0; i < n_; ++i) {
-    const double limit = device.limits().torque[i];
+    const double limit = device.limits().effort[i];
     require(o.torque[i] >= 0.0 && o.torque[i] <= limit,
             "guard: the torque limit of joint " + std::to_string(i + 1) + " is " + formatNumber(o.torque[i]) +
                 ", must be in 0 to the device's " + formatNumber(limit) + " N m or N");
-    require((o.slew[i] > 0.0 || o.torque[i] == 0.0) && o.rate[i] > 0.0 && o.count[i] > 0.0,
-            "guard: slew, rate and count of joint " + std::to_string(i + 1) + " must be greater than 0");
+    require((o.slew[i] > 0.0 || o.torque[i] == 0.0) && o.rate[i] > 0.0 && o.encoderStep[i] > 0.0,
+            "guard: slew, rate and encoder step of joint " + std::to_string(i + 1) + " must be greater than 0");
   }
   requireLimit(o.force, "the largest force", "N");
   requireLimit(o.moment, "the largest moment", "N m");
@@ -254,7 +254,7 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   const double time = std::max(m.time - s.sampleTime, options_.period);
   GuardReason reason = GuardReason::none;
   for (int i = 0; i < n_; ++i) {
-    const double way = std::abs(m.q[i] - s.q[i]), count = options_.count[i];
+    const double way = std::abs(m.q[i] - s.q[i]), count = options_.encoderStep[i];
     if (!(way <= options_.rate[i] * time + 2.0 * count)) reason = GuardReason::jump;
     if (way == 0.0) {
       if (s.still[i] < kStillTicks) ++s.still[i];
@@ -287,7 +287,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
     wrench += k.inverseTransposed.col(i) * beyond;
     // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
     // bound.
-    work += beyond * step - 0.5 * o.count[i] * std::abs(beyond - s.beyond[i]);
+    work += beyond * step - 0.5 * o.encoderStep[i] * std::abs(beyond - s.beyond[i]);
     s.beyond[i] = beyond;
   }
   s.twist = way / std::max(elapsed, 0.5 * o.period);

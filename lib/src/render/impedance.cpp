@@ -52,16 +52,16 @@ Status ImpedanceRenderer::render(const TickFrame& frame, TickOutput& output) noe
     const Contact& contact = frame.contacts.contacts[i];
     const Vec3 arm = contact.point - k.pose.position, velocity = contactVelocity(k, contact);
     const double gap = predictedGap(frame, contact, period_);
-    const Slide slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity, frame.age * period_ * velocity,
-                      velocity};
-    const Grasp grasp{options_.stiffness, options_.damping};
+    const SurfaceMotion slide{translationAt(way, arm) - elapsed * contact.obstacleVelocity,
+                              frame.age * period_ * velocity, velocity};
+    const TangentialGains gains{options_.stiffness, options_.damping};
     if (!(gap < 0.0)) {
-      (void)state_.friction.force(contact, slide, grasp, 0.0);  // it may touch again at once
+      (void)state_.friction.force(contact, slide, gains, 0.0);  // it may touch again at once
       continue;
     }
     const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // 1/0 = infinite: no force
     const double force = std::max(0.0, -gap / compliance - options_.damping * contact.normal.dot(velocity));
-    const Vec3 both = force * contact.normal + state_.friction.force(contact, slide, grasp, force);
+    const Vec3 both = force * contact.normal + state_.friction.force(contact, slide, gains, force);
     wrench.head<3>() += both;
     wrench.tail<3>() += arm.cross(both);
     if (output.mode == RenderMode::free) output.normalForce = force;  // of the deepest

@@ -44,8 +44,8 @@ bool sizesAgree(const TickFrame& in) noexcept {
 }
 
 bool isMaterial(const Material& m) noexcept {
-  return m.stiffness > 0.0 && m.friction >= 0.0 && m.friction <= 10.0 && m.sliding >= 0.0 && m.sliding <= m.friction &&
-         m.viscosity >= 0.0 && m.viscosity <= kLargestViscosity;
+  return m.stiffness > 0.0 && m.friction >= 0.0 && m.friction <= 10.0 && m.slidingFriction >= 0.0 &&
+         m.slidingFriction <= m.friction && m.viscosity >= 0.0 && m.viscosity <= kLargestViscosity;
 }
 
 // Everything has a limit, so that NaN and infinity pass none.

@@ -35,7 +35,7 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
       guard_(mechanism, guard),
       track_(makeToolTrack(scene, tool)) {
   placeAt(start);
-  frame_.maxTorque = guard.on ? guard.torque : mechanism.limits().torque;
+  frame_.maxTorque = guard.on ? guard.torque : mechanism.limits().effort;
   frame_.output.torque.setZero(mechanism.joints());
   renderer.activate(guard.period);
 }
@@ -43,7 +43,7 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
 Status HapticTick::operator()(const Measurement& measurement, Command& command) noexcept {
   const bool isNext = measurement.age == 0 && measurement.time > sampleTime_ && measurement.time > frame_.time;
   const Status status = tick(isNext ? measurement : adjusted(measurement));
-  command.torque = frame_.command;
+  command.effort = frame_.command;
   return status;
 }
 

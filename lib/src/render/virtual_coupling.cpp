@@ -47,7 +47,7 @@ Status VirtualCouplingRenderer::render(const TickFrame& frame, TickOutput& outpu
   ContactProblem problem;
   problem.most = 1e6;
   problem.motors = 0;
-  problem.contacts = std::min(frame.contacts.count, kMaxServoContacts);
+  problem.contacts = std::min(frame.contacts.count, kMaxActiveContacts);
   const Contact* const contacts = frame.contacts.contacts.data();
   for (int i = 0; i < problem.contacts; ++i) {
     const double gap = contacts[i].gap - ahead * contacts[i].normal.dot(contacts[i].obstacleVelocity);

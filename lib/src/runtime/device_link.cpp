@@ -129,14 +129,14 @@ bool isWithin(std::int64_t stamp, std::int64_t now, double most) noexcept {
 const LinkOptions& checked(const LinkOptions& options) {
   require(options.joints >= 1 && options.joints <= kMaxJoints,
           "link: the number of joints is " + std::to_string(options.joints) + ", must be in 1 to 7");
-  for (const double time : {options.silence, options.rampIn, options.rampOut})
+  for (const double time : {options.timeout, options.rampIn, options.rampOut})
     require(time > 0.0 && time <= 10.0,
-            "link: silence or a ramp is " + formatNumber(time) + " s, must be above 0 and at most 10 s");
+            "link: the timeout or a ramp is " + formatNumber(time) + " s, must be above 0 and at most 10 s");
   return options;
 }
 
 JointVector bounded(const JointVector& torque, const Mechanism& mechanism) noexcept {
-  return torque.cwiseMax(-mechanism.limits().torque).cwiseMin(mechanism.limits().torque);
+  return torque.cwiseMax(-mechanism.limits().effort).cwiseMin(mechanism.limits().effort);
 }
 
 std::uint64_t rotate(std::uint64_t x, int by) noexcept { return (x << by) | (x >> (64 - by)); }
@@ -251,7 +251,7 @@ void LinkClient::receive(const unsigned char* d, std::size_t size, std::int64_t 
 }
 
 Status LinkClient::measure(Measurement& measurement, std::int64_t now) noexcept {
-  if (session_ && now - heard_ > kSessionEnds) {
+  if (session_ && now - heard_ > kSessionTimeout) {
     session_ = false;
     commanding_ = false;
     ++client_;  // what is still under way is of no session
@@ -259,7 +259,7 @@ Status LinkClient::measure(Measurement& measurement, std::int64_t now) noexcept 
   }
   if (!session_ || !fresh_) return Status::stale;
   fresh_ = false;
-  if (!isWithin(echo_, now, options_.silence)) {
+  if (!isWithin(echo_, now, options_.timeout)) {
     count(counts_, DropReason::stale);
     return Status::stale;
   }
@@ -268,7 +268,7 @@ Status LinkClient::measure(Measurement& measurement, std::int64_t now) noexcept 
 }
 
 std::size_t LinkClient::call(std::int64_t now, Datagram& datagram) noexcept {
-  if ((session_ && commanding_) || (everCalled_ && now - called_ < kCallEvery)) return 0;
+  if ((session_ && commanding_) || (everCalled_ && now - called_ < kCallInterval)) return 0;
   called_ = now;
   everCalled_ = true;
   Head h;
@@ -312,7 +312,7 @@ bool LinkServer::receive(const unsigned char* d, std::size_t size, std::int64_t 
   Head h;
   if (const int reason = examine(options_, d, size, true, h); reason != kDropReasons)
     return count(counts_, static_cast<DropReason>(reason));
-  if (session_ && now - heard_ > kSessionEnds) session_ = false;
+  if (session_ && now - heard_ > kSessionTimeout) session_ = false;
   if (h.kind == kCall) {
     if (session_ && h.client != client_) return count(counts_, DropReason::session);
     if (!session_) {
@@ -331,7 +331,7 @@ bool LinkServer::receive(const unsigned char* d, std::size_t size, std::int64_t 
   if (h.kind == kCommand) {
     if (!getNumbers(d + kHead, options_.joints, torque)) return count(counts_, DropReason::notFinite);
     for (int i = 0; i < options_.joints; ++i)
-      if (!(std::abs(torque[i]) <= mechanism_.limits().torque[i] * (1.0 + 1e-6)))
+      if (!(std::abs(torque[i]) <= mechanism_.limits().effort[i] * (1.0 + 1e-6)))
         return count(counts_, DropReason::limits);
   }
   newest_ = h.sequence;
@@ -342,7 +342,7 @@ bool LinkServer::receive(const unsigned char* d, std::size_t size, std::int64_t 
       answered_ = h.echo;
       counts_.roundTrip.add(since(h.echoStamp, now));
     }
-    if (!isWithin(h.echoStamp, now, options_.silence)) {
+    if (!isWithin(h.echoStamp, now, options_.timeout)) {
       count(counts_, DropReason::stale);
       return true;
     }
@@ -355,7 +355,7 @@ bool LinkServer::receive(const unsigned char* d, std::size_t size, std::int64_t 
 }
 
 JointVector LinkServer::torque(const JointVector& q, double period, std::int64_t now) noexcept {
-  const bool alive = commanded_ && isWithin(of_, now, options_.silence);
+  const bool alive = commanded_ && isWithin(of_, now, options_.timeout);
   weight_ =
       alive ? std::min(1.0, weight_ + period / options_.rampIn) : std::max(0.0, weight_ - period / options_.rampOut);
   if (weight_ == 1.0) return torque_;
@@ -365,7 +365,7 @@ JointVector LinkServer::torque(const JointVector& q, double period, std::int64_t
 }
 
 std::size_t LinkServer::measurement(const Measurement& m, std::int64_t now, Datagram& datagram) noexcept {
-  if (!session_ || now - heard_ > kSessionEnds || m.q.size() != options_.joints || m.rates.size() != options_.joints)
+  if (!session_ || now - heard_ > kSessionTimeout || m.q.size() != options_.joints || m.rates.size() != options_.joints)
     return 0;
   const bool applied = m.applied && m.applied->size() == options_.joints;
   Head h;

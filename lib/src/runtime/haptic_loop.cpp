@@ -50,7 +50,7 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
   // An earlier loop's fault, and the time since, are not this one's.
   if (haptics.guard().kept() > 0) haptics.reset();
   tick_.pose = haptics.frame().kinematics.pose;
-  tick_.requested = command_.torque = JointVector::Zero(guard.torque.size());
+  tick_.requested = command_.effort = JointVector::Zero(guard.torque.size());
 }
 
 LoopBody::~LoopBody() { device_.close(); }

@@ -125,7 +125,7 @@ void Recorder::add(std::uint64_t number, const Measurement& measurement, const H
   copy(measurement.rates, t.rates);
   copy(measurement.applied.value_or(JointVector()), t.applied);
   copy(output.torque, t.requested);
-  copy(command.torque, t.command);
+  copy(command.effort, t.command);
   t.normalForce = output.normalForce;
   tick.renderer().saveState(rendererState_.data());
   t.stateHash = hashOf(rendererState_.data(), rendererState_.size());

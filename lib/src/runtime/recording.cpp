@@ -38,7 +38,7 @@ const std::pair<const char*, JointVector GuardOptions::*> kVectors[] = {
     {"torque", &GuardOptions::torque},
     {"slew", &GuardOptions::slew},
     {"rate", &GuardOptions::rate},
-    {"count", &GuardOptions::count},
+    {"count", &GuardOptions::encoderStep},
 };
 const std::pair<const char*, int GuardOptions::*> kCounts[] = {{"longest_gap", &GuardOptions::longestGap},
                                                                {"most_missed", &GuardOptions::mostMissed}};

@@ -84,7 +84,7 @@ ReplayResult replay(RecordingReader& recording, HapticTick& tick, std::uint64_t 
         Comparison with(result, recorded);
         ++result.ticks;
         with.vectors("requested torque", recorded.requested, tick.frame().output.torque, result.requested);
-        with.vectors("command", recorded.command, command.torque, result.command);
+        with.vectors("command", recorded.command, command.effort, result.command);
         with.numbers("normal force", -1, recorded.normalForce, tick.frame().output.normalForce);
         with.numbers("status", -1, numberOf(recorded.status), numberOf(status));
         with.numbers("guard's reason", -1, numberOf(recorded.reason), numberOf(tick.frame().reason));

@@ -89,7 +89,7 @@ Status UdpDevice::measure(Measurement& measurement) noexcept {
 }
 
 Status UdpDevice::actuate(const Command& command) noexcept {
-  const std::size_t size = client_.command(command.torque, clockNow(), datagram_);
+  const std::size_t size = client_.command(command.effort, clockNow(), datagram_);
   if (size == 0) return Status::inactive;
   return send(socket_, datagram_.data(), size, MSG_NOSIGNAL) == static_cast<ssize_t>(size) ? Status::ok : Status::stale;
 }
@@ -122,7 +122,7 @@ struct DeviceServer::Server {
     });
     const Status measured = device.measure(measurement);
     // Commands that were taken before stop() end by the watchdog like any others.
-    command.torque = link.torque(measurement.q, period, clockNow());
+    command.effort = link.torque(measurement.q, period, clockNow());
     (void)device.actuate(command);
     if (measured == Status::ok && !stops)
       if (const std::size_t size = link.measurement(measurement, clockNow(), datagram); size > 0)

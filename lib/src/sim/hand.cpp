@@ -13,7 +13,8 @@ Vec3 holdingMoment(const Mat3& rotation, const Mat3& start, const Vec3& omega) n
 }
 
 Vec6 guidingWrench(const Pose& pose, const Vec6& twist, const Pose& start, const Vec3& normal) noexcept {
-  const Vec3 pull = kGuide.stiffness * (pose.position - start.position) + kGuide.damping * Vec3(twist.head<3>());
+  const Vec3 pull =
+      kGuideGrip.stiffness * (pose.position - start.position) + kGuideGrip.damping * Vec3(twist.head<3>());
   Vec6 wrench;
   wrench << normal.dot(pull) * normal - pull, holdingMoment(pose.rotation, start.rotation, twist.tail<3>());
   return wrench;

@@ -11,8 +11,8 @@ Status Plant::rest(const Pose& pose, Kinematics& kinematics) noexcept {
   return Status::ok;
 }
 
-bool isSlowEnough(const DeviceState& state) noexcept {
-  return state.twist.head<3>().norm() <= kFastest && state.twist.tail<3>().norm() <= kFastestTurn;
+bool isWithinSpeedLimits(const DeviceState& state) noexcept {
+  return state.twist.head<3>().norm() <= kMaxPlantSpeed && state.twist.tail<3>().norm() <= kMaxPlantTurnRate;
 }
 
 Status ClosedFormPlant::start(const Pose& pose) noexcept {
@@ -20,14 +20,15 @@ Status ClosedFormPlant::start(const Pose& pose) noexcept {
   return rest(pose, kinematics);
 }
 
-Status ClosedFormPlant::advance(double time, double duration, const JointVector& torque, const Load& load) noexcept {
+Status ClosedFormPlant::advance(double time, double duration, const JointVector& torque,
+                                const ExternalWrench& load) noexcept {
   const double step = duration / substeps_;
   DeviceState state = state_;
   for (int i = 0; i < substeps_; ++i) {
     if (const Status s = stepMotion(integrator_, mechanism(), time + i * step, step, torque, load, state);
         s != Status::ok)
       return s;
-    if (!isSlowEnough(state)) return Status::outOfRange;
+    if (!isWithinSpeedLimits(state)) return Status::outOfRange;
   }
   state_ = state;
   return Status::ok;

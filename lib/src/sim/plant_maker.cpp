@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "enamel/core/error.hpp"
-#include "enamel/sim/real_plant.hpp"
+#include "enamel/sim/imperfect_plant.hpp"
 
 namespace enamel {
 namespace {
@@ -21,7 +21,7 @@ bool isUnit(const std::string& plant) noexcept {
   return plant.size() > 4 && std::string_view(plant).substr(plant.size() - 4) == ".fmu";
 }
 
-std::vector<std::string> plantNames() { return {kClosedForm, kMultibody, kReal, kRealStiff}; }
+std::vector<std::string> plantNames() { return {kClosedForm, kMultibody, kImperfect, kImperfectStiff}; }
 
 std::string checkPlant(const std::string& plant) {
   if (isUnit(plant)) return "";
@@ -45,16 +45,16 @@ MakePlant plantMaker(const std::string& plant, const DeviceParameters& parameter
     throw Error("--plant " + plant + ": this enamel was built without FMI (Debian: libzip-dev, libpugixml-dev)");
   }
   if (plant == kClosedForm) return {};
-  DeviceParameters real = parameters;
-  if (plant == kRealStiff) stiffenCables(real);
-  const Imperfections& imperfections = imperfectionsOf(real);
-  (void)makeRealDevice(real, setup.seed);  // refuses what it cannot be made of
+  DeviceParameters imperfect = parameters;
+  if (plant == kImperfectStiff) stiffenCables(imperfect);
+  const Imperfections& imperfections = imperfectionsOf(imperfect);
+  (void)makeImperfectDevice(imperfect, setup.seed);  // refuses what it cannot be made of
   if (isPerfect(imperfectionsOf(parameters)))
     throw Error(nameOf(parameters) + " has no [imperfections]: its " + plant + " plant would be the closed form");
   setup.jitter = imperfections.jitter;
   setup.lostSamples = imperfections.lostSamples;
-  return [real, seed = setup.seed](std::uint32_t stream) {
-    return std::make_unique<RealPlant>(makeRealDevice(real, seed, stream));
+  return [imperfect, seed = setup.seed](std::uint32_t stream) {
+    return std::make_unique<ImperfectPlant>(makeImperfectDevice(imperfect, seed, stream));
   };
 }
 

@@ -15,67 +15,69 @@ constexpr double kLongestRun = 3600.0;            // s
 
 }  // namespace
 
-PersonLoad::PersonLoad(const PushSetup& setup) noexcept
-    : person_(setup.person),
+SimulatedHand::SimulatedHand(const PushSetup& setup) noexcept
+    : hand_(setup.hand),
       start_(gripOf(setup.start)),
       times_(timesOf(setup)),
       random_(setup.seed, setup.run),
       period_(setup.period) {
-  if (person_.arm) arm_.emplace(*person_.arm);
+  if (hand_.arm) arm_.emplace(*hand_.arm);
 }
 
-bool PersonLoad::stepsInside(std::uint64_t tick) const noexcept {
-  return person_.scenario == 1 && person_.instant > 0.0 && tick == times_.onset && !person_.arm;
+bool SimulatedHand::stepsInside(std::uint64_t tick) const noexcept {
+  return hand_.scenario == 1 && hand_.instant > 0.0 && tick == times_.onset && !hand_.arm;
 }
 
-void PersonLoad::hold(std::uint64_t tick, bool stepped) noexcept {
-  const bool pressed = person_.preload > 0.0 && person_.scenario == 1;
+void SimulatedHand::hold(std::uint64_t tick, bool stepped) noexcept {
+  const bool pressed = hand_.preload > 0.0 && hand_.scenario == 1;
   held_ = 0.0;
-  if (person_.scenario == 1) {
+  if (hand_.scenario == 1) {
     if (tick >= times_.onset && (stepped || !stepsInside(tick)))
-      held_ = person_.force;
+      held_ = hand_.force;
     else if (pressed)
-      held_ = person_.preload;
+      held_ = hand_.preload;
   }
-  if (pressed || tick >= times_.steady) held_ += person_.noise * random_.normal(RandomStream::Purpose::noise, tick);
+  if (pressed || tick >= times_.steady) held_ += hand_.noise * random_.normal(RandomStream::Purpose::noise, tick);
 }
 
-void PersonLoad::moveArm(const Pose& pose, const Vec6& twist) noexcept {
+void SimulatedHand::moveArm(const Pose& pose, const Vec6& twist) noexcept {
   if (arm_) arm_->move(held_, way(gripOf(pose)), speed(gripOf(pose, twist)), period_);
 }
 
-Vec6 PersonLoad::operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
+Vec6 SimulatedHand::operator()(double time, const Pose& pose, const Vec6& twist) const noexcept {
   const Pose grip = gripOf(pose);
   const Vec6 motion = gripOf(pose, twist);
   Vec6 wrench = Vec6::Zero();
-  if (person_.guide) wrench = guidingWrench(grip, motion, start_, person_.normal);
-  wrench.head<3>() -= force(time, grip, motion) * person_.normal;
+  if (hand_.guide) wrench = guidingWrench(grip, motion, start_, hand_.normal);
+  wrench.head<3>() -= force(time, grip, motion) * hand_.normal;
   wrench.tail<3>() += (grip.position - pose.position).cross(wrench.head<3>());
   return wrench;
 }
 
-Pose PersonLoad::gripOf(const Pose& pose) const noexcept {
-  return {pose.position + pose.rotation * person_.grip, pose.rotation};
+Pose SimulatedHand::gripOf(const Pose& pose) const noexcept {
+  return {pose.position + pose.rotation * hand_.grip, pose.rotation};
 }
 
-Vec6 PersonLoad::gripOf(const Pose& pose, const Vec6& twist) const noexcept {
+Vec6 SimulatedHand::gripOf(const Pose& pose, const Vec6& twist) const noexcept {
   Vec6 motion = twist;
-  motion.head<3>() = translationAt(twist, pose.rotation * person_.grip);
+  motion.head<3>() = translationAt(twist, pose.rotation * hand_.grip);
   return motion;
 }
 
-double PersonLoad::force(double time, const Pose& pose, const Vec6& twist) const noexcept {
+double SimulatedHand::force(double time, const Pose& pose, const Vec6& twist) const noexcept {
   if (arm_) return arm_->push(way(pose), speed(twist));
-  if (person_.scenario == 1) return held_;
-  const HandMotion hand = handMotion(person_.force, time);
-  const Vec3& n = person_.normal;
+  if (hand_.scenario == 1) return held_;
+  const HandMotion hand = handMotion(hand_.force, time);
+  const Vec3& n = hand_.normal;
   const double spring = kPaperGrip.stiffness * (hand.position - n.dot(pose.position - start_.position));
   return held_ - spring - kPaperGrip.damping * (hand.velocity - n.dot(twist.head<3>()));
 }
 
-double PersonLoad::way(const Pose& pose) const noexcept { return -person_.normal.dot(pose.position - start_.position); }
+double SimulatedHand::way(const Pose& pose) const noexcept {
+  return -hand_.normal.dot(pose.position - start_.position);
+}
 
-double PersonLoad::speed(const Vec6& twist) const noexcept { return -person_.normal.dot(twist.head<3>()); }
+double SimulatedHand::speed(const Vec6& twist) const noexcept { return -hand_.normal.dot(twist.head<3>()); }
 
 HandMotion handMotion(double force, double time) noexcept {
   // Three phases whose displacements add up to -F_c / 40 at 2 s: a (0.45^2 + 0.45 * 0.1) = a * 0.2475.
@@ -98,18 +100,18 @@ PushTimes timesOf(const PushSetup& setup) noexcept {
   const auto tickAt = [&setup](double time) {
     return static_cast<std::uint64_t>(std::llround(std::max(0.0, time) / setup.period));
   };
-  return {tickAt(kOnset), tickAt(setup.person.scenario == 1 ? kOnset : kHandStill), tickAt(setup.duration - 1.0),
+  return {tickAt(kOnset), tickAt(setup.hand.scenario == 1 ? kOnset : kHandStill), tickAt(setup.duration - 1.0),
           tickAt(setup.duration)};
 }
 
-void holdAt(const Vec3& tip, PushSetup& setup) {
+void setToolTip(const Vec3& tip, PushSetup& setup) {
   setup.tool = Tool();
   setup.tool.parts[0].a = setup.tool.parts[0].b = tip;
-  setup.person.grip = tip;
-  setup.scene = flatWall(setup.start.position + setup.start.rotation * tip, setup.person.normal);
+  setup.hand.grip = tip;
+  setup.scene = flatWall(setup.start.position + setup.start.rotation * tip, setup.hand.normal);
 }
 
-void pushIn(const SceneFile& file, PushSetup& setup) {
+void setScene(const SceneFile& file, PushSetup& setup) {
   setup.scene = file.scene;
   setup.tool = file.tool;
   setup.force = std::min(setup.force, file.maxForce);
@@ -124,13 +126,13 @@ bool placeOnSurface(PushSetup& setup) noexcept {
     setup.start.position -= nearest.gap * nearest.normal;
     nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
   }
-  setup.person.normal = nearest.normal;
+  setup.hand.normal = nearest.normal;
   return setup.start.position.allFinite();
 }
 
 void checkPush(const PushSetup& setup) {
   checkLoop(setup);
-  const Person& p = setup.person;
+  const HandModel& p = setup.hand;
   require(p.scenario == 1 || p.scenario == 2, "scenario is " + std::to_string(p.scenario) + ", must be 1 or 2");
   if (p.arm) {
     const Arm& a = *p.arm;
@@ -164,21 +166,21 @@ PushResult runPush(std::unique_ptr<Plant> plant, const Mechanism& model, Rendere
                    const std::function<void(const TickRecord&, const VirtualLoop&)>& record) {
   checkPush(setup);
   VirtualLoop loop(std::move(plant), model, renderer, setup);
-  PersonLoad person(setup);
+  SimulatedHand hand(setup);
   const PushTimes times = timesOf(setup);
   PushResult result{Status::ok, 0, GuardReason::none};
   TickRecord tick;
   for (std::uint64_t i = 0; i < times.end; ++i) {
-    person.hold(i);
-    if (person.stepsInside(i)) {
-      PersonLoad stepped = person;
+    hand.hold(i);
+    if (hand.stepsInside(i)) {
+      SimulatedHand stepped = hand;
       stepped.hold(i, true);
-      result.status = loop.tick(person, setup.person.instant * setup.period, stepped, tick);
+      result.status = loop.tick(hand, setup.hand.instant * setup.period, stepped, tick);
     } else {
-      result.status = loop.tick(person, tick);
+      result.status = loop.tick(hand, tick);
     }
     if (result.status != Status::ok) break;
-    person.moveArm(tick.pose, tick.twist);
+    hand.moveArm(tick.pose, tick.twist);
     ++result.ticks;
     record(tick, loop);
     if (isFault(tick.guard)) {

@@ -25,19 +25,20 @@ Kinematics started(Plant* plant, const Pose& start) {
 
 }  // namespace
 
-Encoders::Encoders(const EncoderOptions& options, const JointVector& count, double period) noexcept
+Encoders::Encoders(const EncoderOptions& options, const JointVector& encoderStep, double period) noexcept
     : options_(options),
-      count_(count),
+      encoderStep_(encoderStep),
       period_(period),
       gain_(options.rates == RateSource::lowPass ? -std::expm1(-2.0 * M_PI * options.cutoff * period) : 1.0),
-      last_(JointVector::Zero(count.size())),
+      last_(JointVector::Zero(encoderStep.size())),
       filtered_(last_) {}
 
 void Encoders::measure(const JointVector& q, const JointVector& rates, Measurement& measurement) noexcept {
   measurement.q = q;
   measurement.rates = rates;
   if (options_.quantised)
-    for (Eigen::Index i = 0; i < q.size(); ++i) measurement.q[i] = count_[i] * std::nearbyint(q[i] / count_[i]);
+    for (Eigen::Index i = 0; i < q.size(); ++i)
+      measurement.q[i] = encoderStep_[i] * std::nearbyint(q[i] / encoderStep_[i]);
   if (options_.rates == RateSource::exact) return;
   if (started_) filtered_ += gain_ * ((measurement.q - last_) / period_ - filtered_);
   started_ = true;
@@ -85,7 +86,7 @@ VirtualDevice::VirtualDevice(std::unique_ptr<Plant> plant, const VirtualDeviceSe
       plant_(std::move(plant)),
       random_(setup.seed, setup.run),
       kinematics_(started(plant_.get(), setup.start)),
-      encoders_(setup.encoders, plant_->mechanism().limits().count, setup.period),
+      encoders_(setup.encoders, plant_->mechanism().limits().encoderStep, setup.period),
       motors_(setup.delay, kinematics_.gravity),
       torque_(kinematics_.gravity) {}
 
@@ -96,7 +97,7 @@ Status VirtualDevice::restart(const Pose& start) {
   if (const Status status = plant_->start(start); status != Status::ok) return status;
   setup_.start = start;
   kinematics_ = there;
-  encoders_ = Encoders(setup_.encoders, plant_->mechanism().limits().count, setup_.period);
+  encoders_ = Encoders(setup_.encoders, plant_->mechanism().limits().encoderStep, setup_.period);
   motors_ = Motors(setup_.delay, kinematics_.gravity);
   torque_ = kinematics_.gravity;
   tick_ = 0;
@@ -118,7 +119,7 @@ Status VirtualDevice::measure(Measurement& measurement) noexcept {
 }
 
 Status VirtualDevice::actuate(const Command& command) noexcept {
-  torque_ = motors_.actuate(tick_, command.torque, random_);
+  torque_ = motors_.actuate(tick_, command.effort, random_);
   return Status::ok;
 }
 
@@ -131,13 +132,13 @@ double VirtualDevice::duration() const noexcept {
   return setup_.jitter > 0.0 ? timeOf(tick_ + 1) - timeOf(tick_) : setup_.period;
 }
 
-Status VirtualDevice::advance(const Load& load) noexcept {
+Status VirtualDevice::advance(const ExternalWrench& load) noexcept {
   const Status status = plant_->advance(time(), duration(), torque_, load);
   if (status == Status::ok) ++tick_;
   return status;
 }
 
-Status VirtualDevice::advance(const Load& before, double instant, const Load& after) noexcept {
+Status VirtualDevice::advance(const ExternalWrench& before, double instant, const ExternalWrench& after) noexcept {
   const double whole = duration(), first = std::min(instant, whole);
   Status status = plant_->advance(time(), first, torque_, before);
   if (status == Status::ok) status = plant_->advance(time() + first, whole - first, torque_, after);

@@ -39,15 +39,16 @@ Status VirtualLoop::restart(const Pose& start) {
   return Status::ok;
 }
 
-Status VirtualLoop::tick(const Load& load, TickRecord& record) noexcept {
+Status VirtualLoop::tick(const ExternalWrench& load, TickRecord& record) noexcept {
   if (const Status status = react(record); status != Status::ok) return status;
-  record.person = load(record.time, record.pose, record.twist);
+  record.handWrench = load(record.time, record.pose, record.twist);
   return device_.advance(load);
 }
 
-Status VirtualLoop::tick(const Load& before, double instant, const Load& after, TickRecord& record) noexcept {
+Status VirtualLoop::tick(const ExternalWrench& before, double instant, const ExternalWrench& after,
+                         TickRecord& record) noexcept {
   if (const Status status = react(record); status != Status::ok) return status;
-  record.person = before(record.time, record.pose, record.twist);
+  record.handWrench = before(record.time, record.pose, record.twist);
   return device_.advance(before, instant, after);
 }
 
@@ -71,7 +72,7 @@ Status VirtualLoop::react(TickRecord& record) noexcept {
   record.twist = truth.twist;
   record.q = measurement_.q;
   record.requested = tick_.frame().output.torque;
-  record.command = command_.torque;
+  record.command = command_.effort;
   record.guard = tick_.frame().reason;
   record.torque = device_.torque();
   record.rendered = wrenchOf(truth, record.torque - truth.gravity);

@@ -91,7 +91,7 @@ void addWallTrials(const StudyPlan& plan, const std::vector<std::string>& trials
     setup.period = column.period > 0.0 ? column.period : push.period;
     const int ticks = static_cast<int>(std::lround(push.period / setup.period));
     setup.delay = {push.delay.low * ticks, push.delay.high * ticks};
-    setup.noise = push.person.noise;
+    setup.noise = push.hand.noise;
     setup.runs = plan.runs;
     setup.seed = push.seed;
     for (const std::string& trial : trials)

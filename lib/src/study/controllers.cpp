@@ -6,9 +6,9 @@
 #include "core/message.hpp"
 #include "enamel/control/device_plant.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/render/hold.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/passivity.hpp"
-#include "enamel/render/position_control.hpp"
 #include "enamel/render/virtual_coupling.hpp"
 
 namespace enamel {
@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Values = std::vector<double>;
 
-// How the search varies each of surfaceServoParameters().
+// How the search varies each of positionControlParameters().
 struct Variation {
   double low, high, step;
   bool logarithmic;
@@ -64,11 +64,11 @@ MakeRenderer virtualCoupling(const ControllerUse&, const Values& v) {
 MakeRenderer holdWith(const ControllerUse& use, const Values& v, int foreseen) {
   const ServoDesign design = designServo(use.device, Pose{}, use.period, {v[0], v[1], v[2], 1.0});
   const DelayedServo servo = servoForDelay(design, foreseen);
-  PositionControlOptions options;
+  HoldOptions options;
   options.antiWindup = true;
   options.commandGain = servo.commandGain;
   return [gain = ServoGain(servo.K), period = use.period, options] {
-    return std::make_unique<PositionControlRenderer>(gain, period, options);
+    return std::make_unique<HoldRenderer>(gain, period, options);
   };
 }
 
@@ -79,23 +79,23 @@ MakeRenderer holdDelay(const ControllerUse& use, const Values& v) {
 
 }  // namespace
 
-SurfaceServoOptions surfaceServoWith(const SurfaceServoOptions& start, const Values& values) {
-  const auto& parameters = surfaceServoParameters();
-  require(values.size() == parameters.size(),
-          "surface servo: " + std::to_string(values.size()) + " numbers, must be " + std::to_string(parameters.size()));
-  SurfaceServoOptions options = start;
+PositionControlOptions positionControlWith(const PositionControlOptions& start, const Values& values) {
+  const auto& parameters = positionControlParameters();
+  require(values.size() == parameters.size(), "position control: " + std::to_string(values.size()) +
+                                                  " numbers, must be " + std::to_string(parameters.size()));
+  PositionControlOptions options = start;
   for (std::size_t i = 0; i < values.size(); ++i) options.*parameters[i].value = values[i];
   return options;
 }
 
-ControllerSpec surfaceServoSpec(const SurfaceServoOptions& start) {
+ControllerSpec positionControlSpec(const PositionControlOptions& start) {
   ControllerSpec spec{
       "position-control", "position control", {}, [start](const ControllerUse&, const Values& values) -> MakeRenderer {
-        const SurfaceServoOptions options = surfaceServoWith(start, values);
-        return [options] { return std::make_unique<SurfaceServoRenderer>(options); };
+        const PositionControlOptions options = positionControlWith(start, values);
+        return [options] { return std::make_unique<PositionControlRenderer>(options); };
       }};
   for (std::size_t i = 0; i < kServoVariations.size(); ++i) {
-    const SurfaceServoParameter& p = surfaceServoParameters()[i];
+    const PositionControlParameter& p = positionControlParameters()[i];
     const Variation& v = kServoVariations[i];
     spec.parameters.push_back({p.name, p.unit, start.*p.value, v.low, v.high, v.step, v.logarithmic});
   }

@@ -45,12 +45,12 @@ std::optional<double> valueOf(const PushMetrics& metrics, const Metric& metric) 
 }
 
 double largestStiffness(const Mechanism& plant, const PushSetup& setup) {
-  const Person& person = setup.person;
+  const HandModel& hand = setup.hand;
   Kinematics there;
-  if (person.scenario != 1 || plant.reach(setup.start, Vec6::Zero(), true, there) != Status::ok) return 0.0;
-  const Vec3 grip = setup.start.position + setup.start.rotation * person.grip;
-  return firstImpactLimit(effectiveMass(there, grip, person.normal), setup.period, setup.delay.high, person.force,
-                          largestForce(there, plant.limits().torque, grip, person.normal), person.preload);
+  if (hand.scenario != 1 || plant.reach(setup.start, Vec6::Zero(), true, there) != Status::ok) return 0.0;
+  const Vec3 grip = setup.start.position + setup.start.rotation * hand.grip;
+  return firstImpactLimit(effectiveMass(there, grip, hand.normal), setup.period, setup.delay.high, hand.force,
+                          largestForce(there, plant.limits().effort, grip, hand.normal), hand.preload);
 }
 
 MetricsCollector::MetricsCollector(const PushSetup& setup, double limit, JointVector maxTorque)
@@ -60,7 +60,7 @@ MetricsCollector::MetricsCollector(const PushSetup& setup, double limit, JointVe
 }
 
 void MetricsCollector::add(const TickRecord& tick) {
-  const Vec3& normal = setup_.person.normal;
+  const Vec3& normal = setup_.hand.normal;
   const double depth = -tick.nearest.gap;
   const Vec3 force = tick.rendered.head<3>();
   if (tick.tick >= times_.steady) {
@@ -68,8 +68,8 @@ void MetricsCollector::add(const TickRecord& tick) {
     tangentialSquares_ += (force - normal.dot(force) * normal).squaredNorm();
   }
   if (tick.tick >= times_.lastSecond) torques_.push_back(tick.torque);
-  const Vec3 moved = tick.pose.position + tick.pose.rotation * setup_.person.grip - setup_.start.position -
-                     setup_.start.rotation * setup_.person.grip;
+  const Vec3 moved = tick.pose.position + tick.pose.rotation * setup_.hand.grip - setup_.start.position -
+                     setup_.start.rotation * setup_.hand.grip;
   running_.drift = std::max(running_.drift, (moved - normal.dot(moved) * normal).norm());
   running_.largestDepth = std::max(running_.largestDepth, depth);
   running_.work += setup_.period * tick.rendered.dot(tick.twist);
@@ -80,13 +80,13 @@ void MetricsCollector::add(const TickRecord& tick) {
 
   const ImpactTick impact{tick.nearest.gap,
                           tick.gapRate,
-                          -normal.dot(tick.person.head<3>()),
+                          -normal.dot(tick.handWrench.head<3>()),
                           running_.drift,
                           tick.saturated,
                           maxTorque_.size() > 0 ? JointVector(tick.torque.cwiseQuotient(maxTorque_)) : JointVector()};
-  const auto rest = static_cast<std::uint64_t>(std::llround(ImpactWatch::kRestWindow / setup_.period));
+  const auto rest = static_cast<std::uint64_t>(std::llround(ImpactMonitor::kRestWindow / setup_.period));
   // A turn in the tick in which a step comes is none of the step's doing.
-  const std::uint64_t pushed = times_.onset + (setup_.person.instant > 0.0 ? 1 : 0);
+  const std::uint64_t pushed = times_.onset + (setup_.hand.instant > 0.0 ? 1 : 0);
   if (tick.tick >= pushed)
     impact_.push(impact);
   else if (tick.tick + rest >= times_.onset && tick.tick < times_.onset)
@@ -116,7 +116,7 @@ PushMetrics MetricsCollector::metrics() const {
     const auto rank = static_cast<std::ptrdiff_t>(0.95 * (count - 1.0));
     std::nth_element(sorted.begin(), sorted.begin() + rank, sorted.end());
     m.steadyDepth = sum / count;
-    m.steadyCompliance = setup_.person.force > 0.0 ? m.steadyDepth / setup_.person.force : 0.0;
+    m.steadyCompliance = setup_.hand.force > 0.0 ? m.steadyDepth / setup_.hand.force : 0.0;
     m.rmsDepth = std::sqrt(squares / count);
     m.depth95 = sorted[static_cast<std::size_t>(rank)];
     m.tangentialForce = std::sqrt(tangentialSquares_ / count);
@@ -125,7 +125,7 @@ PushMetrics MetricsCollector::metrics() const {
   if (ticks_ > 0) m.saturatedShare = static_cast<double>(saturated_) / static_cast<double>(ticks_);
 
   m.bounce = impact_.bounce();
-  m.verdict = setup_.person.scenario == 1 ? impact_.verdict() : FirstImpactVerdict::noStep;
+  m.verdict = setup_.hand.scenario == 1 ? impact_.verdict() : FirstImpactVerdict::noStep;
   if (stopped_ || impact_.unstable()) m.verdict = FirstImpactVerdict::unstable;
   if (m.verdict == FirstImpactVerdict::measured) {
     m.firstDepth = impact_.depth();

@@ -28,7 +28,7 @@ void checkStudy(const StudyPlan& plan) {
   require(!plan.columns.empty(), "the study has no renderer");
   PushSetup setup = plan.setup;
   for (const int scenario : plan.scenarios) {
-    setup.person.scenario = scenario;
+    setup.hand.scenario = scenario;
     checkPush(setup);
   }
   for (const StudyColumn& column : plan.columns)
@@ -77,10 +77,10 @@ PushSetup setupOf(const StudyPlan& plan, const StudyRun& run) {
               std::to_string(plan.points()));
   PushSetup setup = plan.setup;
   setup.start.position = queryPoint(plan, run.point);
-  setup.person.scenario = run.scenario;
-  setup.person.force = run.force;
+  setup.hand.scenario = run.scenario;
+  setup.hand.force = run.force;
   setup.run = run.stream;
-  if (plan.insideTick) setup.person.instant = randomInstant(setup.seed, setup.run);
+  if (plan.insideTick) setup.hand.instant = randomInstant(setup.seed, setup.run);
   if (const double period = plan.columns[run.column].period; period > 0.0) {
     const double ticks = std::nearbyint(setup.period / period);
     require(ticks >= 1.0 && std::abs(ticks * period - setup.period) < 1e-9 * setup.period,
@@ -89,7 +89,7 @@ PushSetup setupOf(const StudyPlan& plan, const StudyRun& run) {
     setup.period = period;
     setup.delay.low *= static_cast<int>(ticks);
     setup.delay.high *= static_cast<int>(ticks);
-    setup.person.noise *= std::sqrt(ticks);
+    setup.hand.noise *= std::sqrt(ticks);
   }
   return setup;
 }
@@ -99,7 +99,7 @@ StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
   const PushSetup setup = setupOf(plan, run);
   const StudyColumn& column = plan.columns[run.column];
   const std::unique_ptr<Renderer> renderer = column.make(run.point);
-  MetricsCollector collector(setup, largestStiffness(*column.plant, setup), column.plant->limits().torque);
+  MetricsCollector collector(setup, largestStiffness(*column.plant, setup), column.plant->limits().effort);
   StudyResult result;
   result.run = run;
   std::unique_ptr<Plant> plant =

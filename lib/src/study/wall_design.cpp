@@ -98,7 +98,7 @@ Kinematics kinematicsAt(const WallDesignSetup& setup, const Pose& pose) {
 double limitAt(const WallDesignSetup& setup, const Pose& pose, double force) {
   const Kinematics k = kinematicsAt(setup, pose);
   return firstImpactLimit(effectiveMass(k, pose.position, Vec3::UnitZ()), setup.period, setup.delay.high, force,
-                          largestForce(k, setup.plant->limits().torque, pose.position, Vec3::UnitZ()), setup.preload);
+                          largestForce(k, setup.plant->limits().effort, pose.position, Vec3::UnitZ()), setup.preload);
 }
 
 void setLoop(const WallDesignSetup& setup, std::uint32_t stream, LoopSetup& loop) {
@@ -128,8 +128,8 @@ TrialResult perform(const WallDesignSetup& setup, const Mechanism& model, const 
 
   const auto ticks = [&](double time) { return static_cast<int>(std::lround(time / setup.period)); };
   const int onset = ticks(kSettling), end = onset + ticks(kAfter), quiet = ticks(kQuiet),
-            watched = ticks(ImpactWatch::kRestWindow);
-  ImpactWatch watch(setup.period);
+            watched = ticks(ImpactMonitor::kRestWindow);
+  ImpactMonitor watch(setup.period);
   std::vector<JointVector> before, after;  // commands
   double restSum = 0.0;
   TrialResult result;
@@ -176,10 +176,10 @@ double driftInScene(const WallDesignSetup& setup, const Mechanism& model, const 
   PushSetup push;
   setLoop(setup, stream, push);
   push.duration = kScenePush;
-  push.person.force = setup.highestForce;
-  push.person.preload = number % 2 == 0 ? 1.0 : 0.0;  // N; a hand trembles no less on a weaker device
-  push.person.instant = randomInstant(push.seed, push.run);
-  pushIn(*setup.scene, push);
+  push.hand.force = setup.highestForce;
+  push.hand.preload = number % 2 == 0 ? 1.0 : 0.0;  // N; a hand trembles no less on a weaker device
+  push.hand.instant = randomInstant(push.seed, push.run);
+  setScene(*setup.scene, push);
   const std::unique_ptr<Renderer> renderer = make();
   MetricsCollector metrics(push);
   const PushResult result = runPush(plantOf(setup, push), model, *renderer, push,
@@ -352,7 +352,7 @@ WallDesignSetup withinMotors(WallDesignSetup setup) {
   double share = 1.0;
   for (int point = 0; point < kPoints; ++point) {
     const Kinematics k = kinematicsAt(setup, pointOf(setup, point));
-    const double most = largestForce(k, setup.plant->limits().torque, k.pose.position, Vec3::UnitZ());
+    const double most = largestForce(k, setup.plant->limits().effort, k.pose.position, Vec3::UnitZ());
     share = std::min(share, kShare * most / setup.highestForce);
   }
   for (double* force : {&setup.preload, &setup.lowestForce, &setup.highestForce, &setup.noise, &setup.ramp})

@@ -96,7 +96,7 @@ Vec3 along(double force) { return {0.0, 0.0, force}; }
 double instantOf(const Context& c) { return c.random.uniform(RandomStream::Purpose::instant, 0); }
 
 bool step(const Context& c, Figures& figures) {
-  const int onset = ticks(c, 0.5), quiet = ticks(c, 0.25), rest = ticks(c, ImpactWatch::kRestWindow);
+  const int onset = ticks(c, 0.5), quiet = ticks(c, 0.25), rest = ticks(c, ImpactMonitor::kRestWindow);
   const double force = c.share * (8.0 + 7.0 * c.random.uniform(RandomStream::Purpose::force, 0)),
                preload = c.share * kPreload;
   Hand hand;
@@ -104,11 +104,11 @@ bool step(const Context& c, Figures& figures) {
   hand.jump = onset;
   hand.instant = instantOf(c);
   hand.force = [&](int, bool jumped, const TickRecord&) { return along(jumped ? -force : -preload); };
-  ImpactWatch watch(c.setup.period);
+  ImpactMonitor watch(c.setup.period);
   std::vector<JointVector> commands;
   const int end = ticks(c, hand.duration);
   const bool stayed = perform(c, hand, [&](int i, const TickRecord& tick) {
-    const ImpactTick seen{tick.nearest.gap, tick.gapRate, -tick.person[2], 0.0, tick.saturated, {}};
+    const ImpactTick seen{tick.nearest.gap, tick.gapRate, -tick.handWrench[2], 0.0, tick.saturated, {}};
     if (i >= onset - rest && i < onset) watch.rest(seen);
     if (i > onset) watch.push(seen);
     if (i >= end - quiet) commands.push_back(tick.command);
@@ -215,7 +215,7 @@ bool slide(const Context& c, Figures& figures) {
     const double pressed = 10.0 * c.share * std::min(1.0, i * c.setup.period / 0.05);
     const double drag = i < ticks(c, 0.1) ? 0.0 : 20.0 * (0.1 - way.dot(last.twist.head<3>()));
     // The guide would hold it back.
-    const Vec3 held = kGuide.stiffness * last.pose.position + kGuide.damping * Vec3(last.twist.head<3>());
+    const Vec3 held = kGuideGrip.stiffness * last.pose.position + kGuideGrip.damping * Vec3(last.twist.head<3>());
     return Vec3(-pressed * hand.normal + (drag + way.dot(held)) * way);
   };
   double tangential = 0.0, pressed = 0.0, squares = 0.0;
@@ -268,7 +268,7 @@ bool pulse(const Context& c, Figures& figures) {
   figures = {0.0, 0.0, kUnseen};
   return perform(c, hand, [&](int, const TickRecord& tick) {
     const JointVector& torque = tick.requested;
-    figures[0] = std::max(figures[0], (torque.array().abs() / c.setup.plant->limits().torque.array()).maxCoeff());
+    figures[0] = std::max(figures[0], (torque.array().abs() / c.setup.plant->limits().effort.array()).maxCoeff());
     if (c.setup.model->track(tick.q, JointVector::Zero(tick.q.size()), false, k) != Status::ok) return false;
     const Vec3 force = wrenchOf(k, torque - k.gravity).head<3>();
     if (force.norm() > c.share) figures[1] = std::max(figures[1], std::atan2(force.head<2>().norm(), force.z()));
@@ -331,7 +331,7 @@ const std::vector<Kind>& kinds() {
 double forceShare(const Mechanism& plant) {
   Kinematics k = plant.home();
   require(plant.reach(k.pose, Vec6::Zero(), true, k) == Status::ok, "wall trials: the home pose cannot be reached");
-  return std::min(1.0, 0.3 * largestForce(k, plant.limits().torque, k.pose.position, Vec3::UnitZ()) / 15.0);
+  return std::min(1.0, 0.3 * largestForce(k, plant.limits().effort, k.pose.position, Vec3::UnitZ()) / 15.0);
 }
 
 std::vector<std::string> wallTrialNames() {
@@ -348,7 +348,7 @@ std::vector<WallFigure> runWallTrials(const WallTrialSetup& setup, const std::st
   Kinematics home = setup.plant->home();
   require(setup.plant->reach(home.pose, Vec6::Zero(), true, home) == Status::ok, "wall trials: no home");
   const double mass = effectiveMass(home, home.pose.position, Vec3::UnitZ()),
-               most = largestForce(home, setup.plant->limits().torque, home.pose.position, Vec3::UnitZ()),
+               most = largestForce(home, setup.plant->limits().effort, home.pose.position, Vec3::UnitZ()),
                late = (setup.delay.high + 1) * setup.period;
 
   std::vector<const Kind*> chosen;

@@ -9,7 +9,7 @@ namespace enamel {
 struct Material {
   double stiffness = std::numeric_limits<double>::infinity();  ///< in series with the wall along the normal, N/m
   double friction = 0.0;                                       ///< mu_s: largest tangential over normal force at rest
-  double sliding = 0.0;                                        ///< mu_k while it slides, at most mu_s
+  double slidingFriction = 0.0;                                ///< mu_k while it slides, at most mu_s
   double viscosity = 0.0;                                      ///< on the sliding speed, N s/m
 };
 

@@ -29,10 +29,10 @@ class MeshChanges {
   MeshChanges& operator=(const MeshChanges&) = delete;
 
   /// A vertex is at this place now. Editing thread. Realtime: yes.
-  void tellVertex(int vertex, const Vec3& position) noexcept;
+  void recordVertex(int vertex, const Vec3& position) noexcept;
 
   /// A triangle has these corners now, all -1 where it was removed. Editing thread. Realtime: yes.
-  void tellTriangle(int triangle, const std::array<int, 3>& corners) noexcept;
+  void recordTriangle(int triangle, const std::array<int, 3>& corners) noexcept;
 
   /// What was told since the last call is one edit more. Where the reader has taken all that was published, what was
   /// told since then is published; call it now and then, a tick is often enough, as long as something waits. Returns

@@ -137,7 +137,7 @@ class EditableMesh {
       return status;
     for (int i = 0; i < count; ++i) {
       mesh_.set_point(vertices[i], points[i]);
-      changes_.tellVertex(vertices[i].idx(), positions_[static_cast<std::size_t>(i)]);
+      changes_.recordVertex(vertices[i].idx(), positions_[static_cast<std::size_t>(i)]);
     }
     return Status::ok;
   }
@@ -150,7 +150,7 @@ class EditableMesh {
     for (int i = 0; i < count; ++i) {
       if (mesh_.status(faces[i]).deleted()) continue;
       mesh_.delete_face(faces[i], false);
-      changes_.tellTriangle(faces[i].idx(), {-1, -1, -1});
+      changes_.recordTriangle(faces[i].idx(), {-1, -1, -1});
     }
     return Status::ok;
   }
@@ -160,7 +160,7 @@ class EditableMesh {
     const Vec3 position = fromOpenMeshPoint(point);
     if (addVertices(*model_, &position, 1) != Status::ok) return OpenMesh::VertexHandle();
     const OpenMesh::VertexHandle vertex = mesh_.add_vertex(point);
-    changes_.tellVertex(vertex.idx(), position);
+    changes_.recordVertex(vertex.idx(), position);
     return vertex;
   }
 
@@ -172,7 +172,7 @@ class EditableMesh {
     if (!face.is_valid()) return face;
     const std::array<int, 3> corners{a.idx(), b.idx(), c.idx()};
     static_cast<void>(addTriangles(*model_, &corners, 1));  // there is room, and all vertices lie within reach
-    changes_.tellTriangle(face.idx(), corners);
+    changes_.recordTriangle(face.idx(), corners);
     return face;
   }
 

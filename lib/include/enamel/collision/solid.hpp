@@ -78,7 +78,7 @@ class Solid {
   /// Puts everything back. Realtime: yes, some ms.
   void restore() noexcept;
   /// A number that grows whenever material comes back. Realtime: yes.
-  std::uint64_t growths() const noexcept { return growths_; }
+  std::uint64_t restorations() const noexcept { return restorations_; }
 
   /// The next brick that has changed since it was asked for, -1: none. Realtime: yes.
   int takeChanged() noexcept;
@@ -130,7 +130,7 @@ class Solid {
   std::uint64_t mark_ = 1, lostMark_ = 0;  // marks up to lostMark_ cannot be undone
   std::vector<std::int32_t> changed_;      // a ring with room for all
   std::size_t changedBegin_ = 0, changedCount_ = 0;
-  std::uint64_t growths_ = 1;
+  std::uint64_t restorations_ = 1;
 };
 
 /// Place on the surface of a solid.

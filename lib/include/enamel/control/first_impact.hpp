@@ -61,13 +61,13 @@ struct ImpactTick {
 /// tick of the onset included), F_1 from the mean force then, K_z1 = F_1(t_z1) / D_z1. A tool that halts on its way in
 /// has not returned, nor has one that turns less deep than it was at rest: t_z1 is the deepest turn before it has come
 /// back by a tenth of its depth, or 0.5 s have passed. Plain data.
-class ImpactWatch {
+class ImpactMonitor {
  public:
   /// How long the rest should be watched before the step, s.
   static constexpr double kRestWindow = 0.1;
 
   /// `period` of the ticks, s.
-  explicit ImpactWatch(double period) noexcept : period_(period) {}
+  explicit ImpactMonitor(double period) noexcept : period_(period) {}
 
   /// A tick of the rest before the step. Realtime: yes.
   void rest(const ImpactTick& tick) noexcept;

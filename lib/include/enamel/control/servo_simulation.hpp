@@ -36,7 +36,7 @@ struct ServoTrace {
 /// Runs u[j] = -K [q'; q - q_op; xi], xi += Ts (r - q) from tick 0. Throws DesignError: wrong sizes. Realtime: no.
 ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, const ServoExperiment& experiment);
 
-/// First impact stiffness K_z1 = F / D_z1 for a push of `force` (N), `period` s between the ticks: ImpactWatch
+/// First impact stiffness K_z1 = F / D_z1 for a push of `force` (N), `period` s between the ticks: ImpactMonitor
 /// ("A Position-Control Based Approach ...", section V-B). `normal`: z' = normal q'. NaN where the tool does not
 /// return. Realtime: no.
 double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& normal, double force, double period);

@@ -25,7 +25,7 @@ struct Measurement {
 
 /// What a device is told.
 struct Command {
-  JointVector torque;  ///< N m or N
+  JointVector effort;  ///< N m or N
 };
 
 /// A device that can be measured and actuated, in this order, once a tick, between open() and close(). The virtual

@@ -1,5 +1,5 @@
 // What a real device has and an ideal one has not: its motors, transmissions, encoders and tolerances. Nothing of it is
-// in a Mechanism; simulations of a real device take it (sim/real_plant.hpp).
+// in a Mechanism; the imperfect plant takes it (sim/imperfect_plant.hpp).
 #pragma once
 
 namespace enamel {

@@ -50,8 +50,8 @@ double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, 
 
 /// What the motors and encoders of each joint can do.
 struct JointLimits {
-  JointVector torque;  ///< largest, N m or N; 0: the joint is sensed and has no motor
-  JointVector count;   ///< step of the encoder, rad or m
+  JointVector torque;       ///< largest, N m or N; 0: the joint is sensed and has no motor
+  JointVector encoderStep;  ///< step of the encoder, rad or m
 };
 
 /// A straight part of a mechanism, for pictures.

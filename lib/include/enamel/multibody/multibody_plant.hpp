@@ -26,7 +26,7 @@ class MultibodyPlant final : public Plant {
   [[nodiscard]] Status start(const Pose& pose) override;
   /// notConverged where Simbody gives up.
   [[nodiscard]] Status advance(double time, double duration, const JointVector& torque,
-                               const Load& load) noexcept override;
+                               const ExternalWrench& load) noexcept override;
   void read(const Kinematics& truth, JointVector& q, JointVector& rates) const noexcept override;
 
   /// Forward dynamics of Simbody at a state, as Mechanism::accelerate(). The plant is there afterwards.

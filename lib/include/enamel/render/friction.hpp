@@ -32,16 +32,16 @@ struct FrictionPoint {
 };
 
 /// How firmly a contact sticks.
-struct Grasp {
+struct TangentialGains {
   double stiffness;  ///< k, N/m
   double damping;    ///< b, N s/m
 };
 
 /// Motion of the tool's material over the obstacle's at a contact, in W.
-struct Slide {
-  Vec3 way;       ///< since the last tick, m
-  Vec3 ahead;     ///< from now until the force acts, m
-  Vec3 velocity;  ///< when the force acts, m/s
+struct SurfaceMotion {
+  Vec3 displacement;  ///< since the last tick, m
+  Vec3 predicted;     ///< from now until the force acts, m
+  Vec3 velocity;      ///< when the force acts, m/s
 };
 
 /// The contacts of one tool from tick to tick.
@@ -53,7 +53,8 @@ class FrictionMemory {
   /// Force on the tool along the surface at a contact with the normal force `normalForce` (N), W; zero where that is
   /// zero. Called once a tick for each contact that is near, also where it carries no force at this tick; finds the
   /// contact again by its key, or, where it has none, by its obstacle, its tool part and its place. Realtime: yes.
-  Vec3 force(const Contact& contact, const Slide& slide, const Grasp& grasp, double normalForce) noexcept;
+  Vec3 force(const Contact& contact, const SurfaceMotion& slide, const TangentialGains& gains,
+             double normalForce) noexcept;
 
   /// Ends a tick: contacts that were not asked for are forgotten.
   void end() noexcept { last_ = now_; }

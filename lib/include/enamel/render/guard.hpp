@@ -37,10 +37,10 @@ struct GuardOptions {
   double turn = 20.0, stopTurn = 60.0;  ///< rad/s
   double brake = 0.0, brakeTurn = 0.0;  ///< damping on what is beyond, N s/m and N m s/rad
 
-  JointVector rate;     ///< faster is no motion of a joint, rad/s or m/s
-  JointVector count;    ///< of the encoders, rad or m
-  int longestGap = 4;   ///< between two ticks, and between two samples, periods
-  int mostMissed = 10;  ///< ticks and samples that were missed, of which 1 % are forgotten a tick
+  JointVector rate;         ///< faster is no motion of a joint, rad/s or m/s
+  JointVector encoderStep;  ///< of the encoders, rad or m
+  int longestGap = 4;       ///< between two ticks, and between two samples, periods
+  int mostMissed = 10;      ///< ticks and samples that were missed, of which 1 % are forgotten a tick
 
   Mat6 damping = Mat6::Zero();  ///< mechanical, of the TCP's twist: what the device itself takes out, SI
   double energy = 0.0;          ///< budget, J

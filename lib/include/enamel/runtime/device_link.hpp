@@ -63,13 +63,13 @@ struct LinkCounts {
 struct LinkOptions {
   int joints = 0;
   std::optional<LinkKey> key;
-  double silence = 0.01;  ///< older is no command and no measurement, s
+  double timeout = 0.01;  ///< older is no command and no measurement, s
   double rampIn = 0.1;    ///< of the server's watchdog, s
   double rampOut = 0.02;
 };
 
 /// A client that does not command calls every 5 ms; a session ends after 100 ms without a datagram of the other end.
-inline constexpr std::int64_t kCallEvery = 5'000'000, kSessionEnds = 100'000'000;  // ns
+inline constexpr std::int64_t kCallInterval = 5'000'000, kSessionTimeout = 100'000'000;  // ns
 
 /// The end of the loop. No thread, no clock, no socket.
 class LinkClient {
@@ -80,7 +80,7 @@ class LinkClient {
   /// Takes a datagram as it came. Realtime: yes.
   void receive(const unsigned char* bytes, std::size_t size, std::int64_t now) noexcept;
 
-  /// The newest measurement; stale: none since the last call, or the server answers to commands from before `silence`.
+  /// The newest measurement; stale: none since the last call, or the server answers to commands from before `timeout`.
   /// Not enabled while the server's watchdog acts. Realtime: yes.
   [[nodiscard]] Status measure(Measurement& measurement, std::int64_t now) noexcept;
 
@@ -104,7 +104,7 @@ class LinkClient {
 };
 
 /// The end of the device, with the watchdog: a command acts while the measurement that it answers is younger than
-/// `silence`; from then on the torque goes within `rampOut` to what balances gravity, or to zero. Once commands come
+/// `timeout`; from then on the torque goes within `rampOut` to what balances gravity, or to zero. Once commands come
 /// again their part ramps in.
 class LinkServer {
  public:

@@ -12,8 +12,8 @@ struct Grip {
   double damping;    ///< N s/m
 };
 
-inline constexpr Grip kPaperGrip{40.0, 3.6};  ///< of the paper's hand (section V)
-inline constexpr Grip kGuide{100.0, 3.6};     ///< across the push: 20 to 400 N/m hardly change the stiffness measured
+inline constexpr Grip kPaperGrip{40.0, 3.6};   ///< of the paper's hand (section V)
+inline constexpr Grip kGuideGrip{100.0, 3.6};  ///< across the push: 20 to 400 N/m hardly change the stiffness measured
 
 /// An arm along one direction: the muscles' force moves its mass against stiffness and damping, and the mass moves the
 /// tool through a grip. A person's push then comes within some tens of ms instead of at once, with a mass behind it.
@@ -56,7 +56,7 @@ class MovingArm {
 Vec3 holdingMoment(const Mat3& rotation, const Mat3& start, const Vec3& omega) noexcept;
 
 /// Wrench of a hand that keeps the TCP across the unit vector `normal` (W) and its orientation about the start pose,
-/// and leaves it free along it: kGuide and holdingMoment(), N and N m. Realtime: yes.
+/// and leaves it free along it: kGuideGrip and holdingMoment(), N and N m. Realtime: yes.
 Vec6 guidingWrench(const Pose& pose, const Vec6& twist, const Pose& start, const Vec3& normal) noexcept;
 
 }  // namespace enamel

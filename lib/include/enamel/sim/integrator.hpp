@@ -39,9 +39,9 @@ inline Eigen::Matrix<double, 4, 1> orientationRate(const DeviceState& s, const V
   return 0.5 * (Eigen::Quaternion<double>(0.0, twist[3], twist[4], twist[5]) * s.orientation).coeffs();
 }
 
-template <typename Load>
+template <typename WrenchAt>
 Status slopeAt(const Mechanism& mechanism, double time, const DeviceState& s, const JointVector& torque,
-               const Load& load, DeviceSlope& slope) noexcept {
+               const WrenchAt& load, DeviceSlope& slope) noexcept {
   const Pose pose{s.position, s.orientation.normalized().toRotationMatrix()};
   slope.position = s.twist.head<3>();
   slope.orientation = orientationRate(s, s.twist);
@@ -82,9 +82,9 @@ Status rungeKutta4(double time, double dt, const SlopeAt& slopeAt, State& state)
 /// back to unit length at every evaluation. Returns the status of the first configuration that is not regular; `state`
 /// is then unchanged.
 /// Realtime: yes, if `load` is.
-template <typename Load>
+template <typename WrenchAt>
 [[nodiscard]] Status stepRungeKutta4(const Mechanism& mechanism, double time, double dt, const JointVector& torque,
-                                     const Load& load, DeviceState& state) noexcept {
+                                     const WrenchAt& load, DeviceState& state) noexcept {
   const auto slopeAt = [&](double t, const DeviceState& s, DeviceSlope& slope) {
     return detail::slopeAt(mechanism, t, s, torque, load, slope);
   };
@@ -94,9 +94,9 @@ template <typename Load>
 }
 
 /// One step of the midpoint method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
-template <typename Load>
+template <typename WrenchAt>
 [[nodiscard]] Status stepMidpoint(const Mechanism& mechanism, double time, double dt, const JointVector& torque,
-                                  const Load& load, DeviceState& state) noexcept {
+                                  const WrenchAt& load, DeviceState& state) noexcept {
   DeviceSlope slope;
   if (const Status s = detail::slopeAt(mechanism, time, state, torque, load, slope); s != Status::ok) return s;
   const DeviceState middle = detail::moved(state, slope, 0.5 * dt);
@@ -108,9 +108,10 @@ template <typename Load>
 }
 
 /// One step of the semi-implicit Euler method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
-template <typename Load>
+template <typename WrenchAt>
 [[nodiscard]] Status stepSemiImplicitEuler(const Mechanism& mechanism, double time, double dt,
-                                           const JointVector& torque, const Load& load, DeviceState& state) noexcept {
+                                           const JointVector& torque, const WrenchAt& load,
+                                           DeviceState& state) noexcept {
   DeviceSlope slope;
   if (const Status s = detail::slopeAt(mechanism, time, state, torque, load, slope); s != Status::ok) return s;
   state.twist += dt * slope.twist;
@@ -121,9 +122,9 @@ template <typename Load>
 }
 
 /// One step of the given method. Realtime: yes, if `load` is.
-template <typename Load>
+template <typename WrenchAt>
 [[nodiscard]] Status stepMotion(Integrator integrator, const Mechanism& mechanism, double time, double dt,
-                                const JointVector& torque, const Load& load, DeviceState& state) noexcept {
+                                const JointVector& torque, const WrenchAt& load, DeviceState& state) noexcept {
   switch (integrator) {
     case Integrator::midpoint: return stepMidpoint(mechanism, time, dt, torque, load, state);
     case Integrator::semiImplicitEuler: return stepSemiImplicitEuler(mechanism, time, dt, torque, load, state);

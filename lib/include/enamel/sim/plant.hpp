@@ -10,10 +10,10 @@ namespace enamel {
 
 /// The wrench load(time, pose, twist) of the surroundings on the platform at the TCP, N, N m. Refers to a callable,
 /// which must outlive it. Called several times a step of integration.
-class Load {
+class ExternalWrench {
  public:
-  template <typename F, typename = std::enable_if_t<!std::is_same_v<std::decay_t<F>, Load>>>
-  Load(const F& load) noexcept
+  template <typename F, typename = std::enable_if_t<!std::is_same_v<std::decay_t<F>, ExternalWrench>>>
+  ExternalWrench(const F& load) noexcept
       : load_(&load), call_([](const void* f, double time, const Pose& pose, const Vec6& twist) noexcept -> Vec6 {
           return (*static_cast<const F*>(f))(time, pose, twist);
         }) {}
@@ -28,7 +28,7 @@ class Load {
 };
 
 /// Faster than this a plant means nothing (rigid links, motors without speed limit, steps of a tick), m/s and rad/s.
-inline constexpr double kFastest = 20.0, kFastestTurn = 1000.0;
+inline constexpr double kMaxPlantSpeed = 20.0, kMaxPlantTurnRate = 1000.0;
 
 /// A device in motion. Refers to its mechanism.
 class Plant {
@@ -49,10 +49,10 @@ class Plant {
   [[nodiscard]] virtual Status start(const Pose& pose) = 0;
 
   /// Moves on from `time` by `duration` (s) under constant motor torques (N m or N) and a load. Returns ok, or the
-  /// status of the configuration that it could not leave, outOfRange where it would become faster than kFastest or
-  /// kFastestTurn: it then stays where it is. Realtime: as each plant says.
+  /// status of the configuration that it could not leave, outOfRange where it would become faster than kMaxPlantSpeed
+  /// or kMaxPlantTurnRate: it then stays where it is. Realtime: as each plant says.
   [[nodiscard]] virtual Status advance(double time, double duration, const JointVector& torque,
-                                       const Load& load) noexcept = 0;
+                                       const ExternalWrench& load) noexcept = 0;
 
   /// What the encoders see where the platform is at `truth`, state() with its kinematics: joint coordinates and rates.
   /// Realtime: yes.
@@ -76,8 +76,8 @@ class Plant {
   const Mechanism& mechanism_;
 };
 
-/// Whether a state is within kFastest and kFastestTurn. Realtime: yes.
-bool isSlowEnough(const DeviceState& state) noexcept;
+/// Whether a state is within kMaxPlantSpeed and kMaxPlantTurnRate. Realtime: yes.
+bool isWithinSpeedLimits(const DeviceState& state) noexcept;
 
 /// The mechanism's own dynamics (Mechanism::accelerate()), integrated in pose and twist. Realtime: yes, if the load is.
 class ClosedFormPlant final : public Plant {
@@ -90,7 +90,7 @@ class ClosedFormPlant final : public Plant {
   /// Realtime: yes.
   [[nodiscard]] Status start(const Pose& pose) noexcept override;
   [[nodiscard]] Status advance(double time, double duration, const JointVector& torque,
-                               const Load& load) noexcept override;
+                               const ExternalWrench& load) noexcept override;
 
  private:
   Integrator integrator_;

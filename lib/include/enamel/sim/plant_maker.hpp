@@ -13,8 +13,8 @@ namespace enamel {
 
 inline constexpr const char* kClosedForm = "closed-form";
 inline constexpr const char* kMultibody = "multibody";
-inline constexpr const char* kReal = "real";
-inline constexpr const char* kRealStiff = "real-stiff";
+inline constexpr const char* kImperfect = "imperfect";
+inline constexpr const char* kImperfectStiff = "imperfect-stiff";
 
 /// List the names of plants. The path of a unit of FMI (*.fmu) names a plant too.
 std::vector<std::string> plantNames();
@@ -36,7 +36,7 @@ struct OtherPlants {
 
 /// Return the maker of a plant; null for the closed form, which needs none. Late and lost ticks belong to an imperfect
 /// plant: they are written into `setup`. Throws Error: an unknown name; a plant that is not among
-/// `others`; what those throw; as makeRealDevice(); a device without [imperfections]. Realtime: no.
+/// `others`; what those throw; as makeImperfectDevice(); a device without [imperfections]. Realtime: no.
 MakePlant plantMaker(const std::string& plant, const DeviceParameters& device, const OtherPlants& others,
                      VirtualDeviceSetup& setup);
 

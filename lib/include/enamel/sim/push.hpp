@@ -16,7 +16,7 @@ namespace enamel {
 /// The person who pushes against the wall's normal n. Scenario 1: a step of force at 1 s. Scenario 2: a hand with a
 /// spring and a damper along n that moves in from 1 s to 2 s (eq. 14). White noise, one sample held a tick, from 1 s
 /// (scenario 1) or 2 s (scenario 2).
-struct Person {
+struct HandModel {
   int scenario = 1;
   double force = 12.0;  ///< F_c, N
   double noise = 0.5;   ///< standard deviation, N
@@ -34,17 +34,17 @@ struct Person {
 
 /// Everything that determines a push.
 struct PushSetup : LoopSetup {
-  Person person;
+  HandModel hand;
   double duration = 3.0;  ///< s
 };
 
 /// Makes the tool a point at `tip` (m, in the platform's frame), where the hand holds it as well, and the scene a wall
 /// through it across the push. Throws Error: as Scene::add(). Realtime: no.
-void holdAt(const Vec3& tip, PushSetup& setup);
+void setToolTip(const Vec3& tip, PushSetup& setup);
 
 /// Makes a scene file's obstacles, tool, start and force limit, where it is lower, those of a push, which is against
 /// the surface nearest to the start. Throws Error: no surface is within reach. Realtime: no.
-void pushIn(const SceneFile& file, PushSetup& setup);
+void setScene(const SceneFile& file, PushSetup& setup);
 
 /// Brings the start to the surface of the scene that is nearest to it, and makes that the one that is pushed. False
 /// where there is none. Realtime: yes (100 queries at most).
@@ -63,10 +63,10 @@ struct PushTimes {
 PushTimes timesOf(const PushSetup& setup) noexcept;
 
 /// The person of a push, tick by tick: a load for VirtualLoop::tick(). Plain data.
-class PersonLoad {
+class SimulatedHand {
  public:
   /// Begins at the setup's start.
-  explicit PersonLoad(const PushSetup& setup) noexcept;
+  explicit SimulatedHand(const PushSetup& setup) noexcept;
 
   /// Takes what is held over a tick, from 0 on: force and noise. Where the step of scenario 1 comes inside it, that
   /// before the step, or `stepped`, after it. Realtime: yes.
@@ -86,7 +86,7 @@ class PersonLoad {
   double way(const Pose& pose) const noexcept;
   double speed(const Vec6& twist) const noexcept;
 
-  Person person_;
+  HandModel hand_;
   Pose start_;  // of the grip
   PushTimes times_;
   RandomStream random_;

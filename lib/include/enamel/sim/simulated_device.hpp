@@ -9,13 +9,14 @@ namespace enamel {
 
 /// The wrench of a person on the platform at the TCP (N, N m) at a time (s), pose and twist. Called several times a
 /// step of integration; must be Realtime: yes.
-using PersonalLoad = std::function<Vec6(double time, const Pose& pose, const Vec6& twist)>;
+using WrenchFunction = std::function<Vec6(double time, const Pose& pose, const Vec6& twist)>;
 
 /// A VirtualDevice that actuate() moves on: by one period, or in real time to where the clock is, counted from open().
 class SimulatedDevice final : public HapticDevice {
  public:
   /// Throws Error: as VirtualDevice. Realtime: no.
-  SimulatedDevice(const Mechanism& mechanism, const VirtualDeviceSetup& setup, PersonalLoad load, bool realTime = false)
+  SimulatedDevice(const Mechanism& mechanism, const VirtualDeviceSetup& setup, WrenchFunction load,
+                  bool realTime = false)
       : device_(mechanism, setup), load_(std::move(load)), period_(setup.period), realTime_(realTime) {}
 
   void open() override;
@@ -32,7 +33,7 @@ class SimulatedDevice final : public HapticDevice {
 
  private:
   VirtualDevice device_;
-  PersonalLoad load_;
+  WrenchFunction load_;
   double period_;
   bool realTime_;
   std::int64_t begin_ = 0;  // ns, when the device's time was 0

@@ -39,15 +39,15 @@ struct EncoderOptions {
 /// Encoders with the memory of the rate filter; plain data.
 class Encoders {
  public:
-  /// `count`: step of each joint, rad or m; `period` of the ticks, s.
-  Encoders(const EncoderOptions& options, const JointVector& count, double period) noexcept;
+  /// `encoderStep`: of each joint, rad or m; `period` of the ticks, s.
+  Encoders(const EncoderOptions& options, const JointVector& encoderStep, double period) noexcept;
 
   /// Measures exact coordinates and rates; the first call starts the rate filter at rest. Realtime: yes.
   void measure(const JointVector& q, const JointVector& rates, Measurement& measurement) noexcept;
 
  private:
   EncoderOptions options_;
-  JointVector count_;
+  JointVector encoderStep_;
   double period_;  // s
   double gain_;    // of the low pass
   bool started_ = false;
@@ -112,8 +112,8 @@ class VirtualDevice final : public HapticDevice {
   /// Moves on by one period under a load, or under `before` until `instant` (s after the tick's begin, in 0 to the
   /// period) and `after` from then on. Statuses of Plant::advance(); it then stays where it is. Realtime: yes, if plant
   /// and loads are.
-  [[nodiscard]] Status advance(const Load& load) noexcept;
-  [[nodiscard]] Status advance(const Load& before, double instant, const Load& after) noexcept;
+  [[nodiscard]] Status advance(const ExternalWrench& load) noexcept;
+  [[nodiscard]] Status advance(const ExternalWrench& before, double instant, const ExternalWrench& after) noexcept;
 
   /// Number and time (s) of the tick that comes next or is under way. Realtime: yes.
   std::uint64_t tick() const noexcept { return tick_; }

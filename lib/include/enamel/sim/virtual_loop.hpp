@@ -23,18 +23,18 @@ void checkLoop(const LoopSetup& setup);
 /// What happened at one tick. State and measurement are those before the tick's torque acts.
 struct TickRecord {
   std::uint64_t tick = 0;
-  double time = 0.0;             ///< s
-  Pose pose;                     ///< of the plant
-  Vec6 twist = Vec6::Zero();     ///< of the plant
-  JointVector q;                 ///< measured, rad or m
-  JointVector requested;         ///< by the renderer, N m or N
-  JointVector command;           ///< what the guard made of it, N m or N
-  JointVector torque;            ///< that acts during this tick, N m or N
-  Vec6 person = Vec6::Zero();    ///< wrench of the person at the TCP at the beginning of this tick, N, N m
-  Vec6 rendered = Vec6::Zero();  ///< wrench of the motors on the tool beyond gravity during this tick, N, N m
-  Contact nearest;               ///< of the plant's tool with the scene, near or far
-  double gapRate = 0.0;          ///< of the nearest contact's gap, m/s
-  double normalForce = 0.0;      ///< of the wall on the tool, as the renderer reports it or the guard leaves it, N
+  double time = 0.0;               ///< s
+  Pose pose;                       ///< of the plant
+  Vec6 twist = Vec6::Zero();       ///< of the plant
+  JointVector q;                   ///< measured, rad or m
+  JointVector requested;           ///< by the renderer, N m or N
+  JointVector command;             ///< what the guard made of it, N m or N
+  JointVector torque;              ///< that acts during this tick, N m or N
+  Vec6 handWrench = Vec6::Zero();  ///< wrench of the person at the TCP at the beginning of this tick, N, N m
+  Vec6 rendered = Vec6::Zero();    ///< wrench of the motors on the tool beyond gravity during this tick, N, N m
+  Contact nearest;                 ///< of the plant's tool with the scene, near or far
+  double gapRate = 0.0;            ///< of the nearest contact's gap, m/s
+  double normalForce = 0.0;        ///< of the wall on the tool, as the renderer reports it or the guard leaves it, N
   RenderMode mode = RenderMode::free;
   bool saturated = false;
   Status status = Status::ok;  ///< of the haptic tick
@@ -59,10 +59,11 @@ class VirtualLoop {
   /// One tick under the person's load. Fills `record` with what happened before and during the tick. Returns ok, or the
   /// status of the configuration that the plant could not leave; the loop then stays where it is. Realtime: yes, if
   /// plant and load are.
-  [[nodiscard]] Status tick(const Load& load, TickRecord& record) noexcept;
+  [[nodiscard]] Status tick(const ExternalWrench& load, TickRecord& record) noexcept;
 
   /// The same under a load that jumps inside the tick, VirtualDevice::advance(). Realtime: yes, if both are.
-  [[nodiscard]] Status tick(const Load& before, double instant, const Load& after, TickRecord& record) noexcept;
+  [[nodiscard]] Status tick(const ExternalWrench& before, double instant, const ExternalWrench& after,
+                            TickRecord& record) noexcept;
 
   /// The haptic tick, and what the device told and was told at the last one. Realtime: yes.
   const HapticTick& hapticTick() const noexcept { return tick_; }

@@ -5,11 +5,12 @@
 
 namespace enamel {
 
-/// Return the contact-space servo: its numbers are surfaceServoParameters(); the search begins with those of `start`.
-ControllerSpec surfaceServoSpec(const SurfaceServoOptions& start);
+/// Return the contact-space servo: its numbers are positionControlParameters(); the search begins with those of
+/// `start`.
+ControllerSpec positionControlSpec(const PositionControlOptions& start);
 
-/// `start` with other numbers, one for each of surfaceServoParameters(). Throws Error: a wrong number of them.
-SurfaceServoOptions surfaceServoWith(const SurfaceServoOptions& start, const std::vector<double>& values);
+/// `start` with other numbers, one for each of positionControlParameters(). Throws Error: a wrong number of them.
+PositionControlOptions positionControlWith(const PositionControlOptions& start, const std::vector<double>& values);
 
 /// The rivals:
 /// - impedance: a spring and a damper on the depth (ImpedanceRenderer); stiffness, damping.

@@ -16,7 +16,7 @@ namespace enamel {
 /// to the end in scenario 2.
 struct PushMetrics {
   /// First impact: the deepest point of the continuous motion up to its first return, from the mean depth in the 0.1 s
-  /// before the step (ImpactWatch); scenario 2 has none, and may be `unstable`.
+  /// before the step (ImpactMonitor); scenario 2 has none, and may be `unstable`.
   FirstImpactVerdict verdict = FirstImpactVerdict::noReturn;
   std::optional<double> firstDepth;      ///< D_z1, m
   std::optional<double> firstStiffness;  ///< K_z1 = F_1(t_z1) / D_z1, N/m
@@ -85,7 +85,7 @@ class MetricsCollector {
   std::vector<double> depths_;        // of the steady state
   std::vector<JointVector> torques_;  // of the last second
   PushMetrics running_;
-  ImpactWatch impact_;
+  ImpactMonitor impact_;
   double tangentialSquares_ = 0.0;
   std::uint64_t ticks_ = 0, saturated_ = 0;
 };

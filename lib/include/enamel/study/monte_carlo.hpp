@@ -38,7 +38,7 @@ struct StudyPlan {
   int runs = 20;                                  ///< a query point
   double lowestForce = 8.0, highestForce = 15.0;  ///< of F_c, uniform between, N
   PushSetup setup;          ///< of every run; start, scenario, force, instant and run number are its own
-  bool insideTick = false;  ///< the step comes at randomInstant() of its tick; false: at setup.person.instant
+  bool insideTick = false;  ///< the step comes at randomInstant() of its tick; false: at setup.hand.instant
 
   std::size_t points() const { return static_cast<std::size_t>(grid) * static_cast<std::size_t>(grid); }
   std::size_t size() const;  ///< number of runs

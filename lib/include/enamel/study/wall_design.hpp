@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "enamel/collision/scene_file.hpp"
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/sim/virtual_device.hpp"
 
 namespace enamel {
@@ -27,10 +27,10 @@ struct WallDesignSetup {
   double lowestForce = 8.0, highestForce = 15.0;  ///< of a push, uniform between, N
   double noise = 0.5;                             ///< of the person, standard deviation, N
   double ramp = 10.0;                             ///< N in 50 ms
-  std::optional<SceneFile> scene = {};            ///< where it is pushed too, and must not slide off, as pushIn() says
-  double chatter = 0.05;                          ///< allowed, N m or N
-  double bounce = 1e-4;                           ///< allowed, m; twice as much after an impact
-  double drift = 3e-4;                            ///< allowed in the scene across the push, m
+  std::optional<SceneFile> scene = {};  ///< where it is pushed too, and must not slide off, as setScene() says
+  double chatter = 0.05;                ///< allowed, N m or N
+  double bounce = 1e-4;                 ///< allowed, m; twice as much after an impact
+  double drift = 3e-4;                  ///< allowed in the scene across the push, m
   int runs = 24;  ///< steps of force a point and in the scene, inside ticks; a third as many ramps, impacts a speed
   std::uint64_t seed = 1;
 };

@@ -59,8 +59,8 @@ Vec3 turnOf(const Mat3& rotation) noexcept {
 JointLimits cartesianLimits(const CartesianParameters& p) {
   JointLimits limits{JointVector::Constant(p.axes, p.maxForce), JointVector::Constant(p.axes, p.positionStep)};
   for (int i = 3; i < p.axes; ++i) {
-    limits.torque[i] = p.maxMoment;
-    limits.count[i] = p.angleStep;
+    limits.effort[i] = p.maxMoment;
+    limits.encoderStep[i] = p.angleStep;
   }
   for (int i = 0; i < p.axes; ++i)
     if (!p.driven[static_cast<std::size_t>(i)]) limits.torque[i] = 0.0;

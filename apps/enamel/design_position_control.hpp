@@ -10,7 +10,7 @@
 namespace enamel::app {
 
 /// What the command was asked for.
-struct SurfaceDesignOptions {
+struct DesignSearchOptions {
   std::string device, plant;  ///< --plant
   std::string scene;          ///< where it is pushed too; empty: nowhere
   double period = 1e-3;       ///< s
@@ -21,10 +21,10 @@ struct SurfaceDesignOptions {
 };
 
 /// Searches, prints the trade-off and how the servo does on new random numbers; returns the servo's file. Throws Error.
-std::string designSurface(const SurfaceDesignOptions& options);
+std::string designPositionControl(const DesignSearchOptions& options);
 
 /// The same for every rivalSpecs() and delays of 0, 1, 2, 3 and 0..3 ticks (`delay` is not read); returns the file of
 /// their values. Throws Error.
-std::string designRivals(const SurfaceDesignOptions& options);
+std::string designRivals(const DesignSearchOptions& options);
 
 }  // namespace enamel::app

@@ -1,4 +1,4 @@
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -37,8 +37,8 @@ class Reader {
     return value(key).get<double>();
   }
   int whole(const std::string& key, const Json& json) const {
-    if (!json.is_number_integer() || json < 0 || json > kMaxServoDelay)
-      refuse(key, "must be a whole number of ticks in 0 to " + std::to_string(kMaxServoDelay));
+    if (!json.is_number_integer() || json < 0 || json > kMaxLoopDelay)
+      refuse(key, "must be a whole number of ticks in 0 to " + std::to_string(kMaxLoopDelay));
     return json.get<int>();
   }
   const Json& list(const std::string& key, std::size_t least, std::size_t most) const {
@@ -56,45 +56,45 @@ class Reader {
 
 }  // namespace
 
-SurfaceServoFile loadSurfaceServo(const std::string& path) {
+PositionControlFile loadPositionControl(const std::string& path) {
   const Reader reader(path);
-  SurfaceServoFile file;
-  SurfaceServoOptions& o = file.options;
+  PositionControlFile file;
+  PositionControlOptions& o = file.options;
   file.model = reader.text("model");
   o.period = reader.number("period");
   const Json& count = reader.list("count", 1, kMaxJoints);
-  o.count.resize(static_cast<Eigen::Index>(count.size()));
+  o.encoderStep.resize(static_cast<Eigen::Index>(count.size()));
   for (std::size_t i = 0; i < count.size(); ++i) {
     if (!count[i].is_number()) reader.refuse("count[" + std::to_string(i) + "]", "must be a number");
-    o.count[static_cast<Eigen::Index>(i)] = count[i].get<double>();
+    o.encoderStep[static_cast<Eigen::Index>(i)] = count[i].get<double>();
   }
   const Json& delay = reader.list("delay", 2, 2);
   o.delayLow = reader.whole("delay[0]", delay[0]);
   o.delayHigh = reader.whole("delay[1]", delay[1]);
   o.horizon = reader.whole("horizon", reader.value("horizon"));
-  for (const SurfaceServoParameter& p : surfaceServoParameters()) o.*p.value = reader.number(p.name);
+  for (const PositionControlParameter& p : positionControlParameters()) o.*p.value = reader.number(p.name);
   try {
-    SurfaceServoRenderer{o};
+    PositionControlRenderer{o};
   } catch (const Error& error) {
     reader.refuse("", error.what());
   }
   return file;
 }
 
-std::string surfaceServoText(const SurfaceServoFile& file) {
-  const SurfaceServoOptions& o = file.options;
+std::string positionControlText(const PositionControlFile& file) {
+  const PositionControlOptions& o = file.options;
   Json json;
   json["kind"] = kKind;
   json["model"] = file.model;
   json["period"] = o.period;
-  json["count"] = std::vector<double>(o.count.data(), o.count.data() + o.count.size());
+  json["count"] = std::vector<double>(o.encoderStep.data(), o.encoderStep.data() + o.encoderStep.size());
   json["delay"] = {o.delayLow, o.delayHigh};
   json["horizon"] = o.horizon;
-  for (const SurfaceServoParameter& p : surfaceServoParameters()) json[p.name] = o.*p.value;
+  for (const PositionControlParameter& p : positionControlParameters()) json[p.name] = o.*p.value;
   return json.dump(2) + "\n";
 }
 
-bool isSurfaceServo(const std::string& path) {
+bool isPositionControlFile(const std::string& path) {
   try {
     const Json json = Json::parse(readJson(path), nullptr, false);
     return json.is_object() && json.value("kind", Json()) == kKind;

@@ -1,4 +1,4 @@
-#include "enamel/sim/real_plant.hpp"
+#include "enamel/sim/imperfect_plant.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -96,12 +96,12 @@ double cableTorque(const Imperfections& e, double stretch, double rate) {
 
 }  // namespace
 
-RealDevice makeRealDevice(const DeviceParameters& parameters, std::uint64_t seed, std::uint32_t number) {
+ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uint64_t seed, std::uint32_t number) {
   DeviceParameters built = parameters;
   MotorParameters* const motor = motorOf(built);
   if (motor == nullptr)
     throw Error("device \"" + nameOf(parameters) + "\": nothing is known of the drives of a Cartesian device");
-  RealDevice device;
+  ImperfectDevice device;
   device.imperfections = imperfectionsOf(parameters);
   Draw draw(seed, number);
   std::visit(Build{draw, device.imperfections}, built);
@@ -114,21 +114,21 @@ RealDevice makeRealDevice(const DeviceParameters& parameters, std::uint64_t seed
   return device;
 }
 
-RealPlant::State moved(const RealPlant::State& state, const RealPlant::Slope& slope, double h) noexcept {
-  RealPlant::State s = state;
+ImperfectPlant::State moved(const ImperfectPlant::State& state, const ImperfectPlant::Slope& slope, double h) noexcept {
+  ImperfectPlant::State s = state;
   s.link = detail::moved(state.link, slope.link, h);
   s.rotors.angle += h * slope.speed;
   s.rotors.speed += h * slope.acceleration;
   return s;
 }
 
-RealPlant::Slope weighted(const RealPlant::Slope& k1, const RealPlant::Slope& k2, const RealPlant::Slope& k3,
-                          const RealPlant::Slope& k4) noexcept {
+ImperfectPlant::Slope weighted(const ImperfectPlant::Slope& k1, const ImperfectPlant::Slope& k2,
+                               const ImperfectPlant::Slope& k3, const ImperfectPlant::Slope& k4) noexcept {
   return {detail::weighted(k1.link, k2.link, k3.link, k4.link), k1.speed + 2.0 * (k2.speed + k3.speed) + k4.speed,
           k1.acceleration + 2.0 * (k2.acceleration + k3.acceleration) + k4.acceleration};
 }
 
-Status RealPlant::start(const Pose& pose) {
+Status ImperfectPlant::start(const Pose& pose) {
   Kinematics kinematics;
   if (const Status status = rest(pose, kinematics); status != Status::ok) return status;
   rotors_.angle = kinematics.q + windUp(device_.imperfections, kinematics.gravity);
@@ -137,18 +137,19 @@ Status RealPlant::start(const Pose& pose) {
   return Status::ok;
 }
 
-void RealPlant::read(const Kinematics&, JointVector& q, JointVector& rates) const noexcept {
+void ImperfectPlant::read(const Kinematics&, JointVector& q, JointVector& rates) const noexcept {
   q = rotors_.angle + device_.offset;
   rates = rotors_.speed;
 }
 
-Status RealPlant::advance(double time, double duration, const JointVector& torque, const Load& load) noexcept {
+Status ImperfectPlant::advance(double time, double duration, const JointVector& torque,
+                               const ExternalWrench& load) noexcept {
   if (!(duration > 0.0)) return Status::ok;
   const double steps = std::ceil(duration / step_ - 1e-9), h = duration / steps;
   State state{state_, rotors_};
   for (int i = 0; i < steps; ++i) {
     if (const Status s = step(time + i * h, h, torque, load, state); s != Status::ok) return s;
-    if (!isSlowEnough(state.link)) return Status::outOfRange;
+    if (!isWithinSpeedLimits(state.link)) return Status::outOfRange;
   }
   state_ = state.link;
   rotors_ = state.rotors;
@@ -156,7 +157,7 @@ Status RealPlant::advance(double time, double duration, const JointVector& torqu
 }
 
 // Current and friction after h at constant speeds.
-void RealPlant::relax(double h, const JointVector& command, Rotors& rotors) const noexcept {
+void ImperfectPlant::relax(double h, const JointVector& command, Rotors& rotors) const noexcept {
   const Imperfections& e = device_.imperfections;
   const double lag = e.currentBandwidth > 0.0 ? -std::expm1(-2.0 * M_PI * e.currentBandwidth * h) : 1.0;
   for (Eigen::Index i = 0; i < command.size(); ++i) {
@@ -169,7 +170,7 @@ void RealPlant::relax(double h, const JointVector& command, Rotors& rotors) cons
 }
 
 // Of the motors, less friction.
-JointVector RealPlant::torqueOf(const Rotors& rotors) const noexcept {
+JointVector ImperfectPlant::torqueOf(const Rotors& rotors) const noexcept {
   const Imperfections& e = device_.imperfections;
   JointVector torque = rotors.current;
   for (Eigen::Index i = 0; i < torque.size(); ++i)
@@ -178,15 +179,15 @@ JointVector RealPlant::torqueOf(const Rotors& rotors) const noexcept {
   return torque;
 }
 
-Status RealPlant::step(double time, double h, const JointVector& command, const Load& load,
-                       State& state) const noexcept {
+Status ImperfectPlant::step(double time, double h, const JointVector& command, const ExternalWrench& load,
+                            State& state) const noexcept {
   relax(0.5 * h, command, state.rotors);
   const Status status = isRigid() ? moveRigidly(time, h, load, state) : move(time, h, load, state);
   relax(0.5 * h, command, state.rotors);
   return status;
 }
 
-Status RealPlant::moveRigidly(double time, double h, const Load& load, State& state) const noexcept {
+Status ImperfectPlant::moveRigidly(double time, double h, const ExternalWrench& load, State& state) const noexcept {
   if (const Status s = stepRungeKutta4(mechanism(), time, h, torqueOf(state.rotors), load, state.link); s != Status::ok)
     return s;
   Kinematics kinematics;
@@ -197,14 +198,15 @@ Status RealPlant::moveRigidly(double time, double h, const Load& load, State& st
   return Status::ok;
 }
 
-Status RealPlant::move(double time, double h, const Load& load, State& state) const noexcept {
+Status ImperfectPlant::move(double time, double h, const ExternalWrench& load, State& state) const noexcept {
   const auto slopeAt = [&](double t, const State& s, Slope& slope) { return this->slopeAt(t, s, load, slope); };
   const Status status = detail::rungeKutta4<Slope>(time, h, slopeAt, state);
   if (status == Status::ok) state.link.orientation.normalize();
   return status;
 }
 
-Status RealPlant::slopeAt(double time, const State& state, const Load& load, Slope& slope) const noexcept {
+Status ImperfectPlant::slopeAt(double time, const State& state, const ExternalWrench& load,
+                               Slope& slope) const noexcept {
   Kinematics kinematics;
   const Pose pose{state.link.position, state.link.orientation.normalized().toRotationMatrix()};
   if (const Status s = mechanism().reach(pose, state.link.twist, false, kinematics); s != Status::ok) return s;

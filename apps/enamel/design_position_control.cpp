@@ -1,11 +1,11 @@
-#include "design_surface.hpp"
+#include "design_position_control.hpp"
 
 #include <fmt/core.h>
 
 #include <filesystem>
 
 #include "enamel/device/device_file.hpp"
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 #include "enamel/study/controllers.hpp"
 #include "enamel/study/parallel.hpp"
 #include "plant_option.hpp"
@@ -27,7 +27,7 @@ void printScore(const std::string& name, const WallScore& s) {
   std::fflush(stdout);
 }
 
-WallDesignSetup setupOf(const SurfaceDesignOptions& options) {
+WallDesignSetup setupOf(const DesignSearchOptions& options) {
   WallDesignSetup setup;
   const DeviceParameters parameters = loadDevice(options.device);
   setup.plant = makeMechanism(parameters);
@@ -40,16 +40,14 @@ WallDesignSetup setupOf(const SurfaceDesignOptions& options) {
   setup.delay = options.delay;
   setup.inertiaError = options.inertiaError;
   setup.halfWidth = options.halfWidth;
-  setup.chatter = options.chatter > 0.0 ? options.chatter : 0.025 * setup.plant->limits().torque.minCoeff();
+  setup.chatter = options.chatter > 0.0 ? options.chatter : 0.025 * setup.plant->limits().effort.minCoeff();
   setup.runs = options.runs;
   if (!options.scene.empty()) setup.scene = loadScene(options.scene);
   setup.seed = options.seed;
   return withinMotors(setup);
 }
 
-int threadsOf(const SurfaceDesignOptions& options) {
-  return options.threads > 0 ? options.threads : availableThreads();
-}
+int threadsOf(const DesignSearchOptions& options) { return options.threads > 0 ? options.threads : availableThreads(); }
 
 void printTask(const WallDesignSetup& setup) {
   fmt::print(
@@ -67,16 +65,16 @@ std::string ticksText(const Delay& delay) {
 
 }  // namespace
 
-std::string designSurface(const SurfaceDesignOptions& options) {
+std::string designPositionControl(const DesignSearchOptions& options) {
   const int threads = threadsOf(options);
   const WallDesignSetup setup = setupOf(options);
-  const SurfaceServoOptions start =
-      surfaceServoFor(setup.plant->limits().count, options.period, options.delay.low, options.delay.high);
+  const PositionControlOptions start =
+      positionControlFor(setup.plant->limits().encoderStep, options.period, options.delay.low, options.delay.high);
 
-  fmt::print("surface servo for {}: delay {}..{} ticks of {:.6g} s, inertia wrong by up to {:.0f} %\n",
+  fmt::print("position control for {}: delay {}..{} ticks of {:.6g} s, inertia wrong by up to {:.0f} %\n",
              setup.plant->name(), options.delay.low, options.delay.high, options.period, 100.0 * options.inertiaError);
   printTask(setup);
-  const ControllerSpec spec = surfaceServoSpec(start);
+  const ControllerSpec spec = positionControlSpec(start);
   const auto servo = [&spec, &setup](const std::vector<double>& values) {
     return spec.with({setup.plant, setup.period, setup.delay}, values);
   };
@@ -86,7 +84,7 @@ std::string designSurface(const SurfaceDesignOptions& options) {
       designController(setup, spec, first, options.generations, threads, [](int generation, const WallScore& score) {
         if (generation % 10 == 0) printScore(fmt::format("search {}", generation), score);
       });
-  const SurfaceServoOptions best = surfaceServoWith(start, found);
+  const PositionControlOptions best = positionControlWith(start, found);
 
   // The trade-off: stiffer or quieter by the observer's trust in the push's constancy.
   WallDesignSetup thorough = setup;
@@ -105,12 +103,12 @@ std::string designSurface(const SurfaceDesignOptions& options) {
   if (score.chatter > setup.chatter)
     fmt::print("its chatter, {:.3g}, is above the bound: none below it was found\n", score.chatter);
   fmt::print("\n");
-  for (const SurfaceServoParameter& p : surfaceServoParameters())
+  for (const PositionControlParameter& p : positionControlParameters())
     fmt::print("{:<17} {:.6g}{}\n", p.name, best.*p.value, p.unit);
-  return surfaceServoText({std::filesystem::path(options.device).filename().string(), best});
+  return positionControlText({std::filesystem::path(options.device).filename().string(), best});
 }
 
-std::string designRivals(const SurfaceDesignOptions& options) {
+std::string designRivals(const DesignSearchOptions& options) {
   const int threads = threadsOf(options);
   WallDesignSetup setup = setupOf(options);
   fmt::print("rivals on {}, each at its best after {} generations, on new random numbers\n", setup.plant->name(),
@@ -137,8 +135,8 @@ std::string designRivals(const SurfaceDesignOptions& options) {
       fmt::print("            {}\n", text);
       file.controllers.push_back(std::move(values));
     }
-    const ControllerSpec servo =
-        surfaceServoSpec(surfaceServoFor(setup.plant->limits().count, options.period, delay.low, delay.high));
+    const ControllerSpec servo = positionControlSpec(
+        positionControlFor(setup.plant->limits().encoderStep, options.period, delay.low, delay.high));
     std::vector<double> shipped;
     for (const ControllerParameter& p : servo.parameters) shipped.push_back(p.start);
     print(servo.name, servo.with({setup.plant, setup.period, delay}, shipped));

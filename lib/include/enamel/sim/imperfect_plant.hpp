@@ -12,7 +12,7 @@
 namespace enamel {
 
 /// One of the devices that a file's tolerances allow. Immutable; may be shared between threads.
-struct RealDevice {
+struct ImperfectDevice {
   Imperfections imperfections;
   std::shared_ptr<const Mechanism> mechanism;  ///< as built, without rotors where cables hold them
   double rotorInertia = 0.0;                   ///< as built, kg m^2
@@ -22,7 +22,7 @@ struct RealDevice {
 /// Draws the device of a number and a seed: lengths, masses, the offset of each encoder. The encoders are set at home,
 /// where they tell what `parameters` expect there but for their offset. Throws ConfigurationError: as makeMechanism()
 /// of what was drawn; Error: a Cartesian device, of whose drives nothing is known. Realtime: no.
-RealDevice makeRealDevice(const DeviceParameters& parameters, std::uint64_t seed, std::uint32_t number = 0);
+ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uint64_t seed, std::uint32_t number = 0);
 
 /// A rotor behind every joint. With c the command, m the motor's torque, th and w the rotor's angle and speed, J its
 /// inertia, q the joint and T the torque on it:
@@ -31,18 +31,18 @@ RealDevice makeRealDevice(const DeviceParameters& parameters, std::uint64_t seed
 ///   F = F_c z / z_c,  z' = w - |w| z / z_c                   Coulomb friction (P. Dahl, "A solid friction model",
 ///   1968) T = k (th - q -+ b/2) + d (w - q'), 0 within the play b  cable and backlash
 /// A rigid transmission has th = q, and its rotors are in the mechanism. The encoders are on the rotors.
-class RealPlant final : public Plant {
+class ImperfectPlant final : public Plant {
  public:
   /// Integrated in steps of at most `step` s: half of it current and friction, exactly at constant speed, then the
   /// motion by RK4, then their other half (Strang 1968).
-  explicit RealPlant(RealDevice device, double step = 5e-5) noexcept
+  explicit ImperfectPlant(ImperfectDevice device, double step = 5e-5) noexcept
       : Plant(*device.mechanism), device_(std::move(device)), step_(step) {}
 
-  [[nodiscard]] std::unique_ptr<Plant> clone() const override { return std::make_unique<RealPlant>(*this); }
+  [[nodiscard]] std::unique_ptr<Plant> clone() const override { return std::make_unique<ImperfectPlant>(*this); }
   [[nodiscard]] Status start(const Pose& pose) override;
   /// Realtime: yes, if the load is.
   [[nodiscard]] Status advance(double time, double duration, const JointVector& torque,
-                               const Load& load) noexcept override;
+                               const ExternalWrench& load) noexcept override;
   void read(const Kinematics& truth, JointVector& q, JointVector& rates) const noexcept override;
 
  private:
@@ -62,14 +62,15 @@ class RealPlant final : public Plant {
   friend Slope weighted(const Slope& k1, const Slope& k2, const Slope& k3, const Slope& k4) noexcept;
 
   bool isRigid() const noexcept { return device_.imperfections.cableStiffness == 0.0; }
-  Status step(double time, double h, const JointVector& command, const Load& load, State& state) const noexcept;
+  Status step(double time, double h, const JointVector& command, const ExternalWrench& load,
+              State& state) const noexcept;
   void relax(double h, const JointVector& command, Rotors& rotors) const noexcept;
-  Status moveRigidly(double time, double h, const Load& load, State& state) const noexcept;
-  Status move(double time, double h, const Load& load, State& state) const noexcept;
-  Status slopeAt(double time, const State& state, const Load& load, Slope& slope) const noexcept;
+  Status moveRigidly(double time, double h, const ExternalWrench& load, State& state) const noexcept;
+  Status move(double time, double h, const ExternalWrench& load, State& state) const noexcept;
+  Status slopeAt(double time, const State& state, const ExternalWrench& load, Slope& slope) const noexcept;
   JointVector torqueOf(const Rotors& rotors) const noexcept;
 
-  RealDevice device_;
+  ImperfectDevice device_;
   double step_;
   Rotors rotors_;
 };

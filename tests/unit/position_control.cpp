@@ -1,5 +1,5 @@
 // The contact-space servo: what it promises in a tick, and its file.
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/device/tau/mechanism.hpp"
-#include "enamel/render/surface_file.hpp"
+#include "enamel/render/position_control_file.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
 #include "enamel/study/controllers.hpp"
@@ -16,7 +16,7 @@
 #include "support/mechanisms.hpp"
 #include "support/run_length.hpp"
 
-namespace enamel::test_surface_servo {
+namespace enamel::test_position_control {
 
 namespace {
 
@@ -24,8 +24,8 @@ constexpr double kPeriod = 1e-3;
 
 std::shared_ptr<const Mechanism> tau() { return std::make_shared<TauMechanism>(test::nominal()); }
 
-SurfaceServoOptions optionsFor(const Mechanism& device, int delay) {
-  return surfaceServoFor(device.limits().count, kPeriod, delay, delay);
+PositionControlOptions optionsFor(const Mechanism& device, int delay) {
+  return positionControlFor(device.limits().encoderStep, kPeriod, delay, delay);
 }
 
 LoopSetup loopWith(const Scene& scene, int delay) {
@@ -40,7 +40,7 @@ Scene wallOf(double stiffness, double friction, double sliding) {
   Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());
   wall.material.stiffness = stiffness;
   wall.material.friction = friction;
-  wall.material.sliding = sliding;
+  wall.material.slidingFriction = sliding;
   Scene scene;
   scene.add(wall);
   return scene;
@@ -75,16 +75,17 @@ WallDesignSetup setupFor(int delayLow, int delayHigh) {
 }
 
 WallScore evaluate(const WallDesignSetup& setup) {
-  const auto options = surfaceServoFor(setup.plant->limits().count, kPeriod, setup.delay.low, setup.delay.high);
+  const auto options =
+      positionControlFor(setup.plant->limits().encoderStep, kPeriod, setup.delay.low, setup.delay.high);
   return evaluateWall(
-      setup, [options] { return std::make_unique<SurfaceServoRenderer>(options); }, 7, 2);
+      setup, [options] { return std::make_unique<PositionControlRenderer>(options); }, 7, 2);
 }
 
 }  // namespace
 
 // The bars of the wall: K_z1, chatter, bounce, ramp. The paper's law has 20 kN/m here without delay and is unstable
 // from 2 ticks on.
-TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[surface_servo]") {
+TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[position_control]") {
   const double stiffness[] = {200e3, 70e3, 34e3, 18e3}, ramp[] = {25e-6, 60e-6, 120e-6, 220e-6};
   for (int delay = 0; delay <= 3; ++delay)
     for (const double error : {0.0, 0.3}) {
@@ -102,7 +103,7 @@ TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[
     }
 }
 
-TEST_CASE("a random delay loses no run", "[surface_servo]") {
+TEST_CASE("a random delay loses no run", "[position_control]") {
   struct Range {
     int low, high;
     double deepest, ramp;  // m
@@ -120,7 +121,7 @@ TEST_CASE("a random delay loses no run", "[surface_servo]") {
   }
 }
 
-TEST_CASE("a design's evaluation sees a tool slide off a ball", "[surface_servo]") {
+TEST_CASE("a design's evaluation sees a tool slide off a ball", "[position_control]") {
   const auto ball = [](const std::string& friction) {
     return parseScene(
         "name = \"ball\"\nstart = [0.0, 0.0, 0.001]\n[[obstacle]]\nname = \"ball\"\nshape = \"sphere\"\nradius = "
@@ -146,7 +147,7 @@ TEST_CASE("a design's evaluation sees a tool slide off a ball", "[surface_servo]
   }
 }
 
-TEST_CASE("the servo learns how heavy the device is", "[surface_servo]") {
+TEST_CASE("the servo learns how heavy the device is", "[position_control]") {
   const auto model = tau();
   for (const int late : {0, 3})                     // none, or random up to 3 ticks
     for (const double factor : {0.75, 1.0, 1.3}) {  // of the plant
@@ -158,7 +159,7 @@ TEST_CASE("the servo learns how heavy the device is", "[surface_servo]") {
       double mean = 0.0;
       const int runs = test::count(6, 40);
       for (int run = 0; run < runs; ++run) {
-        SurfaceServoRenderer servo(surfaceServoFor(model->limits().count, kPeriod, 0, late));
+        PositionControlRenderer servo(positionControlFor(model->limits().encoderStep, kPeriod, 0, late));
         LoopSetup setup = loopWith(flatWall(), 0);
         setup.delay = {0, late};
         setup.run = static_cast<std::uint32_t>(run);
@@ -178,10 +179,10 @@ TEST_CASE("the servo learns how heavy the device is", "[surface_servo]") {
 }
 
 // Counts flicker, the servo answers, and nothing else moves: it would pass for the lightest device of the range.
-TEST_CASE("a tool at rest does not teach the servo a wrong inertia", "[surface_servo]") {
+TEST_CASE("a tool at rest does not teach the servo a wrong inertia", "[position_control]") {
   const auto device = tau();
   for (const double noise : {0.0, 0.1}) {
-    SurfaceServoRenderer servo(optionsFor(*device, 0));
+    PositionControlRenderer servo(optionsFor(*device, 0));
     VirtualLoop loop(*device, *device, servo, loopWith(flatWall(), 0));
     const RandomStream random(1, 1);
     TickRecord tick;
@@ -194,7 +195,7 @@ TEST_CASE("a tool at rest does not teach the servo a wrong inertia", "[surface_s
   }
 }
 
-TEST_CASE("the servo never pulls, pushes along the normal only, and lets the tool slide", "[surface_servo]") {
+TEST_CASE("the servo never pulls, pushes along the normal only, and lets the tool slide", "[position_control]") {
   const auto device = tau();
   test::Random random(3);
   for (int direction = 0; direction < 10; ++direction) {
@@ -202,7 +203,7 @@ TEST_CASE("the servo never pulls, pushes along the normal only, and lets the too
     const Vec3 along = normal.cross(Vec3::UnitX()).normalized();
     Scene scene;
     scene.add(halfSpace("wall", Vec3::Zero(), normal));
-    SurfaceServoRenderer servo(optionsFor(*device, 0));
+    PositionControlRenderer servo(optionsFor(*device, 0));
     VirtualLoop loop(*device, *device, servo, loopWith(scene, 0));
     TickRecord tick;
     double tangential = 0.0, pressed = 0.0, squares = 0.0, speed = 0.0;
@@ -228,10 +229,10 @@ TEST_CASE("the servo never pulls, pushes along the normal only, and lets the too
   }
 }
 
-TEST_CASE("friction holds below its limit and drags above it", "[surface_servo]") {
+TEST_CASE("friction holds below its limit and drags above it", "[position_control]") {
   const auto device = tau();
   for (const double pull : {2.0, 4.0}) {  // of 10 N pressed, mu_s = 0.3: sticks, slides
-    SurfaceServoRenderer servo(optionsFor(*device, 0));
+    PositionControlRenderer servo(optionsFor(*device, 0));
     VirtualLoop loop(*device, *device, servo, loopWith(wallOf(HUGE_VAL, 0.3, 0.25), 0));
     TickRecord tick;
     double along = 0.0, pressed = 0.0;
@@ -252,22 +253,22 @@ TEST_CASE("friction holds below its limit and drags above it", "[surface_servo]"
   }
 }
 
-TEST_CASE("a soft surface gives way by its stiffness", "[surface_servo]") {
+TEST_CASE("a soft surface gives way by its stiffness", "[position_control]") {
   const auto device = tau();
-  SurfaceServoRenderer servo(optionsFor(*device, 0));
+  PositionControlRenderer servo(optionsFor(*device, 0));
   VirtualLoop loop(*device, *device, servo, loopWith(wallOf(2000.0, 0.0, 0.0), 0));
   TickRecord tick;
   for (int i = 0; i < 800; ++i) REQUIRE(loop.tick(FirmHand{4.0}, tick) == Status::ok);
   CHECK(-tick.nearest.gap == Approx(4.0 / 2000.0).epsilon(0.03));
 }
 
-TEST_CASE("a surface that is lowered is followed, one that vanishes has no force", "[surface_servo]") {
+TEST_CASE("a surface that is lowered is followed, one that vanishes has no force", "[position_control]") {
   const auto device = tau();
-  SurfaceServoRenderer servo(optionsFor(*device, 0));
+  PositionControlRenderer servo(optionsFor(*device, 0));
   servo.activate(kPeriod);
   TickFrame input;
   input.kinematics = device->home();
-  input.maxTorque = device->limits().torque;
+  input.maxTorque = device->limits().effort;
   input.contacts.count = 1;
   TickOutput output;
   for (int i = 0; i < 50; ++i) {
@@ -290,18 +291,18 @@ TEST_CASE("a surface that is lowered is followed, one that vanishes has no force
   CHECK(output.mode == RenderMode::free);
 }
 
-TEST_CASE("walls that face each other too near by micrometres do not hold the tool", "[surface_servo]") {
+TEST_CASE("walls that face each other too near by micrometres do not hold the tool", "[position_control]") {
   const auto device = tau();
   Scene scene;
   for (const double side : {-1.0, 1.0}) {
     Obstacle wall =
         halfSpace(side > 0.0 ? "right" : "left", Vec3(-side * (1e-3 - 2e-6), 0.0, 0.0), side * Vec3::UnitX());
-    wall.material.friction = wall.material.sliding = 0.3;
+    wall.material.friction = wall.material.slidingFriction = 0.3;
     scene.add(wall);
   }
   LoopSetup setup = loopWith(scene, 0);
   setup.tool.parts[0].radius = 1e-3;
-  SurfaceServoRenderer servo(optionsFor(*device, 0));
+  PositionControlRenderer servo(optionsFor(*device, 0));
   VirtualLoop loop(*device, *device, servo, setup);
   TickRecord tick;
   double largest = 0.0;
@@ -314,9 +315,9 @@ TEST_CASE("walls that face each other too near by micrometres do not hold the to
   CHECK(tick.pose.position.z() > 5e-3);
 }
 
-TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[surface_servo]") {
+TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[position_control]") {
   const auto device = tau();
-  SurfaceServoRenderer servo(optionsFor(*device, 2)), copy(optionsFor(*device, 2));
+  PositionControlRenderer servo(optionsFor(*device, 2)), copy(optionsFor(*device, 2));
   VirtualLoop loop(*device, *device, servo, loopWith(wallOf(HUGE_VAL, 0.2, 0.2), 2));
   TickRecord tick;
   std::vector<TickFrame> inputs;
@@ -341,22 +342,24 @@ TEST_CASE("the servo's state can be copied: the same ticks, the same bits", "[su
   }
 }
 
-TEST_CASE("the servo's options are checked", "[surface_servo]") {
+TEST_CASE("the servo's options are checked", "[position_control]") {
   const auto device = tau();
-  const SurfaceServoOptions good = optionsFor(*device, 0);
+  const PositionControlOptions good = optionsFor(*device, 0);
   const auto refuse = [&](const std::string& message, const auto& damage) {
-    SurfaceServoOptions bad = good;
+    PositionControlOptions bad = good;
     damage(bad);
-    CHECK_THROWS_WITH(SurfaceServoRenderer(bad), message);
+    CHECK_THROWS_WITH(PositionControlRenderer(bad), message);
   };
-  refuse("surface servo: no encoder count is given", [](auto& o) { o.count.resize(0); });
-  refuse("surface servo: an encoder's count is 0, must be in 1e-12 to 1 rad or m", [](auto& o) { o.count[2] = 0.0; });
-  refuse("surface servo: pole is 1.2, must be in 0 to 0.999", [](auto& o) { o.pole = 1.2; });
-  refuse("surface servo: the largest delay is 9, must be in 0 to 8 ticks", [](auto& o) { o.delayHigh = 9; });
-  refuse("surface servo: the smallest delay is 3, must be in 0 to 2 ticks",
+  refuse("position control: no encoder count is given", [](auto& o) { o.encoderStep.resize(0); });
+  refuse("position control: an encoder's count is 0, must be in 1e-12 to 1 rad or m",
+         [](auto& o) { o.encoderStep[2] = 0.0; });
+  refuse("position control: pole is 1.2, must be in 0 to 0.999", [](auto& o) { o.pole = 1.2; });
+  refuse("position control: the largest delay is 9, must be in 0 to 8 ticks", [](auto& o) { o.delayHigh = 9; });
+  refuse("position control: the smallest delay is 3, must be in 0 to 2 ticks",
          [](auto& o) { o.delayLow = 3, o.delayHigh = 2; });
-  refuse("surface servo: tremor is nan, must be in 0 to 1000 counts/tick^2", [](auto& o) { o.tremor = std::nan(""); });
-  SurfaceServoRenderer servo(good);
+  refuse("position control: tremor is nan, must be in 0 to 1000 counts/tick^2",
+         [](auto& o) { o.tremor = std::nan(""); });
+  PositionControlRenderer servo(good);
   CHECK_THROWS_AS(servo.activate(2e-3), Error);
   servo.activate(kPeriod);
   TickFrame input;
@@ -364,28 +367,29 @@ TEST_CASE("the servo's options are checked", "[surface_servo]") {
   CHECK(servo.step(input, output) == Status::outOfRange);
 }
 
-TEST_CASE("the servo's file is read as it was written, and refused with its key", "[surface_servo]") {
+TEST_CASE("the servo's file is read as it was written, and refused with its key", "[position_control]") {
   const auto device = tau();
-  const SurfaceServoOptions options = surfaceServoFor(device->limits().count, kPeriod, 0, 3);
-  const std::string path = (std::filesystem::temp_directory_path() / "enamel-surface-servo.json").string();
-  const std::string text = surfaceServoText({"tau-nominal.toml", options});
+  const PositionControlOptions options = positionControlFor(device->limits().encoderStep, kPeriod, 0, 3);
+  const std::string path = (std::filesystem::temp_directory_path() / "enamel-position-control.json").string();
+  const std::string text = positionControlText({"tau-nominal.toml", options});
   const auto write = [&path](const std::string& content) { std::ofstream(path) << content; };
   write(text);
-  CHECK(isSurfaceServo(path));
-  const SurfaceServoFile file = loadSurfaceServo(path);
+  CHECK(isPositionControlFile(path));
+  const PositionControlFile file = loadPositionControl(path);
   CHECK(file.model == "tau-nominal.toml");
-  CHECK(file.options.count == options.count);
+  CHECK(file.options.encoderStep == options.encoderStep);
   CHECK(file.options.delayLow == 0);
   CHECK(file.options.delayHigh == 3);
   CHECK(file.options.horizon == options.horizon);
-  for (const SurfaceServoParameter& p : surfaceServoParameters()) CHECK(file.options.*p.value == options.*p.value);
+  for (const PositionControlParameter& p : positionControlParameters())
+    CHECK(file.options.*p.value == options.*p.value);
 
   const auto refuse = [&](const std::string& from, const std::string& to, const std::string& message) {
     std::string damaged = text;
     const auto at = damaged.find(from);
     REQUIRE(at != std::string::npos);
     write(damaged.replace(at, from.size(), to));
-    CHECK_THROWS_WITH(loadSurfaceServo(path), path + ": " + message);
+    CHECK_THROWS_WITH(loadPositionControl(path), path + ": " + message);
   };
   refuse("\"kind\": \"surface\"", "\"kind\": \"hold\"", "kind: must be \"surface\"");
   refuse("\"wander\"", "\"wonder\"", "wander: is missing");
@@ -394,15 +398,15 @@ TEST_CASE("the servo's file is read as it was written, and refused with its key"
   refuse("\"count\": [", "\"count\": [\"x\",", "count[0]: must be a number");
   refuse("{", "", "is not the JSON of a servo design");
   write("{}");
-  CHECK_FALSE(isSurfaceServo(path));
+  CHECK_FALSE(isPositionControlFile(path));
   std::filesystem::remove(path);
-  CHECK_FALSE(isSurfaceServo(path));
+  CHECK_FALSE(isPositionControlFile(path));
 }
 
-TEST_CASE("a designed servo does not depend on the number of threads", "[surface_servo]") {
+TEST_CASE("a designed servo does not depend on the number of threads", "[position_control]") {
   WallDesignSetup setup = setupFor(0, 0);
   setup.runs = 1;
-  const ControllerSpec spec = surfaceServoSpec(optionsFor(*setup.plant, 0));
+  const ControllerSpec spec = positionControlSpec(optionsFor(*setup.plant, 0));
   std::vector<double> start, first;
   for (const ControllerParameter& p : spec.parameters) start.push_back(p.start);
   for (const int threads : {1, 3}) {
@@ -417,4 +421,4 @@ TEST_CASE("a designed servo does not depend on the number of threads", "[surface
   CHECK_THROWS_AS(designController(setup, spec, start, 1, 1, {}), Error);
 }
 
-}  // namespace enamel::test_surface_servo
+}  // namespace enamel::test_position_control

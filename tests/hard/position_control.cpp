@@ -1,6 +1,6 @@
 // The contact-space servo where it is hard: corners, slots, impacts, motors at their limits, tools far from the TCP,
 // teeth.
-#include "enamel/render/surface_servo.hpp"
+#include "enamel/render/position_control.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -21,7 +21,7 @@
 #include "support/devices.hpp"
 #include "support/run_length.hpp"
 
-namespace enamel::test_surface_servo {
+namespace enamel::test_position_control {
 
 namespace {
 
@@ -58,8 +58,8 @@ bool run(const Mechanism& device, Renderer& renderer, const Setting& setting, do
   return true;
 }
 
-SurfaceServoRenderer servoFor(const Mechanism& device, int delay) {
-  return SurfaceServoRenderer(surfaceServoFor(device.limits().count, kPeriod, delay, delay));
+PositionControlRenderer servoFor(const Mechanism& device, int delay) {
+  return PositionControlRenderer(positionControlFor(device.limits().encoderStep, kPeriod, delay, delay));
 }
 
 Scene wallsWith(const std::vector<Vec3>& normals) {
@@ -125,7 +125,7 @@ TEST_CASE("corners, valleys and slots hold without oscillation", "[hard]") {
   for (const int delay : {0, 1, 2, 3})
     for (Case& c : cases) {
       c.setting.delay = delay;
-      SurfaceServoRenderer servo = servoFor(device, delay);
+      PositionControlRenderer servo = servoFor(device, delay);
       std::vector<JointVector> torques;
       double deepest = 0.0;
       const bool stayed = run(
@@ -174,8 +174,8 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
     setup.model = withInertia(setup.plant, wrong);
     for (const int delay : {0, 1, 2, 3}) {
       setup.delay = {delay, delay};
-      setup.renderer = [options = surfaceServoFor(setup.plant->limits().count, kPeriod, delay, delay)] {
-        return std::make_unique<SurfaceServoRenderer>(options);
+      setup.renderer = [options = positionControlFor(setup.plant->limits().encoderStep, kPeriod, delay, delay)] {
+        return std::make_unique<PositionControlRenderer>(options);
       };
       for (const WallFigure& f : runWallTrials(setup, "", 2)) {
         INFO("delay " << delay << ", model's inertia by " << wrong << ", " << f.trial << ": " << f.figure << " is "
@@ -201,8 +201,9 @@ TEST_CASE("impacts and too much force are answered where the delay is random", "
     setup.model = withInertia(setup.plant, wrong);
     for (const Delay& delay : {Delay{0, 1}, Delay{0, 3}, Delay{1, 2}, Delay{2, 5}}) {
       setup.delay = delay;
-      setup.renderer = [options = surfaceServoFor(setup.plant->limits().count, kPeriod, delay.low, delay.high)] {
-        return std::make_unique<SurfaceServoRenderer>(options);
+      setup.renderer = [options =
+                            positionControlFor(setup.plant->limits().encoderStep, kPeriod, delay.low, delay.high)] {
+        return std::make_unique<PositionControlRenderer>(options);
       };
       for (const WallFigure& f : runWallTrials(setup, "", 2)) {
         INFO("delay " << delay.low << " to " << delay.high << ", model's inertia by " << wrong << ", " << f.trial
@@ -236,10 +237,10 @@ TEST_CASE("a tip 60 mm from the TCP is as good, as a share of its own limit", "[
     const JointVector torque = torqueOf(k.jacobian, unit);
     double most = 1e9;
     for (int j = 0; j < 6; ++j)
-      most = std::min(most, (device.limits().torque[j] - std::copysign(k.gravity[j], torque[j] * k.gravity[j])) /
+      most = std::min(most, (device.limits().effort[j] - std::copysign(k.gravity[j], torque[j] * k.gravity[j])) /
                                 std::abs(torque[j]));
     const double preload = 0.05 * most, push = 0.35 * most;
-    SurfaceServoRenderer servo = servoFor(device, delay);
+    PositionControlRenderer servo = servoFor(device, delay);
     // The person holds the tip, so the load is a wrench of its own.
     LoopSetup setup;
     setup.scene = setting.scene;
@@ -254,8 +255,8 @@ TEST_CASE("a tip 60 mm from the TCP is as good, as a share of its own limit", "[
       const double pressed = t >= 600 ? push : preload;
       const auto load = [&](double, const Pose& pose, const Vec6& twist) {
         const Vec3 arm = pose.rotation * offset;
-        const Vec3 pull = kGuide.stiffness * (pose.position + arm - tip) +
-                          kGuide.damping * (twist.head<3>() + twist.tail<3>().cross(arm));
+        const Vec3 pull = kGuideGrip.stiffness * (pose.position + arm - tip) +
+                          kGuideGrip.damping * (twist.head<3>() + twist.tail<3>().cross(arm));
         const Vec3 force = -pressed * normal - (pull - normal.dot(pull) * normal);
         Vec6 wrench;
         wrench << force, arm.cross(force) + holdingMoment(pose.rotation, Mat3::Identity(), twist.tail<3>());
@@ -292,12 +293,12 @@ TEST_CASE("a tool slides over teeth", "[hard]") {
     const Vec3 start = highestNear(file.scene, file.tool, file.start) + Vec3(0, 0, 5e-4);
     for (const double friction : {0.0, 0.2})
       for (const bool isServo : {true, false}) {
-        SurfaceServoRenderer servo = servoFor(device, 0);
+        PositionControlRenderer servo = servoFor(device, 0);
         ImpedanceRenderer spring({2000.0, 2.0});
         Renderer& renderer = isServo ? static_cast<Renderer&>(servo) : spring;
         Setting setting{Scene(), file.tool, {start, Mat3::Identity()}, 0};
         for (Obstacle obstacle : file.scene.obstacles()) {
-          obstacle.material.friction = obstacle.material.sliding = friction;
+          obstacle.material.friction = obstacle.material.slidingFriction = friction;
           setting.scene.add(obstacle);
         }
         // Led below the surface it presses with 3 N, of which friction of 0.2 would hold 1.5 mm of the hand's way, more
@@ -340,7 +341,7 @@ TEST_CASE("friction holds a light push against the counts of encoders", "[hard]"
   const SceneFile molar = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/molar.toml");
   Scene wall;
   Obstacle floor = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());
-  floor.material.friction = floor.material.sliding = 0.2;
+  floor.material.friction = floor.material.slidingFriction = 0.2;
   wall.add(floor);
   const Vec3 top = highestNear(molar.scene, molar.tool, molar.start);
   struct Case {
@@ -354,7 +355,7 @@ TEST_CASE("friction holds a light push against the counts of encoders", "[hard]"
                         Case{"wall", {wall, ball(0.003), {{0, 0, 0.003}, Mat3::Identity()}, 1}, 2.0, 0.2},
                         Case{"molar", {molar.scene, molar.tool, {top, Mat3::Identity()}, 0}, 1.0, 0.0},
                         Case{"molar", {molar.scene, molar.tool, {top, Mat3::Identity()}, 0}, 3.0, 0.0}}) {
-    SurfaceServoRenderer servo = servoFor(device, c.setting.delay);
+    PositionControlRenderer servo = servoFor(device, c.setting.delay);
     Vec3 settled = Vec3::Zero(), last = Vec3::Zero();
     const bool stayed = run(
         device, servo, c.setting, duration,
@@ -382,7 +383,7 @@ TEST_CASE("friction holds a light push against the counts of encoders", "[hard]"
 TEST_CASE("the servo runs on a delta as it comes", "[hard]") {
   const auto device = makeMechanism(loadDevice(test::deviceFile("delta.toml")));
   for (const int delay : {0, 1, 2, 3}) {
-    SurfaceServoRenderer servo = servoFor(*device, delay);
+    PositionControlRenderer servo = servoFor(*device, delay);
     double deepest = 0.0;
     const bool stayed = run(
         *device, servo, {flatWall(), Tool(), Pose{}, delay}, 1.5,
@@ -400,4 +401,4 @@ TEST_CASE("the servo runs on a delta as it comes", "[hard]") {
   }
 }
 
-}  // namespace enamel::test_surface_servo
+}  // namespace enamel::test_position_control

@@ -1,5 +1,5 @@
 // The plant that is not ideal: what it becomes without imperfections, and each of them against its formula.
-#include "enamel/sim/real_plant.hpp"
+#include "enamel/sim/imperfect_plant.hpp"
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 
-namespace enamel::test_real_plant {
+namespace enamel::test_imperfect_plant {
 
 namespace {
 
@@ -59,29 +59,29 @@ Measurement readOf(const Plant& plant) {
 
 }  // namespace
 
-TEST_CASE("real plant: without imperfections it is the closed form", "[real_plant]") {
+TEST_CASE("imperfect plant: without imperfections it is the closed form", "[imperfect_plant]") {
   for (const DeviceParameters& parameters :
        {DeviceParameters(test::nominal()), loadDevice(test::deviceFile("delta.toml"))}) {
     DeviceParameters ideal = parameters;
     if (auto* delta = std::get_if<DeltaParameters>(&ideal)) delta->imperfections = {};
-    const RealDevice device = makeRealDevice(ideal, 1);
+    const ImperfectDevice device = makeImperfectDevice(ideal, 1);
     CHECK(device.offset.cwiseAbs().maxCoeff() == 0.0);
-    RealPlant real(device);
+    ImperfectPlant imperfect(device);
     ClosedFormPlant closed(*device.mechanism, Integrator::rungeKutta4, 20);
     // The same steps; the quotient of their length is rounded differently.
-    CHECK(distance(after(real, 100), after(closed, 100)) < 1e-15);
-    CHECK(readOf(real).q == readOf(closed).q);
+    CHECK(distance(after(imperfect, 100), after(closed, 100)) < 1e-15);
+    CHECK(readOf(imperfect).q == readOf(closed).q);
   }
 }
 
-TEST_CASE("real plant: a stiff cable comes to a rigid one as 1 / k", "[real_plant]") {
-  const RealDevice rigid = makeRealDevice(with({}), 1);
-  RealPlant reference(rigid);
+TEST_CASE("imperfect plant: a stiff cable comes to a rigid one as 1 / k", "[imperfect_plant]") {
+  const ImperfectDevice rigid = makeImperfectDevice(with({}), 1);
+  ImperfectPlant reference(rigid);
   const DeviceState end = after(reference, 30);
   // Damped a fifth, so that what rings has gone.
   const auto error = [&](double k) {
-    const RealDevice device = makeRealDevice(with(cable(k, 0.4 * std::sqrt(k * 1e-4))), 1);
-    RealPlant plant(device, 1e-5);
+    const ImperfectDevice device = makeImperfectDevice(with(cable(k, 0.4 * std::sqrt(k * 1e-4))), 1);
+    ImperfectPlant plant(device, 1e-5);
     return distance(after(plant, 30), end);
   };
   const double soft = error(1e3), stiff = error(4e3);
@@ -90,11 +90,11 @@ TEST_CASE("real plant: a stiff cable comes to a rigid one as 1 / k", "[real_plan
   CHECK(soft / stiff == Approx(4.0).epsilon(0.3));  // the next term is of the order of the rest
 }
 
-TEST_CASE("real plant: a cable without damping keeps the energy", "[real_plant]") {
+TEST_CASE("imperfect plant: a cable without damping keeps the energy", "[imperfect_plant]") {
   TauParameters parameters = with(cable(220.0));
   parameters.gravity.setZero();
-  const RealDevice device = makeRealDevice(parameters, 1);
-  RealPlant plant(device, 1e-5);
+  const ImperfectDevice device = makeImperfectDevice(parameters, 1);
+  ImperfectPlant plant(device, 1e-5);
   REQUIRE(plant.start(Pose()) == Status::ok);
   JointVector push = device.mechanism->home().gravity;
   for (Eigen::Index i = 0; i < push.size(); ++i) push[i] = i % 2 == 0 ? 0.5 : -0.4;
@@ -127,12 +127,12 @@ TEST_CASE("real plant: a cable without damping keeps the energy", "[real_plant]"
   CHECK(energy() == Approx(before).epsilon(1e-6));  // RK4 at 100 steps a period: 1e-8 of the amplitude each
 }
 
-TEST_CASE("real plant: friction holds below its limit and takes limit times way beyond it", "[real_plant]") {
+TEST_CASE("imperfect plant: friction holds below its limit and takes limit times way beyond it", "[imperfect_plant]") {
   TauParameters parameters = with({});
   parameters.imperfections.coulombFriction = 0.02;
   parameters.gravity.setZero();
-  const RealDevice device = makeRealDevice(parameters, 1);
-  RealPlant plant(device);
+  const ImperfectDevice device = makeImperfectDevice(parameters, 1);
+  ImperfectPlant plant(device);
   const auto pushed = [&](double torque, int ticks) {
     REQUIRE(plant.start(Pose()) == Status::ok);
     const JointVector each = JointVector::Constant(6, torque);
@@ -166,15 +166,15 @@ TEST_CASE("real plant: friction holds below its limit and takes limit times way 
   CHECK(done - moved == Approx(0.02 * way.sum()).margin(6 * 0.02 * 2e-4 + 1e-3 * done));
 }
 
-TEST_CASE("real plant: amplifier, current loop and cogging", "[real_plant]") {
+TEST_CASE("imperfect plant: amplifier, current loop and cogging", "[imperfect_plant]") {
   // Behind a cable of no stiffness to speak of the rotor alone turns: J w' = m + a sin N th.
   Imperfections e = cable(1e-9);
   e.currentBandwidth = 100.0;
   e.torqueStep = 0.01;
   TauParameters parameters = with(e);
   parameters.gravity.setZero();
-  const RealDevice device = makeRealDevice(parameters, 1);
-  RealPlant plant(device, 1e-6);
+  const ImperfectDevice device = makeImperfectDevice(parameters, 1);
+  ImperfectPlant plant(device, 1e-6);
   REQUIRE(plant.start(Pose()) == Status::ok);
   const JointVector torque = JointVector::Constant(6, 0.0243);  // rounds to 0.02
   const double duration = 2e-3, rate = 2.0 * M_PI * 100.0;
@@ -188,8 +188,8 @@ TEST_CASE("real plant: amplifier, current loop and cogging", "[real_plant]") {
   cogged.cogging = 0.01;
   cogged.periods = 40.0;
   parameters.imperfections = cogged;
-  const RealDevice other = makeRealDevice(parameters, 1);
-  RealPlant rotor(other, 1e-5);
+  const ImperfectDevice other = makeImperfectDevice(parameters, 1);
+  ImperfectPlant rotor(other, 1e-5);
   REQUIRE(rotor.start(Pose()) == Status::ok);
   const auto energy = [&] {
     const Measurement m = readOf(rotor);
@@ -206,13 +206,13 @@ TEST_CASE("real plant: amplifier, current loop and cogging", "[real_plant]") {
   CHECK(energy() == Approx(before).epsilon(1e-8));
 }
 
-TEST_CASE("real plant: nothing pulls within the backlash", "[real_plant]") {
+TEST_CASE("imperfect plant: nothing pulls within the backlash", "[imperfect_plant]") {
   Imperfections e = cable(200.0);
   e.backlash = 0.01;
   TauParameters parameters = with(e);
   parameters.gravity.setZero();
-  const RealDevice device = makeRealDevice(parameters, 1);
-  RealPlant plant(device, 1e-5);
+  const ImperfectDevice device = makeImperfectDevice(parameters, 1);
+  ImperfectPlant plant(device, 1e-5);
   REQUIRE(plant.start(Pose()) == Status::ok);
   const JointVector torque = JointVector::Constant(6, 0.01);
   // A rotor alone reaches the end of half the play after sqrt(b J / tau) = 10 ms.
@@ -223,27 +223,27 @@ TEST_CASE("real plant: nothing pulls within the backlash", "[real_plant]") {
   CHECK(plant.state().twist.norm() > 1e-3);
 }
 
-TEST_CASE("real plant: devices differ by their seed within the tolerances", "[real_plant]") {
+TEST_CASE("imperfect plant: devices differ by their seed within the tolerances", "[imperfect_plant]") {
   const DeviceParameters parameters = test::detailed();
   const auto nominal = makeMechanism(parameters);
-  const RealDevice one = makeRealDevice(parameters, 1), same = makeRealDevice(parameters, 1),
-                   two = makeRealDevice(parameters, 2);
+  const ImperfectDevice one = makeImperfectDevice(parameters, 1), same = makeImperfectDevice(parameters, 1),
+                        two = makeImperfectDevice(parameters, 2);
   CHECK(one.mechanism->home().q == same.mechanism->home().q);
   CHECK(one.offset == same.offset);
   CHECK(one.mechanism->home().q != two.mechanism->home().q);
   CHECK(one.rotorInertia == Approx(1.35e-4).epsilon(0.01));
-  for (const RealDevice* device : {&one, &two}) {
+  for (const ImperfectDevice* device : {&one, &two}) {
     // At rest at home the encoders tell what the file expects there, but for their offsets.
-    RealPlant plant(*device);
+    ImperfectPlant plant(*device);
     REQUIRE(plant.start(Pose()) == Status::ok);
     CHECK((readOf(plant).q - nominal->home().q).cwiseAbs().maxCoeff() <= 0.001 + 1e-12);
     CHECK((readOf(plant).q - nominal->home().q).cwiseAbs().maxCoeff() > 1e-5);
   }
-  CHECK_THROWS_WITH(makeRealDevice(loadDevice(test::deviceFile("cartesian-6.toml")), 1),
+  CHECK_THROWS_WITH(makeImperfectDevice(loadDevice(test::deviceFile("cartesian-6.toml")), 1),
                     test::ContainsSubstring("drives of a Cartesian device"));
 }
 
-TEST_CASE("real plant: stiffened cables leave every other imperfection") {
+TEST_CASE("imperfect plant: stiffened cables leave every other imperfection") {
   DeviceParameters device = test::detailed();
   const Imperfections before = imperfectionsOf(device);
   REQUIRE(before.cableStiffness > 0.0);
@@ -256,10 +256,10 @@ TEST_CASE("real plant: stiffened cables leave every other imperfection") {
   CHECK(after.massError == before.massError);
 }
 
-TEST_CASE("real plant: steps converge, and what fails changes nothing", "[real_plant]") {
-  const RealDevice device = makeRealDevice(test::detailed(), 3);
+TEST_CASE("imperfect plant: steps converge, and what fails changes nothing", "[imperfect_plant]") {
+  const ImperfectDevice device = makeImperfectDevice(test::detailed(), 3);
   const auto end = [&](double step) {
-    RealPlant plant(device, step);
+    ImperfectPlant plant(device, step);
     return after(plant, 50);
   };
   const DeviceState fine = end(1.25e-6);
@@ -268,7 +268,7 @@ TEST_CASE("real plant: steps converge, and what fails changes nothing", "[real_p
   CHECK(whole < 2e-7);  // m, after 50 ms
   CHECK(half < 0.5 * whole);
 
-  RealPlant plant(device);
+  ImperfectPlant plant(device);
   REQUIRE(plant.start(Pose()) == Status::ok);
   const auto blow = [](double, const Pose&, const Vec6&) { return Vec6(1e6 * Vec6::Unit(2)); };
   const DeviceState before = plant.state();
@@ -282,7 +282,7 @@ TEST_CASE("real plant: steps converge, and what fails changes nothing", "[real_p
   CHECK(plant.start(away) != Status::ok);
 }
 
-TEST_CASE("virtual device: ticks jitter and samples get lost as the setup says", "[real_plant]") {
+TEST_CASE("virtual device: ticks jitter and samples get lost as the setup says", "[imperfect_plant]") {
   const auto device = makeMechanism(test::nominal());
   VirtualDeviceSetup setup;
   setup.jitter = 0.2;
@@ -314,7 +314,7 @@ TEST_CASE("virtual device: ticks jitter and samples get lost as the setup says",
   CHECK_THROWS_WITH(VirtualDevice(*device, setup), test::ContainsSubstring("lost samples are -0.1"));
 }
 
-TEST_CASE("plants: a copy of a plant in motion moves on bit for bit", "[real_plant]") {
+TEST_CASE("plants: a copy of a plant in motion moves on bit for bit", "[imperfect_plant]") {
   const auto nominal = makeMechanism(test::nominal());
   Imperfections imperfections = cable(220.0, 0.01);
   imperfections.coulombFriction = 0.01;
@@ -323,7 +323,7 @@ TEST_CASE("plants: a copy of a plant in motion moves on bit for bit", "[real_pla
   std::vector<std::unique_ptr<Plant>> plants;
   for (const Integrator integrator : {Integrator::rungeKutta4, Integrator::semiImplicitEuler})
     plants.push_back(std::make_unique<ClosedFormPlant>(*nominal, integrator, 3));
-  plants.push_back(std::make_unique<RealPlant>(makeRealDevice(with(imperfections), 1)));
+  plants.push_back(std::make_unique<ImperfectPlant>(makeImperfectDevice(with(imperfections), 1)));
   for (const auto& plant : plants) {
     (void)after(*plant, 20);
     const auto copy = plant->clone();
@@ -345,4 +345,4 @@ TEST_CASE("plants: a copy of a plant in motion moves on bit for bit", "[real_pla
   }
 }
 
-}  // namespace enamel::test_real_plant
+}  // namespace enamel::test_imperfect_plant
