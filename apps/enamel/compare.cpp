@@ -5,6 +5,7 @@
 
 #include "commands.hpp"
 #include "enamel/study/wall_trials.hpp"
+#include "program/program.hpp"
 
 namespace enamel::app {
 namespace {
@@ -58,10 +59,12 @@ void addCompare(CLI::App& app) {
                                    {"--runs", "20; 10 with the task push"},
                                    {"--device-damping", "impedance=4,impedance-edge=4"}})
     command->get_option(name)->default_str(text);
-  command->add_option("--plants", options->plants, "the ideal device and imperfect ones; multibody takes hours")
-      ->delimiter(',')
-      ->check(CLI::IsMember(plantNames()))
-      ->default_str("closed-form; with --output closed-form,imperfect-stiff,imperfect");
+  takeOldNames(
+      command->add_option("--plants", options->plants, "the ideal device and imperfect ones; multibody takes hours")
+          ->delimiter(',')
+          ->check(CLI::IsMember(plantNames()))
+          ->default_str("closed-form; with --output closed-form,imperfect-stiff,imperfect"),
+      "plant");
   command->add_option("--delays", options->delays, "of the command, ticks: none, constant:D or random:A..B")
       ->delimiter(',')
       ->default_str("none; with --output none,constant:1,constant:2,constant:3,random:0..3");

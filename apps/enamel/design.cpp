@@ -15,6 +15,7 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "plant_option.hpp"
+#include "program/program.hpp"
 #include "renderer_option.hpp"
 
 namespace enamel::app {
@@ -260,9 +261,10 @@ void addSearchOptions(CLI::App& command, DesignOptions& options) {
                 "--output writes the values for --tuned of study and compare")
       ->excludes("--surface");
   options.search.plant = kClosedForm;
-  command.add_option("--plant", options.search.plant, std::string("--surface, --rivals: ") + kPlantHelp)
-      ->check(CLI::Validator(checkPlant, ""))
-      ->capture_default_str();
+  takeOldNames(command.add_option("--plant", options.search.plant, std::string("--surface, --rivals: ") + kPlantHelp)
+                   ->check(CLI::Validator(checkPlant, ""))
+                   ->capture_default_str(),
+               "plant");
   command
       .add_option("--inertia-error", options.search.inertiaError,
                   "--surface: the model's inertia may be wrong by this share")

@@ -11,6 +11,7 @@
 #include "plant_option.hpp"
 #include "plugins/fmi/export.hpp"
 #include "program/plugin_folder.hpp"
+#include "program/program.hpp"
 
 namespace enamel::app {
 namespace {
@@ -78,6 +79,7 @@ void addFmu(CLI::App& app) {
   auto* renderer = command->add_option("--renderer", options->renderer,
                                        "position-control, hold, impedance or passivity; without it, a plant");
   renderer->excludes(plant);
+  takeOldNames(plant, "plant");
   command->add_option("--scene", options->scene, "scene file of the renderer; without it the wall z = 0 and a point");
   command->add_option("--set", options->set, "parameter of the renderer, KEY=VALUE, by the names of the plugins")
       ->allow_extra_args(false);

@@ -14,6 +14,7 @@
 #include "enamel/runtime/recorder.hpp"
 #include "plant_option.hpp"
 #include "program/plugin_folder.hpp"
+#include "program/program.hpp"
 #include "program/recorded.hpp"
 #include "push_report.hpp"
 #include "renderer_option.hpp"
@@ -328,9 +329,10 @@ void addRendererOptions(CLI::App& command, PushOptions& options) {
                   "paper's spring has 4)")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command.add_option("--plant", options.plant, kPlantHelp)
-      ->check(CLI::Validator(checkPlant, ""))
-      ->capture_default_str();
+  takeOldNames(command.add_option("--plant", options.plant, kPlantHelp)
+                   ->check(CLI::Validator(checkPlant, ""))
+                   ->capture_default_str(),
+               "plant");
 }
 
 void addPersonOptions(CLI::App& command, PushOptions& options) {

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "program/program.hpp"
 #include "study/options.hpp"
 
 namespace enamel::app {
@@ -14,9 +15,10 @@ void addStudy(CLI::App& app) {
       "report.html. An interrupted study goes on with --resume and ends with the same bytes.");
   addStudyOptions(*command, options);
   command->get_option("--device")->description("device file (TOML); without it, the nominal device");
-  command->add_option("--plant", options->plant, kPlantHelp)
-      ->check(CLI::Validator(checkPlant, ""))
-      ->capture_default_str();
+  takeOldNames(command->add_option("--plant", options->plant, kPlantHelp)
+                   ->check(CLI::Validator(checkPlant, ""))
+                   ->capture_default_str(),
+               "plant");
   command
       ->add_option("--delay", options->delay,
                    "of the command, ticks: none, constant:D or random:A..B; position-control is told")

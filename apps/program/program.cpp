@@ -14,6 +14,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "enamel/core/old_names.hpp"
 #include "enamel/plugin/abi.h"
 
 namespace enamel::app {
@@ -84,6 +85,16 @@ int runProgram(const std::string& name, const std::function<void()>& body) noexc
 const char* buildText() noexcept {
   static_assert(ENAMEL_ABI_VERSION == 2u);
   return ENAMEL_BUILD ", plugin ABI 2";
+}
+
+void takeOldNames(CLI::Option* option, const std::string& kind) {
+  const auto replace = [kind, where = option->get_name()](std::string& name) -> std::string {
+    if (const std::string warning = oldNameWarning(kind, name, where); !warning.empty())
+      tell("enamel", "warning: " + warning);
+    name = std::string(presentName(kind, name));
+    return "";
+  };
+  option->transform(CLI::Validator(replace, ""));
 }
 
 bool parse(CLI::App& app, const std::string& name, int argc, char** argv) {

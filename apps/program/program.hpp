@@ -8,7 +8,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace enamel::app {
 
@@ -32,6 +33,10 @@ void tell(const std::string& name, const std::string& reason) noexcept;
 
 /// Version, compiler, options and libraries of this build, in one line: what --version says behind the name.
 const char* buildText() noexcept;
+
+/// Makes an option take the names of the version before (core/old_names.hpp) for what it names, `kind`: the present
+/// name replaces them before anything checks it, and a warning on standard error says so.
+void takeOldNames(CLI::Option* option, const std::string& kind);
 
 /// Parses a command line and runs its callbacks. Numbers are finite and decimal. Throws Exit with 2 where it cannot be
 /// read; false where help or the version was asked for.

@@ -5,6 +5,7 @@
 
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/core/old_names.hpp"
 #include "enamel/runtime/recording.hpp"
 #include "enamel/sim/plant_maker.hpp"
 
@@ -29,7 +30,7 @@ UnitConfiguration readUnit(const std::string& path) {
     UnitConfiguration c;
     json.at("renderer").get_to(c.renderer);
     json.at("parameters").get_to(c.parameters);
-    json.at("plant").get_to(c.plant);
+    c.plant = presentName("plant", json.at("plant").get_ref<const std::string&>());
     json.at("substeps").get_to(c.substeps);
     json.at("period").get_to(c.period);
     json.at("guarded").get_to(c.guarded);

@@ -102,4 +102,8 @@ py::array Table::finish() {
                    keep(std::move(kept)));
 }
 
+void warnDeprecated(const std::string& text) {
+  if (PyErr_WarnEx(PyExc_DeprecationWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+}
+
 }  // namespace enamel::python

@@ -46,6 +46,9 @@ Pose poseOf(const Array& position, const std::optional<Array>& rotation);
 /// Throws Error naming what was asked of whom, unless the status is ok.
 void require(Status status, const std::string& what);
 
+/// Warns with a DeprecationWarning; throws error_already_set where warnings are errors. Needs the GIL.
+void warnDeprecated(const std::string& text);
+
 /// An array over memory that `owner` keeps, without a copy.
 template <typename T>
 py::array view(const T* data, std::vector<py::ssize_t> shape, const py::handle& owner) {

@@ -109,6 +109,13 @@ void addDevice(py::module_& m) {
           "encoder_step", [](const Device& self) { return self.mechanism->limits().encoderStep; },
           "Step of every encoder, (n,), rad or m.")
       .def_property_readonly(
+          "count",
+          [](const Device& self) {
+            warnDeprecated("Device.count: its name is encoder_step now, the old one ends with version 0.4");
+            return self.mechanism->limits().encoderStep;
+          },
+          "The old name of encoder_step.")
+      .def_property_readonly(
           "home", [](const Device& self) -> const Kinematics& { return self.mechanism->home(); },
           py::return_value_policy::reference_internal, "At rest at the home pose (P = W), with inertia.")
       .def(

@@ -1,6 +1,7 @@
 #include "setup.hpp"
 
 #include "enamel/core/error.hpp"
+#include "enamel/core/old_names.hpp"
 #include "enamel/study/parallel.hpp"
 #ifdef ENAMEL_SIMBODY
 #include "enamel/multibody/multibody_plant.hpp"
@@ -24,11 +25,12 @@ EncoderOptions encodersOf(bool encoders, const std::string& rates, double lowPas
 }
 
 MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
+  if (const std::string warning = oldNameWarning("plant", plant, "plant"); !warning.empty()) warnDeprecated(warning);
   OtherPlants others;
 #ifdef ENAMEL_SIMBODY
   others.multibody = multibodyPlants;
 #endif
-  return plantMaker(plant, parameters, others, setup);
+  return plantMaker(std::string(presentName("plant", plant)), parameters, others, setup);
 }
 
 int threadsOf(int threads) { return threads > 0 ? threads : availableThreads(); }

@@ -71,6 +71,16 @@ class Scenes(unittest.TestCase):
         rng = np.random.default_rng(1)
         self.places = self.scene.start + rng.uniform(-1.0, 1.0, (500, 3)) * [4e-3, 4e-3, 6e-3]
 
+    def test_old_names_warn(self):
+        device = enamel.Device(enamel.data / "devices/tau-detailed.toml")
+        with self.assertWarnsRegex(DeprecationWarning, "Device.count: its name is encoder_step now"):
+            count = device.count
+        self.assertTrue((count == device.encoder_step).all())
+        push = lambda plant: enamel.push(device, enamel.impedance(), plant=plant, duration=1.1).ticks["gap"]
+        with self.assertWarnsRegex(DeprecationWarning, "plant real: its name is imperfect now"):
+            old = push("real")
+        self.assertTrue((old == push("imperfect")).all())
+
     def test_a_batch_answers_as_pose_by_pose(self):
         together = self.scene.contacts(self.places, margin=2e-3)
         alone = [self.scene.contacts(place[None], margin=2e-3) for place in self.places]
