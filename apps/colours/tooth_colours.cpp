@@ -1,5 +1,6 @@
 #include "colours/tooth_colours.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

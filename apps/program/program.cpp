@@ -83,8 +83,8 @@ int runProgram(const std::string& name, const std::function<void()>& body) noexc
 }
 
 const char* buildText() noexcept {
-  static_assert(ENAMEL_ABI_VERSION == 2u);
-  return ENAMEL_BUILD ", plugin ABI 2";
+  static_assert(ENAMEL_ABI_VERSION == 3u);
+  return ENAMEL_BUILD ", plugin ABI 3";
 }
 
 void takeOldNames(CLI::Option* option, const std::string& kind) {

@@ -336,7 +336,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
   /// Whether it touches an object that was handed over. Realtime: yes.
   bool isInContact(chai3d::cGenericObject* object) override {
     if (!haptics_) return false;
-    const ContactSnapshot& contacts = haptics_->input().contacts;
+    const ContactSnapshot& contacts = haptics_->frame().contacts;
     for (int i = 0; i < contacts.count; ++i)
       for (const Followed& f : followed_)
         if (f.object == object && f.obstacle == contacts.contacts[i].obstacle && contacts.contacts[i].gap <= 0.0)

@@ -40,14 +40,14 @@ TriangleMesh grooveMesh(double slope) {
   return mesh;
 }
 
-struct SurfaceMotion {
+struct GrooveRun {
   int ticksInContact = 0;
   int changes = 0;  // of the number of contacts
   bool finished = false;
 };
 
 // A ball of 1 mm lies in the groove under 3 N and slides along it at 10 mm/s for one second.
-Slide slideAlong(Obstacle groove) {
+GrooveRun slideAlong(Obstacle groove) {
   const auto mechanism = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
   PositionControlRenderer controller(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
   LoopSetup setup;
@@ -59,7 +59,7 @@ Slide slideAlong(Obstacle groove) {
   setup.encoders = {true, RateSource::lowPass};
   VirtualLoop loop(*mechanism, controller, setup);
   TickRecord record;
-  SurfaceMotion slide;
+  GrooveRun slide;
   int before = 0;
   for (int i = 0; i < 1300; ++i) {
     Pose guide = setup.start;
@@ -85,9 +85,9 @@ constexpr double kSlope = 14.5 * M_PI / 180.0;
 
 std::shared_ptr<const MeshModel> grooveModel() { return std::make_shared<const MeshModel>(grooveMesh(kSlope)); }
 
-Slide slideAlongMesh() { return slideAlong({"groove", grooveModel(), Pose{}, Vec6::Zero(), {}}); }
+GrooveRun slideAlongMesh() { return slideAlong({"groove", grooveModel(), Pose{}, Vec6::Zero(), {}}); }
 
-Slide slideAlongSolid() {
+GrooveRun slideAlongSolid() {
   const auto solid = std::make_shared<const Solid>(
       *grooveModel(), std::vector<SolidLayer>{{"enamel", {}, 3e9, 0.0, nullptr}}, SolidOptions{1e-4, 16});
   return slideAlong({"groove", solid, Pose{}, Vec6::Zero(), {}});
@@ -153,14 +153,14 @@ Tilting tiltOnPins() {
 }  // namespace
 
 TEST_CASE("case 11: in a groove of a mesh the number of contacts is steady", "[cases]") {
-  const SurfaceMotion slide = slideAlongMesh();
+  const GrooveRun slide = slideAlongMesh();
   CHECK(slide.finished);
   CHECK(slide.ticksInContact == 999);
   CHECK(slide.changes <= 10);
 }
 
 TEST_CASE("case 11: in a groove of a solid the ball slides to the end", "[cases]") {
-  const SurfaceMotion slide = slideAlongSolid();
+  const GrooveRun slide = slideAlongSolid();
   CHECK(slide.finished);
   CHECK(slide.ticksInContact == 999);
 }
@@ -169,7 +169,7 @@ TEST_CASE(
     "case 11: in a groove of a solid the number of contacts is steady "
     "(expected failure until the controller follows from physics)",
     "[!shouldfail][cases]") {
-  const SurfaceMotion slide = slideAlongSolid();
+  const GrooveRun slide = slideAlongSolid();
   CAPTURE(slide.changes);
   CHECK(slide.changes <= 10);
 }

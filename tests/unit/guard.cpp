@@ -367,11 +367,13 @@ TEST_CASE("guard: where it steps in and the device cannot tell, the renderer hea
   for (int i = 0; i < 20; ++i) {
     Kinematics k;
     REQUIRE(device.reach(test::poseAtDepth(i < 10 ? 0.0 : 5e-5 * (i - 9)), Vec6::Zero(), false, k) == Status::ok);
-    m = {1e-3 * i, k.q, k.rates, std::nullopt, true};
+    m.time = 1e-3 * i;
+    m.q = k.q;
+    m.rates = k.rates;
     const bool changed = tick.frame().reason != GuardReason::none;
     REQUIRE(tick(m, command) == Status::ok);
     if (changed)
-      CHECK(tick.frame().applied == last.torque);
+      CHECK(tick.frame().applied == last.effort);
     else
       CHECK_FALSE(tick.frame().applied.has_value());
     last = command;

@@ -49,7 +49,10 @@ struct Run {
           Vec3(0.002 * std::sin(3.0 * t), 0.0, -0.5 * (file.start.z() + 0.001) * (1.0 - std::cos(18.0 * t)));
       Kinematics k;
       REQUIRE(device->reach(pose, Vec6::Zero(), false, k) == Status::ok);
-      const Measurement measurement{t, number == broken ? JointVector(std::nan("") * k.q) : k.q, k.rates, {}, true};
+      Measurement measurement;
+      measurement.time = t;
+      measurement.q = number == broken ? JointVector(std::nan("") * k.q) : k.q;
+      measurement.rates = k.rates;
       Command command;
       const Status status = (*tick)(measurement, command);
       recorder.add(number, measurement, *tick, command, status);

@@ -103,7 +103,10 @@ Measurement measureServo(const std::string& name, const Scene& scene, int ticks)
     pose.position = {2e-5 * std::sin(3.0 * t), 2e-5 * std::cos(2.0 * t), 2e-5 * std::sin(7.0 * t)};
     twist.head<3>() << 6e-5 * std::cos(3.0 * t), -4e-5 * std::sin(2.0 * t), 1.4e-4 * std::cos(7.0 * t);
     faults += mechanism.reach(pose, twist, false, k) != Status::ok;
-    const enamel::Measurement measured{t, k.q, k.rates, {}};
+    enamel::Measurement measured;
+    measured.time = t;
+    measured.q = k.q;
+    measured.rates = k.rates;
     times_us.push_back(timeOnce([&] { faults += tick(measured, command) != Status::ok; }));
     most = std::max(most, tick.frame().contacts.count);
   }

@@ -63,7 +63,11 @@ Path pathThroughTheWall(const Mechanism& mechanism, int ticks, double sideways =
         5e-3 * std::cos(25.0 * t);
     Kinematics k;
     if (mechanism.reach(pose, twist, false, k) != Status::ok) throw std::logic_error("path outside the workspace");
-    path.measured.push_back({t, k.q, k.rates, {}});
+    enamel::Measurement measured;
+    measured.time = t;
+    measured.q = k.q;
+    measured.rates = k.rates;
+    path.measured.push_back(measured);
     path.poses.push_back(pose);
   }
   return path;

@@ -11,6 +11,8 @@
 
 #include "enamel/core/error.hpp"
 #include "enamel/device/nominal_device.hpp"
+#include "enamel/render/hold.hpp"
+#include "enamel/render/passivity.hpp"
 #include "enamel/render/position_control_file.hpp"
 #include "enamel/study/controllers.hpp"
 #include "enamel/study/parallel.hpp"

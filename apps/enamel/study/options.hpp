@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "enamel/sim/push.hpp"
 #include "plant_option.hpp"
 #include "renderer_option.hpp"
 
@@ -33,7 +34,7 @@ struct StudyOptions {
   std::uint64_t seed = 1;
   std::vector<double> tip_mm{0.0, 0.0, 0.0};
   double preload = 0.0;                     ///< N
-  double noise = Person().noise;            ///< standard deviation of the person's force, N
+  double noise = HandModel().noise;            ///< standard deviation of the person's force, N
   double inertia = 1.0;                     ///< of the renderers' model, as a share of the plant's
   std::vector<double> force = {8.0, 15.0};  ///< F_c is uniform between, N
   ImpedanceOptions impedance;               ///< of the renderers impedance and passivity

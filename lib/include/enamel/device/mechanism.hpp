@@ -50,7 +50,7 @@ double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, 
 
 /// What the motors and encoders of each joint can do.
 struct JointLimits {
-  JointVector torque;       ///< largest, N m or N; 0: the joint is sensed and has no motor
+  JointVector effort;       ///< largest of the motor, N m or N; 0: the joint is sensed and has no motor
   JointVector encoderStep;  ///< step of the encoder, rad or m
 };
 

@@ -63,7 +63,7 @@ JointLimits cartesianLimits(const CartesianParameters& p) {
     limits.encoderStep[i] = p.angleStep;
   }
   for (int i = 0; i < p.axes; ++i)
-    if (!p.driven[static_cast<std::size_t>(i)]) limits.torque[i] = 0.0;
+    if (!p.driven[static_cast<std::size_t>(i)]) limits.effort[i] = 0.0;
   return limits;
 }
 
