@@ -115,7 +115,7 @@ TEST_CASE("compare: a model with the wrong inertia reaches the pushes too", "[co
   const test::TemporaryFolder folder;
   const auto stiffness = [&](const std::string& name, const std::string& more) {
     const auto result = run("compare " + kNominal +
-                            "--tasks push --renderers hold --plants closed-form --delays none "
+                            "--tasks push --renderers position-control --plants closed-form --delays none "
                             "--scenario 1 --grid 1 --runs 2 --output '" +
                             (folder / name) + "' " + more);
     INFO(result.output);
