@@ -15,3 +15,21 @@ namespace enamel::test {
 inline auto ContainsSubstring(const std::string& part) { return Catch::Matchers::Contains(part); }
 }  // namespace enamel::test
 #endif
+
+#include <Eigen/Core>
+#include <type_traits>
+
+namespace enamel::test {
+/// Rows of numbers.
+std::string describe(const double* values, Eigen::Index rows, Eigen::Index columns, bool rowMajor);
+}  // namespace enamel::test
+
+/// Matrices and vectors in messages, without an instance of Eigen's own output for every size.
+template <typename T>
+struct Catch::StringMaker<
+    T, std::enable_if_t<std::is_same_v<typename T::Scalar, double> && (T::PlainObject::SizeAtCompileTime != 0)>> {
+  static std::string convert(const T& value) {
+    const auto& plain = value.eval();
+    return enamel::test::describe(plain.data(), plain.rows(), plain.cols(), plain.IsRowMajor);
+  }
+};
