@@ -36,6 +36,7 @@ struct Options {
   glm::ivec2 size{1280, 720};
   float scale = 1.0f;
   double frameRate = 60.0;  ///< of the window, 1/s, at most
+  bool fixedStep = false;   ///< of the window: each picture takes 1 / frameRate of the script's time
 };
 
 /// Everything but the loop that drives it: see runInWindow() and runHeadless().
@@ -64,6 +65,7 @@ class Viewer final : public Driven {
   const Seen& seen() const { return seen_; }
   const std::vector<std::string>& sceneNames() const { return sceneNames_; }
   const OverlayState& overlay() const { return overlay_; }
+  bool isInContact() const { return frame_.record.nearest.gap < 0.0 || frame_.record.mode == RenderMode::contact; }
   bool isTouring() const { return tour_.has_value(); }
   bool canTour() const;
   const std::vector<std::string>& rendererNames() const { return rendererNames_; }
@@ -183,9 +185,10 @@ class Viewer final : public Driven {
   double tourBegin_ = 0.0;
 };
 
-/// Runs in a window until it is closed, the script ends, or SIGINT or SIGTERM comes, and then writes the report.
-/// Returns that signal, or 0. Throws Error; also where the window is closed while the tool is in contact. `started`:
-/// seconds on the steady clock when the program began.
+/// Runs in a window until it is closed, the script ends, or SIGINT or SIGTERM comes, and then writes the report. After
+/// SIGUSR1 it also writes one of the next picture, and goes on. Returns the signal that ended it, or 0. Throws Error;
+/// also where the window is closed while the tool is in contact. `started`: seconds on the steady clock when the
+/// program began.
 int runInWindow(const Options& options, double started);
 
 /// Runs a script without a display on simulated time: the same script gives the same pictures. Otherwise as above.
