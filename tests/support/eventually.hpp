@@ -6,10 +6,10 @@
 
 namespace enamel::test {
 
-/// True as soon as a condition holds; false after five minutes, far longer than a loaded machine takes.
+/// True as soon as a condition holds; false after a quarter of an hour, far longer than a loaded machine takes.
 template <typename Condition>
 bool eventually(const Condition& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(5);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(15);
   while (!condition()) {
     if (std::chrono::steady_clock::now() > end) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
