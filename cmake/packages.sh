@@ -3,7 +3,7 @@
 packages="g++ cmake ninja-build libeigen3-dev libopenmesh-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtbb-dev catch2"
 # The viewer: without these, everything else is built all the same. VTK is 400 MB of download: a step of its own.
 viewer_packages="libglfw3-dev libglm-dev libglew-dev libimgui-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri \
-pkg-config fonts-roboto-unhinted xvfb xauth"
+pkg-config fonts-roboto-unhinted xvfb"
 vtk_packages="libvtk9-dev"
 multibody_packages="libsimbody-dev"  # a second engine: enamel push --plant multibody
 python_packages="python3-dev pybind11-dev python3-numpy"

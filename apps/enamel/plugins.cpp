@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -46,7 +47,10 @@ struct CheckOptions {
 
 // In a process of its own, so that a plugin that crashes or hangs is reported and not followed.
 [[noreturn]] void checkInChild(const CheckOptions& options) {
-  alarm(kTimeLimit);
+  // What computes for ever ends after a minute, on a slow machine too; what waits for ever, after ten.
+  const rlimit computing{kTimeLimit, kTimeLimit + 1};
+  setrlimit(RLIMIT_CPU, &computing);
+  alarm(10 * kTimeLimit);
   int status = 1;
   try {
     PluginSetup setup;
@@ -85,10 +89,11 @@ void check(const CheckOptions& options) {
   }
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    throw Error(signal == SIGALRM ? fmt::format("{}: the check after the last line above took longer than {} s",
-                                                options.file, kTimeLimit)
-                                  : fmt::format("{}: the check after the last line above ended in a crash ({})",
-                                                options.file, strsignal(signal)));
+    throw Error(
+        signal == SIGALRM || signal == SIGXCPU
+            ? fmt::format("{}: the check after the last line above took longer than {} s", options.file, kTimeLimit)
+            : fmt::format("{}: the check after the last line above ended in a crash ({})", options.file,
+                          strsignal(signal)));
   }
   if (WEXITSTATUS(status) == kBroken) throw Error(options.file + ": the plugin does not keep the contract");
   if (WEXITSTATUS(status) != 0) std::exit(1);  // the child has said why

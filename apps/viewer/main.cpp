@@ -43,11 +43,15 @@ void runViewer(int argc, char** argv) {
       app.add_flag("--headless", options.headless, "no display: run the script on simulated time");
   app.add_option("--script", options.script, "what to do, with times");
   app.add_option("--record", options.record, "folder for pictures (made if it is missing)");
-  app.add_option("--report", options.report, "how the run went: frame rate, timing, memory (JSON)");
+  app.add_option("--report", options.report,
+                 "how the run went: frame rate, timing, memory (JSON); written at the end and at each SIGUSR1");
   app.add_option("--size", size, "WIDTHxHEIGHT of the picture");
   app.add_option("--scale", options.scale, "pixels per unit of layout, headless")->check(CLI::Range(1.0, 4.0));
   app.add_option("--frame-rate", options.frameRate, "pictures a second of the window, at most (60)")
       ->check(CLI::Range(1.0, 240.0))
+      ->excludes(headless);
+  app.add_flag("--fixed-step", options.fixedStep,
+               "a second of the script is so many pictures of the window as --frame-rate says, however long they take")
       ->excludes(headless);
   if (!enamel::app::parse(app, kProgram, argc, argv)) return;
   const RendererSlot gainOf =

@@ -22,6 +22,7 @@ struct Options {
   glm::ivec2 size{1280, 720};
   float scale = 1.0f;
   double frameRate = 60.0;  ///< of the window, 1/s, at most
+  bool fixedStep = false;   ///< of the window: each picture takes 1 / frameRate of the script's time
 
   /// For pictures, clips and recordings.
   std::string folder() const { return record.empty() ? "." : record; }

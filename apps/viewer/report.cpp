@@ -11,6 +11,7 @@
 
 #include "enamel/core/file.hpp"
 #include "overlay_parts.hpp"
+#include "run.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -67,15 +68,17 @@ TimingNumbers numbersOf(const PeriodicTiming& timing, double framesPerSecond) {
   return n;
 }
 
-void Report::frame(double now) {
-  if (frames_++ == 0) firstFrame_ = now - started_;
-  if (now - lastMemory_ >= 1.0) {
-    lastMemory_ = now;
-    memoryAt_.push_back(now - started_);
-    memory_.push_back(residentKilobytes());
-    const struct mallinfo2 heap = mallinfo2();
-    heap_.push_back(static_cast<long>((heap.uordblks + heap.hblkhd) / 1024));
-  }
+void Report::frame(double time) {
+  if (frames_++ == 0) firstFrame_ = steadySeconds() - started_;
+  if (time - lastMemory_ >= 1.0 - 1e-9) measureMemory(time);
+}
+
+void Report::measureMemory(double time) {
+  lastMemory_ = time;
+  memoryAt_.push_back(time);
+  memory_.push_back(residentKilobytes());
+  const struct mallinfo2 heap = mallinfo2();
+  heap_.push_back(static_cast<long>((heap.uordblks + heap.hblkhd) / 1024));
 }
 
 void Report::write(const std::string& path, double seconds, Viewer& viewer, const TimingNumbers& timing) const {
@@ -87,6 +90,9 @@ void Report::write(const std::string& path, double seconds, Viewer& viewer, cons
   json["frames_per_second"] = seconds > 0.0 ? static_cast<double>(frames_) / seconds : 0.0;
   json["first_frame_s"] = firstFrame_;
   json["touring"] = viewer.isTouring();
+  json["contact"] = viewer.isInContact();
+  json["paused"] = viewer.frame().paused;
+  json["typing"] = ImGui::GetIO().WantTextInput ? viewer.overlay().typedInto : "";  // the slider's name
   const DisplayHistory& shown = viewer.history();
   json["shown"] = {{"scenes", shown.scenes},
                    {"choice of scenes", viewer.sceneNames()},

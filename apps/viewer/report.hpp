@@ -16,16 +16,19 @@ class Report {
  public:
   explicit Report(double started) : started_(started) {}
 
-  /// After every picture; seconds on the steady clock.
-  void frame(double now);
+  std::uint64_t frames() const { return frames_; }
+
+  /// After every picture; `time` is the run's, s.
+  void frame(double time);
+  void measureMemory(double time);
   /// JSON; nothing where the path is empty. Throws Error: as writeFile().
   void write(const std::string& path, double seconds, Viewer& viewer, const TimingNumbers& timing) const;
 
  private:
   double started_, firstFrame_ = 0.0, lastMemory_ = -1.0;
   std::uint64_t frames_ = 0;
-  std::vector<double> memoryAt_;     // s since the program began
-  std::vector<long> memory_, heap_;  // once a second
+  std::vector<double> memoryAt_;     // s of the run
+  std::vector<long> memory_, heap_;  // once a second, and with each report
 };
 
 }  // namespace enamel::viewer

@@ -23,31 +23,38 @@ namespace {
 
 constexpr double kFrame = 1.0 / 60.0;  // s
 
-// While it lives, SIGINT and SIGTERM only ask the loop to end.
-class EndingSignals {
+// While it lives, SIGINT and SIGTERM only ask the loop to end, and SIGUSR1 asks it for a report.
+class Signals {
  public:
-  EndingSignals() {
-    caught_ = 0;
+  Signals() {
+    caught_ = reportWanted_ = 0;
     struct sigaction action {};
-    action.sa_handler = [](int number) { caught_ = number; };
+    action.sa_handler = [](int number) { (number == SIGUSR1 ? reportWanted_ : caught_) = number; };
     action.sa_flags = SA_RESTART;
     for (std::size_t i = 0; i < std::size(kSignals); ++i) sigaction(kSignals[i], &action, &before_[i]);
   }
-  ~EndingSignals() {
+  ~Signals() {
     for (std::size_t i = 0; i < std::size(kSignals); ++i) sigaction(kSignals[i], &before_[i], nullptr);
   }
-  EndingSignals(const EndingSignals&) = delete;
-  EndingSignals& operator=(const EndingSignals&) = delete;
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
 
-  /// The signal that came, or 0.
+  /// The signal that ends the loop, or 0.
   int caught() const { return caught_; }
 
+  /// Whether a report was asked for since the last call.
+  bool takeReportWanted() {
+    if (reportWanted_ == 0) return false;
+    reportWanted_ = 0;
+    return true;
+  }
+
  private:
-  static constexpr int kSignals[] = {SIGINT, SIGTERM};
-  static volatile std::sig_atomic_t caught_;
+  static constexpr int kSignals[] = {SIGINT, SIGTERM, SIGUSR1};
+  static volatile std::sig_atomic_t caught_, reportWanted_;
   struct sigaction before_[std::size(kSignals)]{};
 };
-volatile std::sig_atomic_t EndingSignals::caught_ = 0;
+volatile std::sig_atomic_t Signals::caught_ = 0, Signals::reportWanted_ = 0;
 
 // What is under way when the program ends.
 void finish(Viewer& viewer, ClipMaker& clip) {
@@ -88,7 +95,7 @@ double steadySeconds() {
 }
 
 int runInWindow(const Options& options, double started) {
-  const EndingSignals signals;
+  Signals signals;
   ScriptPlayer script(options);
   makeFolder(options.record);
   const auto surface = openWindow("Enamel", options.size);
@@ -107,27 +114,33 @@ int runInWindow(const Options& options, double started) {
     const auto timing = [&] { return haptics ? numbersOf(haptics->timing(), rate) : TimingNumbers{}; };
     bool scripted = false;
     while (glfwWindowShouldClose(surface->window()) == GLFW_FALSE && !viewer.wantsToEnd() && signals.caught() == 0) {
+      const bool reports = signals.takeReportWanted();  // before the events: the report is of a picture that knows them
       input.poll();
       const double now = steadySeconds(), passed = now - last;
       last = now;
       if (passed > 0.0) rate += 0.1 * (1.0 / passed - rate);
-      script.play(now - begin, [&](const ScriptStep& step) {
-        viewer.follow(step, now - begin);
+      const double time = options.fixedStep ? static_cast<double>(report.frames()) / options.frameRate : now - begin;
+      script.play(time, [&](const ScriptStep& step) {
+        viewer.follow(step, time);
         surface->setFullScreen(viewer.fullScreen());  // before a step that sets the size
         scripted = scripted || step.kind == ScriptStep::Kind::end;
       });
       input.hold(std::min(passed, 0.1));
       surface->setFullScreen(viewer.fullScreen());
-      viewer.update(now - begin, timing());
+      viewer.update(time, timing());
       ImGui_ImplGlfw_NewFrame();
       const std::vector<std::string> names = viewer.takePictures();
-      const bool clipped = clip.begin(viewer, now - begin);
+      const bool clipped = clip.begin(viewer, time);
       viewer.draw(!names.empty());
       writePictures(options.folder(), viewer, names);
-      if (clipped) clip.add(viewer, now - begin);
+      if (clipped) clip.add(viewer, time);
       surface->present();
-      report.frame(steadySeconds());
+      report.frame(time);
       if (scripted) break;
+      if (reports) {
+        report.measureMemory(time);
+        report.write(options.report, steadySeconds() - begin, viewer, timing());
+      }
       const double spare = 1.0 / options.frameRate - (steadySeconds() - now);
       if (spare > 0.0) std::this_thread::sleep_for(std::chrono::duration<double>(spare));
     }
@@ -139,14 +152,14 @@ int runInWindow(const Options& options, double started) {
   if (signals.caught() != 0) return signals.caught();
   if (viewer.runner() == nullptr) return 0;
   if (viewer.isTouring()) return 0;  // nobody's hand
-  if (viewer.frame().record.nearest.gap < 0.0 || viewer.frame().record.mode == RenderMode::contact)
+  if (viewer.isInContact())
     throw Error("the window was closed while the tool was in contact: the wall was gone at once");
   return 0;
 }
 
 int runHeadless(const Options& options, double started) {
   if (options.script.empty()) throw Error("--headless needs --script FILE: there is nobody to drive");
-  const EndingSignals signals;
+  Signals signals;
   ScriptPlayer script(options);
   makeFolder(options.record);
   const auto surface = openHeadless(options.size, options.scale);
@@ -177,8 +190,9 @@ int runHeadless(const Options& options, double started) {
       viewer.draw(true);
       writePictures(options.folder(), viewer, names);
       if (clipped) clip.add(viewer, now);
-      report.frame(steadySeconds());
+      report.frame(now);
     }
+    if (signals.takeReportWanted()) report.write(options.report, steadySeconds() - begin, viewer, TimingNumbers{});
     if (viewer.runner() == nullptr) continue;
     for (std::uint64_t tick = ticksAt(frame); tick < ticksAt(frame + 1); ++tick) viewer.runner()->period();
   }

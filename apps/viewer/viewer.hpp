@@ -50,6 +50,7 @@ class Viewer final : public InputTarget {
   const DisplayHistory& history() const { return history_; }
   const std::vector<std::string>& sceneNames() const { return scenes_.names(); }
   const OverlayState& overlay() const { return overlay_; }
+  bool isInContact() const { return frame().record.nearest.gap < 0.0 || frame().record.mode == RenderMode::contact; }
   bool isTouring() const { return motion_.isTouring(); }
   bool canTour() const;
   const std::vector<std::string>& rendererNames() const { return rendererNames_; }

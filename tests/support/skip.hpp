@@ -1,4 +1,4 @@
-// A test that cannot run here says so: `return skipTest("xvfb-run is missing");`.
+// A test that cannot run here says so: `return skipTest("Xvfb is missing");`.
 #pragma once
 
 #include <string>

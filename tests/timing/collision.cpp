@@ -16,7 +16,6 @@ TEST_CASE("speed against error of the collision module", "[timing]") {
     const bool isPeer = row.name.find("Embree") == 0 || row.name.find("FCL") == 0;
     if (!isPeer) CHECK(row.error < 1e-13);  // m; the jaw is 0.06 m wide
     CHECK(row.median_us > 1e-3);            // less than any of them takes: the compiler has dropped the work
-    CHECK_FALSE(row.p99_us < row.median_us);
   }
 }
 
@@ -28,7 +27,6 @@ TEST_CASE("speed against error of solids", "[timing]") {
                 row.error, row.errorOf.c_str());
     CHECK(row.error < (row.errorOf[0] == 'm' ? 5e-5 : 0.1));  // half a cell
     CHECK(row.median_us > 1e-3);
-    CHECK_FALSE(row.p99_us < row.median_us);
   }
 }
 

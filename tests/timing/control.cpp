@@ -14,7 +14,6 @@ TEST_CASE("speed against error of the control module", "[timing]") {
     INFO(row.name);
     std::printf("%-60s %9.2f us  error %.1e (%s)\n", row.name.c_str(), row.median_us, row.error, row.errorOf.c_str());
     CHECK(row.median_us > 1e-3);  // less than any of them takes: the compiler has dropped the work
-    CHECK_FALSE(row.p99_us < row.median_us);
     // DAREX 14 with rounded data cannot be better than 1e-7 (stated there); all else keeps to the project's bar.
     CHECK(row.error < (row.name == "Riccati, DAREX 14, tau = 1e8" ? 1e-7 : 1e-12));
   }

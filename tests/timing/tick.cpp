@@ -20,7 +20,6 @@ TEST_CASE("speed against error of a tick and of a push", "[timing]") {
     std::printf("%-45s p50 %9.3f us, p99 %9.3f us, p99.9 %9.3f us, error %.1e (%s)\n", row.name.c_str(), row.median_us,
                 row.p99_us, row.p999_us, row.error, row.errorOf.c_str());
     CHECK(row.error < 1e-9);
-    CHECK_FALSE(row.p99_us < row.median_us);
   }
   // Every tick costs more than looking at the clock: less would be a tick that the compiler has dropped.
   for (const std::string renderer : {"position-control", "hold", "impedance"})

@@ -69,7 +69,7 @@ TEST_CASE("what is no plain file is not read", "[file_command]") {
   const test::TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "pipe.ply").c_str(), 0600) == 0);
   const std::string pipe = "'" + (folder / "pipe.ply") + "' ";
-  const std::string timely = "timeout 20 " + kTool;
+  const std::string timely = "timeout 3000 " + kTool;
   for (const std::string& file : {pipe, std::string("/dev/zero ")}) {
     const std::string reason = "is no plain file, but a pipe or a device";
     refused(timely + "push --device " + file, reason);
@@ -175,8 +175,8 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
   }
   std::filesystem::remove(path + "runs.csv");
   REQUIRE(mkfifo((path + "runs.csv").c_str(), 0600) == 0);
-  refused("timeout 20 " + again, "is no plain file");
-  refused("timeout 20 " + again + " --resume", "runs.csv: ");
+  refused("timeout 3000 " + again, "is no plain file");
+  refused("timeout 3000 " + again + " --resume", "runs.csv: ");
   std::filesystem::remove(path + "runs.csv");
 
   // One study at a time: this test is the other one.
@@ -196,7 +196,7 @@ TEST_CASE("meshes whose faces are more than their bytes", "[file_command]") {
   for (int i = 0; i < 255; ++i) face += " " + std::to_string(i % 9);
   for (int i = 0; i < 2000; ++i) off += face + "\n";
   test::writeFile(folder / "fans.off", off);
-  refused("timeout 20 " + kTool + "mesh '" + (folder / "fans.off") + "'", "one for every 6 bytes");
+  refused("timeout 3000 " + kTool + "mesh '" + (folder / "fans.off") + "'", "one for every 6 bytes");
 }
 
 }  // namespace enamel::test_file_command

@@ -7,10 +7,12 @@
 #include "enamel/runtime/udp_device.hpp"
 #include "support/catch.hpp"
 #include "support/device_wire.hpp"
+#include "support/eventually.hpp"
 
 namespace enamel::test_haptic_loop {
 
 using test::ContainsSubstring;
+using test::eventually;
 
 namespace {
 
@@ -20,16 +22,6 @@ const CartesianMechanism& stylus() {
 }
 
 void sleepFor(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
-
-// True as soon as it is so, false after 5 s (a loaded machine, a sanitizer).
-template <typename Condition>
-bool eventually(const Condition& condition) {
-  for (int i = 0; i < 5000; ++i) {
-    if (condition()) return true;
-    sleepFor(1e-3);
-  }
-  return false;
-}
 
 // A device that is held 1 mm inside the wall, that counts, and that can be broken from another thread. Its time is that
 // of its measurements, so that a loaded machine misses no deadline.
@@ -261,11 +253,15 @@ TEST_CASE("over the loopback: a wall is felt, the end of either side ramps out",
   HapticTick haptics(stylus(), scene, Tool(), wall, guard);
   HapticLoopOptions options = normal();
   options.period = 2.5e-4;
+  options.firstMeasurement = 300.0;
   {
     HapticLoop loop(device, haptics, options);
     CHECK(eventually([&] {
       (void)loop.refresh();
-      return loop.latest().reason == GuardReason::none && loop.latest().command.effort.norm() > 0.3;
+      // Threads that waited too long for a processor are a fault of the guard.
+      if (isFault(loop.latest().reason)) (void)loop.reset();
+      return loop.latest().reason == GuardReason::none && loop.latest().command.effort.norm() > 0.3 &&
+             device.counts().accepted > 100 && device.counts().roundTrip.count() > 100;
     }));
     CHECK(loop.latest().measurement.enabled);
     server.reset();
@@ -274,8 +270,6 @@ TEST_CASE("over the loopback: a wall is felt, the end of either side ramps out",
       return loop.latest().reason == GuardReason::late && loop.latest().command.effort.norm() == 0.0;
     }));
   }
-  CHECK(device.counts().accepted > 100);
-  CHECK(device.counts().roundTrip.count() > 100);
 }
 
 TEST_CASE("a served device that was never measured gets nothing, not even its weight", "[haptic_loop]") {

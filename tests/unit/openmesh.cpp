@@ -2,6 +2,7 @@
 #include "enamel/collision/openmesh.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <cstring>
 #include <thread>
 
@@ -364,6 +365,8 @@ TEST_CASE("a thread that draws has the mesh of every revision that it takes", "[
   for (int i = 0; i < edits; ++i) {
     sums[revision + 1] = editor.edit();
     revision = mesh.publish();
+    if (i == edits / 2)  // beside an edit, at least one change has been taken
+      for (; last == 0; mesh.publish()) std::this_thread::sleep_for(std::chrono::microseconds(20));
   }
   for (; last < revision; mesh.publish()) std::this_thread::yield();
   isOver = true;

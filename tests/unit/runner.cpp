@@ -2,17 +2,46 @@
 #include "runner.hpp"
 
 #include <algorithm>
-#include <chrono>
+#include <atomic>
 #include <cmath>
-#include <thread>
 
 #include "support/catch.hpp"
+#include "support/eventually.hpp"
 #include "support/experiments.hpp"
 #include "support/run_length.hpp"
 
 namespace enamel::viewer::test_runner {
 
 using namespace fixture;
+
+namespace {
+
+// A haptic thread that goes on for so many periods as it is allowed to, so that neither side runs away from the other
+// where processors are scarce.
+class Haptics {
+ public:
+  explicit Haptics(Runner& runner) : runner_(runner) {}
+
+  /// Allows periods, beside what the caller does now, and awaits the ones before.
+  void allow(std::uint64_t periods) {
+    REQUIRE(test::eventually([this] { return done_ == allowed_; }));
+    allowed_ += periods;
+  }
+  void finish() { allow(0); }
+
+ private:
+  void period() {
+    if (done_ == allowed_) return;
+    runner_.period();
+    ++done_;
+  }
+
+  Runner& runner_;
+  std::atomic<std::uint64_t> allowed_{0}, done_{0};
+  const PeriodicThread thread_{kPeriod, [this] { period(); }};
+};
+
+}  // namespace
 
 TEST_CASE("the runner: pause, single ticks, slow motion, replacement", "[experiment]") {
   Runner runner(experiment(shipped("flat-wall.toml"), RendererSlot::positionControl));
@@ -80,9 +109,10 @@ TEST_CASE("beside a haptic thread: random commands, no sample lost or out of ord
   test::Random random(602);
   std::uint64_t samples = 0, frames = 0;
   {
-    const PeriodicThread haptics(kPeriod, [&runner] { runner.period(); });
+    Haptics haptics(runner);
     const int rounds = std::max(150, test::count(300, 30000));
     for (int i = 0; i < rounds; ++i) {
+      haptics.allow(5);
       RunnerCommand command{RunnerCommand::Kind::handTo};
       switch (static_cast<int>(random.uniform(0.0, 6.0))) {
         case 0: command.target = random.vector(0.03); break;
@@ -101,8 +131,7 @@ TEST_CASE("beside a haptic thread: random commands, no sample lost or out of ord
               experiment(shipped("box.toml"), i % 2 == 0 ? RendererSlot::impedance : RendererSlot::positionControl));
           continue;
       }
-      runner.send(command);
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      REQUIRE(runner.send(command));
       runner.collect();
       const Frame& frame = runner.frame();
       frames += frame.record.pose.position.allFinite();
@@ -112,6 +141,7 @@ TEST_CASE("beside a haptic thread: random commands, no sample lost or out of ord
         REQUIRE(sample.torque.cwiseAbs().maxCoeff() <= 2.0);
       }
     }
+    haptics.finish();
   }
   CHECK(samples > 50);
   CHECK(frames > 50);
@@ -136,8 +166,9 @@ TEST_CASE("a thread that draws gets every brick that was cut, also over experime
   };
   RemovedVolume before{};
   {
-    const PeriodicThread haptics(kPeriod, [&runner] { runner.period(); });
+    Haptics haptics(runner);
     for (int i = 0; i < 120; ++i) {
+      haptics.allow(5);
       RunnerCommand command{RunnerCommand::Kind::handTo};
       command.target = {1e-3 * std::sin(0.2 * i), 0.0, -6e-3};
       if (i % 20 == 1) command = {RunnerCommand::Kind::spin}, command.number = i % 40 < 20;
@@ -146,12 +177,12 @@ TEST_CASE("a thread that draws gets every brick that was cut, also over experime
         before = runner.frame().drilled.removed;
         runner.replace(next());
       } else {
-        runner.send(command);
+        REQUIRE(runner.send(command));
       }
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
       runner.collect();
       take();
     }
+    haptics.finish();
   }
   CHECK(taken > 20);
   CHECK(before[0] > 0.0);

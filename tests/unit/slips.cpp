@@ -2,8 +2,9 @@
 // under the address sanitizer too (preset asan).
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <time.h>
 
-#include <chrono>
+#include <algorithm>
 #include <filesystem>
 
 #include "enamel/collision/contacts.hpp"
@@ -30,10 +31,15 @@ namespace {
 
 const double kNan = std::nan(""), kInfinity = HUGE_VAL;
 
-double secondsOf(const std::function<void()>& work) {
-  const auto begin = std::chrono::steady_clock::now();
+double secondsOf(clockid_t clock, const std::function<void()>& work) {
+  const auto now = [clock] {
+    timespec t;
+    clock_gettime(clock, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  };
+  const double begin = now();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return now() - begin;
 }
 
 Tool toolOf(const ToolPart& part) {
@@ -94,16 +100,27 @@ TEST_CASE("the largest tool has a bounded tick", "[slips]") {
   TriangleMesh mesh = test::ball(6, 0.05);
   for (Vec3& v : mesh.vertices) v *= 0.5;
   scene.add({"ball", std::make_shared<const MeshModel>(mesh), {}, Vec6::Zero(), {}, 0.0});
-  const Tool tool = toolOf({{-kLargestTool, 0.0, 0.0}, {kLargestTool, 0.0, 0.0}, 0.01});
-  ToolTrack track = makeToolTrack(scene, tool);
-  ContactSnapshot contacts;
-  double worst = 0.0;
-  for (int i = 0; i < 100; ++i) {
-    const Pose pose{{0.0, 0.0, 0.6 - 0.002 * i}, Mat3::Identity()};
-    worst = std::max(worst,
-                     secondsOf([&] { CHECK(followContacts(scene, tool, pose, 1e-3, track, contacts) == Status::ok); }));
-  }
-  CHECK(worst < 0.25);  // a tick takes 0.1 ms; this is a loaded machine, or a sanitizer
+  // Beside a ball of 1 mm at the same poses, in time of the processor, each tick at its best of five.
+  const auto timesOf = [&](const Tool& tool) {
+    std::vector<double> times(100, HUGE_VAL);
+    for (int round = 0; round < 5; ++round) {
+      ToolTrack track = makeToolTrack(scene, tool);
+      ContactSnapshot contacts;
+      for (std::size_t i = 0; i < times.size(); ++i) {
+        const Pose pose{{0.0, 0.0, 0.6 - 0.002 * static_cast<double>(i)}, Mat3::Identity()};
+        const double time = secondsOf(CLOCK_THREAD_CPUTIME_ID, [&] {
+          CHECK(followContacts(scene, tool, pose, 1e-3, track, contacts) == Status::ok);
+        });
+        times[i] = std::min(times[i], time);
+      }
+    }
+    std::sort(times.begin(), times.end());
+    return times;
+  };
+  const double small = timesOf(toolOf({Vec3::Zero(), Vec3::Zero(), 1e-3}))[50];
+  const double large = timesOf(toolOf({{-kLargestTool, 0.0, 0.0}, {kLargestTool, 0.0, 0.0}, 0.01})).back();
+  INFO("its longest tick takes " << large << " s, a usual one of the ball " << small << " s");
+  CHECK(large < 300.0 * small);  // it is 20
 }
 
 TEST_CASE("an obstacle goes only where an obstacle can be", "[slips]") {
@@ -184,7 +201,7 @@ TEST_CASE("plugin parameters that are not there", "[slips]") {
 }
 
 TEST_CASE("a thread of a long period ends soon", "[slips]") {
-  CHECK(secondsOf([] { PeriodicThread thread(10.0, [] {}); }) < 2.0);
+  CHECK(secondsOf(CLOCK_MONOTONIC, [] { PeriodicThread thread(10.0, [] {}); }) < 10.0);  // it takes 50 ms
 }
 
 TEST_CASE("messages are one line that a terminal can show", "[slips]") {

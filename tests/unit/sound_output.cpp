@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 
 #include "support/catch.hpp"
 #include "support/command.hpp"
+#include "support/eventually.hpp"
 #include "support/skip.hpp"
 
 namespace enamel::viewer::test_sound_output {
@@ -22,10 +24,20 @@ constexpr BurLoad kFree{2000.0, 0.0, 0.0};
 
 void wait(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-// For at most 5 s.
 std::string troubleOf(const SoundOutput& output) {
-  for (int i = 0; i < 500 && output.trouble() == nullptr; ++i) wait(0.01);
-  return output.trouble() == nullptr ? "" : output.trouble();
+  return test::eventually([&] { return output.trouble() != nullptr; }) ? output.trouble() : "";
+}
+
+// Of a frequency that is a multiple of 50 Hz, in the window of 20 ms that begins there.
+constexpr std::size_t kWindow = BurSound::kRate / 50;
+double powerOf(const std::int16_t* samples, double frequency) {
+  double c = 0.0, d = 0.0;
+  for (std::size_t i = 0; i < kWindow; ++i) {
+    const double angle = 2.0 * M_PI * frequency * static_cast<double>(i) / BurSound::kRate;
+    c += samples[i] * std::cos(angle);
+    d += samples[i] * std::sin(angle);
+  }
+  return c * c + d * d;
 }
 
 // OpenAL chooses its driver once in a process.
@@ -60,31 +72,29 @@ TEST_CASE("a bur is heard where there is a device; without one, or when it goes 
 
   const test::TemporaryFolder folder;
   const std::string file = folder / "bur.wav";
-  CHECK(inChild(
-      "drivers = wave\nsample-type = int16\nchannels = mono\nfrequency = 44100\n[wave]\nfile = " + file + "\n", [] {
-        SoundOutput output;
-        output.set(kFree);
-        wait(1.5);
-        return output.trouble() == nullptr;
-      }));
+  CHECK(
+      inChild("drivers = wave\nsample-type = int16\nchannels = mono\nfrequency = 44100\n[wave]\nfile = " + file + "\n",
+              [&file] {
+                SoundOutput output;
+                output.set(kFree);
+                return test::eventually([&] {
+                         return std::filesystem::exists(file) && std::filesystem::file_size(file) > 3 * BurSound::kRate;
+                       }) &&
+                       output.trouble() == nullptr;
+              }));
   const std::string wave = test::readFile(file);
   const std::size_t data = wave.find("data");
   REQUIRE(data != std::string::npos);
   std::vector<std::int16_t> samples((wave.size() - data - 8) / 2);
   std::memcpy(samples.data(), wave.data() + data + 8, 2 * samples.size());
   REQUIRE(samples.size() > BurSound::kRate);
-  // The second half second has the tone of the rotation, and nothing beside it.
-  const auto power = [&](double frequency) {
-    double c = 0.0, d = 0.0;
-    for (std::size_t i = BurSound::kRate / 2; i < BurSound::kRate; ++i) {
-      const double angle = 2.0 * M_PI * frequency * static_cast<double>(i) / BurSound::kRate;
-      c += samples[i] * std::cos(angle);
-      d += samples[i] * std::sin(angle);
-    }
-    return c * c + d * d;
-  };
-  CHECK(power(2000.0) > 100.0 * power(1900.0));
-  CHECK(power(2000.0) > 100.0 * power(2100.0));
+  // It is the tone of the rotation, and nothing beside it, but for gaps where a loaded machine was late.
+  int pure = 0;
+  for (std::size_t at = 0; at + kWindow <= samples.size(); at += kWindow) {
+    const std::int16_t* const window = samples.data() + at;
+    pure += powerOf(window, 2000.0) > 100.0 * std::max(powerOf(window, 1900.0), powerOf(window, 2100.0));
+  }
+  CHECK(pure >= 5);
 
   setenv("ALSOFT_DRIVERS", "null", 1);
   for (int i = 0; i < 3; ++i) {

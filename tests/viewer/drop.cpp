@@ -48,7 +48,7 @@ struct Source {
 
   // Serves the selection until a message of that type has come; its answer: l[1].
   bool waitFor(const char* type, long& answer) const {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(15);
     while (std::chrono::steady_clock::now() < end) {
       while (XPending(display) > 0) {
         XEvent event;

@@ -4,7 +4,7 @@
 #include "enamel/study/metrics.hpp"
 #include "layout.hpp"
 #include "support/devices.hpp"
-#include "viewer/support.hpp"
+#include "viewer/running_viewer.hpp"
 
 namespace enamel::viewer::test_pictures {
 
@@ -131,19 +131,20 @@ TEST_CASE("headless pictures show the scene, at both scales, and the same bytes 
 }
 
 TEST_CASE("a window under Xvfb shows the same", "[viewer]") {
-  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
+  if (!test::haveXvfb()) return test::skipTest("Xvfb is missing");
   const test::TemporaryFolder folder;
   test::writeFile(folder / "script.txt", kScript);
   const std::string out = folder / "window";
   const auto result = test::viewer(
-      "--script '" + folder / "script.txt" + "' --record '" + out + "' --report '" + out + ".json'", test::kXvfb);
+      "--script '" + folder / "script.txt" + "' --record '" + out + "' --report '" + out + ".json'" + test::kByPictures,
+      test::kXvfb);
   INFO(result.output);
   REQUIRE(result.status == 0);
   // In real time a loaded machine may be late: the tool on its way is not looked at.
   checkPictures(out, layOut({1280, 720}, 1.0f, true, true), false);
   const auto report = nlohmann::json::parse(test::readFile(out + ".json"));
   CHECK(report.at("opengl_errors") == 0);
-  CHECK(report.at("frames") > 10);
+  CHECK(report.at("frames") == 70);  // the last one at 5.75 s
   WARN("first frame after " << report.at("first_frame_s").get<double>() << " s, "
                             << report.at("frames_per_second").get<double>() << " frames/s, haptics "
                             << report.at("haptics").dump());
@@ -501,24 +502,24 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   CHECK(depth("slide") == Approx(12.0 / 6.4).margin(0.06));
   CHECK(depth("end") < 0.06);
   CHECK(depth("home") < 0.06);
-  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
+  if (!test::haveXvfb()) return test::skipTest("Xvfb is missing");
   // Without a script, in a home of its own: the mark is left, and a person who closes the window meanwhile is not told
   // of the wall. Where it was started before, nothing is.
-  const auto start = [&](const std::string& home) {
-    return test::runCommand("env HOME='" + folder / home + "' XDG_STATE_HOME= " + test::kXvfb + " timeout -s INT 6 '" +
-                            ENAMEL_VIEWER + "'" + test::kFewPictures + "--report '" + folder / (home + ".json'"));
+  const auto tours = [&] {
+    const test::XServer server(folder);
+    test::RunningViewer viewer(folder, test::kFewPictures,
+                               server.environment() + "HOME='" + folder / "home' XDG_STATE_HOME= ");
+    const auto report = viewer.report();
+    viewer.signal(SIGINT);
+    CHECK(viewer.wait() == 128 + SIGINT);
+    CHECK(viewer.said().empty());
+    return report.at("touring").get<bool>() ||
+           viewer.isAmong(report.at("shown").at("notices"), "The hand is yours");  // it is over, on a slow machine
   };
-  std::filesystem::create_directory(folder / "first");
-  const auto first = start("first");
-  INFO(first.output);
-  const std::string mark = folder / "first/.local/state/enamel/viewer-was-started";
-  REQUIRE(std::filesystem::exists(mark));
-  const auto toured = [&] {
-    return nlohmann::json::parse(test::readFile(folder / "first.json")).at("touring").get<bool>();
-  };
-  CHECK(toured());
-  start("first");
-  CHECK_FALSE(toured());
+  std::filesystem::create_directory(folder / "home");
+  CHECK(tours());
+  CHECK(std::filesystem::exists(folder / "home/.local/state/enamel/viewer-was-started"));
+  CHECK_FALSE(tours());
 }
 
 TEST_CASE("the followed contact is in the middle, and links that hide it shine through", "[viewer]") {
@@ -704,20 +705,24 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
             .status == 0);
   CHECK_FALSE(isRefused("quiet"));
   CHECK(isRefused("refused"));
-  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
+  if (!test::haveXvfb()) return test::skipTest("Xvfb is missing");
   // A script is silent unless it asks for sound; without a device that is said once.
-  const auto said = [&](const std::string& sound) {
-    test::writeFile(folder / "script.txt", sound + "0.1 spin on\n0.8 end\n");
-    const auto heard =
-        test::viewer("'" + folder / "tooth.toml' --script '" + folder / "script.txt'" + test::kFewPictures,
-                     "env ALSOFT_DRIVERS=none " + test::kXvfb);
-    INFO(heard.output);
-    CHECK(heard.status == 0);
-    const std::size_t at = heard.output.find("no sound: ");
-    return at == std::string::npos ? 0 : at == heard.output.rfind("no sound: ") ? 1 : 2;
-  };
-  CHECK(said("") == 0);
-  CHECK(said("0 sound\n") == 1);
+  const std::string silence = "ALSOFT_DRIVERS=none ";
+  test::writeFile(folder / "script.txt", "0.1 spin on\n0.8 end\n");
+  const auto silent = test::viewer("'" + folder / "tooth.toml' --script '" + folder / "script.txt'" + test::kByPictures,
+                                   "env " + silence + test::kXvfb);
+  CHECK(silent.status == 0);
+  CHECK(silent.output.empty());
+  test::writeFile(folder / "script.txt", "0 sound\n0.1 spin on\n7000 end\n");
+  const test::XServer server(folder);
+  test::RunningViewer viewer(folder,
+                             "'" + folder / "tooth.toml' --script '" + folder / "script.txt'" + test::kFewPictures,
+                             server.environment() + silence);
+  viewer.untilSaid("no sound: ");
+  viewer.untilDrawn(5);
+  viewer.signal(SIGINT);
+  CHECK(viewer.wait() == 128 + SIGINT);
+  CHECK(viewer.said().find("no sound: ") == viewer.said().rfind("no sound: "));
 }
 
 }  // namespace enamel::viewer::test_pictures

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "viewer/support.hpp"
+#include "viewer/running_viewer.hpp"
 
 namespace enamel::test_refusals {
 
@@ -42,8 +42,8 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
     requireRefused(test::viewer("--script '" + folder / "good.txt' --frame-rate " + rate), 2, "--frame-rate: ");
   requireRefused(test::viewer(headless + "--frame-rate 30"), 2, "--headless excludes --frame-rate");
   REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
-  requireRefused(test::viewer("--headless --script '" + folder / "pipe'", "timeout 20"), 1, "is no plain file");
-  requireRefused(test::viewer("--headless --script /dev/zero", "timeout 20"), 1, "is no plain file");
+  requireRefused(test::viewer("--headless --script '" + folder / "pipe'"), 1, "is no plain file");
+  requireRefused(test::viewer("--headless --script /dev/zero"), 1, "is no plain file");
   test::writeFile(folder / "long.txt", std::string(2000000, 'x'));
   requireRefused(test::viewer("--headless --script '" + folder / "long.txt'"), 1, "at most 1048576 are read");
   test::writeFile(folder / "escape.txt", "0 \x1b[2J\n0 end\n");
@@ -135,28 +135,28 @@ TEST_CASE("recordings that cannot be played, and what cannot be done with one", 
   requireRefused(test::viewer(headless + "--play '" + folder / "mesh.rec'"), 1, "wedge.obj: cannot open the file");
 }
 
-TEST_CASE("a signal ends the viewer with its report written", "[viewer]") {
+TEST_CASE("a signal ends the viewer with its report written, another one only asks for a report", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "long.txt", "0 hand 0 0 -20 over 0.3\n7000 end\n");
-  const std::string arguments = "--script '" + folder / "long.txt' --report '" + folder / "report.json'";
-  const auto requireReport = [&](const test::CommandResult& result, int status) {
-    INFO(result.output);
-    CHECK(result.status == status);
-    CHECK(result.output.empty());
-    const auto report = nlohmann::json::parse(test::readFile(folder / "report.json"));
-    CHECK(report.at("seconds").get<double>() > 0.0);
-    CHECK(report.at("seconds").get<double>() < 10.0);
-    std::filesystem::remove(folder / "report.json");
+  const std::string script = "--script '" + folder / "long.txt' ";
+  const auto requireReports = [&](const std::string& arguments, const std::string& environment, int number) {
+    test::RunningViewer viewer(folder, script + arguments, environment);
+    const double first = viewer.report().at("seconds"), second = viewer.report().at("seconds");
+    CHECK(second > first);
+    viewer.signal(number);
+    CHECK(viewer.wait() == 128 + number);
+    CHECK(viewer.said().empty());
+    CHECK(viewer.lastReport().at("seconds").get<double>() > second);
   };
-  const std::string alone = "env -u DISPLAY -u WAYLAND_DISPLAY timeout --preserve-status -s ";
-  requireReport(test::viewer("--headless " + arguments, alone + "INT 2"), 128 + 2);
-  requireReport(test::viewer("--headless " + arguments, alone + "TERM 2"), 128 + 15);
+  const std::string alone = "-u DISPLAY -u WAYLAND_DISPLAY ";
+  requireReports("--headless", alone, SIGINT);
+  requireReports("--headless", alone, SIGTERM);
   if (!test::haveXvfb()) {
-    WARN("xvfb-run or xauth is missing: windows are not tested");
+    WARN("Xvfb is missing: windows are not tested");
     return;
   }
-  requireReport(test::viewer(arguments + test::kFewPictures, test::kXvfb + " timeout --preserve-status -s TERM 4"),
-                128 + 15);
+  const test::XServer server(folder);
+  requireReports(test::kFewPictures, server.environment(), SIGTERM);
 }
 
 TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
@@ -166,17 +166,17 @@ TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
   requireRefused(test::viewer(script), 1, "no display to open a window on");
   requireRefused(test::viewer("--headless " + script, "env __EGL_VENDOR_LIBRARY_DIRS=/nonexistent"), 1,
                  "no OpenGL without a display");
-  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
+  if (!test::haveXvfb()) return test::skipTest("Xvfb is missing");
   requireRefused(test::viewer(script, test::underXvfb("-screen 0 1280x720x24 -extension GLX")), 1,
                  "cannot open a window");
   for (const char* renderer : {"position-control", "impedance"}) {
     test::writeFile(folder / "close.txt", "0 hand 0 0 -20 over 0.3\n2.5 quit\n60 end\n");
     requireRefused(
-        test::viewer("--script '" + folder / "close.txt' --renderer " + renderer + test::kFewPictures, test::kXvfb), 1,
+        test::viewer("--script '" + folder / "close.txt' --renderer " + renderer + test::kByPictures, test::kXvfb), 1,
         "the window was closed while the tool was in contact");
   }
   test::writeFile(folder / "close.txt", "0.5 quit\n60 end\n");
-  CHECK(test::viewer("--script '" + folder / "close.txt'" + test::kFewPictures, test::kXvfb).status == 0);
+  CHECK(test::viewer("--script '" + folder / "close.txt'" + test::kByPictures, test::kXvfb).status == 0);
 }
 
 }  // namespace enamel::test_refusals

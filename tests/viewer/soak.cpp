@@ -1,4 +1,5 @@
-// A window under Xvfb, driven by a random script: no crash, no OpenGL error, memory flat.
+// A window under Xvfb, driven by a random script whose time goes on with the pictures: no crash, no OpenGL error,
+// memory flat.
 #include <algorithm>
 #include <map>
 #include <sstream>
@@ -105,23 +106,23 @@ std::string randomScript(std::uint64_t seed, double seconds) {
 }  // namespace
 
 TEST_CASE("soak", "[viewer]") {
-  if (!test::haveXvfb()) return test::skipTest("xvfb-run or xauth is missing");
+  if (!test::haveXvfb()) return test::skipTest("Xvfb is missing");
   const double seconds = test::count(16, 1800);
   const std::uint64_t seed = 701;
   INFO("seed " << seed);
   const test::TemporaryFolder folder;
   test::writeFile(folder / "script.txt", randomScript(seed, seconds));
   const auto result =
-      test::viewer("--script '" + folder / "script.txt' --report '" + folder / "report.json'" + test::kFewPictures,
-                   kOneThread + test::kXvfb, static_cast<int>(seconds) + 120);
+      test::viewer("--script '" + folder / "script.txt' --report '" + folder / "report.json'" + test::kByPictures,
+                   kOneThread + test::kXvfb);
   INFO(result.output);
   REQUIRE(result.status == 0);
   CHECK(result.output.empty());
   const auto report = nlohmann::json::parse(test::readFile(folder / "report.json"));
   CHECK(report.at("opengl_errors") == 0);
-  CHECK(report.at("size") == nlohmann::json{1280, 720});  // as measured in the middle
-  CHECK(report.at("frames").get<double>() > 2.0 * seconds);
-  CHECK(report.at("haptics").at("periods").get<double>() > 500.0 * seconds);
+  CHECK(report.at("size") == nlohmann::json{1280, 720});            // as measured in the middle
+  CHECK(report.at("frames").get<double>() >= 12.0 * seconds);       // to the script's end
+  CHECK(report.at("haptics").at("periods") > report.at("frames"));  // which nobody waits for
   // Flat: in the same state of the viewer, the medians at the end are those in the middle. In nine measurements, some
   // beside a compiler, the heap kept its level to 1.1 MB where the same buffers were held. How much freed memory the
   // C library keeps varied by 54 MB beside a level heap.

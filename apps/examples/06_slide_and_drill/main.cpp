@@ -42,10 +42,10 @@ int main(int argc, char** argv) {
     SolidChanges changes;
     std::atomic<bool> isOver{false};
     int redrawn = 0;
-    std::thread graphics([&] {
+    std::thread graphics([&, surface = SolidSurface()]() mutable {
       BrickChange change;
-      for (SolidSurface surface; !isOver; std::this_thread::yield())
-        for (; changes.take(change); ++redrawn)
+      for (bool isLast = false; !isLast; std::this_thread::yield())
+        for (isLast = isOver; changes.take(change); ++redrawn)
           surface.clear(), appendSurface(*tooth, change.brick, change.samples, surface);
     });
 

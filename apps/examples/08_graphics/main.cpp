@@ -49,7 +49,9 @@ int main(int argc, char** argv) {
 
     double most = 0.0;
     int pictures = 0, faults = 0;
-    for (auto next = std::chrono::steady_clock::now(); pictures < 30.0 * seconds; ++pictures) {
+    // A busy machine gets the time that it needs to feel the tooth once.
+    const auto goesOn = [&] { return pictures < 30.0 * seconds * (most > 0.0 ? 1.0 : 100.0); };
+    for (auto next = std::chrono::steady_clock::now(); goesOn(); ++pictures) {
       next += std::chrono::microseconds(33333);
       std::this_thread::sleep_until(next);  // a renderer waits for the display here
       mouse.next() = file.start - Vec3(0.0, 0.0, 0.014 * std::pow(std::sin(0.1 * pictures), 2));

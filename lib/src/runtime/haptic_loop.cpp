@@ -38,8 +38,9 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
   device_.open();
   const auto begin = Clock::now();
   Status status = device_.measure(measurement_);
-  while (status != Status::ok && since(begin) < options.firstMeasurement) {
+  for (bool isOver = false; status != Status::ok && !isOver;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    isOver = since(begin) >= options.firstMeasurement;  // before the question: a thread that was held up asks once more
     status = device_.measure(measurement_);
   }
   if (status != Status::ok) {
