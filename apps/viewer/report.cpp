@@ -92,7 +92,7 @@ void Report::write(const std::string& path, double seconds, Viewer& viewer, cons
   json["touring"] = viewer.isTouring();
   json["contact"] = viewer.isInContact();
   json["paused"] = viewer.frame().paused;
-  json["typing"] = ImGui::GetIO().WantTextInput ? viewer.overlay().typedInto : "";  // the slider's name
+  json["typing"] = ImGui::GetIO().WantTextInput ? viewer.overlay().typing.name : "";  // the slider's name
   const DisplayHistory& shown = viewer.history();
   json["shown"] = {{"scenes", shown.scenes},
                    {"choice of scenes", viewer.sceneNames()},

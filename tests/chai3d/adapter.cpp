@@ -624,7 +624,7 @@ TEST_CASE("a mesh of the world is felt where it is seen, and the tool says so", 
   CHECK(bench.tool.latest()->number == 0);
   do bench.tick();
   while (bench.driver->measured.q[2] > 0.8e-3);
-  CHECK(bench.tool.haptics()->input().contacts.count > 0);
+  CHECK(bench.tool.haptics()->frame().contacts.count > 0);
   CHECK(!bench.tool.isInContact(&box));  // within its margin only
   REQUIRE(bench.press(0.2));
   CHECK(bench.tool.isInContact(&box));

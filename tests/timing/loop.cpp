@@ -51,10 +51,10 @@ TEST_CASE("deadlines of a loop beside a busy core", "[timing]") {
       busy = false;
       const PeriodicTiming& timing = loop.timing();
       REQUIRE(test::eventually([&] { return loop.refresh() && loop.latest().number > 10; }));
-      const JointVector& torque = loop.latest().command.torque;
+      const JointVector& torque = loop.latest().command.effort;
       REQUIRE(torque.size() == mechanism.joints());
       CHECK(torque.allFinite());
-      CHECK((torque.cwiseAbs() - mechanism.limits().torque).maxCoeff() <= 0.0);
+      CHECK((torque.cwiseAbs() - mechanism.limits().effort).maxCoeff() <= 0.0);
       CHECK(timing.periods > 10);
       std::printf("loop at %.0f Hz for %.0f s: %llu ticks, %llu missed, %s scheduling, memory %s, guard: %s\n", rate,
                   seconds, static_cast<unsigned long long>(timing.periods.load()),
