@@ -176,6 +176,7 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
     throw Error(path_ + ": was changed while it was played");
   Command command;
   tick_.loadState(chunk_.state.data());
+  tick_.reset();  // that state is behind the first tick, which comes again for its contacts
   for (std::size_t i = 0; i < std::min(end, s.end) - s.begin; ++i) {
     const RecordedTick& t = chunk_.ticks[i];
     (void)tick_(t.measurement, command);

@@ -1,6 +1,7 @@
 #include "enamel/plugin/renderer_source.hpp"
 
 #include <charconv>
+#include <cstdio>
 
 #include "core/message.hpp"
 #include "enamel/control/device_plant.hpp"
@@ -16,11 +17,17 @@ std::string ticksText(int low, int high) {
   return std::to_string(low) + (low == high ? "" : " to " + std::to_string(high)) + " ticks";
 }
 
+std::string secondsText(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g s", seconds);
+  return text;
+}
+
 void requireFits(const std::string& path, Eigen::Index joints, double period, int deviceJoints, double devicePeriod) {
   require(joints == deviceJoints, path + ": the servo is for " + std::to_string(joints) + " joints, the device has " +
                                       std::to_string(deviceJoints));
-  require(period == devicePeriod, path + ": the servo is for ticks of " + formatNumber(period) + " s, these take " +
-                                      formatNumber(devicePeriod) + " s");
+  require(period == devicePeriod,
+          path + ": the servo is for ticks of " + secondsText(period) + ", these take " + secondsText(devicePeriod));
 }
 
 // The parameters of a linked renderer, as texts.
