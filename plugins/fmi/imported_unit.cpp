@@ -9,12 +9,14 @@
 #include "export.hpp"
 
 namespace enamel::fmi {
-namespace {
 
 /// Dimensions of a unit in kg, m and s; angles have none.
 struct Dimension {
   int kg, m, s;
 };
+
+namespace {
+
 constexpr Dimension kNone{0, 0, 0}, kLength{0, 1, 0}, kSpeed{0, 1, -1}, kRate{0, 0, -1}, kForce{1, 1, -2},
     kTorque{1, 2, -2};
 
