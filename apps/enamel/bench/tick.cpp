@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <map>
 #include <memory>
 
 #include "bench/measurement.hpp"
@@ -151,18 +153,18 @@ void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOpti
   }
 }
 
-}  // namespace
+constexpr double kNoGoal = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<Measurement> measureTick(double scale) {
-  const auto mechanism = std::make_shared<TauMechanism>(nominalDevice());
-  HoldRenderer hold(designServo(mechanism, Pose{}, kPeriod).K, kPeriod, {});
-  PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, kPeriod, 0, 0));
-  ImpedanceRenderer spring(ImpedanceOptions{});
-  const int ticks = std::max(2000, static_cast<int>(50000 * scale));
-  const Path path = pathThroughTheWall(*mechanism, ticks);
-
+// The measurements, and what all of them need.
+struct TickBench {
+  std::shared_ptr<const TauMechanism> mechanism;
+  Path path;
+  Scene wall = flatWall();
+  GuardOptions guarded;
   std::vector<Measurement> rows;
-  const auto add = [&rows](std::string name, const Percentiles& p, double error, const char* errorOf, double goal_us) {
+
+  int ticks() const { return static_cast<int>(path.measured.size()); }
+  void add(std::string name, const Percentiles& p, double error, const char* errorOf, double goal_us = kNoGoal) {
     Measurement row;
     row.name = std::move(name);
     row.median_us = p.p50;
@@ -172,128 +174,160 @@ std::vector<Measurement> measureTick(double scale) {
     row.errorOf = errorOf;
     row.goal_us = goal_us;
     rows.push_back(std::move(row));
-  };
-  const double none = std::numeric_limits<double>::quiet_NaN();
+  }
+};
 
-  add("nothing (the clock's own cost)", timeEach(ticks, [](int) {}), 0.0, "-", none);
-  {
-    Kinematics tracked = mechanism->home();
-    const auto track = [&](std::size_t i) {
-      return mechanism->track(path.measured[i].q, path.measured[i].rates, false, tracked);
-    };
-    const Percentiles p = timeEach(ticks, [&](int i) {
-      keep(track(static_cast<std::size_t>(i)));
-      keep(tracked);
-    });
-    tracked = mechanism->home();
-    double error = 0.0;
-    for (std::size_t i = 0; i < path.poses.size(); ++i) {
-      if (track(i) != Status::ok) error = 1.0;
-      error = std::max(error, (tracked.pose.position - path.poses[i].position).norm());
-    }
-    add("its track", p, error, "position, m", none);
+// A renderer of the bench; `plugin`: the file and the parameters of the same one as a plugin.
+struct BenchRenderer {
+  const char* name;
+  Renderer* renderer;
+  const char* plugin;
+  std::map<std::string, std::string> parameters;
+};
+
+void addTrack(TickBench& bench) {
+  Kinematics tracked = bench.mechanism->home();
+  const Path& path = bench.path;
+  const auto track = [&](std::size_t i) {
+    return bench.mechanism->track(path.measured[i].q, path.measured[i].rates, false, tracked);
+  };
+  const Percentiles p = timeEach(bench.ticks(), [&](int i) {
+    keep(track(static_cast<std::size_t>(i)));
+    keep(tracked);
+  });
+  tracked = bench.mechanism->home();
+  double error = 0.0;
+  for (std::size_t i = 0; i < path.poses.size(); ++i) {
+    if (track(i) != Status::ok) error = 1.0;
+    error = std::max(error, (tracked.pose.position - path.poses[i].position).norm());
   }
-  const Scene wall = flatWall();
-  const Tool tool;
+  bench.add("its track", p, error, "position, m");
+}
+
+// Adds the ticks that were not ok to `faults`.
+Percentiles timeWhole(const TickBench& bench, Renderer& renderer, const GuardOptions& guard, int& faults) {
+  HapticTick tick(*bench.mechanism, bench.wall, Tool{}, renderer, guard);
+  Command command;
+  return timeEach(bench.ticks(), [&](int i) {
+    faults += tick(bench.path.measured[static_cast<std::size_t>(i)], command) != Status::ok;
+  });
+}
+
+// The guard alone, on what it saw; `error`: requests that it changed.
+void addGuard(TickBench& bench, const BenchRenderer& one, std::vector<TickFrame>& frames) {
+  Guard guard(*bench.mechanism, bench.guarded);
+  int changed = 0;
+  const Percentiles alone = timeEach(bench.ticks(), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    guard.step(bench.path.measured[at], Status::ok, frames[at]);
+    changed += frames[at].reason != GuardReason::none;
+  });
+  bench.add(std::string("its guard, ") + one.name, alone, changed, "ticks that it touched", 0.5);
+}
+
+// The renderer alone, beside itself as a plugin where that is built.
+void addStep(TickBench& bench, const BenchRenderer& one, const std::vector<TickFrame>& frames, int& faults) {
+  one.renderer->reset();
+  const std::string file = app::pluginFolder() + one.plugin;
+  std::unique_ptr<Renderer> plugin;
+  if (std::filesystem::exists(file)) {
+    PluginSetup setup;
+    setup.deviceText = nominalDeviceText();
+    setup.parameters = one.parameters;
+    plugin = makeRenderer(PluginLibrary::load(file), setup);
+    plugin->activate(kPeriod);
+  }
+  const auto [part, across] = timeLinkedAndPlugin(frames, *one.renderer, plugin.get(), faults);
+  bench.add(std::string("its renderer, ") + one.name, part, faults, "ticks that were not ok");
+  if (!plugin) return;
+  one.renderer->reset();
+  plugin->reset();
+  TickOutput output, linked;
+  int different = 0;
+  for (const TickFrame& in : frames) {
+    const bool same = plugin->step(in, output) == one.renderer->step(in, linked);
+    different += !same || output.torque != linked.torque;
+  }
+  bench.add(std::string("the same as a plugin, ") + one.name, across, different,
+            "ticks that differ from the linked one", part.p50 + 0.1);
+}
+
+void addRenderer(TickBench& bench, const BenchRenderer& one) {
+  int faults = 0;
+  const Percentiles whole = timeWhole(bench, *one.renderer, bench.guarded, faults);
+  bench.add(std::string("whole tick, ") + one.name, whole, faults, "ticks that were not ok", 3.0);
+  GuardOptions off = bench.guarded;
+  off.on = false;
+  const Percentiles bare = timeWhole(bench, *one.renderer, off, faults);
+  bench.add(std::string("the same, guard off, ") + one.name, bare, faults, "ticks that were not ok");
+  HapticTick tick(*bench.mechanism, bench.wall, Tool{}, *one.renderer, bench.guarded);
+  Command command;
+  std::vector<TickFrame> frames;
+  for (const enamel::Measurement& measured : bench.path.measured) {
+    faults += tick(measured, command) != Status::ok;
+    frames.push_back(tick.frame());
+  }
+  addGuard(bench, one, frames);
+  addStep(bench, one, frames, faults);
+}
+
+// Between whole ticks, the file's side on a thread of its own that writes nowhere; `error`: ticks that were lost.
+void addRecording(TickBench& bench, Renderer& renderer) {
+  using Clock = std::chrono::steady_clock;
+  HapticTick tick(*bench.mechanism, bench.wall, Tool{}, renderer, bench.guarded);
+  Recorder recorder([](const char*, std::size_t size) { return size; }, "bench", {}, tick);
+  Command command;
+  std::vector<double> times_us;
+  for (const enamel::Measurement& measured : bench.path.measured) {
+    const Status status = tick(measured, command);
+    recorder.makeRoom();
+    const auto start = Clock::now();
+    recorder.add(times_us.size(), measured, tick, command, status);
+    times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+  }
+  bench.add("recording a tick, position-control", percentilesOf(std::move(times_us)),
+            static_cast<double>(recorder.close().lost), "ticks that were lost", 0.5);
+}
+
+void addPush(TickBench& bench, Renderer& renderer, int pushes) {
+  PushSetup setup;
+  const auto finalPose = [&](int substeps) {
+    setup.substeps = substeps;
+    Pose pose;
+    (void)runPush(*bench.mechanism, renderer, setup, [&](const TickRecord& t) { pose = t.pose; });
+    return pose;
+  };
+  const double error = (finalPose(1).position - finalPose(8).position).norm();
+  setup.substeps = 1;
+  const Percentiles p = timeEach(
+      pushes, [&](int) { (void)runPush(*bench.mechanism, renderer, setup, [](const TickRecord& t) { keep(t); }); });
+  bench.add("a push of 3 s on the virtual device", p, error, "last position, m, against 8 substeps", 10e3);
+}
+
+}  // namespace
+
+std::vector<Measurement> measureTick(double scale) {
+  TickBench bench;
+  bench.mechanism = std::make_shared<TauMechanism>(nominalDevice());
+  const int ticks = std::max(2000, static_cast<int>(50000 * scale));
+  bench.path = pathThroughTheWall(*bench.mechanism, ticks);
   // The path goes on whatever the torques do: energy and oscillation mean nothing on it.
-  GuardOptions guarded = guardFor(*mechanism, kPeriod);
-  guarded.energy = guarded.oscillation = kUnlimited;
-  for (const auto& [name, renderer] :
-       {std::pair<const char*, Renderer*>{"position-control", &servo}, {"hold", &hold}, {"impedance", &spring}}) {
-    int faults = 0;
-    TickOutput output;
-    std::vector<TickFrame> inputs;
-    {
-      HapticTick tick(*mechanism, wall, tool, *renderer, guarded);
-      Command command;
-      const Percentiles whole = timeEach(
-          ticks, [&](int i) { faults += tick(path.measured[static_cast<std::size_t>(i)], command) != Status::ok; });
-      add(std::string("whole tick, ") + name, whole, faults, "ticks that were not ok", 3.0);
-    }
-    {
-      GuardOptions off = guarded;
-      off.on = false;
-      HapticTick tick(*mechanism, wall, tool, *renderer, off);
-      Command command;
-      const Percentiles bare = timeEach(
-          ticks, [&](int i) { faults += tick(path.measured[static_cast<std::size_t>(i)], command) != Status::ok; });
-      add(std::string("the same, guard off, ") + name, bare, faults, "ticks that were not ok", none);
-    }
-    HapticTick tick(*mechanism, wall, tool, *renderer, guarded);
-    Command command;
-    for (const enamel::Measurement& measured : path.measured) {
-      faults += tick(measured, command) != Status::ok;
-      inputs.push_back(tick.frame());
-    }
-    {  // the guard alone, on what it saw; `error`: requests that it changed
-      Guard guard(*mechanism, guarded);
-      int changed = 0;
-      const Percentiles alone = timeEach(ticks, [&](int i) {
-        const auto at = static_cast<std::size_t>(i);
-        guard.step(path.measured[at], Status::ok, inputs[at]);
-        changed += inputs[at].reason != GuardReason::none;
-      });
-      add(std::string("its guard, ") + name, alone, changed, "ticks that it touched", 0.5);
-      renderer->reset();
-    }
-    renderer->reset();
-    const std::string pluginFile =
-        app::pluginFolder() + (renderer == &spring ? "/enamel_impedance.so" : "/enamel_position_control.so");
-    std::unique_ptr<Renderer> plugin;
-    if (std::filesystem::exists(pluginFile)) {
-      PluginSetup setup;
-      setup.deviceText = nominalDeviceText();
-      if (renderer == &hold) setup.parameters = {{"mode", "hold"}};
-      plugin = makeRenderer(PluginLibrary::load(pluginFile), setup);
-      plugin->activate(kPeriod);
-    }
-    const auto [part, across] = timeLinkedAndPlugin(inputs, *renderer, plugin.get(), faults);
-    add(std::string("its renderer, ") + name, part, faults, "ticks that were not ok", none);
-    if (!plugin) continue;
-    renderer->reset();
-    plugin->reset();
-    TickOutput linked;
-    int different = 0;
-    for (const TickFrame& in : inputs) {
-      const bool same = plugin->step(in, output) == renderer->step(in, linked);
-      different += !same || output.torque != linked.torque;
-    }
-    add(std::string("the same as a plugin, ") + name, across, different, "ticks that differ from the linked one",
-        part.p50 + 0.1);
-  }
-  addNumbersOfContacts(*mechanism, ticks, guarded, {{"position-control", &servo}, {"impedance", &spring}}, rows);
-  {  // between whole ticks, the file's side on a thread of its own that writes nowhere; `error`: ticks that were lost
-    using Clock = std::chrono::steady_clock;
-    HapticTick tick(*mechanism, wall, tool, servo, guarded);
-    Recorder recorder([](const char*, std::size_t size) { return size; }, "bench", {}, tick);
-    Command command;
-    std::vector<double> times_us;
-    for (const enamel::Measurement& measured : path.measured) {
-      const Status status = tick(measured, command);
-      recorder.makeRoom();
-      const auto start = Clock::now();
-      recorder.add(times_us.size(), measured, tick, command, status);
-      times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
-    }
-    add("recording a tick, position-control", percentilesOf(std::move(times_us)),
-        static_cast<double>(recorder.close().lost), "ticks that were lost", 0.5);
-  }
-  {
-    PushSetup setup;
-    const auto finalPose = [&](int substeps) {
-      setup.substeps = substeps;
-      Pose pose;
-      (void)runPush(*mechanism, hold, setup, [&](const TickRecord& t) { pose = t.pose; });
-      return pose;
-    };
-    const double error = (finalPose(1).position - finalPose(8).position).norm();
-    setup.substeps = 1;
-    const Percentiles p = timeEach(std::max(10, static_cast<int>(100 * scale)), [&](int) {
-      (void)runPush(*mechanism, hold, setup, [](const TickRecord& t) { keep(t); });
-    });
-    add("a push of 3 s on the virtual device", p, error, "last position, m, against 8 substeps", 10e3);
-  }
-  return rows;
+  bench.guarded = guardFor(*bench.mechanism, kPeriod);
+  bench.guarded.energy = bench.guarded.oscillation = kUnlimited;
+  HoldRenderer hold(designServo(bench.mechanism, Pose{}, kPeriod).K, kPeriod, {});
+  PositionControlRenderer servo(positionControlFor(bench.mechanism->limits().encoderStep, kPeriod, 0, 0));
+  ImpedanceRenderer spring(ImpedanceOptions{});
+
+  bench.add("nothing (the clock's own cost)", timeEach(ticks, [](int) {}), 0.0, "-");
+  addTrack(bench);
+  addRenderer(bench, {"position-control", &servo, "/enamel_position_control.so", {}});
+  addRenderer(bench, {"hold", &hold, "/enamel_position_control.so", {{"mode", "hold"}}});
+  addRenderer(bench, {"impedance", &spring, "/enamel_impedance.so", {}});
+  addNumbersOfContacts(*bench.mechanism, ticks, bench.guarded, {{"position-control", &servo}, {"impedance", &spring}},
+                       bench.rows);
+  addRecording(bench, servo);
+  addPush(bench, hold, std::max(10, static_cast<int>(100 * scale)));
+  return std::move(bench.rows);
 }
 
 }  // namespace enamel::bench

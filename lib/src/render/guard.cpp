@@ -5,8 +5,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "core/message.hpp"
-#include "device/inertia.hpp"
+#include "render/guard_options.hpp"
 
 namespace enamel {
 namespace {
@@ -28,29 +27,6 @@ bool isSize(const JointVector& v, int n) noexcept { return v.size() == n; }
 
 // False for NaN as well.
 bool eachWithin(const JointVector& v, double limit) noexcept { return (v.array().abs() <= limit).all(); }
-
-void requireLimit(double value, const char* name, const char* unit) {
-  require(value >= 0.0, std::string("guard: ") + name + " is " + formatNumber(value) + ", must be at least 0 " + unit);
-}
-
-// The part of the forces that a motion and its opposite do not have in common: gravity and centrifugal forces are even
-// in the twist.
-Mat6 dampingOf(const Mechanism& device) {
-  const Kinematics& home = device.home();
-  const Jacobian back = home.inverseTransposed;
-  const Mat6 inertia = back * home.inertia * back.transpose();
-  Mat6 damping = Mat6::Zero();
-  constexpr double kSpeed = 0.1;  // m/s or rad/s
-  for (int i = 0; i < std::min(device.joints(), 6); ++i) {
-    const Vec6 twist = kSpeed * Vec6::Unit(i);
-    Vec6 forth, other;
-    if (device.accelerate(home.pose, twist, home.gravity, Vec6::Zero(), forth) != Status::ok ||
-        device.accelerate(home.pose, -twist, home.gravity, Vec6::Zero(), other) != Status::ok)
-      continue;
-    damping.col(i) = inertia * (other - forth) / (2.0 * kSpeed);
-  }
-  return 0.5 * (damping + damping.transpose());
-}
 
 // Velocity of what the tool touches, W: that of each obstacle by how much of the commanded force is along its normal.
 // `turn`: angular velocity of the tool that the joints do not measure, W, rad/s. It is the hand's, and moves the tool
@@ -77,98 +53,11 @@ Vec3 surfaceVelocity(const TickFrame& frame, const Vec3& turn) noexcept {
 
 }  // namespace
 
-const char* toString(GuardReason reason) noexcept {
-  switch (reason) {
-    case GuardReason::none: return "none";
-    case GuardReason::waiting: return "waiting for a small force";
-    case GuardReason::engaging: return "ramps in";
-    case GuardReason::disabled: return "disabled by the user";
-    case GuardReason::force: return "force limit";
-    case GuardReason::torque: return "torque limit";
-    case GuardReason::slew: return "slew limit";
-    case GuardReason::brake: return "brake";
-    case GuardReason::measurement: return "measurement is none";
-    case GuardReason::jump: return "a joint jumped";
-    case GuardReason::frozen: return "an encoder is frozen";
-    case GuardReason::clock: return "time did not advance";
-    case GuardReason::late: return "a tick came late";
-    case GuardReason::unreachable: return "no configuration";
-    case GuardReason::renderer: return "the renderer failed";
-    case GuardReason::workspace: return "left the workspace";
-    case GuardReason::speed: return "too fast";
-    case GuardReason::energy: return "gave energy";
-    case GuardReason::oscillation: return "oscillates";
-    case GuardReason::deadlines: return "missed too many deadlines";
-  }
-  return "unknown reason";
-}
-
-GuardOptions guardFor(const Mechanism& device, double period) {
-  requirePeriod(period, "guard: ");
-  const Kinematics& home = device.home();
-  GuardOptions o;
-  o.period = period;
-  o.torque = device.limits().effort;
-  o.slew = o.torque * (2.0 / 0.5e-3);
-  o.encoderStep = device.limits().encoderStep;
-  Cholesky<kMaxJoints> inertia;  // positive definite: a device without is none
-  factorInertia(home.inertia, inertia);
-  Mat6 inverseInertia;
-  for (int i = 0; i < 6; ++i) {
-    JointVector acceleration = torqueOf(home.jacobian, Vec6::Unit(i));
-    inertia.solve(acceleration.data());
-    inverseInertia.col(i) = twistOf(home.jacobian, acceleration);
-  }
-  // The largest eigenvalues: 1 over the least mass, 1 over the least moment of inertia.
-  o.brake = 0.05 / (period * eigenvaluesOf(inverseInertia.topLeftCorner<3, 3>())[2]);
-  const double turning = eigenvaluesOf(inverseInertia.bottomRightCorner<3, 3>())[2];
-  o.brakeTurn = turning > 0.0 ? 0.05 / (period * turning) : 0.0;
-  o.rate.resize(device.joints());
-  for (int i = 0; i < device.joints(); ++i)
-    o.rate[i] = 2.0 * (o.stopSpeed * home.inverseTransposed.col(i).head<3>().norm() +
-                       o.stopTurn * home.inverseTransposed.col(i).tail<3>().norm());
-  o.damping = dampingOf(device);
-  double force = kUnlimited;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double sign : {-1.0, 1.0})
-      force = std::min(force, largestForce(home, o.torque, home.pose.position, sign * Vec3::Unit(axis)));
-  o.energy = 7e-4 * force;
-  o.power = 1e-3 * force;
-  return o;
-}
-
 Guard::Guard(const Mechanism& device, const GuardOptions& options)
-    : options_(options), n_(device.joints()), damped_(!options.damping.isZero(0.0)), ring_(kGuardTicks) {
-  const GuardOptions& o = options;
-  requirePeriod(o.period, "guard: ");
-  for (const JointVector* v : {&o.torque, &o.slew, &o.rate, &o.encoderStep})
-    require(isSize(*v, n_), "guard: torque, slew, rate and encoder step need " + std::to_string(n_) +
-                                " numbers, one has " + std::to_string(v->size()));
-  for (int i = 0; i < n_; ++i) {
-    const double limit = device.limits().effort[i];
-    require(o.torque[i] >= 0.0 && o.torque[i] <= limit,
-            "guard: the torque limit of joint " + std::to_string(i + 1) + " is " + formatNumber(o.torque[i]) +
-                ", must be in 0 to the device's " + formatNumber(limit) + " N m or N");
-    require((o.slew[i] > 0.0 || o.torque[i] == 0.0) && o.rate[i] > 0.0 && o.encoderStep[i] > 0.0,
-            "guard: slew, rate and encoder step of joint " + std::to_string(i + 1) + " must be greater than 0");
-  }
-  requireLimit(o.force, "the largest force", "N");
-  requireLimit(o.moment, "the largest moment", "N m");
-  requireLimit(o.workspace.minCoeff(), "a half width of the workspace", "m");
-  requireLimit(o.margin, "the workspace's margin", "m");
-  require(o.speed >= 0.0 && o.stopSpeed >= o.speed && o.turn >= 0.0 && o.stopTurn >= o.turn,
-          "guard: speed and turn must be at least 0, and the stops not below them");
-  requireLimit(o.brake, "the brake", "N s/m");
-  requireLimit(o.brakeTurn, "the brake of turns", "N m s/rad");
-  require(o.damping.allFinite(), "guard: the damping is not finite");
-  requireLimit(o.energy, "the energy budget", "J");
-  requireLimit(o.power, "the power", "W");
-  require(o.softest > 0.0, "guard: the softest wall is " + formatNumber(o.softest) + ", must be greater than 0 N/m");
-  requireLimit(o.oscillation, "the oscillation", "of a motor's limit");
-  requireLimit(o.engage, "the torque to engage at", "of a motor's limit");
-  requireLimit(o.rampIn, "the ramp in", "s");
-  requireLimit(o.rampOut, "the ramp out", "s");
-  require(o.longestGap >= 1 && o.mostMissed >= 0, "guard: the longest gap must be at least 1 period, the misses 0");
+    : options_((checkGuardOptions(device, options), options)),
+      n_(device.joints()),
+      damped_(!options.damping.isZero(0.0)),
+      ring_(kGuardTicks) {
   for (GuardTick& tick : ring_) tick.q = tick.requested = tick.applied = JointVector::Zero(n_);
 }
 
@@ -451,6 +340,36 @@ void Guard::ramp(const Measurement& m, bool known, JointVector& torque) noexcept
   }
 }
 
+// What is wrong with a tick whose measurement can be read.
+GuardReason Guard::judged(const Measurement& m, Status status, bool known, double elapsed,
+                          const TickFrame& frame) noexcept {
+  State& s = state_;
+  const JointVector& requested = frame.output.torque;
+  if (!known) return GuardReason::unreachable;
+  if (status != Status::ok || !isSize(requested, n_) || !eachWithin(requested, kLargestTorque))
+    return GuardReason::renderer;
+  if (s.started) {
+    if (const GuardReason found = m.age == 0 ? moved(m, frame.kinematics) : GuardReason::none;
+        found != GuardReason::none)
+      return found;
+    const double missed = std::max(0.0, std::round(elapsed / options_.period) - 1.0) + (m.age > 0 ? 1.0 : 0.0);
+    s.missed += missed - kForgottenMisses * s.missed;
+    if (s.missed > options_.mostMissed) return GuardReason::deadlines;
+  }
+  return asked(requested, frame.kinematics);
+}
+
+// The measurement, for the ticks to come.
+void Guard::remember(const Measurement& m) noexcept {
+  State& s = state_;
+  s.time = m.time;
+  s.started = true;
+  if (m.age > 0) return;
+  for (int i = 0; i < n_; ++i) s.q[i] = m.q[i];
+  s.sampleTime = m.time;
+  s.ticks = 0.0;
+}
+
 void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept {
   State& s = state_;
   const Kinematics& k = frame.kinematics;
@@ -472,20 +391,7 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
   if (!options_.on) {
     if (isSize(requested, n_)) torque = requested;
   } else {
-    GuardReason found = read;
-    if (found == GuardReason::none && !known) found = GuardReason::unreachable;
-    if (found == GuardReason::none &&
-        (status != Status::ok || !isSize(requested, n_) || !eachWithin(requested, kLargestTorque)))
-      found = GuardReason::renderer;
-    if (found == GuardReason::none && s.started) {
-      if (m.age == 0) found = moved(m, k);
-      if (found == GuardReason::none) {
-        const double missed = std::max(0.0, std::round(elapsed / options_.period) - 1.0) + (m.age > 0 ? 1.0 : 0.0);
-        s.missed += missed - kForgottenMisses * s.missed;
-        if (s.missed > options_.mostMissed) found = GuardReason::deadlines;
-      }
-    }
-    if (found == GuardReason::none) found = asked(requested, k);
+    const GuardReason found = read == GuardReason::none ? judged(m, status, known, elapsed, frame) : read;
     if (s.fault == GuardReason::none && found != GuardReason::none) {
       s.fault = found;
       s.open = false;
@@ -504,15 +410,7 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
     }
   }
 
-  if (believed || read == GuardReason::jump || read == GuardReason::frozen) {
-    s.time = m.time;
-    if (m.age == 0) {
-      for (int i = 0; i < n_; ++i) s.q[i] = m.q[i];
-      s.sampleTime = m.time;
-      s.ticks = 0.0;
-    }
-    s.started = true;
-  }
+  if (believed || read == GuardReason::jump || read == GuardReason::frozen) remember(m);
   s.ticks = std::min(s.ticks + 1.0, options_.longestGap + 2.0);  // a fault may last for months
   for (int i = 0; i < n_; ++i) {
     if (!std::isfinite(torque[i])) torque[i] = 0.0;  // a Jacobian of 1e308

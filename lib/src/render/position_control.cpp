@@ -683,7 +683,7 @@ PositionControlRenderer::Row PositionControlRenderer::addFriction(const TickFram
 
 Status PositionControlRenderer::render(const TickFrame& frame, TickOutput& output) noexcept {
   const Kinematics& k = frame.kinematics;
-  if (k.q.size() != joints_) return Status::outOfRange;
+  if (k.q.size() != joints_ || frame.rows.count != frame.contacts.count) return Status::outOfRange;
   const Inertia inertia(frame, options_.period);
   const Normals normals(frame, inertia.perTick);
   State& s = state_;

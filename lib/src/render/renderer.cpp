@@ -101,7 +101,6 @@ Status Renderer::step(const TickFrame& frame, TickOutput& output) noexcept {
   output.torque.setZero(joints);
   if (!active_) return Status::inactive;
   Status status = checkFrame(frame, lastTime_);
-  if (status == Status::ok && needsInertia() && frame.rows.count != frame.contacts.count) status = Status::outOfRange;
   if (status != Status::ok) return status;
   const StateBlock before = stateBlock();
   std::copy_n(static_cast<const unsigned char*>(before.data), before.size, kept_.begin());

@@ -142,6 +142,8 @@ class Guard {
   template <typename AnyState, typename Visit>
   static void forEachNumber(AnyState& state, const Visit& visit);
   GuardReason measured(const Measurement& m, double elapsed) noexcept;
+  GuardReason judged(const Measurement& m, Status status, bool known, double elapsed, const TickFrame& frame) noexcept;
+  void remember(const Measurement& m) noexcept;
   GuardReason moved(const Measurement& m, const Kinematics& k) noexcept;
   GuardReason asked(const JointVector& requested, const Kinematics& k) noexcept;
   GuardReason shape(const Measurement& m, const Kinematics& k, const JointVector& requested, double elapsed,

@@ -28,7 +28,7 @@ class Renderer {
   void activate(double period);
 
   /// One tick: checkFrame(), then the renderer's law. Statuses: ok; notFinite, outOfRange, stale (bad frame; outOfRange
-  /// also for a number of joints that this renderer was not made for, and for rows that it needs and that are missing);
+  /// also for a number of joints that this renderer was not made for, and for rows that it reads and that are missing);
   /// notFinite for an answer that is not finite or has not one torque a joint; outOfRange for one beyond 1e6 N m or N;
   /// inactive. A torque beyond a motor's limit is cut by saturate(). On any but ok the torque is zero, the mode is
   /// fault and the state is unchanged. Realtime: yes.
