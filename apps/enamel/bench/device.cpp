@@ -83,8 +83,6 @@ TreeState treeState(const TauParameters& device, const Sample& s) {
   return state;
 }
 
-constexpr double kNoGoal = std::numeric_limits<double>::quiet_NaN();
-
 // The measurements, and what all of them need.
 struct DeviceBench {
   TauParameters device;

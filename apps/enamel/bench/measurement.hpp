@@ -12,6 +12,9 @@
 
 namespace enamel::bench {
 
+/// Measurement::goal_us of a row without one.
+inline constexpr double kNoGoal = std::numeric_limits<double>::quiet_NaN();
+
 /// One row of the table. Times are per call; NaN stands for "does not apply".
 struct Measurement {
   std::string group;                                               ///< module, for example "device"

@@ -153,8 +153,6 @@ void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOpti
   }
 }
 
-constexpr double kNoGoal = std::numeric_limits<double>::quiet_NaN();
-
 // The measurements, and what all of them need.
 struct TickBench {
   std::shared_ptr<const TauMechanism> mechanism;
