@@ -60,5 +60,5 @@ Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ @libraries@ @flags@
   install(FILES ${CMAKE_CURRENT_BINARY_DIR}/enamel-${component}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endfunction()
 enamel_pkg_config(core "control;device;core" "eigen3" "")
-enamel_pkg_config(collision "runtime;plugin;sim;render;collision" "enamel-core" "-pthread -ldl")
+enamel_pkg_config(collision "runtime;renderers;plugin;sim;render;collision" "enamel-core" "-pthread -ldl")
 enamel_pkg_config(study "study" "enamel-collision, tbb" "")
