@@ -62,7 +62,8 @@ void finish(Viewer& viewer, ClipMaker& clip) {
   if (const std::string recorded = viewer.endRecording(); !recorded.empty()) std::printf("%s\n", recorded.c_str());
 }
 
-// Steps of a script that are due.
+// Steps of a script that are due. Those after a picture wait for the next one: the haptic loop of a window may do what
+// they say before this one is drawn.
 class ScriptPlayer {
  public:
   explicit ScriptPlayer(const Options& options) {
@@ -73,12 +74,31 @@ class ScriptPlayer {
 
   template <typename Function>
   void play(double now, const Function& follow) {
-    for (; next_ < steps_.size() && steps_[next_].time <= now + 1e-9; ++next_) follow(steps_[next_]);
+    for (bool pictured = false; !pictured && next_ < steps_.size() && steps_[next_].time <= now + 1e-9; ++next_) {
+      follow(steps_[next_]);
+      pictured = steps_[next_].kind == ScriptStep::Kind::picture;
+    }
   }
 
  private:
   std::vector<ScriptStep> steps_;
   std::size_t next_ = 0;
+};
+
+// Holds a script of fixed steps back until the haptic loop has gone on by a step too: on a machine that does not let it
+// run, what the script waits for takes longer.
+class HapticPace {
+ public:
+  explicit HapticPace(double step) : ticks_(static_cast<std::uint64_t>(step / kPeriod)) {}
+
+  void wait(const PeriodicThread& haptics, const Signals& signals) {
+    while (haptics.timing().periods < due_ && signals.caught() == 0)
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    due_ = haptics.timing().periods + ticks_;
+  }
+
+ private:
+  std::uint64_t ticks_, due_ = 0;
 };
 
 void makeFolder(const std::string& path) {
@@ -113,9 +133,11 @@ int runInWindow(const Options& options, double started) {
     if (Runner* const runner = viewer.runner()) haptics.emplace(kPeriod, [runner] { runner->period(); });
     const auto timing = [&] { return haptics ? numbersOf(haptics->timing(), rate) : TimingNumbers{}; };
     bool scripted = false;
+    HapticPace pace(1.0 / options.frameRate);
     while (glfwWindowShouldClose(surface->window()) == GLFW_FALSE && !viewer.wantsToEnd() && signals.caught() == 0) {
       const bool reports = signals.takeReportWanted();  // before the events: the report is of a picture that knows them
       input.poll();
+      if (options.fixedStep && haptics) pace.wait(*haptics, signals);
       const double now = steadySeconds(), passed = now - last;
       last = now;
       if (passed > 0.0) rate += 0.1 * (1.0 / passed - rate);

@@ -20,7 +20,7 @@ const char* const kScript =
     "1.5 picture moved\n"
     "1.6 hand 0 0 -20 over 0.5\n"
     "3.2 picture contact\n"
-    "3.2 swap\n"
+    "3.2 swap\n"  // after the picture, also in a window, whose haptic loop goes on meanwhile
     "4.2 picture swapped\n"
     "4.3 home\n"
     "5.6 picture after\n"
