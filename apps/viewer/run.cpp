@@ -62,11 +62,11 @@ void finish(Viewer& viewer, ClipMaker& clip) {
   if (const std::string recorded = viewer.endRecording(); !recorded.empty()) std::printf("%s\n", recorded.c_str());
 }
 
-// Steps of a script that are due. Those after a picture wait for the next one: the haptic loop of a window may do what
+// Steps of a script that are due. In a window those after a picture wait for the next one: its haptic loop may do what
 // they say before this one is drawn.
 class ScriptPlayer {
  public:
-  explicit ScriptPlayer(const Options& options) {
+  explicit ScriptPlayer(const Options& options) : isHeadless_(options.headless) {
     if (!options.script.empty())
       steps_ = loadScript(options.script,
                           options.play.empty() ? rendererNames(options.plugin.get()) : std::vector<std::string>{});
@@ -76,11 +76,12 @@ class ScriptPlayer {
   void play(double now, const Function& follow) {
     for (bool pictured = false; !pictured && next_ < steps_.size() && steps_[next_].time <= now + 1e-9; ++next_) {
       follow(steps_[next_]);
-      pictured = steps_[next_].kind == ScriptStep::Kind::picture;
+      pictured = !isHeadless_ && steps_[next_].kind == ScriptStep::Kind::picture;
     }
   }
 
  private:
+  bool isHeadless_;
   std::vector<ScriptStep> steps_;
   std::size_t next_ = 0;
 };

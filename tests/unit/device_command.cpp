@@ -2,6 +2,8 @@
 #include <arpa/inet.h>
 #include <sys/socket.h>
 
+#include <algorithm>
+
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
@@ -20,14 +22,19 @@ long numberAfter(const std::string& text, const std::string& word) {
   return at == std::string::npos ? -1 : std::atol(text.c_str() + at + word.size());
 }
 
-// What a client of a served device prints, when it has accepted so many measurements: one second is enough, but for a
-// loaded machine.
+// What a client of a served device prints, once it has accepted so many measurements: one second is enough, but for a
+// loaded machine, on which the server may not be there yet.
 std::string connectTo(const std::string& port, const std::string& options, long measurements) {
   std::string output;
-  for (const char* seconds : {"1", "1", "4", "16", "64"}) {
-    output = run("device --connect 127.0.0.1:" + port + " " + options + " --duration " + seconds).output;
-    if (numberAfter(output, "accepted ") > measurements) break;
-  }
+  int seconds = 1;
+  const bool connected = test::eventually([&] {
+    output = run("device --connect 127.0.0.1:" + port + " " + options + " --duration " + std::to_string(seconds)).output;
+    const long accepted = numberAfter(output, "accepted ");
+    if (accepted >= 0) seconds = std::min(4 * seconds, 64);
+    return accepted > measurements;
+  });
+  INFO(output);
+  CHECK(connected);
   return output;
 }
 

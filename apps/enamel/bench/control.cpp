@@ -1,8 +1,7 @@
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 
 #include "bench/control_cases.hpp"
+#include "bench/long_matrix.hpp"
 #include "bench/measurement.hpp"
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/discretise.hpp"
@@ -15,7 +14,6 @@ namespace enamel::bench {
 namespace {
 
 using Eigen::MatrixXd;
-using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
 constexpr double kRiccatiGoal_us = 250.0;
 
@@ -23,13 +21,13 @@ constexpr double kRiccatiGoal_us = 250.0;
 MatrixXd longDoubling(const MatrixXd& A0, const MatrixXd& B0, const MatrixXd& Q, const MatrixXd& R) {
   const LongMatrix B = B0.cast<long double>(), I = LongMatrix::Identity(A0.rows(), A0.rows());
   LongMatrix A = A0.cast<long double>(), H = Q.cast<long double>();
-  LongMatrix G = B * R.cast<long double>().llt().solve(B.transpose());
+  LongMatrix G = times(B, solved(R.cast<long double>(), transposed(B)));
   for (int i = 0; i < 14; ++i) {
-    const Eigen::PartialPivLU<LongMatrix> W(I + G * H);
-    const LongMatrix WA = W.solve(A), WG = W.solve(G);
-    H += (A.transpose() * H * WA).eval();
-    G += (A * WG * A.transpose()).eval();
-    A = (A * WA).eval();
+    const LongMatrix W = I + times(G, H), At = transposed(A);
+    const LongMatrix WA = solved(W, A), WG = solved(W, G);
+    H += times(At, times(H, WA));
+    G += times(A, times(WG, At));
+    A = times(A, WA);
   }
   return H.cast<double>();
 }
@@ -39,10 +37,10 @@ MatrixXd longExponential(const MatrixXd& A) {
   const LongMatrix scaled = A.cast<long double>() / 1024.0L;
   LongMatrix term = LongMatrix::Identity(A.rows(), A.cols()), sum = term;
   for (int i = 1; i < 24; ++i) {
-    term = (term * scaled / static_cast<long double>(i)).eval();
+    term = times(term, scaled) / static_cast<long double>(i);
     sum += term;
   }
-  for (int i = 0; i < 10; ++i) sum = (sum * sum).eval();
+  for (int i = 0; i < 10; ++i) sum = times(sum, sum);
   return sum.cast<double>();
 }
 

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "bench/assembled_dynamics.hpp"
+#include "bench/long_matrix.hpp"
 #include "bench/measurement.hpp"
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/device/tau/dynamics.hpp"
@@ -179,9 +180,8 @@ void addInverse(DeviceBench& bench) {
 void addJacobian(DeviceBench& bench) {
   double error = 0.0;
   for (const Sample& s : bench.samples) {
-    using Long6 = Eigen::Matrix<long double, 6, 6>;
-    const Long6 inverse = inverseJacobian(bench.model, s.configuration).cast<long double>();
-    const Mat6 reference = inverse.partialPivLu().inverse().cast<double>();
+    const LongMatrix inverse = inverseJacobian(bench.model, s.configuration).cast<long double>();
+    const Mat6 reference = solved(inverse, LongMatrix::Identity(6, 6)).cast<double>();
     error = std::max(error, relativeError(jacobian(bench.model, s.configuration), reference));
   }
   const Timing t = timeCalls(bench.batches, kSamples, [&](int first, int count) {
