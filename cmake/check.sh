@@ -65,7 +65,7 @@ else
 fi
 run "asan: $what" --preset asan -j 2 -L "$sanitized"
 build tsan -- tests_unit test_bits
-run "tsan: threads and their exchange of data" --preset tsan -L threads
+run "tsan: threads and their exchange of data" --preset tsan -j 2 -L threads
 [ -z "${ENAMEL_LONG:-}" ] || build dev -- test_bits
 finish
 
