@@ -4,7 +4,10 @@
 CONTRIBUTING.md has the commands. One line a mutant, tabs between: file, line, before, after, verdict: "caught by TEST",
 "caught by TEST (time)", "SURVIVED", or "does not compile", which does not count. The seed orders the mutants by a hash of
 their text, so changes of other lines do not change the order. Interrupted, it restores the file; after kill -9,
-`git checkout lib/src` does."""
+`git checkout lib/src` does.
+
+--assertions FILE turns it round: which assertions of the file's own tests does no mutant of the file make fail? Each of
+them repeats another one, is about another file, or cannot fail."""
 import argparse
 import concurrent.futures
 import contextlib
@@ -61,29 +64,39 @@ def mutations(line, before):
     return result
 
 
-def candidates(seed):
-    """(file, line number, before, after) of all lines that can be changed, one change each, in the order of the seed."""
+def candidates(seed, only=()):
+    """(file, line number, before, after) of all lines that can be changed, one change each, in the order of the seed;
+    of the files `only`, if any, every change."""
     result = []
-    for path in sorted((ROOT / "lib/src").rglob("*.[chi]*")):
+    for path in [ROOT / name for name in only] or sorted((ROOT / "lib/src").rglob("*.[chi]*")):
         name, seen, before = str(path.relative_to(ROOT)), {}, ""
         for number, line in enumerate(path.read_text().splitlines(), 1):
             seen[line] = seen.get(line, 0) + 1
             digest = hashlib.sha256(f"{seed} {name} {seen[line]} {line}".encode()).digest()
             choice = mutations(line, before)
-            if choice:
+            if only:
+                for after in choice:
+                    order = hashlib.sha256(digest + after.encode()).digest()
+                    result.append((order, name, number, line.strip(), after.strip()))
+            elif choice:
                 after = choice[int.from_bytes(digest[:8], "big") % len(choice)]
                 result.append((digest, name, number, line.strip(), after.strip()))
             before = line.split("//")[0].strip() or before
     return [c[1:] for c in sorted(result)]
 
 
+def limit_memory():
+    resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
+
+
 class Tests:
-    def __init__(self, options):
+    def __init__(self, options, runners, wanted=None):
         self.build, self.jobs = options.build.resolve(), options.jobs
-        if failure := self.make(RUNNERS):
+        if failure := self.make(runners):
             sys.exit(failure)
         listed = json.loads(subprocess.check_output(["ctest", "--show-only=json-v1"], cwd=self.build))["tests"]
-        self.entries = {t["name"]: t["command"] for t in listed if RUNNER.fullmatch(Path(t.get("command", [""])[0]).name)}
+        self.entries = {t["name"]: t["command"] for t in listed if RUNNER.fullmatch(Path(t.get("command", [""])[0]).name)
+                        and (not wanted or t["name"] in wanted)}
         self.pool, self.running = concurrent.futures.ThreadPoolExecutor(self.jobs), set()
         # How long each takes unchanged. What fails then is of no use; what takes longer than asked is left out.
         file = self.build / "mutate_times.json"
@@ -122,7 +135,7 @@ class Tests:
         folder.mkdir(parents=True, exist_ok=True)
         test = subprocess.Popen([*self.entries[name], "--abort"], cwd=folder, stdout=subprocess.DEVNULL,
                                 stderr=subprocess.DEVNULL, start_new_session=True, env={**os.environ, "TMPDIR": str(folder)},
-                                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30)))
+                                preexec_fn=limit_memory)
         self.running.add(test)
         try:
             return None if test.wait(limit) in (0, 4) else name  # 4: skipped
@@ -149,6 +162,87 @@ class Tests:
                     return "caught by " + failed
         return "SURVIVED"
 
+
+@contextlib.contextmanager
+def mutated(tests, source, number, before, after):
+    """The file with the change; afterwards as it was."""
+    path = ROOT / source
+    text = path.read_text()
+    lines = text.split("\n")
+    lines[number - 1] = lines[number - 1].replace(before, after)
+    try:
+        path.write_text("\n".join(lines))
+        yield
+    except BaseException:
+        for test in list(tests.running):
+            test.kill()
+        raise
+    finally:
+        path.write_text(text)  # with a new time: what was built of the mutant is built again
+
+
+def tests_of(sources):
+    """ctest names of the sources' tests: of their own names, or by the rows of covered_by in tests/CMakeLists.txt."""
+    rows = re.search(r"set\(covered_by\n(.*?)\)", (ROOT / "tests/CMakeLists.txt").read_text(), re.S)[1].split()
+    covered = dict(zip(rows[::2], rows[1::2]))
+    result = []
+    for source in sources:
+        name = re.sub(r"^lib/(src|include/enamel)/|\.\w+$", "", source)
+        own = [f"{label}/{Path(name).name}" for label in ("unit", "hard", "plugin", "realtime")]
+        found = [covered[name]] if name in covered else [t for t in own if (ROOT / "tests" / (t + ".cpp")).exists()]
+        if not found:
+            sys.exit(f"{source} has no test of its name: give --tests")
+        result += [t.replace("/", ".", 1) for t in found if t.startswith(("unit", "plugin"))] or [found[0].replace("/", ".", 1)]
+    return sorted(set(result))
+
+
+def assertions(options):
+    """Prints the assertions that no mutant of the files makes fail, and those that are never reached."""
+    wanted = options.tests or tests_of(options.assertions)
+    listed = (options.build / "tests/CTestTestfile.cmake").read_text()  # ctest itself lists what is built alone
+    runners = sorted({Path(re.search(rf'\[{re.escape(name)}\]=\] "(.*?)"', listed)[1]).name for name in wanted})
+    tests = Tests(options, runners, wanted)
+    files = {f"tests/{name.replace('.', '/', 1)}.cpp" for name in tests.entries}
+
+    def seen(name, word, limit):
+        """file:line of the assertions that passed or failed in a run."""
+        command = [*tests.entries[name], "--reporter", "compact", "--success"]
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, timeout=limit, preexec_fn=limit_memory)
+            places = re.findall(rf"^\S*?(tests/\S+?:\d+): {word}", done.stdout.decode(errors="replace"), re.M)
+            return {p for p in places if p.split(":")[0] in files}
+        return set()
+
+    reached = set().union(*(seen(name, "passed", 3600) for name in tests.entries))
+    failed, count = set(), 0
+    for source, number, before, after in candidates(options.seed, options.assertions):
+        if count >= options.count:
+            break
+        with mutated(tests, source, number, before, after):
+            if tests.make(runners):
+                continue
+            fails = set().union(*(seen(name, "failed", 20 + 5 * tests.times[name]) for name in tests.entries))
+        count, failed = count + 1, failed | fails
+        print(f"{source}:{number}\t{before}\t{after}\t{len(fails)} fail", flush=True)
+    tests.make(runners)
+    written = {}  # by the place of an assertion: its first line, and the lines that a compiler may name for it
+    for file in files:
+        lines = (ROOT / file).read_text().splitlines()
+        for i, line in enumerate(lines):
+            if re.match(r"\s*(if \(.*\) |else )?(CHECK|REQUIRE)\w*\(", line):
+                end = i + 1
+                while end < min(len(lines), i + 12) and not lines[end - 1].split("//")[0].rstrip().endswith(";"):
+                    end += 1
+                written[file, i + 1] = (line.strip(), {f"{file}:{n}" for n in range(i + 1, end + 1)})
+    killed = 0
+    for (file, number), (line, places) in sorted(written.items()):
+        if places & failed:
+            killed += 1
+        else:
+            print(f"{file}:{number}: {'no mutant makes it fail' if places & reached else 'never reached'}: {line}")
+    print(f"{count} mutants, {len(written)} assertions, {killed} can fail")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=Path, required=True, help="a configured build folder of its own (Ninja)")
@@ -159,15 +253,21 @@ def main():
     parser.add_argument("--again", action="store_true", help="the survivors of the file once more")
     parser.add_argument("--only", nargs="+", metavar="FILE:LINE", help="these lines alone, again, whatever their place")
     parser.add_argument("--longest", type=float, default=1200, help="leave tests out that take longer unchanged, s")
+    parser.add_argument("--assertions", nargs="+", metavar="FILE", help="list the assertions that no mutant of these files "
+                        "(lib/src/...cpp, lib/include/...hpp) makes fail")
+    parser.add_argument("--tests", nargs="+", metavar="NAME", help="with --assertions: these of ctest, not the files' own")
     options = parser.parse_args()
     output = options.output or options.build / "mutants.tsv"
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: sys.exit("stopped"))
+    if options.assertions:
+        assertions(options)
+        return
     done = {}
     if output.exists():
         rows = [line.split("\t") for line in output.read_text().splitlines()]
         done = {(r[0], r[2], r[3]): r[4] for r in rows if len(r) == 5}
-    tests, verdicts = Tests(options), []
+    tests, verdicts = Tests(options, RUNNERS), []
     for source, number, before, after in candidates(options.seed):
         if len(verdicts) >= options.count:
             break
@@ -175,19 +275,8 @@ def main():
             continue
         verdict = None if options.only else done.get((source, before, after))
         if verdict is None or options.again and verdict == "SURVIVED":
-            path = ROOT / source
-            text = path.read_text()
-            lines = text.split("\n")
-            lines[number - 1] = lines[number - 1].replace(before, after)
-            try:
-                path.write_text("\n".join(lines))
+            with mutated(tests, source, number, before, after):
                 verdict = tests.verdict(source)
-            except BaseException:
-                for test in list(tests.running):
-                    test.kill()
-                raise
-            finally:
-                path.write_text(text)  # with a new time: what was built of the mutant is built anew
             row = "\t".join((source, str(number), before, after, verdict))
             print(row, flush=True)
             with output.open("a") as file:

@@ -111,7 +111,7 @@ std::string designPositionControl(const DesignSearchOptions& options) {
 std::string designRivals(const DesignSearchOptions& options) {
   const int threads = threadsOf(options);
   WallDesignSetup setup = setupOf(options);
-  fmt::print("rivals on {}, each at its best after {} generations, on new random numbers\n", setup.plant->name(),
+  fmt::print("rivals on {}, each the best of {} generations, on new random numbers\n", setup.plant->name(),
              options.generations);
   printTask(setup);
   ControllerFile file{std::filesystem::path(options.device).filename().string(), {}};

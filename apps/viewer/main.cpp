@@ -29,10 +29,11 @@ void runViewer(int argc, char** argv) {
   CLI::Option* const live[] = {
       app.add_option("scene", options.scene, "scene file (TOML)"),
       app.add_option("--device", options.device, "device file (TOML)"),
-      app.add_option("--renderer", renderer,
-                     "the renderer to begin with: position-control (slides, never pulls; default), impedance, hold "
-                     "(the paper's law), passivity (the spring with passivity control), or the name or path of a "
-                     "plugin, which takes the place of one of its name"),
+      app.add_option(
+          "--renderer", renderer,
+          "the renderer to begin with: position-control (slides, never pulls; default), impedance, hold "
+          "(the paper's controller), passivity (the spring with passivity control), or the name or path of a "
+          "plugin, which takes the place of one of its name"),
       app.add_option("--gain", options.gain,
                      "servo of enamel design --output: with --surface for position-control, without for hold, which "
                      "is then begun with"),

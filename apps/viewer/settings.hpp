@@ -16,7 +16,7 @@ namespace enamel::viewer {
 
 inline constexpr double kPeriod = 1e-3;  // s, of the haptic loop
 
-/// The renderers to choose from: the contact-space servo, the spring, the paper's law, the spring with passivity
+/// The renderers to choose from: the contact-space servo, the spring, hold, the spring with passivity
 /// control around it, and a plugin, where it does not stand for one of these.
 enum class RendererSlot : std::uint8_t { positionControl, impedance, hold, passivity, plugin };
 inline constexpr std::size_t kLinkedRenderers = 4, kMaxRenderers = 5;

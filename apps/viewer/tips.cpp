@@ -24,7 +24,8 @@ constexpr const char* kChartTip[] = {
     "Force of the motors along the wall's normal, N, as delivered. Dashed: what the motors can give there at most.",
     "Torques of the joints as delivered, beside the motors' limits (dashed)."};
 constexpr const char* kGaugeTip =
-    "The stiffness of the first impact of a test push (P), from 1 kN/m to 1 MN/m. Grey: more than any law without a "
+    "The stiffness of the first impact of a test push (P), from 1 kN/m to 1 MN/m. Grey: more than any renderer without "
+    "a "
     "force "
     "sensor can reach here, at this delay.\nK_z1 = force of the step / depth at the first return";
 constexpr const char* kInsetTip =

@@ -350,7 +350,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
   }
 
   /// Of the last updateFromDevice(): as Chai3dDevice::measure(); inactive before start(); outOfRange also where the
-  /// scale has changed since start() or an object's rotation is none. Realtime: yes.
+  /// scale has changed since start() or an object's rotation is invalid. Realtime: yes.
   Status status() const noexcept { return status_; }
 
   /// What was handed over, in W of the device.

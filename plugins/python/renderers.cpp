@@ -34,7 +34,8 @@ std::shared_ptr<py::object> shared(py::object object) {
           }};
 }
 
-/// A renderer whose law is a Python object: for experiments, not for real time. It has no state that could be saved.
+/// A renderer whose controller is a Python object: for experiments, not for real time. It has no state that could be
+/// saved.
 class ScriptedRenderer final : public Renderer {
  public:
   ScriptedRenderer(std::shared_ptr<py::object> self, std::shared_ptr<Failure> failure)
@@ -210,11 +211,11 @@ void addRenderers(py::module_& m) {
       "The contact-space servo: it pushes and never pulls, lets the tool slide. `delay`: smallest and largest of the "
       "command, ticks; `file`: of enamel design --surface; any of its numbers by name. Raises Error: a number outside "
       "its range; a file for another device.");
-  m.def(
-      "hold", &hold, py::arg("device"), py::arg("period") = 1e-3, py::arg("gain") = py::none(),
-      py::arg("release") = true, py::arg("anti_windup") = false,
-      "The paper's law: once the tool touches, a servo holds it there. `gain`, (n, 3n): of design_servo(), by default "
-      "designed at home. Raises Error: a gain that is not n x 3n or not finite; DesignError.");
+  m.def("hold", &hold, py::arg("device"), py::arg("period") = 1e-3, py::arg("gain") = py::none(),
+        py::arg("release") = true, py::arg("anti_windup") = false,
+        "The paper's controller: once the tool touches, a servo holds it there. `gain`, (n, 3n): of design_servo(), by "
+        "default "
+        "designed at home. Raises Error: a gain that is not n x 3n or not finite; DesignError.");
   m.def("impedance", &impedance, py::arg("stiffness") = 6000.0, py::arg("damping") = 0.0,
         "The conventional wall: a spring (N/m) and a damper (N s/m) along the contact's normal. Raises Error: one that "
         "is negative or not finite.");

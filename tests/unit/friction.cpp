@@ -40,7 +40,7 @@ TEST_CASE("friction sticks below its limit and slides at it, against the motion"
     memory.end();
     return force;
   };
-  CHECK(pulled(0.0).norm() == 0.0);
+  CHECK(pulled(30e-6).norm() == 0.0);               // of a new contact: it came here without one
   CHECK(pulled(40e-6).isApprox(Vec3(-0.8, 0, 0)));  // a spring
   CHECK(pulled(-80e-6).isApprox(Vec3(0.8, 0, 0)));  // both ways
   CHECK(
@@ -50,7 +50,22 @@ TEST_CASE("friction sticks below its limit and slides at it, against the motion"
   // Lifted off for a tick: forgotten.
   memory.begin();
   memory.end();
-  CHECK(pulled(0.0).norm() == 0.0);
+  CHECK(pulled(30e-6).norm() == 0.0);
+}
+
+TEST_CASE("a viscous surface slows a tool that slides, not one that sticks", "[friction]") {
+  FrictionMemory memory;
+  Contact contact = rough(0.5, 0.4);
+  contact.material.viscosity = 2.0;
+  const auto pulled = [&](double way) {
+    memory.begin();
+    const Vec3 force = memory.force(contact, {{way, 0, 0}, Vec3::Zero(), {0.1, 0, 0}}, {20e3, 0.0}, 2.0);
+    memory.end();
+    return force;
+  };
+  (void)pulled(0.0);
+  CHECK(pulled(40e-6).isApprox(Vec3(-0.8, 0, 0)));       // the spring alone
+  CHECK(pulled(1e-3).isApprox(Vec3(-0.8 - 0.2, 0, 0)));  // mu_d 2 N, and 2 N s/m at 0.1 m/s
 }
 
 // 1 N as 0.1 and 1.9 N in turn, a position in counts of 4 um and the rate that is its difference: a mass under 0.1 N
@@ -131,15 +146,23 @@ TEST_CASE("friction lies in the surface, is forgotten with the contact, and know
   memory.begin();
   const SurfaceMotion none{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   const Vec3 a = memory.force(first, none, kGains, 100.0), b = memory.force(second, none, kGains, 100.0);
-  CHECK(std::abs(a.dot(first.normal)) < 1e-12);
   // Only the second tick has moved a contact that was there before.
   const Vec3 along = slide.displacement - first.normal.dot(slide.displacement) * first.normal;
   CHECK(a.isApprox(-kGains.stiffness * along));
   CHECK(b.isApprox(-kGains.stiffness * Vec3(10e-6, 20e-6, 0.0)));
-  // No normal force, no friction, no gains: nothing.
-  CHECK(memory.force(first, slide, kGains, 0.0).norm() == 0.0);
-  CHECK(memory.force(rough(0.0, 0.0), slide, kGains, 1.0).norm() == 0.0);
-  CHECK(memory.force(first, slide, {0.0, 0.0}, 1.0).norm() == 0.0);
+  memory.end();
+  // No normal force, no friction or no stiffness: nothing, however far it is stretched and fast it moves.
+  const auto next = [&](const Contact& contact, const TangentialGains& gains, double normalForce) {
+    FrictionMemory copy = memory;
+    copy.begin();
+    return copy.force(contact, {slide.displacement, Vec3::Zero(), {0.1, 0.2, 0.0}}, gains, normalForce).norm();
+  };
+  CHECK(next(first, kGains, 1.0) > 0.1);
+  CHECK(next(first, kGains, 0.0) == 0.0);
+  Contact smooth = first;
+  smooth.material.friction = 0.0;
+  CHECK(next(smooth, kGains, 1.0) == 0.0);
+  CHECK(next(first, {0.0, kGains.damping}, 1.0) == 0.0);
 }
 
 TEST_CASE("friction follows a contact by its key, and by its place where it has none", "[friction]") {

@@ -1,6 +1,7 @@
 // A solid that is cut: a molar at cells of 0.1 mm, a ball of 1 mm.
 #include <fmt/core.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>

@@ -136,7 +136,7 @@ Measurement timeTicks(const std::string& name, const Path& path, int contacts, H
   return rowOf(name, std::move(times_us), wrong, "ticks not ok, or with more or fewer contacts");
 }
 
-// What contacts cost: the same law in the air and with six of them.
+// What contacts cost: the same renderer in the air and with six of them.
 void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
                           const std::vector<std::pair<const char*, Renderer*>>& renderers,
                           std::vector<Measurement>& rows) {

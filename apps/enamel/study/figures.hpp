@@ -25,7 +25,7 @@ struct Figure {
   std::string caption;  ///< HTML
 };
 
-/// The plant of the impedance column as its wall feels it; of the first column where there is none.
+/// The plant of the impedance column as its wall feels it; of the first column without such a column.
 WallDevice wallDeviceOf(const Study& study);
 
 std::vector<Figure> figuresOf(const Study& study, const Findings& findings);

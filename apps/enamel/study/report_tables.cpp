@@ -58,7 +58,7 @@ void addTableFour(Page& page, const Study& study, const Findings& findings) {
       "The form of the paper's Table IV: lowest and highest of the query points' means, at (x, y). In brackets in the "
       "paper's co-simulation: with a random delay. The paper gives no intervals.");
   page.note(
-      "The paper's servo is hold; position control is none of the paper's. The paper's device is not ours: compare "
+      "The paper's servo is hold; the paper has no position control. The paper's device is not ours: compare "
       "magnitudes and order.");
 }
 

@@ -25,7 +25,7 @@ std::string definitionOf(const Study& study, std::size_t column) {
     case ColumnKind::passivity:
       return wall + " and a damper that takes back the energy that the spring was seen to make.";
     case ColumnKind::edge: return "a spring whose ticks are a quarter as long, as stiff as eq. 16 (below) allows.";
-    case ColumnKind::rival: return "a rival law with the values that were found for this device and delay.";
+    case ColumnKind::rival: return "a rival controller with the values that were found for this device and delay.";
     case ColumnKind::plugin: break;
   }
   return "a renderer from a shared library.";
@@ -39,7 +39,8 @@ void addTerms(Page& page, const Study& study) {
   const auto has = [&](int scenario) { return std::count(plan.scenarios.begin(), plan.scenarios.end(), scenario) > 0; };
   page.heading("What was done");
   page.paragraph(fmt::format(
-      "A haptic device is a small robot that a person holds by its <b>tool</b>. Its <b>renderer</b> is the law that "
+      "A haptic device is a small robot that a person holds by its <b>tool</b>. Its <b>renderer</b> is the program "
+      "that "
       "commands the motors at every <b>tick</b> ({} ms) so that the tool stops where it touches something that is not "
       "there: here <b>the wall</b>, the plane z = 0, with the person above it. At each of {} <b>query points</b> on "
       "the wall a person was simulated who pushes the tool into it, {} times with other forces and other noise, the "

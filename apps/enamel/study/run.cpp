@@ -164,7 +164,7 @@ void claimFolder(const Study& study) {
   const std::size_t count = runsOf(there);
   if (count == 0)
     throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to; remove " + runs +
-                " to begin anew");
+                " to start again");
   if (study.options.resume) {
     const Json here = Json::parse(study.manifest);
     if (there != here)
@@ -175,7 +175,7 @@ void claimFolder(const Study& study) {
   const std::string text = readFile(runs, kLargestRunFile);
   const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
   if ((!text.empty() && text.rfind("scenario,renderer,", 0) != 0) || lines > count + 1)
-    throw Error(runs + ": is not what study.json beside it describes: remove it to begin anew");
+    throw Error(runs + ": is not what study.json beside it describes: remove it to start again");
   if (lines > 0 && lines < count + 1)
     throw Error(fmt::format("{}: holds an unfinished study ({} of {} runs): continue it with --resume, or remove {}",
                             study.options.output, lines - 1, count, runs));

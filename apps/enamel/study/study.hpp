@@ -13,7 +13,7 @@
 
 namespace enamel::app {
 
-/// What a column of the study is. A plugin is none of the linked renderers, whatever it calls itself.
+/// What a column of the study is. A plugin is never a linked renderer, whatever its name.
 enum class ColumnKind { positionControl, hold, impedance, passivity, scheduled, edge, rival, plugin };
 
 /// What tables and pictures say about a column of the plan.
@@ -79,7 +79,7 @@ std::string withoutFirstText(const WallSummary& wall);
 /// "2 runs left the workspace, 3 stopped by the guard"; "" where none was lost.
 std::string lostText(const WallSummary& wall);
 
-/// Whether any run of a wall could be finished: without, its largest values are none, not zero.
+/// Whether any run of a wall was finished. If not, its largest values are unknown, not zero.
 bool anyFinished(const Study& study, const WallSummary& wall);
 
 /// The key of a metric as every file has it.

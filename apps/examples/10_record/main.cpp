@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
     std::printf("%s: %llu ticks, %llu lost\n", argv[2], static_cast<unsigned long long>(written.ticks),
                 static_cast<unsigned long long>(written.lost));
 
-    // Again, from the file alone: the device of the header, the same servo made anew.
+    // Again, from the file alone: the device of the header, a new instance of the same servo.
     RecordingReader reader(argv[2]);
     const auto recorded = makeMechanism(parseDevice(reader.header().deviceText, reader.header().deviceFile));
     PositionControlRenderer same(options);

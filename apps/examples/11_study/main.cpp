@@ -16,7 +16,7 @@ using namespace enamel;
 
 namespace {
 
-// All that a wall needs: a law without memory. One with memory: 07_plugin.
+// All that a wall needs: a renderer without memory. One with memory: 07_plugin.
 class MyWall final : public Renderer {
   void prepare(double) override {}
   void resetState() noexcept override {}

@@ -86,7 +86,7 @@ void ToolTrack::saveState(const Scene& scene, double* state) const noexcept {
   const std::size_t obstacles = scene.obstacles().size();
   for (std::size_t i = 0; i < parts_.size(); ++i, state += kPartState) {
     const kernel::PartTrack& part = parts_[i];
-    // A part of a mesh that was changed begins anew.
+    // A part of a mesh that was changed starts again.
     const bool isKnown = part.isKnown && part.revision == revisionOf(scene.obstacles()[i * obstacles / parts_.size()]);
     std::copy_n(part.axis.a.data(), 3, state);
     std::copy_n(part.axis.b.data(), 3, state + 3);

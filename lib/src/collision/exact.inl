@@ -288,7 +288,7 @@ static inline void finishOnAxis(const Triangle* t, const Shortest* found, Segmen
 }
 
 // The shortest line is between an end and the face, or between the segment and an edge: from an end, to a corner, or
-// between the insides of both (Lumelsky 1985). Where they cross it is none. All candidates are points of both, so what
+// between the insides of both (Lumelsky 1985). Where they cross its length is zero. All candidates are points of both, so what
 // is lost by rounding can only cost what they differ by.
 static inline void closestToAxis(const Triangle* t, const Axis* axis, SegmentCandidate* best) {
   if (crossesAxis(t, axis, best) != 0) return;

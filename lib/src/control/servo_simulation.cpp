@@ -21,7 +21,8 @@ constexpr int kMostTicks = 10000000;
 int runTicks(double seconds, double period) {
   const double ticks = seconds / period;
   if (!(ticks >= 0.0 && ticks <= kMostTicks))
-    throw DesignError("servo simulation: the period is so small that a run has more than 1e7 ticks, or is none");
+    throw DesignError(
+        "servo simulation: the period is so small that a run has more than 1e7 ticks, or it is not positive");
   return static_cast<int>(std::lround(ticks));
 }
 

@@ -106,7 +106,7 @@ struct MultibodyPlant::Model {
   std::vector<MobilizedBody> hinges;  // of all chains in turn, from the base
   std::unique_ptr<SimTK::RungeKuttaMersonIntegrator> integrator;
   SimTK::State state;
-  bool goesOn = false;  // the integrator stands where the state does, and need not begin anew
+  bool goesOn = false;  // the integrator has this state and need not be initialised again
 
   Model(const DeviceParameters& given, double relative)
       : parameters(given), accuracy(relative), mechanism(makeMechanism(given)) {

@@ -44,7 +44,7 @@ const char* toString(GuardReason reason) noexcept {
     case GuardReason::torque: return "torque limit";
     case GuardReason::slew: return "slew limit";
     case GuardReason::brake: return "brake";
-    case GuardReason::measurement: return "measurement is none";
+    case GuardReason::measurement: return "invalid measurement";
     case GuardReason::jump: return "a joint jumped";
     case GuardReason::frozen: return "an encoder is frozen";
     case GuardReason::clock: return "time did not advance";
@@ -68,7 +68,7 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   o.torque = device.limits().effort;
   o.slew = o.torque * (2.0 / 0.5e-3);
   o.encoderStep = device.limits().encoderStep;
-  Cholesky<kMaxJoints> inertia;  // positive definite: a device without is none
+  Cholesky<kMaxJoints> inertia;  // positive definite for every mechanism
   factorInertia(home.inertia, inertia);
   Mat6 inverseInertia;
   for (int i = 0; i < 6; ++i) {

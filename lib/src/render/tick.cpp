@@ -47,8 +47,8 @@ Status HapticTick::operator()(const Measurement& measurement, Command& command) 
   return status;
 }
 
-// A sample that repeats its time stamp is none, for as long as the guard bridges lost samples. A sample older than the
-// prediction before it comes a little after it.
+// A sample that repeats its time stamp counts as lost, as long as the guard bridges lost samples. A sample older than
+// the prediction before it is moved a little after it.
 Measurement HapticTick::adjusted(const Measurement& measurement) const noexcept {
   const double period = guard_.options().period;
   Measurement m = measurement;

@@ -107,7 +107,7 @@ bool LoopBody::step() noexcept {
   if (sink_ != nullptr) sink_->tick(tick_, haptics_);
   ++tick_.number;
 
-  // The ramp out begins with stop(), and anew with a fault on the way.
+  // The ramp out begins with stop(), and again with a fault on the way.
   const bool fault = haptics_.guard().fault() != GuardReason::none;
   if (!stopping_ || (fault && !faulty_)) left_ = static_cast<int>(std::ceil(guard.rampOut / ticks_)) + 2;
   faulty_ = fault;

@@ -85,7 +85,7 @@ void MetricsCollector::add(const TickRecord& tick) {
                           tick.saturated,
                           maxTorque_.size() > 0 ? JointVector(tick.torque.cwiseQuotient(maxTorque_)) : JointVector()};
   const auto rest = static_cast<std::uint64_t>(std::llround(ImpactMonitor::kRestWindow / setup_.period));
-  // A turn in the tick in which a step comes is none of the step's doing.
+  // The step does not cause a turn in the tick in which it comes.
   const std::uint64_t pushed = times_.onset + (setup_.hand.instant > 0.0 ? 1 : 0);
   if (tick.tick >= pushed)
     impact_.push(impact);

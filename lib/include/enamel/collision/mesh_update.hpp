@@ -1,8 +1,8 @@
 // Local changes of a mesh that is in use: a surface that gives way, a tooth that is drilled. The work depends on how
-// much changes, not on the size of the mesh, and the answers are those of a model built anew from the changed mesh
+// much changes, not on the size of the mesh, and the answers are those of a new model built from the changed mesh
 // (triangles keep their numbers; removed ones are never reported).
 //
-// Common to all: nothing is changed unless the answer is ok. outOfRange: a number is none of the mesh's or a count is
+// Common to all: nothing is changed unless the answer is ok. outOfRange: the mesh has no such number or a count is
 // negative. Not while other threads query the model. Realtime: yes (no allocation; work for the triangles at the
 // vertices and the levels above them).
 #pragma once

@@ -12,7 +12,7 @@
 namespace enamel {
 
 inline constexpr const char* kPositionControl = "position-control";  // PositionControlRenderer
-inline constexpr const char* kHold = "hold";                         // HoldRenderer, the paper's law
+inline constexpr const char* kHold = "hold";                         // HoldRenderer, the paper's controller
 inline constexpr const char* kImpedance = "impedance";
 inline constexpr const char* kPassivity = "passivity";  // PassivityRenderer around the impedance wall
 

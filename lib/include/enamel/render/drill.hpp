@@ -50,7 +50,7 @@ class Drill {
   Vec3 way_ = Vec3::Zero();                  // against which the surface recedes, W
   double rough_ = 0.0;                       // so far a surface that was cut may be above its samples, m
   std::array<double, kMaxContacts> gaps_{};  // of this tick's contacts, before they were corrected, m
-  double advance_ = 0.0;                     // of the surface in a tick, by the law, m
+  double advance_ = 0.0;                     // of the surface in a tick, by Archard's law, m
   Segment last_;                             // the bur then, in the obstacle's frame
   Vec3 force_ = Vec3::Zero();                // W
   double owed_ = 0.0;                        // that could not be cut, m^3

@@ -134,7 +134,7 @@ class Guard {
     Row beyond{};                      // that acted beyond gravity before the last tick
     Row jerk{};                        // mean square change of the rendered torque, shares
     double missed = 0.0;               // ticks
-    Row pace{}, claimed{};  // of a joint that stands still: counts a tick before, counts that its rate tells of since
+    Row pace{}, claimed{};  // of a joint at rest: counts a tick before it stopped, counts that its rate predicts since
     std::array<bool, kMaxJoints> even{};  // whether the pace was that of the tick before
     std::array<int, kMaxJoints> still{};  // for how many ticks
   };

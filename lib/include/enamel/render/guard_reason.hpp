@@ -24,7 +24,7 @@ enum class GuardReason : std::uint8_t {
   clock,        ///< time did not advance
   late,         ///< no tick or no new sample for more than `longestGap`
   unreachable,  ///< no configuration of the device has these joint coordinates
-  renderer,     ///< contacts or renderer answered with a status, or with a torque that is none
+  renderer,     ///< contacts or renderer failed, or the torque is not finite or too large
   workspace,    ///< beyond the workspace and its margin
   speed,        ///< faster than `stopSpeed` or `stopTurn`
   energy,       ///< the tool was given more energy than it gave, beyond the budget

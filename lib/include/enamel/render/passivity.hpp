@@ -1,4 +1,4 @@
-// A wall that never gives more energy than it took, whatever its law: passivity in the time domain.
+// A wall that never gives more energy than it took, whatever its spring: passivity in the time domain.
 #pragma once
 
 #include <cstdint>

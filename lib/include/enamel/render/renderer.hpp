@@ -27,7 +27,7 @@ class Renderer {
   /// renderer was not designed for; the renderer is then not active. Realtime: no.
   void activate(double period);
 
-  /// One tick: checkFrame(), then the renderer's law. Statuses: ok; notFinite, outOfRange, stale (bad frame; outOfRange
+  /// One tick: checkFrame(), then the controller. Statuses: ok; notFinite, outOfRange, stale (bad frame; outOfRange
   /// also for a number of joints that this renderer was not made for, and for rows that it reads and that are missing);
   /// notFinite for an answer that is not finite or has not one torque a joint; outOfRange for one beyond 1e6 N m or N;
   /// inactive. A torque beyond a motor's limit is cut by saturate(). On any but ok the torque is zero, the mode is
@@ -74,8 +74,7 @@ class Renderer {
 /// Checks what every renderer checks first: joint vectors of one size; finite numbers, sizes that a device can have
 /// (joints to 1000 rad or m, rates to 1000 a second, positions to 10 m, speeds to 100 m/s, gaps to 100 m, torques to
 /// 1e6 N m); a rotation matrix; unit normals (to 1e-6); a count within capacity; a time later than
-/// `lastTime`; an age of at least 0. Returns
-/// ok, notFinite, outOfRange or stale. Realtime: yes.
+/// `lastTime`; an age of at least 0. Returns ok, notFinite, outOfRange or stale. Realtime: yes.
 [[nodiscard]] Status checkFrame(const TickFrame& frame, double lastTime) noexcept;
 
 /// Where a torque exceeds +-maxTorque, scales the part above `gravity` down, all joints by the same factor: the wrench

@@ -37,10 +37,10 @@ struct ReplayResult {
 /// requested torque, command, normal force, mode, status, the guard's reason, and a hash of the renderer's state where
 /// that has the size of the recorded one. `tick` is newly made, with the header's device, scene, start and guard
 /// options, and with any renderer. Behind a gap (lost ticks, damaged chunks, `from` above 0) it goes on from the state
-/// that the chunk has; with a renderer of another state size it begins anew there, and differs while the guard lets it
+/// that the chunk has; with a renderer of another state size it starts again there, and differs while the guard lets it
 /// in. A drill that is attached to `tick` spins as recorded, and cuts again: its solids are as they were before the
-/// recording; what a gap took from them is missing. `each` sees every tick after it was run. Throws Error: the device's joints are not as many as the recording's,
-/// or there is no chunk `from`. Realtime: no.
+/// recording; what a gap took from them is missing. `each` sees every tick after it was run. Throws Error: the device's
+/// joints are not as many as the recording's, or there is no chunk `from`. Realtime: no.
 ReplayResult replay(RecordingReader& recording, HapticTick& tick, std::uint64_t from = 0,
                     const std::function<void(const RecordedTick&, const HapticTick&)>& each = {});
 

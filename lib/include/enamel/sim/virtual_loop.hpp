@@ -80,7 +80,7 @@ class VirtualLoop {
   /// Goes on after the guard has stopped: HapticTick::reset(). Realtime: yes.
   void reset() noexcept { tick_.reset(); }
 
-  /// Begins anew at tick 0 with the tool at rest at a pose, as after construction. Statuses and Realtime: as
+  /// Starts again at tick 0 with the tool at rest at a pose, as after construction. Statuses and Realtime: as
   /// VirtualDevice::restart(); on another than ok nothing is changed.
   [[nodiscard]] Status restart(const Pose& start);
 

@@ -17,7 +17,7 @@ PositionControlOptions positionControlWith(const PositionControlOptions& start, 
 /// - passivity: the same under a time-domain passivity controller (PassivityRenderer).
 /// - passivity-memory: the same where a depth gives back only what it has taken (PassivityBound::memory).
 /// - virtual-coupling: VirtualCouplingRenderer; stiffness, damping, mass.
-/// - hold: the paper's position control, its weights retuned, with release and anti-windup; weights of rate, position
+/// - hold: the paper's controller, its weights retuned, with release and anti-windup; weights of rate, position
 ///   and integral, the torque's is 1.
 /// - hold-delay: the same with the commands under way among its states (servoForDelay()). A random delay counts as its
 ///   mean, rounded up.

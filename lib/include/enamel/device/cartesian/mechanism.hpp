@@ -15,10 +15,9 @@ namespace enamel {
 /// Largest turn from home, rad: v is unique below pi, and E far from its singularity at 2 pi.
 inline constexpr double kMaxCartesianTurn = 2.5;
 
-/// limits(): max_force for the first three joints, max_moment for the others, 0 for an axis without a motor; the steps
-/// likewise. A position outside
-/// the workspace and a turn beyond kMaxCartesianTurn are unreachable; with 3 axes also a pose turned by more than 1e-9
-/// and a twist that turns faster than 1e-9 rad/s. Nothing is singular.
+/// limits(): max_force for the first three joints, max_moment for the others, 0 for an axis without a motor; encoder
+/// steps likewise. Unreachable: a position outside the workspace and a turn of more than kMaxCartesianTurn; with 3 axes
+/// also a pose turned by more than 1e-9 and a twist that turns faster than 1e-9 rad/s. Nothing is singular.
 class CartesianMechanism final : public Mechanism {
  public:
   /// Throws ConfigurationError: as checkCartesian(). Realtime: no.

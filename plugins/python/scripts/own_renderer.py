@@ -1,4 +1,4 @@
-"""Your own law, judged beside two others. A renderer in Python is for experiments, not for real time."""
+"""Your own renderer, compared with two others. A renderer in Python is for experiments, not for real time."""
 import numpy as np
 import numpy.typing as npt
 
@@ -25,15 +25,15 @@ class Nonlinear(enamel.PythonRenderer):
 
 
 device = enamel.Device(enamel.data / "devices/tau-nominal.toml").damped([0.0, 0.0, 4.0, 0.0, 0.0, 0.0])
-laws: dict[str, enamel.RendererLike] = {
+renderers: dict[str, enamel.RendererLike] = {
     "own": Nonlinear,
     "spring": enamel.impedance(3000.0),
     "position control": enamel.position_control(device),
 }
-for name, law in laws.items():
-    push = enamel.push(device, law, noise=0.0, duration=1.6)
+for name, renderer in renderers.items():
+    push = enamel.push(device, renderer, noise=0.0, duration=1.6)
     assert push.stopped is None
-    score = enamel.judge(device, law, runs=2)
+    score = enamel.judge(device, renderer, runs=2)
     stiffness = push.metrics["K_z1"]
     assert stiffness is not None, push.verdict
     print(
@@ -41,7 +41,7 @@ for name, law in laws.items():
         f"chatter {score['chatter']:.3f} N m, {score['lost']} runs lost"
     )
 
-# What a law raises ends the push.
+# What a renderer raises ends the push.
 class Broken(enamel.PythonRenderer):
     def render(self, tick: enamel.Tick) -> npt.ArrayLike:
         raise ValueError(f"no idea at {tick.time} s")
