@@ -51,7 +51,7 @@ struct Frame {
   RendererSlot selected = RendererSlot::positionControl;
   double inertiaScale = 1.0;  ///< of position control, with
   double jumps = 0.0;         ///< jumps of the push that it has seen
-  bool holding = false;       ///< hold holds, at
+  bool holding = false;       ///< the renderer hold keeps the tool at
   JointVector reference;      ///< these joint coordinates, rad or m
   bool testing = false;       ///< a test push is under way
   Conditions conditions;

@@ -62,8 +62,8 @@ void finish(Viewer& viewer, ClipMaker& clip) {
   if (const std::string recorded = viewer.endRecording(); !recorded.empty()) std::printf("%s\n", recorded.c_str());
 }
 
-// Steps of a script that are due. In a window those after a picture wait for the next one: its haptic loop may do what
-// they say before this one is drawn.
+// Steps of a script that are due. In a window a picture ends a turn: the haptic loop runs beside it, and would carry out
+// the steps after the picture before it is drawn.
 class ScriptPlayer {
  public:
   explicit ScriptPlayer(const Options& options) : isHeadless_(options.headless) {
@@ -86,8 +86,8 @@ class ScriptPlayer {
   std::size_t next_ = 0;
 };
 
-// Holds a script of fixed steps back until the haptic loop has gone on by a step too: on a machine that does not let it
-// run, what the script waits for takes longer.
+// Keeps a script of fixed steps behind the haptic loop: each step waits until the loop has run for as long, however slow
+// the machine is.
 class HapticPace {
  public:
   explicit HapticPace(double step) : ticks_(static_cast<std::uint64_t>(step / kPeriod)) {}

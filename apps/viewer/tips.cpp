@@ -25,9 +25,7 @@ constexpr const char* kChartTip[] = {
     "Torques of the joints as delivered, beside the motors' limits (dashed)."};
 constexpr const char* kGaugeTip =
     "The stiffness of the first impact of a test push (P), from 1 kN/m to 1 MN/m. Grey: more than any renderer without "
-    "a "
-    "force "
-    "sensor can reach here, at this delay.\nK_z1 = force of the step / depth at the first return";
+    "a force sensor can reach here, at this delay.\nK_z1 = force of the step / depth at the first return";
 constexpr const char* kInsetTip =
     "The contact, magnified: the wall below, the tool above, whatever the wall's direction; its scale is at the bottom "
     "left. Orange red: the force of the motors; orange: that of the hand.";

@@ -107,7 +107,7 @@ TEST_CASE("the branch that forward kinematics follows is the one continued from 
 
 TEST_CASE("garbage joint angles get a status, and ok only on the branch of home", "[hard]") {
   constexpr std::uint64_t seed = 41;
-  const int vectors = test::count(4000, 100000);
+  const int vectors = test::count(10000, 100000);
   for (const TauParameters& device : {test::nominal(), test::randomDevice(2)}) {
     const TauModel model = makeModel(device);
     const Vec3 elevations = homeElevations(model);

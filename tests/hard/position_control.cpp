@@ -196,7 +196,7 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
 TEST_CASE("impacts and too much force are answered where the delay is random", "[hard]") {
   WallTrialSetup setup;
   setup.plant = std::make_shared<TauMechanism>(test::nominal());
-  setup.runs = test::count(10, 400);
+  setup.runs = test::count(20, 400);
   for (const double wrong : {1.0, 0.7, 1.3}) {
     setup.model = withInertia(setup.plant, wrong);
     for (const Delay& delay : {Delay{0, 1}, Delay{0, 3}, Delay{1, 2}, Delay{2, 5}}) {

@@ -56,6 +56,9 @@ if(PKG_CONFIG)
   execute_process(COMMAND ${PKG_CONFIG} --cflags --libs enamel-collision OUTPUT_VARIABLE flags
     OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   separate_arguments(flags UNIX_COMMAND "${flags}")
+  run(${CXX_COMPILER} -DENAMEL_DATA_DIR="${prefix}/share/enamel" ${CMAKE_CURRENT_LIST_DIR}/consumer.cpp ${flags}
+    -o ${WORK_DIR}/by_pkg_config)
+  run(${WORK_DIR}/by_pkg_config)
   run(${CXX_COMPILER} -I${SOURCE_DIR}/tests/chai3d ${prefix}/share/doc/enamel/plugins/chai3d/example.cpp ${flags}
     -o ${WORK_DIR}/chai3d_wall)
   run(${WORK_DIR}/chai3d_wall)

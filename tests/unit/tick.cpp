@@ -77,6 +77,12 @@ TEST_CASE("sense: pose, twist and gravity of the sample; the inertia only where 
     CHECK(frame.rows.count == (inertia ? 1 : -1));
     CHECK(tick.frame().output.torque == command.effort);
     CHECK(tick.frame().command == command.effort);
+    Measurement lost = m;
+    lost.time += kPeriod;
+    lost.age = 1;  // nothing came: what acted before the last sample is not told again
+    REQUIRE(tick(lost, command) == Status::ok);
+    CHECK(frame.kinematics.q == m.q);
+    CHECK_FALSE(frame.applied);
   }
 }
 

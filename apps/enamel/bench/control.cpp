@@ -21,9 +21,9 @@ constexpr double kRiccatiGoal_us = 250.0;
 MatrixXd longDoubling(const MatrixXd& A0, const MatrixXd& B0, const MatrixXd& Q, const MatrixXd& R) {
   const LongMatrix B = B0.cast<long double>(), I = LongMatrix::Identity(A0.rows(), A0.rows());
   LongMatrix A = A0.cast<long double>(), H = Q.cast<long double>();
-  LongMatrix G = times(B, solved(R.cast<long double>(), transposed(B)));
+  LongMatrix G = times(B, solved(R.cast<long double>(), B.transpose()));
   for (int i = 0; i < 14; ++i) {
-    const LongMatrix W = I + times(G, H), At = transposed(A);
+    const LongMatrix W = I + times(G, H), At = A.transpose();
     const LongMatrix WA = solved(W, A), WG = solved(W, G);
     H += times(At, times(H, WA));
     G += times(A, times(WG, At));

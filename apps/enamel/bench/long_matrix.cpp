@@ -18,8 +18,6 @@ LongMatrix times(const LongMatrix& A, const LongMatrix& B) {
   return product;
 }
 
-LongMatrix transposed(const LongMatrix& A) { return A.transpose(); }
-
 LongMatrix solved(LongMatrix A, LongMatrix B) {
   const Index n = A.rows();
   // Row `to` minus a multiple of row `from`.

@@ -8,7 +8,6 @@ namespace enamel::bench {
 using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
 LongMatrix times(const LongMatrix& A, const LongMatrix& B);
-LongMatrix transposed(const LongMatrix& A);
 
 /// A^-1 B, by elimination with partial pivoting; A is square and regular.
 LongMatrix solved(LongMatrix A, LongMatrix B);

@@ -33,7 +33,11 @@ bool eachWithin(const JointVector& v, double limit) noexcept { return (v.array()
 // over the obstacle as if the obstacle moved.
 Vec3 surfaceVelocity(const TickFrame& frame, const Vec3& turn) noexcept {
   const ContactSnapshot& contacts = frame.contacts;
+  const auto velocityOf = [&](const Contact& c) {
+    return Vec3(c.obstacleVelocity - turn.cross(c.point - frame.kinematics.pose.position));
+  };
   if (contacts.count == 0) return Vec3::Zero();
+  if (contacts.count == 1) return velocityOf(contacts.contacts[0]);
   const Vec3 force = wrenchOf(frame.kinematics, frame.command - frame.kinematics.gravity).head<3>();
   std::array<double, kMaxContacts> along{};
   double sum = 0.0;
@@ -42,9 +46,6 @@ Vec3 surfaceVelocity(const TickFrame& frame, const Vec3& turn) noexcept {
     if (contact.gap < kTouching) along[c] = std::max(0.0, contact.normal.dot(force));
     sum += along[c];
   }
-  const auto velocityOf = [&](const Contact& c) {
-    return Vec3(c.obstacleVelocity - turn.cross(c.point - frame.kinematics.pose.position));
-  };
   if (!(sum > 0.0)) return velocityOf(contacts.contacts[0]);
   Vec3 velocity = Vec3::Zero();
   for (int c = 0; c < contacts.count; ++c) velocity += along[c] / sum * velocityOf(contacts.contacts[c]);
@@ -54,7 +55,7 @@ Vec3 surfaceVelocity(const TickFrame& frame, const Vec3& turn) noexcept {
 }  // namespace
 
 Guard::Guard(const Mechanism& device, const GuardOptions& options)
-    : options_((checkGuardOptions(device, options), options)),
+    : options_(checked(device, options)),
       n_(device.joints()),
       damped_(!options.damping.isZero(0.0)),
       ring_(kGuardTicks) {

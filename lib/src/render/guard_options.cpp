@@ -94,7 +94,7 @@ GuardOptions guardFor(const Mechanism& device, double period) {
   return o;
 }
 
-void checkGuardOptions(const Mechanism& device, const GuardOptions& o) {
+const GuardOptions& checked(const Mechanism& device, const GuardOptions& o) {
   const int n = device.joints();
   requirePeriod(o.period, "guard: ");
   for (const JointVector* v : {&o.torque, &o.slew, &o.rate, &o.encoderStep})
@@ -125,6 +125,7 @@ void checkGuardOptions(const Mechanism& device, const GuardOptions& o) {
   requireLimit(o.rampIn, "the ramp in", "s");
   requireLimit(o.rampOut, "the ramp out", "s");
   require(o.longestGap >= 1 && o.mostMissed >= 0, "guard: the longest gap must be at least 1 period, the misses 0");
+  return o;
 }
 
 }  // namespace enamel

@@ -1,11 +1,11 @@
-// What a guard is configured with is checked here.
+// Checks of a guard's options.
 #pragma once
 
 #include "enamel/render/guard.hpp"
 
 namespace enamel {
 
-/// Throws Error: as Guard's constructor.
-void checkGuardOptions(const Mechanism& device, const GuardOptions& options);
+/// Return the options, checked. Throws Error: as Guard's constructor.
+const GuardOptions& checked(const Mechanism& device, const GuardOptions& options);
 
 }  // namespace enamel

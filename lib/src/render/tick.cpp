@@ -42,7 +42,7 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
 
 Status HapticTick::operator()(const Measurement& measurement, Command& command) noexcept {
   const bool isNext = measurement.age == 0 && measurement.time > sampleTime_ && measurement.time > frame_.time;
-  const Status status = tick(isNext ? measurement : adjusted(measurement));
+  const Status status = isNext ? tick(measurement) : tick(adjusted(measurement));
   command.effort = frame_.command;
   return status;
 }
@@ -59,9 +59,10 @@ Measurement HapticTick::adjusted(const Measurement& measurement) const noexcept 
   } else if (m.age == 0 && m.time > sampleTime_ && frame_.age > 0) {
     m.time = std::max(m.time, frame_.time + kLeastStep * period);
   }
-  if (m.age > 0) {
+  if (m.age > 0) {  // nothing came from the device
     m.q = frame_.kinematics.q;
     m.rates = frame_.kinematics.rates;
+    m.applied.reset();
   }
   return m;
 }
