@@ -67,6 +67,12 @@ const Imperfections& imperfectionsOf(const DeviceParameters& parameters) noexcep
   return none;
 }
 
+DeviceParameters idealOf(DeviceParameters parameters) {
+  if (auto* tau = std::get_if<TauParameters>(&parameters)) tau->imperfections = {};
+  if (auto* delta = std::get_if<DeltaParameters>(&parameters)) delta->imperfections = {};
+  return parameters;
+}
+
 void stiffenCables(DeviceParameters& parameters) noexcept {
   const auto stiffen = [](Imperfections& i) { i.cableStiffness = i.cableDamping = i.backlash = 0.0; };
   if (auto* tau = std::get_if<TauParameters>(&parameters)) stiffen(tau->imperfections);

@@ -1,9 +1,12 @@
 // Contact forces under unilateral contacts and motor limits: a small convex quadratic program.
 #pragma once
 
-#include "enamel/render/position_control.hpp"
+#include "enamel/core/types.hpp"
 
 namespace enamel {
+
+/// Most contacts that carry force at once (the deepest).
+inline constexpr int kMaxActiveContacts = 6;
 
 /// min 1/2 x^T G x - r^T x over the forces x, N, subject to 0 <= x_k <= most and low_i <= (motor_i)^T x <= high_i.
 struct ContactProblem {

@@ -1,741 +1,647 @@
 #include "enamel/render/position_control.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "core/message.hpp"
 #include "enamel/collision/scene.hpp"
-#include "enamel/core/cholesky.hpp"
-#include "render/contact_forces.hpp"
+#include "enamel/core/error.hpp"
+#include "enamel/render/friction.hpp"
+#include "render/contact_projection.hpp"
+#include "render/push_observer.hpp"
 
 namespace enamel {
 namespace {
 
-constexpr double kNear = 2e-5;  // a contact that stays this far outside for a tick carries no force, m
-// Under a random delay a contact counts when the push alone would bring it that near within these ticks more, or after
-// a jump the fall from a bounce: a command that is left out while the tool hovers is missed when it falls back.
-constexpr double kHover = 3.0;
-// There a command that acts more often than once sends the tool out: with what may yet act it stays below the outward
-// speed by this many standard deviations. That speed is what the push turns back from the depth, at most this one, m,
-// and beyond: a tool that is deep and waits for its commands falls on.
-constexpr double kCautious = 1.5, kDeepest = 8e-4;
-// A device lighter than the model hops no higher than this, m, for what its scale may yet turn out to be.
-constexpr double kHop = 1e-4;
-constexpr double kRegularisation = 1e-3;  // of the contact's own inverse inertia
-// Largest force of a contact, of what all would need if each were alone: walls that face each other and are too near by
-// a micrometre would push each other with hundreds of newtons, and hold the tool by friction. In a wedge of 30 deg it
-// is 3.7.
-constexpr double kMostShare = 5.0;
-constexpr double kDivergedInnovation = 1e4;  // an innovation that no push explains, counts
-constexpr double kRepeats = 3.0;   // counts that a tool must have moved for readings that repeat to be old ones
-constexpr int kJumpDeadTicks = 3;  // ticks after a jump in which no other is looked for
-// Every jump makes the next one need to be larger by this share, which fades by the other a tick: a loop with delay
-// whose model is wrong would else take its own answers for jumps for ever, and nothing is learnt near a jump.
-constexpr double kThresholdRise = 0.5, kThresholdRiseKept = 0.98;
-// A jump just above the threshold may be none, and a strong answer to none throws the tool out of the wall: it has the
-// full gains and outward speed from this much above, and at the threshold this share of the gains and no such speed.
-constexpr double kFullGainExcess = 0.3, kThresholdGainShare = 0.2;
-// Ages of a jump, ticks. An innovation needs a push that falls with the age squared, and weak pushes are rare: the
-// density of the age falls with its 10th power, down to a floor, without which a weak push that has built up for some
-// ticks passes for a strong new one, and the answer throws the tool out by half a millimetre. The innovation before has
-// this deviation, of the threshold.
-constexpr std::array<double, 17> kAges = {1.0,  1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.35, 1.4,
-                                          1.45, 1.5,  2.0, 2.5,  3.0, 4.0,  5.0, 6.0};
-constexpr double kOldJumps = 1e-3, kAgeDeviation = 0.2;
-// A hand that lets go does so over some ticks: a jump outward is a push that has been falling for these ticks, with
-// this deviation of its growth, counts/tick^3. One that was a sudden step costs a little depth, and no bounce.
-constexpr double kFallTicks = 1.5, kFall = 2.0;
-// What stays of a push's growth from tick to tick: people do not press harder for ever.
-constexpr double kGrowthKept = 0.95;
-// An innovation that a scale wrong by this much explains may be the model's error: without, a model that is 30 % too
-// heavy takes its own commands for jumps.
-constexpr double kModelError = 0.15;
+// The numbers that were chosen; all others are computed. What each trades: lib/docs/position-control.md.
+constexpr double kForceCost = 20.0;    // of the linear-quadratic design: chatter against stiffness
+constexpr double kModelError = 0.15;   // share of the force that the model does not have: robustness against stiffness
+constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
+constexpr double kStick = 1.0 / 8.0;   // of the stiffness with which friction holds: counts that are felt against creep
 
-// Estimation of the scale: weight of the first guess (s = 1), what is forgotten in a tick, ticks after a jump in which
-// nothing is learnt, largest innovation and slope, counts (an equation with a steeper slope is made smaller: what the
-// model leaves out grows with the command). Less weight or steeper slopes learn a wrong scale from the first touch.
-// What is slow is taken out of both, by a mean that follows with the last share: a press that grows, answered by a
-// command that grows, else looks like a wrong scale (s at its lower end within 10 ticks, and a tool that hammers).
-constexpr double kFirstWeight = 30.0, kForgotten = 1e-3, kLearnAfter = 8.0, kLargestInnovation = 3.0,
-                 kLargestSlope = 1.0, kMeanFollows = 0.3;
-// A tool at rest flickers by a count or two, which the servo answers, and nothing else moves: a correlation that tells
-// of no inertia. A joint teaches in the ticks after its reading left a band of twice these counts.
-constexpr double kRestBand = 1.25, kTeachingTicks = 5.0;
-// A strong command, as after an impact, teaches at once. What it does to the joints must be this many times what a push
-// may do in a tick: these counts, or this share of what the motors can.
-constexpr double kStrongCommand = 3.0, kPushCounts = 10.0, kPushShare = 0.1;
+// A person: a step has a deviation of 8 N, or of a fifth of what a weak device can hold; the hand trembles by a
+// sixteenth of it, and moments are forces at 2 cm.
+constexpr double kStepForce = 8.0, kStepShare = 0.2, kTremorShare = 1.0 / 16.0, kGrip = 0.02;
+constexpr double kLargeStep = 2.0;     // deviations
+constexpr double kPushShare = 0.27;    // a large step, as a share of the largest force, for the designs
 
-void requireWithin(double value, double low, double high, const char* name, const char* unit) {
-  require(value >= low && value <= high, std::string("position control: ") + name + " is " + formatNumber(value) +
-                                             ", must be in " + formatNumber(low) + " to " + formatNumber(high) + unit);
-}
-
-double dot(const std::array<double, kMaxJoints>& a, const std::array<double, kMaxJoints>& b, int n) noexcept {
-  double sum = 0.0;
-  for (int i = 0; i < n; ++i) sum += a[i] * b[i];
-  return sum;
-}
-
-// Mean of one over a jump's age in ticks, by the innovations along the contact now and before, counts. A push of age t
-// has moved the tool by t^2 / 2, and by (t - 1)^2 / 2 a tick ago.
-double inverseAgeOf(double now, double before, double deviation) noexcept {
-  double weights = 0.0, sum = 0.0;
-  for (const double age : kAges) {
-    const double perAge = 1.0 / age, share = (1.0 - perAge) * (1.0 - perAge);
-    const double miss = (before - share * now) / deviation;
-    const double p2 = perAge * perAge, p4 = p2 * p2, weight = (p4 * p4 * p2 + kOldJumps) * std::exp(-0.5 * miss * miss);
-    weights += weight;
-    sum += weight * perAge;
-  }
-  return weights > 0.0 ? sum / weights : 1.0;
-}
-
-// Motion of the platform when the joints move by `way`.
-Vec6 motionOf(const Kinematics& k, const std::array<double, kMaxJoints>& way) noexcept {
-  return twistOf(k.jacobian, Eigen::Map<const JointVector>(way.data(), k.q.size()));
-}
+constexpr double kMostTicks = 10.5;    // between two ticks, beyond which everything is forgotten
+constexpr double kContradicts = 8.0;   // deviations of an innovation that no push explains
+constexpr double kRetreat = 50.0;      // 1 / kRetreat^2: how much walls that contradict each other give way for force
+constexpr double kFades = 0.1;         // of the speed along a wall, with which one that is gone retreats
+constexpr double kNear = 2e-5;         // a contact that stays this far outside for a tick carries no force, m
+constexpr int kRefreshTicks = 8;       // between two looks at the inertia
 
 }  // namespace
 
-// Inertia and gravity at a tick.
-struct PositionControlRenderer::Inertia {
-  int n;
-  double perTick;  // T^2
-  const Cholesky<kMaxJoints>& factors;
-  Row gravity{};
-
-  Inertia(const TickFrame& frame, double period) noexcept
-      : n(static_cast<int>(frame.kinematics.q.size())), perTick(period * period), factors(frame.rows.inertia) {
-    std::copy_n(frame.kinematics.gravity.data(), n, gravity.begin());
-  }
-
-  // T^2 M^-1 torque: what a torque beyond gravity does to the joints, rad/tick^2.
-  Row response(Row torque) const noexcept {
-    factors.solve(torque.data());
-    for (int i = 0; i < n; ++i) torque[i] *= perTick;
-    return torque;
-  }
-
-  // The same for torques with gravity.
-  Row responseOf(Row torque) const noexcept {
-    for (int i = 0; i < n; ++i) torque[i] -= gravity[i];
-    return response(torque);
-  }
-};
-
-// The frame's rows and responses along the normals, with time in ticks.
-struct PositionControlRenderer::Normals {
-  const ContactRow* rows;
-  Row response[kMaxContacts];  // T^2 M^-1 D N_k^T
-
-  Normals(const TickFrame& frame, double perTick) noexcept : rows(frame.rows.row.data()) {
-    for (int c = 0; c < frame.rows.count; ++c)
-      for (int i = 0; i < kMaxJoints; ++i) response[c][i] = rows[c].response[i] * perTick;
-  }
-};
-
-// The contacts that may carry force, as the quadratic program sees them.
-struct PositionControlRenderer::Pushing {
-  ContactProblem problem;
-  int contact[kMaxActiveContacts];  // number in the snapshot
-  ContactSolution solution;
-};
-
-// Joints and push when the command of this tick acts.
-struct PositionControlRenderer::Ahead {
-  Row q, rate, push;
-  Row byCommands{};  // of the rate: what commands under way will have brought
-};
-
-const std::array<PositionControlParameter, 13>& positionControlParameters() noexcept {
-  using O = PositionControlOptions;
-  static constexpr std::array<PositionControlParameter, 13> parameters = {{
-      {"pole", &O::pole, 0.0, 0.999, ""},
-      {"damping", &O::damping, 0.0, 10.0, ""},
-      {"jump_pole", &O::jumpPole, 0.0, 0.999, ""},
-      {"jump_ticks", &O::jumpTicks, 0.0, 24.0, " ticks"},
-      {"outward_speed", &O::outwardSpeed, 0.0, 1.0, " m/s"},
-      {"outward_distance", &O::outwardDistance, 0.0, 0.01, " m"},
-      {"tremor", &O::tremor, 0.0, 1e3, " counts/tick^2"},
-      {"wander", &O::wander, 1e-6, 1e3, " counts/tick^2"},
-      {"growth", &O::growth, 0.0, 1e3, " counts/tick^3"},
-      {"jump_threshold", &O::jumpThreshold, 1.0, 1e6, " counts"},
-      {"jump_age", &O::jumpAge, 0.0, 0.999, " ticks"},
-      {"jump_size", &O::jumpSize, 0.0, 1e4, " counts/tick^2"},
-      {"jump_growth", &O::jumpGrowth, 0.0, 1e4, " counts/tick^3"},
-  }};
-  return parameters;
+PositionControlOptions positionControlFor(const Mechanism& mechanism, double period, int delayLow, int delayHigh) {
+  return {period, mechanism.limits().encoderStep, delayLow, delayHigh, mechanism.limits().drive};
 }
 
-PositionControlOptions positionControlFor(const JointVector& encoderStep, double period, int delayLow, int delayHigh) {
-  // In the order of positionControlParameters(), for delays of 1, 2 and 3 ticks and for random ones of 0 to 3.
-  static constexpr double values[4][13] = {
-      {0.3775, 0.9812, 0.1465, 5.978, 0.002585, 2.114e-5, 0.5505, 0.275, 0.01, 5.035, 0.95, 59.31, 0.25},
-      {0.4596, 0.8894, 0.6415, 8.609, 0.003, 8e-6, 0.55, 0.17, 0.006, 6.095, 0.6458, 162.8, 0.3},
-      {0.5217, 0.9228, 0.6563, 6.432, 0.008, 2.5e-5, 0.5427, 0.055, 0.004, 5.028, 0.5619, 12.26, 0.03},
-      {0.5, 1.15, 0.3, 6.0, 0.08, 3e-5, 0.5427, 0.1, 0.004, 4.0, 0.95, 12.0, 0.03},
+// What the renderer holds: one with rotors behind cables, or one without.
+class PositionControlRenderer::Controller {
+ public:
+  virtual ~Controller() = default;
+  virtual Status render(const TickFrame& frame, TickOutput& output) noexcept = 0;
+  virtual void reset() noexcept = 0;
+  virtual StateBlock stateBlock() noexcept = 0;
+  virtual void stateLoaded() noexcept = 0;
+  virtual PositionControlState state() const noexcept = 0;
+};
+
+template <int kMech>
+class PositionControlRenderer::ControllerOf final : public Controller {
+ public:
+  explicit ControllerOf(const PositionControlOptions& options);
+
+  Status render(const TickFrame& frame, TickOutput& output) noexcept override;
+  void reset() noexcept override { memory_ = Memory{}; }
+  StateBlock stateBlock() noexcept override { return {&memory_, sizeof memory_}; }
+  void stateLoaded() noexcept override;
+  PositionControlState state() const noexcept override;
+
+ private:
+  using Observer = PushObserver<kMech>;
+  using States = typename Observer::States;
+  static constexpr int kLink = kMech - 2, kLag = Observer::kLag, kPush = Observer::kPush, kGrowth = Observer::kGrowth;
+
+  // A plane that the tool must not cross, in joint coordinates: row . (q - here) + gap >= 0.
+  struct Wall {
+    JointRow row{};
+    double gap = 0.0;       // now, m
+    double speed = 0.0;     // of the obstacle along the normal, m/s
+    double name = 0.0;      // the same from tick to tick
+    double retreated = 0.0; // m: of one that is no longer there
+    double contact = -1.0;  // its number in the frame; -1: no longer there
   };
-  PositionControlOptions options;
-  options.period = period;
-  options.encoderStep = encoderStep;
-  options.delayLow = delayLow;
-  options.delayHigh = delayHigh;
-  options.horizon = (delayLow + delayHigh) / 2;
-  if (delayHigh <= 0) return options;
-  const double* row = values[delayLow < delayHigh ? 3 : std::min(delayHigh, 3) - 1];
-  for (const PositionControlParameter& p : positionControlParameters()) options.*p.value = *row++;
-  return options;
-}
-
-PositionControlRenderer::PositionControlRenderer(const PositionControlOptions& o)
-    : options_(o), joints_(static_cast<int>(o.encoderStep.size())) {
-  require(joints_ >= 1, "position control: no encoder count is given");
-  for (int i = 0; i < joints_; ++i) requireWithin(o.encoderStep[i], 1e-12, 1.0, "an encoder's count", " rad or m");
-  requireWithin(o.delayLow, 0, o.delayHigh, "the smallest delay", " ticks");
-  requireWithin(o.delayHigh, 0, kMaxLoopDelay, "the largest delay", " ticks");
-  requireWithin(o.horizon, 0, kMaxLoopDelay, "the horizon", " ticks");
-  requireWithin(o.period, 1e-5, 0.1, "the period", " s");
-  for (const PositionControlParameter& p : positionControlParameters())
-    requireWithin(o.*p.value, p.low, p.high, p.name, p.unit);
-}
-
-// The observer's gains, in counts and ticks: position x, rate v, push a and its growth b, x'' = a, a' = b, encoder
-// counts of variance 1/12.
-void PositionControlRenderer::prepare(double period) {
-  require(std::abs(period - options_.period) <= 1e-9 * options_.period,
-          "position control: activated for a period of " + formatNumber(period) + " s, but it was designed for " +
-              formatNumber(options_.period) + " s");
-  using Mat4 = Eigen::Matrix4d;
-  using Vec4 = Eigen::Vector4d;
-  constexpr double kCountVariance = 1.0 / 12.0;
-  Mat4 F;
-  F << 1.0, 1.0, 0.5, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, kGrowthKept;
-  const Vec4 kick(0.5, 1.0, 0.0, 0.0);
-  Mat4 Q = options_.tremor * options_.tremor * kick * kick.transpose();
-  Q(2, 2) += options_.wander * options_.wander;
-  Q(3, 3) += options_.growth * options_.growth;
-  Mat4 P = Mat4::Identity();  // covariance before a measurement
-  const auto gainOf = [](const Mat4& prior) { return Vec4(prior.col(0) / (prior(0, 0) + kCountVariance)); };
-  const auto advance = [&](const Mat4& prior) {
-    const Vec4 gain = gainOf(prior);
-    const Mat4 left = Mat4::Identity() - gain * Vec4::UnitX().transpose();
-    const Mat4 after = left * prior * left.transpose() + kCountVariance * gain * gain.transpose();
-    return Mat4(F * after * F.transpose() + Q);
+  // Plain numbers: all that is kept from tick to tick.
+  struct Memory {
+    typename Observer::State observer{};
+    double started = 0.0, lastTime = 0.0, ticks = 0.0;
+    std::array<JointRow, kMaxLoopDelay + 1> sent{};  // beyond gravity, the last first
+    double axes[kMaxJoints][kLanes] = {};            // column k: mode k in joint coordinates
+    JointRow lastReading{}, target{};                // joints
+    double step = 0.0;                               // of the hand, N
+    double contradictions = 0.0, ignored = 0.0;
+    double walls = 0.0;
+    std::array<Wall, 2 * kMaxContacts> wall{};
+    double hasTarget = 0.0;
+    double push = 0.0, merged = 0.0;
+    FrictionMemory friction;
   };
-  constexpr int kEnough = 5000;  // far beyond the slowest filter's memory
-  for (int i = 0; i < kEnough; ++i) P = advance(P);
-  if (isRandom()) {
-    lateGain_ = lateGain(options_.pole);
-    lateJumpGain_ = lateGain(options_.jumpPole);
-  }
-  const double slow = std::sqrt(P(0, 0) + kCountVariance);
-  const auto scheduleFrom = [&](Mat4 prior) {
-    Schedule schedule;
-    for (int tick = 0; tick <= kSchedule; ++tick) {
-      if (tick == kSchedule) prior = P;
-      const Vec4 gain = gainOf(prior);
-      schedule.gains[tick] = {gain[0], gain[1], gain[2], gain[3]};
-      schedule.deviations[tick] = std::sqrt(prior(0, 0) + kCountVariance) / slow;
-      prior = advance(prior);
-    }
-    return schedule;
+  // A wall in the coordinates of the modes, where the hand would take the tool.
+  struct Target {
+    Lane row;                      // of the modes
+    double gap, size, compliance;  // m; of the row in the metric of the stiffness; 1 / (material's stiffness size^2)
+    int wall;
   };
-  // A push that began t ticks ago, t uniform in jumpAge to 1, has moved by a (t^2/2, t, 1).
-  const double age = options_.jumpAge;
-  const auto moment = [age](int k) { return (1.0 - std::pow(age, k + 1)) / ((k + 1) * (1.0 - age)); };
-  Mat3 jump;
-  jump << moment(4) / 4, moment(3) / 2, moment(2) / 2, moment(3) / 2, moment(2), moment(1), moment(2) / 2, moment(1), 1;
-  Mat4 pushed = P;
-  pushed.topLeftCorner<3, 3>() += options_.jumpSize * options_.jumpSize * jump;
-  pushed(3, 3) += options_.jumpGrowth * options_.jumpGrowth;
-  inwardSchedule_ = scheduleFrom(pushed);
-  // Without a sample the covariance grows, and so do the gains of the next one.
-  Mat4 missed = P;
-  for (int tick = 0; tick <= kMostMissing; ++tick) {
-    const Vec4 gain = gainOf(missed);
-    missed_.gains[tick] = {gain[0], gain[1], gain[2], gain[3]};
-    missed_.deviations[tick] = std::sqrt(missed(0, 0) + kCountVariance) / slow;
-    missed = F * missed * F.transpose() + Q;
-  }
-  const Vec4 fall(kFallTicks * kFallTicks * kFallTicks / 6.0, kFallTicks * kFallTicks / 2.0, kFallTicks, 1.0);
-  outwardSchedule_ = scheduleFrom(P + kFall * kFall * fall * fall.transpose());
+  // The modes when the command acts.
+  struct Ahead {
+    States x, next;             // then, and a tick later without a force
+    Lane now;                   // measured
+    Lane stiffness, lead;       // of the controller; seconds of speed that it looks ahead
+    Lane inertia;               // of link and rotor
+    Lane wouldBe;               // where the hand would take them
+    double seconds;             // from the sample to then
+  };
+
+  Lane toModes(const JointRow& v) const noexcept;
+  JointRow toJoints(const Lane& v) const noexcept;
+  void start(const TickFrame& frame) noexcept;
+  void decouple(const TickFrame& frame, bool whole) noexcept;
+  void observe(const TickFrame& frame) noexcept;
+  void predict(const TickFrame& frame, Ahead& a) const noexcept;
+  int collect(const TickFrame& frame, const Ahead& a, Wall* walls) noexcept;
+  int placeTargets(const TickFrame& frame, const Ahead& a, const Wall* walls, int count, Target* targets) noexcept;
+  void project(const Ahead& a, const Target* targets, int count, double* force) noexcept;
+  double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
+               const double* force, TickOutput& output) noexcept;
+  double largestSafe(const Ahead& a, const Lane& row, double speed, double most) noexcept;
+  JointRow frictionOf(const TickFrame& frame, const Ahead& a, const Target* targets, const Wall* walls, int count,
+                      const double* force) noexcept;
+
+  PositionControlOptions options_;
+  int joints_, delay_;
+  Observer observer_;
+  Memory memory_;
+};
+
+template <int kMech>
+PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControlOptions& options)
+    : options_(options),
+      joints_(static_cast<int>(options.encoderStep.size())),
+      delay_((options.delayLow + options.delayHigh) / 2),
+      observer_({options.period, delay_, options.drive, kPushShare, kForceCost, kModelError}) {}
+
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
+  observer_.reload(memory_.observer);
 }
 
-// The gains that minimise the expected sum of g^2 + weight g'^2 + price w^2, where each of the last commands w acts by
-// chance (de Koning, Infinite horizon optimal control of linear discrete time systems with stochastic parameters,
-// Automatica 1982), on the gap g, its rate, and what the commands that wait would do. In continuous time and without
-// delay they are the double pole's k1 and k2 for a damping of at least 1 / sqrt(2).
-PositionControlRenderer::LateGain PositionControlRenderer::lateGain(double pole) const {
-  constexpr int kMost = 2 + kMaxLoopDelay;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1>;
-  const int n = 2 + options_.delayHigh;
-  const double likely = 1.0 / delays();
-  const double stiffness = (1.0 - pole) * (1.0 - pole), price = 1.0 / (stiffness * stiffness);
-  Matrix Q = Matrix::Zero(n, n);
-  Q(0, 0) = 1.0;
-  Q(1, 1) = std::max(0.0, 4.0 * options_.damping * options_.damping - 2.0) / stiffness;
-  Matrix P = Q;
-  Vector gain = Vector::Zero(n);
-  constexpr int kMostSteps = 20000;
-  for (int step = 0; step < kMostSteps; ++step) {
-    Matrix APA = Matrix::Zero(n, n);
-    Vector BPA = Vector::Zero(n);
-    double BPB = 0.0;
-    for (int delay = options_.delayLow; delay <= options_.delayHigh; ++delay) {
-      Matrix A = Matrix::Zero(n, n);
-      Vector B = Vector::Zero(n);
-      A(0, 0) = A(0, 1) = A(1, 1) = 1.0;
-      B[2] = 1.0;
-      for (int k = 3; k < n; ++k) A(k, k - 1) = 1.0;
-      (delay == 0 ? B[0] : A(0, 1 + delay)) = 0.5;
-      (delay == 0 ? B[1] : A(1, 1 + delay)) = 1.0;
-      APA += likely * A.transpose() * P * A;
-      BPA += likely * A.transpose() * (P * B);
-      BPB += likely * B.dot(P * B);
-    }
-    const Vector before = gain;
-    gain = BPA / (price + BPB);
-    P = Q + APA - BPA * gain.transpose();
-    // A command that acts after `delayLow` ticks at the earliest has no price before.
-    if (step > options_.delayLow && (gain - before).norm() <= 1e-12 * gain.norm()) break;
-  }
-  LateGain late{};
-  std::copy_n(gain.data(), n, late.begin());
-  return late;
+template <int kMech>
+PositionControlState PositionControlRenderer::ControllerOf<kMech>::state() const noexcept {
+  PositionControlState s;
+  s.mass = std::exp(memory_.observer.scale);
+  s.deviation = memory_.started != 0.0 ? std::sqrt(memory_.observer.scaleVariance) : Observer::kScalePrior;
+  s.push = memory_.push;
+  s.ignored = memory_.ignored;
+  s.merged = memory_.merged;
+  return s;
 }
 
-void PositionControlRenderer::stateLoaded() noexcept {
-  if (!isFinite(stateBlock()) ||
-      !(state_.sinceJump >= 0.0 && state_.sinceJump <= kSchedule && state_.recentJumps >= 0.0) ||
-      !(state_.missing >= 0.0 && state_.missing <= kMostMissing) ||
-      !(state_.jumpProbability >= 0.0 && state_.jumpProbability <= 1.0) ||
-      !(state_.scale >= kLowestScale && state_.scale <= kHighestScale))
-    resetState();
+template <int kMech>
+Lane PositionControlRenderer::ControllerOf<kMech>::toModes(const JointRow& v) const noexcept {
+  Lane m{};
+  for (int j = 0; j < joints_; ++j)
+    for (int k = 0; k < kLanes; ++k) m[k] += memory_.axes[j][k] * v[j];
+  return m;
 }
 
-void PositionControlRenderer::Motion::advance(int joint, double byTorque, double ticks) noexcept {
-  const double acceleration = byTorque + push[joint];
-  q[joint] += ticks * (rate[joint] + 0.5 * ticks * acceleration);
-  rate[joint] += ticks * acceleration;
-  push[joint] += ticks * growth[joint];
-  growth[joint] *= ticks == 1.0 ? kGrowthKept : std::pow(kGrowthKept, ticks);
+template <int kMech>
+JointRow PositionControlRenderer::ControllerOf<kMech>::toJoints(const Lane& m) const noexcept {
+  JointRow v{};
+  for (int j = 0; j < joints_; ++j)
+    for (int k = 0; k < joints_; ++k) v[j] += memory_.axes[j][k] * m[k];
+  return v;
 }
 
-void PositionControlRenderer::Motion::correct(int joint, const Gain& gain, double innovation) noexcept {
-  q[joint] += gain[0] * innovation;
-  rate[joint] += gain[1] * innovation;
-  push[joint] += gain[2] * innovation;
-  growth[joint] += gain[3] * innovation;
-}
-
-void PositionControlRenderer::start(const TickFrame& frame) noexcept {
-  const Kinematics& k = frame.kinematics;
-  State fresh;
-  fresh.scale = state_.scale;
-  fresh.information = state_.information;
-  fresh.jumps = state_.jumps;
-  fresh.started = 1.0;
-  for (int i = 0; i < joints_; ++i) {
-    fresh.estimate.q[i] = fresh.lastAngles[i] = fresh.lastReading[i] = fresh.rest[i] = k.q[i];
-    fresh.lastRates[i] = k.rates[i];
-    fresh.sinceMoved[i] = kTeachingTicks;
-    fresh.estimate.rate[i] = k.rates[i] * options_.period;
-    for (Row& command : fresh.commands) command[i] = k.gravity[i];
-  }
-  state_ = fresh;
-}
-
-// Prediction of observer and derivatives by `ticks` under a torque.
-void PositionControlRenderer::advance(const Row& torque, const Inertia& inertia, double ticks) noexcept {
-  State& s = state_;
-  const Row response = inertia.responseOf(torque);
-  const Row expected = isRandom() ? inertia.responseOf(underWay(-1).torque) : Row{};
-  for (int i = 0; i < joints_; ++i) {
-    s.estimate.advance(i, s.scale * response[i], ticks);
-    s.sensitivity.advance(i, response[i], ticks);
-    s.instrument.advance(i, response[i] - expected[i], ticks);
-  }
-}
-
-// Ticks that never came: the last command acted on. Leaves of `ticks` what has passed since.
-void PositionControlRenderer::passOver(const TickFrame& frame, const Inertia& inertia, double& ticks) noexcept {
-  for (; ticks >= 1.5; ticks -= 1.0) {
-    advance(acted(frame), inertia, 1.0);
-    rememberCommand(Row(state_.commands[0]));
-    state_.missing += 1.0;
-  }
-}
-
-// Whether a device gave its last sample again: not a bit has changed, though the tool has moved by counts.
-bool PositionControlRenderer::isRepeated(const Kinematics& k) const noexcept {
-  const State& s = state_;
-  bool moved = false;
-  for (int i = 0; i < joints_; ++i) {
-    if (k.q[i] != s.lastReading[i] || k.rates[i] != s.lastRates[i]) return false;
-    moved = moved || std::abs(s.estimate.q[i] + s.estimate.rate[i] - k.q[i]) > kRepeats * options_.encoderStep[i];
-  }
-  return moved && s.missing < kMostMissing;
-}
-
-void PositionControlRenderer::rememberCommand(const Row& command) noexcept {
-  for (int d = kMaxLoopDelay; d > 0; --d) state_.commands[d] = state_.commands[d - 1];
-  state_.commands[0] = command;
-}
-
-// Of the commands that were given, what may act `ahead` ticks from now, each delay being as likely.
-PositionControlRenderer::UnderWay PositionControlRenderer::underWay(int ahead) const noexcept {
-  UnderWay sum;
-  const double likely = 1.0 / delays();
-  for (int delay = std::max(options_.delayLow, ahead + 1); delay <= options_.delayHigh; ++delay) {
-    for (int i = 0; i < joints_; ++i) sum.torque[i] += likely * state_.commands[delay - ahead - 1][i];
-    sum.share += likely;
-  }
-  return sum;
-}
-
-// The torque that has acted since the last tick.
-PositionControlRenderer::Row PositionControlRenderer::acted(const TickFrame& frame) const noexcept {
-  if (!frame.applied) return underWay(-1).torque;
-  Row torque{};
-  for (int i = 0; i < joints_; ++i) torque[i] = (*frame.applied)[i];
-  return torque;
-}
-
-PositionControlRenderer::Jump PositionControlRenderer::jumpOf(int contacts, const Normals& normals,
-                                                              const Row& innovation) const noexcept {
-  const State& s = state_;
-  if (s.sinceJump < kJumpDeadTicks) return {};
-  const double deviation = (1.0 + kThresholdRise * s.recentJumps) *
-                           scheduleNow().deviations[static_cast<int>(s.sinceJump)] *
-                           missed_.deviations[static_cast<int>(s.missing)];
-  Row now{}, last{}, sensitivity{};  // counts
-  for (int i = 0; i < joints_; ++i) {
-    const double count = options_.encoderStep[i];
-    now[i] = innovation[i] / count;
-    last[i] = s.lastInnovation[i] / count;
-    sensitivity[i] = s.sensitivity.q[i] / count;
-  }
-  double strongest = 0.0, before = 0.0, over = 0.0;
-  bool outward = false;
-  for (int c = 0; c < contacts; ++c) {
-    Row direction = normals.response[c];
-    for (int i = 0; i < joints_; ++i) direction[i] /= options_.encoderStep[i];
-    const double size = std::sqrt(dot(direction, direction, joints_));
-    const double along = dot(direction, now, joints_);
-    const double threshold =
-        options_.jumpThreshold * deviation * size + kModelError * std::abs(dot(direction, sensitivity, joints_));
-    if (std::abs(along) > threshold && std::abs(along) > strongest * size) {
-      strongest = std::abs(along) / size;
-      before = std::copysign(1.0, along) * dot(direction, last, joints_) / size;
-      over = std::abs(along) / threshold - 1.0;
-      outward = along > 0.0;
-    }
-  }
-  if (strongest == 0.0) return {};
-  const double inverseAge = outward ? 1.0 : inverseAgeOf(strongest, before, kAgeDeviation * options_.jumpThreshold);
-  return {true, outward, std::min(over / kFullGainExcess, 1.0), inverseAge};
-}
-
-// The scale as one more state of the observer: a wrong one has moved the others, and explains the innovation. `most`:
-// what the motors can move the joints by in a tick, counts.
-void PositionControlRenderer::learnFromStrongCommand(double most, Row& innovation) noexcept {
-  State& s = state_;
-  double slopes = 0.0, slopeTimesError = 0.0;  // counts^2
-  for (int i = 0; i < joints_; ++i) {
-    const double count = options_.encoderStep[i], slope = s.sensitivity.q[i] / count;
-    slopes += slope * slope;
-    slopeTimesError += slope * innovation[i] / count;
-  }
-  const double pushed = std::max(kPushCounts, kPushShare * most), weight = 1.0 / (pushed * pushed), before = s.scale;
-  if (!(slopes * weight >= kStrongCommand * kStrongCommand)) return;
-  s.information += weight * slopes;
-  s.scale = std::clamp(before + weight * slopeTimesError / (kFirstWeight + s.information), kLowestScale, kHighestScale);
-  const double change = s.scale - before;
-  for (int i = 0; i < joints_; ++i) {
-    s.estimate.q[i] += change * s.sensitivity.q[i];
-    s.estimate.rate[i] += change * s.sensitivity.rate[i];
-    s.estimate.push[i] += change * s.sensitivity.push[i];
-    s.estimate.growth[i] += change * s.sensitivity.growth[i];
-    innovation[i] -= change * s.sensitivity.q[i];
-  }
-}
-
-void PositionControlRenderer::observe(const TickFrame& frame, const Inertia& inertia, const Normals& normals,
-                                      double ticks) noexcept {
-  State& s = state_;
+// Turns the modes towards the eigenvectors of the links' inertia (Jacobi's method): the pair that is coupled most, or
+// all. Then what the hand and the encoders' steps mean in each mode.
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& frame, bool whole) noexcept {
+  constexpr double kCoupled = 0.01, kDecoupled = 1e-9;
+  constexpr int kMostTurns = 150;
   const int n = joints_;
-  const Row torque = acted(frame), response = inertia.responseOf(torque);
-  advance(torque, inertia, ticks);
-  Row innovation{};
-  double strength = 0.0, moved = 0.0;  // share of the motors' limits; counts^2 in this tick
-  bool diverged = false;
-  for (int i = 0; i < n; ++i) {
-    innovation[i] = frame.kinematics.q[i] - s.estimate.q[i];
-    if (frame.maxTorque[i] > 0.0)
-      strength = std::max(strength, std::abs(torque[i] - inertia.gravity[i]) / frame.maxTorque[i]);
-    moved += 0.25 * response[i] * response[i] / (options_.encoderStep[i] * options_.encoderStep[i]);
-    diverged = diverged || !(std::abs(innovation[i]) < kDivergedInnovation * options_.encoderStep[i]);
-  }
-  if (diverged) return start(frame);
-  if (strength > 0.0) learnFromStrongCommand(std::sqrt(moved) / strength, innovation);
-  const Jump jump = jumpOf(frame.contacts.count, normals, innovation);
-  s.jumpProbability = jump.seen ? jump.probability : 1.0;
-  s.recentJumps *= kThresholdRiseKept;
-  if (jump.seen) {
-    s.sinceJump = 0.0;
-    s.lastJumpOutward = jump.outward ? 1.0 : 0.0;
-    s.jumps += 1.0;
-    s.recentJumps += 1.0;
-  } else {
-    s.sinceJump = std::min<double>(s.sinceJump + 1.0, kSchedule);
-  }
-  const Schedule& schedule = scheduleNow();
-  Gain gain = schedule.gains[static_cast<int>(s.sinceJump)];
-  if (s.sinceJump == kSchedule && s.missing > 0.0) gain = missed_.gains[static_cast<int>(s.missing)];
-  if (jump.seen) {
-    gain[1] *= jump.inverseAge;
-    gain[2] *= jump.inverseAge * jump.inverseAge;
-    gain[3] *= jump.inverseAge * jump.inverseAge;
-    const double share = kThresholdGainShare + (1.0 - kThresholdGainShare) * jump.probability;
-    for (int i = 0; i < 4; ++i)
-      gain[i] = schedule.gains[kSchedule][i] + share * (gain[i] - schedule.gains[kSchedule][i]);
-  }
-  double slopeTimesError = 0.0, slopes = 0.0;
-  for (int i = 0; i < n; ++i) {
-    const double e = innovation[i], count = options_.encoderStep[i];
-    const double quickError = e - s.meanInnovation[i], quickSlope = s.instrument.q[i] - s.meanInstrument[i];
-    s.meanInnovation[i] += kMeanFollows * quickError;
-    s.meanInstrument[i] += kMeanFollows * quickSlope;
-    const double weight = std::min(1.0, kLargestSlope * count / std::abs(quickSlope));
-    const double reading = frame.kinematics.q[i], band = kRestBand * count;
-    const double rest = std::clamp(s.rest[i], reading - band, reading + band);
-    s.sinceMoved[i] = rest != s.rest[i] ? 0.0 : std::min(s.sinceMoved[i] + 1.0, kTeachingTicks);
-    s.rest[i] = rest;
-    const double slope = s.sinceMoved[i] < kTeachingTicks ? weight * quickSlope / count : 0.0;
-    slopeTimesError += slope * std::clamp(weight * quickError / count, -kLargestInnovation, kLargestInnovation);
-    slopes += slope * slope;
-    s.estimate.correct(i, gain, e);
-    s.sensitivity.correct(i, gain, -s.sensitivity.q[i]);
-    s.instrument.correct(i, gain, -s.instrument.q[i]);
-  }
-  if (s.pushes != 0.0 && s.sinceJump > kLearnAfter) {
-    s.information = (1.0 - kForgotten) * s.information + slopes;
-    s.scale = std::clamp(s.scale + slopeTimesError / (kFirstWeight + s.information), kLowestScale, kHighestScale);
-  }
-  s.lastInnovation = innovation;
-  s.missing = 0.0;
-}
-
-// What is yet to be commanded balances the push: it accelerates nothing.
-PositionControlRenderer::Ahead PositionControlRenderer::predict(const Inertia& inertia) const noexcept {
-  Ahead a{state_.estimate.q, state_.estimate.rate, state_.estimate.push};
-  Row growth = state_.estimate.growth;
-  for (int ahead = 0; ahead < options_.horizon; ++ahead) {
-    UnderWay commands = underWay(ahead);
-    for (int i = 0; i < joints_; ++i) commands.torque[i] -= commands.share * inertia.gravity[i];
-    const Row response = inertia.response(commands.torque);
-    for (int i = 0; i < joints_; ++i) {
-      const double own = state_.scale * response[i], acceleration = own + commands.share * a.push[i];
-      a.byCommands[i] += own;
-      a.q[i] += a.rate[i] + 0.5 * acceleration;
-      a.rate[i] += acceleration;
-      a.push[i] += growth[i];
-      growth[i] *= kGrowthKept;
-    }
-  }
-  return a;
-}
-
-PositionControlRenderer::Pushing PositionControlRenderer::pushing(const TickFrame& frame, const Inertia& inertia,
-                                                                  const Normals& normals,
-                                                                  const Ahead& ahead) const noexcept {
-  const State& s = state_;
-  const int n = joints_;
-  const bool random = isRandom(), jumps = s.sinceJump < options_.jumpTicks;
-  const double T = options_.period, z = jumps ? options_.jumpPole : options_.pole;
-  // All that the scale may be, until it is learnt.
-  const double doubt = (kHighestScale - 1.0) * kFirstWeight / (kFirstWeight + s.information);
-  const LateGain& late = jumps ? lateJumpGain_ : lateGain_;
-  const double k1 = random ? late[0] : (1.0 - z) * (1.0 - z);
-  const double k2 = random ? late[1] : 0.5 * options_.damping * (1.0 - z) * (3.0 + z);
-  Row wayNow{}, way{};
-  for (int i = 0; i < n; ++i) {
-    wayNow[i] = s.estimate.q[i] - frame.kinematics.q[i];
-    way[i] = ahead.q[i] - frame.kinematics.q[i];
-  }
-  const double likely = 1.0 / delays(), cautious = 1.0 + kCautious * std::sqrt(1.0 - likely);
-  Row waiting[kMaxLoopDelay];  // what each command that may yet act does to the joints
-  for (int i = 0; random && i < options_.delayHigh; ++i) waiting[i] = inertia.responseOf(s.commands[i]);
-
-  Pushing pushing;
-  ContactProblem& p = pushing.problem;
-  double alone = 0.0;  // of each contact as if there were no other, their sum, N
-  for (int c = 0; c < frame.contacts.count && p.contacts < kMaxActiveContacts; ++c) {
-    const Contact& contact = frame.contacts.contacts[c];
-    const Row& row = normals.rows[c].normal;
-    const double obstacle = T * contact.normal.dot(contact.obstacleVelocity);
-    const double gap = contact.gap + dot(row, way, n) - (options_.horizon + s.missing) * obstacle;
-    const double speed = dot(row, ahead.rate, n) - obstacle, pushed = dot(row, ahead.push, n);
-    const double falling = s.sinceJump < kSchedule ? speed : std::max(0.0, speed);  // back from a bounce, or towards it
-    const bool hovers = random && gap + kHover * falling + 0.5 * kHover * kHover * pushed < kNear;
-    if (gap + speed + 0.5 * pushed > kNear && !hovers) continue;
-    const double turned = options_.outwardDistance + (random ? std::clamp(-gap, 0.0, kDeepest) : 0.0);
-    const double outward =
-        T * options_.outwardSpeed + std::sqrt(2.0 * std::max(0.0, -pushed) * s.jumpProbability * turned);
-    const int m = p.contacts++;
-    pushing.contact[m] = c;
-    for (int other = 0; other <= m; ++other)
-      p.G[m][other] = p.G[other][m] = s.scale * dot(row, normals.response[pushing.contact[other]], n);
-    // The speed's limit is on what the force does to the device, whatever gives way beside it.
-    const double rigid = (1.0 + kRegularisation) * p.G[m][m];
-    p.G[m][m] = rigid + k1 / contact.material.stiffness;
-    double wish = -k1 * gap - k2 * speed - pushed;
-    const double hop = std::sqrt(2.0 * std::max(0.0, -pushed) * kHop);
-    double most =
-        std::min(outward - speed, (outward + hop - speed - doubt * dot(row, ahead.byCommands, n)) / (1.0 + doubt)) -
-        pushed;
-    if (random) {  // from where the tool is now; a pull is not relied upon to stop it
-      const double push = dot(row, s.estimate.push, n), pressed = std::min(0.0, push);
-      const double rate = dot(row, s.estimate.rate, n) - obstacle;
-      double sent = 0.0, variance = 0.0;  // rate that commands under way will bring
-      wish = -k1 * (contact.gap + dot(row, wayNow, n) - s.missing * obstacle) - k2 * rate - push;
-      for (int i = 0; i < options_.delayHigh; ++i) {
-        const double response = s.scale * dot(row, waiting[i], n), beyond = response + pressed;
-        const double acts = likely * std::min(delays(), options_.delayHigh - i);
-        wish -= late[2 + i] * (response + push);
-        sent += acts * beyond;
-        variance += acts * (1.0 - likely) * beyond * beyond;
+  auto& V = memory_.axes;
+  double half[kMaxJoints][kLanes] = {}, L[kLanes][kLanes] = {};
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < kLanes; ++k) half[i][k] += frame.kinematics.inertia(i, j) * V[j][k];
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < kLanes; ++k) L[i][k] += V[j][i] * half[j][k];
+  for (int turn = 0; turn < (whole ? kMostTurns : 1); ++turn) {
+    int p = -1, q = -1;
+    double worst = whole ? kDecoupled : kCoupled;
+    for (int i = 1; i < n; ++i)
+      for (int j = 0; j < i; ++j) {
+        const double coupled = std::abs(L[i][j]) / std::sqrt(L[i][i] * L[j][j]);
+        if (!(coupled > worst)) continue;
+        worst = coupled;
+        p = j;
+        q = i;
       }
-      most = (outward - rate - sent - kCautious * std::sqrt(variance)) / cautious - pressed;
+    if (p < 0) break;
+    const double t = 0.5 * (L[q][q] - L[p][p]) / L[p][q];
+    const double tangent = std::copysign(1.0, t) / (std::abs(t) + std::hypot(1.0, t));
+    const double cosine = 1.0 / std::hypot(1.0, tangent), sine = tangent * cosine;
+    const auto turned = [&](double& a, double& b) {
+      const double before = a;
+      a = cosine * a - sine * b;
+      b = sine * before + cosine * b;
+    };
+    for (int i = 0; i < n; ++i) {
+      turned(L[i][p], L[i][q]);
+      turned(V[i][p], V[i][q]);
     }
-    p.r[m] = std::min(wish, most * p.G[m][m] / rigid);
-    alone += std::max(0.0, p.r[m] / p.G[m][m]);
+    for (int i = 0; i < n; ++i) turned(L[p][i], L[q][i]);
+    if (!whole) observer_.rotate(memory_.observer, p, q, cosine, sine);
   }
-  if (alone > 0.0) p.most = std::min(p.most, kMostShare * alone);
-  p.motors = n;
-  for (int i = 0; i < n; ++i) {
-    const bool isDriven = frame.maxTorque[i] > 0.0;
-    for (int m = 0; m < p.contacts; ++m) p.motor[i][m] = !isDriven ? 0.0 : normals.rows[pushing.contact[m]].normal[i];
-    p.low[i] = std::min(0.0, -frame.maxTorque[i] - inertia.gravity[i]);
-    p.high[i] = std::max(0.0, frame.maxTorque[i] - inertia.gravity[i]);
-    if (!isDriven) p.low[i] = p.high[i] = 0.0;
+  for (int k = 0; k < n; ++k) {
+    double hand = 0.0, reading = 0.0;
+    for (int i = 0; i < 6; ++i) {
+      double arm = 0.0;
+      for (int j = 0; j < n; ++j) arm += frame.kinematics.jacobian(i, j) * V[j][k];
+      hand += (i < 3 ? 1.0 : kGrip * kGrip) * arm * arm;
+    }
+    for (int j = 0; j < n; ++j) {
+      const double step = V[j][k] * options_.encoderStep[j];
+      reading += step * step / 12.0;
+    }
+    const double force = memory_.step * std::sqrt(hand);
+    observer_.describe(memory_.observer, k, std::max(1e-9, L[k][k] - options_.drive.rotorInertia), force,
+                       kTremorShare * force, reading);
   }
-  pushing.solution = solveContacts(p);
-  return pushing;
 }
 
-// Friction at the contacts that carry force, as torques; the normal forces are found anew beside it.
-PositionControlRenderer::Row PositionControlRenderer::addFriction(const TickFrame& frame, const Inertia& inertia,
-                                                                  const Normals& normals, const Ahead& ahead,
-                                                                  double sinceSample, Pushing& pushing) noexcept {
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::start(const TickFrame& frame) noexcept {
   const Kinematics& k = frame.kinematics;
-  // Slower than the wall's: what sticks need not stand at the edge, and counts are felt less. A firmer grip creeps:
-  // what a light tool goes while it hops is then more than the load holds.
-  const double T = options_.period, z = 0.6 + 0.4 * options_.pole;
-  Row moved{}, toCome{}, torque{};
-  for (int i = 0; i < joints_; ++i) {
-    moved[i] = k.q[i] - state_.lastAngles[i];
-    state_.lastAngles[i] = k.q[i];
-    toCome[i] = ahead.q[i] - k.q[i];
+  const double ignored = memory_.ignored;
+  memory_ = Memory{};
+  memory_.ignored = ignored;
+  double force = 0.0;  // mean over the axes
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 along = Vec3::Unit(axis);
+    const double both = largestForce(k, frame.maxTorque, k.pose.position, along) +
+                        largestForce(k, frame.maxTorque, k.pose.position, -along);
+    if (std::isfinite(both)) force += both / 6.0;
   }
-  const Vec6 way = motionOf(k, moved), wayAhead = motionOf(k, toCome), velocity = motionOf(k, ahead.rate) / T;
-  ContactProblem& problem = pushing.problem;
-  state_.friction.begin();
-  bool any = false;
-  int solved = 0;
-  for (int index = 0; index < frame.contacts.count; ++index) {
-    const Contact& contact = frame.contacts.contacts[index];
-    // One that is not near carries nothing, but may do so again at once: a light tool hops.
-    const bool near = solved < problem.contacts && pushing.contact[solved] == index;
-    const double normalForce = near ? pushing.solution.force[solved++] : 0.0;
+  memory_.step = std::min(kStepForce, kStepShare * std::max(0.0, force));
+  for (int j = 0; j < joints_; ++j) memory_.axes[j][j] = 1.0;
+  decouple(frame, true);
+  for (int j = 0; j < joints_; ++j) memory_.lastReading[j] = k.q[j];
+  observer_.start(memory_.observer, joints_, toModes(memory_.lastReading));
+  memory_.started = 1.0;
+}
+
+// The observer's way to this tick, and its correction where there is a new sample.
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& frame) noexcept {
+  Memory& m = memory_;
+  const double T = options_.period, elapsed = frame.time - m.lastTime;
+  const int ticks = static_cast<int>(std::lround(elapsed / T));
+  m.ticks += 1.0;
+  if (m.ticks >= kRefreshTicks) {
+    m.ticks = 0.0;
+    decouple(frame, false);
+  }
+  observer_.refresh(m.observer);
+  JointRow acted = m.sent[delay_], reading{};
+  for (int j = 0; j < joints_; ++j) {
+    if (frame.applied) acted[j] = (*frame.applied)[j] - frame.kinematics.gravity[j];
+    reading[j] = frame.kinematics.q[j];
+  }
+  const Lane command = toModes(acted), y = toModes(reading);
+  for (int t = 0; t < ticks; ++t) {
+    if (t > 0) observer_.merge(m.observer);
+    observer_.predict(m.observer, command);
+  }
+  if (const double rest = elapsed - ticks * T; std::abs(rest) > 1e-6 * T) observer_.shift(m.observer, rest);
+  if (frame.age == 0) {
+    if (m.contradictions == 0.0 && observer_.surprise(m.observer, y) > kContradicts) {
+      m.contradictions = 1.0;
+      m.ignored += 1.0;
+    } else if (m.contradictions != 0.0 && observer_.surprise(m.observer, y) > kContradicts) {
+      return start(frame);
+    } else {
+      m.contradictions = 0.0;
+      observer_.correct(m.observer, y);
+    }
+  }
+  observer_.merge(m.observer);
+}
+
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& frame, Ahead& a) const noexcept {
+  const typename Observer::State& s = memory_.observer;
+  const double T = options_.period;
+  std::memcpy(a.x, s.mean, sizeof a.x);
+  for (int d = delay_ - 1; d >= 0; --d) observer_.advance(toModes(memory_.sent[d]), a.x);
+  std::memcpy(a.next, a.x, sizeof a.next);
+  observer_.advance(Lane{}, a.next);
+  JointRow reading{};
+  for (int j = 0; j < joints_; ++j) reading[j] = frame.kinematics.q[j];
+  a.now = toModes(reading);
+  a.seconds = (delay_ + frame.age) * T;
+  a.stiffness.fill(1.0);
+  a.lead.fill(0.0);
+  a.inertia.fill(1.0);
+  a.wouldBe.fill(0.0);
+  for (int k = 0; k < joints_; ++k) {
+    const auto gain = [&](int i) { return observer_.gain(i)[k]; };
+    const double p = a.x[kPush][k] + 0.5 * T * a.x[kGrowth][k];
+    double asked = p + gain(0) * a.x[0][k] + gain(1) * a.x[1][k] + gain(kMech) * (a.x[kLag][k] + p);
+    double damping = gain(1);
+    a.stiffness[k] = gain(0);
+    if (kMech == 4) {
+      asked += gain(0) * p / options_.drive.stiffness + gain(2) * a.x[2][k] + gain(3) * a.x[3][k];
+      a.stiffness[k] += gain(2);
+      damping += gain(3);
+    }
+    a.wouldBe[k] = asked / a.stiffness[k];
+    a.lead[k] = damping / a.stiffness[k];
+    a.inertia[k] = s.inertia[k] * std::exp(s.scale) + options_.drive.rotorInertia;
+  }
+}
+
+// The walls of this tick: the contacts', then those that were there a moment ago.
+template <int kMech>
+int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame, const Ahead& a,
+                                                          Wall* walls) noexcept {
+  Memory& m = memory_;
+  const Kinematics& k = frame.kinematics;
+  const double T = options_.period;
+  int count = 0;
+  for (int c = 0; c < frame.contacts.count; ++c) {
+    const Contact& contact = frame.contacts.contacts[c];
+    Wall& w = walls[count++];
+    w = Wall{};
+    w.row = frame.rows.row[c].normal;
+    for (int j = 0; j < joints_; ++j)
+      if (!(frame.maxTorque[j] > 0.0)) w.row[j] = 0.0;
+    w.gap = contact.gap;
+    w.speed = contact.normal.dot(contact.obstacleVelocity);
+    w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
+    w.contact = c;
+  }
+  JointRow moved{};
+  for (int j = 0; j < joints_; ++j) moved[j] = k.q[j] - m.lastReading[j];
+  const double tremor = kTremorShare * m.step;
+  for (int i = 0; i < static_cast<int>(m.walls) && count < 2 * kMaxContacts; ++i) {
+    Wall w = m.wall[i];
+    bool isBack = false;
+    for (int c = 0; c < frame.contacts.count; ++c) isBack = isBack || walls[c].name == w.name;
+    if (isBack) continue;
+    double square = 0.0, rate = 0.0;
+    const Lane row = toModes(w.row);
+    for (int mode = 0; mode < joints_; ++mode) {
+      square += row[mode] * row[mode] / a.stiffness[mode];
+      rate += row[mode] * a.x[kLink + 1][mode];
+    }
+    double wouldBe = 0.0;
+    for (int mode = 0; mode < joints_; ++mode) wouldBe += row[mode] * (a.wouldBe[mode] - a.now[mode]);
+    for (int j = 0; j < joints_; ++j) w.gap += w.row[j] * moved[j];
+    const double along = std::sqrt(std::max(0.0, k.twist.head<3>().squaredNorm() - rate * rate));
+    const double step = tremor * square + kFades * along * T - w.speed * T * 0.0;
+    w.gap += step;
+    w.gap -= w.speed * T;
+    w.retreated += step;
+    w.contact = -1.0;
+    if (w.retreated > memory_.step * square && w.gap + wouldBe > 0.0) continue;
+    walls[count++] = w;
+  }
+  // A wall that was not there moves the last target only as fast as the tool and a tremor may.
+  if (m.hasTarget != 0.0)
+    for (int c = 0; c < count; ++c) {
+      Wall& w = walls[c];
+      double gap = w.gap, square = 0.0;
+      const Lane row = toModes(w.row);
+      for (int j = 0; j < joints_; ++j) gap += w.row[j] * (m.target[j] - k.q[j]);
+      for (int mode = 0; mode < joints_; ++mode) square += row[mode] * row[mode] / a.stiffness[mode];
+      const double way = tremor * square + (k.twist.head<3>().norm() + std::abs(w.speed)) * T;
+      if (count > 1) w.gap += std::max(0.0, -gap - way);
+    }
+  m.walls = count;
+  std::copy_n(walls, count, m.wall.begin());
+  return count;
+}
+
+template <int kMech>
+int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& frame, const Ahead& a,
+                                                               const Wall* walls, int count,
+                                                               Target* targets) noexcept {
+  int placed = 0;
+  for (int i = 0; i < count; ++i) {
+    const Wall& w = walls[i];
+    Target& t = targets[placed];
+    t.row = toModes(w.row);
+    double next = w.gap - w.speed * (a.seconds + options_.period), gap = w.gap - w.speed * a.seconds, square = 0.0,
+           lead = 0.0;
+    for (int k = 0; k < joints_; ++k) {
+      gap += t.row[k] * (a.wouldBe[k] - a.now[k]);
+      next += t.row[k] * (a.next[kLink][k] - a.now[k]);
+      const double share = t.row[k] * t.row[k] / a.stiffness[k];
+      square += share;
+      lead += share * a.lead[k];
+    }
+    if (next > kNear || !(square > 0.0)) continue;
+    t.gap = gap - w.speed * lead / square;
+    t.size = std::sqrt(square);
+    const int contact = static_cast<int>(w.contact);
+    t.compliance = contact >= 0 ? 1.0 / (frame.contacts.contacts[contact].material.stiffness * square) : 0.0;
+    t.wall = i;
+    ++placed;
+  }
+  return placed;
+}
+
+// Forces, N, that take the modes from where the hand would take them to the nearest place in the free space. Where walls
+// contradict each other, all of them give way by twice the least way.
+template <int kMech>
+void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const Target* targets, int count,
+                                                           double* force) noexcept {
+  if (count == 1) {
+    force[0] = std::max(0.0, -targets[0].gap) / (targets[0].size * targets[0].size * (1.0 + targets[0].compliance));
+    return;
+  }
+  double G[kMaxWalls][kMaxWalls], h[kMaxWalls];
+  const double give = 1.0 / (kRetreat * kRetreat);
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double v = 0.0;
+      for (int k = 0; k < joints_; ++k) v += targets[i].row[k] * targets[j].row[k] / a.stiffness[k];
+      G[i][j] = G[j][i] = v / (targets[i].size * targets[j].size) + give;
+    }
+    G[i][i] += targets[i].compliance;
+    h[i] = -targets[i].gap / targets[i].size * (1.0 + give) / (1.0 - give);
+  }
+  solveNonNegative(G, h, count, force);
+  double retreat = 0.0;
+  for (int i = 0; i < count; ++i) retreat += give * force[i];
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j < count; ++j) G[i][j] -= give;
+    h[i] -= 2.0 * retreat;
+  }
+  solveNonNegative(G, h, count, force);
+  for (int i = 0; i < count; ++i) force[i] /= targets[i].size;
+}
+
+// Largest force along a row of the modes that sends the tool out no faster than the push turns it back within the depth
+// that no controller avoids. `speed`: outward, a tick after the command acts, without a force.
+template <int kMech>
+double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row, double speed,
+                                                                 double most) noexcept {
+  const double T = options_.period;
+  double inverse = 0.0;
+  for (int k = 0; k < joints_; ++k) inverse += row[k] * row[k] / a.inertia[k];
+  const double mass = 1.0 / inverse;
+  States outward{}, push{};  // of the speed and the push, from the states now
+  for (int k = 0; k < joints_; ++k) {
+    push[kPush][k] = -row[k] / a.inertia[k] * mass;
+    const double rotor = kMech == 4 ? options_.drive.rotorInertia / a.inertia[k] : 0.0;
+    if (kMech == 4) outward[1][k] = row[k] * rotor;
+    outward[kLink + 1][k] = row[k] * (1.0 - rotor);
+  }
+  for (int d = 0; d <= delay_; ++d) observer_.pullBack(outward);
+  const auto force = observer_.moments(memory_.observer, push), uncertain = observer_.moments(memory_.observer, outward);
+  const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
+  memory_.push = force.mean;
+  const double reaction = (delay_ + 1) * T, step = std::min(kLargeStep * memory_.step, 0.5 * most);
+  const double depth = 0.5 * step * reaction * reaction / mass / (1.0 - step / most);
+  const double room = std::sqrt(2.0 * depth * sure / mass) - speed - kSpeedDeviations * uncertain.deviation;
+  return std::max(0.0, room * mass / T);
+}
+
+// The share of the forces that is given: by the cap, and by the motors' limits.
+template <int kMech>
+double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& frame, const Ahead& a, const Wall* walls,
+                                                           const Target* targets, int count, const double* force,
+                                                           TickOutput& output) noexcept {
+  double total = 0.0, speed = 0.0, most = kLargestTorque;
+  Lane row{};
+  for (int i = 0; i < count; ++i) {
+    total += force[i];
+    speed -= force[i] * walls[targets[i].wall].speed;
+    for (int k = 0; k < kLanes; ++k) row[k] += force[i] * targets[i].row[k];
+  }
+  memory_.push = 0.0;
+  if (!(total > 0.0)) return 0.0;
+  speed /= total;
+  for (int k = 0; k < kLanes; ++k) row[k] /= total;
+  for (int k = 0; k < joints_; ++k) {
+    const double rotor = kMech == 4 ? options_.drive.rotorInertia / a.inertia[k] : 0.0;
+    speed += row[k] * ((1.0 - rotor) * a.next[kLink + 1][k] + (kMech == 4 ? rotor * a.next[1][k] : 0.0));
+  }
+  const JointRow joint = toJoints(row);
+  for (int j = 0; j < joints_; ++j)
+    if (frame.maxTorque[j] > 0.0 && joint[j] != 0.0) {
+      const double left = frame.maxTorque[j] - std::copysign(frame.kinematics.gravity[j], joint[j] * frame.kinematics.gravity[j]);
+      most = std::min(most, std::max(0.0, left) / std::abs(joint[j]));
+    }
+  if (!(most > 0.0)) return 0.0;
+  const double asked = std::min(total, largestSafe(a, row, speed, most));
+  output.saturated = asked > most;
+  return std::min(asked, most) / total;
+}
+
+// Friction at the contacts, as torques. What a contact can hold is bounded by the force that balances the hand's push,
+// not by the commanded one: that chatters.
+template <int kMech>
+JointRow PositionControlRenderer::ControllerOf<kMech>::frictionOf(const TickFrame& frame, const Ahead& a,
+                                                                  const Target* targets, const Wall* walls, int count,
+                                                                  const double* force) noexcept {
+  const Kinematics& k = frame.kinematics;
+  JointRow torque{}, moved{}, coming{}, rates{};
+  Lane way{}, rate{};
+  for (int mode = 0; mode < joints_; ++mode) {
+    way[mode] = a.x[kLink][mode] - a.now[mode];
+    rate[mode] = a.x[kLink + 1][mode];
+  }
+  coming = toJoints(way);
+  rates = toJoints(rate);
+  for (int j = 0; j < joints_; ++j) moved[j] = k.q[j] - memory_.lastReading[j];
+  const auto motionOf = [&](const JointRow& v) {
+    Vec6 motion = Vec6::Zero();
+    for (int j = 0; j < joints_; ++j) motion += k.jacobian.col(j) * v[j];
+    return motion;
+  };
+  const Vec6 way6 = motionOf(moved), ahead6 = motionOf(coming), velocity6 = motionOf(rates);
+  memory_.friction.begin();
+  for (int c = 0; c < frame.contacts.count; ++c) {
+    const Contact& contact = frame.contacts.contacts[c];
     if (!(contact.material.friction > 0.0)) continue;
-    any = any || normalForce > 0.0;
-    // The largest inverse inertia along the surface.
-    const ContactRow& row = normals.rows[index];
-    const Row &first = row.tangent[0], &second = row.tangent[1];
-    const double a = dot(first, row.tangentResponse[0], joints_), b = dot(second, row.tangentResponse[0], joints_),
-                 c = dot(second, row.tangentResponse[1], joints_);
-    const double largest = state_.scale * inertia.perTick * (0.5 * (a + c) + std::hypot(0.5 * (a - c), b));
-    const TangentialGains gains{(1.0 - z) * (1.0 - z) / largest,
-                                0.5 * T * options_.damping * (1.0 - z) * (3.0 + z) / largest};
+    double normal = 0.0;
+    for (int i = 0; i < count; ++i)
+      if (walls[targets[i].wall].contact == c) normal = force[i];
+    const ContactRow& row = frame.rows.row[c];
+    const Lane first = toModes(row.tangent[0]), second = toModes(row.tangent[1]);
+    double aa = 0.0, ab = 0.0, bb = 0.0, lead = 0.0;
+    for (int mode = 0; mode < joints_; ++mode) {
+      const double soft = 1.0 / a.stiffness[mode];
+      aa += first[mode] * first[mode] * soft;
+      ab += first[mode] * second[mode] * soft;
+      bb += second[mode] * second[mode] * soft;
+      lead += (first[mode] * first[mode] + second[mode] * second[mode]) * soft * a.lead[mode];
+    }
+    const double softest = 0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab);
+    const TangentialGains gains{kStick / softest, std::sqrt(kStick) * lead / (aa + bb) / softest};
     const Vec3 arm = contact.point - k.pose.position;
-    const SurfaceMotion slide{
-        translationAt(way, arm) - sinceSample * T * contact.obstacleVelocity,
-        translationAt(wayAhead, arm) - (options_.horizon + state_.missing) * T * contact.obstacleVelocity,
-        translationAt(velocity, arm) - contact.obstacleVelocity};
-    const Vec3 force = state_.friction.force(contact, slide, gains, normalForce);
-    const double along[2] = {row.axes.col(0).dot(force), row.axes.col(1).dot(force)};
-    for (int i = 0; i < joints_; ++i) torque[i] += along[0] * first[i] + along[1] * second[i];
+    const SurfaceMotion slide{translationAt(way6, arm) - options_.period * contact.obstacleVelocity,
+                              translationAt(ahead6, arm) - a.seconds * contact.obstacleVelocity,
+                              translationAt(velocity6, arm) - contact.obstacleVelocity};
+    const Vec3 held = memory_.friction.force(contact, slide, gains, normal);
+    for (int j = 0; j < joints_; ++j)
+      torque[j] += row.axes.col(0).dot(held) * row.tangent[0][j] + row.axes.col(1).dot(held) * row.tangent[1][j];
   }
-  state_.friction.end();
-  if (!any) return torque;
-  for (int m = 0; m < problem.contacts; ++m)
-    problem.r[m] -= state_.scale * dot(normals.response[pushing.contact[m]], torque, joints_);
-  for (int i = 0; i < joints_; ++i) {
-    problem.low[i] = std::min(0.0, problem.low[i] - torque[i]);
-    problem.high[i] = std::max(0.0, problem.high[i] - torque[i]);
-  }
-  pushing.solution = solveContacts(problem);
+  memory_.friction.end();
   return torque;
+}
+
+template <int kMech>
+Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& frame, TickOutput& output) noexcept {
+  const Kinematics& kin = frame.kinematics;
+  Memory& m = memory_;
+  const int n = joints_;
+  if (kin.q.size() != n || frame.rows.count != frame.contacts.count) return Status::outOfRange;
+  if (m.started == 0.0 || frame.time - m.lastTime > kMostTicks * options_.period) start(frame);
+  else observe(frame);
+  m.lastTime = frame.time;
+
+  Ahead a;
+  predict(frame, a);
+  Wall walls[2 * kMaxContacts];
+  Target targets[2 * kMaxContacts];
+  double force[kMaxWalls] = {};
+  const int count = collect(frame, a, walls), placed = placeTargets(frame, a, walls, count, targets);
+  if (placed > 0) project(a, targets, placed, force);
+  JointRow torque{};
+  Lane towards{};
+  m.merged = 0.0;
+  for (int i = 0; i < placed; ++i) {
+    m.merged += force[i] > 0.0 ? 0.0 : 1.0;
+    for (int k = 0; k < n; ++k) towards[k] += force[i] * targets[i].row[k] / a.stiffness[k];
+  }
+  for (int k = 0; k < n; ++k) towards[k] += a.wouldBe[k];
+  m.target = toJoints(towards);
+  m.hasTarget = count > 0 ? 1.0 : 0.0;
+  output.mode = RenderMode::free;
+  output.saturated = false;
+  output.normalForce = 0.0;
+  const double given = share(frame, a, walls, targets, placed, force, output);
+  for (int i = 0; i < placed; ++i) {
+    force[i] *= given;
+    const Wall& w = walls[targets[i].wall];
+    if (force[i] > 0.0) output.mode = RenderMode::contact;
+    if (w.contact == 0.0) output.normalForce = force[i];
+    for (int j = 0; j < n; ++j) torque[j] += force[i] * w.row[j];
+  }
+  const JointRow held = frictionOf(frame, a, targets, walls, placed, force);
+  output.torque.resize(n);
+  for (int j = 0; j < n; ++j) {
+    if (!std::isfinite(torque[j] + held[j])) return Status::notFinite;
+    output.torque[j] = kin.gravity[j] + torque[j] + held[j];
+    m.lastReading[j] = kin.q[j];
+  }
+  output.saturated = saturate(output.torque, kin.gravity, frame.maxTorque) || output.saturated;
+  for (int i = kMaxLoopDelay; i > 0; --i) m.sent[i] = m.sent[i - 1];
+  for (int j = 0; j < n; ++j) m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] : 0.0;
+  return Status::ok;
+}
+
+PositionControlRenderer::PositionControlRenderer(const PositionControlOptions& options) : period_(options.period) {
+  const auto refuse = [](const std::string& what) { throw Error("position control: " + what); };
+  const JointVector& step = options.encoderStep;
+  if (step.size() < 1 || step.size() > kMaxJoints)
+    refuse(std::to_string(step.size()) + " encoder steps, must be 1 to " + std::to_string(kMaxJoints));
+  for (Eigen::Index j = 0; j < step.size(); ++j)
+    if (!(step[j] > 0.0 && std::isfinite(step[j])))
+      refuse("encoder step " + std::to_string(j) + " is " + formatNumber(step[j]) + ", must be positive");
+  if (options.delayLow < 0 || options.delayLow > options.delayHigh || options.delayHigh > kMaxLoopDelay)
+    refuse("delay is " + std::to_string(options.delayLow) + " to " + std::to_string(options.delayHigh) +
+           " ticks, must be within 0 to " + std::to_string(kMaxLoopDelay) + ", the smallest first");
+  if (!(options.period >= 1e-5 && options.period <= 0.1))
+    refuse("period is " + formatNumber(options.period) + " s, must be in 1e-5 to 0.1");
+  const Drive& d = options.drive;
+  for (const double number : {d.bandwidth, d.rotorInertia, d.stiffness, d.damping, d.disturbance})
+    if (!(number >= 0.0 && std::isfinite(number)))
+      refuse("a number of the drive is " + formatNumber(number) + ", must be zero or positive");
+  if (d.stiffness > 0.0 && !(d.rotorInertia > 0.0)) refuse("a cable of " + formatNumber(d.stiffness) + " needs a rotor");
+  if (d.stiffness > 0.0)
+    controller_ = std::make_unique<ControllerOf<4>>(options);
+  else
+    controller_ = std::make_unique<ControllerOf<2>>(options);
+}
+
+PositionControlRenderer::~PositionControlRenderer() = default;
+
+PositionControlState PositionControlRenderer::state() const noexcept { return controller_->state(); }
+
+void PositionControlRenderer::prepare(double period) {
+  if (period != period_)
+    throw Error("position control: is for ticks of " + formatNumber(period_) + " s, these take " + formatNumber(period));
 }
 
 Status PositionControlRenderer::render(const TickFrame& frame, TickOutput& output) noexcept {
-  const Kinematics& k = frame.kinematics;
-  if (k.q.size() != joints_ || frame.rows.count != frame.contacts.count) return Status::outOfRange;
-  const Inertia inertia(frame, options_.period);
-  const Normals normals(frame, inertia.perTick);
-  State& s = state_;
-  double ticks = (frame.time - s.lastTime) / options_.period;  // since the last one
-  if (std::abs(ticks - 1.0) < 1e-6) ticks = 1.0;
-  double sinceSample = 0.0;  // ticks; 0 without a new one
-  if (s.started == 0.0 || ticks > kMostMissing || s.missing + ticks > kMostMissing + 0.5) {
-    start(frame);
-  } else {
-    passOver(frame, inertia, ticks);
-    if (frame.age > 0 || isRepeated(k)) {
-      advance(acted(frame), inertia, ticks);
-      s.missing = std::min(s.missing + 1.0, double{kMostMissing});
-    } else {
-      sinceSample = s.missing + ticks;
-      observe(frame, inertia, normals, ticks);
-      for (int i = 0; i < joints_; ++i) {
-        s.lastReading[i] = k.q[i];
-        s.lastRates[i] = k.rates[i];
-      }
-    }
-  }
-  s.lastTime = frame.time;
+  return controller_->render(frame, output);
+}
 
-  const Ahead ahead = predict(inertia);
-  Pushing found = pushing(frame, inertia, normals, ahead);
-  Row torque = addFriction(frame, inertia, normals, ahead, sinceSample, found);
-
-  output.mode = RenderMode::free;
-  output.saturated = found.solution.limited;
-  for (int m = 0; m < found.problem.contacts; ++m) {
-    const double force = found.solution.force[m];
-    if (force > 0.0) output.mode = RenderMode::contact;
-    if (found.contact[m] == 0) output.normalForce = force;
-    for (int i = 0; i < joints_; ++i) torque[i] += force * normals.rows[found.contact[m]].normal[i];
-  }
-  s.pushes = output.mode == RenderMode::contact ? 1.0 : 0.0;
-  output.torque.resize(joints_);
-  bool finite = true;
-  for (int i = 0; i < joints_; ++i) {
-    finite = finite && std::isfinite(torque[i]);
-    for (const Motion* m : {&s.estimate, &s.sensitivity, &s.instrument})
-      finite = finite && std::isfinite(m->q[i] + m->rate[i] + m->push[i] + m->growth[i]);
-  }
-  if (!finite) return Status::notFinite;  // numbers that are finite one by one can overflow together
-  for (int i = 0; i < joints_; ++i) output.torque[i] = k.gravity[i] + torque[i];
-  output.saturated = saturate(output.torque, k.gravity, frame.maxTorque) || output.saturated;
-  Row command{};
-  for (int i = 0; i < joints_; ++i)
-    if (frame.maxTorque[i] > 0.0) command[i] = output.torque[i];
-  rememberCommand(command);
-  return Status::ok;
+void PositionControlRenderer::resetState() noexcept { controller_->reset(); }
+Renderer::StateBlock PositionControlRenderer::stateBlock() noexcept { return controller_->stateBlock(); }
+void PositionControlRenderer::stateLoaded() noexcept {
+  if (!isFinite(stateBlock())) controller_->reset();
+  controller_->stateLoaded();
 }
 
 }  // namespace enamel

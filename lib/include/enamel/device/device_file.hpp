@@ -41,6 +41,9 @@ void addMass(DeviceParameters& parameters, double mass);
 /// What the device's file says about real ones; all zero for a Cartesian device, whose drives are its vendor's.
 const Imperfections& imperfectionsOf(const DeviceParameters& parameters) noexcept;
 
+/// Return the device with ideal motors, transmissions, encoders and tolerances. Realtime: no.
+DeviceParameters idealOf(DeviceParameters parameters);
+
 /// Makes its cables rigid, without backlash. Realtime: no.
 void stiffenCables(DeviceParameters& parameters) noexcept;
 

@@ -48,10 +48,21 @@ double effectiveMass(const Kinematics& kinematics, const Vec3& point, const Vec3
 double largestForce(const Kinematics& kinematics, const JointVector& maxTorque, const Vec3& point,
                     const Vec3& direction) noexcept;
 
+/// What lies between a motor's command and its joint, the same at every driven joint. Zero: ideal.
+struct Drive {
+  double bandwidth = 0.0;     ///< f of the current loop: torque' = 2 pi f (command - torque), Hz; 0: no lag
+  double rotorInertia = 0.0;  ///< reflected, behind the cable, kg m^2 or kg; 0 with a rigid transmission
+  double stiffness = 0.0;     ///< of the cable between rotor and link, N m/rad or N/m; 0: rigid
+  double damping = 0.0;       ///< of the cable, N m s/rad or N s/m
+  double disturbance = 0.0;   ///< deviation of what friction and cogging do to a rotor, N m or N
+  bool encoderOnLink = false;
+};
+
 /// What the motors and encoders of each joint can do.
 struct JointLimits {
   JointVector effort;       ///< largest of the motor, N m or N; 0: the joint is sensed and has no motor
   JointVector encoderStep;  ///< step of the encoder, rad or m
+  Drive drive = {};         ///< of the driven joints
 };
 
 /// A straight part of a mechanism, for pictures.

@@ -33,7 +33,7 @@ void evaluate(const DeltaModel& model, const DeltaConfiguration& configuration, 
 }  // namespace
 
 DeltaMechanism::DeltaMechanism(const DeltaParameters& parameters)
-    : Mechanism(parameters.name, limitsOf(parameters.motor, 3)),
+    : Mechanism(parameters.name, limitsOf(parameters.motor, parameters.imperfections, 3)),
       model_(makeModel(parameters)),
       geometry_(parameters.geometry),
       spacing_(parameters.bar.spacing) {

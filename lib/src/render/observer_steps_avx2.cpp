@@ -1,0 +1,12 @@
+// For AVX2; without fused products, as the baseline.
+#include "render/observer_steps.hpp"
+
+namespace enamel {
+namespace {
+#include "observer_steps.inl"
+}  // namespace
+
+const ObserverSteps<2> kRigidStepsAvx2 = kSteps<2>;
+const ObserverSteps<4> kCableStepsAvx2 = kSteps<4>;
+
+}  // namespace enamel

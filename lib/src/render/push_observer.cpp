@@ -1,0 +1,327 @@
+#include "render/push_observer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "render/observer_steps.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr double kJumpRate = 1.0;         // steps of the hand a second
+constexpr double kLeastForce = 0.1;       // of a step: the model lacks its share of at least that
+constexpr double kScaleWander = 0.03;     // of ln(mass), in a root second
+constexpr double kMostScale = 0.5;        // of ln(mass)
+constexpr double kSpeedPrior = 0.01;      // deviation at the start, m/s or rad/s
+constexpr double kRefreshed = 2e-3;       // of ln(inertia)
+constexpr double kForgotten = -40.0, kLeastWeight = -60.0;  // logarithms
+
+template <int kMech>
+const ObserverSteps<kMech>& steps() noexcept {
+  static const bool wide = __builtin_cpu_supports("avx2");
+  if constexpr (kMech == 2)
+    return wide ? kRigidStepsAvx2 : kRigidSteps;
+  else
+    return wide ? kCableStepsAvx2 : kCableSteps;
+}
+
+}  // namespace
+
+template <int kMech>
+PushObserver<kMech>::PushObserver(const ModeData& data) : data_(data), table_(data), model_{} {
+  (void)steps<kMech>();  // looks at the processor here, not in a tick
+  model_.lagKept = std::exp(-lagOf(data.drive) * data.period);
+  model_.growthKept = std::exp(-data.period / kGrowthTime);
+  model_.growthSum = kGrowthTime * (1.0 - model_.growthKept);
+}
+
+template <int kMech>
+void PushObserver<kMech>::describe(State& s, int k, double inertia, double step, double tremor,
+                                   double readingVariance) const noexcept {
+  s.inertia[k] = inertia;
+  s.step[k] = step;
+  s.tremor[k] = tremor;
+  s.readingVariance[k] = readingVariance;
+}
+
+template <int kMech>
+void PushObserver<kMech>::start(State& s, int modes, const Lane& reading) noexcept {
+  s.modes = modes;
+  s.count = 1.0;
+  s.scale = 0.0;
+  s.scaleVariance = kScalePrior * kScalePrior;
+  for (int k = modes; k < kLanes; ++k) {
+    s.inertia[k] = s.readingVariance[k] = 1.0;
+    s.step[k] = s.tremor[k] = 0.0;
+  }
+  for (int k = 0; k < kLanes; ++k) s.used[k] = 0.0;
+  refresh(s);
+  Hypothesis& h = s.part[0];
+  h = Hypothesis{};
+  for (int k = 0; k < modes; ++k) {
+    const double growth = kGrowthOfStep * s.step[k];
+    for (int i = 0; i < kMech; i += 2) {
+      h.x[i][k] = reading[k];
+      h.P[at(i, i)][k] = 12.0 * s.readingVariance[k];
+      h.P[at(i + 1, i + 1)][k] = kSpeedPrior * kSpeedPrior;
+    }
+    if (kMech == 4) {
+      const double stretch = s.step[k] / data_.drive.stiffness;
+      h.P[at(2, 2)][k] += stretch * stretch;
+    }
+    h.P[at(kPush, kPush)][k] = s.step[k] * s.step[k];
+    h.P[at(kGrowth, kGrowth)][k] = growth * growth;
+    h.P[at(kScale, kScale)][k] = kScalePrior * kScalePrior;
+  }
+  s.weight[0] = 1.0;
+  std::memcpy(s.mean, h.x, sizeof s.mean);
+}
+
+template <int kMech>
+void PushObserver<kMech>::refresh(State& s) noexcept {
+  const double whole = std::exp(s.scale);
+  for (int k = 0; k < static_cast<int>(s.modes); ++k) {
+    const double wanted = s.inertia[k] * whole;
+    if (std::abs(wanted - s.used[k]) < kRefreshed * wanted) continue;
+    s.used[k] = wanted;
+    table_.read(std::log(wanted), k, model_.value, model_.slope);
+  }
+}
+
+template <int kMech>
+void PushObserver<kMech>::reload(const State& s) noexcept {
+  for (int k = 0; k < std::min(static_cast<int>(s.modes), kLanes); ++k)
+    if (s.used[k] > 0.0) table_.read(std::log(s.used[k]), k, model_.value, model_.slope);
+}
+
+template <int kMech>
+void PushObserver<kMech>::rotate(State& s, int i, int j, double cosine, double sine) const noexcept {
+  const auto turn = [&](double(&v)[kLanes]) {
+    const double before = v[i];
+    v[i] = cosine * v[i] - sine * v[j];
+    v[j] = sine * before + cosine * v[j];
+  };
+  const double c2 = cosine * cosine, s2 = sine * sine;
+  for (int p = 0; p < static_cast<int>(s.count); ++p) {
+    for (int n = 0; n < kScale; ++n) turn(s.part[p].x[n]);
+    for (double(&v)[kLanes] : s.part[p].P) {
+      const double before = v[i];
+      v[i] = c2 * v[i] + s2 * v[j];
+      v[j] = s2 * before + c2 * v[j];
+    }
+  }
+  for (int n = 0; n < kScale; ++n) turn(s.mean[n]);
+}
+
+template <int kMech>
+void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept {
+  using Table = ModeTable<kMech>;
+  const auto& value = model_.value;
+  const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
+  // Process noise. What the model lacks scales with what accelerates the device; where it also stretches cables, with
+  // the force itself: that keeps the margin of the controller to a wrong resonance (loop transfer recovery).
+  Lane rotor{}, link{}, growth{};
+  for (int k = 0; k < modes; ++k) {
+    const double push = s.mean[kPush][k], net = std::abs(command[k] + push);
+    double force = std::max(net, kLeastForce * s.step[k]);
+    if (kMech == 4) force = std::max({force, std::abs(command[k]), std::abs(push)});
+    const double lacks = data_.modelError * force, disturbance = data_.drive.disturbance;
+    rotor[k] = lacks * lacks + disturbance * disturbance;
+    link[k] = s.tremor[k] * s.tremor[k] + (kMech == 4 ? lacks * lacks : 0.0);
+    growth[k] = kGrowthOfStep * s.step[k] * kGrowthOfStep * s.step[k];
+  }
+  double Q[kPairs][kLanes] = {};
+  for (int i = 0, n = 0; i < kMech + 2; ++i)
+    for (int j = 0; j <= i; ++j, ++n)
+      for (int k = 0; k < kLanes; ++k)
+        Q[at(i < kMech ? i : i + 1, j < kMech ? j : j + 1)][k] = growth[k] * value[Table::kWanderAt + n][k];
+  for (int i = 0; i < kMech; ++i)
+    for (int j = 0; j <= i; ++j)
+      for (int k = 0; k < kLanes; ++k)
+        Q[at(i, j)][k] += rotor[k] * value[Table::kRotorAt + i][k] * value[Table::kRotorAt + j][k] +
+                          link[k] * value[Table::kLinkAt + i][k] * value[Table::kLinkAt + j][k];
+  for (int k = 0; k < kLanes; ++k) Q[at(kScale, kScale)][k] = kScaleWander * kScaleWander * data_.period;
+
+  for (int p = 0; p < count; ++p) {
+    steps<kMech>().predict(model_, command.data(), s.scale, Q, s.part[p]);
+    s.part[p].age += 1.0;
+  }
+  s.part[0].age = 0.0;
+  static const double kLogEach = std::log(kJumpRate * 1e-3 / kBins), kLogNone = std::log1p(-kJumpRate * 1e-3);
+  for (int b = 0; b < kBins; ++b) {
+    Hypothesis& h = s.part[count + b];
+    h = s.part[0];
+    h.logWeight += kLogEach;
+    const double(*onset)[kLanes] = &value[Table::kOnsetAt + b * (kMech * (kMech + 3) / 2)];
+    for (int i = 0, n = 0; i < kMech; ++i) {
+      for (int j = 0; j <= i; ++j, ++n)
+        for (int k = 0; k < kLanes; ++k) h.P[at(i, j)][k] += s.step[k] * s.step[k] * onset[n][k];
+      for (int k = 0; k < kLanes; ++k)
+        h.P[at(kPush, i)][k] += s.step[k] * s.step[k] * onset[kMech * (kMech + 1) / 2 + i][k];
+    }
+    for (int k = 0; k < kLanes; ++k) h.P[at(kPush, kPush)][k] += s.step[k] * s.step[k];
+  }
+  s.part[0].logWeight += kLogNone;
+  s.count = count + kBins;
+}
+
+template <int kMech>
+void PushObserver<kMech>::shift(State& s, double seconds) const noexcept {
+  for (int p = 0; p < static_cast<int>(s.count); ++p)
+    for (int i = 0; i < kMech; i += 2)
+      for (int k = 0; k < kLanes; ++k) s.part[p].x[i][k] += seconds * s.part[p].x[i + 1][k];
+}
+
+template <int kMech>
+double PushObserver<kMech>::surprise(const State& s, const Lane& reading) const noexcept {
+  const int read = kMech == 4 && data_.drive.encoderOnLink ? 2 : 0;
+  double least = 1e300;
+  for (int p = 0; p < static_cast<int>(s.count); ++p) {
+    double largest = 0.0;
+    for (int k = 0; k < static_cast<int>(s.modes); ++k) {
+      const double e = reading[k] - s.part[p].x[read][k];
+      largest = std::max(largest, e * e / (s.part[p].P[at(read, read)][k] + s.readingVariance[k]));
+    }
+    least = std::min(least, largest);
+  }
+  return std::sqrt(least);
+}
+
+template <int kMech>
+void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept {
+  const int read = kMech == 4 && data_.drive.encoderOnLink ? 2 : 0, modes = static_cast<int>(s.modes),
+            count = static_cast<int>(s.count);
+  double top = -1e300, sum = 0.0;
+  for (int p = 0; p < count; ++p) {
+    Hypothesis& h = s.part[p];
+    Lane S, e{};
+    double square = 0.0, volume = 1.0;
+    for (int k = 0; k < kLanes; ++k) S[k] = h.P[at(read, read)][k] + s.readingVariance[k];
+    for (int k = 0; k < modes; ++k) {
+      e[k] = reading[k] - h.x[read][k];
+      square += e[k] * e[k] / S[k];
+      volume *= S[k] / s.readingVariance[k];
+    }
+    h.logWeight -= 0.5 * (square + std::log(volume));
+    top = std::max(top, h.logWeight);
+    steps<kMech>().correct(e.data(), S.data(), read, p == 0, h);
+    for (int k = 0; k < kLanes; ++k) h.x[kScale][k] = std::clamp(h.x[kScale][k], -kMostScale, kMostScale);
+  }
+  for (int p = 0; p < count; ++p) sum += std::exp(s.part[p].logWeight - top);
+  for (int p = 0; p < count; ++p) s.part[p].logWeight -= top + std::log(sum);
+}
+
+template <int kMech>
+void PushObserver<kMech>::merge(State& s) const noexcept {
+  const int count = static_cast<int>(s.count);
+  double share[kMost], total = 0.0;
+  const auto ends = [&](int p) { return p == 0 || s.part[p].age >= 1.0; };
+  bool any = false;
+  for (int p = 0; p < count; ++p) {
+    share[p] = std::exp(std::max(s.part[p].logWeight, 2.0 * kForgotten));
+    if (!ends(p)) continue;
+    total += share[p];
+    any = any || p > 0;
+  }
+  if (any) {
+    States x = {};
+    double P[kPairs][kLanes] = {};
+    for (int p = 0; p < count; ++p)
+      for (int i = 0; ends(p) && i < kStates; ++i)
+        for (int k = 0; k < kLanes; ++k) x[i][k] += share[p] / total * s.part[p].x[i][k];
+    for (int p = 0; p < count; ++p)
+      if (ends(p)) steps<kMech>().gather(s.part[p], x, share[p] / total, P);
+    std::memcpy(s.part[0].x, x, sizeof x);
+    std::memcpy(s.part[0].P, P, sizeof P);
+  }
+  s.part[0].logWeight = std::max(std::log(total), kLeastWeight);
+  int kept = 1;
+  for (int p = 1; p < count; ++p) {
+    if (ends(p) || !(s.part[p].logWeight > kForgotten)) continue;
+    if (p != kept) s.part[kept] = s.part[p];
+    ++kept;
+  }
+  s.count = kept;
+  std::memset(s.mean, 0, sizeof s.mean);
+  for (int p = 0; p < kept; ++p) {
+    s.weight[p] = std::exp(s.part[p].logWeight);
+    for (int i = 0; i < kStates; ++i)
+      for (int k = 0; k < kLanes; ++k) s.mean[i][k] += s.weight[p] * s.part[p].x[i][k];
+  }
+  // One mass for all modes, by what each knows of it beyond the prior.
+  constexpr double kPrior = 1.0 / (kScalePrior * kScalePrior);
+  double information = kPrior, weighted = 0.0;
+  for (int k = 0; k < static_cast<int>(s.modes); ++k) {
+    double variance = 0.0;
+    for (int p = 0; p < kept; ++p) {
+      const double e = s.part[p].x[kScale][k] - s.mean[kScale][k];
+      variance += s.weight[p] * (s.part[p].P[at(kScale, kScale)][k] + e * e);
+    }
+    const double gained = std::max(0.0, 1.0 / variance - kPrior);
+    information += gained;
+    weighted += gained * s.mean[kScale][k];
+  }
+  s.scale = std::clamp(weighted / information, -kMostScale, kMostScale);
+  s.scaleVariance = 1.0 / information;
+}
+
+template <int kMech>
+void PushObserver<kMech>::advance(const Lane& command, States& x) const noexcept {
+  double moved[kMech][kLanes];
+  for (int i = 0; i < kMech; ++i) {
+    for (int k = 0; k < kLanes; ++k) moved[i][k] = model_.value[ModeTable<kMech>::kCommandAt + i][k] * command[k];
+    for (int j = 0; j < kMech + 3; ++j)
+      for (int k = 0; k < kLanes; ++k) moved[i][k] += model_.value[i * (kMech + 3) + j][k] * x[j][k];
+  }
+  for (int k = 0; k < kLanes; ++k) {
+    x[kLag][k] = model_.lagKept * x[kLag][k] + (1.0 - model_.lagKept) * command[k];
+    x[kPush][k] += model_.growthSum * x[kGrowth][k];
+    x[kGrowth][k] *= model_.growthKept;
+  }
+  std::memcpy(x, moved, sizeof moved);
+}
+
+template <int kMech>
+void PushObserver<kMech>::pullBack(States& row) const noexcept {
+  States before = {};
+  for (int i = 0; i < kMech; ++i)
+    for (int j = 0; j < kMech + 3; ++j)
+      for (int k = 0; k < kLanes; ++k) before[j][k] += model_.value[i * (kMech + 3) + j][k] * row[i][k];
+  for (int k = 0; k < kLanes; ++k) {
+    before[kLag][k] += model_.lagKept * row[kLag][k];
+    before[kPush][k] += row[kPush][k];
+    before[kGrowth][k] += model_.growthSum * row[kPush][k] + model_.growthKept * row[kGrowth][k];
+  }
+  std::memcpy(row, before, sizeof before);
+}
+
+template <int kMech>
+typename PushObserver<kMech>::Moments PushObserver<kMech>::moments(const State& s, const States& row) const noexcept {
+  double first = 0.0, second = 0.0;
+  for (int p = 0; p < static_cast<int>(s.count); ++p) {
+    const Hypothesis& h = s.part[p];
+    Lane mean{}, variance{};
+    for (int i = 0; i < kScale; ++i) {
+      for (int k = 0; k < kLanes; ++k) {
+        mean[k] += row[i][k] * h.x[i][k];
+        variance[k] += row[i][k] * row[i][k] * h.P[at(i, i)][k];
+      }
+      for (int j = 0; j < i; ++j)
+        for (int k = 0; k < kLanes; ++k) variance[k] += 2.0 * row[i][k] * row[j][k] * h.P[at(i, j)][k];
+    }
+    double m = 0.0, v = 0.0;
+    for (int k = 0; k < static_cast<int>(s.modes); ++k) {
+      m += mean[k];
+      v += variance[k];
+    }
+    first += s.weight[p] * m;
+    second += s.weight[p] * (v + m * m);
+  }
+  return {first, std::sqrt(std::max(0.0, second - first * first))};
+}
+
+template class PushObserver<2>;
+template class PushObserver<4>;
+
+}  // namespace enamel

@@ -1,0 +1,93 @@
+// What is known of a device and of the hand that pushes it: Kalman filters of the modes, and hypotheses on when the push
+// last jumped. The equations: lib/docs/position-control.md.
+//
+// A mode has the states of mode_table.hpp and ln(mass / model's). Its process noise is a trembling hand, the wandering
+// growth of the push, and what the model lacks: a share of the force that accelerates the device or stretches a cable.
+// Each tick two hypotheses branch off, one for each half of the tick in which the push may have jumped; each lives for
+// two samples, then it is merged (by its first two moments) into the rest. All modes share the hypotheses' weights.
+// A hypothesis teaches nothing of the mass (Schmidt's filter). The modes' opinions on the one mass are fused by their
+// information.
+#pragma once
+
+#include <array>
+
+#include "render/mode_table.hpp"
+
+namespace enamel {
+
+using Lane = std::array<double, kLanes>;
+
+template <int kMech>
+class PushObserver {
+ public:
+  static constexpr int kLag = kMech, kPush = kMech + 1, kGrowth = kMech + 2, kScale = kMech + 3, kStates = kMech + 4;
+  static constexpr int kPairs = kStates * (kStates + 1) / 2;  // of a symmetric matrix
+  static constexpr int kMost = 1 + 2 * kBins;                 // hypotheses
+  static constexpr double kScalePrior = 0.3;                  // deviation of ln(mass) at the start
+  static constexpr int at(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
+
+  using States = double[kStates][kLanes];
+
+  struct Hypothesis {
+    States x;
+    double P[kPairs][kLanes];
+    double logWeight, age;  // age in samples
+  };
+  // Plain numbers.
+  struct State {
+    Hypothesis part[kMost];  // the first: no jump of late
+    double count, modes;
+    States mean;
+    double weight[kMost];
+    double scale, scaleVariance;  // ln(mass / model's)
+    Lane inertia, used;           // of the links' modes by the model; ln of what the numbers in use are for
+    Lane step, tremor;            // deviations of the hand's force in the modes
+    Lane readingVariance;
+  };
+  struct Moments {
+    double mean, deviation;
+  };
+  // The numbers of the modes at the inertia in use, and how they change with ln(inertia).
+  struct Model {
+    alignas(64) double value[ModeTable<kMech>::kNumbers][kLanes];
+    alignas(64) double slope[ModeTable<kMech>::kSlopes][kLanes];
+    double lagKept, growthKept, growthSum;  // of a tick
+  };
+
+  explicit PushObserver(const ModeData& data);
+
+  /// Describes mode k: its inertia, deviations of a step of the hand and of its tremor, variance of a reading.
+  void describe(State& s, int k, double inertia, double step, double tremor, double readingVariance) const noexcept;
+  /// Begins at rest at a reading, in as many modes as were described.
+  void start(State& s, int modes, const Lane& reading) noexcept;
+  /// The model for the state's inertias and scale; reload(): exactly the one that a saved state was used with.
+  void refresh(State& s) noexcept;
+  void reload(const State& s) noexcept;
+  /// Turns modes i and j into each other.
+  void rotate(State& s, int i, int j, double cosine, double sine) const noexcept;
+
+  /// One tick under a command, with the hypotheses that branch off in it; a part of a tick, to first order.
+  void predict(State& s, const Lane& command) const noexcept;
+  void shift(State& s, double seconds) const noexcept;
+  /// The largest innovation of a mode, in deviations, by the hypothesis that expects it most.
+  double surprise(const State& s, const Lane& reading) const noexcept;
+  void correct(State& s, const Lane& reading) const noexcept;
+  /// Ends hypotheses that are old, and sums up: mean, weights, scale.
+  void merge(State& s) const noexcept;
+
+  /// States a tick later under a command, at the mean scale.
+  void advance(const Lane& command, States& x) const noexcept;
+  /// A linear function of the states a tick later, as one of the states now.
+  void pullBack(States& row) const noexcept;
+  /// Mean and deviation of a linear function of the states.
+  Moments moments(const State& s, const States& row) const noexcept;
+
+  const double (&gain(int i) const noexcept)[kLanes] { return model_.value[ModeTable<kMech>::kGainAt + i]; }
+
+ private:
+  ModeData data_;
+  ModeTable<kMech> table_;
+  Model model_;
+};
+
+}  // namespace enamel
