@@ -8,14 +8,10 @@
 #include "enamel/control/servo_file.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/passivity.hpp"
-#include "enamel/render/position_control_file.hpp"
+#include "enamel/render/position_control.hpp"
 
 namespace enamel {
 namespace {
-
-std::string ticksText(int low, int high) {
-  return std::to_string(low) + (low == high ? "" : " to " + std::to_string(high)) + " ticks";
-}
 
 std::string secondsText(double seconds) {
   char text[32];
@@ -74,32 +70,10 @@ RendererSource findRenderer(const std::string& nameOrPath, const std::string& pl
   return {library->description().name, library};
 }
 
-std::string rendererOf(const std::string& gain) {
-  if (isPositionControlFile(gain)) return kPositionControl;
-  (void)loadServo(gain);
-  return kHold;
-}
-
 ServoGain loadGain(const std::string& path, int joints, double period) {
   const ServoFile servo = loadServo(path);
   requireFits(path, servo.gain.rows(), servo.period, joints, period);
   return servo.gain;
-}
-
-PositionControlOptions positionControlOptions(const std::string& gain, const Mechanism& mechanism, double period,
-                                              int delayLow, int delayHigh) {
-  PositionControlOptions options;
-  if (gain.empty()) {
-    options = positionControlFor(mechanism.limits().encoderStep, period, delayLow, delayHigh);
-  } else {
-    options = loadPositionControl(gain).options;
-    requireFits(gain, options.encoderStep.size(), options.period, mechanism.joints(), period);
-    require(options.delayLow == delayLow && options.delayHigh == delayHigh,
-            gain + ": the servo is for a delay of " + ticksText(options.delayLow, options.delayHigh) +
-                ", the loop has one of " + ticksText(delayLow, delayHigh));
-  }
-  PositionControlRenderer{options};  // refuses here what a run would refuse
-  return options;
 }
 
 std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std::string, std::string>& parameters,
@@ -113,20 +87,20 @@ std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std
     if (name == kImpedance) return wall;
     return std::make_unique<PassivityRenderer>(std::move(wall));
   }
-  const std::string given = of.text("gain", "designed"), gain = given == "designed" ? "" : given;
   if (name == kPositionControl) {
     int low = 0;
     of.read("delay", low);
     int high = low;
     if (of.text("delay-high", "same") != "same") of.read("delay-high", high);
-    return std::make_unique<PositionControlRenderer>(positionControlOptions(gain, *device, period, low, high));
+    return std::make_unique<PositionControlRenderer>(positionControlFor(*device, period, low, high));
   }
   require(name == kHold, "there is no linked renderer \"" + name + "\"");
+  const std::string gain = of.text("gain", "designed");
   HoldOptions options;
   of.readFlag("release", options.release);
   of.readFlag("anti-windup", options.antiWindup);
   return std::make_unique<HoldRenderer>(
-      gain.empty() ? ServoGain(designServo(device, Pose{}, period).K) : loadGain(gain, device->joints(), period),
+      gain == "designed" ? ServoGain(designServo(device, Pose{}, period).K) : loadGain(gain, device->joints(), period),
       period, options);
 }
 

@@ -91,7 +91,8 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix& cost) {
     H += way * way.transpose() / kSubsteps;
   }
   const double reaction = (d.delay + 1) * d.period, whole = inertia + (kMech == 4 ? d.drive.rotorInertia : 0.0);
-  const double depth = 0.5 * d.pushShare / (1.0 - d.pushShare) * reaction * reaction / whole;  // of a unit largest force
+  const double depth =
+      0.5 * d.pushShare / (1.0 - d.pushShare) * reaction * reaction / whole;  // of a unit largest force
   H /= depth * depth;
   H(kMech + 1, kMech + 1) += d.forceCost;
   for (int i = 0; i < kMech; ++i) {

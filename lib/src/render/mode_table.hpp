@@ -20,16 +20,16 @@ inline constexpr int kBins = 2;   ///< parts of a tick in which a push may have 
 
 /// What all modes of a device share.
 struct ModeData {
-  double period;      ///< T, s
-  int delay;          ///< of a command, ticks
+  double period;  ///< T, s
+  int delay;      ///< of a command, ticks
   Drive drive;
   double pushShare;   ///< a large step of the hand, as a share of the largest force
   double forceCost;   ///< rho
   double modelError;  ///< share of the force that the model does not have
 };
 
-inline constexpr double kGrowthTime = 0.02;        ///< in which a push's growth fades, s
-inline constexpr double kGrowthOfStep = 18.75;     ///< deviation of the growth, in steps of the hand a second
+inline constexpr double kGrowthTime = 0.02;     ///< in which a push's growth fades, s
+inline constexpr double kGrowthOfStep = 18.75;  ///< deviation of the growth, in steps of the hand a second
 
 /// Rate of the motors' lag, 1/s; 1e5 Hz where there is none. Realtime: yes.
 double lagOf(const Drive& drive) noexcept;

@@ -15,23 +15,23 @@ namespace enamel {
 namespace {
 
 // The numbers that were chosen; all others are computed. What each trades: lib/docs/position-control.md.
-constexpr double kForceCost = 20.0;    // of the linear-quadratic design: chatter against stiffness
-constexpr double kModelError = 0.15;   // share of the force that the model does not have: robustness against stiffness
+constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
+constexpr double kModelError = 0.15;  // share of the force that the model does not have: robustness against stiffness
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
-constexpr double kStick = 1.0 / 8.0;   // of the stiffness with which friction holds: counts that are felt against creep
+constexpr double kStick = 1.0 / 8.0;  // of the stiffness with which friction holds: counts that are felt against creep
 
 // A person: a step has a deviation of 8 N, or of a fifth of what a weak device can hold; the hand trembles by a
 // sixteenth of it, and moments are forces at 2 cm.
 constexpr double kStepForce = 8.0, kStepShare = 0.2, kTremorShare = 1.0 / 16.0, kGrip = 0.02;
-constexpr double kLargeStep = 2.0;     // deviations
-constexpr double kPushShare = 0.27;    // a large step, as a share of the largest force, for the designs
+constexpr double kLargeStep = 2.0;   // deviations
+constexpr double kPushShare = 0.27;  // a large step, as a share of the largest force, for the designs
 
-constexpr double kMostTicks = 10.5;    // between two ticks, beyond which everything is forgotten
-constexpr double kContradicts = 8.0;   // deviations of an innovation that no push explains
-constexpr double kRetreat = 50.0;      // 1 / kRetreat^2: how much walls that contradict each other give way for force
-constexpr double kFades = 0.1;         // of the speed along a wall, with which one that is gone retreats
-constexpr double kNear = 2e-5;         // a contact that stays this far outside for a tick carries no force, m
-constexpr int kRefreshTicks = 8;       // between two looks at the inertia
+constexpr double kMostTicks = 10.5;   // between two ticks, beyond which everything is forgotten
+constexpr double kContradicts = 8.0;  // deviations of an innovation that no push explains
+constexpr double kRetreat = 50.0;     // 1 / kRetreat^2: how much walls that contradict each other give way for force
+constexpr double kFades = 0.1;        // of the speed along a wall, with which one that is gone retreats
+constexpr double kNear = 2e-5;        // a contact that stays this far outside for a tick carries no force, m
+constexpr int kRefreshTicks = 8;      // between two looks at the inertia
 
 }  // namespace
 
@@ -69,11 +69,11 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   // A plane that the tool must not cross, in joint coordinates: row . (q - here) + gap >= 0.
   struct Wall {
     JointRow row{};
-    double gap = 0.0;       // now, m
-    double speed = 0.0;     // of the obstacle along the normal, m/s
-    double name = 0.0;      // the same from tick to tick
-    double retreated = 0.0; // m: of one that is no longer there
-    double contact = -1.0;  // its number in the frame; -1: no longer there
+    double gap = 0.0;        // now, m
+    double speed = 0.0;      // of the obstacle along the normal, m/s
+    double name = 0.0;       // the same from tick to tick
+    double retreated = 0.0;  // m: of one that is no longer there
+    double contact = -1.0;   // its number in the frame; -1: no longer there
   };
   // Plain numbers: all that is kept from tick to tick.
   struct Memory {
@@ -98,12 +98,12 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   };
   // The modes when the command acts.
   struct Ahead {
-    States x, next;             // then, and a tick later without a force
-    Lane now;                   // measured
-    Lane stiffness, lead;       // of the controller; seconds of speed that it looks ahead
-    Lane inertia;               // of link and rotor
-    Lane wouldBe;               // where the hand would take them
-    double seconds;             // from the sample to then
+    States x, next;        // then, and a tick later without a force
+    Lane now;              // measured
+    Lane stiffness, lead;  // of the controller; seconds of speed that it looks ahead
+    Lane inertia;          // of link and rotor
+    Lane wouldBe;          // where the hand would take them
+    double seconds;        // from the sample to then
   };
 
   Lane toModes(const JointRow& v) const noexcept;
@@ -380,8 +380,7 @@ int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame
 
 template <int kMech>
 int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& frame, const Ahead& a,
-                                                               const Wall* walls, int count,
-                                                               Target* targets) noexcept {
+                                                               const Wall* walls, int count, Target* targets) noexcept {
   int placed = 0;
   for (int i = 0; i < count; ++i) {
     const Wall& w = walls[i];
@@ -407,8 +406,8 @@ int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& 
   return placed;
 }
 
-// Forces, N, that take the modes from where the hand would take them to the nearest place in the free space. Where walls
-// contradict each other, all of them give way by twice the least way.
+// Forces, N, that take the modes from where the hand would take them to the nearest place in the free space. Where
+// walls contradict each other, all of them give way by twice the least way.
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const Target* targets, int count,
                                                            double* force) noexcept {
@@ -416,7 +415,7 @@ void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const
     force[0] = std::max(0.0, -targets[0].gap) / (targets[0].size * targets[0].size * (1.0 + targets[0].compliance));
     return;
   }
-  double G[kMaxWalls][kMaxWalls], h[kMaxWalls];
+  double G[kMaxWalls][kMaxWalls], h[kMaxWalls] = {};
   const double give = 1.0 / (kRetreat * kRetreat);
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j <= i; ++j) {
@@ -455,7 +454,8 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
     outward[kLink + 1][k] = row[k] * (1.0 - rotor);
   }
   for (int d = 0; d <= delay_; ++d) observer_.pullBack(outward);
-  const auto force = observer_.moments(memory_.observer, push), uncertain = observer_.moments(memory_.observer, outward);
+  const auto force = observer_.moments(memory_.observer, push),
+             uncertain = observer_.moments(memory_.observer, outward);
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
   const double reaction = (delay_ + 1) * T, step = std::min(kLargeStep * memory_.step, 0.5 * most);
@@ -487,7 +487,8 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
   const JointRow joint = toJoints(row);
   for (int j = 0; j < joints_; ++j)
     if (frame.maxTorque[j] > 0.0 && joint[j] != 0.0) {
-      const double left = frame.maxTorque[j] - std::copysign(frame.kinematics.gravity[j], joint[j] * frame.kinematics.gravity[j]);
+      const double left =
+          frame.maxTorque[j] - std::copysign(frame.kinematics.gravity[j], joint[j] * frame.kinematics.gravity[j]);
       most = std::min(most, std::max(0.0, left) / std::abs(joint[j]));
     }
   if (!(most > 0.0)) return 0.0;
@@ -555,8 +556,10 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   Memory& m = memory_;
   const int n = joints_;
   if (kin.q.size() != n || frame.rows.count != frame.contacts.count) return Status::outOfRange;
-  if (m.started == 0.0 || frame.time - m.lastTime > kMostTicks * options_.period) start(frame);
-  else observe(frame);
+  if (m.started == 0.0 || frame.time - m.lastTime > kMostTicks * options_.period)
+    start(frame);
+  else
+    observe(frame);
   m.lastTime = frame.time;
 
   Ahead a;
@@ -617,7 +620,8 @@ PositionControlRenderer::PositionControlRenderer(const PositionControlOptions& o
   for (const double number : {d.bandwidth, d.rotorInertia, d.stiffness, d.damping, d.disturbance})
     if (!(number >= 0.0 && std::isfinite(number)))
       refuse("a number of the drive is " + formatNumber(number) + ", must be zero or positive");
-  if (d.stiffness > 0.0 && !(d.rotorInertia > 0.0)) refuse("a cable of " + formatNumber(d.stiffness) + " needs a rotor");
+  if (d.stiffness > 0.0 && !(d.rotorInertia > 0.0))
+    refuse("a cable of " + formatNumber(d.stiffness) + " needs a rotor");
   if (d.stiffness > 0.0)
     controller_ = std::make_unique<ControllerOf<4>>(options);
   else
@@ -630,7 +634,8 @@ PositionControlState PositionControlRenderer::state() const noexcept { return co
 
 void PositionControlRenderer::prepare(double period) {
   if (period != period_)
-    throw Error("position control: is for ticks of " + formatNumber(period_) + " s, these take " + formatNumber(period));
+    throw Error("position control: is for ticks of " + formatNumber(period_) + " s, these take " +
+                formatNumber(period));
 }
 
 Status PositionControlRenderer::render(const TickFrame& frame, TickOutput& output) noexcept {

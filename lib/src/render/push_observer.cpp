@@ -9,21 +9,29 @@
 namespace enamel {
 namespace {
 
-constexpr double kJumpRate = 1.0;         // steps of the hand a second
-constexpr double kLeastForce = 0.1;       // of a step: the model lacks its share of at least that
-constexpr double kScaleWander = 0.03;     // of ln(mass), in a root second
-constexpr double kMostScale = 0.5;        // of ln(mass)
-constexpr double kSpeedPrior = 0.01;      // deviation at the start, m/s or rad/s
-constexpr double kRefreshed = 2e-3;       // of ln(inertia)
+constexpr double kJumpRate = 1.0;                           // steps of the hand a second
+constexpr double kLeastForce = 0.1;                         // of a step: the model lacks its share of at least that
+constexpr double kScaleWander = 0.03;                       // of ln(mass), in a root second
+constexpr double kMostScale = 0.5;                          // of ln(mass)
+constexpr double kSpeedPrior = 0.01;                        // deviation at the start, m/s or rad/s
+constexpr double kRefreshed = 2e-3;                         // of ln(inertia)
 constexpr double kForgotten = -40.0, kLeastWeight = -60.0;  // logarithms
 
 template <int kMech>
 const ObserverSteps<kMech>& steps() noexcept {
+#ifdef ENAMEL_X86_KERNELS
   static const bool wide = __builtin_cpu_supports("avx2");
+  if (wide) {
+    if constexpr (kMech == 2)
+      return kRigidStepsAvx2;
+    else
+      return kCableStepsAvx2;
+  }
+#endif
   if constexpr (kMech == 2)
-    return wide ? kRigidStepsAvx2 : kRigidSteps;
+    return kRigidSteps;
   else
-    return wide ? kCableStepsAvx2 : kCableSteps;
+    return kCableSteps;
 }
 
 }  // namespace

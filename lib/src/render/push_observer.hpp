@@ -1,5 +1,5 @@
-// What is known of a device and of the hand that pushes it: Kalman filters of the modes, and hypotheses on when the push
-// last jumped. The equations: lib/docs/position-control.md.
+// What is known of a device and of the hand that pushes it: Kalman filters of the modes, and hypotheses on when the
+// push last jumped. The equations: lib/docs/position-control.md.
 //
 // A mode has the states of mode_table.hpp and ln(mass / model's). Its process noise is a trembling hand, the wandering
 // growth of the push, and what the model lacks: a share of the force that accelerates the device or stretches a cable.

@@ -17,27 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Values = std::vector<double>;
 
-// How the search varies each of positionControlParameters().
-struct Variation {
-  double low, high, step;
-  bool logarithmic;
-};
-constexpr std::array<Variation, 13> kServoVariations = {{
-    {0.1, 0.9, 0.05, false},    // pole
-    {0.5, 1.8, 0.1, false},     // damping
-    {0.05, 0.9, 0.05, false},   // jump pole
-    {0.0, 20.0, 1.5, false},    // jump ticks
-    {0.001, 0.02, 0.3, true},   // outward speed: faster ones bounce off after an impact
-    {5e-6, 3e-4, 0.3, true},    // outward distance
-    {0.005, 3.0, 0.3, true},    // tremor
-    {0.001, 3.0, 0.3, true},    // wander
-    {1e-4, 0.3, 0.3, true},     // growth
-    {3.0, 20.0, 0.15, true},    // jump threshold
-    {0.05, 0.95, 0.12, false},  // jump age
-    {3.0, 200.0, 0.4, true},    // jump size
-    {0.01, 10.0, 0.4, true},    // jump growth
-}};
-
 const ControllerParameter kStiffness{"stiffness", "N/m", 1000.0, 50.0, 2e5, 0.3, true};
 const ControllerParameter kDamping{"damping", "N s/m", 3.0, 1e-3, 200.0, 0.4, true};
 const std::vector<ControllerParameter> kWeights = {{"rate weight", "", 0.02, 1e-8, 1e6, 1.0, true},
@@ -78,29 +57,6 @@ MakeRenderer holdDelay(const ControllerUse& use, const Values& v) {
 }
 
 }  // namespace
-
-PositionControlOptions positionControlWith(const PositionControlOptions& start, const Values& values) {
-  const auto& parameters = positionControlParameters();
-  require(values.size() == parameters.size(), "position control: " + std::to_string(values.size()) +
-                                                  " numbers, must be " + std::to_string(parameters.size()));
-  PositionControlOptions options = start;
-  for (std::size_t i = 0; i < values.size(); ++i) options.*parameters[i].value = values[i];
-  return options;
-}
-
-ControllerSpec positionControlSpec(const PositionControlOptions& start) {
-  ControllerSpec spec{
-      "position-control", "position control", {}, [start](const ControllerUse&, const Values& values) -> MakeRenderer {
-        const PositionControlOptions options = positionControlWith(start, values);
-        return [options] { return std::make_unique<PositionControlRenderer>(options); };
-      }};
-  for (std::size_t i = 0; i < kServoVariations.size(); ++i) {
-    const PositionControlParameter& p = positionControlParameters()[i];
-    const Variation& v = kServoVariations[i];
-    spec.parameters.push_back({p.name, p.unit, start.*p.value, v.low, v.high, v.step, v.logarithmic});
-  }
-  return spec;
-}
 
 const std::vector<ControllerSpec>& rivalSpecs() {
   static const std::vector<ControllerSpec> specs = {

@@ -1,16 +1,9 @@
-// Controllers with their numbers open: position control in contact space, and the rivals that it is compared with.
+// The controllers that position control is compared with, with their numbers open.
 #pragma once
 
 #include "enamel/study/wall_design.hpp"
 
 namespace enamel {
-
-/// Return the contact-space servo: its numbers are positionControlParameters(); the search begins with those of
-/// `start`.
-ControllerSpec positionControlSpec(const PositionControlOptions& start);
-
-/// `start` with other numbers, one for each of positionControlParameters(). Throws Error: a wrong number of them.
-PositionControlOptions positionControlWith(const PositionControlOptions& start, const std::vector<double>& values);
 
 /// The rivals:
 /// - impedance: a spring and a damper on the depth (ImpedanceRenderer); stiffness, damping.

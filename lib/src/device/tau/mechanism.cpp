@@ -26,7 +26,8 @@ void evaluate(const TauModel& model, const TauConfiguration& configuration, bool
 }  // namespace
 
 TauMechanism::TauMechanism(const TauParameters& parameters)
-    : Mechanism(parameters.name, limitsOf(parameters.motor, parameters.imperfections, 6)), model_(makeModel(parameters)) {
+    : Mechanism(parameters.name, limitsOf(parameters.motor, parameters.imperfections, 6)),
+      model_(makeModel(parameters)) {
   setHome();
 }
 
