@@ -77,10 +77,11 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   };
   // Plain numbers: all that is kept from tick to tick.
   struct Memory {
+    // Column k: mode k in joint coordinates. Aligned: GCC 12 takes it to be.
+    alignas(64) double axes[kMaxJoints][kLanes] = {};
     typename Observer::State observer{};
     double started = 0.0, lastTime = 0.0, ticks = 0.0;
     std::array<JointRow, kMaxLoopDelay + 1> sent{};  // beyond gravity, the last first
-    double axes[kMaxJoints][kLanes] = {};            // column k: mode k in joint coordinates
     JointRow lastReading{}, target{};                // joints
     double step = 0.0;                               // of the hand, N
     double contradictions = 0.0, ignored = 0.0;
