@@ -25,7 +25,7 @@ constexpr double kPeriod = 1e-3;
 std::shared_ptr<const Mechanism> tau() { return std::make_shared<TauMechanism>(test::nominal()); }
 
 PositionControlOptions optionsFor(const Mechanism& device, int delay) {
-  return positionControlFor(device.limits().encoderStep, kPeriod, delay, delay);
+  return positionControlFor(device, kPeriod, delay, delay);
 }
 
 LoopSetup loopWith(const Scene& scene, int delay) {
@@ -75,8 +75,7 @@ WallDesignSetup setupFor(int delayLow, int delayHigh) {
 }
 
 WallScore evaluate(const WallDesignSetup& setup) {
-  const auto options =
-      positionControlFor(setup.plant->limits().encoderStep, kPeriod, setup.delay.low, setup.delay.high);
+  const auto options = positionControlFor(*setup.plant, kPeriod, setup.delay.low, setup.delay.high);
   return evaluateWall(
       setup, [options] { return std::make_unique<PositionControlRenderer>(options); }, 7, 2);
 }
@@ -159,7 +158,7 @@ TEST_CASE("the servo learns how heavy the device is", "[position_control]") {
       double mean = 0.0;
       const int runs = test::count(6, 40);
       for (int run = 0; run < runs; ++run) {
-        PositionControlRenderer servo(positionControlFor(model->limits().encoderStep, kPeriod, 0, late));
+        PositionControlRenderer servo(positionControlFor(*model, kPeriod, 0, late));
         LoopSetup setup = loopWith(flatWall(), 0);
         setup.delay = {0, late};
         setup.run = static_cast<std::uint32_t>(run);
@@ -369,7 +368,7 @@ TEST_CASE("the servo's options are checked", "[position_control]") {
 
 TEST_CASE("the servo's file is read as it was written, and refused with its key", "[position_control]") {
   const auto device = tau();
-  const PositionControlOptions options = positionControlFor(device->limits().encoderStep, kPeriod, 0, 3);
+  const PositionControlOptions options = positionControlFor(*device, kPeriod, 0, 3);
   const std::string path = (std::filesystem::temp_directory_path() / "enamel-position-control.json").string();
   const std::string text = positionControlText({"tau-nominal.toml", options});
   const auto write = [&path](const std::string& content) { std::ofstream(path) << content; };

@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
     }
     ImpedanceRenderer spring({6000.0, 0.0});  // N/m, N s/m
     const double conventional = depthOf(*device, spring, "                                    spring");
-    PositionControlRenderer servo(positionControlFor(device->limits().encoderStep, kPeriod, 0, 0));
+    PositionControlRenderer servo(positionControlFor(*device, kPeriod, 0, 0));
     const double best = depthOf(*device, servo, "                          in contact space");
     return stiffest < softest && best < stiffest && stiffest < conventional ? 0 : 1;
   } catch (const Error& error) {

@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
     scene.add(wall);
     Tool tool;  // a ball of 1 mm; as it comes, a point
     tool.parts[0].radius = 0.5e-3;
-    PositionControlRenderer servo(positionControlFor(device->limits().encoderStep, kPeriod, 0, 0));
+    PositionControlRenderer servo(positionControlFor(*device, kPeriod, 0, 0));
     Vec3 position(0.0, 0.0, 0.003), speed = Vec3::Zero();  // m, m/s
     HapticTick tick(*device, scene, tool, servo, kPeriod, Pose{position, Mat3::Identity()});
 

@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
         },
         true);  // in real time
 
-    PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
+    PositionControlRenderer servo(positionControlFor(*mechanism, 1e-3, 0, 0));
     HapticTick haptics(*mechanism, file.scene, file.tool, servo, 1e-3, setup.start);
     HapticLoop loop(device, haptics);  // the thread runs from here to the end of this function
 

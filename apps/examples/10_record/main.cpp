@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     setup.start.position.z() = 0.002;
     setup.encoders.quantised = true;
     VirtualDevice device(*mechanism, setup);
-    const PositionControlOptions options = positionControlFor(mechanism->limits().encoderStep, kPeriod, 0, 0);
+    const PositionControlOptions options = positionControlFor(*mechanism, kPeriod, 0, 0);
     PositionControlRenderer servo(options);
     HapticTick tick(*mechanism, scene, Tool(), servo, kPeriod, setup.start);
 
