@@ -380,7 +380,7 @@ TEST_CASE("friction holds a light push against the counts of encoders", "[hard]"
 }
 
 TEST_CASE("the servo runs on a delta as it comes", "[hard]") {
-  const auto device = makeMechanism(loadDevice(test::deviceFile("delta.toml")));
+  const auto device = makeMechanism(idealOf(loadDevice(test::deviceFile("delta.toml"))));
   for (const int delay : {0, 1, 2, 3}) {
     PositionControlRenderer servo = servoFor(*device, delay);
     double deepest = 0.0;

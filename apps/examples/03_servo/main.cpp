@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   try {
     DeviceParameters parameters = loadDevice(argv[1]);
     addDamping(parameters, Vec6::Constant(4.0).cwiseProduct((Vec6() << 1, 1, 1, 0, 0, 0).finished()));  // N s/m
-    const auto device = makeMechanism(parameters);
+    const auto device = makeMechanism(idealOf(parameters));
 
     std::printf("weight  disk margin  bears a delay of\n");
     double softest = 0.0, stiffest = 0.0;

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   if (argc < 3) return std::fprintf(stderr, "usage: graphics DEVICE.toml SCENE.toml [seconds]\n"), 2;
   try {
     const double seconds = argc > 3 ? std::atof(argv[3]) : 2.0;
-    const auto mechanism = makeMechanism(loadDevice(argv[1]));
+    const auto mechanism = makeMechanism(idealOf(loadDevice(argv[1])));
     const SceneFile file = loadScene(argv[2]);
 
     // The device in the computer, held by a spring to where the mouse is. Your driver is a HapticDevice like it.
