@@ -18,7 +18,8 @@ struct RendererUnit::Saved final : UnitState {
 };
 
 RendererUnit::RendererUnit(const UnitConfiguration& configuration, const DeviceParameters& parameters, SceneFile scene)
-    : Unit(configuration, makeMechanism(modelFor(configuration.plant, parameters))),
+    : Unit(configuration,
+           makeMechanism(modelFor(configuration.plant.empty() ? kClosedForm : configuration.plant, parameters))),
       scene_(std::move(scene)),
       renderer_(makeLinked(configuration.renderer, configuration.parameters, device_, configuration.period)) {}
 

@@ -162,7 +162,7 @@ TEST_CASE("a renderer without activate() has no state, and none after one that f
   hasNone();
   renderer.activate(1e-3);
   CHECK(renderer.stateSize() > 0);
-  CHECK_THROWS_WITH(renderer.activate(2e-3), ContainsSubstring("it was designed for 0.001 s"));
+  CHECK_THROWS_WITH(renderer.activate(2e-3), ContainsSubstring("is for ticks of 0.001 s, these take 0.002"));
   hasNone();
   renderer.activate(1e-3);
   renderer.deactivate();
