@@ -241,17 +241,17 @@ TEST_CASE("push: position control, linked and as a plugin, is told of the plant'
     return test::readFile(folder / "run.csv");
   };
   const std::string plugin = "--renderer '" ENAMEL_PLUGINS "/enamel_position_control.so' --set delay=1 ";
-  CHECK(ticks("tau-nominal.toml", plugin) == ticks("tau-nominal.toml", ""));
+  CHECK((ticks("tau-nominal.toml", plugin) == ticks("tau-nominal.toml", "")));
   const std::string detailed = "tau-detailed.toml", ideal = plugin + "--set drive=ideal ",
                     rigid = plugin + "--set drive=rigid ";
-  CHECK(ticks(detailed, ideal) == ticks(detailed, ""));
-  CHECK(ticks(detailed, plugin) != ticks(detailed, ""));
-  CHECK(ticks(detailed, "--plant imperfect-stiff " + rigid) == ticks(detailed, "--plant imperfect-stiff"));
-  CHECK(ticks(detailed, "--plant imperfect " + plugin) == ticks(detailed, "--plant imperfect"));
+  CHECK((ticks(detailed, ideal) == ticks(detailed, "")));
+  CHECK((ticks(detailed, plugin) != ticks(detailed, "")));
+  CHECK((ticks(detailed, "--plant imperfect-stiff " + rigid) == ticks(detailed, "--plant imperfect-stiff")));
+  CHECK((ticks(detailed, "--plant imperfect " + plugin) == ticks(detailed, "--plant imperfect")));
   // A recording is made again with the same drives.
-  const std::string recording = folder / "run.rec";
   for (const std::string plant : {"closed-form", "imperfect-stiff", "imperfect"}) {
     INFO(plant);
+    const std::string recording = folder / (plant + ".rec");
     (void)ticks(detailed, "--plant " + plant + " --record '" + recording + "'");
     CHECK_THAT(run("replay '" + recording + "'").output, ContainsSubstring("equal, bit for bit"));
   }
