@@ -151,11 +151,8 @@ Make rival(const Study& study, const std::string& column, ColumnRecords& records
 
 Make positionControl(const Study& study) {
   const PushSetup& setup = study.plan.setup;
-  if (study.design->joints() != study.mechanism->joints())
-    throw Error(fmt::format("--design-device has {} joints, the device has {}", study.design->joints(),
-                            study.mechanism->joints()));
   const PositionControlOptions servo =
-      positionControlFor(*study.design, setup.period, setup.delay.low, setup.delay.high);
+      positionControlFor(*study.mechanism, setup.period, setup.delay.low, setup.delay.high);
   PositionControlRenderer{servo};  // refuses here what a run would refuse
   return [servo](std::size_t) { return std::make_unique<PositionControlRenderer>(servo); };
 }

@@ -34,7 +34,7 @@ void addRendererOptions(CLI::App& command, StudyOptions& options) {
       ->allow_extra_args(false);
   command.add_option("--device", options.device, "device file (TOML)");
   command.add_option("--design-device", options.designDevice,
-                     "device file that the renderers are designed on; without it, --device");
+                     "device file that hold and the rivals are designed on; without it, --device");
   command
       .add_option("--device-damping", options.deviceDamping,
                   "mechanical damping of the TCP along z beyond the device file's, N s/m: B for every renderer, or\n"

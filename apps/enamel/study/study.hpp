@@ -27,7 +27,7 @@ struct ColumnLabel {
 struct Study {
   StudyOptions options;
   DeviceParameters device, designDevice;
-  std::shared_ptr<const Mechanism> mechanism;  ///< of `device`, as its file says
+  std::shared_ptr<const Mechanism> mechanism;  ///< of `device`, with the drives of the plant
   std::shared_ptr<const Mechanism> design;     ///< what renderers are designed on
   std::optional<ServoDesign> home;  ///< the servo of hold, also of --gain; where a column is hold or scheduled
   StudyPlan plan;
