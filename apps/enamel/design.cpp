@@ -7,8 +7,8 @@
 
 #include "commands.hpp"
 #include "design_file.hpp"
-#include "design_position_control.hpp"
 #include "design_results.hpp"
+#include "design_rivals.hpp"
 #include "enamel/control/tuning.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
@@ -28,9 +28,8 @@ struct DesignOptions {
   double rate = 1000.0;
   ServoWeights weights;
   std::vector<double> at{0.0, 0.0, 0.0};
-  bool tune = false, surface = false, rivals = false;
-  std::string delay = "0";
-  DesignSearchOptions search;
+  bool tune = false, rivals = false;
+  RivalSearchOptions search;
   TuneRequirements required;
   double deviceDamping = 0.0, push = 12.0;
 };
@@ -184,20 +183,14 @@ void writeImpedanceMap(const DesignOptions& options, const Device& device) {
 }
 
 void run(DesignOptions options) {
-  const bool bare = options.delay.find_first_not_of("0123456789") == std::string::npos;
-  const Delay delay = parseDelay(bare ? "constant:" + options.delay : options.delay);
-  if (options.surface || options.rivals) {
-    DesignSearchOptions& search = options.search;
+  if (options.rivals) {
+    RivalSearchOptions& search = options.search;
     search.device = options.device;
     search.period = 1.0 / options.rate;
-    search.delay = delay;
-    const std::string file = options.surface ? designPositionControl(search) : designRivals(search);
+    const std::string file = designRivals(search);
     if (!options.output.empty()) writeFile(options.output, file);
     return;
   }
-  if (delay.low != delay.high || delay.high > kLargestDelay)
-    throw Error("--delay is \"" + options.delay + "\", must be 0 to 3 samples for this servo");
-  options.required.delay = delay.low;
   const Device device = makeDevice(options);
   if (!options.impedanceMap.empty()) {
     writeImpedanceMap(options, device);
@@ -235,9 +228,8 @@ void addServoOptions(CLI::App& command, DesignOptions& options) {
   command.add_option("--disk-margin", options.required.diskMargin, "--tune: least disk margin")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command
-      .add_option("--delay", options.delay,
-                  "--tune: delay of the servo to write, samples; --surface: also constant:D or random:A..B")
+  command.add_option("--delay", options.required.delay, "--tune: delay of the servo to write, samples")
+      ->check(CLI::Range(0, kLargestDelay))
       ->capture_default_str();
   command.add_flag("--step-response", options.required.stepResponse,
                    "--tune: the servo to write meets the step-reference rows of Table II");
@@ -253,40 +245,30 @@ void addServoOptions(CLI::App& command, DesignOptions& options) {
 }
 
 void addSearchOptions(CLI::App& command, DesignOptions& options) {
-  command.add_flag("--surface", options.surface,
-                   "the contact-space servo instead, found by simulation of its loop (minutes)");
-  command
-      .add_flag("--rivals", options.rivals,
-                "the controllers that position control is compared with, by the same search at every delay (an hour);\n"
-                "--output writes the values for --tuned of study and compare")
-      ->excludes("--surface");
+  command.add_flag("--rivals", options.rivals,
+                   "the controllers that position control is compared with, each found by simulation of its loop at "
+                   "every delay (an hour);\n"
+                   "--output writes the values for --tuned of study and compare");
   options.search.plant = kClosedForm;
-  takeOldNames(command.add_option("--plant", options.search.plant, std::string("--surface, --rivals: ") + kPlantHelp)
+  takeOldNames(command.add_option("--plant", options.search.plant, std::string("--rivals: ") + kPlantHelp)
                    ->check(CLI::Validator(checkPlant, ""))
                    ->capture_default_str(),
                "plant");
-  command
-      .add_option("--inertia-error", options.search.inertiaError,
-                  "--surface: the model's inertia may be wrong by this share")
-      ->check(CLI::Range(0.0, 0.5))
-      ->capture_default_str();
   command.add_option("--scene", options.search.scene,
-                     "--surface, --rivals: pushed there too, must not slide off what the start is nearest to (TOML)");
-  command.add_option("--half-width", options.search.halfWidth, "--surface, --rivals: of the wall, m")
+                     "--rivals: pushed there too, must not slide off what the start is nearest to (TOML)");
+  command.add_option("--half-width", options.search.halfWidth, "--rivals: of the wall, m")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  command.add_option("--generations", options.search.generations, "--surface, --rivals: of the search, 8 servos each")
+  command.add_option("--generations", options.search.generations, "--rivals: of the search, 8 servos each")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  command
-      .add_option("--runs", options.search.runs, "--surface, --rivals: steps of force a point that evaluate a servo")
+  command.add_option("--runs", options.search.runs, "--rivals: steps of force a point that evaluate a servo")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  command.add_option("--threads", options.search.threads, "--surface, --rivals: 0 means all; the result is the same")
+  command.add_option("--threads", options.search.threads, "--rivals: 0 means all; the result is the same")
       ->check(CLI::Range(0, kMaxThreads))
       ->capture_default_str();
-  command.add_option("--seed", options.search.seed, "--surface, --rivals: of the random numbers")
-      ->capture_default_str();
+  command.add_option("--seed", options.search.seed, "--rivals: of the random numbers")->capture_default_str();
 }
 
 }  // namespace
@@ -306,8 +288,8 @@ void addDesign(CLI::App& app) {
   command
       ->add_option_function<double>(
           "--chatter", [options](double most) { options->required.chatter = options->search.chatter = most; },
-          "--tune, --surface: largest chatter, N m or N (default: " + fmt::format("{:g}", options->required.chatter) +
-              "; with --surface 2.5 % of the weakest motor)")
+          "--tune, --rivals: largest chatter, N m or N (default: " + fmt::format("{:g}", options->required.chatter) +
+              "; with --rivals 2.5 % of the weakest motor)")
       ->check(CLI::PositiveNumber);
   addSearchOptions(*command, *options);
   command->callback([options] { run(*options); });

@@ -52,9 +52,11 @@ void run(const FmuOptions& options) {
     if (findRenderer(options.renderer, pluginFolder()).plugin)
       throw Error("--renderer " + options.renderer + " is a plugin: a unit holds those of enamel itself");
     unit.renderer = options.renderer;
+    unit.plant = options.plant;
     unit.parameters = parseParameters(options.set);
-    (void)makeLinked(unit.renderer, unit.parameters, makeMechanism(parameters), unit.period);
-    (void)guardFor(*makeMechanism(parameters), unit.period);
+    const auto model = makeMechanism(modelFor(options.plant, parameters));
+    (void)makeLinked(unit.renderer, unit.parameters, model, unit.period);
+    (void)guardFor(*model, unit.period);
   }
   setup.binary = (std::filesystem::path(pluginFolder()).parent_path() / "fmi" / binary).string();
   fmi::writeUnit(options.output, setup);
@@ -73,13 +75,14 @@ void addFmu(CLI::App& app) {
       "renderer, guard).\nWhat its variables are: plugins/fmi/README.md.");
   command->add_option("--device", options->device, "device file (TOML)")->required();
   command->add_option("--output", options->output, "the unit, *.fmu")->required();
-  auto* plant = command->add_option("--plant", options->plant, kPlantHelp)
-                    ->check(CLI::IsMember(plantNames()))
-                    ->capture_default_str();
-  auto* renderer = command->add_option("--renderer", options->renderer,
-                                       "position-control, hold, impedance or passivity; without it, a plant");
-  renderer->excludes(plant);
-  takeOldNames(plant, "plant");
+  takeOldNames(command
+                   ->add_option("--plant", options->plant,
+                                std::string(kPlantHelp) + "; with --renderer, the plant that it is for")
+                   ->check(CLI::IsMember(plantNames()))
+                   ->capture_default_str(),
+               "plant");
+  command->add_option("--renderer", options->renderer,
+                      "position-control, hold, impedance or passivity; without it, a plant");
   command->add_option("--scene", options->scene, "scene file of the renderer; without it the wall z = 0 and a point");
   command->add_option("--set", options->set, "parameter of the renderer, KEY=VALUE, by the names of the plugins")
       ->allow_extra_args(false);

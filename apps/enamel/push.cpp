@@ -91,20 +91,20 @@ std::vector<RendererSource> sourcesOf(const PushOptions& options) {
 }
 
 // The parameters of a linked renderer, by the names that the plugins give them.
-std::map<std::string, std::string> parametersOf(const PushOptions& options, const std::string& renderer, bool hasGain,
+std::map<std::string, std::string> parametersOf(const PushOptions& options, const std::string& renderer,
                                                 const Delay& delay) {
   const auto onOff = [](bool value) { return value ? "on" : "off"; };
-  std::map<std::string, std::string> parameters;
   if (renderer == kImpedance || renderer == kPassivity)
     return {{"stiffness", fmt::format("{}", options.impedance.stiffness)},
             {"damping", fmt::format("{}", options.impedance.damping)}};
   if (renderer == kPositionControl)
-    parameters = {
-        {"mode", "surface"}, {"delay", std::to_string(delay.low)}, {"delay-high", std::to_string(delay.high)}};
-  else
-    parameters = {
-        {"mode", "hold"}, {"release", onOff(options.servo.release)}, {"anti-windup", onOff(options.servo.antiWindup)}};
-  if (hasGain) parameters["gain"] = std::filesystem::absolute(options.gain).string();
+    return {{"mode", "surface"},
+            {"delay", std::to_string(delay.low)},
+            {"delay-high", std::to_string(delay.high)},
+            {"drive", drivesOf(options.plant)}};
+  std::map<std::string, std::string> parameters = {
+      {"mode", "hold"}, {"release", onOff(options.servo.release)}, {"anti-windup", onOff(options.servo.antiWindup)}};
+  if (!options.gain.empty()) parameters["gain"] = std::filesystem::absolute(options.gain).string();
   return parameters;
 }
 
@@ -158,13 +158,12 @@ class WayOut {
 struct PushTask {
   const PushOptions& options;
   PushSetup setup;
-  std::shared_ptr<const Mechanism> device;  // of the file: servos and plugins are designed on it
+  std::shared_ptr<const Mechanism> device;  // of the file, with the plant's drives: servos are designed on it
   std::shared_ptr<const Mechanism> plant;   // with the damping that an option adds
   MakePlant makePlant;
   PluginSetup plugin;
   double damping = 0.0;  // of the plant along the normal, N s/m
   double limit = 0.0;    // largest first impact stiffness, N/m
-  std::string owner;     // the renderer that --gain is for
   RecordingHeader header;
 
   std::unique_ptr<Plant> makeOne() const {
@@ -181,7 +180,7 @@ struct PushResults {
 
 PushTask taskOf(const PushOptions& options) {
   DeviceParameters parameters = loadDevice(options.device);
-  PushTask task{options, {}, makeMechanism(parameters), {}, {}, {}, 0.0, 0.0, "", {}};
+  PushTask task{options, {}, makeMechanism(modelFor(options.plant, parameters)), {}, {}, {}, 0.0, 0.0, {}};
   addDamping(parameters, options.deviceDamping * Vec6::Unit(2));
   task.plant = makeMechanism(parameters);
   task.setup = setupOf(options);
@@ -194,7 +193,6 @@ void completeTask(PushTask& task) {
   const PushOptions& options = task.options;
   task.plugin = {options.device, "", options.scene, "", parseParameters(options.set)};
   task.damping = dampingAlong(*task.plant, task.setup.start, task.setup.hand.normal);
-  task.owner = options.gain.empty() ? "" : rendererOf(options.gain);
   task.limit = largestStiffness(*task.plant, task.setup);
   if (options.record.empty()) return;
   const auto place = [](const std::string& file) { return std::filesystem::absolute(file).lexically_normal(); };
@@ -214,8 +212,7 @@ std::string closed(Recorder& recorder, const std::string& file) {
 void pushWith(const RendererSource& source, PushTask& task, PushResults& results) {
   const PushOptions& options = task.options;
   const auto& [name, library] = source;
-  const auto values =
-      library ? task.plugin.parameters : parametersOf(options, name, name == task.owner, task.setup.delay);
+  const auto values = library ? task.plugin.parameters : parametersOf(options, name, task.setup.delay);
   const std::unique_ptr<Renderer> renderer =
       library ? makeRenderer(library, task.plugin) : makeLinked(name, values, task.device, task.setup.period);
   if (name == kImpedance && !library) {
@@ -269,8 +266,7 @@ void print(const PushTask& task, const PushResults& results) {
       "normal{}\n",
       task.device->name(), hand.scenario, hand.force, hand.preload, start_mm.x(), start_mm.y(), start_mm.z(),
       hand.normal.x(), hand.normal.y(), hand.normal.z(), hand.noise, options.guide ? "on" : "off", options.delay,
-      task.setup.seed, options.plant, task.damping,
-      task.owner.empty() ? "" : "; servo of " + task.owner + ": " + options.gain);
+      task.setup.seed, options.plant, task.damping, options.gain.empty() ? "" : "; servo of hold: " + options.gain);
   fmt::print("{}", tableOf(results.outcomes, hand.scenario));
   for (const std::string& file : results.files) fmt::print("every tick: {}\n", file);
   for (const std::string& file : results.recordings) fmt::print("recording: {}\n", file);
@@ -315,8 +311,7 @@ void addRendererOptions(CLI::App& command, PushOptions& options) {
       ->capture_default_str();
   command.add_option("--set", options.set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);
   command.add_option("--gain", options.gain,
-                     "file of a servo: of enamel design --surface for position-control, of enamel design for hold; "
-                     "without it, as found for the TAU and as designed at home");
+                     "file of enamel design: the servo of hold; without it, as designed at home");
   addSwitch(command, "--release", options.servo.release,
             "of hold: on: it ends when the wall would pull; off: never, as in the paper");
   addSwitch(command, "--anti-windup", options.servo.antiWindup,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel::app {
@@ -36,10 +37,9 @@ Delay parseDelay(const std::string& text) {
 
 void checkGain(const std::string& gain, const std::vector<std::string>& linked, const std::string& option) {
   if (gain.empty()) return;
-  const std::string owner = rendererOf(gain);
-  if (std::find(linked.begin(), linked.end(), owner) == linked.end())
-    throw Error(fmt::format("{}: is {}, for {}, which {} does not name", gain,
-                            owner == kHold ? "an LQR design" : "a position-control design", owner, option));
+  (void)loadServo(gain);
+  if (std::find(linked.begin(), linked.end(), kHold) == linked.end())
+    throw Error(fmt::format("{}: is an LQR design, for hold, which {} does not name", gain, option));
 }
 
 double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal) {

@@ -13,7 +13,7 @@ namespace enamel::app {
 /// "none", "constant:D" or "random:A..B", in ticks, whole numbers in decimal digits. Throws Error.
 Delay parseDelay(const std::string& text);
 
-/// Throws Error: a servo file (or "": none) for a renderer that is not among the `linked` ones of `option`.
+/// Throws Error: as loadServo(); a servo file (or "": none) where hold is not among the `linked` renderers of `option`.
 void checkGain(const std::string& gain, const std::vector<std::string>& linked, const std::string& option);
 
 /// Mechanical damping of a plant along `normal` (unit, W) at a pose, N s/m: of the TCP and of the joints.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "enamel/control/tuning.hpp"
+#include "enamel/sim/plant_maker.hpp"
 
 namespace enamel::viewer {
 namespace {
@@ -36,10 +37,10 @@ StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTor
 Experiment::Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
                        const Hand& hand, RendererSlot slot, std::shared_ptr<DrilledSolids> drilled)
     : settings_(settings),
-      model_(makeMechanism(device.parameters)),
+      model_(makeMechanism(modelFor(kClosedForm, device.parameters))),
       plant_(makeMechanism(changed(device.parameters, settings))),
       random_(1, 0),
-      servo_(positionControlOptions(device, *model_, settings.delay)),
+      servo_(positionControlFor(*model_, kPeriod, settings.delay.low, settings.delay.high)),
       hold_(device.gain, kPeriod, settings.hold),
       spring_(settings.spring),
       passive_(std::make_unique<ImpedanceRenderer>(settings.spring)),
@@ -265,8 +266,7 @@ void Experiment::tickHeld() noexcept {
   isReset_ = false;
   ++frame_.guardTicks[static_cast<std::size_t>(record.guard)];
   frame_.contacts = loop_.frame().contacts;
-  frame_.inertiaScale = servo_.inertiaScale();
-  frame_.jumps = servo_.jumps();
+  frame_.control = servo_.state();
   frame_.holding = frame_.selected == RendererSlot::hold && hold_.holding();
   frame_.reference = hold_.reference();
   if (drill_) {

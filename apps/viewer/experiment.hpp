@@ -49,11 +49,10 @@ struct Frame {
   ContactSnapshot contacts;  ///< that the renderer saw, within kContactMargin
   Hand hand;
   RendererSlot selected = RendererSlot::positionControl;
-  double inertiaScale = 1.0;  ///< of position control, with
-  double jumps = 0.0;         ///< jumps of the push that it has seen
-  bool holding = false;       ///< the renderer hold keeps the tool at
-  JointVector reference;      ///< these joint coordinates, rad or m
-  bool testing = false;       ///< a test push is under way
+  PositionControlState control;  ///< of position control
+  bool holding = false;          ///< the renderer hold keeps the tool at
+  JointVector reference;         ///< these joint coordinates, rad or m
+  bool testing = false;          ///< a test push is under way
   Conditions conditions;
   std::array<std::uint64_t, kGuardReasons> guardTicks{};  ///< of this experiment, by GuardReason
   DrillState drilled;                                     ///< where the scene has a bur

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "data_folder.hpp"
-#include "enamel/render/position_control_file.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
 #include "run.hpp"
@@ -35,8 +34,7 @@ void runViewer(int argc, char** argv) {
           "(the paper's controller), passivity (the spring with passivity control), or the name or path of a "
           "plugin, which takes the place of one of its name"),
       app.add_option("--gain", options.gain,
-                     "servo of enamel design --output: with --surface for position-control, without for hold, which "
-                     "is then begun with"),
+                     "file of enamel design --output: the servo of hold, which is then begun with"),
       app.add_option("--set", set, "parameter of the plugin, KEY=VALUE; once a parameter")->allow_extra_args(false)};
   CLI::Option* const play = app.add_option("--play", options.play, "recording to look at, instead of a run");
   for (CLI::Option* const option : live) play->excludes(option);
@@ -55,20 +53,18 @@ void runViewer(int argc, char** argv) {
                "a second of the script is so many pictures of the window as --frame-rate says, however long they take")
       ->excludes(headless);
   if (!enamel::app::parse(app, kProgram, argc, argv)) return;
-  const RendererSlot gainOf =
-      enamel::isPositionControlFile(options.gain) ? RendererSlot::positionControl : RendererSlot::hold;
   const auto linked = rendererNames(nullptr);
   const auto found = std::find(linked.begin(), linked.end(), renderer);
   if (renderer.empty()) {
-    if (!options.gain.empty()) options.begin = gainOf;
+    if (!options.gain.empty()) options.begin = RendererSlot::hold;
   } else if (found != linked.end()) {
     options.begin = static_cast<RendererSlot>(found - linked.begin());
   } else {
     options.plugin = enamel::findPlugin(renderer, enamel::app::pluginFolder());
     options.pluginParameters = enamel::app::parseParameters(set);
     options.begin = slotOf(*options.plugin);
-    if (!options.gain.empty() && options.begin == gainOf)
-      throw enamel::Error("--gain " + options.gain + " is for the linked " + linked[indexOf(gainOf)] +
+    if (!options.gain.empty() && options.begin == RendererSlot::hold)
+      throw enamel::Error("--gain " + options.gain + " is for the linked " + linked[indexOf(RendererSlot::hold)] +
                           ", whose place the plugin takes");
   }
   if (!options.plugin && !set.empty()) throw enamel::Error("--set is for plugins, and --renderer names none");

@@ -77,9 +77,8 @@ struct ToolInput {
 struct DeviceInput {
   const std::string& name;
   const TorqueStyle& torques;
-  StiffnessLimit limit;                   ///< for a test push at this pose
-  const PluginLibrary* plugin;            ///< or nullptr
-  const PositionControlOptions* surface;  ///< that a file gave, or nullptr
+  StiffnessLimit limit;         ///< for a test push at this pose
+  const PluginLibrary* plugin;  ///< or nullptr
 };
 
 struct SceneInput {

@@ -146,14 +146,12 @@ void drawRendererSettings(const OverlayInput& input, OverlayState& state) {
     remark("Holds the pose of first touch: it cannot slide.");
   } else {
     remark("Pushes out of the wall, never pulls: the tool slides.");
-    remark(format("It has learnt that the tool has %.0f %% of the model's mass.", 100.0 / frame.inertiaScale));
-    tip(state, format("From how the tool answers to what the motors do. So far %.0f sudden changes of the hand's push "
-                      "were seen, which it leaves out.",
-                      frame.jumps)
-                   .c_str());
-    const PositionControlOptions* file = input.device.surface;
-    if (file != nullptr && (file->delayLow != settings.delay.low || file->delayHigh != settings.delay.high))
-      remark(format("Its file is for a delay of %d to %d ms.", file->delayLow, file->delayHigh), kWrong);
+    remark(format("It has learnt that the tool has %.0f %% of the model's mass.", 100.0 * frame.control.mass));
+    tip(state,
+        format("From how the tool answers to what the motors do; standard deviation %.0f %%. So far %.0f samples "
+               "that no push explains were ignored.",
+               100.0 * frame.control.deviation, frame.control.ignored)
+            .c_str());
   }
 }
 

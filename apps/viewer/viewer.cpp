@@ -8,6 +8,7 @@
 
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "overlay.hpp"
 #include "overlay_parts.hpp"
 #include "program/recorded.hpp"
@@ -68,7 +69,10 @@ RecordingHeader headerOf(const ServoedDevice& device, const std::string& scenePa
   header.sceneText = readFile(header.sceneFile);
   header.start = start;
   const bool isPlugin = device.plugin && slotOf(*device.plugin) == slot;
-  app::nameRenderer(rendererNames(device.plugin.get())[indexOf(slot)], isPlugin ? device.plugin->path() : "", {},
+  app::nameRenderer(rendererNames(device.plugin.get())[indexOf(slot)], isPlugin ? device.plugin->path() : "",
+                    isPlugin || slot != RendererSlot::positionControl
+                        ? std::map<std::string, std::string>{}
+                        : std::map<std::string, std::string>{{"drive", drivesOf(kClosedForm)}},
                     scene.scene, header);
   return header;
 }
@@ -352,7 +356,7 @@ OverlayInput Viewer::overlayInput() const {
       toolOf(left_),
       std::nullopt,
       player_.get(),
-      {plant_->name(), torques_, limit_, device_.plugin.get(), device_.surface ? &*device_.surface : nullptr},
+      {plant_->name(), torques_, limit_, device_.plugin.get()},
       {scene_.name, scenes_.names(), scenes_.index(), scene_.tool.parts[0].radius, plane_.has_value()},
       std::nullopt,
       trail_,

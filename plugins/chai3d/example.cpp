@@ -43,7 +43,7 @@ class SimulatedStylus final : public chai3d::cGenericHapticDevice {
 int main() try {
   const auto stylus = std::make_shared<SimulatedStylus>();  // yours: cHapticDeviceHandler().getDevice(stylus, 0)
   const CartesianMechanism mechanism(cartesianFor(stylus->getSpecifications(), 0.045, 1e-5));
-  PositionControlRenderer servo(positionControlFor(mechanism.limits().encoderStep, 1e-3, 0, 0));
+  PositionControlRenderer servo(positionControlFor(mechanism, 1e-3, 0, 0));
   Chai3dOptions options;
   options.clock = [&stylus] { return stylus->physics->time(); };  // yours: nothing, that is a real clock
   chai3d::cWorld world;

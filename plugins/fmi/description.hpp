@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "enamel/device/device_file.hpp"
+#include "enamel/sim/plant_maker.hpp"
 
 namespace enamel::fmi {
 
@@ -30,7 +30,7 @@ struct Variable {
 struct UnitConfiguration {
   std::string renderer;                           ///< empty: a plant
   std::map<std::string, std::string> parameters;  ///< of the renderer
-  std::string plant;                              ///< as --plant; of a plant
+  std::string plant = kClosedForm;                ///< as --plant; of a renderer: the one that it is for
   int substeps = 1;
   double period = 1e-3;  ///< s
   bool guarded = true;

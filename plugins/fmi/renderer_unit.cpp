@@ -5,6 +5,7 @@
 
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/renderer_source.hpp"
+#include "enamel/sim/plant_maker.hpp"
 
 namespace enamel::fmi {
 
@@ -17,7 +18,8 @@ struct RendererUnit::Saved final : UnitState {
 };
 
 RendererUnit::RendererUnit(const UnitConfiguration& configuration, const DeviceParameters& parameters, SceneFile scene)
-    : Unit(configuration, makeMechanism(parameters)),
+    : Unit(configuration,
+           makeMechanism(modelFor(configuration.plant.empty() ? kClosedForm : configuration.plant, parameters))),
       scene_(std::move(scene)),
       renderer_(makeLinked(configuration.renderer, configuration.parameters, device_, configuration.period)) {}
 

@@ -7,15 +7,17 @@
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/author.hpp"
 #include "enamel/render/hold.hpp"
-#include "enamel/render/position_control_file.hpp"
+#include "enamel/render/position_control.hpp"
 
 namespace {
 
 const EnamelParameter kParameters[] = {
     {"mode", "surface", "surface: a servo in contact space; hold: the paper's, sticks to the point of touch"},
-    {"gain", "designed", "file of a servo of the mode; designed: surface as for the TAU, hold for the device at home"},
+    {"gain", "designed", "of hold: file of enamel design; designed: for the device at home"},
     {"delay", "0", "of the command, of surface: the smallest, ticks"},
     {"delay-high", "same", "of surface: the largest, ticks; same: as delay"},
+    {"drive", "device",
+     "of surface: device: cables, motor lag and friction as in [imperfections]; rigid: without cables; ideal: none"},
     {"release", "on", "of hold: on: the hold ends when the wall would pull; off: never"},
     {"release-force", "0.3", "of hold: pull at which it ends, N"},
     {"anti-windup", "off", "of hold: on: the integrators stop while a motor is saturated"},
@@ -42,44 +44,31 @@ class PositionControl {
     return description;
   }
 
-  explicit PositionControl(const enamel::PluginConfiguration& configuration)
-      : mechanism_(enamel::makeMechanism(configuration.device())) {
-    const std::string &mode = configuration.text("mode"), &gain = configuration.text("gain");
+  explicit PositionControl(const enamel::PluginConfiguration& configuration) {
+    const std::string &mode = configuration.text("mode"), &gain = configuration.text("gain"),
+                      &drive = configuration.text("drive");
     if (mode != "surface" && mode != "hold") refuse("mode", "is \"" + mode + "\", must be surface or hold");
+    if (drive != "device" && drive != "rigid" && drive != "ideal")
+      refuse("drive", "is \"" + drive + "\", must be device, rigid or ideal");
     surface_ = mode == "surface";
-    const bool given = gain != "designed";
-    if (given && enamel::isPositionControlFile(gain) != surface_) {
-      if (surface_) (void)enamel::loadServo(gain);  // says what is wrong with a file that is neither
-      refuse("gain", "is " + gain + ", " + (surface_ ? "an LQR design" : "a position-control design") +
-                         ", the mode is " + mode);
-    }
-    const int low = ticksOf(configuration, "delay"),
-              high = configuration.text("delay-high") == "same" ? low : ticksOf(configuration, "delay-high");
+    enamel::DeviceParameters device = configuration.device();
+    if (drive == "rigid") enamel::stiffenCables(device);
+    if (drive == "ideal") device = enamel::idealOf(device);
+    mechanism_ = enamel::makeMechanism(device);
+    low_ = ticksOf(configuration, "delay");
+    high_ = configuration.text("delay-high") == "same" ? low_ : ticksOf(configuration, "delay-high");
     hold_.release = configuration.flag("release");
     hold_.releaseForce = configuration.number("release-force", 0.0, 100.0, "N");
     hold_.antiWindup = configuration.flag("anti-windup");
-    if (!surface_) {
-      if (given) servo_ = enamel::loadServo(gain);
-    } else if (given) {
-      options_ = enamel::loadPositionControl(gain).options;
-      if (options_->delayLow != low || options_->delayHigh != high)
-        refuse("gain", "is " + gain + ", for a delay of " + std::to_string(options_->delayLow) + " to " +
-                           std::to_string(options_->delayHigh) + " ticks, delay and delay-high are " +
-                           std::to_string(low) + " and " + std::to_string(high));
-      if (options_->encoderStep.size() != mechanism_->joints())
-        refuse("gain", "is " + gain + ", for " + std::to_string(options_->encoderStep.size()) +
-                           " joints, the device has " + std::to_string(mechanism_->joints()));
-    } else {
-      low_ = low;
-      high_ = high;
-      enamel::PositionControlRenderer{enamel::positionControlFor(mechanism_->limits().encoderStep, 1e-3, low, high)};
-    }
+    if (surface_ && gain != "designed") refuse("gain", "is of mode hold, mode surface needs no file");
+    if (gain != "designed") servo_ = enamel::loadServo(gain);
+    if (surface_) enamel::PositionControlRenderer{enamel::positionControlFor(*mechanism_, 1e-3, low_, high_)};
   }
 
   std::unique_ptr<enamel::Renderer> activate(double period) const {
     if (surface_)
       return std::make_unique<enamel::PositionControlRenderer>(
-          options_ ? *options_ : enamel::positionControlFor(mechanism_->limits().encoderStep, period, low_, high_));
+          enamel::positionControlFor(*mechanism_, period, low_, high_));
     const enamel::ServoFile servo =
         servo_ ? *servo_ : enamel::ServoFile{"", period, enamel::designServo(mechanism_, enamel::Pose{}, period).K};
     return std::make_unique<enamel::HoldRenderer>(servo.gain, servo.period, hold_);
@@ -88,9 +77,8 @@ class PositionControl {
  private:
   std::shared_ptr<const enamel::Mechanism> mechanism_;
   bool surface_ = true;
-  int low_ = 0, high_ = 0;                                 // delay, ticks
-  std::optional<enamel::PositionControlOptions> options_;  // given, of mode surface
-  std::optional<enamel::ServoFile> servo_;                 // given, of mode hold
+  int low_ = 0, high_ = 0;                  // delay, ticks
+  std::optional<enamel::ServoFile> servo_;  // given, of mode hold
   enamel::HoldOptions hold_;
 };
 

@@ -1,7 +1,5 @@
 #include "renderers.hpp"
 
-#include <algorithm>
-
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
@@ -9,8 +7,9 @@
 #include "enamel/render/hold.hpp"
 #include "enamel/render/impedance.hpp"
 #include "enamel/render/passivity.hpp"
-#include "enamel/render/position_control_file.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/render/virtual_coupling.hpp"
+#include "setup.hpp"
 
 namespace enamel::python {
 
@@ -106,25 +105,9 @@ MakeRenderer makerOf(const py::object& renderer, const std::shared_ptr<Failure>&
 
 namespace {
 
-RendererRecipe positionControl(const Device& device, double period, const Delays& delay, const py::object& file,
-                               const std::map<std::string, double>& numbers) {
-  PositionControlOptions options;
-  if (file.is_none()) {
-    options = positionControlFor(device.mechanism->limits().encoderStep, period, delay.first, delay.second);
-  } else {
-    const std::string path = py::str(file).cast<std::string>();
-    options = loadPositionControl(path).options;
-    if (options.encoderStep.size() != device.mechanism->joints())
-      throw Error(path + ": the servo is for " + std::to_string(options.encoderStep.size()) +
-                  " joints, the device has " + std::to_string(device.mechanism->joints()));
-  }
-  for (const auto& [key, value] : numbers) {
-    const std::string& name = key;  // which Clang lets a lambda capture
-    const auto& all = positionControlParameters();
-    const auto found = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.name == name; });
-    if (found == all.end()) throw Error("position_control has no number \"" + name + "\"");
-    options.*found->value = value;
-  }
+RendererRecipe positionControl(const Device& device, double period, const Delays& delay, const std::string& plant) {
+  const auto model = makeMechanism(modelFor(plantName(plant), device.parameters));
+  const PositionControlOptions options = positionControlFor(*model, period, delay.first, delay.second);
   PositionControlRenderer{options};  // refuses here what a run would refuse
   return {"position-control", [options] { return std::make_unique<PositionControlRenderer>(options); }};
 }
@@ -202,15 +185,11 @@ void addRenderers(py::module_& m) {
   py::class_<RendererRecipe>(m, "Renderer", "How to make a renderer: every run makes its own.")
       .def_readonly("name", &RendererRecipe::name)
       .def("__repr__", [](const RendererRecipe& self) { return "<enamel.Renderer \"" + self.name + "\">"; });
-  m.def(
-      "position_control",
-      [](const Device& device, double period, const Delays& delay, const py::object& file, const py::kwargs& numbers) {
-        return positionControl(device, period, delay, file, numbers.cast<std::map<std::string, double>>());
-      },
-      py::arg("device"), py::arg("period") = 1e-3, py::arg("delay") = Delays{0, 0}, py::arg("file") = py::none(),
-      "The contact-space servo: it pushes and never pulls, lets the tool slide. `delay`: smallest and largest of the "
-      "command, ticks; `file`: of enamel design --surface; any of its numbers by name. Raises Error: a number outside "
-      "its range; a file for another device.");
+  m.def("position_control", &positionControl, py::arg("device"), py::arg("period") = 1e-3,
+        py::arg("delay") = Delays{0, 0}, py::arg("plant") = kClosedForm,
+        "The contact-space servo: it pushes and never pulls, lets the tool slide. `delay`: smallest and largest of the "
+        "command, ticks; `plant`: as of push(), whose drives it is told of; \"imperfect\" for a real device. Raises "
+        "Error: a number outside its range; an unknown plant.");
   m.def("hold", &hold, py::arg("device"), py::arg("period") = 1e-3, py::arg("gain") = py::none(),
         py::arg("release") = true, py::arg("anti_windup") = false,
         "The paper's controller: once the tool touches, a servo holds it there. `gain`, (n, 3n): of design_servo(), by "

@@ -24,13 +24,17 @@ EncoderOptions encodersOf(bool encoders, const std::string& rates, double lowPas
   return {encoders, ratesOf(rates, encoders), lowPass};
 }
 
-MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
+std::string plantName(const std::string& plant) {
   if (const std::string warning = oldNameWarning("plant", plant, "plant"); !warning.empty()) warnDeprecated(warning);
+  return std::string(presentName("plant", plant));
+}
+
+MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup) {
   OtherPlants others;
 #ifdef ENAMEL_SIMBODY
   others.multibody = multibodyPlants;
 #endif
-  return plantMaker(std::string(presentName("plant", plant)), parameters, others, setup);
+  return plantMaker(plantName(plant), parameters, others, setup);
 }
 
 int threadsOf(int threads) { return threads > 0 ? threads : availableThreads(); }

@@ -50,7 +50,7 @@ Rest drillAndRest() {
     square += frame.record.normalForce * frame.record.normalForce / kTicks;
     rest.largest = std::max(rest.largest, frame.record.normalForce);
     rest.hand += frame.record.handWrench.head<3>().norm() / kTicks;
-    rest.lightest = std::min(rest.lightest, 1.0 / frame.inertiaScale);
+    rest.lightest = std::min(rest.lightest, frame.control.mass);
     rest.depth = -frame.record.pose.position.z();
   }
   rest.deviation = std::sqrt(std::max(0.0, square - rest.mean * rest.mean));

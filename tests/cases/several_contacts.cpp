@@ -49,7 +49,7 @@ struct GrooveRun {
 // A ball of 1 mm lies in the groove under 3 N and slides along it at 10 mm/s for one second.
 GrooveRun slideAlong(Obstacle groove) {
   const auto mechanism = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
-  PositionControlRenderer controller(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(*mechanism, 1e-3, 0, 0));
   LoopSetup setup;
   setup.scene = Scene();
   setup.scene.add(std::move(groove));
@@ -126,7 +126,7 @@ struct Tilting {
 Tilting tiltOnPins() {
   const auto mechanism = makeMechanism(loadDevice(test::deviceFile("cartesian-6.toml")));
   const BarOnPins setup;
-  PositionControlRenderer controller(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(*mechanism, 1e-3, 0, 0));
   Pose start;
   start.position.z() = 5e-4;
   HapticTick tick(*mechanism, setup.scene, setup.bar, controller, 1e-3, start);

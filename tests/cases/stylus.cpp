@@ -40,7 +40,7 @@ struct Press {
 
 // A hand presses a ball against a wall with 1.5 N and holds the stylus' axes. The ball is `arm` (m) beside the TCP.
 Press press(const CartesianMechanism& stylus, double arm) {
-  PositionControlRenderer controller(positionControlFor(stylus.limits().encoderStep, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(stylus, 1e-3, 0, 0));
   LoopSetup setup;
   setup.tool.parts[0].a = setup.tool.parts[0].b = Vec3(arm, 0.0, 1e-3);
   setup.tool.parts[0].radius = 1e-3;
@@ -118,7 +118,7 @@ Turning turnOnTheWall(double angle) {
   const Vec3 arm(0.01, 0.0, 1e-3);  // in P, m
   Tool tool;
   tool.parts[0] = {arm, arm, 1e-3};
-  PositionControlRenderer controller(positionControlFor(stylus.limits().encoderStep, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(stylus, 1e-3, 0, 0));
   Pose start;
   start.position.z() = 4e-3;
   HapticTick tick(stylus, scene, tool, controller, 1e-3, start);

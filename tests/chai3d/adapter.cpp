@@ -28,7 +28,7 @@ std::shared_ptr<const Mechanism> device(const std::string& name) {
 
 std::unique_ptr<Renderer> renderer(const std::string& name, const Mechanism& mechanism) {
   if (name == "impedance") return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{2000.0, 1.0});
-  return std::make_unique<PositionControlRenderer>(positionControlFor(mechanism.limits().encoderStep, 1e-3, 0, 0));
+  return std::make_unique<PositionControlRenderer>(positionControlFor(mechanism, 1e-3, 0, 0));
 }
 
 TriangleMesh boxInW() {
@@ -425,7 +425,7 @@ TEST_CASE("meshes that are none, and a tool that cannot start, are refused", "[c
 
 TEST_CASE("a pose that is none ramps the force out; reset() goes on", "[chai3d]") {
   const auto mechanism = device("cartesian-3");
-  PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
+  PositionControlRenderer servo(positionControlFor(*mechanism, 1e-3, 0, 0));
   Bench bench(*mechanism, servo);
   bench.tool.addObstacle(halfSpace("wall", Vec3::Zero(), Vec3::UnitZ()));
   REQUIRE(bench.tool.start());
@@ -458,7 +458,7 @@ TEST_CASE("a clock that tells no time ramps the force out too", "[chai3d]") {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity()}) {
     INFO(bad);
-    PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
+    PositionControlRenderer servo(positionControlFor(*mechanism, 1e-3, 0, 0));
     Bench bench(*mechanism, servo);
     bench.tool.addObstacle(halfSpace("wall", Vec3::Zero(), Vec3::UnitZ()));
     REQUIRE(bench.tool.start());
@@ -496,7 +496,7 @@ TEST_CASE("the scale of the world is none of the wall", "[chai3d]") {
   std::vector<Vec3> forces[2];
   for (int scaled = 0; scaled < 2; ++scaled) {
     const double scale = scaled == 0 ? 1.0 : kScale;
-    PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
+    PositionControlRenderer servo(positionControlFor(*mechanism, 1e-3, 0, 0));
     Bench bench(*mechanism, servo);
     REQUIRE(bench.tool.setWorkspaceScaleFactor(scale));
     cMesh box;

@@ -12,7 +12,7 @@ TEST_CASE("ticks of the CHAI3D adapter allocate nothing", "[chai3d]") {
     INFO(name);
     const auto mechanism =
         makeMechanism(loadDevice(std::string(ENAMEL_SOURCE_DIR) + "/data/devices/" + name + ".toml"));
-    PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
+    PositionControlRenderer servo(positionControlFor(*mechanism, 1e-3, 0, 0));
     test::Bench bench(*mechanism, servo, 100.0);
     chai3d::cMesh box;
     test::makeBox(box);

@@ -249,7 +249,7 @@ TEST_CASE("fmi: units of plant and renderer make the native loop's bits", "[fmi]
       parameters["release"] = "off";
       native = std::make_unique<HoldRenderer>(designServo(device, Pose{}, 1e-3).K, 1e-3, options);
     } else {
-      native = std::make_unique<PositionControlRenderer>(positionControlFor(device->limits().encoderStep, 1e-3, 0, 0));
+      native = std::make_unique<PositionControlRenderer>(positionControlFor(*device, 1e-3, 0, 0));
     }
     PushSetup setup;
     setup.hand.noise = 0.0;

@@ -123,8 +123,7 @@ TEST_CASE("ordinary study runs pass untouched", "[hard]") {
   for (int delay = 0; delay <= 4; ++delay) {  // 4: random
     StudyPlan plan;
     plan.setup.delay = delay < 4 ? Delay{delay, delay} : Delay{0, 3};
-    const PositionControlOptions servo =
-        positionControlFor(device->limits().encoderStep, 1e-3, plan.setup.delay.low, plan.setup.delay.high);
+    const PositionControlOptions servo = positionControlFor(*device, 1e-3, plan.setup.delay.low, plan.setup.delay.high);
     plan.columns.push_back(
         {"servo", device, [&](std::size_t) { return std::make_unique<PositionControlRenderer>(servo); }});
     if (delay == 0) {

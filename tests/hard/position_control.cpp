@@ -59,7 +59,7 @@ bool run(const Mechanism& device, Renderer& renderer, const Setting& setting, do
 }
 
 PositionControlRenderer servoFor(const Mechanism& device, int delay) {
-  return PositionControlRenderer(positionControlFor(device.limits().encoderStep, kPeriod, delay, delay));
+  return PositionControlRenderer(positionControlFor(device, kPeriod, delay, delay));
 }
 
 Scene wallsWith(const std::vector<Vec3>& normals) {
@@ -174,7 +174,7 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
     setup.model = withInertia(setup.plant, wrong);
     for (const int delay : {0, 1, 2, 3}) {
       setup.delay = {delay, delay};
-      setup.renderer = [options = positionControlFor(setup.plant->limits().encoderStep, kPeriod, delay, delay)] {
+      setup.renderer = [options = positionControlFor(*setup.plant, kPeriod, delay, delay)] {
         return std::make_unique<PositionControlRenderer>(options);
       };
       for (const WallFigure& f : runWallTrials(setup, "", 2)) {
@@ -201,8 +201,7 @@ TEST_CASE("impacts and too much force are answered where the delay is random", "
     setup.model = withInertia(setup.plant, wrong);
     for (const Delay& delay : {Delay{0, 1}, Delay{0, 3}, Delay{1, 2}, Delay{2, 5}}) {
       setup.delay = delay;
-      setup.renderer = [options =
-                            positionControlFor(setup.plant->limits().encoderStep, kPeriod, delay.low, delay.high)] {
+      setup.renderer = [options = positionControlFor(*setup.plant, kPeriod, delay.low, delay.high)] {
         return std::make_unique<PositionControlRenderer>(options);
       };
       for (const WallFigure& f : runWallTrials(setup, "", 2)) {
@@ -381,7 +380,7 @@ TEST_CASE("friction holds a light push against the counts of encoders", "[hard]"
 }
 
 TEST_CASE("the servo runs on a delta as it comes", "[hard]") {
-  const auto device = makeMechanism(loadDevice(test::deviceFile("delta.toml")));
+  const auto device = makeMechanism(idealOf(loadDevice(test::deviceFile("delta.toml"))));
   for (const int delay : {0, 1, 2, 3}) {
     PositionControlRenderer servo = servoFor(*device, delay);
     double deepest = 0.0;

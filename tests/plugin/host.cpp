@@ -2,7 +2,7 @@
 #include "enamel/plugin/host.hpp"
 
 #include "enamel/control/device_plant.hpp"
-#include "enamel/render/position_control_file.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/render/tick.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
@@ -260,17 +260,9 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   refuse(R"({"model": "a", "period": 0.001, "K": [[1, 2, "x"]]})", "K[0][2]: must be a number");
   refuse(R"({"model": "a", "period": 0.001, "K": []})", "K: has 0 rows, must have 1 to 7");
 
-  // The same for the other mode.
-  const JointVector count = device->limits().encoderStep;
-  PositionControlOptions soft = positionControlFor(count, 1e-3, 1, 2);
-  soft.pole = soft.jumpPole = 0.7;
-  test::writeFile(folder / "surface.json", positionControlText({"tau-nominal.toml", soft}));
-  const auto given = [&](std::map<std::string, std::string> more) {
-    more.insert({"gain", folder / "surface.json"});
-    return makeRenderer(library("position_control"), nominalSetup(std::move(more)));
-  };
-  const auto surface = given({{"delay", "1"}, {"delay-high", "2"}});
-  PositionControlRenderer linkedSurface(soft);
+  // The other mode needs no file.
+  const auto surface = makeRenderer(library("position_control"), nominalSetup({{"delay", "1"}, {"delay-high", "2"}}));
+  PositionControlRenderer linkedSurface(positionControlFor(*device, 1e-3, 1, 2));
   surface->activate(1e-3);
   linkedSurface.activate(1e-3);
   for (int i = 1; i < 100; ++i) {
@@ -280,22 +272,19 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
     REQUIRE(linkedSurface.step(input, b) == Status::ok);
     requireSame(a, b);
   }
-  CHECK_THROWS_WITH(surface->activate(2e-3), ContainsSubstring("designed for 0.001 s"));
-  CHECK_THROWS_WITH(given({}), ContainsSubstring("for a delay of 1 to 2 ticks, delay and delay-high are 0 and 0"));
-  CHECK_THROWS_WITH(given({{"mode", "hold"}}),
-                    ContainsSubstring("surface.json, a position-control design, the mode is hold"));
   setup.parameters = {{"gain", folder / "servo.json"}};
   CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup),
-                    ContainsSubstring("servo.json, an LQR design, the mode is surface"));
+                    ContainsSubstring("gain: is of mode hold, mode surface needs no file"));
   for (const auto& [key, value, reason] : {std::tuple{"mode", "rubber", "is \"rubber\", must be surface or hold"},
                                            {"delay", "0.5", "delay: is 0.5, must be a whole number of ticks"},
                                            {"delay", "9", "delay: is 9, must be in 0 to 8 ticks"},
-                                           {"delay-high", "many", "delay-high: is \"many\", must be a number"}}) {
+                                           {"delay-high", "many", "delay-high: is \"many\", must be a number"},
+                                           {"drive", "loose", "is \"loose\", must be device, rigid or ideal"}}) {
     setup.parameters = {{key, value}};
     CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup), ContainsSubstring(reason));
   }
   setup.parameters = {{"delay", "3"}, {"delay-high", "2"}};
-  CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup), ContainsSubstring("the smallest delay is 3"));
+  CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup), ContainsSubstring("delay is 3 to 2 ticks"));
 }
 
 TEST_CASE("a plugin's errors arrive with file and reason", "[plugin]") {

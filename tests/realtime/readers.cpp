@@ -14,7 +14,6 @@
 #include "enamel/control/servo_file.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/device/device_file.hpp"
-#include "enamel/render/position_control_file.hpp"
 #include "enamel/runtime/recorder.hpp"
 #include "enamel/study/run_file.hpp"
 #include "support/catch.hpp"
@@ -189,9 +188,6 @@ std::vector<Format> allFormats(const test::TemporaryFolder& folder) {
   formats.push_back({"servo.json", [](const std::string& path) { (void)loadServo(path); },
                      R"({"model": "a", "period": 0.001, "K": [[1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6]]})", worstJson,
                      folder / "servo.json"});
-  formats.push_back({"surface.json", [](const std::string& path) { (void)loadPositionControl(path); },
-                     positionControlText({"a", positionControlFor(JointVector::Constant(6, 1e-5), 1e-3, 0, 0)}),
-                     worstJson, folder / "surface.json"});
   const auto recording = [](const std::string& header, const std::string& chunks) {
     const std::uint32_t words[4] = {1, static_cast<std::uint32_t>(header.size()), crc32(header), 0};
     return "ENAMELR\n" + std::string(reinterpret_cast<const char*>(words), sizeof(words)) + header + chunks;

@@ -91,7 +91,7 @@ inline PressResult run(const PressedWall& press) {
   VirtualDevice device(*mechanism, setup);
   pressed_wall::Driver driver(device, press, faultTick);
   Scene scene = flatWall();
-  PositionControlRenderer controller(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
+  PositionControlRenderer controller(positionControlFor(*mechanism, 1e-3, 0, 0));
   pressed_wall::Vibrating effect(controller, press.vibration);
   HapticTick haptics(*mechanism, scene, Tool{},
                      press.vibration == 0.0 ? static_cast<Renderer&>(controller) : static_cast<Renderer&>(effect), 1e-3,

@@ -10,7 +10,7 @@ ServoGain referenceGain() {
 HoldRenderer holdRenderer(const HoldOptions& options) { return {referenceGain(), 1e-3, options}; }
 
 PositionControlRenderer positionControl(const Mechanism& mechanism, int low, int high) {
-  return PositionControlRenderer(positionControlFor(mechanism.limits().encoderStep, 1e-3, low, high));
+  return PositionControlRenderer(positionControlFor(mechanism, 1e-3, low, high));
 }
 
 HoldOptions asInThePaper() {

@@ -39,7 +39,7 @@ TEST_CASE("deadlines of a loop beside a busy core", "[timing]") {
           return wrench;
         },
         true);
-    PositionControlRenderer servo(positionControlFor(mechanism.limits().encoderStep, period, 0, 0));
+    PositionControlRenderer servo(positionControlFor(mechanism, period, 0, 0));
     HapticTick haptics(mechanism, scene, Tool(), servo, period);
     std::atomic<bool> busy{true};
     std::thread other([&busy] {

@@ -89,6 +89,19 @@ TEST_CASE("the search makes a spring better, and numbers that no servo has cost 
   CHECK(evaluateWall(setup, spec.with(use, found), 9, 2).value >
         evaluateWall(setup, spec.with(use, start), 9, 2).value);
 
+  // It does not depend on the number of threads.
+  setup.runs = 1;
+  std::vector<std::vector<double>> bests;
+  for (const int threads : {1, 3}) {
+    scores.clear();
+    std::vector<double> best = designController(setup, spec, start, 2, threads,
+                                                [&](int, const WallScore& score) { scores.push_back(score.value); });
+    best.insert(best.end(), scores.begin(), scores.end());
+    bests.push_back(best);
+  }
+  CHECK(bests[0] == bests[1]);
+  setup.runs = 2;
+
   ControllerSpec picky = spec;
   picky.with = [&spec](const ControllerUse& u, const std::vector<double>& values) -> MakeRenderer {
     if (values[0] > 1000.0) throw Error("too stiff");
@@ -97,6 +110,8 @@ TEST_CASE("the search makes a spring better, and numbers that no servo has cost 
   CHECK(designController(setup, picky, start, 2, 2, {})[0] <= 1000.0);
   CHECK_THROWS_WITH(designController(setup, picky, {2000.0, 1.0}, 1, 1, {}), ContainsSubstring("too stiff"));
   CHECK_THROWS_AS(designController(setup, spec, {1.0}, 1, 1, {}), Error);
+  setup.plant = nullptr;
+  CHECK_THROWS_AS(designController(setup, spec, start, 1, 1, {}), Error);
 }
 
 TEST_CASE("values of controllers are a file that is read as it was written, or refused with its place") {

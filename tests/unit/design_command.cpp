@@ -138,7 +138,6 @@ TEST_CASE("design --rivals tunes every controller at every delay, and study take
     CHECK_THAT(result.output, test::ContainsSubstring(text));
   const nlohmann::json file = test::parseJson(test::readFile(path));
   CHECK(file.at("controllers").size() == 5 * rivalSpecs().size());
-  CHECK_THAT(test::run("design --rivals --surface --device x").output, test::ContainsSubstring("--surface"));
 }
 
 TEST_CASE("design says in one line what is wrong", "[design]") {

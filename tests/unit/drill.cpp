@@ -118,7 +118,7 @@ TEST_CASE("drill: the hand's force, Archard's rate, and dentine is felt", "[dril
   };
   for (const int delay : {0, 1}) {
     INFO("servo, delay " << delay);
-    PositionControlRenderer servo(positionControlFor(device->limits().encoderStep, 1e-3, delay, delay));
+    PositionControlRenderer servo(positionControlFor(*device, 1e-3, delay, delay));
     const Cut cut = press(servo, *device, delay, 0.3 * delay);
     check(cut);
     CHECK(cut.feedDentine > 2.0 * cut.feedEnamel);
@@ -132,7 +132,7 @@ TEST_CASE("drill: the hand's force and no chatter at any feed", "[drill]") {
   const auto device = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
   for (const int delay : {0, 1})
     for (const double wear : {0.02, 0.1, 0.35}) {  // 0.1, 0.5 and 1.6 mm/s in enamel
-      PositionControlRenderer servo(positionControlFor(device->limits().encoderStep, 1e-3, delay, delay));
+      PositionControlRenderer servo(positionControlFor(*device, 1e-3, delay, delay));
       const Cut cut = press(servo, *device, delay, 0.15, {0, wear, 2000.0}, 5e-3);
       INFO("delay " << delay << ", feed " << 1e3 * cut.feedEnamel << " mm/s, force " << cut.force
                     << " N, deviation of a torque " << cut.torque << " N m");

@@ -8,7 +8,6 @@
 
 #include "colours/palette.hpp"
 #include "enamel/core/error.hpp"
-#include "enamel/render/position_control_file.hpp"
 #include "enamel/study/metrics.hpp"
 #include "runner.hpp"
 #include "support/catch.hpp"
@@ -222,7 +221,8 @@ TEST_CASE("a test push is runPush() on the surface nearest to the hand, bit for 
     setScene(scene, setup);
     std::unique_ptr<Renderer> renderer;
     if (c.slot == RendererSlot::positionControl)
-      renderer = std::make_unique<PositionControlRenderer>(positionControlOptions(nominal(), *model, settings.delay));
+      renderer = std::make_unique<PositionControlRenderer>(
+          positionControlFor(*model, kPeriod, settings.delay.low, settings.delay.high));
     else if (c.slot == RendererSlot::impedance)
       renderer = std::make_unique<ImpedanceRenderer>(settings.spring);
     else
@@ -370,35 +370,11 @@ TEST_CASE("a servo's gain from a file", "[experiment]") {
   CHECK(refused(write(kPeriod, Eigen::MatrixXd::Ones(3, 9))) ==
         folder / "servo.json" + ": K: is for 3 joints, but TAU nominal has 6");
   CHECK(refused("/no/such/servo.json").find("/no/such/servo.json") == 0);
-
-  // Of position control: its numbers, under the viewer's delay.
-  const auto mechanism = makeMechanism(nominal().parameters);
-  const JointVector count = mechanism->limits().encoderStep;
-  const auto writeSurface = [&](const PositionControlOptions& options) {
-    std::ofstream(folder / "surface.json") << positionControlText({"tau-nominal.toml", options});
-    return folder / "surface.json";
-  };
-  PositionControlOptions options = positionControlFor(count, kPeriod, 2, 2);
-  options.pole = 0.71;
-  options.horizon = 1;
-  const ServoedDevice surface = loadServoedDevice(device, writeSurface(options));
-  CHECK(surface.gain == nominal().gain);
-  CHECK(positionControlOptions(surface, *mechanism, {2, 2}).pole == 0.71);
-  CHECK(positionControlOptions(surface, *mechanism, {2, 2}).horizon == 1);
-  const PositionControlOptions other = positionControlOptions(surface, *mechanism, {0, 3});
-  CHECK(other.pole == 0.71);
-  CHECK((other.delayLow == 0 && other.delayHigh == 3));
-  CHECK(other.horizon == positionControlFor(count, kPeriod, 0, 3).horizon);
-  CHECK(positionControlOptions(nominal(), *mechanism, {1, 1}).delayHigh == 1);
-  CHECK(refused(writeSurface(positionControlFor(count, 5e-4, 0, 0))) ==
-        folder / "surface.json" + ": period: is 0.0005 s, must be 0.001 s, the viewer's");
-  CHECK(refused(writeSurface(positionControlFor(count.head(3), kPeriod, 0, 0))) ==
-        folder / "surface.json" + ": count: is for 3 joints, but TAU nominal has 6");
-  CHECK(refused(writeSurface(positionControlFor(2.0 * count, kPeriod, 0, 0)))
-            .find("surface.json: count: is 7.6699e-05") != std::string::npos);
   std::ofstream(folder / "neither.json") << "{\"model\": \"a\", \"period\": 0.001}";
-  CHECK(refused(folder / "neither.json") ==
-        folder / "neither.json" + ": K: is missing (--gain takes a servo of enamel design, with or without --surface)");
+  CHECK(refused(folder / "neither.json") == folder / "neither.json" + ": K: is missing");
+  std::ofstream(folder / "old.json") << "{\"kind\": \"surface\", \"model\": \"a\", \"period\": 0.001}";
+  CHECK(refused(folder / "old.json") ==
+        folder / "old.json" + ": kind: is \"surface\", of position control, which needs no file any more");
 }
 
 namespace {

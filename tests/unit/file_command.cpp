@@ -120,7 +120,7 @@ TEST_CASE("options that are empty, too large or no numbers", "[file_command]") {
   for (const char* option :
        {"--delay constant:4294967297", "--delay ''", "--delay constant:", "--delay random:0..4294967297"})
     refused(kTool + kPush + option, "--delay is \"");
-  refused(kTool + "design " + kDevice + "--delay 4294967297", "--delay is \"");
+  refused(kTool + "design " + kDevice + "--delay 4294967297", "--delay: Value 4294967297 not in range 0 to 3", 2);
   refused(kTool + "study --output /dev/null/x --grid 4294967297", "", 2);
 }
 

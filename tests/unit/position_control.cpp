@@ -1,16 +1,13 @@
-// The contact-space servo: what it promises in a tick, and its file.
+// The contact-space servo: what it promises in a tick.
 #include "enamel/render/position_control.hpp"
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "enamel/collision/scene_file.hpp"
 #include "enamel/device/tau/mechanism.hpp"
-#include "enamel/render/position_control_file.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
-#include "enamel/study/controllers.hpp"
+#include "enamel/study/wall_design.hpp"
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/mechanisms.hpp"
@@ -25,7 +22,7 @@ constexpr double kPeriod = 1e-3;
 std::shared_ptr<const Mechanism> tau() { return std::make_shared<TauMechanism>(test::nominal()); }
 
 PositionControlOptions optionsFor(const Mechanism& device, int delay) {
-  return positionControlFor(device.limits().encoderStep, kPeriod, delay, delay);
+  return positionControlFor(device, kPeriod, delay, delay);
 }
 
 LoopSetup loopWith(const Scene& scene, int delay) {
@@ -75,8 +72,7 @@ WallDesignSetup setupFor(int delayLow, int delayHigh) {
 }
 
 WallScore evaluate(const WallDesignSetup& setup) {
-  const auto options =
-      positionControlFor(setup.plant->limits().encoderStep, kPeriod, setup.delay.low, setup.delay.high);
+  const auto options = positionControlFor(*setup.plant, kPeriod, setup.delay.low, setup.delay.high);
   return evaluateWall(
       setup, [options] { return std::make_unique<PositionControlRenderer>(options); }, 7, 2);
 }
@@ -159,7 +155,7 @@ TEST_CASE("the servo learns how heavy the device is", "[position_control]") {
       double mean = 0.0;
       const int runs = test::count(6, 40);
       for (int run = 0; run < runs; ++run) {
-        PositionControlRenderer servo(positionControlFor(model->limits().encoderStep, kPeriod, 0, late));
+        PositionControlRenderer servo(positionControlFor(*model, kPeriod, 0, late));
         LoopSetup setup = loopWith(flatWall(), 0);
         setup.delay = {0, late};
         setup.run = static_cast<std::uint32_t>(run);
@@ -170,7 +166,7 @@ TEST_CASE("the servo learns how heavy the device is", "[position_control]") {
           const FirmHand hand{1.0 + 0.5 * random.normal(RandomStream::Purpose::noise, i)};
           REQUIRE(loop.tick(hand, tick) == Status::ok);
         }
-        mean += servo.inertiaScale() / runs;
+        mean += 1.0 / servo.state().mass / runs;
       }
       INFO("delay up to " << late << ", plant by " << factor << ": " << mean << " instead of " << share);
       // Encoder counts, which the servo answers, pass for a lighter device; not what a random delay makes of commands.
@@ -191,7 +187,7 @@ TEST_CASE("a tool at rest does not teach the servo a wrong inertia", "[position_
       REQUIRE(loop.tick(hand, tick) == Status::ok);
     }
     INFO("a hand that trembles by " << noise << " N");
-    CHECK(servo.inertiaScale() == Approx(1.0).epsilon(0.2));
+    CHECK(1.0 / servo.state().mass == Approx(1.0).epsilon(0.2));
   }
 }
 
@@ -350,75 +346,22 @@ TEST_CASE("the servo's options are checked", "[position_control]") {
     damage(bad);
     CHECK_THROWS_WITH(PositionControlRenderer(bad), message);
   };
-  refuse("position control: no encoder count is given", [](auto& o) { o.encoderStep.resize(0); });
-  refuse("position control: an encoder's count is 0, must be in 1e-12 to 1 rad or m",
-         [](auto& o) { o.encoderStep[2] = 0.0; });
-  refuse("position control: pole is 1.2, must be in 0 to 0.999", [](auto& o) { o.pole = 1.2; });
-  refuse("position control: the largest delay is 9, must be in 0 to 8 ticks", [](auto& o) { o.delayHigh = 9; });
-  refuse("position control: the smallest delay is 3, must be in 0 to 2 ticks",
+  refuse("position control: 0 encoder steps, must be 1 to 7", [](auto& o) { o.encoderStep.resize(0); });
+  refuse("position control: encoder step 2 is 0, must be positive", [](auto& o) { o.encoderStep[2] = 0.0; });
+  refuse("position control: delay is 0 to 9 ticks, must be within 0 to 8, the smallest first",
+         [](auto& o) { o.delayHigh = 9; });
+  refuse("position control: delay is 3 to 2 ticks, must be within 0 to 8, the smallest first",
          [](auto& o) { o.delayLow = 3, o.delayHigh = 2; });
-  refuse("position control: tremor is nan, must be in 0 to 1000 counts/tick^2",
-         [](auto& o) { o.tremor = std::nan(""); });
+  refuse("position control: period is nan s, must be in 1e-5 to 0.1", [](auto& o) { o.period = std::nan(""); });
+  refuse("position control: a number of the drive is -1, must be zero or positive",
+         [](auto& o) { o.drive.bandwidth = -1.0; });
+  refuse("position control: a cable of 1000 needs a rotor", [](auto& o) { o.drive.stiffness = 1000.0; });
   PositionControlRenderer servo(good);
   CHECK_THROWS_AS(servo.activate(2e-3), Error);
   servo.activate(kPeriod);
   TickFrame input;
   TickOutput output;
   CHECK(servo.step(input, output) == Status::outOfRange);
-}
-
-TEST_CASE("the servo's file is read as it was written, and refused with its key", "[position_control]") {
-  const auto device = tau();
-  const PositionControlOptions options = positionControlFor(device->limits().encoderStep, kPeriod, 0, 3);
-  const std::string path = (std::filesystem::temp_directory_path() / "enamel-position-control.json").string();
-  const std::string text = positionControlText({"tau-nominal.toml", options});
-  const auto write = [&path](const std::string& content) { std::ofstream(path) << content; };
-  write(text);
-  CHECK(isPositionControlFile(path));
-  const PositionControlFile file = loadPositionControl(path);
-  CHECK(file.model == "tau-nominal.toml");
-  CHECK(file.options.encoderStep == options.encoderStep);
-  CHECK(file.options.delayLow == 0);
-  CHECK(file.options.delayHigh == 3);
-  CHECK(file.options.horizon == options.horizon);
-  for (const PositionControlParameter& p : positionControlParameters())
-    CHECK(file.options.*p.value == options.*p.value);
-
-  const auto refuse = [&](const std::string& from, const std::string& to, const std::string& message) {
-    std::string damaged = text;
-    const auto at = damaged.find(from);
-    REQUIRE(at != std::string::npos);
-    write(damaged.replace(at, from.size(), to));
-    CHECK_THROWS_WITH(loadPositionControl(path), path + ": " + message);
-  };
-  refuse("\"kind\": \"surface\"", "\"kind\": \"hold\"", "kind: must be \"surface\"");
-  refuse("\"wander\"", "\"wonder\"", "wander: is missing");
-  refuse("\"horizon\": 1", "\"horizon\": 1.5", "horizon: must be a whole number of ticks in 0 to 8");
-  refuse("\"period\": 0.001", "\"period\": \"fast\"", "period: must be a number");
-  refuse("\"count\": [", "\"count\": [\"x\",", "count[0]: must be a number");
-  refuse("{", "", "is not the JSON of a servo design");
-  write("{}");
-  CHECK_FALSE(isPositionControlFile(path));
-  std::filesystem::remove(path);
-  CHECK_FALSE(isPositionControlFile(path));
-}
-
-TEST_CASE("a designed servo does not depend on the number of threads", "[position_control]") {
-  WallDesignSetup setup = setupFor(0, 0);
-  setup.runs = 1;
-  const ControllerSpec spec = positionControlSpec(optionsFor(*setup.plant, 0));
-  std::vector<double> start, first;
-  for (const ControllerParameter& p : spec.parameters) start.push_back(p.start);
-  for (const int threads : {1, 3}) {
-    std::vector<double> seen;
-    const std::vector<double> best = designController(
-        setup, spec, start, 2, threads, [&](int, const WallScore& score) { seen.push_back(score.value); });
-    seen.insert(seen.end(), best.begin(), best.end());
-    if (first.empty()) first = seen;
-    CHECK(seen == first);
-  }
-  setup.plant = nullptr;
-  CHECK_THROWS_AS(designController(setup, spec, start, 1, 1, {}), Error);
 }
 
 }  // namespace enamel::test_position_control

@@ -1,7 +1,8 @@
 // `enamel push` as a user runs it.
 #include <sstream>
 
-#include "enamel/render/position_control_file.hpp"
+#include "enamel/device/nominal_device.hpp"
+#include "enamel/sim/plant_maker.hpp"
 #include "enamel/study/metrics.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
@@ -229,41 +230,61 @@ TEST_CASE("push: hold with a servo of enamel design --output, linked and as a pl
            {plugin + "--gain '" + same + "'", "for hold, which --renderer does not name"}});
 }
 
-TEST_CASE("push: position control with a design from a file, linked and as a plugin", "[push_command]") {
+TEST_CASE("push: position control, linked and as a plugin, is told of the plant's drives", "[push_command]") {
   const test::TemporaryFolder folder;
-  const auto ticks = [&](const std::string& options) {
-    const auto result = run(push("--encoders --duration 1.1 --output '" + (folder / "run.csv") + "' " + options));
+  const auto ticks = [&](const std::string& device, const std::string& options) {
+    const auto result =
+        run("push --device '" + test::deviceFile(device) + "' --encoders --duration 1.1 --delay constant:1 --output '" +
+            (folder / "run.csv") + "' " + options);
     INFO(result.output);
     REQUIRE(result.status == 0);
     return test::readFile(folder / "run.csv");
   };
-  const JointVector count = JointVector::Constant(6, 2.0 * M_PI / 163840);
-  const auto write = [&](const std::string& name, const PositionControlOptions& servo) {
-    test::writeFile(folder / name, positionControlText({"tau-nominal", servo}));
-    return "'" + (folder / name) + "' ";
-  };
-  PositionControlOptions soft = positionControlFor(count, 1e-3, 1, 1);
-  soft.pole = soft.jumpPole = 0.8;
-  const std::string late = "--delay constant:1 ",
-                    plugin = "--renderer '" ENAMEL_PLUGINS "/enamel_position_control.so' --set delay=1 ";
-  const std::string same = write("same.json", positionControlFor(count, 1e-3, 1, 1)), softer = write("soft.json", soft);
-  const std::string inPlace = ticks(late), softly = ticks(late + "--gain " + softer);
-  CHECK(ticks(late + "--gain " + same) == inPlace);
-  CHECK(softly != inPlace);
-  CHECK(ticks(late + plugin) == inPlace);
-  CHECK(ticks(late + plugin + "--set gain=" + softer) == softly);
-  // With several renderers a file goes to the one that it is for.
-  CHECK(run(push(late + "--renderer position-control,hold --release off --duration 1.1 --gain " + softer)).status == 0);
+  const std::string plugin = "--renderer '" ENAMEL_PLUGINS "/enamel_position_control.so' --set delay=1 ";
+  CHECK((ticks("tau-nominal.toml", plugin) == ticks("tau-nominal.toml", "")));
+  const std::string detailed = "tau-detailed.toml", ideal = plugin + "--set drive=ideal ",
+                    rigid = plugin + "--set drive=rigid ";
+  CHECK((ticks(detailed, ideal) == ticks(detailed, "")));
+  CHECK((ticks(detailed, plugin) != ticks(detailed, "")));
+  CHECK((ticks(detailed, "--plant imperfect-stiff " + rigid) == ticks(detailed, "--plant imperfect-stiff")));
+  CHECK((ticks(detailed, "--plant imperfect " + plugin) == ticks(detailed, "--plant imperfect")));
+  // A recording is made again with the same drives.
+  for (const std::string plant : {"closed-form", "imperfect-stiff", "imperfect"}) {
+    INFO(plant);
+    const std::string recording = folder / (plant + ".rec");
+    (void)ticks(detailed, "--plant " + plant + " --record '" + recording + "'");
+    CHECK_THAT(run("replay '" + recording + "'").output, ContainsSubstring("equal, bit for bit"));
+  }
 
-  const std::string fast = write("fast.json", positionControlFor(count, 5e-4, 0, 0)),
-                    three = write("three.json", positionControlFor(JointVector::Constant(3, 1e-5), 1e-3, 0, 0));
-  refuses({{"--gain " + same, "same.json: the servo is for a delay of 1 ticks, the loop has one of 0 ticks"},
-           {"--delay random:0..3 --gain " + same, "for a delay of 1 ticks, the loop has one of 0 to 3 ticks"},
-           {"--gain " + fast, "fast.json: the servo is for ticks of 0.0005 s, these take 0.001 s"},
-           {"--gain " + three, "three.json: the servo is for 3 joints, the device has 6"},
-           {"--renderer hold --gain " + same,
-            "is a position-control design, for position-control, which --renderer does not name"},
-           {"--delay constant:9", "the largest delay is 9, must be in 0 to 8 ticks"}});
+  test::writeFile(folder / "old.json", R"({"kind": "surface", "model": "a", "period": 0.001})");
+  refuses(
+      {{"--gain '" + (folder / "old.json") + "'", "old.json: kind: is \"surface\", of position control, which needs"},
+       {plugin + "--set 'gain=" + (folder / "old.json") + "'", "gain: is of mode hold, mode surface needs no file"},
+       {plugin + "--set drive=loose", "drive: is \"loose\", must be device, rigid or ideal"},
+       {"--delay constant:9", "delay is 9 to 9 ticks, must be within 0 to 8"}});
+}
+
+TEST_CASE("push: the device as a renderer is told of it", "[push_command]") {
+  for (const char* file : {"tau-detailed.toml", "delta.toml"}) {
+    INFO(file);
+    const DeviceParameters device = loadDevice(test::deviceFile(file));
+    const Imperfections& real = imperfectionsOf(device);
+    const auto driveFor = [&](const char* plant) { return makeMechanism(modelFor(plant, device))->limits().drive; };
+    for (const char* plant : {kClosedForm, kMultibody, "any.fmu"}) {
+      const Drive drive = driveFor(plant);
+      CHECK(drivesOf(plant) == std::string("ideal"));
+      CHECK(drive.bandwidth + drive.rotorInertia + drive.stiffness + drive.damping + drive.disturbance == 0.0);
+    }
+    const Drive drive = driveFor(kImperfect), stiff = driveFor(kImperfectStiff);
+    CHECK(drivesOf(kImperfect) == std::string("device"));
+    CHECK(drive.bandwidth == real.currentBandwidth);
+    CHECK(drive.stiffness == real.cableStiffness);
+    CHECK((drive.bandwidth > 0.0 && drive.rotorInertia > 0.0 && drive.disturbance > 0.0));
+    CHECK(drivesOf(kImperfectStiff) == std::string("rigid"));
+    CHECK((stiff.bandwidth == drive.bandwidth && stiff.disturbance == drive.disturbance));
+    CHECK((stiff.rotorInertia == 0.0 && stiff.stiffness == 0.0 && stiff.damping == 0.0));
+  }
+  CHECK_THROWS_WITH(modelFor("wish", nominalDevice()), ContainsSubstring("plant wish is not among closed-form"));
 }
 
 TEST_CASE("push: a preload, and a step inside its tick", "[push_command]") {
@@ -437,9 +458,8 @@ TEST_CASE("push: errors are one line and the status is not 0", "[push_command]")
 // Commands that come at random and coarse encoders make the tool hop by 0.1 mm: it must not walk off with the hops.
 TEST_CASE("a tool that hops stays on the tooth", "[push_command]") {
   const std::string molar = " --scene '" ENAMEL_SOURCE_DIR "/data/scenes/molar.toml' --encoders --preload 1";
-  const std::string delta = "push --device '" + test::deviceFile("delta.toml") +
-                            "' --force 5 --gain '" ENAMEL_SOURCE_DIR "/data/servos/delta-1.json' --delay constant:1" +
-                            molar;
+  const std::string delta =
+      "push --device '" + test::deviceFile("delta.toml") + "' --force 5 --delay constant:1" + molar;
   for (const std::string& command : {push("--force 3 --delay random:0..3" + molar), delta})
     for (const char* seed : {"1", "2", "3"}) {
       const auto result = run(command + " --seed " + seed);

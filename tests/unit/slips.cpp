@@ -146,7 +146,7 @@ TEST_CASE("an obstacle goes only where an obstacle can be", "[slips]") {
 
 TEST_CASE("a renderer without activate() has no state, and none after one that failed", "[slips]") {
   const auto device = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
-  PositionControlRenderer renderer(positionControlFor(device->limits().encoderStep, 1e-3, 0, 0));
+  PositionControlRenderer renderer(positionControlFor(*device, 1e-3, 0, 0));
   std::vector<unsigned char> state(1 << 16, 0x5a);
   const auto before = state;
   const auto hasNone = [&] {
@@ -162,7 +162,7 @@ TEST_CASE("a renderer without activate() has no state, and none after one that f
   hasNone();
   renderer.activate(1e-3);
   CHECK(renderer.stateSize() > 0);
-  CHECK_THROWS_WITH(renderer.activate(2e-3), ContainsSubstring("it was designed for 0.001 s"));
+  CHECK_THROWS_WITH(renderer.activate(2e-3), ContainsSubstring("is for ticks of 0.001 s, these take 0.002"));
   hasNone();
   renderer.activate(1e-3);
   renderer.deactivate();

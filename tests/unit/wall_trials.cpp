@@ -22,7 +22,7 @@ WallTrialSetup setupFor(const std::string& device, int delay) {
   setup.plant = setup.model = makeMechanism(loadDevice(test::deviceFile(device)));
   setup.delay = {delay, delay};
   setup.runs = 3;
-  setup.renderer = [options = positionControlFor(setup.plant->limits().encoderStep, setup.period, delay, delay)] {
+  setup.renderer = [options = positionControlFor(*setup.plant, setup.period, delay, delay)] {
     return std::make_unique<PositionControlRenderer>(options);
   };
   return setup;

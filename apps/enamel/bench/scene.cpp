@@ -88,7 +88,7 @@ Measurement measure(const std::string& name, Scene& scene, const Vec3& start, in
 // A whole tick of position control on the TAU, pressed into the scene.
 Measurement measureServo(const std::string& name, const Scene& scene, int ticks) {
   const TauMechanism mechanism(nominalDevice());
-  PositionControlRenderer servo(positionControlFor(mechanism.limits().encoderStep, kTickPeriod, 0, 0));
+  PositionControlRenderer servo(positionControlFor(mechanism, kTickPeriod, 0, 0));
   GuardOptions guard = guardFor(mechanism, kTickPeriod);
   guard.energy = guard.oscillation = kUnlimited;  // the way goes on whatever the torques do
   HapticTick tick(mechanism, scene, ballTool(), servo, guard);

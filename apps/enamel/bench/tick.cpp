@@ -312,7 +312,7 @@ std::vector<Measurement> measureTick(double scale) {
   bench.guarded = guardFor(*bench.mechanism, kPeriod);
   bench.guarded.energy = bench.guarded.oscillation = kUnlimited;
   HoldRenderer hold(designServo(bench.mechanism, Pose{}, kPeriod).K, kPeriod, {});
-  PositionControlRenderer servo(positionControlFor(bench.mechanism->limits().encoderStep, kPeriod, 0, 0));
+  PositionControlRenderer servo(positionControlFor(*bench.mechanism, kPeriod, 0, 0));
   ImpedanceRenderer spring(ImpedanceOptions{});
 
   bench.add("nothing (the clock's own cost)", timeEach(ticks, [](int) {}), 0.0, "-");

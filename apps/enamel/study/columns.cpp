@@ -13,7 +13,7 @@
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/render/hold.hpp"
 #include "enamel/render/passivity.hpp"
-#include "enamel/render/position_control_file.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/study/controllers.hpp"
 #include "enamel/study/parallel.hpp"
 #include "program/plugin_folder.hpp"
@@ -70,9 +70,8 @@ RendererChoice choiceOf(const std::string& text) {
   if (text == kEdge) return {ColumnKind::edge, text, "impedance at the edge of eq. 16", "", nullptr};
   if (text == kScheduled) return {ColumnKind::scheduled, text, "scheduled hold", "", nullptr};
   if (const std::filesystem::path path(text); path.extension() == ".json") {
-    const bool hold = rendererOf(text) == kHold;
     const std::string name = path.stem().string();
-    return {hold ? ColumnKind::hold : ColumnKind::positionControl, name, name, text, nullptr};
+    return {ColumnKind::hold, name, name, text, nullptr};
   }
   const RendererSource source = findRenderer(text, pluginFolder());
   if (source.plugin)
@@ -150,14 +149,11 @@ Make rival(const Study& study, const std::string& column, ColumnRecords& records
   return [make = spec.with({study.design, setup.period, setup.delay}, values)](std::size_t) { return make(); };
 }
 
-Make positionControl(const Study& study, std::size_t c, ColumnRecords& records) {
+Make positionControl(const Study& study) {
   const PushSetup& setup = study.plan.setup;
-  const std::string& column = study.plan.columns[c].name;
-  const std::string given = study.gainFor == kPositionControl ? study.options.gain : "",
-                    file = study.labels[c].servo.empty() ? given : study.labels[c].servo;
   const PositionControlOptions servo =
-      positionControlOptions(file, *study.mechanism, setup.period, setup.delay.low, setup.delay.high);
-  records.servos[column] = hashOf(positionControlText({"", servo}));
+      positionControlFor(*study.mechanism, setup.period, setup.delay.low, setup.delay.high);
+  PositionControlRenderer{servo};  // refuses here what a run would refuse
   return [servo](std::size_t) { return std::make_unique<PositionControlRenderer>(servo); };
 }
 
@@ -189,7 +185,7 @@ Make linked(const Study& study, std::size_t c, double& period, ColumnRecords& re
     case ColumnKind::passivity: return impedance(study.options.impedance, true);
     case ColumnKind::edge: return edge(study, c, period);
     case ColumnKind::rival: return rival(study, study.plan.columns[c].name, records);
-    case ColumnKind::positionControl: return positionControl(study, c, records);
+    case ColumnKind::positionControl: return positionControl(study);
     case ColumnKind::hold:
     case ColumnKind::scheduled: return hold(study, c, records);
     case ColumnKind::plugin: break;
@@ -205,7 +201,7 @@ void designHome(Study& study) {
   if (!needed) return;
   const double period = study.plan.setup.period;
   study.home = designServo(study.design, Pose{}, period);
-  if (study.gainFor == kHold) study.home->K = loadGain(study.options.gain, study.mechanism->joints(), period);
+  if (!study.options.gain.empty()) study.home->K = loadGain(study.options.gain, study.mechanism->joints(), period);
 }
 
 }  // namespace
@@ -224,7 +220,7 @@ void addColumns(Study& study, ColumnRecords& records) {
     addDamping(damped, more * Vec6::Unit(2));
     StudyColumn column;
     column.name = choice.name;
-    column.plant = more > 0.0 ? makeMechanism(damped) : study.mechanism;
+    column.plant = more > 0.0 ? makeMechanism(modelFor(options.plant, damped)) : study.mechanism;
     if (options.inertia != 1.0) column.model = withInertia(column.plant, options.inertia);
     column.makePlant = makerOf(options.plant, damped, plan.setup);
     // To the nanonewton: what is left of the file's zero is rounding.
@@ -246,7 +242,6 @@ void makeRenderers(Study& study, ColumnRecords& records) {
   for (std::size_t c = 0; c < study.labels.size(); ++c)
     if (study.labels[c].kind != ColumnKind::plugin) names.push_back(study.plan.columns[c].name);
   checkGain(study.options.gain, names, "--renderers");
-  study.gainFor = study.options.gain.empty() ? "" : rendererOf(study.options.gain);
   designHome(study);
   for (std::size_t c = 0; c < study.labels.size(); ++c) {
     StudyColumn& column = study.plan.columns[c];

@@ -26,7 +26,7 @@ void addRendererOptions(CLI::App& command, StudyOptions& options) {
           "--renderers", options.renderers,
           "separated by commas; passivity: impedance under a time-domain passivity controller; hold-scheduled: hold "
           "with a servo designed at every query point; tuned:NAME: a rival with the values of --tuned; impedance-edge: "
-          "a spring at four times the rate, as stiff as eq. 16 allows; FILE.json: position-control or hold with this "
+          "a spring at four times the rate, as stiff as eq. 16 allows; FILE.json: hold with this "
           "servo file; also names and paths of plugins")
       ->delimiter(',')
       ->capture_default_str();
@@ -34,7 +34,7 @@ void addRendererOptions(CLI::App& command, StudyOptions& options) {
       ->allow_extra_args(false);
   command.add_option("--device", options.device, "device file (TOML)");
   command.add_option("--design-device", options.designDevice,
-                     "device file that the renderers are designed on; without it, --device");
+                     "device file that hold and the rivals are designed on; without it, --device");
   command
       .add_option("--device-damping", options.deviceDamping,
                   "mechanical damping of the TCP along z beyond the device file's, N s/m: B for every renderer, or\n"
@@ -43,8 +43,7 @@ void addRendererOptions(CLI::App& command, StudyOptions& options) {
       ->allow_extra_args(false)
       ->capture_default_str();
   command.add_option("--gain", options.gain,
-                     "servo file for every query point: of enamel design --surface for position-control, of "
-                     "enamel design for hold; without it, as found for the TAU and as designed at home");
+                     "file of enamel design: the servo of hold at every query point; without it, as designed at home");
   command.add_option("--tuned", options.tuned, "file of enamel design --rivals, for tuned:NAME");
   command.add_flag("--release", options.release,
                    "the hold ends when the wall would pull, as in enamel push; without it never, as in the paper");

@@ -7,6 +7,7 @@
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/wall_design.hpp"
 #include "json_matrices.hpp"
+#include "plant_option.hpp"
 #include "study/columns.hpp"
 #include "study/hash.hpp"
 
@@ -36,8 +37,8 @@ void loadDevices(Study& study, SourceTexts& texts) {
     texts.designDevice = deviceText(options.designDevice);
     study.designDevice = parse(texts.designDevice, options.designDevice);
   }
-  study.mechanism = makeMechanism(study.device);
-  study.design = makeMechanism(study.designDevice);
+  study.mechanism = makeMechanism(modelFor(options.plant, study.device));
+  study.design = makeMechanism(modelFor(options.plant, study.designDevice));
   if (options.inertia != 1.0) study.design = withInertia(study.design, options.inertia);
 }
 
@@ -124,7 +125,7 @@ std::string manifestOf(const Study& study, const SourceTexts& texts, const Colum
   m["device damping [N s/m]"] = records.dampings;
   m["design device"] = {{"name", nameOf(study.designDevice)}, {"hash", hashOf(texts.designDevice)}};
   if (options.inertia != 1.0) m["inertia of the model"] = options.inertia;
-  m["gain"] = study.gainFor.empty() ? "none given" : "given for " + study.gainFor;
+  m["gain"] = options.gain.empty() ? "none given" : "given for hold";
   m["servo gains"] = records.servos;
   return textOf(m);
 }

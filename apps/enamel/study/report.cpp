@@ -39,11 +39,11 @@ void addRequirements(Page& page, const Study& study) {
   page.table(
       {"requirement", "worst of joints or axes", "limit", ""}, rows,
       fmt::format("The servo of hold {}, on its linear model at home: steps of 0.01 rad, of 10 N and of 0.1 N m.",
-                  study.gainFor != kHold ? "with the paper's weights, designed at home" : "from --gain"));
+                  study.options.gain.empty() ? "with the paper's weights, designed at home" : "from --gain"));
   page.note(fmt::format(
       "The limits do not fit each other (0.001 rad at a lever of 0.1 m is 0.1 mm, not 1 mm){}: <code>enamel "
       "design --tune</code> finds what ours can do.",
-      study.gainFor != kHold ? ", and these weights were found for another device" : ""));
+      study.options.gain.empty() ? ", and these weights were found for another device" : ""));
 }
 
 void addSpringLimits(Page& page, const Study& study, const Findings& findings, const std::vector<Figure>& figures) {

@@ -27,10 +27,9 @@ struct ColumnLabel {
 struct Study {
   StudyOptions options;
   DeviceParameters device, designDevice;
-  std::shared_ptr<const Mechanism> mechanism;  ///< of `device`, as its file says
+  std::shared_ptr<const Mechanism> mechanism;  ///< of `device`, with the drives of the plant
   std::shared_ptr<const Mechanism> design;     ///< what renderers are designed on
   std::optional<ServoDesign> home;  ///< the servo of hold, also of --gain; where a column is hold or scheduled
-  std::string gainFor;              ///< the renderer that --gain is for; empty: none is given
   StudyPlan plan;
   std::vector<ColumnLabel> labels;  ///< of the plan's columns
   std::string manifest;             ///< everything that the runs depend on, JSON

@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   try {
     DeviceParameters parameters = loadDevice(argv[1]);
     addDamping(parameters, Vec6::Constant(4.0).cwiseProduct((Vec6() << 1, 1, 1, 0, 0, 0).finished()));  // N s/m
-    const auto device = makeMechanism(parameters);
+    const auto device = makeMechanism(idealOf(parameters));
 
     std::printf("weight  disk margin  bears a delay of\n");
     double softest = 0.0, stiffest = 0.0;
@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
     }
     ImpedanceRenderer spring({6000.0, 0.0});  // N/m, N s/m
     const double conventional = depthOf(*device, spring, "                                    spring");
-    PositionControlRenderer servo(positionControlFor(device->limits().encoderStep, kPeriod, 0, 0));
+    PositionControlRenderer servo(positionControlFor(*device, kPeriod, 0, 0));
     const double best = depthOf(*device, servo, "                          in contact space");
     return stiffest < softest && best < stiffest && stiffest < conventional ? 0 : 1;
   } catch (const Error& error) {

@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "usage: wall DEVICE.toml (of kind cartesian, 3 axes)\n"), 2;
   try {
     constexpr double kPeriod = 1e-3;  // s
-    const auto device = makeMechanism(loadDevice(argv[1]));
+    const auto device = makeMechanism(idealOf(loadDevice(argv[1])));
     if (device->joints() != 3) throw Error("this example moves a device of 3 axes");
     Scene scene;
     Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());  // a point of it (m), outward normal
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
     scene.add(wall);
     Tool tool;  // a ball of 1 mm; as it comes, a point
     tool.parts[0].radius = 0.5e-3;
-    PositionControlRenderer servo(positionControlFor(device->limits().encoderStep, kPeriod, 0, 0));
+    PositionControlRenderer servo(positionControlFor(*device, kPeriod, 0, 0));
     Vec3 position(0.0, 0.0, 0.003), speed = Vec3::Zero();  // m, m/s
     HapticTick tick(*device, scene, tool, servo, kPeriod, Pose{position, Mat3::Identity()});
 

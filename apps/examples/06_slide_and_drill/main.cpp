@@ -32,8 +32,8 @@ int main(int argc, char** argv) {
     setup.start.position = {2.6e-3, 1.0e-3, 0.01};  // over a cusp
     for (int i = 0; i < 20; ++i)                    // down, to just above the tooth
       setup.start.position.z() -= signedDistance(*tooth, setup.start.position).distance - 0.6e-3;
-    const auto device = makeMechanism(loadDevice(argv[2]));
-    PositionControlRenderer servo(positionControlFor(device->limits().encoderStep, setup.period, 0, 0));
+    const auto device = makeMechanism(idealOf(loadDevice(argv[2])));
+    PositionControlRenderer servo(positionControlFor(*device, setup.period, 0, 0));
     VirtualLoop loop(*device, servo, setup);
     Drill drill(setup.tool, {tooth}, {0, 0.1, 2000.0});  // part of the tool, wear, turns a second
     loop.attach(&drill);

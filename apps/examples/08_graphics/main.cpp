@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   if (argc < 3) return std::fprintf(stderr, "usage: graphics DEVICE.toml SCENE.toml [seconds]\n"), 2;
   try {
     const double seconds = argc > 3 ? std::atof(argv[3]) : 2.0;
-    const auto mechanism = makeMechanism(loadDevice(argv[1]));
+    const auto mechanism = makeMechanism(idealOf(loadDevice(argv[1])));
     const SceneFile file = loadScene(argv[2]);
 
     // The device in the computer, held by a spring to where the mouse is. Your driver is a HapticDevice like it.
@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
         },
         true);  // in real time
 
-    PositionControlRenderer servo(positionControlFor(mechanism->limits().encoderStep, 1e-3, 0, 0));
+    PositionControlRenderer servo(positionControlFor(*mechanism, 1e-3, 0, 0));
     HapticTick haptics(*mechanism, file.scene, file.tool, servo, 1e-3, setup.start);
     HapticLoop loop(device, haptics);  // the thread runs from here to the end of this function
 

@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
     const double seconds = argc > 2 ? std::stod(argv[2]) : 2.0;
     const auto stylus = makeMechanism(loadDevice(argv[1]));
     const Scene table = flatWall();
-    PositionControlRenderer servo(positionControlFor(stylus->limits().encoderStep, 1e-3, 0, 1));
+    PositionControlRenderer servo(positionControlFor(*stylus, 1e-3, 0, 1));
     HapticTick haptics(*stylus, table, Tool(), servo, 1e-3);  // 1 kHz
     VendorDevice device;
     HapticLoop loop(device, haptics);  // the wall is there from here to the end of this function

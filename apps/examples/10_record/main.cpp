@@ -18,13 +18,13 @@ int main(int argc, char** argv) {
   if (argc != 3) return std::fprintf(stderr, "usage: record DEVICE.toml OUT.rec\n"), 2;
   try {
     constexpr double kPeriod = 1e-3;  // s
-    const auto mechanism = makeMechanism(loadDevice(argv[1]));
+    const auto mechanism = makeMechanism(idealOf(loadDevice(argv[1])));
     const Scene scene = flatWall();
     VirtualDeviceSetup setup;
     setup.start.position.z() = 0.002;
     setup.encoders.quantised = true;
     VirtualDevice device(*mechanism, setup);
-    const PositionControlOptions options = positionControlFor(mechanism->limits().encoderStep, kPeriod, 0, 0);
+    const PositionControlOptions options = positionControlFor(*mechanism, kPeriod, 0, 0);
     PositionControlRenderer servo(options);
     HapticTick tick(*mechanism, scene, Tool(), servo, kPeriod, setup.start);
 
@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
     header.deviceFile = argv[1];
     header.deviceText = readFile(argv[1]);
     header.renderer = "position-control";
+    header.parameters = {{"drive", "ideal"}};  // as that of this virtual device is
     header.start = setup.start;
     Recorder recorder(argv[2], header, tick);  // in a HapticLoop: HapticLoopOptions::sink
 

@@ -44,8 +44,8 @@ class MyWall final : public Renderer {
 int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "usage: study DEVICE.toml\n"), 2;
   try {
-    const auto device = makeMechanism(loadDevice(argv[1]));
-    const PositionControlOptions options = positionControlFor(device->limits().encoderStep, 1e-3, 0, 0);
+    const auto device = makeMechanism(idealOf(loadDevice(argv[1])));
+    const PositionControlOptions options = positionControlFor(*device, 1e-3, 0, 0);
     StudyPlan plan;
     plan.scenarios = {1};  // a step of 8 to 15 N
     plan.columns = {

@@ -15,6 +15,8 @@ ServoFile loadServo(const std::string& path) {
   };
   const Json json = Json::parse(readJson(path), nullptr, false);
   if (!json.is_object()) refuse("", "is not the JSON of a servo design");
+  if (json.value("kind", Json()) == "surface")
+    refuse("kind", "is \"surface\", of position control, which needs no file any more");
   const auto require = [&](const char* key, bool (Json::*isType)() const noexcept, const char* type) -> const Json& {
     const auto found = json.find(key);
     if (found == json.end()) refuse(key, "is missing");

@@ -51,12 +51,11 @@ class LinkedParameters {
     require(of == "on" || of == "off", refusal(key, of, "on or off"));
     value = of == "on";
   }
-
- private:
   std::string refusal(const char* key, const std::string& value, const char* expected) const {
     return std::string("parameter ") + key + " of " + name_ + " is \"" + value + "\", must be " + expected;
   }
 
+ private:
   const std::string& name_;
   const std::map<std::string, std::string>& values_;
 };
@@ -92,7 +91,13 @@ std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std
     of.read("delay", low);
     int high = low;
     if (of.text("delay-high", "same") != "same") of.read("delay-high", high);
-    return std::make_unique<PositionControlRenderer>(positionControlFor(*device, period, low, high));
+    PositionControlOptions options = positionControlFor(*device, period, low, high);
+    const std::string drive = of.text("drive", "device");
+    require(drive == "device" || drive == "rigid" || drive == "ideal",
+            of.refusal("drive", drive, "device, rigid or ideal"));
+    if (drive == "rigid") options.drive = options.drive.rigid();
+    if (drive == "ideal") options.drive = {};
+    return std::make_unique<PositionControlRenderer>(options);
   }
   require(name == kHold, "there is no linked renderer \"" + name + "\"");
   const std::string gain = of.text("gain", "designed");

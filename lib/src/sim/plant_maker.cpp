@@ -1,6 +1,7 @@
 #include "enamel/sim/plant_maker.hpp"
 
 #include <string_view>
+#include <utility>
 
 #include "enamel/core/error.hpp"
 #include "enamel/sim/imperfect_plant.hpp"
@@ -13,6 +14,10 @@ bool isPerfect(const Imperfections& i) noexcept {
   return i.currentBandwidth + i.torqueStep + i.torqueRipple + i.cogging + i.coulombFriction + i.cableStiffness +
              i.encoderOffset + i.lengthError + i.massError + i.jitter + i.lostSamples ==
          0.0;
+}
+
+void requireName(const std::string& plant) {
+  if (const std::string problem = checkPlant(plant); !problem.empty()) throw Error("plant " + problem);
 }
 
 }  // namespace
@@ -33,9 +38,20 @@ std::string checkPlant(const std::string& plant) {
   return plant + " is not among " + names + "FILE.fmu";
 }
 
+const char* drivesOf(const std::string& plant) {
+  requireName(plant);
+  return plant == kImperfect ? "device" : plant == kImperfectStiff ? "rigid" : "ideal";
+}
+
+DeviceParameters modelFor(const std::string& plant, DeviceParameters device) {
+  requireName(plant);
+  if (plant == kImperfectStiff) stiffenCables(device);
+  return plant == kImperfect || plant == kImperfectStiff ? device : idealOf(std::move(device));
+}
+
 MakePlant plantMaker(const std::string& plant, const DeviceParameters& parameters, const OtherPlants& others,
                      VirtualDeviceSetup& setup) {
-  if (const std::string problem = checkPlant(plant); !problem.empty()) throw Error("plant " + problem);
+  requireName(plant);
   if (plant == kMultibody) {
     if (others.multibody) return others.multibody(parameters);
     throw Error("--plant multibody: this enamel was built without Simbody (Debian: libsimbody-dev)");

@@ -167,7 +167,7 @@ class Renderer:
 RendererLike = Union[Renderer, Callable[[], Union[Renderer, PythonRenderer]]]
 
 def position_control(
-    device: Device, period: float = ..., delay: _Delay = ..., file: Optional[_File] = ..., **numbers: float
+    device: Device, period: float = ..., delay: _Delay = ..., plant: str = ...
 ) -> Renderer: ...
 def hold(
     device: Device,

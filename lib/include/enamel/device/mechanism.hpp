@@ -56,6 +56,13 @@ struct Drive {
   double damping = 0.0;       ///< of the cable, N m s/rad or N s/m
   double disturbance = 0.0;   ///< deviation of what friction and cogging do to a rotor, N m or N
   bool encoderOnLink = false;
+
+  /// Return the same drive with a rigid transmission. Realtime: yes.
+  Drive rigid() const noexcept {
+    Drive drive = *this;
+    drive.rotorInertia = drive.stiffness = drive.damping = 0.0;
+    return drive;
+  }
 };
 
 /// What the motors and encoders of each joint can do.

@@ -30,7 +30,7 @@ RendererSource findRenderer(const std::string& nameOrPath, const std::string& pl
 ServoGain loadGain(const std::string& path, int joints, double period);
 
 /// Make a linked renderer from parameters under the names that the plugins give them, the others at their defaults:
-/// delay and delay-high of position-control; gain, release and anti-windup of hold; stiffness and damping of
+/// delay, delay-high and drive of position-control; gain, release and anti-windup of hold; stiffness and damping of
 /// impedance and passivity. Parameters of others are left aside. Throws Error: an unknown name; a value that cannot be
 /// read; as loadGain() and the renderers. Realtime: no.
 std::unique_ptr<Renderer> makeLinked(const std::string& name, const std::map<std::string, std::string>& parameters,

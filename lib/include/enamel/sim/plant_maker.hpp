@@ -25,6 +25,15 @@ bool isUnit(const std::string& plant) noexcept;
 /// Return why a text names no plant; empty: it names one.
 std::string checkPlant(const std::string& plant);
 
+/// Return which drives (struct Drive) the motors of a plant have, as the parameter `drive` of the renderer
+/// position-control takes it: "device" (imperfect), "rigid" (imperfect-stiff: all but the cables) or "ideal" (all
+/// others). Throws Error: an unknown name. Realtime: no.
+const char* drivesOf(const std::string& plant);
+
+/// Return the device as a renderer is told of it: with the drives that this plant has. Throws Error: an unknown name.
+/// Realtime: no.
+DeviceParameters modelFor(const std::string& plant, DeviceParameters device);
+
 /// Makes the plant of a run from the number of its random stream. Any thread.
 using MakePlant = std::function<std::unique_ptr<Plant>(std::uint32_t stream)>;
 

@@ -1,11 +1,12 @@
-#include "design_position_control.hpp"
+#include "design_rivals.hpp"
 
 #include <fmt/core.h>
 
 #include <filesystem>
 
 #include "enamel/device/device_file.hpp"
-#include "enamel/render/position_control_file.hpp"
+#include "enamel/plugin/renderer_source.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/study/controllers.hpp"
 #include "enamel/study/parallel.hpp"
 #include "plant_option.hpp"
@@ -27,18 +28,16 @@ void printScore(const std::string& name, const WallScore& s) {
   std::fflush(stdout);
 }
 
-WallDesignSetup setupOf(const DesignSearchOptions& options) {
+WallDesignSetup setupOf(const RivalSearchOptions& options) {
   WallDesignSetup setup;
   const DeviceParameters parameters = loadDevice(options.device);
-  setup.plant = makeMechanism(parameters);
+  setup.plant = makeMechanism(modelFor(options.plant, parameters));
   VirtualDeviceSetup device;
   device.seed = options.seed;
   setup.makePlant = makerOf(options.plant, parameters, device);
   setup.jitter = device.jitter;
   setup.lostSamples = device.lostSamples;
   setup.period = options.period;
-  setup.delay = options.delay;
-  setup.inertiaError = options.inertiaError;
   setup.halfWidth = options.halfWidth;
   setup.chatter = options.chatter > 0.0 ? options.chatter : 0.025 * setup.plant->limits().effort.minCoeff();
   setup.runs = options.runs;
@@ -47,7 +46,7 @@ WallDesignSetup setupOf(const DesignSearchOptions& options) {
   return withinMotors(setup);
 }
 
-int threadsOf(const DesignSearchOptions& options) { return options.threads > 0 ? options.threads : availableThreads(); }
+int threadsOf(const RivalSearchOptions& options) { return options.threads > 0 ? options.threads : availableThreads(); }
 
 void printTask(const WallDesignSetup& setup) {
   fmt::print(
@@ -65,50 +64,7 @@ std::string ticksText(const Delay& delay) {
 
 }  // namespace
 
-std::string designPositionControl(const DesignSearchOptions& options) {
-  const int threads = threadsOf(options);
-  const WallDesignSetup setup = setupOf(options);
-  const PositionControlOptions start =
-      positionControlFor(setup.plant->limits().encoderStep, options.period, options.delay.low, options.delay.high);
-
-  fmt::print("position control for {}: delay {}..{} ticks of {:.6g} s, inertia wrong by up to {:.0f} %\n",
-             setup.plant->name(), options.delay.low, options.delay.high, options.period, 100.0 * options.inertiaError);
-  printTask(setup);
-  const ControllerSpec spec = positionControlSpec(start);
-  const auto servo = [&spec, &setup](const std::vector<double>& values) {
-    return spec.with({setup.plant, setup.period, setup.delay}, values);
-  };
-  std::vector<double> first;
-  for (const ControllerParameter& p : spec.parameters) first.push_back(p.start);
-  const std::vector<double> found =
-      designController(setup, spec, first, options.generations, threads, [](int generation, const WallScore& score) {
-        if (generation % 10 == 0) printScore(fmt::format("search {}", generation), score);
-      });
-  const PositionControlOptions best = positionControlWith(start, found);
-
-  // The trade-off: stiffer or quieter by the observer's trust in the push's constancy.
-  WallDesignSetup thorough = setup;
-  thorough.runs = 3 * setup.runs;
-  fmt::print("\non new random numbers, and with another `wander` (what the observer expects of the push):\n");
-  printHead();
-  for (const double factor : {0.25, 0.5, 2.0, 4.0}) {
-    std::vector<double> other = found;
-    for (std::size_t i = 0; i < other.size(); ++i)
-      if (spec.parameters[i].name == "wander") other[i] *= factor;
-    printScore(fmt::format("wander x {}", factor), evaluateWall(thorough, servo(other), kFinalTrial, threads));
-  }
-  printScore("start", evaluateWall(thorough, servo(first), kFinalTrial, threads));
-  const WallScore score = evaluateWall(thorough, servo(found), kFinalTrial, threads);
-  printScore("this servo", score);
-  if (score.chatter > setup.chatter)
-    fmt::print("its chatter, {:.3g}, is above the bound: none below it was found\n", score.chatter);
-  fmt::print("\n");
-  for (const PositionControlParameter& p : positionControlParameters())
-    fmt::print("{:<17} {:.6g}{}\n", p.name, best.*p.value, p.unit);
-  return positionControlText({std::filesystem::path(options.device).filename().string(), best});
-}
-
-std::string designRivals(const DesignSearchOptions& options) {
+std::string designRivals(const RivalSearchOptions& options) {
   const int threads = threadsOf(options);
   WallDesignSetup setup = setupOf(options);
   fmt::print("rivals on {}, each the best of {} generations, on new random numbers\n", setup.plant->name(),
@@ -135,11 +91,8 @@ std::string designRivals(const DesignSearchOptions& options) {
       fmt::print("            {}\n", text);
       file.controllers.push_back(std::move(values));
     }
-    const ControllerSpec servo = positionControlSpec(
-        positionControlFor(setup.plant->limits().encoderStep, options.period, delay.low, delay.high));
-    std::vector<double> shipped;
-    for (const ControllerParameter& p : servo.parameters) shipped.push_back(p.start);
-    print(servo.name, servo.with({setup.plant, setup.period, delay}, shipped));
+    const PositionControlOptions ours = positionControlFor(*setup.plant, options.period, delay.low, delay.high);
+    print(kPositionControl, [ours] { return std::make_unique<PositionControlRenderer>(ours); });
   }
   return controllersText(file);
 }
