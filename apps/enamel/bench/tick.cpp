@@ -210,8 +210,8 @@ Percentiles timeWhole(const TickBench& bench, Renderer& renderer, const GuardOpt
   });
 }
 
-// The guard alone, on what it saw, in the frame that the other stages have just written, as in a tick; `error`: requests
-// that it changed.
+// The guard alone, on what it saw, in the frame that the other stages have just written, as in a tick; `error`:
+// requests that it changed.
 void addGuard(TickBench& bench, const BenchRenderer& one, const std::vector<TickFrame>& frames) {
   using Clock = std::chrono::steady_clock;
   Guard guard(*bench.mechanism, bench.guarded);
