@@ -1,5 +1,6 @@
 // The contacts of a tool that moves: on which side of a surface it is, which contact goes on, its state.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <variant>
@@ -17,20 +18,20 @@ constexpr double kSameContact = 0.7071067811865476;  // cos 45 deg
 // A contact of the last tick goes on where one of the same obstacle and part has about its normal, and no other one
 // more so. `last` holds contacts in the frames of their obstacles.
 void nameContacts(const Scene& scene, ContactSnapshot& last, std::uint32_t& lastKey, ContactSnapshot& contacts) {
-  ContactSnapshot now = contacts;
-  for (int k = 0; k < now.count; ++k) {
-    Contact& contact = now.contacts[k];
+  std::array<Vec3, kMaxContacts> points, normals;  // in the frames of the obstacles
+  for (int k = 0; k < contacts.count; ++k) {
+    Contact& contact = contacts.contacts[k];
     const Pose& pose = scene.obstacles()[static_cast<std::size_t>(contact.obstacle)].pose;
-    contact.normal = pose.rotation.transpose() * contact.normal;
-    contact.point = pose.rotation.transpose() * (contact.point - pose.position);
+    normals[k] = pose.rotation.transpose() * contact.normal;
+    points[k] = pose.rotation.transpose() * (contact.point - pose.position);
     Contact* best = nullptr;
     double least = kSameContact;
     for (int i = 0; i < last.count; ++i) {
       Contact& known = last.contacts[i];
       if (known.key == 0 || known.obstacle != contact.obstacle || known.part != contact.part ||
-          (known.point - contact.point).norm() > kLargestMove)
+          (known.point - points[k]).norm() > kLargestMove)
         continue;
-      const double alike = known.normal.dot(contact.normal);
+      const double alike = known.normal.dot(normals[k]);
       if (!(alike > least)) continue;
       least = alike;
       best = &known;
@@ -41,9 +42,13 @@ void nameContacts(const Scene& scene, ContactSnapshot& last, std::uint32_t& last
     } else {
       contact.key = std::exchange(best->key, 0u);
     }
-    contacts.contacts[k].key = contact.key;
   }
-  last = now;
+  last.count = contacts.count;
+  for (int k = 0; k < contacts.count; ++k) {
+    last.contacts[k] = contacts.contacts[k];
+    last.contacts[k].normal = normals[k];
+    last.contacts[k].point = points[k];
+  }
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "enamel/render/frame.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "device/inertia.hpp"
@@ -13,11 +14,9 @@ void fillRow(const TickFrame& frame, const Vec3& arm, const Vec3& force, JointRo
              JointRow& response) noexcept {
   Vec6 wrench;
   wrench << force, arm.cross(force);
-  const JointVector row = torqueOf(frame.kinematics.jacobian, wrench);
-  torque = response = JointRow{};
-  for (Eigen::Index i = 0; i < row.size(); ++i) {
-    torque[i] = row[i];
-    if (frame.maxTorque[i] > 0.0) response[i] = row[i];
+  for (int i = 0; i < frame.kinematics.jacobian.cols(); ++i) {
+    torque[i] = frame.kinematics.jacobian.col(i).dot(wrench);
+    response[i] = frame.maxTorque[i] > 0.0 ? torque[i] : 0.0;
   }
   frame.rows.inertia.solve(response.data());
 }

@@ -1,5 +1,6 @@
 #include "enamel/render/guard.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -36,7 +37,9 @@ Vec3 surfaceVelocity(const TickFrame& frame, const Vec3& turn) noexcept {
   const auto velocityOf = [&](const Contact& c) {
     return Vec3(c.obstacleVelocity - turn.cross(c.point - frame.kinematics.pose.position));
   };
-  if (contacts.count == 0) return Vec3::Zero();
+  bool moves = !turn.isZero(0.0);
+  for (int c = 0; c < contacts.count; ++c) moves = moves || !contacts.contacts[c].obstacleVelocity.isZero(0.0);
+  if (contacts.count == 0 || !moves) return Vec3::Zero();
   if (contacts.count == 1) return velocityOf(contacts.contacts[0]);
   const Vec3 force = wrenchOf(frame.kinematics, frame.command - frame.kinematics.gravity).head<3>();
   std::array<double, kMaxContacts> along{};
@@ -225,7 +228,7 @@ GuardReason Guard::asked(const JointVector& requested, const Kinematics& k) noex
 Guard::Row Guard::bounded(const JointVector& gravity) const noexcept {
   double scale = 1.0;
   for (int i = 0; i < n_; ++i)
-    if (isDriven(i) && std::abs(gravity[i]) > options_.torque[i])
+    if (std::abs(gravity[i]) > options_.torque[i] && isDriven(i))
       scale = std::min(scale, options_.torque[i] / std::abs(gravity[i]));
   Row row{};
   for (int i = 0; i < n_; ++i) row[i] = std::clamp(scale * gravity[i], -options_.torque[i], options_.torque[i]);
@@ -238,11 +241,19 @@ bool Guard::limitSlew(double elapsed, JointVector& torque) const noexcept {
   double scale = 1.0;
   for (int i = 0; i < n_; ++i) {
     const double change = std::abs(torque[i] - state_.torque[i]), most = options_.slew[i] * time;
-    if (isDriven(i) && change > most * kRounding) scale = std::min(scale, most / change);
+    if (change > most * kRounding && isDriven(i)) scale = std::min(scale, most / change);
   }
   if (scale == 1.0) return false;
   for (int i = 0; i < n_; ++i) torque[i] = state_.torque[i] + scale * (torque[i] - state_.torque[i]);
   return true;
+}
+
+// Whether what is rendered may begin at once.
+bool Guard::isSmall() const noexcept {
+  bool small = true;
+  for (int i = 0; i < n_; ++i)
+    small = small && (!isDriven(i) || std::abs(state_.rendered[i]) <= options_.engage * options_.torque[i]);
+  return small;
 }
 
 // What a request without a fault becomes.
@@ -252,14 +263,12 @@ GuardReason Guard::shape(const Measurement& m, const Kinematics& k, const JointV
   const GuardOptions& o = options_;
   const Vec6& twist = s.twist;
   GuardReason reason = GuardReason::none;
-  bool small = true;
-  for (int i = 0; i < n_; ++i) small = small && (!isDriven(i) || std::abs(s.rendered[i]) <= o.engage * o.torque[i]);
   if (!m.enabled) {
     s.open = false;
     s.withheld = true;
     s.weight = std::max(0.0, s.weight - o.period / std::max(o.rampOut, o.period));
     reason = GuardReason::disabled;
-  } else if (!s.open && (s.weight > 0.0 || !small)) {
+  } else if (!s.open && (s.weight > 0.0 || !isSmall())) {
     s.withheld = true;
     s.weight = std::max(0.0, s.weight - o.period / std::max(o.rampOut, o.period));
     reason = GuardReason::waiting;
@@ -293,17 +302,18 @@ GuardReason Guard::shape(const Measurement& m, const Kinematics& k, const JointV
     if (moment > o.moment) scale = std::min(scale, o.moment / moment);
     if (scale < 1.0 && reason == GuardReason::none) reason = GuardReason::force;
   }
-  const Row gravity = bounded(k.gravity);
+  s.gravity = bounded(k.gravity);
+  const Row& gravity = s.gravity;
   double fits = scale;
   for (int i = 0; i < n_; ++i) {
     const double most = rendered[i] > 0.0 ? o.torque[i] - gravity[i] : o.torque[i] + gravity[i];
-    if (isDriven(i) && scale * std::abs(rendered[i]) > most * kRounding)
+    if (scale * std::abs(rendered[i]) > most * kRounding && isDriven(i))
       fits = std::min(fits, most / std::abs(rendered[i]));
   }
   if (fits < scale && reason == GuardReason::none) reason = GuardReason::torque;
 
   bool passes = s.weight == 1.0 && !brakes && fits == 1.0;
-  for (int i = 0; i < n_; ++i) passes = passes && (!isDriven(i) || std::abs(requested[i]) <= o.torque[i]);
+  for (int i = 0; i < n_; ++i) passes = passes && (std::abs(requested[i]) <= o.torque[i] || !isDriven(i));
   if (passes) {
     torque = requested;
   } else {
@@ -402,7 +412,6 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
     }
     if (s.fault == GuardReason::none) {
       frame.reason = shape(m, k, requested, elapsed, torque);
-      s.gravity = bounded(k.gravity);
     } else {
       frame.reason = s.fault;
       if (known) s.gravity = bounded(k.gravity);

@@ -164,7 +164,7 @@ bool saturate(JointVector& torque, const JointVector& gravity, const JointVector
   double scale = 1.0;
   bool cut = false;
   for (Eigen::Index i = 0; i < torque.size(); ++i) {
-    if (maxTorque[i] == 0.0 || std::abs(torque[i]) <= maxTorque[i]) continue;
+    if (std::abs(torque[i]) <= maxTorque[i] || maxTorque[i] == 0.0) continue;
     cut = true;
     const double rendered = torque[i] - gravity[i];
     const double most = std::copysign(maxTorque[i], rendered) - gravity[i];  // of the sign of `rendered`, or gravity's

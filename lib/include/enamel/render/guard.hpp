@@ -151,6 +151,7 @@ class Guard {
   void ramp(const Measurement& m, bool known, JointVector& torque) noexcept;
   bool limitSlew(double elapsed, JointVector& torque) const noexcept;
   Row bounded(const JointVector& gravity) const noexcept;
+  bool isSmall() const noexcept;
   bool isDriven(int joint) const noexcept { return options_.torque[joint] > 0.0; }
 
   GuardOptions options_;
