@@ -25,7 +25,7 @@ struct Steps {
       for (int j = 0; j < kFree; ++j)
         for (int k = 0; k < kLanes; ++k) {
           moved[i][k] += m.value[i * kFree + j][k] * h.x[j][k];
-          slope[i][k] += m.slope[i * kFree + j][k] * h.x[j][k];
+          if (j <= kLag) slope[i][k] += m.slope[i * kFree + j][k] * h.x[j][k];
         }
       for (int k = 0; k < kLanes; ++k) moved[i][k] += slope[i][k] * (h.x[kScale][k] - scale);
     }

@@ -30,7 +30,7 @@ constexpr double kMostTicks = 10.5;   // between two ticks, beyond which everyth
 constexpr double kContradicts = 8.0;  // deviations of an innovation that no push explains
 constexpr double kRetreat = 50.0;     // 1 / kRetreat^2: how much walls that contradict each other give way for force
 constexpr double kFades = 0.1;        // of the speed along a wall, with which one that is gone retreats
-constexpr double kNear = 2e-5;        // a contact that stays this far outside for a tick carries no force, m
+static const double kNear = getenv("NEAR") ? atof(getenv("NEAR")) : 2e-5;        // a contact that stays this far outside for a tick carries no force, m
 constexpr int kRefreshTicks = 8;      // between two looks at the inertia
 
 }  // namespace
@@ -74,6 +74,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
     double name = 0.0;       // the same from tick to tick
     double retreated = 0.0;  // m: of one that is no longer there
     double contact = -1.0;   // its number in the frame; -1: no longer there
+    double holds = 0.0;      // the tool has reached it, and the hand has not gone back since
   };
   // Plain numbers: all that is kept from tick to tick.
   struct Memory {
@@ -114,7 +115,8 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void observe(const TickFrame& frame) noexcept;
   void predict(const TickFrame& frame, Ahead& a) const noexcept;
   int collect(const TickFrame& frame, const Ahead& a, Wall* walls) noexcept;
-  int placeTargets(const TickFrame& frame, const Ahead& a, const Wall* walls, int count, Target* targets) noexcept;
+  double complianceOf(const Ahead& a, const Lane& row) const noexcept;
+  int placeTargets(const TickFrame& frame, const Ahead& a, Wall* walls, int count, Target* targets) noexcept;
   void project(const Ahead& a, const Target* targets, int count, double* force) noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
@@ -271,15 +273,19 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
   }
   if (const double rest = elapsed - ticks * T; std::abs(rest) > 1e-6 * T) observer_.shift(m.observer, rest);
   if (frame.age == 0) {
-    if (m.contradictions == 0.0 && observer_.surprise(m.observer, y) > kContradicts) {
-      m.contradictions = 1.0;
+    const bool contradicts = observer_.surprise(m.observer, y) > kContradicts;
+    if (contradicts && m.contradictions == 0.0) {
       m.ignored += 1.0;
-    } else if (m.contradictions != 0.0 && observer_.surprise(m.observer, y) > kContradicts) {
-      return start(frame);
+      if (getenv("DBG")) fprintf(stderr, "%g ignored %g\n", frame.time, observer_.surprise(m.observer, y));
+    } else if (contradicts) {
+      Lane rate{};
+      for (int j = 0; j < joints_; ++j) reading[j] = (reading[j] - m.lastReading[j]) / elapsed;
+      rate = toModes(reading);
+      observer_.believe(m.observer, y, rate);
     } else {
-      m.contradictions = 0.0;
       observer_.correct(m.observer, y);
     }
+    m.contradictions = contradicts && m.contradictions == 0.0 ? 1.0 : 0.0;
   }
   observer_.merge(m.observer);
 }
@@ -317,13 +323,31 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   }
 }
 
-// The walls of this tick: the contacts', then those that were there a moment ago.
+// Compliance of the stiffness along a row, m/N.
+template <int kMech>
+double PositionControlRenderer::ControllerOf<kMech>::complianceOf(const Ahead& a, const Lane& row) const noexcept {
+  double sum = 0.0;
+  for (int mode = 0; mode < joints_; ++mode) sum += row[mode] * row[mode] / a.stiffness[mode];
+  return sum;
+}
+
+// The walls of this tick: the contacts', then those that were there a moment ago. The torque is continuous where the
+// contacts are not: a wall comes forward, and one that is gone goes back, only as fast as the tool moves and as a tremor
+// would take it.
 template <int kMech>
 int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame, const Ahead& a,
                                                           Wall* walls) noexcept {
   Memory& m = memory_;
   const Kinematics& k = frame.kinematics;
-  const double T = options_.period;
+  const double T = options_.period, moves = k.twist.head<3>().norm();
+  JointRow moved{};
+  for (int j = 0; j < joints_; ++j) moved[j] = k.q[j] - m.lastReading[j];
+  for (int i = 0; i < static_cast<int>(m.walls); ++i) {  // brought to this tick
+    Wall& w = m.wall[i];
+    w.contact = -1.0;
+    w.gap -= w.speed * T;
+    for (int j = 0; j < joints_; ++j) w.gap += w.row[j] * moved[j];
+  }
   int count = 0;
   for (int c = 0; c < frame.contacts.count; ++c) {
     const Contact& contact = frame.contacts.contacts[c];
@@ -336,55 +360,45 @@ int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame
     w.speed = contact.normal.dot(contact.obstacleVelocity);
     w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
     w.contact = c;
+    double behind = w.gap;  // of what there was: its own place, or the last target
+    const auto end = m.wall.begin() + static_cast<int>(m.walls);
+    const auto before = std::find_if(m.wall.begin(), end, [&](const Wall& other) { return other.name == w.name; });
+    if (before != end) {
+      before->contact = c;
+      w.holds = before->holds;
+      behind = before->gap;
+    } else if (m.hasTarget != 0.0) {
+      for (int j = 0; j < joints_; ++j) behind -= w.row[j] * (m.target[j] - k.q[j]) + w.gap;
+    }
+    const double way = kTremorShare * m.step * complianceOf(a, toModes(w.row)) + (moves + std::abs(w.speed)) * T;
+    w.gap = std::max(w.gap, behind - way);
   }
-  JointRow moved{};
-  for (int j = 0; j < joints_; ++j) moved[j] = k.q[j] - m.lastReading[j];
-  const double tremor = kTremorShare * m.step;
   for (int i = 0; i < static_cast<int>(m.walls) && count < 2 * kMaxContacts; ++i) {
     Wall w = m.wall[i];
-    bool isBack = false;
-    for (int c = 0; c < frame.contacts.count; ++c) isBack = isBack || walls[c].name == w.name;
-    if (isBack) continue;
-    double square = 0.0, rate = 0.0;
+    if (w.contact >= 0.0) continue;
     const Lane row = toModes(w.row);
+    const double soft = complianceOf(a, row);
+    double rate = 0.0, wouldBe = w.gap;
     for (int mode = 0; mode < joints_; ++mode) {
-      square += row[mode] * row[mode] / a.stiffness[mode];
       rate += row[mode] * a.x[kLink + 1][mode];
+      wouldBe += row[mode] * (a.wouldBe[mode] - a.now[mode]);
     }
-    double wouldBe = 0.0;
-    for (int mode = 0; mode < joints_; ++mode) wouldBe += row[mode] * (a.wouldBe[mode] - a.now[mode]);
-    for (int j = 0; j < joints_; ++j) w.gap += w.row[j] * moved[j];
-    const double along = std::sqrt(std::max(0.0, k.twist.head<3>().squaredNorm() - rate * rate));
-    const double step = tremor * square + kFades * along * T - w.speed * T * 0.0;
+    const double along = std::sqrt(std::max(0.0, moves * moves - rate * rate));
+    const double step = kTremorShare * m.step * soft + kFades * along * T;
     w.gap += step;
-    w.gap -= w.speed * T;
     w.retreated += step;
-    w.contact = -1.0;
-    if (w.retreated > memory_.step * square && w.gap + wouldBe > 0.0) continue;
+    if (w.retreated > m.step * soft && wouldBe + step > 0.0) continue;
     walls[count++] = w;
   }
-  // A wall that was not there moves the last target only as fast as the tool and a tremor may.
-  if (m.hasTarget != 0.0)
-    for (int c = 0; c < count; ++c) {
-      Wall& w = walls[c];
-      double gap = w.gap, square = 0.0;
-      const Lane row = toModes(w.row);
-      for (int j = 0; j < joints_; ++j) gap += w.row[j] * (m.target[j] - k.q[j]);
-      for (int mode = 0; mode < joints_; ++mode) square += row[mode] * row[mode] / a.stiffness[mode];
-      const double way = tremor * square + (k.twist.head<3>().norm() + std::abs(w.speed)) * T;
-      if (count > 1) w.gap += std::max(0.0, -gap - way);
-    }
-  m.walls = count;
-  std::copy_n(walls, count, m.wall.begin());
   return count;
 }
 
 template <int kMech>
 int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& frame, const Ahead& a,
-                                                               const Wall* walls, int count, Target* targets) noexcept {
+                                                               Wall* walls, int count, Target* targets) noexcept {
   int placed = 0;
   for (int i = 0; i < count; ++i) {
-    const Wall& w = walls[i];
+    Wall& w = walls[i];
     Target& t = targets[placed];
     t.row = toModes(w.row);
     double next = w.gap - w.speed * (a.seconds + options_.period), gap = w.gap - w.speed * a.seconds, square = 0.0,
@@ -396,7 +410,9 @@ int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& 
       square += share;
       lead += share * a.lead[k];
     }
-    if (next > kNear || !(square > 0.0)) continue;
+    if (gap > 0.0 || !(square > 0.0)) w.holds = 0.0;
+    else if (next <= kNear) w.holds = 1.0;
+    if (w.holds == 0.0) continue;
     t.gap = gap - w.speed * lead / square;
     t.size = std::sqrt(square);
     const int contact = static_cast<int>(w.contact);
@@ -569,6 +585,8 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   Target targets[2 * kMaxContacts];
   double force[kMaxWalls] = {};
   const int count = collect(frame, a, walls), placed = placeTargets(frame, a, walls, count, targets);
+  m.walls = count;
+  std::copy_n(walls, count, m.wall.begin());
   if (placed > 0) project(a, targets, placed, force);
   JointRow torque{};
   Lane towards{};
@@ -591,6 +609,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
     if (w.contact == 0.0) output.normalForce = force[i];
     for (int j = 0; j < n; ++j) torque[j] += force[i] * w.row[j];
   }
+  if (getenv("TRACE") && count) { double v = 0, vp = 0; for (int k = 0; k < n; ++k) { v += toModes(walls[0].row)[k] * a.x[kLink+1][k]; vp += toModes(walls[0].row)[k] * a.wouldBe[k] - toModes(walls[0].row)[k] * a.now[k]; } fprintf(stderr, "T %d gap %.1f speed %.4f wouldBe %.1f force %.2f given %.3f push %.2f mass %.3f parts %g ign %g\n", int(std::lround(frame.time * 1e3)), frame.contacts.contacts[0].gap * 1e6, v, vp * 1e6 + walls[0].gap * 1e6, force[0], given, m.push, std::exp(m.observer.scale), m.observer.count, m.ignored); }
   const JointRow held = frictionOf(frame, a, targets, walls, placed, force);
   output.torque.resize(n);
   for (int j = 0; j < n; ++j) {

@@ -13,7 +13,6 @@ constexpr double kJumpRate = 1.0;                           // steps of the hand
 constexpr double kLeastForce = 0.1;                         // of a step: the model lacks its share of at least that
 constexpr double kScaleWander = 0.03;                       // of ln(mass), in a root second
 constexpr double kMostScale = 0.5;                          // of ln(mass)
-constexpr double kSpeedPrior = 0.01;                        // deviation at the start, m/s or rad/s
 constexpr double kRefreshed = 2e-3;                         // of ln(inertia)
 constexpr double kForgotten = -40.0, kLeastWeight = -60.0;  // logarithms
 
@@ -63,26 +62,39 @@ void PushObserver<kMech>::start(State& s, int modes, const Lane& reading) noexce
     s.inertia[k] = s.readingVariance[k] = 1.0;
     s.step[k] = s.tremor[k] = 0.0;
   }
-  for (int k = 0; k < kLanes; ++k) s.used[k] = 0.0;
+  for (int k = 0; k < kLanes; ++k) s.used[k] = s.usedScale[k] = 0.0;
   refresh(s);
+  s.part[0] = Hypothesis{};
+  for (int k = 0; k < modes; ++k) s.part[0].P[at(kScale, kScale)][k] = kScalePrior * kScalePrior;
+  believe(s, reading, Lane{});
+}
+
+template <int kMech>
+void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rate) const noexcept {
+  const Hypothesis before = s.part[0];
+  s.count = 1.0;
+  s.weight[0] = 1.0;
   Hypothesis& h = s.part[0];
   h = Hypothesis{};
-  for (int k = 0; k < modes; ++k) {
-    const double growth = kGrowthOfStep * s.step[k];
+  for (int k = 0; k < static_cast<int>(s.modes); ++k) {
+    const double growth = kGrowthOfStep * s.step[k], speed = s.step[k] * kGrowthTime / s.inertia[k];
     for (int i = 0; i < kMech; i += 2) {
       h.x[i][k] = reading[k];
+      h.x[i + 1][k] = rate[k];
       h.P[at(i, i)][k] = 12.0 * s.readingVariance[k];
-      h.P[at(i + 1, i + 1)][k] = kSpeedPrior * kSpeedPrior;
+      h.P[at(i + 1, i + 1)][k] = speed * speed;
     }
     if (kMech == 4) {
       const double stretch = s.step[k] / data_.drive.stiffness;
       h.P[at(2, 2)][k] += stretch * stretch;
     }
-    h.P[at(kPush, kPush)][k] = s.step[k] * s.step[k];
+    h.x[kLag][k] = before.x[kLag][k];
+    h.x[kPush][k] = before.x[kPush][k];
+    h.x[kScale][k] = before.x[kScale][k];
+    h.P[at(kPush, kPush)][k] = s.step[k] * s.step[k] + before.P[at(kPush, kPush)][k];
     h.P[at(kGrowth, kGrowth)][k] = growth * growth;
-    h.P[at(kScale, kScale)][k] = kScalePrior * kScalePrior;
+    h.P[at(kScale, kScale)][k] = before.P[at(kScale, kScale)][k];
   }
-  s.weight[0] = 1.0;
   std::memcpy(s.mean, h.x, sizeof s.mean);
 }
 
@@ -93,6 +105,14 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
     const double wanted = s.inertia[k] * whole;
     if (std::abs(wanted - s.used[k]) < kRefreshed * wanted) continue;
     s.used[k] = wanted;
+    // A push is known by what it does: its share of the mass goes with it.
+    const double ratio = std::exp(s.scale - s.usedScale[k]);
+    s.usedScale[k] = s.scale;
+    for (int p = 0; ratio != 1.0 && p < static_cast<int>(s.count); ++p)
+      for (const int i : {kPush, kGrowth}) {
+        s.part[p].x[i][k] *= ratio;
+        for (int j = 0; j < kStates; ++j) s.part[p].P[at(i, j)][k] *= ratio * (i == j ? ratio : 1.0);
+      }
     table_.read(std::log(wanted), k, model_.value, model_.slope);
   }
 }

@@ -40,7 +40,8 @@ class PushObserver {
     States mean;
     double weight[kMost];
     double scale, scaleVariance;  // ln(mass / model's)
-    Lane inertia, used;           // of the links' modes by the model; ln of what the numbers in use are for
+    Lane inertia, used;           // of the links' modes by the model; what the numbers in use are for
+    Lane usedScale;               // ln(mass / model's) of these
     Lane step, tremor;            // deviations of the hand's force in the modes
     Lane readingVariance;
   };
@@ -60,6 +61,8 @@ class PushObserver {
   void describe(State& s, int k, double inertia, double step, double tremor, double readingVariance) const noexcept;
   /// Begins at rest at a reading, in as many modes as were described.
   void start(State& s, int modes, const Lane& reading) noexcept;
+  /// Takes a reading and a rate that no hypothesis explains; keeps what is known of the mass.
+  void believe(State& s, const Lane& reading, const Lane& rate) const noexcept;
   /// The model for the state's inertias and scale; reload(): exactly the one that a saved state was used with.
   void refresh(State& s) noexcept;
   void reload(const State& s) noexcept;
