@@ -51,13 +51,14 @@ Matrix continuous(const ModeData& d, double inertia) {
 }
 
 // Gains by the recursion of the Riccati equation. `cost`: its matrix for a neighbour, from which it has converged soon.
+// A command that acts by chance costs more, by the variance of what it does.
 template <int kMech>
-void designGains(const Matrix& a, const Matrix& b, const Matrix& H, Matrix& cost, double* gain) {
+void designGains(const Matrix& a, const Matrix& b, const Matrix& H, double chance, Matrix& cost, double* gain) {
   constexpr int n = kMech + 1, kMostSteps = 20000;
   if (cost.rows() != n) cost = H.topLeftCorner(n, n);
   for (int i = 0; i < kMostSteps; ++i) {
     const Matrix Xb = cost * b, asked = Xb.transpose() * a + H.block(n, 0, 1, n),
-                 k = asked / (H(n, n) + (b.transpose() * Xb)(0));
+                 k = asked / (H(n, n) + (1.0 + chance) * (b.transpose() * Xb)(0));
     Matrix next = H.topLeftCorner(n, n) + a.transpose() * cost * a - k.transpose() * asked;
     next = (0.5 * (next + next.transpose())).eval();
     const double change = (next - cost).norm();
@@ -105,7 +106,7 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix& cost) {
   for (int i = 0, n = 0; i < kMech + 2; ++i)
     for (int j = 0; j <= i; ++j) m.wander[n++] = wander(place(i), place(j));
   const Matrix a = power.topLeftCorner(kMech + 1, kMech + 1), b = power.block(0, inputs, kMech + 1, 1);
-  designGains<kMech>(a, b, H, cost, m.gain);
+  designGains<kMech>(a, b, H, d.chance, cost, m.gain);
   return m;
 }
 

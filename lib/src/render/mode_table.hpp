@@ -26,6 +26,7 @@ struct ModeData {
   double pushShare;   ///< a large step of the hand, as a share of the largest force
   double forceCost;   ///< rho
   double modelError;  ///< share of the force that the model does not have
+  double chance;      ///< variance of the ticks in which a command acts, 1 in the mean
 };
 
 inline constexpr double kGrowthTime = 0.02;     ///< in which a push's growth fades, s

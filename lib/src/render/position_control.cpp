@@ -23,14 +23,14 @@ constexpr double kStick = 1.0 / 8.0;  // of the stiffness with which friction ho
 // A person: a step has a deviation of 8 N, or of a fifth of what a weak device can hold; the hand trembles by a
 // sixteenth of it, and moments are forces at 2 cm.
 constexpr double kStepForce = 8.0, kStepShare = 0.2, kTremorShare = 1.0 / 16.0, kGrip = 0.02;
-constexpr double kLargeStep = 2.0;   // deviations
+constexpr double kRebound = 0.5;     // of a step: what it does before an answer, the tool may come back outside
 constexpr double kPushShare = 0.27;  // a large step, as a share of the largest force, for the designs
 
 constexpr double kMostTicks = 10.5;   // between two ticks, beyond which everything is forgotten
 constexpr double kContradicts = 8.0;  // deviations of an innovation that no push explains
 constexpr double kRetreat = 50.0;     // 1 / kRetreat^2: how much walls that contradict each other give way for force
 constexpr double kFades = 0.1;        // of the speed along a wall, with which one that is gone retreats
-static const double kNear = getenv("NEAR") ? atof(getenv("NEAR")) : 2e-5;        // a contact that stays this far outside for a tick carries no force, m
+constexpr double kNear = 2e-5;        // a contact that stays this far outside for a tick carries no force, m
 constexpr int kRefreshTicks = 8;      // between two looks at the inertia
 
 }  // namespace
@@ -120,12 +120,14 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void project(const Ahead& a, const Target* targets, int count, double* force) noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
-  double largestSafe(const Ahead& a, const Lane& row, double speed, double most) noexcept;
+  double reboundOf(double mass) const noexcept;
+  double largestSafe(const Ahead& a, const Lane& row, double speed) noexcept;
   JointRow frictionOf(const TickFrame& frame, const Ahead& a, const Target* targets, const Wall* walls, int count,
                       const double* force) noexcept;
 
   PositionControlOptions options_;
   int joints_, delay_;
+  double chance_;  // variance of the ticks in which a command acts: one of delayHigh - delayLow + 1 acts in each
   Observer observer_;
   Memory memory_;
 };
@@ -134,8 +136,9 @@ template <int kMech>
 PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControlOptions& options)
     : options_(options),
       joints_(static_cast<int>(options.encoderStep.size())),
-      delay_((options.delayLow + options.delayHigh) / 2),
-      observer_({options.period, delay_, options.drive, kPushShare, kForceCost, kModelError}) {}
+      delay_((options.delayLow + options.delayHigh + 1) / 2),
+      chance_(1.0 - 1.0 / (options.delayHigh - options.delayLow + 1)),
+      observer_({options.period, delay_, options.drive, kPushShare, kForceCost, kModelError, chance_}) {}
 
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
@@ -276,7 +279,6 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
     const bool contradicts = observer_.surprise(m.observer, y) > kContradicts;
     if (contradicts && m.contradictions == 0.0) {
       m.ignored += 1.0;
-      if (getenv("DBG")) fprintf(stderr, "%g ignored %g\n", frame.time, observer_.surprise(m.observer, y));
     } else if (contradicts) {
       Lane rate{};
       for (int j = 0; j < joints_; ++j) reading[j] = (reading[j] - m.lastReading[j]) / elapsed;
@@ -332,8 +334,8 @@ double PositionControlRenderer::ControllerOf<kMech>::complianceOf(const Ahead& a
 }
 
 // The walls of this tick: the contacts', then those that were there a moment ago. The torque is continuous where the
-// contacts are not: a wall comes forward, and one that is gone goes back, only as fast as the tool moves and as a tremor
-// would take it.
+// contacts are not: a wall comes forward, and one that is gone goes back, only as fast as the tool moves and as a
+// tremor would take it.
 template <int kMech>
 int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame, const Ahead& a,
                                                           Wall* walls) noexcept {
@@ -394,24 +396,27 @@ int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame
 }
 
 template <int kMech>
-int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& frame, const Ahead& a,
-                                                               Wall* walls, int count, Target* targets) noexcept {
+int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& frame, const Ahead& a, Wall* walls,
+                                                               int count, Target* targets) noexcept {
   int placed = 0;
   for (int i = 0; i < count; ++i) {
     Wall& w = walls[i];
     Target& t = targets[placed];
     t.row = toModes(w.row);
     double next = w.gap - w.speed * (a.seconds + options_.period), gap = w.gap - w.speed * a.seconds, square = 0.0,
-           lead = 0.0;
+           inverse = 0.0, lead = 0.0;
     for (int k = 0; k < joints_; ++k) {
       gap += t.row[k] * (a.wouldBe[k] - a.now[k]);
       next += t.row[k] * (a.next[kLink][k] - a.now[k]);
+      inverse += t.row[k] * t.row[k] / a.inertia[k];
       const double share = t.row[k] * t.row[k] / a.stiffness[k];
       square += share;
       lead += share * a.lead[k];
     }
-    if (gap > 0.0 || !(square > 0.0)) w.holds = 0.0;
-    else if (next <= kNear) w.holds = 1.0;
+    if (gap > 0.0 || !(square > 0.0) || next > kNear + reboundOf(1.0 / inverse))
+      w.holds = 0.0;
+    else if (next <= kNear)
+      w.holds = 1.0;
     if (w.holds == 0.0) continue;
     t.gap = gap - w.speed * lead / square;
     t.size = std::sqrt(square);
@@ -454,11 +459,18 @@ void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const
   for (int i = 0; i < count; ++i) force[i] /= targets[i].size;
 }
 
+// How far out the tool may come back, for a mass: what a part of a step of the hand does before a command answers it.
+template <int kMech>
+double PositionControlRenderer::ControllerOf<kMech>::reboundOf(double mass) const noexcept {
+  const double reaction = (delay_ + 1) * options_.period;
+  return 0.5 * kRebound * memory_.step * reaction * reaction / mass;
+}
+
 // Largest force along a row of the modes that sends the tool out no faster than the push turns it back within the depth
 // that no controller avoids. `speed`: outward, a tick after the command acts, without a force.
 template <int kMech>
-double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row, double speed,
-                                                                 double most) noexcept {
+double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row,
+                                                                 double speed) noexcept {
   const double T = options_.period;
   double inverse = 0.0;
   for (int k = 0; k < joints_; ++k) inverse += row[k] * row[k] / a.inertia[k];
@@ -475,10 +487,21 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
              uncertain = observer_.moments(memory_.observer, outward);
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
-  const double reaction = (delay_ + 1) * T, step = std::min(kLargeStep * memory_.step, 0.5 * most);
-  const double depth = 0.5 * step * reaction * reaction / mass / (1.0 - step / most);
-  const double room = std::sqrt(2.0 * depth * sure / mass) - speed - kSpeedDeviations * uncertain.deviation;
-  return std::max(0.0, room * mass / T);
+  // Where chance says when a command acts, those under way differ from their mean.
+  double mean = 0.0, square = 0.0;
+  const int under = chance_ > 0.0 ? options_.delayHigh : 0;
+  for (int d = 0; d < under; ++d) {
+    const Lane sent = toModes(memory_.sent[d]);
+    double along = 0.0;
+    for (int k = 0; k < joints_; ++k) along += row[k] * sent[k] / a.inertia[k] * mass;
+    mean += along / under;
+    square += along * along / under;
+  }
+  const double differs = std::sqrt(std::max(0.0, square - mean * mean) * under) * T / mass, chance = std::sqrt(chance_);
+  const double room =
+      std::sqrt(2.0 * reboundOf(mass) * sure / mass) - speed - kSpeedDeviations * uncertain.deviation - differs;
+  const double safe = room * mass / T;
+  return std::max(0.0, chance > 0.0 && safe > mean ? (safe + chance * mean) / (1.0 + chance) : safe);
 }
 
 // The share of the forces that is given: by the cap, and by the motors' limits.
@@ -509,7 +532,7 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
       most = std::min(most, std::max(0.0, left) / std::abs(joint[j]));
     }
   if (!(most > 0.0)) return 0.0;
-  const double asked = std::min(total, largestSafe(a, row, speed, most));
+  const double asked = std::min(total, largestSafe(a, row, speed));
   output.saturated = asked > most;
   return std::min(asked, most) / total;
 }
@@ -609,7 +632,6 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
     if (w.contact == 0.0) output.normalForce = force[i];
     for (int j = 0; j < n; ++j) torque[j] += force[i] * w.row[j];
   }
-  if (getenv("TRACE") && count) { double v = 0, vp = 0; for (int k = 0; k < n; ++k) { v += toModes(walls[0].row)[k] * a.x[kLink+1][k]; vp += toModes(walls[0].row)[k] * a.wouldBe[k] - toModes(walls[0].row)[k] * a.now[k]; } fprintf(stderr, "T %d gap %.1f speed %.4f wouldBe %.1f force %.2f given %.3f push %.2f mass %.3f parts %g ign %g\n", int(std::lround(frame.time * 1e3)), frame.contacts.contacts[0].gap * 1e6, v, vp * 1e6 + walls[0].gap * 1e6, force[0], given, m.push, std::exp(m.observer.scale), m.observer.count, m.ignored); }
   const JointRow held = frictionOf(frame, a, targets, walls, placed, force);
   output.torque.resize(n);
   for (int j = 0; j < n; ++j) {

@@ -16,6 +16,9 @@ constexpr double kMostScale = 0.5;                          // of ln(mass)
 constexpr double kRefreshed = 2e-3;                         // of ln(inertia)
 constexpr double kForgotten = -40.0, kLeastWeight = -60.0;  // logarithms
 
+// Deviation of the growth of a push that begins with a step.
+double growthOf(double step) noexcept { return 0.7 / kGrowthTime * step; }
+
 template <int kMech>
 const ObserverSteps<kMech>& steps() noexcept {
 #ifdef ENAMEL_X86_KERNELS
@@ -188,7 +191,10 @@ void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept 
       for (int k = 0; k < kLanes; ++k)
         h.P[at(kPush, i)][k] += s.step[k] * s.step[k] * onset[kMech * (kMech + 1) / 2 + i][k];
     }
-    for (int k = 0; k < kLanes; ++k) h.P[at(kPush, kPush)][k] += s.step[k] * s.step[k];
+    for (int k = 0; k < kLanes; ++k) {
+      h.P[at(kPush, kPush)][k] += s.step[k] * s.step[k];
+      h.P[at(kGrowth, kGrowth)][k] += growthOf(s.step[k]) * growthOf(s.step[k]);
+    }
   }
   s.part[0].logWeight += kLogNone;
   s.count = count + kBins;
