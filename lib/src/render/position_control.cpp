@@ -23,7 +23,7 @@ constexpr double kStick = 1.0 / 8.0;  // of the stiffness with which friction ho
 // A person: a step has a deviation of 8 N, or of a fifth of what a weak device can hold; the hand trembles by a
 // sixteenth of it, and moments are forces at 2 cm.
 constexpr double kStepForce = 8.0, kStepShare = 0.2, kTremorShare = 1.0 / 16.0, kGrip = 0.02;
-constexpr double kRebound = 0.5;     // of a step: what it does before an answer, the tool may come back outside
+constexpr double kRebound = 1.0;     // of a step: what it does before an answer, the tool may come back outside
 constexpr double kPushShare = 0.27;  // a large step, as a share of the largest force, for the designs
 
 constexpr double kMostTicks = 10.5;   // between two ticks, beyond which everything is forgotten
