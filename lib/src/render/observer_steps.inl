@@ -70,21 +70,27 @@ struct Steps {
     }
   }
 
-  // A reading, with the innovation e and its variance S. `teaches`: of the mass as well.
-  static void correct(const double* e, const double* S, int read, bool teaches, Hypothesis& h) noexcept {
-    double column[kStates][kLanes], share[kStates][kLanes];
+  // A reading, with the innovation e and its variance S. It teaches of the mass as well where `teaches`, and where what
+  // is not known of the mass moves the reading by more than `visible`.
+  static void correct(const double* e, const double* S, const double* visible, int read, bool teaches,
+                      Hypothesis& h) noexcept {
+    double column[kStates][kLanes], share[kStates][kLanes], learns[kLanes];
+    for (int k = 0; k < kLanes; ++k) {
+      const double moves = h.P[at(kScale, read)][k];
+      learns[k] = teaches && moves * moves > visible[k] * visible[k] * h.P[at(kScale, kScale)][k] ? 1.0 : 0.0;
+    }
     for (int i = 0; i < kStates; ++i)
       for (int k = 0; k < kLanes; ++k) {
         column[i][k] = h.P[at(i, read)][k];
         share[i][k] = column[i][k] / S[k];
       }
-    for (int i = 0; i < kScale + (teaches ? 1 : 0); ++i)
+    for (int i = 0; i < kScale; ++i)
       for (int k = 0; k < kLanes; ++k) h.x[i][k] += share[i][k] * e[k];
+    for (int k = 0; k < kLanes; ++k) h.x[kScale][k] += learns[k] * share[kScale][k] * e[k];
     for (int i = 0; i < kStates; ++i)
-      for (int j = 0; j <= i; ++j) {
-        if (i == kScale && j == kScale && !teaches) continue;
+      for (int j = 0; j <= i && j < kScale; ++j)
         for (int k = 0; k < kLanes; ++k) h.P[at(i, j)][k] -= share[i][k] * column[j][k];
-      }
+    for (int k = 0; k < kLanes; ++k) h.P[at(kScale, kScale)][k] -= learns[k] * share[kScale][k] * column[kScale][k];
   }
 
   // Adds `weight` of a hypothesis, about the mean x, to P.

@@ -121,7 +121,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
   double reboundOf(double mass) const noexcept;
-  double largestSafe(const Ahead& a, const Lane& row, double speed) noexcept;
+  double largestSafe(const Ahead& a, const Lane& row, double speed, double depth) noexcept;
   JointRow frictionOf(const TickFrame& frame, const Ahead& a, const Target* targets, const Wall* walls, int count,
                       const double* force) noexcept;
 
@@ -142,6 +142,13 @@ PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControl
 
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::stateLoaded() noexcept {
+  const auto within = [](double count, int low, int high) { return count >= low && count <= high; };
+  const typename Observer::State& s = memory_.observer;
+  if (!within(memory_.walls, 0, 2 * kMaxContacts) ||
+      (memory_.started != 0.0 && !(s.modes == joints_ && within(s.count, 1, Observer::kMost - kBins)))) {
+    reset();
+    return;
+  }
   observer_.reload(memory_.observer);
 }
 
@@ -467,10 +474,11 @@ double PositionControlRenderer::ControllerOf<kMech>::reboundOf(double mass) cons
 }
 
 // Largest force along a row of the modes that sends the tool out no faster than the push turns it back within the depth
-// that no controller avoids. `speed`: outward, a tick after the command acts, without a force.
+// that no controller avoids; without a push, it comes out of the wall in the time of a hand. `speed`: outward, a tick
+// after the command acts, without a force.
 template <int kMech>
-double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row,
-                                                                 double speed) noexcept {
+double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row, double speed,
+                                                                 double depth) noexcept {
   const double T = options_.period;
   double inverse = 0.0;
   for (int k = 0; k < joints_; ++k) inverse += row[k] * row[k] / a.inertia[k];
@@ -499,7 +507,8 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
   }
   const double differs = std::sqrt(std::max(0.0, square - mean * mean) * under) * T / mass, chance = std::sqrt(chance_);
   const double room =
-      std::sqrt(2.0 * reboundOf(mass) * sure / mass) - speed - kSpeedDeviations * uncertain.deviation - differs;
+      std::max(std::sqrt(2.0 * reboundOf(mass) * sure / mass), std::min(depth, reboundOf(mass)) / kGrowthTime) - speed -
+      kSpeedDeviations * uncertain.deviation - differs;
   const double safe = room * mass / T;
   return std::max(0.0, chance > 0.0 && safe > mean ? (safe + chance * mean) / (1.0 + chance) : safe);
 }
@@ -509,16 +518,18 @@ template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& frame, const Ahead& a, const Wall* walls,
                                                            const Target* targets, int count, const double* force,
                                                            TickOutput& output) noexcept {
-  double total = 0.0, speed = 0.0, most = kLargestTorque;
+  double total = 0.0, speed = 0.0, depth = 0.0, most = kLargestTorque;
   Lane row{};
   for (int i = 0; i < count; ++i) {
     total += force[i];
     speed -= force[i] * walls[targets[i].wall].speed;
+    depth -= force[i] * walls[targets[i].wall].gap;
     for (int k = 0; k < kLanes; ++k) row[k] += force[i] * targets[i].row[k];
   }
   memory_.push = 0.0;
   if (!(total > 0.0)) return 0.0;
   speed /= total;
+  depth /= total;
   for (int k = 0; k < kLanes; ++k) row[k] /= total;
   for (int k = 0; k < joints_; ++k) {
     const double rotor = kMech == 4 ? options_.drive.rotorInertia / a.inertia[k] : 0.0;
@@ -532,7 +543,7 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
       most = std::min(most, std::max(0.0, left) / std::abs(joint[j]));
     }
   if (!(most > 0.0)) return 0.0;
-  const double asked = std::min(total, largestSafe(a, row, speed));
+  const double asked = std::min(total, largestSafe(a, row, speed, depth));
   output.saturated = asked > most;
   return std::min(asked, most) / total;
 }

@@ -227,6 +227,8 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
   const int read = kMech == 4 && data_.drive.encoderOnLink ? 2 : 0, modes = static_cast<int>(s.modes),
             count = static_cast<int>(s.count);
   double top = -1e300, sum = 0.0;
+  Lane visible;  // a tenth of a step: the rounding of encoders is not a noise that many readings average out
+  for (int k = 0; k < kLanes; ++k) visible[k] = 0.1 * std::sqrt(12.0 * s.readingVariance[k]);
   for (int p = 0; p < count; ++p) {
     Hypothesis& h = s.part[p];
     Lane S, e{};
@@ -239,7 +241,7 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
     }
     h.logWeight -= 0.5 * (square + std::log(volume));
     top = std::max(top, h.logWeight);
-    steps<kMech>().correct(e.data(), S.data(), read, p == 0, h);
+    steps<kMech>().correct(e.data(), S.data(), visible.data(), read, p == 0, h);
     for (int k = 0; k < kLanes; ++k) h.x[kScale][k] = std::clamp(h.x[kScale][k], -kMostScale, kMostScale);
   }
   for (int p = 0; p < count; ++p) sum += std::exp(s.part[p].logWeight - top);

@@ -44,6 +44,7 @@ class PushObserver {
     Lane usedScale;               // ln(mass / model's) of these
     Lane step, tremor;            // deviations of the hand's force in the modes
     Lane readingVariance;
+    Lane teaches;  // 1: the last tick's force moved the mode enough to learn the mass from it
   };
   struct Moments {
     double mean, deviation;
