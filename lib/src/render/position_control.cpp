@@ -83,12 +83,11 @@ class PositionControlRenderer::ControllerOf final : public Controller {
     typename Observer::State observer{};
     double started = 0.0, lastTime = 0.0, ticks = 0.0;
     std::array<JointRow, kMaxLoopDelay + 1> sent{};  // beyond gravity, the last first
-    JointRow lastReading{}, target{};                // joints
+    JointRow lastReading{};                          // joints
     double step = 0.0;                               // of the hand, N
     double contradictions = 0.0, ignored = 0.0;
     double walls = 0.0;
     std::array<Wall, 2 * kMaxContacts> wall{};
-    double hasTarget = 0.0;
     double push = 0.0, merged = 0.0;
     FrictionMemory friction;
   };
@@ -369,18 +368,16 @@ int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame
     w.speed = contact.normal.dot(contact.obstacleVelocity);
     w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
     w.contact = c;
-    double behind = w.gap;  // of what there was: its own place, or the last target
+    double was = 0.0;  // one that was not there begins where the tool is
     const auto end = m.wall.begin() + static_cast<int>(m.walls);
     const auto before = std::find_if(m.wall.begin(), end, [&](const Wall& other) { return other.name == w.name; });
     if (before != end) {
       before->contact = c;
       w.holds = before->holds;
-      behind = before->gap;
-    } else if (m.hasTarget != 0.0) {
-      for (int j = 0; j < joints_; ++j) behind -= w.row[j] * (m.target[j] - k.q[j]) + w.gap;
+      was = before->gap;
     }
     const double way = kTremorShare * m.step * complianceOf(a, toModes(w.row)) + (moves + std::abs(w.speed)) * T;
-    w.gap = std::max(w.gap, behind - way);
+    w.gap = std::max(w.gap, was - way);
   }
   for (int i = 0; i < static_cast<int>(m.walls) && count < 2 * kMaxContacts; ++i) {
     Wall w = m.wall[i];
@@ -623,15 +620,8 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   std::copy_n(walls, count, m.wall.begin());
   if (placed > 0) project(a, targets, placed, force);
   JointRow torque{};
-  Lane towards{};
   m.merged = 0.0;
-  for (int i = 0; i < placed; ++i) {
-    m.merged += force[i] > 0.0 ? 0.0 : 1.0;
-    for (int k = 0; k < n; ++k) towards[k] += force[i] * targets[i].row[k] / a.stiffness[k];
-  }
-  for (int k = 0; k < n; ++k) towards[k] += a.wouldBe[k];
-  m.target = toJoints(towards);
-  m.hasTarget = count > 0 ? 1.0 : 0.0;
+  for (int i = 0; i < placed; ++i) m.merged += force[i] > 0.0 ? 0.0 : 1.0;
   output.mode = RenderMode::free;
   output.saturated = false;
   output.normalForce = 0.0;
