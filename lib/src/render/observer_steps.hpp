@@ -10,9 +10,9 @@ struct ObserverSteps {
   using Observer = PushObserver<kMech>;
   using Pairs = double[Observer::kPairs][kLanes];
 
-  void (*predict)(const typename Observer::Model& model, const double* command, double scale, const Pairs& noise,
+  void (*predict)(const typename Observer::Model& model, const double* command, const double* matters, double scale, const Pairs& noise,
                   typename Observer::Hypothesis& h) noexcept;
-  void (*correct)(const double* innovation, const double* variance, const double* visible, int read, bool teaches,
+  void (*correct)(const double* innovation, const double* variance, int read, bool teaches,
                   typename Observer::Hypothesis& h) noexcept;
   void (*gather)(const typename Observer::Hypothesis& h, const typename Observer::States& mean, double weight,
                  Pairs& P) noexcept;

@@ -11,8 +11,10 @@ struct Steps {
                        kScale = Observer::kScale, kStates = Observer::kStates;
   static constexpr int at(int i, int j) { return Observer::at(i, j); }
 
-  // x and P of a hypothesis after a tick: G P G^T + Q with G the transition, its column of ln(mass) by the slopes.
-  static void predict(const Model& m, const double* command, double scale, const double (&Q)[Observer::kPairs][kLanes],
+  // x and P of a hypothesis after a tick: G P G^T + Q with G the transition, its column of ln(mass) by the slopes
+  // where it `matters` (1, else 0).
+  static void predict(const Model& m, const double* command, const double* matters, double scale,
+                      const double (&Q)[Observer::kPairs][kLanes],
                       Hypothesis& h) noexcept {
     constexpr int kFree = kMech + 3;
     const double em = m.lagKept, eg = m.growthKept, cg = m.growthSum;
@@ -27,7 +29,10 @@ struct Steps {
           moved[i][k] += m.value[i * kFree + j][k] * h.x[j][k];
           if (j <= kLag) slope[i][k] += m.slope[i * kFree + j][k] * h.x[j][k];
         }
-      for (int k = 0; k < kLanes; ++k) moved[i][k] += slope[i][k] * (h.x[kScale][k] - scale);
+      for (int k = 0; k < kLanes; ++k) {
+        slope[i][k] *= matters[k];
+        moved[i][k] += slope[i][k] * (h.x[kScale][k] - scale);
+      }
     }
     for (int i = 0; i < kMech; ++i)
       for (int j = 0; j < kStates; ++j) {
@@ -70,27 +75,21 @@ struct Steps {
     }
   }
 
-  // A reading, with the innovation e and its variance S. It teaches of the mass as well where `teaches`, and where what
-  // is not known of the mass moves the reading by more than `visible`.
-  static void correct(const double* e, const double* S, const double* visible, int read, bool teaches,
-                      Hypothesis& h) noexcept {
-    double column[kStates][kLanes], share[kStates][kLanes], learns[kLanes];
-    for (int k = 0; k < kLanes; ++k) {
-      const double moves = h.P[at(kScale, read)][k];
-      learns[k] = teaches && moves * moves > visible[k] * visible[k] * h.P[at(kScale, kScale)][k] ? 1.0 : 0.0;
-    }
+  // A reading, with the innovation e and its variance S. `teaches`: of the mass as well.
+  static void correct(const double* e, const double* S, int read, bool teaches, Hypothesis& h) noexcept {
+    double column[kStates][kLanes], share[kStates][kLanes];
     for (int i = 0; i < kStates; ++i)
       for (int k = 0; k < kLanes; ++k) {
         column[i][k] = h.P[at(i, read)][k];
         share[i][k] = column[i][k] / S[k];
       }
-    for (int i = 0; i < kScale; ++i)
+    for (int i = 0; i < kScale + (teaches ? 1 : 0); ++i)
       for (int k = 0; k < kLanes; ++k) h.x[i][k] += share[i][k] * e[k];
-    for (int k = 0; k < kLanes; ++k) h.x[kScale][k] += learns[k] * share[kScale][k] * e[k];
     for (int i = 0; i < kStates; ++i)
-      for (int j = 0; j <= i && j < kScale; ++j)
+      for (int j = 0; j <= i; ++j) {
+        if (i == kScale && j == kScale && !teaches) continue;
         for (int k = 0; k < kLanes; ++k) h.P[at(i, j)][k] -= share[i][k] * column[j][k];
-    for (int k = 0; k < kLanes; ++k) h.P[at(kScale, kScale)][k] -= learns[k] * share[kScale][k] * column[kScale][k];
+      }
   }
 
   // Adds `weight` of a hypothesis, about the mean x, to P.

@@ -14,6 +14,7 @@ constexpr double kLeastForce = 0.1;                         // of a step: the mo
 constexpr double kScaleWander = 0.03;                       // of ln(mass), in a root second
 constexpr double kMostScale = 0.5;                          // of ln(mass)
 constexpr double kRefreshed = 2e-3;                         // of ln(inertia)
+constexpr double kVisible = 0.1;                            // of a step of the encoder
 constexpr double kForgotten = -40.0, kLeastWeight = -60.0;  // logarithms
 
 // Deviation of the growth of a push that begins with a step.
@@ -152,10 +153,14 @@ void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept 
   const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
   // Process noise. What the model lacks scales with what accelerates the device; where it also stretches cables, with
   // the force itself: that keeps the margin of the controller to a wrong resonance (loop transfer recovery).
-  Lane rotor{}, link{}, growth{};
+  Lane rotor{}, link{}, growth{}, matters{};
   for (int k = 0; k < modes; ++k) {
     const double push = s.mean[kPush][k], net = std::abs(command[k] + push);
     double force = std::max(net, kLeastForce * s.step[k]);
+    // The rounding of encoders is not a noise that many readings average out: where what is not known of the mass moves
+    // a mode by less than kVisible of a step in a tick, the mass is taken as known.
+    const double moves = 0.5 * net * data_.period * data_.period / (s.used[k] + data_.drive.rotorInertia);
+    matters[k] = moves * moves * s.scaleVariance > kVisible * kVisible * 12.0 * s.readingVariance[k] ? 1.0 : 0.0;
     if (kMech == 4) force = std::max({force, std::abs(command[k]), std::abs(push)});
     const double lacks = data_.modelError * force, disturbance = data_.drive.disturbance;
     rotor[k] = lacks * lacks + disturbance * disturbance;
@@ -175,7 +180,7 @@ void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept 
   for (int k = 0; k < kLanes; ++k) Q[at(kScale, kScale)][k] = kScaleWander * kScaleWander * data_.period;
 
   for (int p = 0; p < count; ++p) {
-    steps<kMech>().predict(model_, command.data(), s.scale, Q, s.part[p]);
+    steps<kMech>().predict(model_, command.data(), matters.data(), s.scale, Q, s.part[p]);
     s.part[p].age += 1.0;
   }
   s.part[0].age = 0.0;
@@ -227,8 +232,6 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
   const int read = kMech == 4 && data_.drive.encoderOnLink ? 2 : 0, modes = static_cast<int>(s.modes),
             count = static_cast<int>(s.count);
   double top = -1e300, sum = 0.0;
-  Lane visible;  // a tenth of a step: the rounding of encoders is not a noise that many readings average out
-  for (int k = 0; k < kLanes; ++k) visible[k] = 0.1 * std::sqrt(12.0 * s.readingVariance[k]);
   for (int p = 0; p < count; ++p) {
     Hypothesis& h = s.part[p];
     Lane S, e{};
@@ -241,7 +244,7 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
     }
     h.logWeight -= 0.5 * (square + std::log(volume));
     top = std::max(top, h.logWeight);
-    steps<kMech>().correct(e.data(), S.data(), visible.data(), read, p == 0, h);
+    steps<kMech>().correct(e.data(), S.data(), read, p == 0, h);
     for (int k = 0; k < kLanes; ++k) h.x[kScale][k] = std::clamp(h.x[kScale][k], -kMostScale, kMostScale);
   }
   for (int p = 0; p < count; ++p) sum += std::exp(s.part[p].logWeight - top);
