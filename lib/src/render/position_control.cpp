@@ -18,7 +18,7 @@ namespace {
 constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
 constexpr double kModelError = 0.15;  // share of the force that the model does not have: robustness against stiffness
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
-constexpr double kStick = 1.0 / 8.0;  // of the stiffness with which friction holds: counts that are felt against creep
+constexpr double kStick = 0.5;  // of the stiffness with which friction holds: counts that are felt against creep
 
 // A person: a step has a deviation of 8 N, or of a fifth of what a weak device can hold; the hand trembles by a
 // sixteenth of it, and moments are forces at 2 cm.
