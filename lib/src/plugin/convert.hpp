@@ -45,7 +45,6 @@ inline void toPlain(const TickFrame& in, EnamelTickInput& out) noexcept {
     std::copy_n(k.inertia.col(i).data(), k.inertia.rows(), out.inertia[i]);
   out.joint_count = static_cast<int32_t>(k.q.size());
   out.contact_count = in.contacts.count;
-  out.age = in.age;
   for (int i = 0; i < storedContacts(in.contacts.count); ++i) {
     const Contact& from = in.contacts.contacts[i];
     EnamelContact& to = out.contacts[i];
@@ -72,6 +71,7 @@ inline void fromPlain(const EnamelTickInput& in, bool withInertia, TickFrame& ou
   const int n = storedJoints(in.joint_count);
   Kinematics& k = out.kinematics;
   out.time = in.time;
+  out.age = in.age;
   fromPlain(in.q, n, k.q);
   fromPlain(in.rates, n, k.rates);
   k.pose.position = Eigen::Map<const Vec3>(in.position);
