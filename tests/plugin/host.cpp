@@ -63,6 +63,7 @@ TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good in
       if (i % 50 == 8) input.contacts.contacts[0].gap = 1e9;
       if (i % 50 == 9) input.contacts.count = 99;
       if (i % 50 == 10) input.time = 0.0;
+      if (i % 5 == 2) input.age = 1;  // lost
       if (i % 3 == 0) input.maxTorque.setConstant(0.05);  // often cut
       TickOutput a, b;
       const Status wanted = linked->step(input, a), got = plugin->step(input, b);

@@ -33,8 +33,8 @@ Mat3 axesAlong(const std::vector<Vec3>& corners, const Vec3& mean, const Vec3& n
 
 }  // namespace
 
-Box Extent::box() const {
-  Box box;
+FloatBox Extent::box() const {
+  FloatBox box;
   for (int k = 0; k < 3; ++k) {
     box.low[k] = below(low[k]);
     box.high[k] = above(high[k]);
@@ -42,7 +42,7 @@ Box Extent::box() const {
   return box;
 }
 
-void writeBox(MeshData& data, Parent at, const Box& box) {
+void writeBox(MeshData& data, Parent at, const FloatBox& box) {
   AlignedBoxes& boxes = data.boxes[at.node];
   for (int k = 0; k < 3; ++k) {
     boxes.low[k][at.lane] = box.low[k];
@@ -50,8 +50,8 @@ void writeBox(MeshData& data, Parent at, const Box& box) {
   }
 }
 
-Box boxOfNode(const AlignedBoxes& boxes) {
-  Box box;
+FloatBox boxOfNode(const AlignedBoxes& boxes) {
+  FloatBox box;
   for (int k = 0; k < 3; ++k) {
     box.low[k] = *std::min_element(boxes.low[k], boxes.low[k] + kWidth);
     box.high[k] = *std::max_element(boxes.high[k], boxes.high[k] + kWidth);

@@ -10,9 +10,9 @@ namespace enamel::kernel {
 inline constexpr float kEmptyBox = 3e38f;  ///< its square is infinite
 
 /// Along the axes.
-struct Box {
+struct FloatBox {
   Eigen::Vector3f low = Eigen::Vector3f::Constant(kEmptyBox), high = Eigen::Vector3f::Constant(-kEmptyBox);
-  void add(const Box& other) {
+  void add(const FloatBox& other) {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
   }
@@ -30,7 +30,7 @@ struct Extent {
     low = low.cwiseMin(q);
     high = high.cwiseMax(q);
   }
-  Box box() const;
+  FloatBox box() const;
 };
 
 /// Along axes of its own: |axes q + offset| <= half.
@@ -46,10 +46,10 @@ inline Vec3 local(const Mesh& view, const Vec3& p) {
 }
 
 /// Of a child of a node.
-void writeBox(MeshData& data, Parent at, const Box& box);
+void writeBox(MeshData& data, Parent at, const FloatBox& box);
 
 /// Around all children of a node.
-Box boxOfNode(const AlignedBoxes& boxes);
+FloatBox boxOfNode(const AlignedBoxes& boxes);
 
 Oriented readOriented(const MeshData& data, Parent at);
 void writeOriented(MeshData& data, Parent at, const Oriented& box);

@@ -18,7 +18,7 @@ constexpr int kDepthOfHalving = 14;     // from here on pieces are halved, so th
 constexpr double kThin = 1e-3;          // height over longest edge, below which the careful path is taken
 constexpr double kEdgesOnly = 0x1p-20;  // local height below which the float bound uses the edges alone
 
-Box boxOf(const MeshData& data, std::int32_t triangle) {
+FloatBox boxOf(const MeshData& data, std::int32_t triangle) {
   Extent extent;
   for (const int v : data.mesh.triangles[triangle]) extent.add(local(data.view, data.mesh.vertices[v]));
   return extent.box();
@@ -26,7 +26,7 @@ Box boxOf(const MeshData& data, std::int32_t triangle) {
 
 // A binary tree over ranges of `order`.
 struct Binary {
-  Box box;
+  FloatBox box;
   int left = -1, right = -1;  // -1: a leaf
   int first = 0, count = 0;
 };
@@ -63,7 +63,7 @@ class Builder {
   int split(int first, int count, int depth) {
     const int self = static_cast<int>(tree_.size());
     tree_.emplace_back();
-    Box box, centres;
+    FloatBox box, centres;
     for (int i = first; i < first + count; ++i) {
       box.add(boxes_[order_[i]]);
       for (int k = 0; k < 3; ++k) {
@@ -101,13 +101,13 @@ class Builder {
   }
 
   // The axis and number of triangles on the left that cost least: area times number of leaves, summed.
-  void chooseCut(int first, int count, const Box& centres, int& axis, int& cut) const {
+  void chooseCut(int first, int count, const FloatBox& centres, int& axis, int& cut) const {
     float least = kEmptyBox;
     for (int k = 0; k < 3; ++k) {
       const float extent = centres.high[k] - centres.low[k];
       if (!(extent > 0.0f)) continue;
       const float toBin = static_cast<float>(kBins) * 0.9999f / extent;
-      std::array<Box, kBins> boxes;
+      std::array<FloatBox, kBins> boxes;
       std::array<int, kBins> counts{};
       for (int i = first; i < first + count; ++i) {
         const int bin = static_cast<int>((centre(order_[i], k) - centres.low[k]) * toBin);
@@ -116,14 +116,14 @@ class Builder {
         ++counts[safe];
       }
       std::array<float, kBins> rightCost{};
-      Box sum;
+      FloatBox sum;
       int number = 0;
       for (int b = kBins - 1; b > 0; --b) {
         sum.add(boxes[b]);
         number += counts[b];
         rightCost[b] = sum.halfArea() * leavesFor(number);
       }
-      sum = Box();
+      sum = FloatBox();
       number = 0;
       for (int b = 0; b + 1 < kBins; ++b) {
         sum.add(boxes[b]);
@@ -214,7 +214,7 @@ class Builder {
       node.child[lane] = number;
       if (used) node.lanes |= 1u << lane;
       if (used && number < 0) node.leaves |= 1u << lane;
-      writeBox(data_, {self, lane}, used ? tree_[child[lane]].box : Box());
+      writeBox(data_, {self, lane}, used ? tree_[child[lane]].box : FloatBox());
       corners_.clear();
       if (used) gatherCorners(data_, &order_[tree_[child[lane]].first], tree_[child[lane]].count, corners_);
       writeOriented(data_, {self, lane}, orientedBox(corners_));
@@ -223,7 +223,7 @@ class Builder {
   }
 
   MeshData& data_;
-  std::vector<Box> boxes_;
+  std::vector<FloatBox> boxes_;
   std::vector<int> order_;
   std::vector<Binary> tree_;
   std::vector<Vec3> corners_;                     // of the triangles of a child

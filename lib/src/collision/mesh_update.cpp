@@ -70,7 +70,7 @@ void refitLeaf(MeshData& data, std::int32_t leaf) {
   const Vec3 middle = -(oriented.axes.transpose() * oriented.offset);
   Extent extent;
   for (const Vec3& q : data.scratch) extent.add(q);
-  Box box = extent.box();
+  FloatBox box = extent.box();
   for (;;) {
     writeBox(data, at, box);
     box = boxOfNode(data.boxes[at.node]);

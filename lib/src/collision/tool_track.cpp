@@ -56,7 +56,7 @@ double distanceOf(const Solid& solid, const Segment& axis, PartCache*, double re
 template <typename Analytic>
 double distanceOf(const Analytic& shape, const Segment& axis, PartCache*) noexcept {
   const double ends = std::min(signedDistance(shape, axis.a).distance, signedDistance(shape, axis.b).distance);
-  const double t = axis.a == axis.b ? -1.0 : nearestOnAxis(shape, axis);
+  const double t = axis.a == axis.b ? -1.0 : kernel::nearestOnAxis(shape, axis);
   return t < 0.0 ? ends : std::min(ends, signedDistance(shape, placeOn(axis, t)).distance);
 }
 
