@@ -40,7 +40,6 @@ Vec3 surfaceVelocity(const TickFrame& frame, const Vec3& turn) noexcept {
   bool moves = !turn.isZero(0.0);
   for (int c = 0; c < contacts.count; ++c) moves = moves || !contacts.contacts[c].obstacleVelocity.isZero(0.0);
   if (contacts.count == 0 || !moves) return Vec3::Zero();
-  if (contacts.count == 1) return velocityOf(contacts.contacts[0]);
   const Vec3 force = wrenchOf(frame.kinematics, frame.command - frame.kinematics.gravity).head<3>();
   std::array<double, kMaxContacts> along{};
   double sum = 0.0;
@@ -302,7 +301,6 @@ GuardReason Guard::shape(const Measurement& m, const Kinematics& k, const JointV
     if (moment > o.moment) scale = std::min(scale, o.moment / moment);
     if (scale < 1.0 && reason == GuardReason::none) reason = GuardReason::force;
   }
-  s.gravity = bounded(k.gravity);
   const Row& gravity = s.gravity;
   double fits = scale;
   for (int i = 0; i < n_; ++i) {
@@ -410,11 +408,11 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
       s.fromGravity = s.gravity;
       s.rampTicks = 0;
     }
+    if (known) s.gravity = bounded(k.gravity);
     if (s.fault == GuardReason::none) {
       frame.reason = shape(m, k, requested, elapsed, torque);
     } else {
       frame.reason = s.fault;
-      if (known) s.gravity = bounded(k.gravity);
       ramp(m, known, torque);
       if (s.acted) (void)limitSlew(options_.period, torque);
     }
