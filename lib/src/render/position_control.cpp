@@ -221,15 +221,17 @@ void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& fra
     if (!whole) observer_.rotate(memory_.observer, p, q, cosine, sine);
   }
   for (int k = 0; k < n; ++k) {
-    double hand = 0.0, reading = 0.0;
+    double hand = 0.0;
+    Rounding reading;
     for (int i = 0; i < 6; ++i) {
       double arm = 0.0;
       for (int j = 0; j < n; ++j) arm += frame.kinematics.jacobian(i, j) * V[j][k];
       hand += (i < 3 ? 1.0 : kGrip * kGrip) * arm * arm;
     }
     for (int j = 0; j < n; ++j) {
-      const double step = V[j][k] * options_.encoderStep[j];
-      reading += step * step / 12.0;
+      const double step = std::abs(V[j][k]) * options_.encoderStep[j];
+      reading.variance += step * step / 12.0;
+      reading.largest = std::max(reading.largest, step);
     }
     const double force = memory_.step * std::sqrt(hand);
     observer_.describe(memory_.observer, k, std::max(1e-9, L[k][k] - options_.drive.rotorInertia), force,

@@ -14,7 +14,6 @@ constexpr double kLeastForce = 0.1;                         // of a step: the mo
 constexpr double kScaleWander = 0.03;                       // of ln(mass), in a root second
 constexpr double kMostScale = 0.5;                          // of ln(mass)
 constexpr double kRefreshed = 2e-3;                         // of ln(inertia)
-constexpr double kVisible = 0.1;                            // of a step of the encoder
 constexpr double kForgotten = -40.0, kLeastWeight = -60.0;  // logarithms
 
 // Deviation of the growth of a push that begins with a step.
@@ -49,11 +48,12 @@ PushObserver<kMech>::PushObserver(const ModeData& data) : data_(data), table_(da
 
 template <int kMech>
 void PushObserver<kMech>::describe(State& s, int k, double inertia, double step, double tremor,
-                                   double readingVariance) const noexcept {
+                                   const Rounding& reading) const noexcept {
   s.inertia[k] = inertia;
   s.step[k] = step;
   s.tremor[k] = tremor;
-  s.readingVariance[k] = readingVariance;
+  s.readingVariance[k] = reading.variance;
+  s.largestStep[k] = reading.largest;
 }
 
 template <int kMech>
@@ -63,7 +63,7 @@ void PushObserver<kMech>::start(State& s, int modes, const Lane& reading) noexce
   s.scale = 0.0;
   s.scaleVariance = kScalePrior * kScalePrior;
   for (int k = modes; k < kLanes; ++k) {
-    s.inertia[k] = s.readingVariance[k] = 1.0;
+    s.inertia[k] = s.readingVariance[k] = s.largestStep[k] = 1.0;
     s.step[k] = s.tremor[k] = 0.0;
   }
   for (int k = 0; k < kLanes; ++k) s.used[k] = s.usedScale[k] = 0.0;
@@ -158,9 +158,9 @@ void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept 
     const double push = s.mean[kPush][k], net = std::abs(command[k] + push);
     double force = std::max(net, kLeastForce * s.step[k]);
     // The rounding of encoders is not a noise that many readings average out: where what is not known of the mass moves
-    // a mode by less than kVisible of a step in a tick, the mass is taken as known.
+    // a mode by less than the rounding in a tick, the mass is taken as known.
     const double moves = 0.5 * net * data_.period * data_.period / (s.used[k] + data_.drive.rotorInertia);
-    matters[k] = moves * moves * s.scaleVariance > kVisible * kVisible * 12.0 * s.readingVariance[k] ? 1.0 : 0.0;
+    matters[k] = moves * moves * s.scaleVariance > s.readingVariance[k] ? 1.0 : 0.0;
     if (kMech == 4) force = std::max({force, std::abs(command[k]), std::abs(push)});
     const double lacks = data_.modelError * force, disturbance = data_.drive.disturbance;
     rotor[k] = lacks * lacks + disturbance * disturbance;
@@ -236,13 +236,17 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
     Hypothesis& h = s.part[p];
     Lane S, e{};
     double square = 0.0, volume = 1.0;
-    for (int k = 0; k < kLanes; ++k) S[k] = h.P[at(read, read)][k] + s.readingVariance[k];
-    for (int k = 0; k < modes; ++k) {
-      e[k] = reading[k] - h.x[read][k];
-      square += e[k] * e[k] / S[k];
-      volume *= S[k] / s.readingVariance[k];
+    for (int k = 0; k < kLanes; ++k) {
+      S[k] = h.P[at(read, read)][k] + s.readingVariance[k];
+      if (k >= modes) continue;
+      const Evidence seen = evidenceOf(reading[k] - h.x[read][k], h.P[at(read, read)][k],
+                                       {s.readingVariance[k], s.largestStep[k]});
+      e[k] = seen.innovation;
+      S[k] = seen.variance;
+      square += seen.square;
+      volume *= seen.volume;
     }
-    h.logWeight -= 0.5 * (square + std::log(volume));
+    h.logWeight -= 0.5 * square + std::log(volume);
     top = std::max(top, h.logWeight);
     steps<kMech>().correct(e.data(), S.data(), read, p == 0, h);
     for (int k = 0; k < kLanes; ++k) h.x[kScale][k] = std::clamp(h.x[kScale][k], -kMostScale, kMostScale);

@@ -12,6 +12,7 @@
 #include <array>
 
 #include "render/mode_table.hpp"
+#include "render/rounding.hpp"
 
 namespace enamel {
 
@@ -43,7 +44,7 @@ class PushObserver {
     Lane inertia, used;           // of the links' modes by the model; what the numbers in use are for
     Lane usedScale;               // ln(mass / model's) of these
     Lane step, tremor;            // deviations of the hand's force in the modes
-    Lane readingVariance;
+    Lane readingVariance, largestStep;
     Lane teaches;  // 1: the last tick's force moved the mode enough to learn the mass from it
   };
   struct Moments {
@@ -58,8 +59,8 @@ class PushObserver {
 
   explicit PushObserver(const ModeData& data);
 
-  /// Describes mode k: its inertia, deviations of a step of the hand and of its tremor, variance of a reading.
-  void describe(State& s, int k, double inertia, double step, double tremor, double readingVariance) const noexcept;
+  /// Describes mode k: its inertia, deviations of a step of the hand and of its tremor, rounding of a reading.
+  void describe(State& s, int k, double inertia, double step, double tremor, const Rounding& reading) const noexcept;
   /// Begins at rest at a reading, in as many modes as were described.
   void start(State& s, int modes, const Lane& reading) noexcept;
   /// Takes a reading and a rate that no hypothesis explains; keeps what is known of the mass.
