@@ -23,7 +23,6 @@ constexpr double kStick = 0.5;  // of the stiffness with which friction holds: c
 // A person: a step has a deviation of 8 N, or of a fifth of what a weak device can hold; the hand trembles by a
 // sixteenth of it, and moments are forces at 2 cm.
 constexpr double kStepForce = 8.0, kStepShare = 0.2, kTremorShare = 1.0 / 16.0, kGrip = 0.02;
-constexpr double kRebound = 1.0;     // of a step: what it does before an answer, the tool may come back outside
 constexpr double kPushShare = 0.27;  // a large step, as a share of the largest force, for the designs
 
 constexpr double kMostTicks = 10.5;   // between two ticks, beyond which everything is forgotten
@@ -119,7 +118,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void project(const Ahead& a, const Target* targets, int count, double* force) noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
-  double reboundOf(double mass) const noexcept;
+  double reboundOf(double push, double mass) const noexcept;
   double largestSafe(const Ahead& a, const Lane& row, double speed, double depth) noexcept;
   JointRow frictionOf(const TickFrame& frame, const Ahead& a, const Target* targets, const Wall* walls, int count,
                       const double* force) noexcept;
@@ -419,7 +418,7 @@ int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& 
       square += share;
       lead += share * a.lead[k];
     }
-    if (gap > 0.0 || !(square > 0.0) || next > kNear + reboundOf(1.0 / inverse))
+    if (gap > 0.0 || !(square > 0.0) || next > kNear + reboundOf(memory_.step, 1.0 / inverse))
       w.holds = 0.0;
     else if (next <= kNear)
       w.holds = 1.0;
@@ -465,15 +464,16 @@ void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const
   for (int i = 0; i < count; ++i) force[i] /= targets[i].size;
 }
 
-// How far out the tool may come back, for a mass: what a part of a step of the hand does before a command answers it.
+// How far a push moves a mass before a command answers it.
 template <int kMech>
-double PositionControlRenderer::ControllerOf<kMech>::reboundOf(double mass) const noexcept {
+double PositionControlRenderer::ControllerOf<kMech>::reboundOf(double push, double mass) const noexcept {
   const double reaction = (delay_ + 1) * options_.period;
-  return 0.5 * kRebound * memory_.step * reaction * reaction / mass;
+  return 0.5 * push * reaction * reaction / mass;
 }
 
-// Largest force along a row of the modes that sends the tool out no faster than the push turns it back within the depth
-// that no controller avoids; without a push, it comes out of the wall in the time of a hand. `speed`: outward, a tick
+// Largest force along a row of the modes that sends the tool out no faster than the push turns it back within the way
+// that it, but at most a step of the hand, makes before an answer; without a push, the tool comes out of the wall in
+// the time of a hand. `speed`: outward, a tick
 // after the command acts, without a force.
 template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row, double speed,
@@ -506,8 +506,9 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
   }
   const double differs = std::sqrt(std::max(0.0, square - mean * mean) * under) * T / mass, chance = std::sqrt(chance_);
   const double room =
-      std::max(std::sqrt(2.0 * reboundOf(mass) * sure / mass), std::min(depth, reboundOf(mass)) / kGrowthTime) - speed -
-      kSpeedDeviations * uncertain.deviation - differs;
+      std::max(std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass) * sure / mass),
+               std::min(depth, reboundOf(memory_.step, mass)) / kGrowthTime) -
+      speed - kSpeedDeviations * uncertain.deviation - differs;
   const double safe = room * mass / T;
   return std::max(0.0, chance > 0.0 && safe > mean ? (safe + chance * mean) / (1.0 + chance) : safe);
 }
