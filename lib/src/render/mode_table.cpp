@@ -83,9 +83,7 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix& cost) {
     wander += perSubstep * grown * grown.transpose();
     const Matrix since = power * middle;
     double* onset = m.onset[kBins - 1 - i * kBins / kSubsteps];
-    for (int j = 0, n = 0; j < kMech; ++j)
-      for (int l = 0; l <= j; ++l) onset[n++] += perBin * since(j, push) * since(l, push);
-    for (int j = 0; j < kMech; ++j) onset[kMech * (kMech + 1) / 2 + j] += perBin * since(j, push);
+    for (int j = 0; j < kMech; ++j) onset[j] += perBin * since(j, push);
     power = (power * step).eval();
     Eigen::Matrix<double, kMech + 2, 1> way;
     way << power.row(link).head(kMech + 1).transpose(), power(link, inputs);

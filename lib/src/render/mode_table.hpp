@@ -41,8 +41,7 @@ struct ModeModel {
   double state[kMech][kMech + 3];                ///< mechanical states from mechanical states, lag, push and growth
   double command[kMech];                         ///< from the command
   double rotor[kMech], link[kMech];              ///< from a unit force on rotor or link, held
-  double onset[kBins][kMech * (kMech + 3) / 2];  ///< covariance by a unit push that begins anywhere in a bin:
-                                                 ///< mechanical states, then theirs with the push
+  double onset[kBins][kMech];                    ///< mean, by a unit push that begins anywhere in a bin
   double wander[(kMech + 2) * (kMech + 3) / 2];  ///< by a growth of unit deviation: mechanical states, push, growth
   double gain[kMech + 1];                        ///< of mechanical states and lag
 };
@@ -53,7 +52,7 @@ class ModeTable {
  public:
   static constexpr int kNumbers = sizeof(ModeModel<kMech>) / sizeof(double);
   static constexpr int kCommandAt = kMech * (kMech + 3), kRotorAt = kCommandAt + kMech, kLinkAt = kRotorAt + kMech,
-                       kOnsetAt = kLinkAt + kMech, kWanderAt = kOnsetAt + kBins * (kMech * (kMech + 3) / 2),
+                       kOnsetAt = kLinkAt + kMech, kWanderAt = kOnsetAt + kBins * kMech,
                        kGainAt = kWanderAt + (kMech + 2) * (kMech + 3) / 2;
   static constexpr int kSlopes = kRotorAt;  ///< numbers whose derivatives are asked for
 

@@ -1,5 +1,10 @@
 #include "render/observer_steps.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
 namespace enamel {
 namespace {
 #include "observer_steps.inl"

@@ -5,17 +5,26 @@
 
 namespace enamel {
 
+/// What a rounded reading says, as one with Gaussian noise that leaves the same mean and variance. Its likelihood is
+/// exp(-square / 2) / volume, over that of a Gaussian reading of the same variance that was expected exactly.
+struct Evidence {
+  Lane innovation, variance, square, volume;
+};
+
 template <int kMech>
 struct ObserverSteps {
   using Observer = PushObserver<kMech>;
-  using Pairs = double[Observer::kPairs][kLanes];
+  using Model = typename Observer::Model;
+  using States = typename Observer::States;
+  using Pairs = typename Observer::Pairs;
 
-  void (*predict)(const typename Observer::Model& model, const double* command, const double* matters, double scale, const Pairs& noise,
-                  typename Observer::Hypothesis& h) noexcept;
-  void (*correct)(const double* innovation, const double* variance, int read, bool teaches,
-                  typename Observer::Hypothesis& h) noexcept;
-  void (*gather)(const typename Observer::Hypothesis& h, const typename Observer::States& mean, double weight,
+  void (*carry)(const Model& model, const double* command, const double* matters, double scale, States& x) noexcept;
+  void (*spread)(const Model& model, const double* command, const double* matters, const Pairs& noise, const States& x,
                  Pairs& P) noexcept;
+  void (*weigh)(const double* innovation, const double* expected, const double* variance, const double* largest,
+                Evidence& seen) noexcept;
+  void (*correct)(const double* variance, int read, Pairs& P, States& gain) noexcept;
+  void (*gather)(const States& x, const States& g, const Lane& v, const States& mean, double share, Pairs& P) noexcept;
 };
 
 extern const ObserverSteps<2> kRigidSteps, kRigidStepsAvx2;

@@ -1,106 +1,166 @@
 // The steps of PushObserver in which the time goes, over all modes side by side. Included once for each SIMD level, in
 // an anonymous namespace. No product is fused with a sum: all levels give the same bits.
 
+// e^x for x <= 0, to 1e-9: 2^n and a polynomial.
+inline double exponentialOf(double x) noexcept {
+  constexpr double kRound = 6755399441055744.0, kLn2 = 0.69314718055994531;  // 1.5 2^52: the last bits become n
+  const double shifted = std::max(x, -700.0) * (1.0 / kLn2) + kRound;
+  const double f = std::max(x, -700.0) - (shifted - kRound) * kLn2;
+  std::int64_t bits;
+  std::memcpy(&bits, &shifted, sizeof bits);
+  bits = static_cast<std::int64_t>((static_cast<std::uint64_t>(bits) + 1023u) << 52);
+  double power;
+  std::memcpy(&power, &bits, sizeof power);
+  const double p =
+      1.0 + f * (1.0 + f / 2.0 * (1.0 + f / 3.0 * (1.0 + f / 4.0 * (1.0 + f / 5.0 * (1.0 + f / 6.0 * (1.0 + f / 7.0))))));
+  return power * p;
+}
+
+// The normal distribution's tail over its density (Mills' ratio) for t >= 0, to 4e-8: a rational function fitted to it.
+inline double tailOverDensity(double t) noexcept {
+  const double above = 92.2835971468 + t * (86.6668246159 + t * (38.2572925158 + t * (9.04015486331 + t)));
+  const double below =
+      73.6316549559 + t * (127.899835069 + t * (95.7568419035 + t * (39.2552261967 + t * (9.04018809296 + t))));
+  return above / below;
+}
+
 template <int kMech>
 struct Steps {
   using Observer = PushObserver<kMech>;
-  using Hypothesis = typename Observer::Hypothesis;
   using Model = typename Observer::Model;
+  using States = typename Observer::States;
+  using Pairs = typename Observer::Pairs;
   using Table = ModeTable<kMech>;
   static constexpr int kLag = Observer::kLag, kPush = Observer::kPush, kGrowth = Observer::kGrowth,
-                       kScale = Observer::kScale, kStates = Observer::kStates;
+                       kScale = Observer::kScale, kStates = Observer::kStates, kFree = kMech + 3;
   static constexpr int at(int i, int j) { return Observer::at(i, j); }
 
-  // x and P of a hypothesis after a tick: G P G^T + Q with G the transition, its column of ln(mass) by the slopes
-  // where it `matters` (1, else 0).
-  static void predict(const Model& m, const double* command, const double* matters, double scale,
-                      const double (&Q)[Observer::kPairs][kLanes],
-                      Hypothesis& h) noexcept {
-    constexpr int kFree = kMech + 3;
-    const double em = m.lagKept, eg = m.growthKept, cg = m.growthSum;
-    double moved[kMech][kLanes], slope[kMech][kLanes], half[kMech][kStates][kLanes];
+  // How the mechanical states after a tick change with ln(mass), where it `matters` (1, else 0).
+  static void slopes(const Model& m, const double* command, const double* matters, const States& x,
+                     double (&slope)[kMech][kLanes]) noexcept {
     for (int i = 0; i < kMech; ++i) {
-      for (int k = 0; k < kLanes; ++k) {
-        moved[i][k] = m.value[Table::kCommandAt + i][k] * command[k];
-        slope[i][k] = m.slope[Table::kCommandAt + i][k] * command[k];
-      }
-      for (int j = 0; j < kFree; ++j)
-        for (int k = 0; k < kLanes; ++k) {
-          moved[i][k] += m.value[i * kFree + j][k] * h.x[j][k];
-          if (j <= kLag) slope[i][k] += m.slope[i * kFree + j][k] * h.x[j][k];
-        }
-      for (int k = 0; k < kLanes; ++k) {
-        slope[i][k] *= matters[k];
-        moved[i][k] += slope[i][k] * (h.x[kScale][k] - scale);
-      }
+      for (int k = 0; k < kLanes; ++k) slope[i][k] = m.slope[Table::kCommandAt + i][k] * command[k];
+      for (int j = 0; j <= kLag; ++j)
+        for (int k = 0; k < kLanes; ++k) slope[i][k] += m.slope[i * kFree + j][k] * x[j][k];
+      for (int k = 0; k < kLanes; ++k) slope[i][k] *= matters[k];
     }
+  }
+
+  // States after a tick.
+  static void carry(const Model& m, const double* command, const double* matters, double scale, States& x) noexcept {
+    double moved[kMech][kLanes], slope[kMech][kLanes];
+    slopes(m, command, matters, x, slope);
+    for (int i = 0; i < kMech; ++i) {
+      for (int k = 0; k < kLanes; ++k)
+        moved[i][k] = m.value[Table::kCommandAt + i][k] * command[k] + slope[i][k] * (x[kScale][k] - scale);
+      for (int j = 0; j < kFree; ++j)
+        for (int k = 0; k < kLanes; ++k) moved[i][k] += m.value[i * kFree + j][k] * x[j][k];
+    }
+    for (int i = 0; i < kMech; ++i)
+      for (int k = 0; k < kLanes; ++k) x[i][k] = moved[i][k];
+    for (int k = 0; k < kLanes; ++k) {
+      x[kLag][k] = m.lagKept * x[kLag][k] + (1.0 - m.lagKept) * command[k];
+      x[kPush][k] += m.growthSum * x[kGrowth][k];
+      x[kGrowth][k] *= m.growthKept;
+    }
+  }
+
+  // P after a tick from the states x: G P G^T + Q with G the transition, its column of ln(mass) by the slopes.
+  static void spread(const Model& m, const double* command, const double* matters, const Pairs& Q, const States& x,
+                     Pairs& P) noexcept {
+    const double em = m.lagKept, eg = m.growthKept, cg = m.growthSum;
+    double slope[kMech][kLanes], half[kMech][kStates][kLanes];
+    slopes(m, command, matters, x, slope);
     for (int i = 0; i < kMech; ++i)
       for (int j = 0; j < kStates; ++j) {
-        for (int k = 0; k < kLanes; ++k) half[i][j][k] = slope[i][k] * h.P[at(kScale, j)][k];
+        for (int k = 0; k < kLanes; ++k) half[i][j][k] = slope[i][k] * P[at(kScale, j)][k];
         for (int l = 0; l < kFree; ++l)
-          for (int k = 0; k < kLanes; ++k) half[i][j][k] += m.value[i * kFree + l][k] * h.P[at(l, j)][k];
+          for (int k = 0; k < kLanes; ++k) half[i][j][k] += m.value[i * kFree + l][k] * P[at(l, j)][k];
       }
     for (int i = 0; i < kMech; ++i)
       for (int j = 0; j <= i; ++j) {
-        double* P = h.P[at(i, j)];
-        for (int k = 0; k < kLanes; ++k) P[k] = half[i][kScale][k] * slope[j][k] + Q[at(i, j)][k];
+        double* p = P[at(i, j)];
+        for (int k = 0; k < kLanes; ++k) p[k] = half[i][kScale][k] * slope[j][k] + Q[at(i, j)][k];
         for (int l = 0; l < kFree; ++l)
-          for (int k = 0; k < kLanes; ++k) P[k] += half[i][l][k] * m.value[j * kFree + l][k];
+          for (int k = 0; k < kLanes; ++k) p[k] += half[i][l][k] * m.value[j * kFree + l][k];
       }
     for (int i = 0; i < kMech; ++i)
       for (int k = 0; k < kLanes; ++k) {
-        h.P[at(kLag, i)][k] = em * half[i][kLag][k];
-        h.P[at(kPush, i)][k] = half[i][kPush][k] + cg * half[i][kGrowth][k] + Q[at(kPush, i)][k];
-        h.P[at(kGrowth, i)][k] = eg * half[i][kGrowth][k] + Q[at(kGrowth, i)][k];
-        h.P[at(kScale, i)][k] = half[i][kScale][k];
-        h.x[i][k] = moved[i][k];
+        P[at(kLag, i)][k] = em * half[i][kLag][k];
+        P[at(kPush, i)][k] = half[i][kPush][k] + cg * half[i][kGrowth][k] + Q[at(kPush, i)][k];
+        P[at(kGrowth, i)][k] = eg * half[i][kGrowth][k] + Q[at(kGrowth, i)][k];
+        P[at(kScale, i)][k] = half[i][kScale][k];
       }
     for (int k = 0; k < kLanes; ++k) {
-      const double ml = h.P[at(kPush, kLag)][k], gl = h.P[at(kGrowth, kLag)][k], pp = h.P[at(kPush, kPush)][k],
-                   gp = h.P[at(kGrowth, kPush)][k], gg = h.P[at(kGrowth, kGrowth)][k], sl = h.P[at(kScale, kLag)][k],
-                   sp = h.P[at(kScale, kPush)][k], sg = h.P[at(kScale, kGrowth)][k];
-      h.P[at(kLag, kLag)][k] *= em * em;
-      h.P[at(kPush, kLag)][k] = em * (ml + cg * gl);
-      h.P[at(kGrowth, kLag)][k] = em * eg * gl;
-      h.P[at(kPush, kPush)][k] = pp + cg * (2.0 * gp + cg * gg) + Q[at(kPush, kPush)][k];
-      h.P[at(kGrowth, kPush)][k] = eg * (gp + cg * gg) + Q[at(kGrowth, kPush)][k];
-      h.P[at(kGrowth, kGrowth)][k] = eg * eg * gg + Q[at(kGrowth, kGrowth)][k];
-      h.P[at(kScale, kLag)][k] = em * sl;
-      h.P[at(kScale, kPush)][k] = sp + cg * sg;
-      h.P[at(kScale, kGrowth)][k] = eg * sg;
-      h.P[at(kScale, kScale)][k] += Q[at(kScale, kScale)][k];
-      h.x[kLag][k] = em * h.x[kLag][k] + (1.0 - em) * command[k];
-      h.x[kPush][k] += cg * h.x[kGrowth][k];
-      h.x[kGrowth][k] *= eg;
+      const double ml = P[at(kPush, kLag)][k], gl = P[at(kGrowth, kLag)][k], pp = P[at(kPush, kPush)][k],
+                   gp = P[at(kGrowth, kPush)][k], gg = P[at(kGrowth, kGrowth)][k], sl = P[at(kScale, kLag)][k],
+                   sp = P[at(kScale, kPush)][k], sg = P[at(kScale, kGrowth)][k];
+      P[at(kLag, kLag)][k] *= em * em;
+      P[at(kPush, kLag)][k] = em * (ml + cg * gl);
+      P[at(kGrowth, kLag)][k] = em * eg * gl;
+      P[at(kPush, kPush)][k] = pp + cg * (2.0 * gp + cg * gg) + Q[at(kPush, kPush)][k];
+      P[at(kGrowth, kPush)][k] = eg * (gp + cg * gg) + Q[at(kGrowth, kPush)][k];
+      P[at(kGrowth, kGrowth)][k] = eg * eg * gg + Q[at(kGrowth, kGrowth)][k];
+      P[at(kScale, kLag)][k] = em * sl;
+      P[at(kScale, kPush)][k] = sp + cg * sg;
+      P[at(kScale, kGrowth)][k] = eg * sg;
+      P[at(kScale, kScale)][k] += Q[at(kScale, kScale)][k];
     }
   }
 
-  // A reading, with the innovation e and its variance S. `teaches`: of the mass as well.
-  static void correct(const double* e, const double* S, int read, bool teaches, Hypothesis& h) noexcept {
-    double column[kStates][kLanes], share[kStates][kLanes];
-    for (int i = 0; i < kStates; ++i)
-      for (int k = 0; k < kLanes; ++k) {
-        column[i][k] = h.P[at(i, read)][k];
-        share[i][k] = column[i][k] / S[k];
-      }
-    for (int i = 0; i < kScale + (teaches ? 1 : 0); ++i)
-      for (int k = 0; k < kLanes; ++k) h.x[i][k] += share[i][k] * e[k];
-    for (int i = 0; i < kStates; ++i)
-      for (int j = 0; j <= i; ++j) {
-        if (i == kScale && j == kScale && !teaches) continue;
-        for (int k = 0; k < kLanes; ++k) h.P[at(i, j)][k] -= share[i][k] * column[j][k];
-      }
+  // What a reading says that differs by `innovation` from what was expected with the variance `expected`. With
+  // z = (true - expected) / d, d^2 the variance of all that is Gaussian, z is within [l, u]: the moments of a truncated
+  // Gaussian, from the side on which its mean is.
+  static void weigh(const double* innovation, const double* expected, const double* variance, const double* largest,
+                    Evidence& seen) noexcept {
+    constexpr double kNarrow = 0.1, kFar = 30.0, kRootTwoPi = 2.5066282746310002;
+    for (int k = 0; k < kLanes; ++k) {
+      const double uniform = largest[k] * largest[k] / 12.0, all = expected[k] + variance[k];
+      const double gaussian = all - uniform, d = std::sqrt(gaussian), width = largest[k] / d;
+      const double centre = std::abs(innovation[k]) / d, l = centre - 0.5 * width, u = centre + 0.5 * width;
+      const double atL = exponentialOf(-0.5 * l * l) / kRootTwoPi, ratio = exponentialOf(-centre * width);
+      const double tailL = tailOverDensity(std::abs(l)), tailU = ratio * tailOverDensity(std::abs(u));
+      const double inside = l > 0.0 ? tailL - tailU : 1.0 - atL * (tailL + tailU);  // its share, over the density at l
+      const double density = (l > 0.0 ? 1.0 : atL) / inside;
+      const double mean = density * (1.0 - ratio), shrinks = mean * mean - density * (l - u * ratio);
+      const double as = gaussian / std::min(std::max(shrinks, 1e-9), 1.0);
+      const bool cut = width > kNarrow && l < kFar;
+      seen.innovation[k] = cut ? std::copysign(mean, innovation[k]) * as / d : innovation[k];
+      seen.variance[k] = cut ? as : all;
+      seen.square[k] = cut ? (l > 0.0 ? l * l : 0.0) : innovation[k] * innovation[k] / all;
+      const double wide = largest[k] / std::sqrt(variance[k]) / inside;
+      seen.volume[k] = cut ? (l > 0.0 ? wide : wide / kRootTwoPi) : std::sqrt(all / variance[k]);
+    }
   }
 
-  // Adds `weight` of a hypothesis, about the mean x, to P.
-  static void gather(const Hypothesis& h, const double (&x)[kStates][kLanes], double weight,
-                     double (&P)[Observer::kPairs][kLanes]) noexcept {
+  // The gains of a reading of state `read`, and P after it. They teach of the mass as well.
+  static void correct(const double* variance, int read, Pairs& P, States& gain) noexcept {
+    double column[kStates][kLanes];
+    for (int i = 0; i < kStates; ++i)
+      for (int k = 0; k < kLanes; ++k) {
+        column[i][k] = P[at(i, read)][k];
+        gain[i][k] = column[i][k] / variance[k];
+      }
     for (int i = 0; i < kStates; ++i)
       for (int j = 0; j <= i; ++j)
-        for (int k = 0; k < kLanes; ++k)
-          P[at(i, j)][k] += weight * (h.P[at(i, j)][k] + (h.x[i][k] - x[i][k]) * (h.x[j][k] - x[j][k]));
+        for (int k = 0; k < kLanes; ++k) P[at(i, j)][k] -= gain[i][k] * column[j][k];
+  }
+
+  // Adds to P the share of a hypothesis with states x about the mean, and a jump along g whose size has the variance v.
+  static void gather(const States& x, const States& g, const Lane& v, const States& mean, double share,
+                     Pairs& P) noexcept {
+    double away[kStates][kLanes], jump[kStates][kLanes];
+    for (int i = 0; i < kStates; ++i)
+      for (int k = 0; k < kLanes; ++k) {
+        away[i][k] = std::sqrt(share) * (x[i][k] - mean[i][k]);
+        jump[i][k] = std::sqrt(share * v[k]) * g[i][k];
+      }
+    for (int i = 0; i < kStates; ++i)
+      for (int j = 0; j <= i; ++j)
+        for (int k = 0; k < kLanes; ++k) P[at(i, j)][k] += away[i][k] * away[j][k] + jump[i][k] * jump[j][k];
   }
 };
 
 template <int kMech>
-constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::predict, Steps<kMech>::correct, Steps<kMech>::gather};
+constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry, Steps<kMech>::spread, Steps<kMech>::weigh,
+                                      Steps<kMech>::correct, Steps<kMech>::gather};

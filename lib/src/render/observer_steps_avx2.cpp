@@ -1,6 +1,11 @@
 // For AVX2; without fused products, as the baseline.
 #include "render/observer_steps.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
 namespace enamel {
 namespace {
 #include "observer_steps.inl"

@@ -221,7 +221,7 @@ void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& fra
   }
   for (int k = 0; k < n; ++k) {
     double hand = 0.0;
-    Rounding reading;
+    typename Observer::Rounding reading;
     for (int i = 0; i < 6; ++i) {
       double arm = 0.0;
       for (int j = 0; j < n; ++j) arm += frame.kinematics.jacobian(i, j) * V[j][k];

@@ -69,36 +69,36 @@ void PushObserver<kMech>::start(State& s, int modes, const Lane& reading) noexce
   for (int k = 0; k < kLanes; ++k) s.used[k] = s.usedScale[k] = 0.0;
   refresh(s);
   s.part[0] = Hypothesis{};
-  for (int k = 0; k < modes; ++k) s.part[0].P[at(kScale, kScale)][k] = kScalePrior * kScalePrior;
+  std::memset(s.P, 0, sizeof s.P);
+  for (int k = 0; k < modes; ++k) s.P[at(kScale, kScale)][k] = kScalePrior * kScalePrior;
   believe(s, reading, Lane{});
 }
 
 template <int kMech>
 void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rate) const noexcept {
-  const Hypothesis before = s.part[0];
   s.count = 1.0;
   s.weight[0] = 1.0;
   Hypothesis& h = s.part[0];
-  h = Hypothesis{};
+  h.logWeight = h.age = 0.0;
+  Pairs P = {};
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     const double growth = kGrowthOfStep * s.step[k], speed = s.step[k] * kGrowthTime / s.inertia[k];
     for (int i = 0; i < kMech; i += 2) {
       h.x[i][k] = reading[k];
       h.x[i + 1][k] = rate[k];
-      h.P[at(i, i)][k] = 12.0 * s.readingVariance[k];
-      h.P[at(i + 1, i + 1)][k] = speed * speed;
+      P[at(i, i)][k] = 12.0 * s.readingVariance[k];
+      P[at(i + 1, i + 1)][k] = speed * speed;
     }
     if (kMech == 4) {
       const double stretch = s.step[k] / data_.drive.stiffness;
-      h.P[at(2, 2)][k] += stretch * stretch;
+      P[at(2, 2)][k] += stretch * stretch;
     }
-    h.x[kLag][k] = before.x[kLag][k];
-    h.x[kPush][k] = before.x[kPush][k];
-    h.x[kScale][k] = before.x[kScale][k];
-    h.P[at(kPush, kPush)][k] = s.step[k] * s.step[k] + before.P[at(kPush, kPush)][k];
-    h.P[at(kGrowth, kGrowth)][k] = growth * growth;
-    h.P[at(kScale, kScale)][k] = before.P[at(kScale, kScale)][k];
+    h.x[kGrowth][k] = 0.0;
+    P[at(kPush, kPush)][k] = s.step[k] * s.step[k] + s.P[at(kPush, kPush)][k];
+    P[at(kGrowth, kGrowth)][k] = growth * growth;
+    P[at(kScale, kScale)][k] = s.P[at(kScale, kScale)][k];
   }
+  std::memcpy(s.P, P, sizeof P);
   std::memcpy(s.mean, h.x, sizeof s.mean);
 }
 
@@ -112,11 +112,13 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
     // A push is known by what it does: its share of the mass goes with it.
     const double ratio = std::exp(s.scale - s.usedScale[k]);
     s.usedScale[k] = s.scale;
-    for (int p = 0; ratio != 1.0 && p < static_cast<int>(s.count); ++p)
-      for (const int i : {kPush, kGrowth}) {
+    for (const int i : {kPush, kGrowth}) {
+      for (int p = 0; p < static_cast<int>(s.count); ++p) {
         s.part[p].x[i][k] *= ratio;
-        for (int j = 0; j < kStates; ++j) s.part[p].P[at(i, j)][k] *= ratio * (i == j ? ratio : 1.0);
+        s.part[p].g[i][k] *= ratio;
       }
+      for (int j = 0; j < kStates; ++j) s.P[at(i, j)][k] *= ratio * (i == j ? ratio : 1.0);
+    }
     table_.read(std::log(wanted), k, model_.value, model_.slope);
   }
 }
@@ -134,15 +136,16 @@ void PushObserver<kMech>::rotate(State& s, int i, int j, double cosine, double s
     v[i] = cosine * v[i] - sine * v[j];
     v[j] = sine * before + cosine * v[j];
   };
-  const double c2 = cosine * cosine, s2 = sine * sine;
+  const auto turnVariance = [&, c2 = cosine * cosine, s2 = sine * sine](double* v) {
+    const double before = v[i];
+    v[i] = c2 * v[i] + s2 * v[j];
+    v[j] = s2 * before + c2 * v[j];
+  };
   for (int p = 0; p < static_cast<int>(s.count); ++p) {
     for (int n = 0; n < kScale; ++n) turn(s.part[p].x[n]);
-    for (double(&v)[kLanes] : s.part[p].P) {
-      const double before = v[i];
-      v[i] = c2 * v[i] + s2 * v[j];
-      v[j] = s2 * before + c2 * v[j];
-    }
+    turnVariance(s.part[p].v.data());
   }
+  for (double(&v)[kLanes] : s.P) turnVariance(v);
   for (int n = 0; n < kScale; ++n) turn(s.mean[n]);
 }
 
@@ -167,7 +170,7 @@ void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept 
     link[k] = s.tremor[k] * s.tremor[k] + (kMech == 4 ? lacks * lacks : 0.0);
     growth[k] = kGrowthOfStep * s.step[k] * kGrowthOfStep * s.step[k];
   }
-  double Q[kPairs][kLanes] = {};
+  Pairs Q = {};
   for (int i = 0, n = 0; i < kMech + 2; ++i)
     for (int j = 0; j <= i; ++j, ++n)
       for (int k = 0; k < kLanes; ++k)
@@ -179,9 +182,12 @@ void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept 
                           link[k] * value[Table::kLinkAt + i][k] * value[Table::kLinkAt + j][k];
   for (int k = 0; k < kLanes; ++k) Q[at(kScale, kScale)][k] = kScaleWander * kScaleWander * data_.period;
 
+  steps<kMech>().spread(model_, command.data(), matters.data(), Q, s.part[0].x, s.P);
   for (int p = 0; p < count; ++p) {
-    steps<kMech>().predict(model_, command.data(), matters.data(), s.scale, Q, s.part[p]);
-    s.part[p].age += 1.0;
+    Hypothesis& h = s.part[p];
+    steps<kMech>().carry(model_, command.data(), matters.data(), s.scale, h.x);
+    if (p > 0) steps<kMech>().carry(model_, Lane{}.data(), Lane{}.data(), 0.0, h.g);
+    h.age += 1.0;
   }
   s.part[0].age = 0.0;
   static const double kLogEach = std::log(kJumpRate * 1e-3 / kBins), kLogNone = std::log1p(-kJumpRate * 1e-3);
@@ -189,16 +195,10 @@ void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept 
     Hypothesis& h = s.part[count + b];
     h = s.part[0];
     h.logWeight += kLogEach;
-    const double(*onset)[kLanes] = &value[Table::kOnsetAt + b * (kMech * (kMech + 3) / 2)];
-    for (int i = 0, n = 0; i < kMech; ++i) {
-      for (int j = 0; j <= i; ++j, ++n)
-        for (int k = 0; k < kLanes; ++k) h.P[at(i, j)][k] += s.step[k] * s.step[k] * onset[n][k];
-      for (int k = 0; k < kLanes; ++k)
-        h.P[at(kPush, i)][k] += s.step[k] * s.step[k] * onset[kMech * (kMech + 1) / 2 + i][k];
-    }
+    std::memcpy(h.g, value + Table::kOnsetAt + b * kMech, kMech * sizeof h.g[0]);
     for (int k = 0; k < kLanes; ++k) {
-      h.P[at(kPush, kPush)][k] += s.step[k] * s.step[k];
-      h.P[at(kGrowth, kGrowth)][k] += growthOf(s.step[k]) * growthOf(s.step[k]);
+      h.g[kPush][k] = 1.0;
+      h.v[k] = s.step[k] * s.step[k];
     }
   }
   s.part[0].logWeight += kLogNone;
@@ -219,8 +219,10 @@ double PushObserver<kMech>::surprise(const State& s, const Lane& reading) const 
   for (int p = 0; p < static_cast<int>(s.count); ++p) {
     double largest = 0.0;
     for (int k = 0; k < static_cast<int>(s.modes); ++k) {
-      const double e = reading[k] - s.part[p].x[read][k];
-      largest = std::max(largest, e * e / (s.part[p].P[at(read, read)][k] + s.readingVariance[k]));
+      const Hypothesis& h = s.part[p];
+      const double e = reading[k] - h.x[read][k];
+      const double expected = s.P[at(read, read)][k] + h.v[k] * h.g[read][k] * h.g[read][k];
+      largest = std::max(largest, e * e / (expected + s.readingVariance[k]));
     }
     least = std::min(least, largest);
   }
@@ -232,24 +234,51 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
   const int read = kMech == 4 && data_.drive.encoderOnLink ? 2 : 0, modes = static_cast<int>(s.modes),
             count = static_cast<int>(s.count);
   double top = -1e300, sum = 0.0;
+  Pairs P;
+  std::memcpy(P, s.P, sizeof P);
+  States gain;
   for (int p = 0; p < count; ++p) {
     Hypothesis& h = s.part[p];
-    Lane S, e{};
-    double square = 0.0, volume = 1.0;
+    Lane e{}, expected, jumped{};
     for (int k = 0; k < kLanes; ++k) {
-      S[k] = h.P[at(read, read)][k] + s.readingVariance[k];
-      if (k >= modes) continue;
-      const Evidence seen = evidenceOf(reading[k] - h.x[read][k], h.P[at(read, read)][k],
-                                       {s.readingVariance[k], s.largestStep[k]});
-      e[k] = seen.innovation;
-      S[k] = seen.variance;
-      square += seen.square;
-      volume *= seen.volume;
+      expected[k] = P[at(read, read)][k];
+      if (p > 0) {
+        jumped[k] = h.v[k] * h.g[read][k];
+        expected[k] += jumped[k] * h.g[read][k];
+      }
+      e[k] = k < modes ? reading[k] - h.x[read][k] : 0.0;
+    }
+    Evidence seen;
+    steps<kMech>().weigh(e.data(), expected.data(), s.readingVariance.data(), s.largestStep.data(), seen);
+    double square = 0.0, volume = 1.0;
+    for (int k = 0; k < modes; ++k) {
+      square += seen.square[k];
+      volume *= seen.volume[k];
     }
     h.logWeight -= 0.5 * square + std::log(volume);
     top = std::max(top, h.logWeight);
-    steps<kMech>().correct(e.data(), S.data(), read, p == 0, h);
-    for (int k = 0; k < kLanes; ++k) h.x[kScale][k] = std::clamp(h.x[kScale][k], -kMostScale, kMostScale);
+    if (p == 0) {
+      steps<kMech>().correct(seen.variance.data(), read, s.P, gain);
+      for (int i = 0; i < kStates; ++i)
+        for (int k = 0; k < kLanes; ++k) h.x[i][k] += gain[i][k] * seen.innovation[k];
+      for (int k = 0; k < kLanes; ++k) h.x[kScale][k] = std::clamp(h.x[kScale][k], -kMostScale, kMostScale);
+      continue;
+    }
+    Lane per;
+    for (int k = 0; k < kLanes; ++k) {
+      per[k] = seen.innovation[k] / seen.variance[k];
+      h.v[k] -= jumped[k] * jumped[k] / seen.variance[k];
+    }
+    const Lane c = [&] {
+      Lane v;
+      std::copy_n(h.g[read], kLanes, v.begin());
+      return v;
+    }();
+    for (int i = 0; i < kScale; ++i)
+      for (int k = 0; k < kLanes; ++k) {
+        h.x[i][k] += (P[at(i, read)][k] + jumped[k] * h.g[i][k]) * per[k];
+        h.g[i][k] -= gain[i][k] * c[k];
+      }
   }
   for (int p = 0; p < count; ++p) sum += std::exp(s.part[p].logWeight - top);
   for (int p = 0; p < count; ++p) s.part[p].logWeight -= top + std::log(sum);
@@ -269,14 +298,16 @@ void PushObserver<kMech>::merge(State& s) const noexcept {
   }
   if (any) {
     States x = {};
-    double P[kPairs][kLanes] = {};
     for (int p = 0; p < count; ++p)
       for (int i = 0; ends(p) && i < kStates; ++i)
         for (int k = 0; k < kLanes; ++k) x[i][k] += share[p] / total * s.part[p].x[i][k];
-    for (int p = 0; p < count; ++p)
-      if (ends(p)) steps<kMech>().gather(s.part[p], x, share[p] / total, P);
+    for (int p = 0; p < count; ++p) {
+      if (!ends(p)) continue;
+      steps<kMech>().gather(s.part[p].x, s.part[p].g, s.part[p].v, x, share[p] / total, s.P);
+      const double jumped = p > 0 ? share[p] / total : 0.0;
+      for (int k = 0; k < kLanes; ++k) s.P[at(kGrowth, kGrowth)][k] += jumped * growthOf(s.step[k]) * growthOf(s.step[k]);
+    }
     std::memcpy(s.part[0].x, x, sizeof x);
-    std::memcpy(s.part[0].P, P, sizeof P);
   }
   s.part[0].logWeight = std::max(std::log(total), kLeastWeight);
   int kept = 1;
@@ -299,7 +330,7 @@ void PushObserver<kMech>::merge(State& s) const noexcept {
     double variance = 0.0;
     for (int p = 0; p < kept; ++p) {
       const double e = s.part[p].x[kScale][k] - s.mean[kScale][k];
-      variance += s.weight[p] * (s.part[p].P[at(kScale, kScale)][k] + e * e);
+      variance += s.weight[p] * (s.P[at(kScale, kScale)][k] + e * e);
     }
     const double gained = std::max(0.0, 1.0 / variance - kPrior);
     information += gained;
@@ -341,22 +372,25 @@ void PushObserver<kMech>::pullBack(States& row) const noexcept {
 
 template <int kMech>
 typename PushObserver<kMech>::Moments PushObserver<kMech>::moments(const State& s, const States& row) const noexcept {
+  Lane common{};
+  for (int i = 0; i < kScale; ++i) {
+    for (int k = 0; k < kLanes; ++k) common[k] += row[i][k] * row[i][k] * s.P[at(i, i)][k];
+    for (int j = 0; j < i; ++j)
+      for (int k = 0; k < kLanes; ++k) common[k] += 2.0 * row[i][k] * row[j][k] * s.P[at(i, j)][k];
+  }
   double first = 0.0, second = 0.0;
   for (int p = 0; p < static_cast<int>(s.count); ++p) {
     const Hypothesis& h = s.part[p];
-    Lane mean{}, variance{};
-    for (int i = 0; i < kScale; ++i) {
+    Lane mean{}, jump{};
+    for (int i = 0; i < kScale; ++i)
       for (int k = 0; k < kLanes; ++k) {
         mean[k] += row[i][k] * h.x[i][k];
-        variance[k] += row[i][k] * row[i][k] * h.P[at(i, i)][k];
+        jump[k] += row[i][k] * h.g[i][k];
       }
-      for (int j = 0; j < i; ++j)
-        for (int k = 0; k < kLanes; ++k) variance[k] += 2.0 * row[i][k] * row[j][k] * h.P[at(i, j)][k];
-    }
     double m = 0.0, v = 0.0;
     for (int k = 0; k < static_cast<int>(s.modes); ++k) {
       m += mean[k];
-      v += variance[k];
+      v += common[k] + jump[k] * jump[k] * h.v[k];
     }
     first += s.weight[p] * m;
     second += s.weight[p] * (v + m * m);

@@ -3,16 +3,17 @@
 //
 // A mode has the states of mode_table.hpp and ln(mass / model's). Its process noise is a trembling hand, the wandering
 // growth of the push, and what the model lacks: a share of the force that accelerates the device or stretches a cable.
-// Each tick two hypotheses branch off, one for each half of the tick in which the push may have jumped; each lives for
-// two samples, then it is merged (by its first two moments) into the rest. All modes share the hypotheses' weights.
+// Each tick hypotheses branch off, one for each part of the tick in which the push may have jumped by an unknown size in
+// each mode. A jump of size 1 moves the states by g, so a hypothesis has its own states x, and the covariance P + v g g^T
+// with v the variance of the size (Willsky and Jones 1976). It lives for two samples, then it is merged into the rest by
+// its first two moments. All modes share the hypotheses' weights.
 // A hypothesis teaches nothing of the mass (Schmidt's filter). The modes' opinions on the one mass are fused by their
-// information.
+// information. A reading says nothing within the largest of its encoders' steps (Steps::weigh()).
 #pragma once
 
 #include <array>
 
 #include "render/mode_table.hpp"
-#include "render/rounding.hpp"
 
 namespace enamel {
 
@@ -29,14 +30,17 @@ class PushObserver {
 
   using States = double[kStates][kLanes];
 
+  using Pairs = double[kPairs][kLanes];
+
   struct Hypothesis {
-    States x;
-    double P[kPairs][kLanes];
+    States x, g;  // g: what a jump of size 1 adds
+    Lane v;       // variance of its size
     double logWeight, age;  // age in samples
   };
   // Plain numbers.
   struct State {
     Hypothesis part[kMost];  // the first: no jump of late
+    Pairs P;
     double count, modes;
     States mean;
     double weight[kMost];
@@ -46,6 +50,10 @@ class PushObserver {
     Lane step, tremor;            // deviations of the hand's force in the modes
     Lane readingVariance, largestStep;
     Lane teaches;  // 1: the last tick's force moved the mode enough to learn the mass from it
+  };
+  /// Rounding of a mode's reading: variance, and the largest step among its encoders'.
+  struct Rounding {
+    double variance = 0.0, largest = 0.0;
   };
   struct Moments {
     double mean, deviation;
