@@ -1,10 +1,10 @@
 // For AVX2; without fused products, as the baseline.
-#include "render/observer_steps.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+
+#include "render/observer_steps.hpp"
 
 namespace enamel {
 namespace {

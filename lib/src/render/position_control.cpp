@@ -505,10 +505,10 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
     square += along * along / under;
   }
   const double differs = std::sqrt(std::max(0.0, square - mean * mean) * under) * T / mass, chance = std::sqrt(chance_);
-  const double room =
-      std::max(std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass) * sure / mass),
-               std::min(depth, reboundOf(memory_.step, mass)) / kGrowthTime) -
-      speed - kSpeedDeviations * uncertain.deviation - differs;
+  const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass) * sure / mass) -
+                         kSpeedDeviations * uncertain.deviation,
+               comesOut = std::min(depth, reboundOf(memory_.step, mass)) / kGrowthTime;
+  const double room = std::max(rebound, comesOut) - speed - differs;
   const double safe = room * mass / T;
   return std::max(0.0, chance > 0.0 && safe > mean ? (safe + chance * mean) / (1.0 + chance) : safe);
 }

@@ -112,12 +112,13 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
     // A push is known by what it does: its share of the mass goes with it.
     const double ratio = std::exp(s.scale - s.usedScale[k]);
     s.usedScale[k] = s.scale;
-    for (const int i : {kPush, kGrowth}) {
+    const auto grows = [&](int i) { return i == kPush || i == kGrowth ? ratio : 1.0; };
+    for (int i = 0; i < kStates; ++i) {
       for (int p = 0; p < static_cast<int>(s.count); ++p) {
-        s.part[p].x[i][k] *= ratio;
-        s.part[p].g[i][k] *= ratio;
+        s.part[p].x[i][k] *= grows(i);
+        s.part[p].g[i][k] *= grows(i);
       }
-      for (int j = 0; j < kStates; ++j) s.P[at(i, j)][k] *= ratio * (i == j ? ratio : 1.0);
+      for (int j = 0; j <= i; ++j) s.P[at(i, j)][k] *= grows(i) * grows(j);
     }
     table_.read(std::log(wanted), k, model_.value, model_.slope);
   }
@@ -269,15 +270,12 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
       per[k] = seen.innovation[k] / seen.variance[k];
       h.v[k] -= jumped[k] * jumped[k] / seen.variance[k];
     }
-    const Lane c = [&] {
-      Lane v;
-      std::copy_n(h.g[read], kLanes, v.begin());
-      return v;
-    }();
+    double seenJump[kLanes];
+    std::memcpy(seenJump, h.g[read], sizeof seenJump);
     for (int i = 0; i < kScale; ++i)
       for (int k = 0; k < kLanes; ++k) {
         h.x[i][k] += (P[at(i, read)][k] + jumped[k] * h.g[i][k]) * per[k];
-        h.g[i][k] -= gain[i][k] * c[k];
+        h.g[i][k] -= gain[i][k] * seenJump[k];
       }
   }
   for (int p = 0; p < count; ++p) sum += std::exp(s.part[p].logWeight - top);
@@ -305,7 +303,8 @@ void PushObserver<kMech>::merge(State& s) const noexcept {
       if (!ends(p)) continue;
       steps<kMech>().gather(s.part[p].x, s.part[p].g, s.part[p].v, x, share[p] / total, s.P);
       const double jumped = p > 0 ? share[p] / total : 0.0;
-      for (int k = 0; k < kLanes; ++k) s.P[at(kGrowth, kGrowth)][k] += jumped * growthOf(s.step[k]) * growthOf(s.step[k]);
+      for (int k = 0; k < kLanes; ++k)
+        s.P[at(kGrowth, kGrowth)][k] += jumped * growthOf(s.step[k]) * growthOf(s.step[k]);
     }
     std::memcpy(s.part[0].x, x, sizeof x);
   }

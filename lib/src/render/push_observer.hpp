@@ -3,12 +3,12 @@
 //
 // A mode has the states of mode_table.hpp and ln(mass / model's). Its process noise is a trembling hand, the wandering
 // growth of the push, and what the model lacks: a share of the force that accelerates the device or stretches a cable.
-// Each tick hypotheses branch off, one for each part of the tick in which the push may have jumped by an unknown size in
-// each mode. A jump of size 1 moves the states by g, so a hypothesis has its own states x, and the covariance P + v g g^T
-// with v the variance of the size (Willsky and Jones 1976). It lives for two samples, then it is merged into the rest by
-// its first two moments. All modes share the hypotheses' weights.
-// A hypothesis teaches nothing of the mass (Schmidt's filter). The modes' opinions on the one mass are fused by their
-// information. A reading says nothing within the largest of its encoders' steps (Steps::weigh()).
+// Each tick hypotheses branch off, one for each part of the tick in which the push may have jumped by an unknown size
+// in each mode. A jump of size 1 moves the states by g, so a hypothesis has its own states x, and the covariance P + v
+// g g^T with v the variance of the size (Willsky and Jones 1976). It lives for two samples, then it is merged into the
+// rest by its first two moments. All modes share the hypotheses' weights. A hypothesis teaches nothing of the mass
+// (Schmidt's filter). The modes' opinions on the one mass are fused by their information. A reading says nothing within
+// the largest of its encoders' steps (Steps::weigh()).
 #pragma once
 
 #include <array>
@@ -33,8 +33,8 @@ class PushObserver {
   using Pairs = double[kPairs][kLanes];
 
   struct Hypothesis {
-    States x, g;  // g: what a jump of size 1 adds
-    Lane v;       // variance of its size
+    States x, g;            // g: what a jump of size 1 adds
+    Lane v;                 // variance of its size
     double logWeight, age;  // age in samples
   };
   // Plain numbers.

@@ -1,5 +1,5 @@
-// Position control of a tool at a wall: it pushes and never pulls, lets the tool slide, and is as stiff as counts, delay
-// and transmission allow. The whole story, with its equations: lib/docs/position-control.md.
+// Position control of a tool at a wall: it pushes and never pulls, lets the tool slide, and is as stiff as counts,
+// delay and transmission allow. The whole story, with its equations: lib/docs/position-control.md.
 //
 //   measured joints -> observer of modes and push -> where the hand would take the tool
 //                   -> nearest place in the free space -> force towards it
@@ -24,10 +24,10 @@ inline constexpr int kMaxLoopDelay = 8;
 
 /// What position control is told of a device. Everything else it computes.
 struct PositionControlOptions {
-  double period = 1e-3;                ///< of the ticks, s
-  JointVector encoderStep;             ///< step of each joint's encoder, rad or m: as many as the device has joints
-  int delayLow = 0, delayHigh = 0;     ///< a command acts this many ticks late: constant, or anything between the two
-  Drive drive;                         ///< between command and joint
+  double period = 1e-3;             ///< of the ticks, s
+  JointVector encoderStep;          ///< step of each joint's encoder, rad or m: as many as the device has joints
+  int delayLow = 0, delayHigh = 0;  ///< a command acts this many ticks late: constant, or anything between the two
+  Drive drive;                      ///< between command and joint
 };
 
 /// Options for a device. Realtime: yes.
