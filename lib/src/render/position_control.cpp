@@ -494,23 +494,18 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
              uncertain = observer_.moments(memory_.observer, outward);
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
-  // Where chance says when a command acts, those under way differ from their mean.
-  double mean = 0.0, square = 0.0;
-  const int under = chance_ > 0.0 ? options_.delayHigh : 0;
-  for (int d = 0; d < under; ++d) {
-    const Lane sent = toModes(memory_.sent[d]);
-    double along = 0.0;
-    for (int k = 0; k < joints_; ++k) along += row[k] * sent[k] / a.inertia[k] * mass;
-    mean += along / under;
-    square += along * along / under;
-  }
-  const double differs = std::sqrt(std::max(0.0, square - mean * mean) * under) * T / mass, chance = std::sqrt(chance_);
   const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass) * sure / mass) -
                          kSpeedDeviations * uncertain.deviation,
                comesOut = std::min(depth, reboundOf(memory_.step, mass)) / kGrowthTime;
-  const double room = std::max(rebound, comesOut) - speed - differs;
-  const double safe = room * mass / T;
-  return std::max(0.0, chance > 0.0 && safe > mean ? (safe + chance * mean) / (1.0 + chance) : safe);
+  const double safe = std::max(0.0, (std::max(rebound, comesOut) - speed) * mass / T);
+  if (options_.delayLow == options_.delayHigh) return safe;
+  // Where chance says when a command acts, it may act twice, in the place of one that is under way.
+  double other = 0.0;
+  for (int d = 0; d < options_.delayHigh; ++d) {
+    const Lane sent = toModes(memory_.sent[d]);
+    for (int k = 0; k < joints_; ++k) other += row[k] * sent[k] / a.inertia[k] * mass / options_.delayHigh;
+  }
+  return std::min(safe, std::max(0.0, 0.5 * (safe + other)));
 }
 
 // The share of the forces that is given: by the cap, and by the motors' limits.
