@@ -496,7 +496,7 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
   memory_.push = force.mean;
   const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass) * sure / mass) -
                          kSpeedDeviations * uncertain.deviation,
-               comesOut = std::min(depth, reboundOf(memory_.step, mass)) / kGrowthTime;
+               comesOut = std::min(depth / kGrowthTime, memory_.step * (delay_ + 1) * T / mass);
   const double safe = std::max(0.0, (std::max(rebound, comesOut) - speed) * mass / T);
   if (options_.delayLow == options_.delayHigh) return safe;
   // Where chance says when a command acts, it may act twice, in the place of one that is under way.
