@@ -169,7 +169,8 @@ void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept 
     const double lacks = data_.modelError * force, disturbance = data_.drive.disturbance;
     rotor[k] = lacks * lacks + disturbance * disturbance;
     link[k] = s.tremor[k] * s.tremor[k] + (kMech == 4 ? lacks * lacks : 0.0);
-    growth[k] = kGrowthOfStep * s.step[k] * kGrowthOfStep * s.step[k];
+    // A hand can take away half of its push in the time of a step's growth.
+    growth[k] = kGrowthOfStep * kGrowthOfStep * std::max(s.step[k] * s.step[k], 0.25 * push * push);
   }
   Pairs Q = {};
   for (int i = 0, n = 0; i < kMech + 2; ++i)
