@@ -55,14 +55,19 @@ Vec3 FrictionMemory::force(const Contact& contact, const SurfaceMotion& slide, c
     before->obstacle = -1.0;
   }
 
+  constexpr double kSteps = 4.0;
+  const double limit = material.friction * std::max(load, normalForce);
+  const double soft = gains.step > 0.0 ? std::min(1.0, limit / (kSteps * gains.step * gains.stiffness)) : 1.0;
+  const double stiffness = soft * gains.stiffness, damping = soft * gains.damping;
+
   const Vec3 lead = along(n, slide.predicted), velocity = along(n, slide.velocity);
   // What the mean lends in a weak tick was saved in strong ones. A tool that hops keeps its grip until it comes down.
   const double holds = normalForce > 0.0 ? std::min(std::max(load, normalForce), budget) : budget;
   // The spring says whether it slides; the damper, which feels every count of an encoder, does not.
-  slides = gains.stiffness * (stretch + lead).norm() > (slides ? material.slidingFriction : material.friction) * holds;
+  slides = stiffness * (stretch + lead).norm() > (slides ? material.slidingFriction : material.friction) * holds;
   const double most = (slides ? material.slidingFriction : material.friction) * holds;
-  if (slides) stretch = shortened(stretch + lead, most / gains.stiffness) - lead;
-  const Vec3 force = shortened(-gains.stiffness * (stretch + lead) - gains.damping * velocity, most);
+  if (slides) stretch = shortened(stretch + lead, most / std::max(stiffness, 1e-12)) - lead;
+  const Vec3 force = shortened(-stiffness * (stretch + lead) - damping * velocity, most);
 
   FrictionPoint& point = now_[slot];
   point = {static_cast<double>(contact.obstacle),

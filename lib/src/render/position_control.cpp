@@ -82,7 +82,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
     typename Observer::State observer{};
     double started = 0.0, lastTime = 0.0, ticks = 0.0;
     std::array<JointRow, kMaxLoopDelay + 1> sent{};  // beyond gravity, the last first
-    JointRow lastReading{};                          // joints
+    JointRow lastReading{}, lastEstimate{};          // joints
     double step = 0.0;                               // of the hand, N
     double contradictions = 0.0, ignored = 0.0;
     double walls = 0.0;
@@ -254,7 +254,7 @@ void PositionControlRenderer::ControllerOf<kMech>::start(const TickFrame& frame)
   memory_.step = std::min(kStepForce, kStepShare * std::max(0.0, force));
   for (int j = 0; j < joints_; ++j) memory_.axes[j][j] = 1.0;
   decouple(frame, true);
-  for (int j = 0; j < joints_; ++j) memory_.lastReading[j] = k.q[j];
+  for (int j = 0; j < joints_; ++j) memory_.lastReading[j] = memory_.lastEstimate[j] = k.q[j];
   observer_.start(memory_.observer, joints_, toModes(memory_.lastReading));
   memory_.started = 1.0;
 }
@@ -551,14 +551,17 @@ JointRow PositionControlRenderer::ControllerOf<kMech>::frictionOf(const TickFram
                                                                   const double* force) noexcept {
   const Kinematics& k = frame.kinematics;
   JointRow torque{}, moved{}, coming{}, rates{};
-  Lane way{}, rate{};
+  Lane way{}, rate{}, seen{};
   for (int mode = 0; mode < joints_; ++mode) {
-    way[mode] = a.x[kLink][mode] - a.now[mode];
+    way[mode] = a.x[kLink][mode] - memory_.observer.mean[kLink][mode];
+    seen[mode] = memory_.observer.mean[kLink][mode];
     rate[mode] = a.x[kLink + 1][mode];
   }
   coming = toJoints(way);
   rates = toJoints(rate);
-  for (int j = 0; j < joints_; ++j) moved[j] = k.q[j] - memory_.lastReading[j];
+  const JointRow estimate = toJoints(seen);
+  for (int j = 0; j < joints_; ++j) moved[j] = estimate[j] - memory_.lastEstimate[j];
+  memory_.lastEstimate = estimate;
   const auto motionOf = [&](const JointRow& v) {
     Vec6 motion = Vec6::Zero();
     for (int j = 0; j < joints_; ++j) motion += k.jacobian.col(j) * v[j];
@@ -574,16 +577,19 @@ JointRow PositionControlRenderer::ControllerOf<kMech>::frictionOf(const TickFram
       if (walls[targets[i].wall].contact == c) normal = force[i];
     const ContactRow& row = frame.rows.row[c];
     const Lane first = toModes(row.tangent[0]), second = toModes(row.tangent[1]);
-    double aa = 0.0, ab = 0.0, bb = 0.0, lead = 0.0;
+    double aa = 0.0, ab = 0.0, bb = 0.0, lead = 0.0, rounding = 0.0;
     for (int mode = 0; mode < joints_; ++mode) {
       const double soft = 1.0 / a.stiffness[mode];
       aa += first[mode] * first[mode] * soft;
       ab += first[mode] * second[mode] * soft;
       bb += second[mode] * second[mode] * soft;
       lead += (first[mode] * first[mode] + second[mode] * second[mode]) * soft * a.lead[mode];
+      rounding +=
+          0.5 * (first[mode] * first[mode] + second[mode] * second[mode]) * memory_.observer.readingVariance[mode];
     }
     const double softest = 0.5 * (aa + bb) + std::hypot(0.5 * (aa - bb), ab);
-    const TangentialGains gains{kStick / softest, std::sqrt(kStick) * lead / (aa + bb) / softest};
+    const TangentialGains gains{kStick / softest, std::sqrt(kStick) * lead / (aa + bb) / softest,
+                                std::sqrt(12.0 * rounding)};
     const Vec3 arm = contact.point - k.pose.position;
     const SurfaceMotion slide{translationAt(way6, arm) - options_.period * contact.obstacleVelocity,
                               translationAt(ahead6, arm) - a.seconds * contact.obstacleVelocity,

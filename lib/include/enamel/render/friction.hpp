@@ -35,6 +35,8 @@ struct FrictionPoint {
 struct TangentialGains {
   double stiffness;  ///< k, N/m
   double damping;    ///< b, N s/m
+  /// Step in which the motion is seen, m: where less than four of them would make it slide, the spring is softer.
+  double step = 0.0;
 };
 
 /// Motion of the tool's material over the obstacle's at a contact, in W.
