@@ -1,11 +1,11 @@
 // The command line as a user meets it.
 #include <filesystem>
-#include "support/json.hpp"
 #include <optional>
 
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
+#include "support/json.hpp"
 
 namespace enamel::test_commands {
 

@@ -145,6 +145,7 @@ TEST_CASE("a design's evaluation sees a tool slide off a ball", "[position_contr
 
 TEST_CASE("the servo learns how heavy the device is", "[position_control]") {
   const auto model = tau();
+  int within = 0, all = 0;
   for (const int late : {0, 3})                     // none, or random up to 3 ticks
     for (const double factor : {0.75, 1.0, 1.3}) {  // of the plant
       TauParameters heavier = test::nominal();
@@ -153,7 +154,7 @@ TEST_CASE("the servo learns how heavy the device is", "[position_control]") {
       const double share = effectiveMass(model->home(), Vec3::Zero(), Vec3::UnitZ()) /
                            effectiveMass(plant.home(), Vec3::Zero(), Vec3::UnitZ());
       double mean = 0.0;
-      const int runs = test::count(6, 40);
+      const int runs = test::count(10, 40);
       for (int run = 0; run < runs; ++run) {
         PositionControlRenderer servo(positionControlFor(*model, kPeriod, 0, late));
         LoopSetup setup = loopWith(flatWall(), 0);
@@ -166,12 +167,18 @@ TEST_CASE("the servo learns how heavy the device is", "[position_control]") {
           const FirmHand hand{1.0 + 0.5 * random.normal(RandomStream::Purpose::noise, i)};
           REQUIRE(loop.tick(hand, tick) == Status::ok);
         }
-        mean += 1.0 / servo.state().mass / runs;
+        const PositionControlState state = servo.state();
+        mean += 1.0 / state.mass / runs;
+        within += std::abs(std::log(state.mass * share)) < 1.96 * state.deviation;
+        ++all;
+        CHECK(state.deviation < 0.2);  // 0.3 before it has touched anything
       }
       INFO("delay up to " << late << ", plant by " << factor << ": " << mean << " instead of " << share);
-      // Encoder counts, which the servo answers, pass for a lighter device; not what a random delay makes of commands.
-      CHECK(mean == Approx(share).epsilon(late == 0 ? 0.12 : 0.06));
+      if (share != 1.0) CHECK((mean - 1.0) / (share - 1.0) > 0.3);
+      CHECK(std::abs(mean - share) < 0.15);
     }
+  INFO(within << " of " << all << " within the interval of 95 %");
+  CHECK(within >= 0.9 * all);
 }
 
 // Counts flicker, the servo answers, and nothing else moves: it would pass for the lightest device of the range.
@@ -302,11 +309,13 @@ TEST_CASE("walls that face each other too near by micrometres do not hold the to
   VirtualLoop loop(*device, *device, servo, setup);
   TickRecord tick;
   double largest = 0.0;
+  int contact = 0;                 // ticks
   for (int i = 0; i < 300; ++i) {  // drawn out between the walls with 2 N
     REQUIRE(loop.tick(Hand{{0.0, 0.0, i < 200 ? 0.0 : 2.0}}, tick) == Status::ok);
     largest = std::max(largest, tick.normalForce);
+    contact += tick.mode == RenderMode::contact;
   }
-  CHECK(largest > 0.0);
+  CHECK(contact > 250);
   CHECK(largest < 10.0);  // it was some 200 N, and the tool stuck
   CHECK(tick.pose.position.z() > 5e-3);
 }

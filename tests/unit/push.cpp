@@ -438,9 +438,9 @@ TEST_CASE("a tool that is held and touches 60 mm from the TCP", "[push]") {
     PositionControlRenderer servo = test::positionControl(device, 0, 0);
     const PushMetrics metrics = metricsOf(servo);
     CHECK(metrics.verdict == FirstImpactVerdict::measured);
-    CHECK(metrics.largestDepth < 0.2e-3);
+    CHECK(metrics.largestDepth < 0.225e-3);  // 0.2 mm at the limit, 60 mm from the TCP
     REQUIRE(metrics.limitShare);
-    CHECK(*metrics.limitShare > 0.3);
+    CHECK(*metrics.limitShare > 0.8);
     // The hand damps turns, with 4 N s/m at the tip, which the limit does not know: some 6 % of 0.03 kg in a tick.
     CHECK(*metrics.limitShare < 1.1);
   }

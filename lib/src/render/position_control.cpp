@@ -25,12 +25,12 @@ constexpr double kStick = 0.5;  // of the stiffness with which friction holds: c
 constexpr double kStepForce = 8.0, kStepShare = 0.2, kTremorShare = 1.0 / 16.0, kGrip = 0.02;
 constexpr double kPushShare = 0.27;  // a large step, as a share of the largest force, for the designs
 
-constexpr double kMostTicks = 10.5;   // between two ticks, beyond which everything is forgotten
-constexpr double kContradicts = 8.0;  // deviations of an innovation that no push explains
-constexpr double kRetreat = 50.0;     // 1 / kRetreat^2: how much walls that contradict each other give way for force
-constexpr double kFades = 0.1;        // of the speed along a wall, with which one that is gone retreats
-constexpr double kNear = 2e-5;        // a contact that stays this far outside for a tick carries no force, m
-constexpr int kRefreshTicks = 8;      // between two looks at the inertia
+constexpr double kEarly = 0.5, kMostTicks = 10.5;  // between two ticks: nothing is new before, all is forgotten beyond
+constexpr double kContradicts = 8.0;               // deviations of an innovation that no push explains
+constexpr double kRetreat = 50.0;  // 1 / kRetreat^2: how much walls that contradict each other give way for force
+constexpr double kFades = 0.1;     // of the speed along a wall, with which one that is gone retreats
+constexpr double kNear = 2e-5;     // a contact that stays this far outside for a tick carries no force, m
+constexpr int kRefreshTicks = 8;   // between two looks at the inertia
 
 }  // namespace
 
@@ -77,8 +77,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   };
   // Plain numbers: all that is kept from tick to tick.
   struct Memory {
-    // Column k: mode k in joint coordinates. Aligned: GCC 12 takes it to be.
-    alignas(64) double axes[kMaxJoints][kLanes] = {};
+    double axes[kMaxJoints][kLanes] = {};  // column k: mode k in joint coordinates
     typename Observer::State observer{};
     double started = 0.0, lastTime = 0.0, ticks = 0.0;
     std::array<JointRow, kMaxLoopDelay + 1> sent{};  // beyond gravity, the last first
@@ -87,7 +86,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
     double contradictions = 0.0, ignored = 0.0;
     double walls = 0.0;
     std::array<Wall, 2 * kMaxContacts> wall{};
-    double push = 0.0, merged = 0.0;
+    double push = 0.0, merged = 0.0, lastNormal = 0.0;
     FrictionMemory friction;
   };
   // A wall in the coordinates of the modes, where the hand would take the tool.
@@ -127,7 +126,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   int joints_, delay_;
   double chance_;  // variance of the ticks in which a command acts: one of delayHigh - delayLow + 1 acts in each
   Observer observer_;
-  Memory memory_;
+  alignas(64) Memory memory_;  // GCC 12 takes it to be
 };
 
 template <int kMech>
@@ -608,7 +607,16 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   Memory& m = memory_;
   const int n = joints_;
   if (kin.q.size() != n || frame.rows.count != frame.contacts.count) return Status::outOfRange;
-  if (m.started == 0.0 || frame.time - m.lastTime > kMostTicks * options_.period)
+  const double elapsed = frame.time - m.lastTime;
+  output.saturated = false;
+  if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {  // the last answer holds
+    output.mode = m.lastNormal > 0.0 ? RenderMode::contact : RenderMode::free;
+    output.normalForce = m.lastNormal;
+    output.torque.resize(n);
+    for (int j = 0; j < n; ++j) output.torque[j] = kin.gravity[j] + m.sent[0][j];
+    return Status::ok;
+  }
+  if (m.started == 0.0 || elapsed < 0.0 || elapsed > kMostTicks * options_.period)
     start(frame);
   else
     observe(frame);
@@ -627,13 +635,12 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   m.merged = 0.0;
   for (int i = 0; i < placed; ++i) m.merged += force[i] > 0.0 ? 0.0 : 1.0;
   output.mode = RenderMode::free;
-  output.saturated = false;
   output.normalForce = 0.0;
   const double given = share(frame, a, walls, targets, placed, force, output);
   for (int i = 0; i < placed; ++i) {
     force[i] *= given;
     const Wall& w = walls[targets[i].wall];
-    if (force[i] > 0.0) output.mode = RenderMode::contact;
+    if (force[i] > 0.0 || w.contact >= 0.0) output.mode = RenderMode::contact;
     if (w.contact == 0.0) output.normalForce = force[i];
     for (int j = 0; j < n; ++j) torque[j] += force[i] * w.row[j];
   }
@@ -645,6 +652,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
     m.lastReading[j] = kin.q[j];
   }
   output.saturated = saturate(output.torque, kin.gravity, frame.maxTorque) || output.saturated;
+  m.lastNormal = output.normalForce;
   for (int i = kMaxLoopDelay; i > 0; --i) m.sent[i] = m.sent[i - 1];
   for (int j = 0; j < n; ++j) m.sent[0][j] = frame.maxTorque[j] > 0.0 ? output.torque[j] - kin.gravity[j] : 0.0;
   return Status::ok;

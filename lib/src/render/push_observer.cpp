@@ -83,6 +83,8 @@ void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rat
   Pairs P = {};
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     const double growth = kGrowthOfStep * s.step[k], speed = s.step[k] * kGrowthTime / s.inertia[k];
+    // The push that would have made the rate within a tick.
+    const double push = (rate[k] - h.x[kMech - 1][k]) * (s.inertia[k] + data_.drive.rotorInertia) / data_.period;
     for (int i = 0; i < kMech; i += 2) {
       h.x[i][k] = reading[k];
       h.x[i + 1][k] = rate[k];
@@ -94,7 +96,7 @@ void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rat
       P[at(2, 2)][k] += stretch * stretch;
     }
     h.x[kGrowth][k] = 0.0;
-    P[at(kPush, kPush)][k] = s.step[k] * s.step[k] + s.P[at(kPush, kPush)][k];
+    P[at(kPush, kPush)][k] = s.step[k] * s.step[k] + push * push + s.P[at(kPush, kPush)][k];
     P[at(kGrowth, kGrowth)][k] = growth * growth;
     P[at(kScale, kScale)][k] = s.P[at(kScale, kScale)][k];
   }
