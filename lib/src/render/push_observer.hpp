@@ -49,7 +49,6 @@ class PushObserver {
     Lane usedScale;               // ln(mass / model's) of these
     Lane step, tremor;            // deviations of the hand's force in the modes
     Lane readingVariance, largestStep;
-    Lane teaches;  // 1: the last tick's force moved the mode enough to learn the mass from it
   };
   /// Rounding of a mode's reading: variance, and the largest step among its encoders'.
   struct Rounding {
