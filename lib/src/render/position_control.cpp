@@ -636,11 +636,13 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   for (int i = 0; i < placed; ++i) m.merged += force[i] > 0.0 ? 0.0 : 1.0;
   output.mode = RenderMode::free;
   output.normalForce = 0.0;
+  for (int c = 0; c < frame.contacts.count; ++c)
+    if (walls[c].gap <= kNear) output.mode = RenderMode::contact;
   const double given = share(frame, a, walls, targets, placed, force, output);
   for (int i = 0; i < placed; ++i) {
     force[i] *= given;
     const Wall& w = walls[targets[i].wall];
-    if (force[i] > 0.0 || w.contact >= 0.0) output.mode = RenderMode::contact;
+    if (force[i] > 0.0) output.mode = RenderMode::contact;
     if (w.contact == 0.0) output.normalForce = force[i];
     for (int j = 0; j < n; ++j) torque[j] += force[i] * w.row[j];
   }
