@@ -18,6 +18,7 @@ namespace {
 constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
 constexpr double kModelError = 0.15;  // share of the force that the model does not have: robustness against stiffness
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
+constexpr double kRepeats = 2.0;                                 // deviations of the ticks in which a command acts
 constexpr double kStick = 0.5;  // of the stiffness with which friction holds: counts that are felt against creep
 
 // A person: a step has a deviation of 8 N, or of a fifth of what a weak device can hold; the hand trembles by a
@@ -498,13 +499,14 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
                comesOut = std::min(depth / kGrowthTime, memory_.step * (delay_ + 1) * T / mass);
   const double safe = std::max(0.0, (std::max(rebound, comesOut) - speed) * mass / T);
   if (options_.delayLow == options_.delayHigh) return safe;
-  // Where chance says when a command acts, it may act twice, in the place of one that is under way.
+  // Where chance says when a command acts, it may act in more than one tick, in the place of those that are under way.
+  const double acts = std::min(options_.delayHigh - options_.delayLow + 1.0, 1.0 + kRepeats * std::sqrt(chance_));
   double other = 0.0;
   for (int d = 0; d < options_.delayHigh; ++d) {
     const Lane sent = toModes(memory_.sent[d]);
     for (int k = 0; k < joints_; ++k) other += row[k] * sent[k] / a.inertia[k] * mass / options_.delayHigh;
   }
-  return std::min(safe, std::max(0.0, 0.5 * (safe + other)));
+  return std::min(safe, std::max(0.0, other + (safe - other) / acts));
 }
 
 // The share of the forces that is given: by the cap, and by the motors' limits.
