@@ -182,7 +182,7 @@ JointRow PositionControlRenderer::ControllerOf<kMech>::toJoints(const Lane& m) c
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& frame, bool whole) noexcept {
   constexpr double kCoupled = 0.01, kDecoupled = 1e-9;
-  constexpr int kMostTurns = 150;
+  constexpr int kMostRotations = 150;
   const int n = joints_;
   auto& V = memory_.axes;
   double half[kMaxJoints][kLanes] = {}, L[kLanes][kLanes] = {};
@@ -192,7 +192,7 @@ void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& fra
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < kLanes; ++k) L[i][k] += V[j][i] * half[j][k];
-  for (int turn = 0; turn < (whole ? kMostTurns : 1); ++turn) {
+  for (int turn = 0; turn < (whole ? kMostRotations : 1); ++turn) {
     int p = -1, q = -1;
     double worst = whole ? kDecoupled : kCoupled;
     for (int i = 1; i < n; ++i)
