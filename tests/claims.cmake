@@ -79,7 +79,7 @@ foreach(renderer_range "position-control;372500;373500" "hold;26550;26650" "impe
   list(GET renderer_range 0 renderer)
   list(GET renderer_range 1 low)
   list(GET renderer_range 2 high)
-  claim(README.md "317, 26.6, 3.07 kN/m" "\"${renderer}\": {[^}]*\"K_z1 \\[N/m\\]\": ${number}" ${low} ${high} ${push})
+  claim(README.md "373, 26.6, 3.07 kN/m" "\"${renderer}\": {[^}]*\"K_z1 \\[N/m\\]\": ${number}" ${low} ${high} ${push})
 endforeach()
 claim_bench(README.md "4.3, 0.8 to 1.2 us" "tick: whole tick, position-control" 1 2.1 8.6)
 claim_bench(README.md "4.3, 0.8 to 1.2 us" "tick: whole tick, hold" 1 0.42 1.7)

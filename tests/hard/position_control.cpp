@@ -3,7 +3,6 @@
 #include "enamel/render/position_control.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <iostream>
@@ -145,6 +144,12 @@ TEST_CASE("corners, valleys and slots hold without oscillation", "[hard]") {
     }
 }
 
+// Bars that the controller misses: they are checked below.
+bool isMissed(const WallFigure& f, int delay, double wrong) {
+  return (f.trial == "overload" && (delay == 0 || delay == 3)) ||
+         (f.trial == "slide" && f.figure == "rms depth" && wrong < 1.0 && delay > 0);
+}
+
 // What people do to a wall, also with a model that is wrong by 30 %. Bars of a few dozen runs; where a bar is missed,
 // its figure is in lib/docs/limits.md.
 TEST_CASE("steps, impacts, letting go, sliding and too much force are answered", "[hard]") {
@@ -154,8 +159,7 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
   struct Bar {
     const char* trial;
     const char* figure;
-    double most[4];                     // by delay
-    double tooLight[4] = {0, 0, 0, 0};  // with a model of 0.7 of the inertia, where that is more
+    double most[4];  // by delay
   };
   const Bar bars[] = {
       {"impact 0.05 m/s", "depth of the allowed", {100, 100, 100, 100}},
@@ -167,12 +171,10 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
       {"release", "speed over the unavoidable", {1.25, 1.25, 1.25, 1.25}},  // 1.1
       {"release", "pull", {1e-3, 1e-3, 1e-3, 1e-3}},
       {"slide", "tangential force", {0.1, 0.1, 0.3, 0.4}},
-      {"slide", "rms depth", {10, 20, 30, 50}, {10, 22, 90, 60}},  // missed with too light a model
+      {"slide", "rms depth", {10, 20, 30, 50}},
       {"pulse", "torque of the limit", {100.001, 100.001, 100.001, 100.001}},
       {"pulse", "turned", {1, 1, 1, 1}},
-      {"overload",
-       "bounce",
-       {70, 130, 280, 500}},  // missed: 60 and 450; 100, which with 2 and 3 ticks nothing can keep
+      {"overload", "bounce", {60, 130, 280, 450}},  // 100, which with 2 and 3 ticks nothing can keep (limits.md)
   };
   for (const double wrong : {1.0, 0.7, 1.3}) {
     setup.model = withInertia(setup.plant, wrong);
@@ -189,10 +191,32 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
         // Too light a model: learnt in the tick after the first command. 2.4 to 28 mm without.
         if (wrong < 1.0 && f.trial == "impact 0.5 m/s" && f.figure == "bounce") CHECK(f.value < 450);
         for (const Bar& bar : bars)
-          if (f.trial == bar.trial && f.figure == bar.figure && (wrong == 1.0 || f.trial == "slide"))
-            CHECK(f.value < (wrong < 1.0 ? std::max(bar.most[delay], bar.tooLight[delay]) : bar.most[delay]));
+          if (f.trial == bar.trial && f.figure == bar.figure && (wrong == 1.0 || f.trial == "slide") &&
+              !isMissed(f, delay, wrong))
+            CHECK(f.value < bar.most[delay]);
       }
     }
+  }
+}
+
+TEST_CASE(
+    "an overload and a slide with too light a model are answered (expected failure until the controller follows from "
+    "physics)",
+    "[!shouldfail][hard]") {
+  WallTrialSetup setup;
+  setup.plant = std::make_shared<TauMechanism>(test::nominal());
+  setup.runs = test::count(12, 200);
+  const double overload[] = {60, 130, 280, 450}, slide[] = {10, 20, 30, 50};
+  for (const int delay : {0, 1, 2, 3}) {
+    setup.delay = {delay, delay};
+    setup.renderer = [options = positionControlFor(*setup.plant, kPeriod, delay, delay)] {
+      return std::make_unique<PositionControlRenderer>(options);
+    };
+    setup.model = setup.plant;
+    for (const WallFigure& f : runWallTrials(setup, "overload", 2)) CHECK(f.value < overload[delay]);
+    setup.model = withInertia(setup.plant, 0.7);
+    for (const WallFigure& f : runWallTrials(setup, "slide", 2))
+      if (f.figure == "rms depth") CHECK(f.value < slide[delay]);
   }
 }
 

@@ -19,11 +19,11 @@ struct ObserverSteps {
   using Pairs = typename Observer::Pairs;
 
   void (*carry)(const Model& model, const double* command, const double* matters, double scale, States& x) noexcept;
-  void (*spread)(const Model& model, const double* command, const double* matters, const Pairs& noise, const States& x,
-                 Pairs& P) noexcept;
+  void (*predict)(const Model& model, const double* command, const double* matters, double scale, const Pairs& noise,
+                  States& x, Pairs& P) noexcept;
   void (*weigh)(const double* innovation, const double* expected, const double* variance, const double* largest,
                 Evidence& seen) noexcept;
-  void (*correct)(const double* variance, int read, Pairs& P, States& gain) noexcept;
+  void (*correct)(const double* variance, int read, Pairs& P, States& column, States& gain) noexcept;
   void (*gather)(const States& x, const States& g, const Lane& v, const States& mean, double share, Pairs& P) noexcept;
 };
 

@@ -46,10 +46,15 @@ struct Steps {
     }
   }
 
-  // States after a tick.
+  // States after a tick, ln(mass) off the model's by x[kScale] - scale.
   static void carry(const Model& m, const double* command, const double* matters, double scale, States& x) noexcept {
-    double moved[kMech][kLanes], slope[kMech][kLanes];
+    double slope[kMech][kLanes];
     slopes(m, command, matters, x, slope);
+    move(m, command, slope, scale, x);
+  }
+  static void move(const Model& m, const double* command, const double (&slope)[kMech][kLanes], double scale,
+                   States& x) noexcept {
+    double moved[kMech][kLanes];
     for (int i = 0; i < kMech; ++i) {
       for (int k = 0; k < kLanes; ++k)
         moved[i][k] = m.value[Table::kCommandAt + i][k] * command[k] + slope[i][k] * (x[kScale][k] - scale);
@@ -65,9 +70,9 @@ struct Steps {
     }
   }
 
-  // P after a tick from the states x: G P G^T + Q with G the transition, its column of ln(mass) by the slopes.
-  static void spread(const Model& m, const double* command, const double* matters, const Pairs& Q, const States& x,
-                     Pairs& P) noexcept {
+  // x and P after a tick: P is G P G^T + Q with G the transition, its column of ln(mass) by the slopes.
+  static void predict(const Model& m, const double* command, const double* matters, double scale, const Pairs& Q,
+                      States& x, Pairs& P) noexcept {
     const double em = m.lagKept, eg = m.growthKept, cg = m.growthSum;
     double slope[kMech][kLanes], half[kMech][kStates][kLanes];
     slopes(m, command, matters, x, slope);
@@ -106,6 +111,7 @@ struct Steps {
       P[at(kScale, kGrowth)][k] = eg * sg;
       P[at(kScale, kScale)][k] += Q[at(kScale, kScale)][k];
     }
+    move(m, command, slope, scale, x);
   }
 
   // What a reading says that differs by `innovation` from what was expected with the variance `expected`. With
@@ -133,9 +139,8 @@ struct Steps {
     }
   }
 
-  // The gains of a reading of state `read`, and P after it. They teach of the mass as well.
-  static void correct(const double* variance, int read, Pairs& P, States& gain) noexcept {
-    double column[kStates][kLanes];
+  // The gains of a reading of state `read`, its column of P before, and P after. They teach of the mass as well.
+  static void correct(const double* variance, int read, Pairs& P, States& column, States& gain) noexcept {
     for (int i = 0; i < kStates; ++i)
       for (int k = 0; k < kLanes; ++k) {
         column[i][k] = P[at(i, read)][k];
@@ -162,5 +167,5 @@ struct Steps {
 };
 
 template <int kMech>
-constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry, Steps<kMech>::spread, Steps<kMech>::weigh,
+constexpr ObserverSteps<kMech> kSteps{Steps<kMech>::carry, Steps<kMech>::predict, Steps<kMech>::weigh,
                                       Steps<kMech>::correct, Steps<kMech>::gather};

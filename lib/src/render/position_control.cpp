@@ -126,6 +126,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   PositionControlOptions options_;
   int joints_, delay_;
   double chance_;  // variance of the ticks in which a command acts: one of delayHigh - delayLow + 1 acts in each
+  double acts_;    // in so many ticks at most, by kRepeats deviations
   Observer observer_;
   alignas(64) Memory memory_;  // GCC 12 takes it to be
 };
@@ -136,6 +137,7 @@ PositionControlRenderer::ControllerOf<kMech>::ControllerOf(const PositionControl
       joints_(static_cast<int>(options.encoderStep.size())),
       delay_((options.delayLow + options.delayHigh + 1) / 2),
       chance_(1.0 - 1.0 / (options.delayHigh - options.delayLow + 1)),
+      acts_(std::min(options.delayHigh - options.delayLow + 1.0, 1.0 + kRepeats * std::sqrt(chance_))),
       observer_({options.period, delay_, options.drive, kPushShare, kForceCost, kModelError, chance_}) {}
 
 template <int kMech>
@@ -500,13 +502,12 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
   const double safe = std::max(0.0, (std::max(rebound, comesOut) - speed) * mass / T);
   if (options_.delayLow == options_.delayHigh) return safe;
   // Where chance says when a command acts, it may act in more than one tick, in the place of those that are under way.
-  const double acts = std::min(options_.delayHigh - options_.delayLow + 1.0, 1.0 + kRepeats * std::sqrt(chance_));
   double other = 0.0;
   for (int d = 0; d < options_.delayHigh; ++d) {
     const Lane sent = toModes(memory_.sent[d]);
     for (int k = 0; k < joints_; ++k) other += row[k] * sent[k] / a.inertia[k] * mass / options_.delayHigh;
   }
-  return std::min(safe, std::max(0.0, other + (safe - other) / acts));
+  return std::min(safe, std::max(0.0, other + (safe - other) / acts_));
 }
 
 // The share of the forces that is given: by the cap, and by the motors' limits.

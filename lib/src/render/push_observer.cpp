@@ -186,14 +186,13 @@ void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept 
                           link[k] * value[Table::kLinkAt + i][k] * value[Table::kLinkAt + j][k];
   for (int k = 0; k < kLanes; ++k) Q[at(kScale, kScale)][k] = kScaleWander * kScaleWander * data_.period;
 
-  steps<kMech>().spread(model_, command.data(), matters.data(), Q, s.part[0].x, s.P);
-  for (int p = 0; p < count; ++p) {
+  steps<kMech>().predict(model_, command.data(), matters.data(), s.scale, Q, s.part[0].x, s.P);
+  for (int p = 1; p < count; ++p) {
     Hypothesis& h = s.part[p];
     steps<kMech>().carry(model_, command.data(), matters.data(), s.scale, h.x);
-    if (p > 0) steps<kMech>().carry(model_, Lane{}.data(), Lane{}.data(), 0.0, h.g);
+    advance(Lane{}, h.g);
     h.age += 1.0;
   }
-  s.part[0].age = 0.0;
   static const double kLogEach = std::log(kJumpRate * 1e-3 / kBins), kLogNone = std::log1p(-kJumpRate * 1e-3);
   for (int b = 0; b < kBins; ++b) {
     Hypothesis& h = s.part[count + b];
@@ -238,18 +237,13 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
   const int read = kMech == 4 && data_.drive.encoderOnLink ? 2 : 0, modes = static_cast<int>(s.modes),
             count = static_cast<int>(s.count);
   double top = -1e300, sum = 0.0;
-  Pairs P;
-  std::memcpy(P, s.P, sizeof P);
-  States gain;
+  States column, gain;
   for (int p = 0; p < count; ++p) {
     Hypothesis& h = s.part[p];
     Lane e{}, expected, jumped{};
     for (int k = 0; k < kLanes; ++k) {
-      expected[k] = P[at(read, read)][k];
-      if (p > 0) {
-        jumped[k] = h.v[k] * h.g[read][k];
-        expected[k] += jumped[k] * h.g[read][k];
-      }
+      jumped[k] = h.v[k] * h.g[read][k];  // none of the first
+      expected[k] = (p == 0 ? s.P[at(read, read)][k] : column[read][k]) + jumped[k] * h.g[read][k];
       e[k] = k < modes ? reading[k] - h.x[read][k] : 0.0;
     }
     Evidence seen;
@@ -262,7 +256,7 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
     h.logWeight -= 0.5 * square + std::log(volume);
     top = std::max(top, h.logWeight);
     if (p == 0) {
-      steps<kMech>().correct(seen.variance.data(), read, s.P, gain);
+      steps<kMech>().correct(seen.variance.data(), read, s.P, column, gain);
       for (int i = 0; i < kStates; ++i)
         for (int k = 0; k < kLanes; ++k) h.x[i][k] += gain[i][k] * seen.innovation[k];
       for (int k = 0; k < kLanes; ++k) h.x[kScale][k] = std::clamp(h.x[kScale][k], -kMostScale, kMostScale);
@@ -277,7 +271,7 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
     std::memcpy(seenJump, h.g[read], sizeof seenJump);
     for (int i = 0; i < kScale; ++i)
       for (int k = 0; k < kLanes; ++k) {
-        h.x[i][k] += (P[at(i, read)][k] + jumped[k] * h.g[i][k]) * per[k];
+        h.x[i][k] += (column[i][k] + jumped[k] * h.g[i][k]) * per[k];
         h.g[i][k] -= gain[i][k] * seenJump[k];
       }
   }
@@ -344,18 +338,7 @@ void PushObserver<kMech>::merge(State& s) const noexcept {
 
 template <int kMech>
 void PushObserver<kMech>::advance(const Lane& command, States& x) const noexcept {
-  double moved[kMech][kLanes];
-  for (int i = 0; i < kMech; ++i) {
-    for (int k = 0; k < kLanes; ++k) moved[i][k] = model_.value[ModeTable<kMech>::kCommandAt + i][k] * command[k];
-    for (int j = 0; j < kMech + 3; ++j)
-      for (int k = 0; k < kLanes; ++k) moved[i][k] += model_.value[i * (kMech + 3) + j][k] * x[j][k];
-  }
-  for (int k = 0; k < kLanes; ++k) {
-    x[kLag][k] = model_.lagKept * x[kLag][k] + (1.0 - model_.lagKept) * command[k];
-    x[kPush][k] += model_.growthSum * x[kGrowth][k];
-    x[kGrowth][k] *= model_.growthKept;
-  }
-  std::memcpy(x, moved, sizeof moved);
+  steps<kMech>().carry(model_, command.data(), Lane{}.data(), 0.0, x);
 }
 
 template <int kMech>
