@@ -8,34 +8,37 @@
 namespace enamel {
 namespace {
 
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 10, 10>;
+template <int kRows, int kColumns = kRows>
+using Matrix = Eigen::Matrix<double, kRows, kColumns>;
 
 constexpr int kSubsteps = 16;  // of a tick: integrals, and the middles of the bins
 
-// e^A by scaling and squaring of its Taylor series.
-Matrix exponential(const Matrix& A) {
+// e^A by scaling and squaring of its Taylor series. lazyProduct: Eigen's product for large matrices takes ten times as
+// long with these.
+template <int kSize>
+Matrix<kSize> exponential(const Matrix<kSize>& A) {
   const double size = A.cwiseAbs().rowwise().sum().maxCoeff();
   const int squarings = std::max(0, static_cast<int>(std::ceil(std::log2(std::max(1e-9, size)))) + 2);
-  const Matrix scaled = A * std::ldexp(1.0, -squarings);
-  Matrix term = Matrix::Identity(A.rows(), A.cols()), sum = term;
+  const Matrix<kSize> scaled = A * std::ldexp(1.0, -squarings);
+  Matrix<kSize> term = Matrix<kSize>::Identity(), sum = term;
   for (int i = 1; i <= 14; ++i) {
-    term = (term * scaled / i).eval();
+    term = (term.lazyProduct(scaled) / i).eval();
     sum += term;
   }
-  for (int i = 0; i < squarings; ++i) sum = (sum * sum).eval();
+  for (int i = 0; i < squarings; ++i) sum = sum.lazyProduct(sum).eval();
   return sum;
 }
 
 // x' = A x + B [u, force on the rotor, force on the link] of a mode, with the inputs held as further states.
 template <int kMech>
-Matrix continuous(const ModeData& d, double inertia) {
+Matrix<kMech + 6> continuous(const ModeData& d, double inertia) {
   constexpr int lag = kMech, push = kMech + 1, growth = kMech + 2, inputs = kMech + 3;
-  Matrix A = Matrix::Zero(kMech + 6, kMech + 6);
-  if (kMech == 4) {
+  Matrix<kMech + 6> A = Matrix<kMech + 6>::Zero();
+  if constexpr (kMech == 4) {
     const double J = d.drive.rotorInertia, k = d.drive.stiffness, b = d.drive.damping;
     A(0, 1) = A(2, 3) = 1.0;
-    A.row(1).head(4) << -k / J, -b / J, k / J, b / J;
-    A.row(3).head(4) << k / inertia, b / inertia, -k / inertia, -b / inertia;
+    A.row(1).template head<4>() << -k / J, -b / J, k / J, b / J;
+    A.row(3).template head<4>() << k / inertia, b / inertia, -k / inertia, -b / inertia;
     A(1, lag) = A(1, inputs + 1) = 1.0 / J;
     A(3, push) = A(3, inputs + 2) = 1.0 / inertia;
   } else {
@@ -52,41 +55,43 @@ Matrix continuous(const ModeData& d, double inertia) {
 
 // Gains by the recursion of the Riccati equation. `cost`: its matrix for a neighbour, from which it has converged soon.
 // A command that acts by chance costs more, by the variance of what it does.
-template <int kMech>
-void designGains(const Matrix& a, const Matrix& b, const Matrix& H, double chance, Matrix& cost, double* gain) {
-  constexpr int n = kMech + 1, kMostSteps = 20000;
-  if (cost.rows() != n) cost = H.topLeftCorner(n, n);
+template <int n>
+void designGains(const Matrix<n>& a, const Matrix<n, 1>& b, const Matrix<n + 1>& H, double chance, Matrix<n>& cost,
+                 double* gain) {
+  constexpr int kMostSteps = 20000;
+  const Matrix<n> states = H.template topLeftCorner<n, n>();
+  const Matrix<1, n> mixed = H.template bottomLeftCorner<1, n>();
   for (int i = 0; i < kMostSteps; ++i) {
-    const Matrix Xb = cost * b, asked = Xb.transpose() * a + H.block(n, 0, 1, n),
-                 k = asked / (H(n, n) + (1.0 + chance) * (b.transpose() * Xb)(0));
-    Matrix next = H.topLeftCorner(n, n) + a.transpose() * cost * a - k.transpose() * asked;
+    const Matrix<n, 1> Xb = cost * b;
+    const Matrix<1, n> asked = Xb.transpose() * a + mixed, k = asked / (H(n, n) + (1.0 + chance) * b.dot(Xb));
+    Matrix<n> next = states + a.transpose() * cost * a - k.transpose() * asked;
     next = (0.5 * (next + next.transpose())).eval();
     const double change = (next - cost).norm();
     cost = next;
-    for (int j = 0; j < n; ++j) gain[j] = k(0, j);
+    for (int j = 0; j < n; ++j) gain[j] = k[j];
     if (change <= 1e-12 * next.norm()) return;
   }
 }
 
 template <int kMech>
-ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix& cost) {
-  constexpr int push = kMech + 1, growth = kMech + 2, inputs = kMech + 3, link = kMech - 2;
-  const Matrix A = continuous<kMech>(d, inertia), step = exponential(A * (d.period / kSubsteps)),
-               middle = exponential(A * (0.5 * d.period / kSubsteps));
+ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix<kMech + 1>& cost) {
+  constexpr int push = kMech + 1, growth = kMech + 2, inputs = kMech + 3, link = kMech - 2, kAll = kMech + 6;
+  const Matrix<kAll> middle = exponential<kAll>(continuous<kMech>(d, inertia) * (0.5 * d.period / kSubsteps)),
+                     step = middle.lazyProduct(middle);
   ModeModel<kMech> m = {};
-  Matrix power = Matrix::Identity(A.rows(), A.cols());
+  Matrix<kAll> power = Matrix<kAll>::Identity();
   // Sums over the substeps of a tick: what is left of the growth's wandering, of an onset, and the link's way.
-  Matrix wander = Matrix::Zero(kMech + 3, kMech + 3), H = Matrix::Zero(kMech + 2, kMech + 2);
+  Matrix<kMech + 3> wander = Matrix<kMech + 3>::Zero();
+  Matrix<kMech + 2> H = Matrix<kMech + 2>::Zero();
   const double perSubstep = 2.0 / kGrowthTime * d.period / kSubsteps, perBin = static_cast<double>(kBins) / kSubsteps;
   for (int i = 0; i < kSubsteps; ++i) {
-    const auto grown = power.col(growth).head(kMech + 3);
+    const Matrix<kMech + 3, 1> grown = power.col(growth).template head<kMech + 3>();
     wander += perSubstep * grown * grown.transpose();
-    const Matrix since = power * middle;
     double* onset = m.onset[kBins - 1 - i * kBins / kSubsteps];
-    for (int j = 0; j < kMech; ++j) onset[j] += perBin * since(j, push);
-    power = (power * step).eval();
-    Eigen::Matrix<double, kMech + 2, 1> way;
-    way << power.row(link).head(kMech + 1).transpose(), power(link, inputs);
+    for (int j = 0; j < kMech; ++j) onset[j] += perBin * power.row(j).dot(middle.col(push));
+    power = power.lazyProduct(step).eval();
+    Matrix<kMech + 2, 1> way;
+    way << power.row(link).template head<kMech + 1>().transpose(), power(link, inputs);
     H += way * way.transpose() / kSubsteps;
   }
   const double reaction = (d.delay + 1) * d.period, whole = inertia + (kMech == 4 ? d.drive.rotorInertia : 0.0);
@@ -103,8 +108,8 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix& cost) {
   const auto place = [](int i) { return i < kMech ? i : i + 1; };  // the lag does not wander
   for (int i = 0, n = 0; i < kMech + 2; ++i)
     for (int j = 0; j <= i; ++j) m.wander[n++] = wander(place(i), place(j));
-  const Matrix a = power.topLeftCorner(kMech + 1, kMech + 1), b = power.block(0, inputs, kMech + 1, 1);
-  designGains<kMech>(a, b, H, d.chance, cost, m.gain);
+  designGains<kMech + 1>(power.template topLeftCorner<kMech + 1, kMech + 1>(),
+                         power.col(inputs).template head<kMech + 1>(), H, d.chance, cost, m.gain);
   return m;
 }
 
@@ -117,7 +122,7 @@ double lagOf(const Drive& drive) noexcept { return 2.0 * M_PI * (drive.bandwidth
 
 template <int kMech>
 ModeTable<kMech>::ModeTable(const ModeData& data) {
-  Matrix cost;
+  Matrix<kMech + 1> cost = Matrix<kMech + 1>::Zero();
   entries_.reserve(kEntries);
   for (int i = 0; i < kEntries; ++i) entries_.push_back(modelAt<kMech>(data, std::exp(kLowest + i * kStep), cost));
 }
