@@ -187,6 +187,7 @@ void Experiment::endTestPush(FirstImpactVerdict verdict, Status status) noexcept
   Kinematics inertia = loop_.device().kinematics();
   if (plant_->reach(push_.start, Vec6::Zero(), true, inertia) == Status::ok)
     test.limit = stiffnessLimit(inertia, plant_->limits().effort, push_.hand.normal, settings_.delay).stiffness;
+  if (impact_.deepest() > 0.0) test.depthStiffness = kTestForce / impact_.deepest();
   if (verdict == FirstImpactVerdict::measured) {
     test.stiffness = impact_.stiffness();
     test.depth = impact_.depth();

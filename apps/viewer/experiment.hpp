@@ -36,6 +36,7 @@ struct TestPush {
   double amount = 0.0;  ///< half the force's range where it is unstable, N; path across the wall where it slipped, m
   Settings settings;    ///< that it was made with
   double limit = 0.0;   ///< stiffnessLimit() then, N/m
+  double depthStiffness = 0.0;  ///< K_d, N/m; 0: the tool did not go deeper
   // Where it is `measured`:
   double stiffness = 0.0;  ///< K_z1, N/m
   double depth = 0.0;      ///< D_z1, m

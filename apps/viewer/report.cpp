@@ -37,6 +37,7 @@ nlohmann::ordered_json testPushes(const Viewer& viewer) {
     const bool measured = test.verdict == FirstImpactVerdict::measured;
     json["D_z1 [m]"] = measured ? nlohmann::ordered_json(test.depth) : nullptr;
     json["K_z1 [N/m]"] = measured ? nlohmann::ordered_json(test.stiffness) : nullptr;
+    json["K_d [N/m]"] = test.depthStiffness > 0.0 ? nlohmann::ordered_json(test.depthStiffness) : nullptr;
     list.push_back(std::move(json));
   }
   return list;

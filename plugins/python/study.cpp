@@ -116,6 +116,8 @@ py::list wallsOf(const Study& study) {
     wall["renderer"] = study.plan.columns[w.column].name;
     wall["lowest K_z1"] = value(w.lowestFirst);
     wall["highest K_z1"] = value(w.highestFirst);
+    wall["lowest K_d"] = value(w.lowestDepthStiffness);
+    wall["mean K_d"] = w.depthStiffness.mean;
     wall["lowest K_zs"] = value(w.lowestSteady);
     wall["highest K_zs"] = value(w.highestSteady);
     wall["lowest |C_zs|"] = value(w.lowestCompliance);

@@ -54,7 +54,25 @@ TEST_CASE("the deepest point lies between ticks, and counts from the rest; the f
     CHECK(impact.force() == Approx(kForce));
     CHECK(impact.preload() == Approx(kPreload));
     CHECK(impact.stiffness() == Approx(kForce / exact).epsilon(1e-3));
+    CHECK(impact.deepest() == impact.depth());
   }
+}
+
+TEST_CASE("the deepest point counts for a tenth of a second, also where nothing returns", "[first_impact]") {
+  const auto sinking = [](double time) {
+    return ImpactTick{kRest - 0.02 * time, -0.02, kPreload + kForce, 0.0, false};
+  };
+  CHECK(watch(sinking, 50).deepest() == Approx(0.02 * 0.049));
+  CHECK(watch(sinking, 400).deepest() == Approx(0.02 * 0.1));
+  CHECK(watch(sinking, 400).verdict() == FirstImpactVerdict::noReturn);
+  // Turns at 12.5 and 62.5 ms: the second, deeper one is in; a third one at 112.5 ms is not.
+  const auto deeper = [](double time) {
+    const double w = 2.0 * M_PI / 0.05, size = 1e-3 * (1.0 + 10.0 * time), c = 1e-3 * 10.0;
+    return ImpactTick{kRest - size * std::sin(w * time), -c * std::sin(w * time) - size * w * std::cos(w * time),
+                      kPreload + kForce, 0.0, false};
+  };
+  CHECK(watch(deeper, 400).deepest() == Approx(1.625e-3).epsilon(2e-3));
+  CHECK(watch([](double) { return ImpactTick{0.0, 0.0, kPreload + kForce, 0.0, false}; }, 400).deepest() == 0.0);
 }
 
 TEST_CASE("a law that turns within two ticks is as deep as it was between them", "[first_impact]") {

@@ -283,7 +283,8 @@ TEST_CASE("metrics of a hand-made record", "[push]") {
   for (const Metric& metric : allMetrics()) CHECK(valueOf(m, metric).has_value());
   CHECK(keyOf(allMetrics()[1]) == "K_z1 [N/m]");
   CHECK(*valueOf(m, allMetrics()[1]) == *m.firstStiffness);
-  CHECK(*valueOf(m, allMetrics()[11]) == m.drift);
+  CHECK(*valueOf(m, allMetrics()[12]) == m.drift);
+  CHECK(*m.depthStiffness == Approx(10.0 / *m.firstDepth));
 }
 
 TEST_CASE("a push without a first impact stiffness says why", "[push]") {

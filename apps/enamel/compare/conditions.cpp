@@ -34,16 +34,18 @@ std::vector<std::string> wallTasksOf(const std::vector<std::string>& tasks) {
 
 std::string comparisonTable(const std::vector<Condition>& conditions) {
   std::string text =
-      "plant,delay,renderer,runs,lost,K_z1 [N/m],deviation K_z1 [N/m],runs with K_z1,depth [m],"
+      "plant,delay,renderer,runs,lost,K_z1 [N/m],deviation K_z1 [N/m],runs with K_z1,K_d [N/m],deviation K_d "
+      "[N/m],depth [m],"
       "deviation depth [m],chatter [N m],drag [%],pull [N],energy [J],share,rank\n";
   for (const Condition& c : conditions)
     for (std::size_t i = 0; i < c.scores.size(); ++i) {
       const RendererScore& s = c.scores[i];
-      const Spread k = spreadOf(s.stiffness), d = spreadOf(s.depth);
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", c.plant, c.delay,
+      const Spread k = spreadOf(s.stiffness), d = spreadOf(s.depth), deep = spreadOf(s.depthStiffness);
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", c.plant, c.delay,
                           c.study.plan.columns[i].name, s.runs, s.lost, cell(k.mean), cell(k.deviation), k.count,
-                          cell(d.mean), cell(d.deviation), cell(s.chatter), cell(s.figure("slide", "tangential force")),
-                          cell(s.figure("release", "pull")), cell(s.energy), cell(s.share), cell(s.rank));
+                          cell(deep.mean), cell(deep.deviation), cell(d.mean), cell(d.deviation), cell(s.chatter),
+                          cell(s.figure("slide", "tangential force")), cell(s.figure("release", "pull")),
+                          cell(s.energy), cell(s.share), cell(s.rank));
     }
   return text;
 }

@@ -40,13 +40,14 @@ void addRanks(Page& page, const std::vector<const Condition*>& conditions) {
 }
 
 void addFeel(Page& page, const Condition& condition) {
-  std::vector<std::string> head{delayText(condition.delay), "K_z1, N/m"};
+  std::vector<std::string> head{delayText(condition.delay), "K_z1, N/m", "K_d, N/m"};
   for (const ComparisonCriterion& c : comparisonCriteria()) head.push_back(fmt::format("{}, {}", c.name, c.unit));
   head.insert(head.end(), {"impact 0.2 m/s: bounce, µm", "corner: depth, µm", "lost"});
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < condition.scores.size(); ++i) {
     const RendererScore& s = condition.scores[i];
-    std::vector<std::string> row{condition.title(i), meanText(spreadOf(s.stiffness))};
+    std::vector<std::string> row{condition.title(i), meanText(spreadOf(s.stiffness)),
+                                 meanText(spreadOf(s.depthStiffness))};
     for (const ComparisonCriterion& c : comparisonCriteria()) row.push_back(scoreText(c.scale * c.value(s)));
     row.push_back(scoreText(s.figure("impact 0.2 m/s", "bounce")));
     row.push_back(scoreText(s.figure("corner", "depth")));

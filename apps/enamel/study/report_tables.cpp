@@ -120,6 +120,7 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
             const double u = uniformityOf(findings.survey[w.column]);
             return std::isfinite(u) ? percent(u) : std::string("–");
           });
+      mean(&PushMetrics::depthStiffness, "force over the deepest point in the 0.1 s after the step", true);
       mean(&PushMetrics::limitShare, "", true);
       row("runs without K_z1", "", [](const WallSummary& w) {
         const std::string without = withoutFirstText(w);

@@ -81,6 +81,9 @@ void addTerms(Page& page, const Study& study) {
         "D_z1 is the deepest point of the continuous motion, between ticks too, up to its first return, from the mean "
         "depth in the 0.1 s before the step; the stiffness K_z1 is the force then over D_z1. A push that rings, slips "
         "or never returns has none.");
+    terms.emplace_back("Depth stiffness: K_d",
+                       "the force of the step over the deepest point of the continuous motion in the 0.1 s after it, "
+                       "from the same mean depth. Every push has one, also one that slips or rings.");
     terms.emplace_back(
         "Share of the limit",
         "K_z1 over the largest that physics allows without a force sensor, for the push's force, preload and largest "

@@ -232,16 +232,20 @@ void printSummary(const Study& study, const std::vector<WallSummary>& walls, con
   fmt::print("{}: {} query points x {} runs x {} scenarios, preload {} N, delay {}, encoders {}, seed {}\n",
              nameOf(study.device), study.plan.points(), study.plan.runs, study.plan.scenarios.size(),
              study.options.preload, study.options.delay, study.options.encoders ? "on" : "off", study.plan.setup.seed);
-  constexpr const char* kRow = "{:<9}{:<28}{:>9}{:>13}{:>13}{:>8}{:>13}{:>13}{:>11}{:>9}{:>9}{:>9}{:>9}{}\n";
-  fmt::print(kRow, "scenario", "renderer", "damping", "lowest K_z1", "highest", "limit", "lowest K_zs", "highest",
-             "unresolved", "depth", "bounce", "chatter", "drift", "");
-  fmt::print(kRow, "", "", "N s/m*", "N/m", "N/m", "%**", "N/m", "N/m", "points", "mm", "mm", "N m", "mm", "");
+  constexpr const char* kRow =
+      "{:<9}{:<28}{:>9}{:>13}{:>13}{:>12}{:>12}{:>8}{:>13}{:>13}{:>11}{:>9}{:>9}{:>9}{:>9}{}\n";
+  fmt::print(kRow, "scenario", "renderer", "damping", "lowest K_z1", "highest", "lowest K_d", "mean K_d", "limit",
+             "lowest K_zs", "highest", "unresolved", "depth", "bounce", "chatter", "drift", "");
+  fmt::print(kRow, "", "", "N s/m*", "N/m", "N/m", "N/m", "N/m", "%**", "N/m", "N/m", "points", "mm", "mm", "N m", "mm",
+             "");
   const auto value = [](const std::optional<Extreme>& e) { return e ? fmt::format("{:.5g}", e->value) : "-"; };
   for (const WallSummary& w : walls) {
     const std::string without = withoutFirstText(w);
     const auto largest = [any = anyFinished(study, w)](double v) { return any ? fmt::format("{:.3f}", v) : "-"; };
     fmt::print(kRow, w.scenario, study.plan.columns[w.column].name,
                fmt::format("{:.3g}", study.labels[w.column].damping), value(w.lowestFirst), value(w.highestFirst),
+               value(w.lowestDepthStiffness),
+               w.depthStiffness.count > 0 ? fmt::format("{:.5g}", w.depthStiffness.mean) : "-",
                w.lowestShare ? fmt::format("{:.1f}", 100.0 * w.lowestShare->value) : "-", value(w.lowestSteady),
                value(w.highestSteady), w.unresolved, largest(1e3 * w.largestDepth), largest(1e3 * w.bounce),
                largest(w.chatter), largest(1e3 * w.drift),

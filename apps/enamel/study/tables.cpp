@@ -65,6 +65,8 @@ std::string summaryOf(const Study& study, const std::vector<WallSummary>& walls,
     json["plant's damping along z [N s/m]"] = study.labels[w.column].damping;
     json["lowest " + keyOf(&PushMetrics::firstStiffness)] = extreme(w.lowestFirst);
     json["highest " + keyOf(&PushMetrics::firstStiffness)] = extreme(w.highestFirst);
+    json["lowest " + keyOf(&PushMetrics::depthStiffness)] = extreme(w.lowestDepthStiffness);
+    json["mean " + keyOf(&PushMetrics::depthStiffness)] = numberOrNull(w.depthStiffness.mean);
     json["lowest mean " + keyOf(&PushMetrics::limitShare)] = extreme(w.lowestShare);
     json["lowest K_zs [N/m]"] = extreme(w.lowestSteady);
     json["highest K_zs [N/m]"] = extreme(w.highestSteady);

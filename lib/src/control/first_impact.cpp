@@ -9,7 +9,7 @@ namespace {
 constexpr double kSettling = 0.5, kJudged = 0.25;   // s after the onset that do not count, and that at least must
 constexpr double kRinging = 0.25, kReturned = 0.1;  // of D_z1
 constexpr double kBlock = 0.125;                    // s
-constexpr double kGrows = 10.0, kChatters = 0.25;    // of the first block's deviation, of a motor's limit
+constexpr double kGrows = 10.0, kChatters = 0.25;   // of the first block's deviation, of a motor's limit
 
 std::uint64_t ticksIn(double time, double period) noexcept {
   return static_cast<std::uint64_t>(std::llround(time / period));
@@ -17,14 +17,19 @@ std::uint64_t ticksIn(double time, double period) noexcept {
 
 }  // namespace
 
-bool FirstImpact::add(double gap, double rate, double nextGap, double nextRate, double period) noexcept {
-  if (returned_ || !(rate < 0.0 && nextRate >= 0.0)) return false;
+double lowestGap(double gap, double rate, double nextGap, double nextRate, double period) noexcept {
+  if (!(rate < 0.0 && nextRate >= 0.0)) return std::fmin(gap, nextGap);
   // The cubic's slope on s in [0, 1] is a s^2 + b s + c: negative at 0, not negative at 1, one root between.
   const double before = rate * period, after = nextRate * period, way = nextGap - gap;
   const double a = 3.0 * (before + after) - 6.0 * way, b = 6.0 * way - 4.0 * before - 2.0 * after, c = before;
   const double root = std::sqrt(std::fmax(0.0, b * b - 4.0 * a * c));
   const double s = b >= 0.0 ? -2.0 * c / (b + root) : (root - b) / (2.0 * a);
-  const double lowest = gap + s * (c + s * (0.5 * b + s * a / 3.0));
+  return gap + s * (c + s * (0.5 * b + s * a / 3.0));
+}
+
+bool FirstImpact::add(double gap, double rate, double nextGap, double nextRate, double period) noexcept {
+  if (returned_ || !(rate < 0.0 && nextRate >= 0.0)) return false;
+  const double lowest = lowestGap(gap, rate, nextGap, nextRate, period);
   if (!(lowest < rest_)) return false;
   depth_ = rest_ - lowest;
   returned_ = true;
@@ -56,6 +61,8 @@ void ImpactMonitor::push(const ImpactTick& tick) noexcept {
     unrest_ = std::fmax(0.0, rest_ - std::fmin(lowestAtRest_, tick.gap));
   }
   bounce_ = std::fmax(bounce_, tick.gap - rest_);
+  if (ticks_ > 0 && ticks_ <= ticksIn(kDepthWindow, period_))
+    deepest_ = std::fmax(deepest_, rest_ - lowestGap(last_.gap, last_.rate, tick.gap, tick.rate, period_));
   FirstImpact turn(rest_);
   if (ticks_ > 0 && !over_ && turn.add(last_.gap, last_.rate, tick.gap, tick.rate, period_) &&
       turn.depth() > std::fmax(depth_, unrest_)) {

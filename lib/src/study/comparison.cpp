@@ -68,6 +68,7 @@ std::vector<RendererScore> scoresOf(const StudyPlan& plan, const std::vector<Stu
     energy[run.run.column].push_back(std::max(0.0, run.metrics.work));
     score.depth.push_back(run.metrics.largestDepth);
     score.share += run.metrics.limitShare.value_or(0.0);
+    if (run.metrics.depthStiffness) score.depthStiffness.push_back(*run.metrics.depthStiffness);
     if (run.metrics.firstStiffness) score.stiffness.push_back(*run.metrics.firstStiffness);
   }
   for (std::size_t c = 0; c < scores.size(); ++c) {

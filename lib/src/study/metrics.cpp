@@ -13,6 +13,7 @@ const std::array<Metric, kMetrics>& allMetrics() noexcept {
   static const std::array<Metric, kMetrics> metrics = {{
       {"D_z1", "first impact depth", "m", "mm", 1e3, &M::firstDepth},
       {"K_z1", "first impact stiffness", "N/m", "kN/m", 1e-3, &M::firstStiffness},
+      {"K_d", "depth stiffness", "N/m", "kN/m", 1e-3, &M::depthStiffness},
       {"D_zs", "steady depth (signed mean)", "m", "mm", 1e3, &M::steadyDepth},
       {"C_zs", "steady compliance", "m/N", "mm/N", 1e3, &M::steadyCompliance},
       {"rms depth", "", "m", "mm", 1e3, &M::rmsDepth},
@@ -125,6 +126,7 @@ PushMetrics MetricsCollector::metrics() const {
   if (ticks_ > 0) m.saturatedShare = static_cast<double>(saturated_) / static_cast<double>(ticks_);
 
   m.bounce = impact_.bounce();
+  if (setup_.hand.scenario == 1 && impact_.deepest() > 0.0) m.depthStiffness = setup_.hand.force / impact_.deepest();
   m.verdict = setup_.hand.scenario == 1 ? impact_.verdict() : FirstImpactVerdict::noStep;
   if (stopped_ || impact_.unstable()) m.verdict = FirstImpactVerdict::unstable;
   if (m.verdict == FirstImpactVerdict::measured) {

@@ -192,10 +192,12 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
     w.scenario = points[first].scenario;
     w.column = points[first].column;
     std::optional<Extreme> overRms, over95;
-    std::vector<double> steady;
+    std::vector<double> steady, depthStiffness;
     for (std::size_t i = first; i < first + plan.points(); ++i) {
       const PointStatistics& p = points[i];
       lower(w.lowestFirst, p.of(&PushMetrics::firstStiffness).mean, p.point);
+      lower(w.lowestDepthStiffness, p.of(&PushMetrics::depthStiffness).mean, p.point);
+      if (const double k = p.of(&PushMetrics::depthStiffness).mean; std::isfinite(k)) depthStiffness.push_back(k);
       lower(w.lowestShare, p.of(&PushMetrics::limitShare).mean, p.point);
       higher(w.highestFirst, p.of(&PushMetrics::firstStiffness).mean, p.point);
       if (p.steadyStiffness) {
@@ -223,6 +225,7 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
     w.lowestOverRms = overRms ? overRms->value : kNone;
     w.lowestOver95 = over95 ? over95->value : kNone;
     w.steady = spreadOf(steady);
+    w.depthStiffness = spreadOf(depthStiffness);
     summaries.push_back(w);
   }
   return summaries;

@@ -8,6 +8,9 @@
 
 namespace enamel {
 
+/// Lowest gap between two ticks, m: of the cubic that the values and rates (m/s) at both ends determine. Realtime: yes.
+double lowestGap(double gap, double rate, double nextGap, double nextRate, double period) noexcept;
+
 /// Watches the gap along the wall's normal from one tick to the next, from the onset of a push on. Between ticks the
 /// gap is the cubic that its values and rates at both ends determine (Hermite): under torques that are held over a tick
 /// its error is of fourth order in the period.
@@ -65,6 +68,8 @@ class ImpactMonitor {
  public:
   /// How long the rest should be watched before the step, s.
   static constexpr double kRestWindow = 0.1;
+  /// How long after the step deepest() looks, s.
+  static constexpr double kDepthWindow = 0.1;
 
   /// `period` of the ticks, s.
   explicit ImpactMonitor(double period) noexcept : period_(period) {}
@@ -86,6 +91,10 @@ class ImpactMonitor {
   double force() const noexcept { return force_; }
   double stiffness() const noexcept { return force_ / depth_; }
   double preload() const noexcept { return restTicks_ > 0 ? restForce_ / restTicks_ : 0.0; }
+
+  /// The deepest point of the continuous motion within kDepthWindow after the onset, from the rest, m. Every push has
+  /// one, also where the verdict is not `measured`. Realtime: yes.
+  double deepest() const noexcept { return deepest_; }
 
   /// Largest gap above the rest at a tick of the push, m; 0 where the tool never rose above it. Realtime: yes.
   double bounce() const noexcept { return bounce_; }
@@ -111,7 +120,7 @@ class ImpactMonitor {
   double rest_ = 0.0, unrest_ = 0.0;  // gap at rest and how far below it the rest went, m
   ImpactTick last_;
   double depth_ = 0.0, force_ = 0.0;  // at the deepest turn so far; 0: none
-  double bounce_ = 0.0;
+  double deepest_ = 0.0, bounce_ = 0.0;
   bool slipped_ = false, over_ = false;
   std::uint64_t ticks_ = 0;                   // of the push
   double lateSum_ = 0.0, lateSquares_ = 0.0;  // of the depth, from 0.5 s after the onset on

@@ -16,6 +16,7 @@ struct RendererScore {
   int runs = 0, lost = 0;                ///< of all scenarios; lost: left the workspace, stopped by the guard, unstable
   std::vector<double> stiffness, depth;  ///< K_z1 of the runs that have one, N/m; largest penetration of each run, m
   std::vector<double> depthOfHand;       ///< the same of scenario 2
+  std::vector<double> depthStiffness;    ///< K_d of the runs of scenario 1, N/m
   double share = 0.0;                    ///< of the limit, mean; a run without K_z1 counts as 0
   double chatter = std::numeric_limits<double>::quiet_NaN();  ///< mean over all scenarios, N m or N
   double energy = std::numeric_limits<double>::quiet_NaN();   ///< given to the tool, mean, J

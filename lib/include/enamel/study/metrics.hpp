@@ -21,18 +21,21 @@ struct PushMetrics {
   std::optional<double> firstDepth;      ///< D_z1, m
   std::optional<double> firstStiffness;  ///< K_z1 = F_1(t_z1) / D_z1, N/m
   std::optional<double> limitShare;      ///< K_z1 over largestStiffness(), where that was given
-  double steadyDepth = 0.0;              ///< D_zs, signed mean, m
-  double steadyCompliance = 0.0;         ///< C_zs = D_zs / F_c, m/N
-  double rmsDepth = 0.0;                 ///< of the steady state, m
-  double depth95 = 0.0;                  ///< 95th percentile of |depth| of the steady state, m
-  double largestDepth = 0.0;             ///< of the whole run, m
-  double chatter = 0.0;          ///< largest over the joints of the torque's standard deviation, last second, N m or N
-  double saturatedShare = 0.0;   ///< of all ticks
-  double tangentialForce = 0.0;  ///< rms of the rendered force across the normal in the steady state, N
-  double work = 0.0;             ///< of the rendered wrench on the tool, J
-  double drift = 0.0;            ///< largest displacement across the normal from the start, m
-  double bounce = 0.0;           ///< largest gap above the rest from the onset of the push on, m
-  std::uint64_t faults = 0;      ///< ticks on which the renderer answered anything but ok
+  /// K_d, N/m: the push's force over the deepest point within 0.1 s after the step (ImpactMonitor::deepest()). Every
+  /// run of scenario 1 has one, also where the tool slips or rings.
+  std::optional<double> depthStiffness;
+  double steadyDepth = 0.0;       ///< D_zs, signed mean, m
+  double steadyCompliance = 0.0;  ///< C_zs = D_zs / F_c, m/N
+  double rmsDepth = 0.0;          ///< of the steady state, m
+  double depth95 = 0.0;           ///< 95th percentile of |depth| of the steady state, m
+  double largestDepth = 0.0;      ///< of the whole run, m
+  double chatter = 0.0;           ///< largest over the joints of the torque's standard deviation, last second, N m or N
+  double saturatedShare = 0.0;    ///< of all ticks
+  double tangentialForce = 0.0;   ///< rms of the rendered force across the normal in the steady state, N
+  double work = 0.0;              ///< of the rendered wrench on the tool, J
+  double drift = 0.0;             ///< largest displacement across the normal from the start, m
+  double bounce = 0.0;            ///< largest gap above the rest from the onset of the push on, m
+  std::uint64_t faults = 0;       ///< ticks on which the renderer answered anything but ok
 };
 
 /// A metric as tables, files and pictures name it. In files: "symbol [unit]".
@@ -45,7 +48,7 @@ struct Metric {
   std::variant<double PushMetrics::*, std::optional<double> PushMetrics::*> member;
 };
 using MetricMember = decltype(Metric::member);
-inline constexpr std::size_t kMetrics = 14;
+inline constexpr std::size_t kMetrics = 15;
 
 /// All of them, in the order of files and tables.
 const std::array<Metric, kMetrics>& allMetrics() noexcept;

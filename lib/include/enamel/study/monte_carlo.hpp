@@ -129,6 +129,8 @@ struct WallSummary {
   int scenario = 1;
   std::size_t column = 0;
   std::optional<Extreme> lowestFirst, highestFirst;                   ///< K_z1, N/m
+  std::optional<Extreme> lowestDepthStiffness;                        ///< K_d, N/m
+  Spread depthStiffness;                                              ///< K_d over the points
   std::optional<Extreme> lowestShare;                                 ///< K_z1 over what physics allows
   std::optional<Extreme> lowestSteady, highestSteady;                 ///< K_zs, N/m, of the points that are resolved
   std::optional<Extreme> lowestCompliance, highestCompliance;         ///< |mean C_zs|, m/N
