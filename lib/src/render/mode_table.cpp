@@ -2,8 +2,11 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <mutex>
+#include <utility>
 
 namespace enamel {
 namespace {
@@ -140,7 +143,32 @@ void ModeTable<kMech>::read(double logInertia, int lane, double (*value)[kLanes]
   for (int n = 0; n < kSlopes; ++n) slope[n][lane] = (b[n] - a[n]) / kStep;
 }
 
+template <int kMech>
+std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data) {
+  constexpr std::size_t kKept = 8;
+  using Key = std::array<double, 9>;  // all that a table depends on
+  static std::mutex mutex;
+  static std::vector<std::pair<Key, std::shared_ptr<const ModeTable<kMech>>>> kept;  // the last used is the last
+  const Drive& drive = data.drive;
+  const Key key = {data.period,     static_cast<double>(data.delay),
+                   drive.bandwidth, drive.rotorInertia,
+                   drive.stiffness, drive.damping,
+                   data.pushShare,  data.forceCost,
+                   data.chance};
+  const std::lock_guard lock(mutex);
+  const auto found = std::find_if(kept.begin(), kept.end(), [&](const auto& entry) { return entry.first == key; });
+  if (found != kept.end()) {
+    std::rotate(found, found + 1, kept.end());
+  } else {
+    if (kept.size() == kKept) kept.erase(kept.begin());
+    kept.emplace_back(key, std::make_shared<const ModeTable<kMech>>(data));
+  }
+  return kept.back().second;
+}
+
 template class ModeTable<2>;
 template class ModeTable<4>;
+template std::shared_ptr<const ModeTable<2>> modeTableOf<2>(const ModeData& data);
+template std::shared_ptr<const ModeTable<4>> modeTableOf<4>(const ModeData& data);
 
 }  // namespace enamel

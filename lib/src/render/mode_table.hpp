@@ -9,6 +9,7 @@
 // hand that no controller avoids at this delay, F the largest force.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "enamel/device/mechanism.hpp"
@@ -64,5 +65,9 @@ class ModeTable {
  private:
   std::vector<ModeModel<kMech>> entries_;
 };
+
+/// The table of these data. Renderers of the same data share one: the last few are kept. From any thread. Realtime: no.
+template <int kMech>
+std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data);
 
 }  // namespace enamel

@@ -39,7 +39,7 @@ const ObserverSteps<kMech>& steps() noexcept {
 }  // namespace
 
 template <int kMech>
-PushObserver<kMech>::PushObserver(const ModeData& data) : data_(data), table_(data), model_{} {
+PushObserver<kMech>::PushObserver(const ModeData& data) : data_(data), table_(modeTableOf<kMech>(data)), model_{} {
   (void)steps<kMech>();  // looks at the processor here, not in a tick
   model_.lagKept = std::exp(-lagOf(data.drive) * data.period);
   model_.growthKept = std::exp(-data.period / kGrowthTime);
@@ -122,14 +122,14 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
       }
       for (int j = 0; j <= i; ++j) s.P[at(i, j)][k] *= grows(i) * grows(j);
     }
-    table_.read(std::log(wanted), k, model_.value, model_.slope);
+    table_->read(std::log(wanted), k, model_.value, model_.slope);
   }
 }
 
 template <int kMech>
 void PushObserver<kMech>::reload(const State& s) noexcept {
   for (int k = 0; k < std::min(static_cast<int>(s.modes), kLanes); ++k)
-    if (s.used[k] > 0.0) table_.read(std::log(s.used[k]), k, model_.value, model_.slope);
+    if (s.used[k] > 0.0) table_->read(std::log(s.used[k]), k, model_.value, model_.slope);
 }
 
 template <int kMech>

@@ -98,7 +98,7 @@ class PushObserver {
 
  private:
   ModeData data_;
-  ModeTable<kMech> table_;
+  std::shared_ptr<const ModeTable<kMech>> table_;
   Model model_;
 };
 
