@@ -99,6 +99,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   // The modes when the command acts.
   struct Ahead {
     States x, next;        // then, and a tick later without a force
+    States bends;          // how `next` changes with ln(mass), by what acts from now on
     Lane now;              // measured
     Lane stiffness, lead;  // of the controller; seconds of speed that it looks ahead
     Lane inertia;          // of link and rotor
@@ -306,7 +307,13 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   const typename Observer::State& s = memory_.observer;
   const double T = options_.period;
   std::memcpy(a.x, s.mean, sizeof a.x);
-  for (int d = delay_ - 1; d >= 0; --d) observer_.advance(toModes(memory_.sent[d]), a.x);
+  std::memset(a.bends, 0, sizeof a.bends);
+  for (int d = delay_ - 1; d >= 0; --d) {
+    const Lane command = toModes(memory_.sent[d]);
+    observer_.advanceSensitivity(command, a.x, a.bends);
+    observer_.advance(command, a.x);
+  }
+  observer_.advanceSensitivity(Lane{}, a.x, a.bends);
   std::memcpy(a.next, a.x, sizeof a.next);
   observer_.advance(Lane{}, a.next);
   JointRow reading{};
@@ -491,15 +498,30 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
     if (kMech == 4) outward[1][k] = row[k] * rotor;
     outward[kLink + 1][k] = row[k] * (1.0 - rotor);
   }
+  // What is not known of the mass changes the speed by as much as the net force does until then.
+  double bends = 0.0, bendsMore = 0.0;
+  for (int i = 0; i < kMech; ++i)
+    for (int k = 0; k < joints_; ++k) {
+      bends += outward[i][k] * a.bends[i][k];
+      bendsMore -= outward[i][k] * observer_.commandSensitivity(i)[k] * row[k];
+    }
   for (int d = 0; d <= delay_; ++d) observer_.pullBack(outward);
   const auto force = observer_.moments(memory_.observer, push),
              uncertain = observer_.moments(memory_.observer, outward);
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
-  const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass) * sure / mass) -
-                         kSpeedDeviations * uncertain.deviation,
+  const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass) * sure / mass),
                comesOut = std::min(depth / kGrowthTime, memory_.step * (delay_ + 1) * T / mass);
-  const double safe = std::max(0.0, (std::max(rebound, comesOut) - speed) * mass / T);
+  // Largest change of speed z by this command for which speed + z and its deviations stay below a limit. The deviations
+  // are those of the speed now, and what is not known of the mass times (bends - h z).
+  const double h = bendsMore * mass / T, kappa = kSpeedDeviations * std::sqrt(memory_.observer.scaleVariance);
+  const auto change = [&](double limit, double deviation) {
+    const double most = limit - speed, own = kSpeedDeviations * deviation, left = 1.0 - kappa * kappa * h * h;
+    return (most - kappa * kappa * h * bends -
+            std::sqrt(kappa * kappa * (h * most - bends) * (h * most - bends) + left * own * own)) /
+           left;
+  };
+  const double safe = std::max({0.0, change(rebound, uncertain.deviation), change(comesOut, 0.0)}) * mass / T;
   if (options_.delayLow == options_.delayHigh) return safe;
   // Where chance says when a command acts, it may act in more than one tick, in the place of those that are under way.
   double other = 0.0;

@@ -319,9 +319,10 @@ void PushObserver<kMech>::merge(State& s) const noexcept {
     for (int i = 0; i < kStates; ++i)
       for (int k = 0; k < kLanes; ++k) s.mean[i][k] += s.weight[p] * s.part[p].x[i][k];
   }
-  // One mass for all modes, by what each knows of it beyond the prior.
+  // One mass for all modes, by what each knows of it beyond the prior. What they do not know is mostly the one force of
+  // the hand, so they are no independent witnesses: their information is averaged (Julier and Uhlmann 1997).
   constexpr double kPrior = 1.0 / (kScalePrior * kScalePrior);
-  double information = kPrior, weighted = 0.0;
+  double sum = 0.0, squares = 0.0, weighted = 0.0;
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     double variance = 0.0;
     for (int p = 0; p < kept; ++p) {
@@ -329,16 +330,28 @@ void PushObserver<kMech>::merge(State& s) const noexcept {
       variance += s.weight[p] * (s.P[at(kScale, kScale)][k] + e * e);
     }
     const double gained = std::max(0.0, 1.0 / variance - kPrior);
-    information += gained;
+    sum += gained;
+    squares += gained * gained;
     weighted += gained * s.mean[kScale][k];
   }
-  s.scale = std::clamp(weighted / information, -kMostScale, kMostScale);
-  s.scaleVariance = 1.0 / information;
+  const double gained = sum > 0.0 ? squares / sum : 0.0;
+  s.scaleVariance = 1.0 / (kPrior + gained);
+  s.scale = sum > 0.0 ? std::clamp(weighted / sum * gained * s.scaleVariance, -kMostScale, kMostScale) : 0.0;
 }
 
 template <int kMech>
 void PushObserver<kMech>::advance(const Lane& command, States& x) const noexcept {
   steps<kMech>().carry(model_, command.data(), Lane{}.data(), 0.0, x);
+}
+
+template <int kMech>
+void PushObserver<kMech>::advanceSensitivity(const Lane& command, const States& x, States& d) const noexcept {
+  advance(Lane{}, d);
+  for (int i = 0; i < kMech; ++i) {
+    for (int k = 0; k < kLanes; ++k) d[i][k] += commandSensitivity(i)[k] * command[k];
+    for (int j = 0; j < kMech + 3; ++j)
+      for (int k = 0; k < kLanes; ++k) d[i][k] += model_.slope[i * (kMech + 3) + j][k] * x[j][k];
+  }
 }
 
 template <int kMech>

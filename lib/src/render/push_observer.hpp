@@ -89,6 +89,12 @@ class PushObserver {
 
   /// States a tick later under a command, at the mean scale.
   void advance(const Lane& command, States& x) const noexcept;
+  /// The same, of how states x change with ln(mass), push and all: `d`, then a tick later. Before advance(command, x).
+  void advanceSensitivity(const Lane& command, const States& x, States& d) const noexcept;
+  /// How mechanical state i changes with ln(mass) by a unit command, a tick later.
+  const double (&commandSensitivity(int i) const noexcept)[kLanes] {
+    return model_.slope[ModeTable<kMech>::kCommandAt + i];
+  }
   /// A linear function of the states a tick later, as one of the states now.
   void pullBack(States& row) const noexcept;
   /// Mean and deviation of a linear function of the states.
