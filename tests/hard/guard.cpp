@@ -4,7 +4,10 @@
 #include <iostream>
 
 #include "enamel/control/device_plant.hpp"
+#include "enamel/device/device_file.hpp"
+#include "enamel/render/position_control.hpp"
 #include "enamel/sim/hand.hpp"
+#include "enamel/sim/imperfect_plant.hpp"
 #include "enamel/study/monte_carlo.hpp"
 #include "support/catch.hpp"
 #include "support/garbage.hpp"
@@ -114,6 +117,35 @@ TEST_CASE("walls that are known to be bad are stopped by their energy", "[hard]"
       CHECK(motion - given < options.energy + 0.03);
       CHECK((way < 2e-3 || motion - given < 0.05));
     }
+}
+
+// Cables of 300 N m/rad: one tick of the largest torque turns a rotor with 24 mJ, of which little reaches the tool.
+TEST_CASE("behind soft cables position control is left alone, and a spring that gives energy is stopped", "[hard]") {
+  DeviceParameters file = loadDevice(test::deviceFile("tau-detailed.toml"));
+  std::get<TauParameters>(file).imperfections.cableStiffness = 300.0;
+  const std::shared_ptr<const Mechanism> model = makeMechanism(file);
+  const auto push = [&](Renderer& renderer, int delay, std::uint32_t run) {
+    PushSetup setup;
+    setup.delay = {delay, delay};
+    setup.encoders = {true, RateSource::difference, 100.0};
+    setup.duration = 1.2;
+    setup.run = run;
+    setup.hand.preload = 1.0;
+    setup.hand.force = 8.0 + 0.5 * (run % 15);
+    setup.hand.instant = randomInstant(setup.seed, run);
+    return runPush(std::make_unique<ImperfectPlant>(makeImperfectDevice(file, setup.seed, run)), *model, renderer,
+                   setup, [](const TickRecord&, const VirtualLoop&) {});
+  };
+  for (const int delay : {0, 1, 2})
+    for (int run = 0; run < test::count(10, 200); ++run) {
+      PositionControlRenderer servo(positionControlFor(*model, 1e-3, delay, delay));
+      INFO("delay " << delay << ", run " << run);
+      CHECK(push(servo, delay, static_cast<std::uint32_t>(run)).status == Status::ok);
+    }
+  ImpedanceRenderer spring({20e3, 0.0});
+  const PushResult result = push(spring, 3, 0);
+  CHECK(result.status == Status::stopped);
+  CHECK(result.guard == GuardReason::energy);
 }
 
 TEST_CASE("ordinary study runs pass untouched", "[hard]") {

@@ -6,7 +6,9 @@
 #include <limits>
 #include <type_traits>
 
+#include "render/exponential.hpp"
 #include "render/guard_options.hpp"
+#include "render/mode_table.hpp"
 
 namespace enamel {
 namespace {
@@ -61,6 +63,19 @@ Guard::Guard(const Mechanism& device, const GuardOptions& options)
       n_(device.joints()),
       damped_(!options.damping.isZero(0.0)),
       ring_(kGuardTicks) {
+  if (const Drive& d = options_.drive; d.stiffness > 0.0)
+    for (int joint = 0; joint < n_; ++joint) {
+      // m' = w (u - m),  stretch'' = m / J - (k stretch + b stretch') (1 / J + 1 / L)
+      const double w = lagOf(d), inverse = 1.0 / d.rotorInertia + 1.0 / options_.linkInertia[joint];
+      Matrix<4> A;
+      A << -w, 0.0, 0.0, w, 0.0, 0.0, 1.0, 0.0, 1.0 / d.rotorInertia, -d.stiffness * inverse, -d.damping * inverse, 0.0,
+          0.0, 0.0, 0.0, 0.0;
+      const Matrix<4> step = exponential<4>(A * options_.period);
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) transmission_[joint].kept[i][j] = step(i, j);
+        transmission_[joint].command[i] = step(i, 3);
+      }
+    }
   for (GuardTick& tick : ring_) tick.q = tick.requested = tick.applied = JointVector::Zero(n_);
 }
 
@@ -81,10 +96,11 @@ template <typename AnyState, typename Visit>
 void Guard::forEachNumber(AnyState& s, const Visit& visit) {
   visit(s.fault);
   for (auto* flag : {&s.started, &s.acted, &s.open, &s.withheld, &s.known, &s.shedding}) visit(*flag);
-  for (auto* number : {&s.time, &s.sampleTime, &s.ticks, &s.weight, &s.energy, &s.peak, &s.missed}) visit(*number);
+  for (auto* number : {&s.time, &s.sampleTime, &s.ticks, &s.weight, &s.energy, &s.held, &s.peak, &s.missed})
+    visit(*number);
   visit(s.rampTicks);
-  for (auto* row : {&s.q, &s.acting, &s.torque, &s.gravity, &s.rendered, &s.from, &s.fromGravity, &s.beyond, &s.jerk,
-                    &s.pace, &s.claimed})
+  for (auto* row : {&s.q, &s.acting, &s.torque, &s.gravity, &s.rendered, &s.from, &s.fromGravity, &s.beyond, &s.lagged,
+                    &s.stretch, &s.stretchRate, &s.jerk, &s.pace, &s.claimed})
     for (auto& number : *row) visit(number);
   for (int i = 0; i < 6; ++i) visit(s.twist[i]);
   for (int i = 0; i < 3; ++i) visit(s.surface[i]);
@@ -165,17 +181,47 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   return elapsed > longest ? GuardReason::late : GuardReason::none;
 }
 
+// Of a motor's torque and the way of its encoder: what reaches the link. The rest turns the rotor and stretches the
+// cable. Without it a single strong command counts as energy of the tool: it winds the cable up.
+void Guard::reachLink(int joint, double elapsed, double& torque, double& way) noexcept {
+  State& s = state_;
+  const Transmission& t = transmission_[joint];
+  const double command = torque, before = s.stretch[joint], rateBefore = s.stretchRate[joint],
+               lagBefore = s.lagged[joint], w = lagOf(options_.drive), J = options_.drive.rotorInertia;
+  const int ticks = std::clamp(static_cast<int>(std::lround(elapsed / options_.period)), 1, options_.longestGap);
+  for (int tick = 0; tick < ticks; ++tick) {
+    const double now[3] = {s.lagged[joint], s.stretch[joint], s.stretchRate[joint]};
+    double next[3];
+    for (int i = 0; i < 3; ++i) {
+      next[i] = t.command[i] * command;
+      for (int j = 0; j < 3; ++j) next[i] += t.kept[i][j] * now[j];
+    }
+    s.lagged[joint] = next[0];
+    s.stretch[joint] = next[1];
+    s.stretchRate[joint] = next[2];
+  }
+  // The mean over the time, by the balance of momentum of motor and rotor; the link moves by itself.
+  const double time = ticks * options_.period, motor = command - (s.lagged[joint] - lagBefore) / (w * time);
+  torque = (motor - J * (s.stretchRate[joint] - rateBefore) / time) / (1.0 + J / options_.linkInertia[joint]);
+  if (!options_.drive.encoderOnLink) way -= s.stretch[joint] - before;
+}
+
 // Workspace, speed and energy of the motion since the last sample; its twist.
 GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   State& s = state_;
   const GuardOptions& o = options_;
   const double elapsed = m.time - s.sampleTime;
   const bool acts = m.applied && s.ticks == 1.0;  // it says what acted in the last tick
-  double work = 0.0;
+  double work = 0.0, held = 0.0;
   Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
   for (int i = 0; i < n_; ++i) {
-    const double step = m.q[i] - s.q[i], beyond = (acts && isDriven(i) ? (*m.applied)[i] : s.acting[i]) - s.gravity[i];
+    double step = m.q[i] - s.q[i], beyond = (acts && isDriven(i) ? (*m.applied)[i] : s.acting[i]) - s.gravity[i];
     way += k.jacobian.col(i) * step;
+    if (o.drive.stiffness > 0.0) {
+      reachLink(i, elapsed, beyond, step);
+      held += 0.5 * o.drive.stiffness * s.stretch[i] * s.stretch[i] +
+              0.5 * o.drive.rotorInertia * s.stretchRate[i] * s.stretchRate[i];
+    }
     wrench += k.inverseTransposed.col(i) * beyond;
     // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
     // bound.
@@ -184,8 +230,10 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   }
   s.twist = way / std::max(elapsed, 0.5 * o.period);
 
+  const double keeps = std::max(0.0, 1.0 - elapsed / kForgets);
+  s.held = std::max(held, s.held * keeps);  // known only as well as the inertia of the links here
   const double force = std::hypot(wrench.head<3>().norm(), wrench.tail<3>().norm() / kLever);
-  s.peak = std::max(force, s.peak * std::max(0.0, 1.0 - elapsed / kForgets));
+  s.peak = std::max(force, s.peak * keeps);
   if (s.peak > kLeastForce) {
     if (damped_) work -= way.dot(o.damping * way) / elapsed;
     work -= wrench.head<3>().dot(s.surface) * elapsed;
@@ -203,7 +251,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   if (!(s.twist.head<3>().squaredNorm() <= o.stopSpeed * o.stopSpeed &&
         s.twist.tail<3>().squaredNorm() <= o.stopTurn * o.stopTurn))
     return GuardReason::speed;
-  return s.energy <= o.energy ? GuardReason::none : GuardReason::energy;
+  return s.energy <= o.energy + s.held ? GuardReason::none : GuardReason::energy;
 }
 
 // Whether what is asked for oscillates.

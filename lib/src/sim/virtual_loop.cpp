@@ -12,8 +12,9 @@ void checkLoop(const LoopSetup& setup) {
 
 namespace {
 
-GuardOptions guardOf(const Mechanism& plant, const LoopSetup& setup) {
+GuardOptions guardOf(const Mechanism& plant, const Mechanism& model, const LoopSetup& setup) {
   GuardOptions guard = guardFor(plant, setup.period);
+  setDrive(model, guard);  // what is known of it
   guard.on = setup.guarded;
   guard.force = setup.force;
   return guard;
@@ -29,7 +30,7 @@ VirtualLoop::VirtualLoop(std::unique_ptr<Plant> plant, const Mechanism& model, R
     : scene_((checkLoop(setup), setup.scene)),
       tool_(setup.tool),
       device_(std::move(plant), setup),
-      tick_(model, scene_, tool_, renderer, guardOf(device_.plant().mechanism(), setup), setup.start),
+      tick_(model, scene_, tool_, renderer, guardOf(device_.plant().mechanism(), model, setup), setup.start),
       trueCache_(makeToolCache(scene_, tool_)) {}
 
 Status VirtualLoop::restart(const Pose& start) {

@@ -39,6 +39,8 @@ struct GuardOptions {
 
   JointVector rate;         ///< faster is no motion of a joint, rad/s or m/s
   JointVector encoderStep;  ///< of the encoders, rad or m
+  Drive drive;              ///< between motors and links: what rotors and cables hold is not the tool's energy
+  JointVector linkInertia;  ///< of each link by itself, without rotors, kg m^2 or kg; needed behind cables
   int longestGap = 4;       ///< between two ticks, and between two samples, periods
   int mostMissed = 10;      ///< ticks and samples that were missed, of which 1 % are forgotten a tick
 
@@ -58,6 +60,9 @@ struct GuardOptions {
 /// energy budget of the largest force at home in its weakest direction over 0.7 mm, and beside it that force at 1 mm/s.
 /// Throws Error: a period outside 1e-5 to 0.1 s. Realtime: no.
 GuardOptions guardFor(const Mechanism& device, double period);
+
+/// Sets drive and linkInertia to those of a device at home. Realtime: no.
+void setDrive(const Mechanism& device, GuardOptions& options);
 
 /// One tick as the guard keeps it.
 struct GuardTick {
@@ -107,6 +112,10 @@ class Guard {
 
  private:
   using Row = std::array<double, kMaxJoints>;
+  // Torque of a motor, stretch of its cable and its rate, a period later: by themselves and by the command.
+  struct Transmission {
+    double kept[3][3], command[3];
+  };
   struct State {
     GuardReason fault = GuardReason::none;
     bool started = false;   // there was a tick since reset()
@@ -119,21 +128,23 @@ class Guard {
     double sampleTime = 0.0;  // of the last sample, with what follows
     Row q{};
     Vec6 twist = Vec6::Zero();
-    Row acting{};                      // applied since then, the mean
-    double ticks = 0.0;                // since then
-    Row torque{};                      // applied last; of a joint without a motor what the wall would have needed
-    Row gravity{};                     // at the last tick
-    Row rendered{};                    // requested beyond gravity, at the last tick
-    Vec3 surface = Vec3::Zero();       // velocity of what was touched at the last tick, W
-    Mat3 rotation = Mat3::Identity();  // of the platform at the last sample
-    double weight = 0.0;               // of the rendered part
-    Row from{}, fromGravity{};         // where a fault's ramp begins
-    int rampTicks = 0;                 // of it
-    double energy = 0.0;               // J
-    double peak = 0.0;                 // largest rendered force of late, N
-    Row beyond{};                      // that acted beyond gravity before the last tick
-    Row jerk{};                        // mean square change of the rendered torque, shares
-    double missed = 0.0;               // ticks
+    Row acting{};                            // applied since then, the mean
+    double ticks = 0.0;                      // since then
+    Row torque{};                            // applied last; of a joint without a motor what the wall would have needed
+    Row gravity{};                           // at the last tick
+    Row rendered{};                          // requested beyond gravity, at the last tick
+    Vec3 surface = Vec3::Zero();             // velocity of what was touched at the last tick, W
+    Mat3 rotation = Mat3::Identity();        // of the platform at the last sample
+    double weight = 0.0;                     // of the rendered part
+    Row from{}, fromGravity{};               // where a fault's ramp begins
+    int rampTicks = 0;                       // of it
+    double energy = 0.0;                     // J
+    double held = 0.0;                       // largest of late that rotors and cables held, J
+    double peak = 0.0;                       // largest rendered force of late, N
+    Row beyond{};                            // that reached the links beyond gravity before the last tick
+    Row lagged{}, stretch{}, stretchRate{};  // of motors and cables: torque beyond gravity, rad or m, and its rate
+    Row jerk{};                              // mean square change of the rendered torque, shares
+    double missed = 0.0;                     // ticks
     Row pace{}, claimed{};  // of a joint at rest: counts a tick before it stopped, counts that its rate predicts since
     std::array<bool, kMaxJoints> even{};  // whether the pace was that of the tick before
     std::array<int, kMaxJoints> still{};  // for how many ticks
@@ -145,6 +156,7 @@ class Guard {
   GuardReason judged(const Measurement& m, Status status, bool known, double elapsed, const TickFrame& frame) noexcept;
   void remember(const Measurement& m) noexcept;
   GuardReason moved(const Measurement& m, const Kinematics& k) noexcept;
+  void reachLink(int joint, double elapsed, double& torque, double& way) noexcept;
   GuardReason asked(const JointVector& requested, const Kinematics& k) noexcept;
   GuardReason shape(const Measurement& m, const Kinematics& k, const JointVector& requested, double elapsed,
                     JointVector& torque) noexcept;
@@ -157,6 +169,7 @@ class Guard {
   GuardOptions options_;
   int n_;
   bool damped_;
+  std::array<Transmission, kMaxJoints> transmission_{};  // behind cables
   State state_;
   std::vector<GuardTick> ring_;
   std::size_t count_ = 0;
