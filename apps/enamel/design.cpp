@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "design_expectation.hpp"
 #include "design_file.hpp"
 #include "design_results.hpp"
 #include "design_rivals.hpp"
@@ -36,6 +37,7 @@ struct DesignOptions {
 
 // Everything that is known about the device at its operating point.
 struct Device {
+  DeviceParameters parameters;
   std::shared_ptr<const Mechanism> mechanism;
   Pose pose;
   DevicePlant plant;
@@ -47,6 +49,7 @@ Device makeDevice(const DesignOptions& options) {
   DeviceParameters parameters = loadDevice(options.device);
   addDamping(parameters, options.deviceDamping * Vec6::Unit(2));
   Device device;
+  device.parameters = parameters;
   device.mechanism = makeMechanism(parameters);
   device.pose.position = Vec3(options.at[0], options.at[1], options.at[2]);
   device.plant = devicePlant(device.mechanism, device.pose);
@@ -206,6 +209,11 @@ void run(DesignOptions options) {
   } else {
     design = designServo(device.problem.plant, device.problem.period, options.weights);
   }
+  if (options.output.empty() && !options.tune)
+    printExpectation(expectWall(device.parameters, device.problem.period, kLargestDelay,
+                                options.search.threads == 0 ? availableThreads() : options.search.threads),
+                     device.problem.period,
+                     dampingAlong(*device.mechanism, device.mechanism->home().pose, Vec3::UnitZ()));
   const DesignedServo servo = measure(options, device, design);
   if (!options.output.empty()) writeFile(options.output, jsonOf(servo));
   printSummary(device, servo);
@@ -277,7 +285,9 @@ void addDesign(CLI::App& app) {
   auto options = std::make_shared<DesignOptions>();
   CLI::App* command = app.add_subcommand(
       "design",
-      "Position servo of a device: linearise, hold, Riccati; margins and Table II.\n"
+      "What position control is expected to do on a device, and what limits it, from simulated pushes. Then the "
+      "paper's\n"
+      "servo for it (the renderer hold): linearise, hold, Riccati; margins and Table II.\n"
       "--output writes the design (JSON: models, K, P, poles, margins, requirements) for --gain of push and study.\n"
       "--tune searches the weights and\n"
       "prints how stiff the servo can be for each delay; with --output the servo of --delay is written.\n"

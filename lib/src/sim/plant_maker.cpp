@@ -38,6 +38,10 @@ std::string checkPlant(const std::string& plant) {
   return plant + " is not among " + names + "FILE.fmu";
 }
 
+const char* plantOf(const DeviceParameters& device) noexcept {
+  return isPerfect(imperfectionsOf(device)) ? kClosedForm : kImperfect;
+}
+
 const char* drivesOf(const std::string& plant) {
   requireName(plant);
   return plant == kImperfect ? "device" : plant == kImperfectStiff ? "rigid" : "ideal";

@@ -25,6 +25,10 @@ bool isUnit(const std::string& plant) noexcept;
 /// Return why a text names no plant; empty: it names one.
 std::string checkPlant(const std::string& plant);
 
+/// Return the plant that has all that a device's file says: imperfect where it has [imperfections], else the closed form.
+/// Realtime: yes.
+const char* plantOf(const DeviceParameters& device) noexcept;
+
 /// Return which drives (struct Drive) the motors of a plant have, as the parameter `drive` of the renderer
 /// position-control takes it: "device" (imperfect), "rigid" (imperfect-stiff: all but the cables) or "ideal" (all
 /// others). Throws Error: an unknown name. Realtime: no.

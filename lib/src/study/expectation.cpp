@@ -1,0 +1,164 @@
+#include "enamel/study/expectation.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "enamel/render/position_control.hpp"
+#include "enamel/sim/plant_maker.hpp"
+#include "enamel/study/monte_carlo.hpp"
+#include "enamel/study/parallel.hpp"
+#include "enamel/study/wall_trials.hpp"
+
+namespace enamel {
+namespace {
+
+constexpr int kRuns = 12, kChangedRuns = 8, kSafeRuns = 3, kBisections = 5;
+constexpr double kAfterStep = 0.15, kWithChatter = 1.2;  // s: for the depth; for the last second's chatter too
+
+// A device with a loop.
+struct Loop {
+  DeviceParameters device;
+  double period;
+  int delay;
+};
+
+struct Pushes {
+  double lowest, highest, share;  // N, N; of all forces
+  int runs;
+  double duration;  // after the step, s
+};
+
+std::vector<StudyResult> push(const Loop& loop, const Pushes& pushes) {
+  const char* plant = plantOf(loop.device);
+  StudyPlan plan;
+  plan.scenarios = {1};
+  plan.grid = 1;
+  plan.runs = pushes.runs;
+  plan.insideTick = true;
+  plan.lowestForce = pushes.lowest;
+  plan.highestForce = pushes.highest;
+  plan.setup.period = loop.period;
+  plan.setup.delay = {loop.delay, loop.delay};
+  plan.setup.duration = 1.0 + pushes.duration;
+  plan.setup.encoders = {true, RateSource::difference};
+  plan.setup.hand.preload = pushes.share;
+  plan.setup.hand.noise *= pushes.share;
+  StudyColumn column;
+  column.name = "position-control";
+  column.plant = column.model = makeMechanism(modelFor(plant, loop.device));
+  column.makePlant = plantMaker(plant, loop.device, {}, plan.setup);
+  column.make = [options = positionControlFor(*column.model, loop.period, loop.delay, loop.delay)](std::size_t) {
+    return std::make_unique<PositionControlRenderer>(options);
+  };
+  plan.columns = {column};
+  std::vector<StudyResult> results;
+  for (std::size_t i = 0; i < plan.size(); ++i) results.push_back(performRun(plan, runAt(plan, i)));
+  return results;
+}
+
+bool isLost(const StudyResult& run) {
+  return run.status != Status::ok || run.metrics.verdict == FirstImpactVerdict::unstable;
+}
+
+// Of the first `count`; 0: all were lost.
+double meanStiffness(const std::vector<StudyResult>& runs, int count) {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i)
+    if (const StudyResult& run = runs[static_cast<std::size_t>(i)]; !isLost(run) && run.metrics.depthStiffness)
+      values.push_back(*run.metrics.depthStiffness);
+  return values.empty() ? 0.0 : spreadOf(values).mean;
+}
+
+bool isSafe(const Loop& loop, double force, double share) {
+  const std::vector<StudyResult> runs = push(loop, {force, force, share, kSafeRuns, kAfterStep});
+  return std::none_of(runs.begin(), runs.end(), [&](const StudyResult& run) {
+    return isLost(run) || (run.metrics.depthStiffness && force / *run.metrics.depthStiffness > kSafeDepth);
+  });
+}
+
+double largestSafePush(const Loop& loop, double share) {
+  const auto mechanism = makeMechanism(loop.device);
+  const Kinematics& home = mechanism->home();
+  double safe = 0.0, beyond = largestForce(home, mechanism->limits().effort, home.pose.position, Vec3::UnitZ());
+  for (int i = 0; i < kBisections; ++i) {
+    const double force = 0.5 * (safe + beyond);
+    (isSafe(loop, force, share) ? safe : beyond) = force;
+  }
+  return safe;
+}
+
+// Calls f with the parts of a device that all kinds have under other names.
+void change(DeviceParameters& device, double encoderStep, double effort) {
+  std::visit(
+      [&](auto& d) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(d)>, CartesianParameters>) {
+          d.positionStep *= encoderStep;
+          d.angleStep *= encoderStep;
+          d.maxForce *= effort;
+          d.maxMoment *= effort;
+        } else {
+          d.motor.encoderCounts /= encoderStep;
+          d.motor.maxTorque *= effort;
+        }
+      },
+      device);
+}
+
+// Better devices, and better loops.
+std::vector<std::pair<std::string, Loop>> changesOf(const Loop& loop) {
+  std::vector<std::pair<std::string, Loop>> changes;
+  const auto add = [&](const char* name) -> Loop& { return changes.emplace_back(name, loop).second; };
+  change(add("half the encoder step").device, 0.5, 1.0);
+  change(add("twice the motors' torque").device, 1.0, 2.0);
+  const auto mechanism = makeMechanism(loop.device);
+  Kinematics home = mechanism->home();
+  if (mechanism->reach(home.pose, Vec6::Zero(), true, home) == Status::ok)
+    addMass(add("twice the effective mass").device, effectiveMass(home, home.pose.position, Vec3::UnitZ()));
+  if (loop.delay > 0)
+    --add("a tick less of delay").delay;
+  else
+    add("twice the rate").period *= 0.5;
+  if (imperfectionsOf(loop.device).cableStiffness > 0.0)
+    std::visit(
+        [](auto& d) {
+          if constexpr (!std::is_same_v<std::decay_t<decltype(d)>, CartesianParameters>)
+            d.imperfections.cableStiffness *= 2.0;
+        },
+        add("cables twice as stiff").device);
+  return changes;
+}
+
+WallExpectation expect(const Loop& loop) {
+  const double share = forceShare(*makeMechanism(loop.device));
+  const Pushes pushes{8.0 * share, 15.0 * share, share, kRuns, kWithChatter};
+  const std::vector<StudyResult> runs = push(loop, pushes);
+  WallExpectation e;
+  e.delay = loop.delay;
+  e.runs = kRuns;
+  e.stiffness = meanStiffness(runs, kRuns);
+  for (const StudyResult& run : runs) {
+    e.lost += isLost(run);
+    if (isLost(run)) continue;
+    e.chatter = std::max(e.chatter, run.metrics.chatter);
+    e.bounce = std::max(e.bounce, run.metrics.bounce);
+  }
+  e.safePush = largestSafePush(loop, share);
+  const double before = meanStiffness(runs, kChangedRuns);  // the same pushes
+  if (!(before > 0.0)) return e;
+  const Pushes again{pushes.lowest, pushes.highest, share, kChangedRuns, kAfterStep};
+  for (const auto& [name, better] : changesOf(loop))
+    e.changes.push_back({name, meanStiffness(push(better, again), kChangedRuns) / before - 1.0});
+  std::stable_sort(e.changes.begin(), e.changes.end(),
+                   [](const DeviceChange& a, const DeviceChange& b) { return a.gain > b.gain; });
+  return e;
+}
+
+}  // namespace
+
+std::vector<WallExpectation> expectWall(const DeviceParameters& device, double period, int largestDelay, int threads) {
+  std::vector<WallExpectation> all(static_cast<std::size_t>(std::max(0, largestDelay)) + 1);
+  parallelFor(all.size(), threads, [&](std::size_t i) { all[i] = expect({device, period, static_cast<int>(i)}); });
+  return all;
+}
+
+}  // namespace enamel
