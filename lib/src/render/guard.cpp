@@ -162,18 +162,18 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   const double time = std::max(m.time - s.sampleTime, options_.period);
   GuardReason reason = GuardReason::none;
   for (int i = 0; i < n_; ++i) {
-    const double way = std::abs(m.q[i] - s.q[i]), count = options_.encoderStep[i];
+    const double step = m.q[i] - s.q[i], way = std::abs(step), count = options_.encoderStep[i];
     if (!(way <= options_.rate[i] * time + 2.0 * count)) reason = GuardReason::jump;
     if (way == 0.0) {
       if (s.still[i] < kStillTicks) ++s.still[i];
       if (s.still[i] > kStillTicks / 2) s.claimed[i] += m.rates[i] * time / count;
-      const bool moves = (s.even[i] && s.pace[i] >= kPace) || std::abs(s.claimed[i]) >= kClaimed;
+      const bool moves = (s.even[i] && std::abs(s.pace[i]) >= kPace) || std::abs(s.claimed[i]) >= kClaimed;
       if (s.still[i] >= kStillTicks && moves && reason == GuardReason::none) reason = GuardReason::frozen;
     } else {
       s.still[i] = 0;
       s.claimed[i] = 0.0;
-      s.even[i] = std::abs(way / count - s.pace[i]) <= kEven * s.pace[i];
-      s.pace[i] = way / count;
+      s.even[i] = std::abs(step / count - s.pace[i]) <= kEven * std::abs(s.pace[i]);
+      s.pace[i] = step / count;
     }
   }
   if (reason != GuardReason::none) return reason;
@@ -212,7 +212,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   const GuardOptions& o = options_;
   const double elapsed = m.time - s.sampleTime;
   const bool acts = m.applied && s.ticks == 1.0;  // it says what acted in the last tick
-  double work = 0.0, held = 0.0;
+  double work = 0.0, held = 0.0, most = 0.0;
   Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
   for (int i = 0; i < n_; ++i) {
     double step = m.q[i] - s.q[i], beyond = (acts && isDriven(i) ? (*m.applied)[i] : s.acting[i]) - s.gravity[i];
@@ -221,6 +221,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
       reachLink(i, elapsed, beyond, step);
       held += 0.5 * o.drive.stiffness * s.stretch[i] * s.stretch[i] +
               0.5 * o.drive.rotorInertia * s.stretchRate[i] * s.stretchRate[i];
+      most += 2.0 * o.torque[i] * o.torque[i] / o.drive.stiffness;  // a step of all torque stretches twice as far
     }
     wrench += k.inverseTransposed.col(i) * beyond;
     // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
@@ -231,7 +232,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   s.twist = way / std::max(elapsed, 0.5 * o.period);
 
   const double keeps = std::max(0.0, 1.0 - elapsed / kForgets);
-  s.held = std::max(held, s.held * keeps);  // known only as well as the inertia of the links here
+  s.held = std::min(std::max(held, s.held * keeps), most);  // known only as well as the inertia of the links here
   const double force = std::hypot(wrench.head<3>().norm(), wrench.tail<3>().norm() / kLever);
   s.peak = std::max(force, s.peak * keeps);
   if (s.peak > kLeastForce) {

@@ -27,7 +27,8 @@ constexpr double kStepForce = 8.0, kStepShare = 0.2, kTremorShare = 1.0 / 16.0, 
 constexpr double kPushShare = 0.27;  // a large step, as a share of the largest force, for the designs
 
 constexpr double kEarly = 0.5, kMostTicks = 10.5;  // between two ticks: nothing is new before, all is forgotten beyond
-constexpr double kContradicts = 8.0;               // deviations of an innovation that no push explains
+constexpr double kDoubtTime = 0.1, kMostDoubts = 12.0;  // so many contradictions in this time, s, are a fault
+constexpr double kContradicts = 8.0;                    // deviations of an innovation that no push explains
 constexpr double kRetreat = 50.0;  // 1 / kRetreat^2: how much walls that contradict each other give way for force
 constexpr double kFades = 0.1;     // of the speed along a wall, with which one that is gone retreats
 constexpr double kNear = 2e-5;     // a contact that stays this far outside for a tick carries no force, m
@@ -81,10 +82,10 @@ class PositionControlRenderer::ControllerOf final : public Controller {
     double axes[kMaxJoints][kLanes] = {};  // column k: mode k in joint coordinates
     typename Observer::State observer{};
     double started = 0.0, lastTime = 0.0, ticks = 0.0;
-    std::array<JointRow, kMaxLoopDelay + 1> sent{};  // beyond gravity, the last first
-    JointRow lastReading{}, lastEstimate{};          // joints
-    double step = 0.0;                               // of the hand, N
-    double contradictions = 0.0, ignored = 0.0;
+    std::array<JointRow, kMaxLoopDelay + 1> sent{};            // beyond gravity, the last first
+    JointRow lastReading{}, lastEstimate{};                    // joints
+    double step = 0.0;                                         // of the hand, N
+    double contradictions = 0.0, ignored = 0.0, doubts = 0.0;  // doubts: contradictions of late
     double walls = 0.0;
     std::array<Wall, 2 * kMaxContacts> wall{};
     double push = 0.0, merged = 0.0, lastNormal = 0.0;
@@ -298,6 +299,7 @@ void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& fram
       observer_.correct(m.observer, y);
     }
     m.contradictions = contradicts && m.contradictions == 0.0 ? 1.0 : 0.0;
+    m.doubts = m.doubts * std::max(0.0, 1.0 - elapsed / kDoubtTime) + (contradicts ? 1.0 : 0.0);
   }
   observer_.merge(m.observer);
 }
@@ -646,6 +648,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   else
     observe(frame);
   m.lastTime = frame.time;
+  if (m.doubts > kMostDoubts) return Status::outOfRange;  // no tool moves so
 
   Ahead a;
   predict(frame, a);
