@@ -220,9 +220,13 @@ TEST_CASE(
     "case 23: a vibration behind the controller moves the tool little on a device that cannot report its torque "
     "(expected failure until the controller follows from physics)",
     "[!shouldfail][cases]") {
-  const PressResult result = run(vibrating(false));
-  CAPTURE(result.lift);
-  CHECK(result.lift < 50e-6);
+  double lift = 0.0;  // of runs that differ by a hair: one alone may pass by luck
+  for (const double vibration : {1.98, 1.99, 2.0, 2.01, 2.02}) {
+    PressedWall press = vibrating(false);
+    press.vibration = vibration;
+    lift = std::max(lift, run(press).lift);
+  }
+  CHECK(lift < 50e-6);
 }
 
 }  // namespace enamel::test_pressed_wall

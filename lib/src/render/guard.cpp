@@ -16,6 +16,7 @@ namespace {
 constexpr double kForgets = 0.2;        // s, of the largest force of late
 constexpr double kLeastForce = 1e-3;    // N, below which nothing is rendered
 constexpr double kLargestEnergy = 1e6;  // J
+constexpr double kLinkError = 0.2;      // of the energy of rotors and cables
 constexpr double kLever = 0.05;         // m at which a moment counts as a force
 constexpr double kOscillationTime = 0.1;
 constexpr double kForgottenMisses = 0.01;
@@ -231,10 +232,12 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   }
   s.twist = way / std::max(elapsed, 0.5 * o.period);
 
-  const double keeps = std::max(0.0, 1.0 - elapsed / kForgets);
-  s.held = std::min(std::max(held, s.held * keeps), most);  // known only as well as the inertia of the links here
+  // What rotors and cables exchange with the links is known only as well as the inertia of the links here.
+  held = std::min(held, most);
+  work -= kLinkError * std::abs(held - s.held);
+  s.held = held;
   const double force = std::hypot(wrench.head<3>().norm(), wrench.tail<3>().norm() / kLever);
-  s.peak = std::max(force, s.peak * keeps);
+  s.peak = std::max(force, s.peak * std::max(0.0, 1.0 - elapsed / kForgets));
   if (s.peak > kLeastForce) {
     if (damped_) work -= way.dot(o.damping * way) / elapsed;
     work -= wrench.head<3>().dot(s.surface) * elapsed;
@@ -252,7 +255,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   if (!(s.twist.head<3>().squaredNorm() <= o.stopSpeed * o.stopSpeed &&
         s.twist.tail<3>().squaredNorm() <= o.stopTurn * o.stopTurn))
     return GuardReason::speed;
-  return s.energy <= o.energy + s.held ? GuardReason::none : GuardReason::energy;
+  return s.energy <= o.energy ? GuardReason::none : GuardReason::energy;
 }
 
 // Whether what is asked for oscillates.

@@ -120,8 +120,9 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   void project(const Ahead& a, const Target* targets, int count, double* force) noexcept;
   double share(const TickFrame& frame, const Ahead& a, const Wall* walls, const Target* targets, int count,
                const double* force, TickOutput& output) noexcept;
-  double reboundOf(double push, double mass) const noexcept;
-  double largestSafe(const Ahead& a, const Lane& row, double speed, double depth) noexcept;
+  double reboundOf(double push, double mass, double step) const noexcept;
+  double readingStep(const JointRow& row) const noexcept;
+  double largestSafe(const Ahead& a, const Lane& row, double step, double speed, double depth) noexcept;
   JointRow frictionOf(const TickFrame& frame, const Ahead& a, const Target* targets, const Wall* walls, int count,
                       const double* force) noexcept;
 
@@ -429,7 +430,7 @@ int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& 
       square += share;
       lead += share * a.lead[k];
     }
-    if (gap > 0.0 || !(square > 0.0) || next > kNear + reboundOf(memory_.step, 1.0 / inverse))
+    if (gap > 0.0 || !(square > 0.0) || next > kNear + reboundOf(memory_.step, 1.0 / inverse, readingStep(w.row)))
       w.holds = 0.0;
     else if (next <= kNear)
       w.holds = 1.0;
@@ -475,11 +476,19 @@ void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const
   for (int i = 0; i < count; ++i) force[i] /= targets[i].size;
 }
 
-// How far a push moves a mass before a command answers it.
+// How far a push moves a mass before a command answers it: unseen for half a step of the reading, then for the delay.
 template <int kMech>
-double PositionControlRenderer::ControllerOf<kMech>::reboundOf(double push, double mass) const noexcept {
-  const double reaction = (delay_ + 1) * options_.period;
-  return 0.5 * push * reaction * reaction / mass;
+double PositionControlRenderer::ControllerOf<kMech>::reboundOf(double push, double mass, double step) const noexcept {
+  const double unseen = std::sqrt(0.5 * step), late = (delay_ + 1) * options_.period * std::sqrt(0.5 * push / mass);
+  return (unseen + late) * (unseen + late);
+}
+
+// Step of the reading along a row of the joints.
+template <int kMech>
+double PositionControlRenderer::ControllerOf<kMech>::readingStep(const JointRow& row) const noexcept {
+  double square = 0.0;
+  for (int j = 0; j < joints_; ++j) square += row[j] * options_.encoderStep[j] * row[j] * options_.encoderStep[j];
+  return std::sqrt(square);
 }
 
 // Largest force along a row of the modes that sends the tool out no faster than the push turns it back within the way
@@ -487,8 +496,8 @@ double PositionControlRenderer::ControllerOf<kMech>::reboundOf(double push, doub
 // the time of a hand. `speed`: outward, a tick
 // after the command acts, without a force.
 template <int kMech>
-double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row, double speed,
-                                                                 double depth) noexcept {
+double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row, double step,
+                                                                 double speed, double depth) noexcept {
   const double T = options_.period;
   double inverse = 0.0;
   for (int k = 0; k < joints_; ++k) inverse += row[k] * row[k] / a.inertia[k];
@@ -512,7 +521,7 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
              uncertain = observer_.moments(memory_.observer, outward);
   const double sure = std::max(0.0, force.mean - kSureDeviations * force.deviation);
   memory_.push = force.mean;
-  const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass) * sure / mass),
+  const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass, step) * sure / mass),
                comesOut = std::min(depth / kGrowthTime, memory_.step * (delay_ + 1) * T / mass);
   // Largest change of speed z by this command for which speed + z and its deviations stay below a limit. The deviations
   // are those of the speed now, and what is not known of the mass times (bends - h z).
@@ -541,8 +550,10 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
                                                            TickOutput& output) noexcept {
   double total = 0.0, speed = 0.0, depth = 0.0, most = kLargestTorque;
   Lane row{};
+  JointRow normal{};
   for (int i = 0; i < count; ++i) {
     total += force[i];
+    for (int j = 0; j < joints_; ++j) normal[j] += force[i] * walls[targets[i].wall].row[j];
     speed -= force[i] * walls[targets[i].wall].speed;
     depth -= force[i] * walls[targets[i].wall].gap;
     for (int k = 0; k < kLanes; ++k) row[k] += force[i] * targets[i].row[k];
@@ -564,7 +575,7 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
       most = std::min(most, std::max(0.0, left) / std::abs(joint[j]));
     }
   if (!(most > 0.0)) return 0.0;
-  const double asked = std::min(total, largestSafe(a, row, speed, depth));
+  const double asked = std::min(total, largestSafe(a, row, readingStep(normal) / total, speed, depth));
   output.saturated = asked > most;
   return std::min(asked, most) / total;
 }

@@ -40,6 +40,10 @@ const std::pair<const char*, JointVector GuardOptions::*> kVectors[] = {
     {"rate", &GuardOptions::rate},
     {"count", &GuardOptions::encoderStep},
 };
+const std::pair<const char*, double Drive::*> kDrive[] = {{"bandwidth", &Drive::bandwidth},
+                                                          {"rotor_inertia", &Drive::rotorInertia},
+                                                          {"stiffness", &Drive::stiffness},
+                                                          {"damping", &Drive::damping}};
 const std::pair<const char*, int GuardOptions::*> kCounts[] = {{"longest_gap", &GuardOptions::longestGap},
                                                                {"most_missed", &GuardOptions::mostMissed}};
 
@@ -118,6 +122,12 @@ std::string headerText(const RecordingHeader& h) {
   for (const auto& [name, value] : kCounts) guard[name] = h.guard.*value;
   guard["workspace"] = listOf(h.guard.workspace);
   guard["damping"] = listOf(h.guard.damping);
+  if (h.guard.drive.stiffness > 0.0) {  // else nothing of it counts
+    Written& drive = guard["drive"];
+    for (const auto& [name, value] : kDrive) drive[name] = h.guard.drive.*value;
+    drive["encoder_on_link"] = h.guard.drive.encoderOnLink;
+    drive["link_inertia"] = listOf(h.guard.linkInertia);
+  }
   return json.dump(2, ' ', false, Written::error_handler_t::replace) + "\n";
 }
 
@@ -152,6 +162,13 @@ RecordingHeader parseHeader(const std::string& text, const std::string& file) {
   for (const auto& [name, value] : kCounts) h.guard.*value = static_cast<int>(guard.at(name).whole(INT32_MAX));
   guard.at("workspace").read(h.guard.workspace);
   guard.at("damping").read(h.guard.damping);
+  if (guard.json().contains("drive")) {
+    const Reading drive = guard.at("drive");
+    for (const auto& [name, value] : kDrive) h.guard.drive.*value = drive.at(name).number();
+    h.guard.drive.encoderOnLink = drive.at("encoder_on_link").flag();
+    h.guard.linkInertia.resize(h.joints);
+    drive.at("link_inertia").read(h.guard.linkInertia);
+  }
   return h;
 }
 

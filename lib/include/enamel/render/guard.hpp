@@ -139,7 +139,7 @@ class Guard {
     Row from{}, fromGravity{};               // where a fault's ramp begins
     int rampTicks = 0;                       // of it
     double energy = 0.0;                     // J
-    double held = 0.0;                       // largest of late that rotors and cables held, J
+    double held = 0.0;                       // by rotors and cables, J
     double peak = 0.0;                       // largest rendered force of late, N
     Row beyond{};                            // that reached the links beyond gravity before the last tick
     Row lagged{}, stretch{}, stretchRate{};  // of motors and cables: torque beyond gravity, rad or m, and its rate
