@@ -100,7 +100,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   // The modes when the command acts.
   struct Ahead {
     States x, next;        // then, and a tick later without a force
-    States bends;          // how `next` changes with ln(mass), by what acts from now on
+    States sensitivity;    // how `next` changes with ln(mass), by what acts from now on
     Lane now;              // measured
     Lane stiffness, lead;  // of the controller; seconds of speed that it looks ahead
     Lane inertia;          // of link and rotor
@@ -310,13 +310,13 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   const typename Observer::State& s = memory_.observer;
   const double T = options_.period;
   std::memcpy(a.x, s.mean, sizeof a.x);
-  std::memset(a.bends, 0, sizeof a.bends);
+  std::memset(a.sensitivity, 0, sizeof a.sensitivity);
   for (int d = delay_ - 1; d >= 0; --d) {
     const Lane command = toModes(memory_.sent[d]);
-    observer_.advanceSensitivity(command, a.x, a.bends);
+    observer_.advanceSensitivity(command, a.x, a.sensitivity);
     observer_.advance(command, a.x);
   }
-  observer_.advanceSensitivity(Lane{}, a.x, a.bends);
+  observer_.advanceSensitivity(Lane{}, a.x, a.sensitivity);
   std::memcpy(a.next, a.x, sizeof a.next);
   observer_.advance(Lane{}, a.next);
   JointRow reading{};
@@ -492,9 +492,8 @@ double PositionControlRenderer::ControllerOf<kMech>::readingStep(const JointRow&
 }
 
 // Largest force along a row of the modes that sends the tool out no faster than the push turns it back within the way
-// that it, but at most a step of the hand, makes before an answer; without a push, the tool comes out of the wall in
-// the time of a hand. `speed`: outward, a tick
-// after the command acts, without a force.
+// that it, but at most a step of the hand, makes before an answer. Without a push the tool comes out of the wall in the
+// time of a hand. `speed`: outward, a tick after the command acts, without a force; `step`: of the reading.
 template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row, double step,
                                                                  double speed, double depth) noexcept {
@@ -510,11 +509,11 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
     outward[kLink + 1][k] = row[k] * (1.0 - rotor);
   }
   // What is not known of the mass changes the speed by as much as the net force does until then.
-  double bends = 0.0, bendsMore = 0.0;
+  double byMass = 0.0, byCommand = 0.0;  // a unit of ln(mass): without a command, and less by a unit command
   for (int i = 0; i < kMech; ++i)
     for (int k = 0; k < joints_; ++k) {
-      bends += outward[i][k] * a.bends[i][k];
-      bendsMore -= outward[i][k] * observer_.commandSensitivity(i)[k] * row[k];
+      byMass += outward[i][k] * a.sensitivity[i][k];
+      byCommand -= outward[i][k] * observer_.commandSensitivity(i)[k] * row[k];
     }
   for (int d = 0; d <= delay_; ++d) observer_.pullBack(outward);
   const auto force = observer_.moments(memory_.observer, push),
@@ -524,12 +523,12 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
   const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass, step) * sure / mass),
                comesOut = std::min(depth / kGrowthTime, memory_.step * (delay_ + 1) * T / mass);
   // Largest change of speed z by this command for which speed + z and its deviations stay below a limit. The deviations
-  // are those of the speed now, and what is not known of the mass times (bends - h z).
-  const double h = bendsMore * mass / T, kappa = kSpeedDeviations * std::sqrt(memory_.observer.scaleVariance);
+  // are those of the speed now, and what is not known of the mass times (byMass - h z).
+  const double h = byCommand * mass / T, kappa = kSpeedDeviations * std::sqrt(memory_.observer.scaleVariance);
   const auto change = [&](double limit, double deviation) {
     const double most = limit - speed, own = kSpeedDeviations * deviation, left = 1.0 - kappa * kappa * h * h;
-    return (most - kappa * kappa * h * bends -
-            std::sqrt(kappa * kappa * (h * most - bends) * (h * most - bends) + left * own * own)) /
+    return (most - kappa * kappa * h * byMass -
+            std::sqrt(kappa * kappa * (h * most - byMass) * (h * most - byMass) + left * own * own)) /
            left;
   };
   const double safe = std::max({0.0, change(rebound, uncertain.deviation), change(comesOut, 0.0)}) * mass / T;
