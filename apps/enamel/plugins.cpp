@@ -1,13 +1,10 @@
 #include <fmt/core.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
-#include <cstring>
+#include <iterator>
 
+#include "child_process.hpp"
 #include "commands.hpp"
 #include "enamel/device/nominal_device.hpp"
 #include "enamel/plugin/conformance.hpp"
@@ -20,93 +17,84 @@
 namespace enamel::app {
 namespace {
 
-constexpr unsigned kTimeLimit = 60;  // s
-constexpr int kBroken = 3;           // exit status of the child: a check failed
+struct ListOptions {
+  std::string folder = pluginFolder();
+  double limit = 2.0;  // s
+};
 
-void list(const std::string& folder) {
-  const std::vector<PluginFinding> findings = findPlugins(folder);
-  for (const PluginFinding& finding : findings) {
-    if (!finding.library) {
-      fmt::print("refused: {}\n", finding.reason);
-      continue;
-    }
-    const EnamelDescription& d = finding.library->description();
-    fmt::print("{} {}: {}\n  {}\n", d.name, d.version, d.summary, finding.path);
-    for (std::size_t i = 0; i < d.parameter_count; ++i) {
-      const EnamelParameter& p = d.parameters[i];
-      fmt::print("  --set {}={}  {}\n", p.key, *p.value != 0 ? p.value : "...", p.meaning);
-    }
+std::string describe(const PluginLibrary& library) {
+  const EnamelDescription& d = library.description();
+  std::string text = fmt::format("{} {}: {}\n  {}\n", d.name, d.version, d.summary, library.path());
+  for (std::size_t i = 0; i < d.parameter_count; ++i) {
+    const EnamelParameter& p = d.parameters[i];
+    fmt::format_to(std::back_inserter(text), "  --set {}={}  {}\n", p.key, *p.value != 0 ? p.value : "...", p.meaning);
   }
-  if (findings.empty()) fmt::print("no plugins in {}\n", folder);
+  return text;
+}
+
+void list(const ListOptions& options) {
+  const std::vector<std::string> files = pluginFiles(options.folder);
+  for (const std::string& file : files) {
+    const ChildResult result =
+        runInChild(file + ": loading it", options.limit, [&file] { return describe(*PluginLibrary::load(file)); });
+    fmt::print("{}", result.failure.empty() ? result.answer : "refused: " + result.failure + "\n");
+  }
+  if (files.empty()) fmt::print("no plugins in {}\n", options.folder);
 }
 
 struct CheckOptions {
   std::string file, device;
   std::vector<std::string> set;
+  double limit = 20.0;  // s
 };
 
-// In a process of its own, so that a plugin that crashes or hangs is reported and not followed.
-[[noreturn]] void checkInChild(const CheckOptions& options) {
-  // What computes for ever ends after a minute, on a slow machine too; what waits for ever, after ten.
-  const rlimit computing{kTimeLimit, kTimeLimit + 1};
-  setrlimit(RLIMIT_CPU, &computing);
-  alarm(10 * kTimeLimit);
-  int status = 1;
-  try {
-    PluginSetup setup;
-    setup.parameters = parseParameters(options.set);
-    if (options.device.empty())
-      setup.deviceText = nominalDeviceText();
-    else
-      setup.devicePath = options.device;
-    ConformanceOptions conformance;
+// Prints a line a check.
+bool keepsContract(const CheckOptions& options) {
+  PluginSetup setup;
+  setup.parameters = parseParameters(options.set);
+  if (options.device.empty())
+    setup.deviceText = nominalDeviceText();
+  else
+    setup.devicePath = options.device;
+  ConformanceOptions conformance;
 #ifndef ENAMEL_SANITIZED
-    conformance.allocationCount = &allocationCount;
+  conformance.allocationCount = &allocationCount;
 #endif
-    const bool passed =
-        checkPlugin(PluginLibrary::load(options.file), setup, conformance, [](const ConformanceResult& result) {
-          const char* verdicts[] = {"passed", "FAILED", "not checked"};
-          fmt::print("{:<12} {}{}{}\n", verdicts[static_cast<int>(result.verdict)], result.what,
-                     result.detail.empty() ? "" : ": ", result.detail);
-          std::fflush(stdout);
-        });
-    if (passed) fmt::print("the plugin keeps the contract\n");
-    status = passed ? 0 : kBroken;
-  } catch (const std::exception& error) {
-    tell("enamel", error.what());
-  }
-  std::fflush(nullptr);
-  _exit(status);
+  return checkPlugin(PluginLibrary::load(options.file), setup, conformance, [](const ConformanceResult& result) {
+    const char* verdicts[] = {"passed", "FAILED", "not checked"};
+    fmt::print("{:<12} {}{}{}\n", verdicts[static_cast<int>(result.verdict)], result.what,
+               result.detail.empty() ? "" : ": ", result.detail);
+    std::fflush(stdout);
+  });
 }
 
 void check(const CheckOptions& options) {
-  std::fflush(nullptr);
-  const pid_t child = fork();
-  if (child < 0) throw Error(std::string("cannot start a process: ") + std::strerror(errno));
-  if (child == 0) checkInChild(options);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (WIFSIGNALED(status)) {
-    const int signal = WTERMSIG(status);
-    throw Error(
-        signal == SIGALRM || signal == SIGXCPU
-            ? fmt::format("{}: the check after the last line above took longer than {} s", options.file, kTimeLimit)
-            : fmt::format("{}: the check after the last line above ended in a crash ({})", options.file,
-                          strsignal(signal)));
-  }
-  if (WEXITSTATUS(status) == kBroken) throw Error(options.file + ": the plugin does not keep the contract");
-  if (WEXITSTATUS(status) != 0) std::exit(1);  // the child has said why
+  const ChildResult result = runInChild(options.file + ": the check after the last line above", options.limit,
+                                        [&options] { return keepsContract(options) ? "kept" : "broken"; });
+  if (!result.failure.empty()) throw Error(result.failure);
+  if (result.answer != "kept") throw Error(options.file + ": the plugin does not keep the contract");
+  fmt::print("the plugin keeps the contract\n");
+}
+
+void addLimit(CLI::App& command, double& limit) {
+  command
+      .add_option("--time-limit", limit,
+                  "a plugin is ended after so many seconds of computing, and after three times as many in all")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
 }
 
 }  // namespace
 
 void addPlugins(CLI::App& app) {
-  auto folder = std::make_shared<std::string>(pluginFolder());
+  auto listing = std::make_shared<ListOptions>();
   CLI::App* plugins =
-      app.add_subcommand("plugins", "Lists the renderer plugins of a folder, and why others were refused");
-  plugins->add_option("folder", *folder, "default: the plugins that came with this program");
-  plugins->callback([folder] { list(*folder); });
+      app.add_subcommand("plugins",
+                         "Lists the renderer plugins of a folder, and why others were refused.\n"
+                         "Each is loaded in a process of its own: one that throws, crashes or hangs is refused.");
+  plugins->add_option("folder", listing->folder, "default: the plugins that came with this program");
+  addLimit(*plugins, listing->limit);
+  plugins->callback([listing] { list(*listing); });
 
   auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand(
@@ -116,6 +104,7 @@ void addPlugins(CLI::App& app) {
   command->add_option("file", options->file, "plugin (.so)")->required();
   command->add_option("--device", options->device, "device file (TOML); default: the nominal TAU");
   command->add_option("--set", options->set, "parameter of the plugin, KEY=VALUE")->allow_extra_args(false);
+  addLimit(*command, options->limit);
   command->callback([options] { check(*options); });
 }
 

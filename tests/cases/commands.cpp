@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "enamel/plugin/host.hpp"
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/devices.hpp"
@@ -15,18 +16,16 @@ namespace {
 
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-// Lists a folder with a good plugin and, before and after it by name, one that fails.
-test::CommandResult listBeside(const std::string& failing) {
-  const test::TemporaryFolder folder;
-  std::filesystem::copy(ENAMEL_PLUGINS "/enamel_template.so", folder / "good.so");
-  if (!failing.empty())
-    for (const char* name : {"a.so", "z.so"}) std::filesystem::copy(failing, folder / name);
-  return run("plugins '" + (folder / "") + "'");
-}
+std::string failingPlugin(const std::string& way) { return ENAMEL_FAILING_PLUGINS "/" + way + "_plugin.so"; }
 
-bool listsAllThree(const test::CommandResult& result) {
-  return holds(result.output, "good.so") && holds(result.output, "a.so") && holds(result.output, "z.so");
-}
+struct Failure {
+  std::string way, reason;
+};
+const Failure kFailures[] = {{"throwing", "enamel_plugin() threw: thrown while it was loaded"},
+                             {"crashing", "loading it ended in a crash (Aborted)"},
+                             {"loading", "loading it ended in a crash (Aborted)"},
+                             {"exiting", "loading it ended the process with exit status 0"},
+                             {"hanging", "loading it did not end in 0.9 s"}};
 
 struct TwoStudies {
   test::CommandResult first, second;
@@ -59,30 +58,38 @@ std::optional<double> stiffness(const std::string& options) {
 
 }  // namespace
 
-TEST_CASE("case 07: a plugin beside no other one is listed", "[cases]") {
-  const test::CommandResult result = listBeside("");
+TEST_CASE("case 07: plugins that fail are refused with their reason, and the good ones among them are listed",
+          "[cases]") {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"a.so", "n.so", "z.so"})
+    std::filesystem::copy(ENAMEL_PLUGINS "/enamel_template.so", folder / name);
+  for (const Failure& failure : kFailures)
+    std::filesystem::copy(failingPlugin(failure.way), folder / (failure.way + ".so"));
+  const test::CommandResult result = run("plugins --time-limit 0.3 '" + (folder / ".") + "'");
+  INFO(result.output);
   CHECK(result.status == 0);
-  CHECK(holds(result.output, "good.so"));
-  CHECK(std::filesystem::exists(ENAMEL_THROWING_PLUGIN));
-  CHECK(std::filesystem::exists(ENAMEL_CRASHING_PLUGIN));
+  for (const char* name : {"a.so", "n.so", "z.so"})
+    CHECK(holds(result.output, "  " + (folder / ".") + "/" + name + "\n"));
+  for (const Failure& failure : kFailures)
+    CHECK(holds(result.output, "refused: " + (folder / ".") + "/" + failure.way + ".so: " + failure.reason + "\n"));
 }
 
-TEST_CASE(
-    "case 07: a plugin that throws is named, and the others are listed "
-    "(expected failure until the hardening)",
-    "[!shouldfail][cases]") {
-  const test::CommandResult result = listBeside(ENAMEL_THROWING_PLUGIN);
-  CAPTURE(result.output);
-  CHECK(listsAllThree(result));
+TEST_CASE("case 07: check-plugin reports a plugin that fails in one line", "[cases]") {
+  for (const Failure& failure : kFailures) {
+    const test::CommandResult result = run("check-plugin --time-limit 0.3 '" + failingPlugin(failure.way) + "'");
+    INFO(result.output);
+    CHECK(result.status == 1);
+    CHECK(result.output.rfind("enamel: " + failingPlugin(failure.way) + ": ", 0) == 0);
+    CHECK(result.output.find('\n') == result.output.size() - 1);
+    CHECK(holds(result.output, failure.reason.substr(failure.reason.find("it ") + 3)));
+  }
 }
 
-TEST_CASE(
-    "case 07: a plugin that crashes is named, and the others are listed "
-    "(expected failure until the hardening)",
-    "[!shouldfail][cases]") {
-  const test::CommandResult result = listBeside(ENAMEL_CRASHING_PLUGIN);
-  CAPTURE(result.output);
-  CHECK(listsAllThree(result));
+TEST_CASE("case 07: a renderer is found by its name beside plugins that fail", "[cases]") {
+  const test::TemporaryFolder folder;
+  std::filesystem::copy(failingPlugin("crashing"), folder / "a.so");
+  std::filesystem::copy(ENAMEL_PLUGINS "/enamel_template.so", folder / "enamel_template.so");
+  CHECK(findPlugin("template", folder / ".")->description().name == std::string("template"));
 }
 
 TEST_CASE("case 08: a study writes its runs", "[cases]") {

@@ -1,13 +1,29 @@
-// Plugins that fail as soon as they are asked for their table: FAIL_BY_CRASH ends the process, else an exception.
+// Plugins that fail as soon as they are asked for their table, each in the way that FAIL_BY_... says.
+#include <unistd.h>
+
 #include <cstdlib>
 #include <stdexcept>
 
 #include "enamel/plugin/abi.h"
 
+#ifdef FAIL_BY_LOADING
+namespace {
+struct Crash {
+  Crash() { std::abort(); }
+} crash;
+}  // namespace
+#endif
+
 extern "C" ENAMEL_PLUGIN_EXPORT const EnamelPlugin* enamel_plugin(void) {
-#ifdef FAIL_BY_CRASH
+#if defined(FAIL_BY_CRASHING)
   std::abort();
-#else
+#elif defined(FAIL_BY_HANGING)
+  for (;;) pause();
+#elif defined(FAIL_BY_EXITING)
+  std::exit(0);
+#elif defined(FAIL_BY_THROWING)
   throw std::runtime_error("thrown while it was loaded");
+#else
+  return nullptr;
 #endif
 }

@@ -96,6 +96,18 @@ void checkDescription(const std::string& path, const EnamelDescription* d) {
       throw PluginError(path + ": parameter " + std::to_string(i) + " lacks a key, default or meaning of one line");
 }
 
+// The contract forbids exceptions; one that comes all the same is the plugin's, not this program's end.
+template <typename Result>
+Result guarded(const std::string& path, const std::string& what, Result (*function)()) {
+  try {
+    return function();
+  } catch (const std::exception& error) {
+    throw PluginError(path + ": " + what + "() threw: " + error.what());
+  } catch (...) {
+    throw PluginError(path + ": " + what + "() threw an unknown exception");
+  }
+}
+
 // Runs the instance of a plugin behind the C++ contract.
 class PluginRenderer final : public Renderer {
  public:
@@ -171,11 +183,11 @@ std::shared_ptr<const PluginLibrary> PluginLibrary::load(const std::string& path
   if (library->handle_ == nullptr) throw PluginError(path + ": cannot be loaded: " + dlerror());
   void* symbol = dlsym(library->handle_, ENAMEL_PLUGIN_SYMBOL);
   if (symbol == nullptr) throw PluginError(path + ": does not export " ENAMEL_PLUGIN_SYMBOL "()");
-  const EnamelPlugin* table = reinterpret_cast<const EnamelPlugin* (*)()>(symbol)();
+  const EnamelPlugin* table = guarded(path, ENAMEL_PLUGIN_SYMBOL, reinterpret_cast<const EnamelPlugin* (*)()>(symbol));
   if (table == nullptr) throw PluginError(path + ": " ENAMEL_PLUGIN_SYMBOL "() returned nothing");
   checkTable(path, *table);
   library->table_ = table;
-  library->description_ = table->describe();
+  library->description_ = guarded(path, "describe", table->describe);
   checkDescription(path, library->description_);
   return library;
 }
@@ -188,13 +200,19 @@ std::unique_ptr<Renderer> makeRenderer(std::shared_ptr<const PluginLibrary> libr
   return std::make_unique<PluginRenderer>(std::move(library), setup);
 }
 
-std::vector<PluginFinding> findPlugins(const std::string& folder) {
-  std::vector<PluginFinding> findings;
+std::vector<std::string> pluginFiles(const std::string& folder) {
+  std::vector<std::string> files;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-    if (entry.path().extension() == ".so") findings.push_back({entry.path().string(), nullptr, ""});
+    if (entry.path().extension() == ".so") files.push_back(entry.path().string());
   if (error) throw PluginError(folder + ": cannot read the folder: " + error.message());
-  std::sort(findings.begin(), findings.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<PluginFinding> findPlugins(const std::string& folder) {
+  std::vector<PluginFinding> findings;
+  for (const std::string& file : pluginFiles(folder)) findings.push_back({file, nullptr, ""});
   for (PluginFinding& finding : findings) {
     try {
       finding.library = PluginLibrary::load(finding.path);
@@ -210,8 +228,15 @@ std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, c
   const bool isFile = nameOrPath.size() > ending.size() &&
                       nameOrPath.compare(nameOrPath.size() - ending.size(), ending.size(), ending) == 0;
   if (isFile || nameOrPath.find('/') != std::string::npos) return PluginLibrary::load(nameOrPath);
-  std::string known;
+  std::string known, stem = nameOrPath;
+  std::replace(stem.begin(), stem.end(), '-', '_');
   std::error_code ignored;
+  // The likely files come first, so that a bad plugin beside them is not loaded.
+  for (const std::string& file : {folder + "/enamel_" + stem + ending, folder + "/" + stem + ending}) {
+    if (!std::filesystem::is_regular_file(file, ignored)) continue;
+    auto library = PluginLibrary::load(file);
+    if (library->description().name == nameOrPath) return library;
+  }
   if (std::filesystem::is_directory(folder, ignored))
     for (const PluginFinding& finding : findPlugins(folder)) {
       if (!finding.library) continue;

@@ -24,7 +24,7 @@ class PluginLibrary {
   /// Loads a shared library, its symbols kept to itself (RTLD_LOCAL). Throws PluginError: not a file, not an ELF
   /// library, one of another architecture, a library that cannot be loaded (such as one that needs a missing symbol),
   /// without enamel_plugin(), of another ABI version or other struct sizes, with missing functions or an empty or
-  /// malformed description. Realtime: no.
+  /// malformed description, one that throws. A library that crashes or hangs takes the process with it. Realtime: no.
   static std::shared_ptr<const PluginLibrary> load(const std::string& path);
   ~PluginLibrary();
   PluginLibrary(const PluginLibrary&) = delete;
@@ -61,10 +61,14 @@ struct PluginFinding {
   std::string reason;                            ///< why it was refused
 };
 
+/// Return the paths of all *.so of a folder, in order. Throws PluginError: the folder cannot be read. Realtime: no.
+std::vector<std::string> pluginFiles(const std::string& folder);
+
 /// Every *.so of a folder, by name. Throws PluginError: the folder cannot be read. Realtime: no.
 std::vector<PluginFinding> findPlugins(const std::string& folder);
 
-/// A plugin by its path (a text with '/' or ending in .so) or by its name, of those in `folder`. Throws PluginError: as
+/// A plugin by its path (a text with '/' or ending in .so) or by its name, of those in `folder`: enamel_NAME.so and
+/// NAME.so (with _ for -) are tried first, the other files only if these are not it. Throws PluginError: as
 /// PluginLibrary::load(), or no plugin of that name, with those that there are. Realtime: no.
 std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, const std::string& folder);
 
