@@ -140,7 +140,7 @@ class Tally final : public TickSink {
   }
 
  private:
-  std::array<std::atomic<std::uint64_t>, static_cast<std::size_t>(GuardReason::deadlines) + 1> reasons_{};
+  std::array<std::atomic<std::uint64_t>, kGuardReasons> reasons_{};
   std::atomic<std::uint64_t> contact_{0};
   std::atomic<double> force_{0.0};
 };

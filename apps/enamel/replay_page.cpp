@@ -286,7 +286,7 @@ json PageSide::finish(PageNumbers& numbers) {
   for (const auto& [name, curve] : {std::pair{"force", &force_}, {"depth", &depth_}})
     side[name] = {{"low", numbers.add(curve->low)}, {"high", numbers.add(curve->high)}};
   side["reasons"] = json::array();
-  for (int i = 0; i <= static_cast<int>(GuardReason::deadlines); ++i)
+  for (int i = 0; i < static_cast<int>(kGuardReasons); ++i)
     side["reasons"].push_back(toString(static_cast<GuardReason>(i)));
   if (isAsked_) return side;
   side["scene"] = scene_.name;

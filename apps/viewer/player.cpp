@@ -72,7 +72,7 @@ void Player::makeIndex() {
   std::string damage, end;
   bool closed = false;
   // Where an event of each reason could begin at the earliest; the first: of a contact.
-  std::array<std::uint64_t, static_cast<std::size_t>(GuardReason::deadlines) + 1> quiet{};
+  std::array<std::uint64_t, kGuardReasons> quiet{};
   const auto happens = [&](GuardReason reason) {
     std::uint64_t& from = quiet[static_cast<std::size_t>(reason)];
     if (at >= from) events_.push_back({at, reason});

@@ -20,6 +20,8 @@ constexpr double kLinkError = 0.2;      // of the energy of rotors and cables
 constexpr double kLever = 0.05;         // m at which a moment counts as a force
 constexpr double kOscillationTime = 0.1;
 constexpr double kForgottenMisses = 0.01;
+constexpr double kReportTime = 0.1, kReportShare = 0.5, kReportLimit = 0.05, kLargestReport = 1.5;  // s, shares
+constexpr double kIntervalTime = 0.1, kShortest = 0.5;                                              // s, periods
 constexpr double kRounding = 1.0 + 1e-9;
 constexpr double kTouching = 1e-4;  // m: contacts farther away carry no force
 // A reading is frozen that has not changed by a bit for so many ticks, though the joint went on evenly by as many
@@ -63,6 +65,7 @@ Guard::Guard(const Mechanism& device, const GuardOptions& options)
     : options_(checked(device, options)),
       n_(device.joints()),
       damped_(!options.damping.isZero(0.0)),
+      most_(device.limits().effort),
       ring_(kGuardTicks) {
   if (options_.drive.stiffness > 0.0) describeTransmission();
   for (GuardTick& tick : ring_) tick.q = tick.requested = tick.applied = JointVector::Zero(n_);
@@ -93,6 +96,8 @@ void Guard::reset() noexcept {
   State fresh;
   fresh.torque = state_.torque;
   fresh.acted = state_.acted;
+  fresh.meanReport = state_.meanReport;
+  fresh.meanCommand = state_.meanCommand;
   fresh.withheld = true;
   state_ = fresh;
 }
@@ -100,18 +105,25 @@ void Guard::reset() noexcept {
 void Guard::restart() noexcept {
   state_ = State();
   count_ = 0;
+  ignored_ = 0;
+  ignoredJoint_ = -1;
 }
 
 template <typename AnyState, typename Visit>
 void Guard::forEachNumber(AnyState& s, const Visit& visit) {
   visit(s.fault);
-  for (auto* flag : {&s.started, &s.acted, &s.open, &s.withheld, &s.known, &s.shedding}) visit(*flag);
-  for (auto* number : {&s.time, &s.sampleTime, &s.ticks, &s.weight, &s.energy, &s.held, &s.peak, &s.missed})
-    visit(*number);
+  for (auto* flag : {&s.started, &s.acted, &s.open, &s.withheld, &s.known, &s.shedding, &s.reports}) visit(*flag);
+  for (auto* number : {&s.time, &s.sampleTime, &s.ticks, &s.weight, &s.interval, &s.peak, &s.missed}) visit(*number);
   visit(s.rampTicks);
-  for (auto* row : {&s.q, &s.acting, &s.torque, &s.gravity, &s.rendered, &s.from, &s.fromGravity, &s.beyond, &s.lagged,
-                    &s.stretch, &s.stretchRate, &s.jerk, &s.pace, &s.claimed})
+  for (auto* row : {&s.q, &s.acting, &s.torque, &s.gravity, &s.rendered, &s.from, &s.fromGravity, &s.meanReport,
+                    &s.meanCommand, &s.jerk, &s.pace, &s.claimed})
     for (auto& number : *row) visit(number);
+  for (auto* account : {&s.commanded, &s.reported}) {
+    visit(account->energy);
+    visit(account->held);
+    for (auto* row : {&account->beyond, &account->lagged, &account->stretch, &account->stretchRate})
+      for (auto& number : *row) visit(number);
+  }
   for (int i = 0; i < 6; ++i) visit(s.twist[i]);
   for (int i = 0; i < 3; ++i) visit(s.surface[i]);
   for (int i = 0; i < 9; ++i) visit(s.rotation.data()[i]);
@@ -141,7 +153,7 @@ void Guard::loadState(const double* state) noexcept {
       least = 0.0;
       most = std::is_same_v<Number, bool>  ? 1.0
              : std::is_same_v<Number, int> ? std::numeric_limits<int>::max()
-                                           : static_cast<double>(GuardReason::deadlines);
+                                           : static_cast<double>(kGuardReasons - 1);
       isSound = isSound && value == std::floor(value);
     }
     isSound = isSound && value >= least && value <= most;
@@ -191,10 +203,37 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   return elapsed > longest ? GuardReason::late : GuardReason::none;
 }
 
+// The first joint whose report cannot be true, or -1.
+int Guard::unlikelyJoint(const JointVector& applied) const noexcept {
+  const State& s = state_;
+  for (int i = 0; i < n_; ++i)
+    if (!(std::abs(applied[i]) <= kLargestReport * most_[i]) ||
+        (isDriven(i) && std::abs(s.meanReport[i] - s.meanCommand[i]) >
+                            kReportShare * std::abs(s.meanCommand[i]) + kReportLimit * most_[i]))
+      return i;
+  return -1;
+}
+
+bool Guard::believes(const JointVector& applied) const noexcept { return unlikelyJoint(applied) < 0; }
+
+// A motor's torque comes late and is not exact, but in the mean it is that of the commands.
+void Guard::compareReport(const JointVector& applied, double elapsed) noexcept {
+  State& s = state_;
+  const double share = std::min(1.0, elapsed / kReportTime);
+  for (int i = 0; i < n_; ++i) {
+    const double most = kLargestReport * most_[i];
+    s.meanReport[i] += share * (std::clamp(applied[i], -most, most) - s.meanReport[i]);
+    s.meanCommand[i] += share * (s.acting[i] - s.meanCommand[i]);
+  }
+}
+
+double Guard::energy() const noexcept {
+  return state_.reports ? std::max(state_.commanded.energy, state_.reported.energy) : state_.commanded.energy;
+}
+
 // Of a motor's torque and the way of its encoder: what reaches the link. The rest turns the rotor and stretches the
 // cable. Without it a single strong command counts as energy of the tool: it winds the cable up.
-void Guard::reachLink(int joint, double elapsed, double& torque, double& way) noexcept {
-  State& s = state_;
+void Guard::reachLink(int joint, double elapsed, Account& s, double& torque, double& way) const noexcept {
   const Transmission& t = transmission_[joint];
   const double command = torque, before = s.stretch[joint], rateBefore = s.stretchRate[joint],
                lagBefore = s.lagged[joint];
@@ -216,54 +255,81 @@ void Guard::reachLink(int joint, double elapsed, double& torque, double& way) no
   if (!options_.drive.encoderOnLink) way -= s.stretch[joint] - before;
 }
 
+// Books the motion since the last sample under the account of a torque; the force that it made, N.
+double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque, Account& account) noexcept {
+  const State& s = state_;
+  const GuardOptions& o = options_;
+  const double elapsed = m.time - s.sampleTime;
+  double work = 0.0, held = 0.0;
+  Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
+  for (int i = 0; i < n_; ++i) {
+    double step = m.q[i] - s.q[i], beyond = torque[i] - s.gravity[i];
+    way += k.jacobian.col(i) * step;
+    if (o.drive.stiffness > 0.0) {
+      reachLink(i, elapsed, account, beyond, step);
+      held += 0.5 * o.drive.stiffness * account.stretch[i] * account.stretch[i] +
+              0.5 * o.drive.rotorInertia * account.stretchRate[i] * account.stretchRate[i];
+    }
+    wrench += k.inverseTransposed.col(i) * beyond;
+    // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
+    // bound.
+    work += beyond * step - 0.5 * o.encoderStep[i] * std::abs(beyond - account.beyond[i]);
+    account.beyond[i] = beyond;
+  }
+  // What rotors and cables exchange with the links is known only as well as the inertia of the links here.
+  held = std::min(held, mostHeld_);
+  work -= kLinkError * std::abs(held - account.held);
+  account.held = held;
+  const double force = std::hypot(wrench.head<3>().norm(), wrench.tail<3>().norm() / kLever);
+  const double peak = std::max(force, s.peak);
+  if (peak > kLeastForce) {
+    if (damped_) work -= way.dot(o.damping * way) / elapsed;
+    work -= wrench.head<3>().dot(s.surface) * elapsed;
+    account.energy += work;
+  }
+  if (account.energy > 0.0) account.energy = std::max(0.0, account.energy - o.power * elapsed);
+  account.energy = std::max(account.energy, -0.5 * peak * peak / o.softest);
+  if (!(std::abs(account.energy) <= kLargestEnergy)) account.energy = kLargestEnergy;  // numbers that mean nothing
+  return force;
+}
+
 // Workspace, speed and energy of the motion since the last sample; its twist.
 GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   State& s = state_;
   const GuardOptions& o = options_;
   const double elapsed = m.time - s.sampleTime;
-  const bool acts = m.applied && s.ticks == 1.0;  // it says what acted in the last tick
-  double work = 0.0, held = 0.0;
-  Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
-  for (int i = 0; i < n_; ++i) {
-    double step = m.q[i] - s.q[i], beyond = (acts && isDriven(i) ? (*m.applied)[i] : s.acting[i]) - s.gravity[i];
-    way += k.jacobian.col(i) * step;
-    if (o.drive.stiffness > 0.0) {
-      reachLink(i, elapsed, beyond, step);
-      held += 0.5 * o.drive.stiffness * s.stretch[i] * s.stretch[i] +
-              0.5 * o.drive.rotorInertia * s.stretchRate[i] * s.stretchRate[i];
-    }
-    wrench += k.inverseTransposed.col(i) * beyond;
-    // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
-    // bound.
-    work += beyond * step - 0.5 * o.encoderStep[i] * std::abs(beyond - s.beyond[i]);
-    s.beyond[i] = beyond;
-  }
+  Vec6 way = Vec6::Zero();
+  for (int i = 0; i < n_; ++i) way += k.jacobian.col(i) * (m.q[i] - s.q[i]);
   s.twist = way / std::max(elapsed, 0.5 * o.period);
 
-  // What rotors and cables exchange with the links is known only as well as the inertia of the links here.
-  held = std::min(held, mostHeld_);
-  work -= kLinkError * std::abs(held - s.held);
-  s.held = held;
-  const double force = std::hypot(wrench.head<3>().norm(), wrench.tail<3>().norm() / kLever);
-  s.peak = std::max(force, s.peak * std::max(0.0, 1.0 - elapsed / kForgets));
-  if (s.peak > kLeastForce) {
-    if (damped_) work -= way.dot(o.damping * way) / elapsed;
-    work -= wrench.head<3>().dot(s.surface) * elapsed;
-    s.energy += work;
+  s.peak *= std::max(0.0, 1.0 - elapsed / kForgets);
+  if (m.applied && !s.reports) s.reported = s.commanded;
+  s.reports = s.reports || m.applied.has_value();
+  double force = book(m, k, s.acting, s.commanded);
+  if (s.reports) {
+    Row torque = s.acting;
+    // It says what acted in the last tick: where that had no sample, the commands count.
+    if (m.applied && s.ticks == 1.0) {
+      const int unlikely = unlikelyJoint(*m.applied);
+      if (unlikely >= 0) {
+        ++ignored_;
+        ignoredJoint_ = unlikely;
+      }
+      for (int i = 0; i < n_ && unlikely < 0; ++i)
+        if (isDriven(i)) torque[i] = (*m.applied)[i];
+      compareReport(*m.applied, elapsed);
+    }
+    force = std::max(force, book(m, k, torque, s.reported));
   }
-  if (s.energy > 0.0) s.energy = std::max(0.0, s.energy - o.power * elapsed);
-  s.energy = std::max(s.energy, -0.5 * s.peak * s.peak / o.softest);
-  if (!(std::abs(s.energy) <= kLargestEnergy && s.peak <= kLargestEnergy)) {  // out of numbers that mean nothing
-    s.energy = kLargestEnergy;
-    s.peak = 0.0;
-  }
+  s.peak = std::max(s.peak, force);
+  if (!(s.peak <= kLargestEnergy)) s.peak = 0.0;  // numbers that mean nothing
 
   for (int i = 0; i < 3; ++i)
     if (!(std::abs(k.pose.position[i]) <= o.workspace[i] + o.margin)) return GuardReason::workspace;
   if (!(s.twist.head<3>().squaredNorm() <= o.stopSpeed * o.stopSpeed &&
         s.twist.tail<3>().squaredNorm() <= o.stopTurn * o.stopTurn))
     return GuardReason::speed;
-  return s.energy <= o.energy ? GuardReason::none : GuardReason::energy;
+  return energy() <= o.energy ? GuardReason::none : GuardReason::energy;
 }
 
 // Whether what is asked for oscillates.
@@ -414,6 +480,7 @@ GuardReason Guard::judged(const Measurement& m, Status status, bool known, doubl
                           const TickFrame& frame) noexcept {
   State& s = state_;
   const JointVector& requested = frame.output.torque;
+  if (m.failed) return GuardReason::device;
   if (!known) return GuardReason::unreachable;
   if (status != Status::ok || !isSize(requested, n_) || !eachWithin(requested, kLargestTorque))
     return GuardReason::renderer;
@@ -424,6 +491,11 @@ GuardReason Guard::judged(const Measurement& m, Status status, bool known, doubl
     const double missed = std::max(0.0, std::round(elapsed / options_.period) - 1.0) + (m.age > 0 ? 1.0 : 0.0);
     s.missed += missed - kForgottenMisses * s.missed;
     if (s.missed > options_.mostMissed) return GuardReason::deadlines;
+    if (m.age == 0) {
+      const double between = m.time - s.sampleTime;
+      s.interval += std::min(1.0, between / kIntervalTime) * (between - options_.period - s.interval);
+      if (s.interval < (kShortest - 1.0) * options_.period) return GuardReason::early;
+    }
   }
   return asked(requested, frame.kinematics);
 }
@@ -500,7 +572,7 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
     tick.q = m.q;
     tick.requested = requested;
     tick.applied = torque;
-    tick.energy = s.energy;
+    tick.energy = energy();
     tick.reason = frame.reason;
   }
 }

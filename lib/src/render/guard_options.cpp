@@ -56,6 +56,8 @@ const char* toString(GuardReason reason) noexcept {
     case GuardReason::energy: return "gave energy";
     case GuardReason::oscillation: return "oscillates";
     case GuardReason::deadlines: return "missed too many deadlines";
+    case GuardReason::device: return "the driver failed";
+    case GuardReason::early: return "samples come too fast";
   }
   return "unknown reason";
 }

@@ -33,6 +33,7 @@ HapticTick::HapticTick(const Mechanism& mechanism, const Scene& scene, const Too
       tool_(tool),
       renderer_(renderer),
       guard_(mechanism, guard),
+      obstacles_(scene),
       track_(makeToolTrack(scene, tool)) {
   placeAt(start);
   frame_.maxTorque = guard.on ? guard.torque : mechanism.limits().effort;
@@ -92,15 +93,17 @@ Status HapticTick::sense(const Measurement& m) noexcept {
   }
   frame_.time = m.time;
   frame_.age = m.age;
-  frame_.applied = m.applied;
+  frame_.applied.reset();
+  if (m.applied && m.applied->size() == mechanism_.joints() && guard_.believes(*m.applied)) frame_.applied = m.applied;
   // Where the device cannot tell, the renderer takes its own answer for what acted, unless the guard changed it.
-  if (!m.applied && frame_.reason != GuardReason::none) frame_.applied = frame_.command;
+  if (!frame_.applied && frame_.reason != GuardReason::none) frame_.applied = frame_.command;
   return Status::ok;
 }
 
 Status HapticTick::findContacts(double time) noexcept {
   const Pose& pose = frame_.kinematics.pose;
-  const Status status = followContacts(scene_, tool_, pose, kContactMargin, track_, frame_.contacts);
+  const Scene& scene = obstacles_.follow(scene_, time);
+  const Status status = followContacts(scene, tool_, pose, kContactMargin, track_, frame_.contacts);
   if (status != Status::ok) return status;
   if (drill_ != nullptr) drill_->correct(frame_.contacts);
   sampleTime_ = time;
@@ -119,7 +122,7 @@ void HapticTick::cut(double elapsed) noexcept {
   Vec3 force = Vec3::Zero();  // of the wall on the tool, W, N
   const Kinematics& k = frame_.kinematics;
   if (frame_.output.mode == RenderMode::contact) force = wrenchOf(k, frame_.command - k.gravity).head<3>();
-  drill_->cut(scene_, k.pose, force, elapsed, frame_.contacts);
+  drill_->cut(obstacles_.scene(), k.pose, force, elapsed, frame_.contacts);
 }
 
 void HapticTick::placeAt(const Pose& start) noexcept {
@@ -131,6 +134,7 @@ void HapticTick::placeAt(const Pose& start) noexcept {
 void HapticTick::reset() noexcept {
   guard_.reset();
   renderer_.reset();
+  obstacles_.reset(scene_);
   sampleTime_ = kNever;
 }
 
@@ -139,7 +143,8 @@ void HapticTick::restart(const Pose& start) noexcept {
   renderer_.reset();
   sampleTime_ = kNever;
   placeAt(start);
-  track_.reset(scene_);
+  obstacles_.reset(scene_);
+  track_.reset(obstacles_.scene());
   frame_.output = TickOutput{};
   frame_.output.torque.setZero(mechanism_.joints());
   frame_.command = JointVector();
@@ -159,7 +164,7 @@ void HapticTick::saveState(void* state) const noexcept {
   for (const double number :
        {sampleTime_, frame_.time, static_cast<double>(frame_.age), static_cast<double>(frame_.reason)})
     *at++ = number;
-  track_.saveState(scene_, at);
+  track_.saveState(obstacles_.scene(), at);
   at += track_.stateSize();
   guard_.saveState(at);
   renderer_.saveState(at + Guard::stateSize());
@@ -169,7 +174,7 @@ void HapticTick::loadState(const void* state) noexcept {
   const double* at = static_cast<const double*>(state);
   const double* const reason = at + frameSize(mechanism_.joints()) - 1;
   bool isSound = isRotation(Eigen::Map<const Mat3>(at + 3)) && *reason >= 0.0 &&
-                 *reason <= static_cast<double>(GuardReason::deadlines) && *reason == std::floor(*reason);
+                 *reason < static_cast<double>(kGuardReasons) && *reason == std::floor(*reason);
   for (const double* number = at; number < reason; ++number) isSound = isSound && std::isfinite(*number);
   if (!isSound) {
     reset();
@@ -185,7 +190,8 @@ void HapticTick::loadState(const void* state) noexcept {
   frame_.age = static_cast<int>(std::clamp(reason[-1], 0.0, 1e6));
   frame_.reason = static_cast<GuardReason>(*reason);
   at = reason + 1;
-  track_.loadState(scene_, at);
+  obstacles_.reset(scene_);
+  track_.loadState(obstacles_.scene(), at);
   at += track_.stateSize();
   guard_.loadState(at);
   renderer_.loadState(at + Guard::stateSize());

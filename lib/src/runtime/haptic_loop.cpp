@@ -62,11 +62,14 @@ bool LoopBody::step() noexcept {
   // The constructor's measurement is the first tick's where there is no newer one.
   Measurement fresh = measurement_;
   Status device = device_.measure(fresh);
+  const bool fails = device != Status::ok && device != Status::stale;
   if (device == Status::ok || first_) {
     if (device == Status::ok) measurement_ = fresh;
     measurement_.age = 0;
+    measurement_.failed = fails;
     silence_ = 0.0;
   } else {
+    measurement_.failed = measurement_.failed || fails;
     silence_ += period_;
     if (silence_ > guard.longestGap * ticks_) reset_ = false;
     heldAll_.fetch_add(1, std::memory_order_relaxed);

@@ -135,9 +135,9 @@ void Recorder::add(std::uint64_t number, const Measurement& measurement, const H
   t.status = static_cast<std::uint8_t>(status);
   t.reason = static_cast<std::uint8_t>(tick.frame().reason);
   t.mode = static_cast<std::uint8_t>(output.mode);
-  t.flags =
-      static_cast<std::uint8_t>((measurement.enabled ? kEnabled : 0) | (output.saturated ? kSaturated : 0) |
-                                (reset ? kReset : 0) | (tick.drill() != nullptr && tick.drill()->spins() ? kSpins : 0));
+  t.flags = static_cast<std::uint8_t>(
+      (measurement.enabled ? kEnabled : 0) | (output.saturated ? kSaturated : 0) | (reset ? kReset : 0) |
+      (tick.drill() != nullptr && tick.drill()->spins() ? kSpins : 0) | (measurement.failed ? kFailed : 0));
   t.age = static_cast<std::uint8_t>(std::clamp(measurement.age, 0, 255));
   std::memcpy(chunkAt(now) + sizeof(ChunkHead) + padded(header_.stateSize) + ticks_ * sizeof(t), &t, sizeof(t));
   if (++ticks_ < kChunkTicks) return;

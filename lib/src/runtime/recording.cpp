@@ -180,8 +180,8 @@ namespace {
 
 bool isWhole(const TickBytes& t) noexcept {
   return *std::max_element(std::begin(t.sizes), std::end(t.sizes)) <= kMaxJoints && t.status < kStatuses &&
-         t.reason <= static_cast<int>(GuardReason::deadlines) && t.mode <= static_cast<int>(RenderMode::fault) &&
-         (t.flags & ~(kEnabled | kSaturated | kReset | kSpins)) == 0;
+         t.reason < kGuardReasons && t.mode <= static_cast<int>(RenderMode::fault) &&
+         (t.flags & ~(kEnabled | kSaturated | kReset | kSpins | kFailed)) == 0;
 }
 
 RecordedTick tickOf(const TickBytes& t, int joints) {
@@ -196,6 +196,7 @@ RecordedTick tickOf(const TickBytes& t, int joints) {
   if (t.sizes[2] > 0) tick.measurement.applied = vector(t.applied, t.sizes[2]);
   tick.measurement.enabled = (t.flags & kEnabled) != 0;
   tick.measurement.age = t.age;
+  tick.measurement.failed = (t.flags & kFailed) != 0;
   tick.requested = vector(t.requested, joints);
   tick.command = vector(t.command, joints);
   tick.normalForce = t.normalForce;

@@ -37,7 +37,7 @@ struct TickBytes {
   std::uint8_t status, reason, mode, flags, age;  // of the sample, at most 255 periods
 };
 static_assert(sizeof(TickBytes) == 320);
-inline constexpr std::uint8_t kEnabled = 1, kSaturated = 2, kReset = 4, kSpins = 8;
+inline constexpr std::uint8_t kEnabled = 1, kSaturated = 2, kReset = 4, kSpins = 8, kFailed = 16;
 
 inline constexpr std::size_t kChunkCrcBegin = 8;  // behind mark and CRC
 inline std::size_t padded(std::size_t size) noexcept { return (size + 7) / 8 * 8; }

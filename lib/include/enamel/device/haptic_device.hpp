@@ -20,7 +20,8 @@ struct Measurement {
   bool enabled = true;            ///< the user's enable, such as a dead man's switch; true where the device has none
   std::uint32_t buttons = 0;      ///< bit i: button i is pressed
   std::optional<double> gripper;  ///< opening angle, rad; empty where the device has none
-  int age = 0;  ///< periods since the sample; 0: a new one. Above 0, q, rates and applied are ignored
+  int age = 0;          ///< periods since the sample; 0: a new one. Above 0, q, rates and applied are ignored
+  bool failed = false;  ///< the driver cannot go on: the guard's fault `device`; with an age above 0
 };
 
 /// What a device is told.
@@ -41,8 +42,8 @@ class HapticDevice {
   /// Ends what open() began, with the motors off; does nothing on a device that is not open. Realtime: no.
   virtual void close() noexcept {}
 
-  /// Any status but ok: the measurement is not to be used; stale where there is none since the last call. Realtime:
-  /// yes.
+  /// Statuses: ok; stale where there is no measurement since the last call; any other where the driver cannot go on:
+  /// the loop then stops rendering. Realtime: yes.
   [[nodiscard]] virtual Status measure(Measurement& measurement) noexcept = 0;
 
   /// Realtime: yes.

@@ -1,10 +1,11 @@
 // The guard: decides what a renderer's torque becomes before it reaches the motors. In every HapticTick, on by default.
 //
 // A request that no rule objects to passes bit for bit. The rules, in this order: finite numbers; a measurement that
-// can be (jumps, frozen encoders, the clock); force, torque and slew; workspace and speed; the energy that the tool was
-// given; oscillation; missed deadlines; the user's enable. Cuts scale the part beyond gravity, so a force becomes
-// smaller and is never turned. A fault ramps the torque to what balances gravity where the configuration is known, to
-// zero where it is not, and stays until reset(). Told at length, with what it cannot see: lib/docs/guard.md.
+// can be (jumps, frozen encoders, the clock); a driver that fails; force, torque and slew; workspace and speed; the
+// energy that the tool was given; oscillation; missed deadlines; samples that come too fast; the user's enable. Cuts
+// scale the part beyond gravity, so a force becomes smaller and is never turned. A fault ramps the torque to what
+// balances gravity where the configuration is known, to zero where it is not, and stays until reset(). Told at length,
+// with what it cannot see: lib/docs/guard.md.
 #pragma once
 
 #include <array>
@@ -66,10 +67,11 @@ void setDrive(const Mechanism& device, GuardOptions& options);
 
 /// One tick as the guard keeps it.
 struct GuardTick {
-  double time = 0.0;                       ///< s
-  JointVector q;                           ///< measured, rad or m
-  JointVector requested, applied;          ///< N m or N
-  double energy = 0.0;                     ///< that the tool was given beyond what it gave, J; negative: it gave
+  double time = 0.0;               ///< s
+  JointVector q;                   ///< measured, rad or m
+  JointVector requested, applied;  ///< N m or N
+  double energy =
+      0.0;  ///< that the tool was given beyond what it gave, the worse of both accounts, J; negative: it gave
   GuardReason reason = GuardReason::none;  ///< why the two differ
 };
 
@@ -100,6 +102,15 @@ class Guard {
 
   const GuardOptions& options() const noexcept { return options_; }
 
+  /// Whether a report of the torque that acted (Measurement::applied) can be true: each motor within 1.5 times its
+  /// limit, and in the mean of 0.1 s within half of what was commanded and a twentieth of the limit. The tick and the
+  /// guard take the command instead of a report that cannot be true. Realtime: yes.
+  bool believes(const JointVector& applied) const noexcept;
+
+  /// Reports that were not believed since construction or restart(), and the joint of the last one. Realtime: yes.
+  std::uint64_t ignoredReports() const noexcept { return ignored_; }
+  int ignoredJoint() const noexcept { return ignoredJoint_; }
+
   /// The state between ticks, as stateSize() numbers, and back; the ticks that are kept stay. Numbers that no state can
   /// have are those after reset(). Realtime: yes.
   static std::size_t stateSize() noexcept;
@@ -117,6 +128,13 @@ class Guard {
     double kept[3][3], command[3];
     double share;  // of what is left for rotor and link that reaches the link
   };
+  // Energy that the tool was given, by one opinion on the torque that acted.
+  struct Account {
+    double energy = 0.0;                     // J
+    double held = 0.0;                       // by rotors and cables, J
+    Row beyond{};                            // that reached the links beyond gravity before the last tick
+    Row lagged{}, stretch{}, stretchRate{};  // of motors and cables: torque beyond gravity, rad or m, and its rate
+  };
   struct State {
     GuardReason fault = GuardReason::none;
     bool started = false;   // there was a tick since reset()
@@ -129,23 +147,23 @@ class Guard {
     double sampleTime = 0.0;  // of the last sample, with what follows
     Row q{};
     Vec6 twist = Vec6::Zero();
-    Row acting{};                            // applied since then, the mean
-    double ticks = 0.0;                      // since then
-    Row torque{};                            // applied last; of a joint without a motor what the wall would have needed
-    Row gravity{};                           // at the last tick
-    Row rendered{};                          // requested beyond gravity, at the last tick
-    Vec3 surface = Vec3::Zero();             // velocity of what was touched at the last tick, W
-    Mat3 rotation = Mat3::Identity();        // of the platform at the last sample
-    double weight = 0.0;                     // of the rendered part
-    Row from{}, fromGravity{};               // where a fault's ramp begins
-    int rampTicks = 0;                       // of it
-    double energy = 0.0;                     // J
-    double held = 0.0;                       // by rotors and cables, J
-    double peak = 0.0;                       // largest rendered force of late, N
-    Row beyond{};                            // that reached the links beyond gravity before the last tick
-    Row lagged{}, stretch{}, stretchRate{};  // of motors and cables: torque beyond gravity, rad or m, and its rate
-    Row jerk{};                              // mean square change of the rendered torque, shares
-    double missed = 0.0;                     // ticks
+    Row acting{};                      // applied since then, the mean
+    double ticks = 0.0;                // since then
+    Row torque{};                      // applied last; of a joint without a motor what the wall would have needed
+    Row gravity{};                     // at the last tick
+    Row rendered{};                    // requested beyond gravity, at the last tick
+    Vec3 surface = Vec3::Zero();       // velocity of what was touched at the last tick, W
+    Mat3 rotation = Mat3::Identity();  // of the platform at the last sample
+    double weight = 0.0;               // of the rendered part
+    Row from{}, fromGravity{};         // where a fault's ramp begins
+    int rampTicks = 0;                 // of it
+    Account commanded, reported;       // by what was commanded, and by what the device reports
+    bool reports = false;              // the device has reported
+    Row meanReport{}, meanCommand{};   // over 0.1 s
+    double interval = 0.0;             // mean time between samples, less a period, s
+    double peak = 0.0;                 // largest rendered force of late, N
+    Row jerk{};                        // mean square change of the rendered torque, shares
+    double missed = 0.0;               // ticks
     Row pace{}, claimed{};  // of a joint at rest: counts a tick before it stopped, counts that its rate predicts since
     std::array<bool, kMaxJoints> even{};  // whether the pace was that of the tick before
     std::array<int, kMaxJoints> still{};  // for how many ticks
@@ -158,7 +176,11 @@ class Guard {
   void remember(const Measurement& m) noexcept;
   GuardReason moved(const Measurement& m, const Kinematics& k) noexcept;
   void describeTransmission();
-  void reachLink(int joint, double elapsed, double& torque, double& way) noexcept;
+  void reachLink(int joint, double elapsed, Account& account, double& torque, double& way) const noexcept;
+  int unlikelyJoint(const JointVector& applied) const noexcept;
+  void compareReport(const JointVector& applied, double elapsed) noexcept;
+  double book(const Measurement& m, const Kinematics& k, const Row& torque, Account& account) noexcept;
+  double energy() const noexcept;
   GuardReason asked(const JointVector& requested, const Kinematics& k) noexcept;
   GuardReason shape(const Measurement& m, const Kinematics& k, const JointVector& requested, double elapsed,
                     JointVector& torque) noexcept;
@@ -172,7 +194,10 @@ class Guard {
   int n_;
   bool damped_;
   std::array<Transmission, kMaxJoints> transmission_{};  // behind cables
-  double lag_ = 0.0, mostHeld_ = 0.0;                    // of the motors, 1/s; largest of State::held, J
+  double lag_ = 0.0, mostHeld_ = 0.0;                    // of the motors, 1/s; largest of Account::held, J
+  JointVector most_;                                     // of the motors, whatever the options, N m or N
+  std::uint64_t ignored_ = 0;
+  int ignoredJoint_ = -1;
   State state_;
   std::vector<GuardTick> ring_;
   std::size_t count_ = 0;

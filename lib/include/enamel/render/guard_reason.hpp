@@ -30,9 +30,11 @@ enum class GuardReason : std::uint8_t {
   energy,       ///< the tool was given more energy than it gave, beyond the budget
   oscillation,  ///< the rendered torque oscillates
   deadlines,    ///< too many ticks or samples were missed
+  device,       ///< the driver failed: Measurement::failed
+  early,        ///< samples come in less than half a period, on average
 };
 
-inline constexpr std::size_t kGuardReasons = static_cast<std::size_t>(GuardReason::deadlines) + 1;
+inline constexpr std::size_t kGuardReasons = static_cast<std::size_t>(GuardReason::early) + 1;
 
 inline constexpr bool isFault(GuardReason reason) noexcept { return reason >= GuardReason::measurement; }
 

@@ -10,6 +10,7 @@
 #include "enamel/render/frame.hpp"
 #include "enamel/render/guard.hpp"
 #include "enamel/render/renderer.hpp"
+#include "enamel/render/scene_motion.hpp"
 
 namespace enamel {
 
@@ -18,6 +19,7 @@ inline constexpr double kContactMargin = 1e-3;
 
 /// The tick of one device and one tool: owns the frame and what lasts from tick to tick; refers to mechanism, scene and
 /// renderer, which must outlive it. Obstacles may move between ticks, none may be added.
+/// Poses may come at the rate of the ticks or at that of frames: SceneMotion says what a tick sees of them.
 ///
 /// A tick without a new sample (Measurement::age above 0, or a time stamp that repeats) keeps kinematics and contacts
 /// of the last one; the renderer predicts, the drill waits. The guard lets GuardOptions::longestGap of them through.
@@ -56,6 +58,7 @@ class HapticTick {
   const TickFrame& frame() const noexcept { return frame_; }
   const Guard& guard() const noexcept { return guard_; }
   const Renderer& renderer() const noexcept { return renderer_; }
+  const SceneMotion& obstacles() const noexcept { return obstacles_; }
 
   /// Save and load all state needed to continue bit for bit, stateSize() bytes aligned as doubles, the renderer's last.
   /// The ticks that the guard keeps and the attached drill are not part of it. Invalid once an obstacle was moved or
@@ -81,6 +84,7 @@ class HapticTick {
   Tool tool_;
   Renderer& renderer_;
   Guard guard_;
+  SceneMotion obstacles_;
   ToolTrack track_;
   TickFrame frame_;
   double sampleTime_ = kNever;  // of the last sample, s

@@ -54,8 +54,9 @@ struct HapticLoopOptions {
 
 /// What the thread of a HapticLoop does once a period; runs without a thread too, on simulated time.
 ///
-/// Where the device has no new sample, the tick predicts (Measurement::age), for up to GuardOptions::longestGap periods
-/// of the ticks; then the guard's fault `late` ramps out. A device that is back does not end the fault: reset() does.
+/// Where the device has no new sample (stale), the tick predicts (Measurement::age), for up to GuardOptions::longestGap
+/// periods of the ticks; then the guard's fault `late` ramps out. Any other status of measure() is the fault `device`;
+/// LoopTick::device has the status. A device that is back does not end a fault: reset() does.
 class LoopBody {
  public:
   /// Opens the device, waits for its first measurement, resets a tick that has run before. Throws Error: the guard is

@@ -1,0 +1,90 @@
+#include "enamel/render/scene_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace enamel {
+namespace {
+
+constexpr double kLongestFrame = 0.1;                    // s: a pose that is newer than this belongs to a motion
+constexpr double kStretch = 1.2;                         // of a frame: so late may the next one be
+constexpr double kTwistError = 0.5;                      // share of a stated twist, or of the motion
+constexpr double kLeastSpeed = 1e-3, kLeastTurn = 0.02;  // m/s, rad/s: slower is no claim
+
+bool isSame(const Pose& a, const Pose& b) noexcept { return a.position == b.position && a.rotation == b.rotation; }
+
+// From one pose to another within `time` s: [v; w], W.
+Vec6 twistBetween(const Pose& from, const Pose& to, double time) noexcept {
+  Vec6 twist;
+  twist << (to.position - from.position) / time, rotationVector(to.rotation * from.rotation.transpose()) / time;
+  return twist;
+}
+
+bool agrees(const Vec3& stated, const Vec3& real, double least) noexcept {
+  return (stated - real).norm() <= std::max(least, kTwistError * std::max(stated.norm(), real.norm()));
+}
+
+bool agrees(const Vec6& stated, const Vec6& real) noexcept {
+  return agrees(stated.head<3>(), real.head<3>(), kLeastSpeed) && agrees(stated.tail<3>(), real.tail<3>(), kLeastTurn);
+}
+
+}  // namespace
+
+SceneMotion::SceneMotion(const Scene& scene) : scene_(scene), glides_(scene.obstacles().size()) { reset(scene); }
+
+void SceneMotion::reset(const Scene& stated) noexcept {
+  for (std::size_t i = 0; i < glides_.size() && i < stated.obstacles().size(); ++i) {
+    glides_[i] = {stated.obstacles()[i].pose, 0.0, 0.0, Vec6::Zero()};
+    (void)scene_.move(static_cast<int>(i), glides_[i].goal, Vec6::Zero());
+  }
+  started_ = false;
+}
+
+const Scene& SceneMotion::follow(const Scene& stated, double time) noexcept {
+  if (!started_) {
+    reset(stated);
+    for (Glide& glide : glides_) glide.set = time - kLongestFrame;
+    started_ = true;
+  }
+  const double elapsed = time - time_;
+  time_ = time;
+  for (std::size_t i = 0; i < glides_.size() && i < stated.obstacles().size(); ++i)
+    followOne(stated.obstacles()[i], static_cast<int>(i), elapsed);
+  return scene_;
+}
+
+void SceneMotion::followOne(const Obstacle& stated, int number, double elapsed) noexcept {
+  Glide& glide = glides_[static_cast<std::size_t>(number)];
+  const Pose& pose = scene_.obstacles()[static_cast<std::size_t>(number)].pose;
+  const bool isNew = !isSame(stated.pose, glide.goal);
+  if (!isNew && glide.left == 0.0 && glide.twist.isZero(0.0) && stated.twist.isZero(0.0)) return;  // most of them
+  bool isBelieved = stated.twist.isZero(0.0);
+  if (isNew && elapsed > 0.0) {
+    const bool isEveryTick = glide.set == time_ - elapsed;
+    const double since = std::min(time_ - glide.set, kLongestFrame);
+    glide.left = isEveryTick ? elapsed : std::max(elapsed, kStretch * since);
+    const Vec6 rate = twistBetween(glide.goal, stated.pose, since);  // the pose's
+    glide.twist = twistBetween(pose, stated.pose, glide.left);
+    isBelieved = isBelieved || agrees(stated.twist, rate);
+    if (isEveryTick) glide.twist = agrees(stated.twist, rate) ? stated.twist : rate;
+    glide.goal = stated.pose;
+    glide.set = time_;
+  } else if (glide.left == 0.0) {
+    glide.twist.setZero();
+  }
+  if (!isBelieved && !agrees(stated.twist, glide.twist)) {
+    ++ignored_;
+    ignoredObstacle_ = number;
+  }
+  if (glide.left > elapsed * (1.0 + 1e-9)) {
+    Pose next;
+    next.position = pose.position + elapsed * glide.twist.head<3>();
+    next.rotation = rotationFromVector(elapsed * glide.twist.tail<3>()) * pose.rotation;
+    glide.left -= elapsed;
+    if (scene_.move(number, next, glide.twist) == Status::ok) return;  // not a rotation any more, after rounding
+  }
+  glide.left = 0.0;
+  (void)scene_.move(number, glide.goal, glide.twist);
+}
+
+}  // namespace enamel
