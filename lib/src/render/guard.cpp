@@ -20,8 +20,9 @@ constexpr double kLinkError = 0.2;      // of the energy of rotors and cables
 constexpr double kLever = 0.05;         // m at which a moment counts as a force
 constexpr double kOscillationTime = 0.1;
 constexpr double kForgottenMisses = 0.01;
-constexpr double kReportTime = 0.1, kReportShare = 0.5, kReportLimit = 0.05, kLargestReport = 1.5;  // s, shares
-constexpr double kIntervalTime = 0.1, kShortest = 0.5;                                              // s, periods
+// Of reported torque: time constant, s; share of the commands, and of the motor's limit.
+constexpr double kReportTime = 0.03, kReportShare = 0.5, kReportNoise = 0.03, kLargestReport = 1.5;
+constexpr double kIntervalTime = 0.1, kShortest = 0.5;  // s, periods
 constexpr double kRounding = 1.0 + 1e-9;
 constexpr double kTouching = 1e-4;  // m: contacts farther away carry no force
 // A reading is frozen that has not changed by a bit for so many ticks, though the joint went on evenly by as many
@@ -96,8 +97,9 @@ void Guard::reset() noexcept {
   State fresh;
   fresh.torque = state_.torque;
   fresh.acted = state_.acted;
-  fresh.meanReport = state_.meanReport;
-  fresh.meanCommand = state_.meanCommand;
+  fresh.sent = state_.sent;
+  fresh.match = state_.match;
+  fresh.power = state_.power;
   fresh.withheld = true;
   state_ = fresh;
 }
@@ -115,9 +117,11 @@ void Guard::forEachNumber(AnyState& s, const Visit& visit) {
   for (auto* flag : {&s.started, &s.acted, &s.open, &s.withheld, &s.known, &s.shedding, &s.reports}) visit(*flag);
   for (auto* number : {&s.time, &s.sampleTime, &s.ticks, &s.weight, &s.interval, &s.peak, &s.missed}) visit(*number);
   visit(s.rampTicks);
-  for (auto* row : {&s.q, &s.acting, &s.torque, &s.gravity, &s.rendered, &s.from, &s.fromGravity, &s.meanReport,
-                    &s.meanCommand, &s.jerk, &s.pace, &s.claimed})
+  for (auto* row : {&s.q, &s.acting, &s.torque, &s.gravity, &s.rendered, &s.from, &s.fromGravity, &s.match, &s.power,
+                    &s.jerk, &s.pace, &s.claimed})
     for (auto& number : *row) visit(number);
+  for (auto& row : s.sent)
+    for (auto& number : row) visit(number);
   for (auto* account : {&s.commanded, &s.reported}) {
     visit(account->energy);
     visit(account->held);
@@ -205,26 +209,42 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
 
 // The first joint whose report cannot be true, or -1.
 int Guard::unlikelyJoint(const JointVector& applied) const noexcept {
-  const State& s = state_;
-  for (int i = 0; i < n_; ++i)
-    if (!(std::abs(applied[i]) <= kLargestReport * most_[i]) ||
-        (isDriven(i) && std::abs(s.meanReport[i] - s.meanCommand[i]) >
-                            kReportShare * std::abs(s.meanCommand[i]) + kReportLimit * most_[i]))
+  for (int i = 0; i < n_; ++i) {
+    const double noise = kReportNoise * most_[i];
+    if (isDriven(i) && (!(std::abs(applied[i]) <= kLargestReport * most_[i]) ||
+                        state_.match[i] < kReportShare * state_.power[i] - noise * noise))
       return i;
+  }
   return -1;
 }
 
 bool Guard::believes(const JointVector& applied) const noexcept { return unlikelyJoint(applied) < 0; }
 
-// A motor's torque comes late and is not exact, but in the mean it is that of the commands.
-void Guard::compareReport(const JointVector& applied, double elapsed) noexcept {
+// A motor's torque comes late and is not exact, but follows the commands. The oldest command's square, so that a report
+// that comes late is not taken for one that is missing.
+void Guard::compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept {
   State& s = state_;
   const double share = std::min(1.0, elapsed / kReportTime);
   for (int i = 0; i < n_; ++i) {
-    const double most = kLargestReport * most_[i];
-    s.meanReport[i] += share * (std::clamp(applied[i], -most, most) - s.meanReport[i]);
-    s.meanCommand[i] += share * (s.acting[i] - s.meanCommand[i]);
+    const double most = kLargestReport * most_[i], old = s.sent.back()[i];
+    s.match[i] += share * (std::clamp(applied[i], -most, most) * command[i] - s.match[i]);
+    s.power[i] += share * (old * old - s.power[i]);
   }
+}
+
+// The command of late that is most like the report: the delay may change from tick to tick.
+const Guard::Row& Guard::nearestCommand(const JointVector& applied) const noexcept {
+  const Row* best = nullptr;
+  double least = kUnlimited;
+  for (const Row& sent : state_.sent) {
+    double sum = 0.0;
+    for (int i = 0; i < n_; ++i)
+      if (isDriven(i)) sum += std::pow((applied[i] - sent[i]) / most_[i], 2);
+    if (sum >= least) continue;
+    best = &sent;
+    least = sum;
+  }
+  return best != nullptr ? *best : state_.acting;
 }
 
 double Guard::energy() const noexcept {
@@ -305,22 +325,23 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   s.peak *= std::max(0.0, 1.0 - elapsed / kForgets);
   if (m.applied && !s.reports) s.reported = s.commanded;
   s.reports = s.reports || m.applied.has_value();
-  double force = book(m, k, s.acting, s.commanded);
-  if (s.reports) {
-    Row torque = s.acting;
-    // It says what acted in the last tick: where that had no sample, the commands count.
-    if (m.applied && s.ticks == 1.0) {
-      const int unlikely = unlikelyJoint(*m.applied);
-      if (unlikely >= 0) {
-        ++ignored_;
-        ignoredJoint_ = unlikely;
-      }
-      for (int i = 0; i < n_ && unlikely < 0; ++i)
-        if (isDriven(i)) torque[i] = (*m.applied)[i];
-      compareReport(*m.applied, elapsed);
+  // What a report tells is known of one tick: where that had no sample, the mean of the commands since then counts.
+  Row commanded = s.acting, reported = s.acting;
+  if (m.applied && s.ticks == 1.0) {
+    const int unlikely = unlikelyJoint(*m.applied);
+    const Row& nearest = nearestCommand(*m.applied);
+    compareReport(*m.applied, nearest, elapsed);
+    if (unlikely < 0) {
+      reported = commanded = nearest;
+      for (int i = 0; i < n_; ++i)
+        if (isDriven(i)) reported[i] = (*m.applied)[i];
+    } else {
+      ++ignored_;
+      ignoredJoint_ = unlikely;
     }
-    force = std::max(force, book(m, k, torque, s.reported));
   }
+  double force = book(m, k, commanded, s.commanded);
+  if (s.reports) force = std::max(force, book(m, k, reported, s.reported));
   s.peak = std::max(s.peak, force);
   if (!(s.peak <= kLargestEnergy)) s.peak = 0.0;  // numbers that mean nothing
 
@@ -558,6 +579,8 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
     if (options_.on && !isDriven(i)) torque[i] = 0.0;  // the wall's share in it is no work that the renderer gave
     s.acting[i] = s.ticks == 1.0 ? s.torque[i] : s.acting[i] + (s.torque[i] - s.acting[i]) / s.ticks;
   }
+  std::copy_backward(s.sent.begin(), s.sent.end() - 1, s.sent.end());
+  s.sent[0] = s.torque;
   s.acted = true;
   if (m.age == 0 || !known) {
     Vec3 turn = Vec3::Zero();

@@ -102,9 +102,10 @@ class Guard {
 
   const GuardOptions& options() const noexcept { return options_; }
 
-  /// Whether a report of the torque that acted (Measurement::applied) can be true: each motor within 1.5 times its
-  /// limit, and in the mean of 0.1 s within half of what was commanded and a twentieth of the limit. The tick and the
-  /// guard take the command instead of a report that cannot be true. Realtime: yes.
+  /// Whether a report of the torque that acted (Measurement::applied) can be true: each motor's is within 1.5 times its
+  /// limit, and at least half of the commands of 0 to 3 ticks before is in it (by regression over 30 ms). More may be
+  /// in it: effects that an application adds. Tick and guard take the command for a report that cannot be true.
+  /// Realtime: yes.
   bool believes(const JointVector& applied) const noexcept;
 
   /// Reports that were not believed since construction or restart(), and the joint of the last one. Realtime: yes.
@@ -128,6 +129,7 @@ class Guard {
     double kept[3][3], command[3];
     double share;  // of what is left for rotor and link that reaches the link
   };
+  static constexpr int kReportLags = 4;
   // Energy that the tool was given, by one opinion on the torque that acted.
   struct Account {
     double energy = 0.0;                     // J
@@ -147,23 +149,24 @@ class Guard {
     double sampleTime = 0.0;  // of the last sample, with what follows
     Row q{};
     Vec6 twist = Vec6::Zero();
-    Row acting{};                      // applied since then, the mean
-    double ticks = 0.0;                // since then
-    Row torque{};                      // applied last; of a joint without a motor what the wall would have needed
-    Row gravity{};                     // at the last tick
-    Row rendered{};                    // requested beyond gravity, at the last tick
-    Vec3 surface = Vec3::Zero();       // velocity of what was touched at the last tick, W
-    Mat3 rotation = Mat3::Identity();  // of the platform at the last sample
-    double weight = 0.0;               // of the rendered part
-    Row from{}, fromGravity{};         // where a fault's ramp begins
-    int rampTicks = 0;                 // of it
-    Account commanded, reported;       // by what was commanded, and by what the device reports
-    bool reports = false;              // the device has reported
-    Row meanReport{}, meanCommand{};   // over 0.1 s
-    double interval = 0.0;             // mean time between samples, less a period, s
-    double peak = 0.0;                 // largest rendered force of late, N
-    Row jerk{};                        // mean square change of the rendered torque, shares
-    double missed = 0.0;               // ticks
+    Row acting{};                         // applied since then, the mean
+    double ticks = 0.0;                   // since then
+    Row torque{};                         // applied last; of a joint without a motor what the wall would have needed
+    Row gravity{};                        // at the last tick
+    Row rendered{};                       // requested beyond gravity, at the last tick
+    Vec3 surface = Vec3::Zero();          // velocity of what was touched at the last tick, W
+    Mat3 rotation = Mat3::Identity();     // of the platform at the last sample
+    double weight = 0.0;                  // of the rendered part
+    Row from{}, fromGravity{};            // where a fault's ramp begins
+    int rampTicks = 0;                    // of it
+    Account commanded, reported;          // by what was commanded, and by what the device reports
+    bool reports = false;                 // the device has reported
+    std::array<Row, kReportLags> sent{};  // applied at the last ticks, the newest first
+    Row match{}, power{};                 // means of report times command, and of the oldest command squared
+    double interval = 0.0;                // mean time between samples, less a period, s
+    double peak = 0.0;                    // largest rendered force of late, N
+    Row jerk{};                           // mean square change of the rendered torque, shares
+    double missed = 0.0;                  // ticks
     Row pace{}, claimed{};  // of a joint at rest: counts a tick before it stopped, counts that its rate predicts since
     std::array<bool, kMaxJoints> even{};  // whether the pace was that of the tick before
     std::array<int, kMaxJoints> still{};  // for how many ticks
@@ -178,7 +181,8 @@ class Guard {
   void describeTransmission();
   void reachLink(int joint, double elapsed, Account& account, double& torque, double& way) const noexcept;
   int unlikelyJoint(const JointVector& applied) const noexcept;
-  void compareReport(const JointVector& applied, double elapsed) noexcept;
+  void compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept;
+  const Row& nearestCommand(const JointVector& applied) const noexcept;
   double book(const Measurement& m, const Kinematics& k, const Row& torque, Account& account) noexcept;
   double energy() const noexcept;
   GuardReason asked(const JointVector& requested, const Kinematics& k) noexcept;
