@@ -229,6 +229,9 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
     fmt::print("recording: {}, {} ticks, {} lost\n", options.record, recorded.ticks, recorded.lost);
   }
   tally.print();
+  if (const Guard& seen = haptics.guard(); seen.ignoredReports() > 0)
+    fmt::print("reports of the torque that acted: {} ignored; those of joint {} do not follow the commands\n",
+               seen.ignoredReports(), seen.ignoredJoint());
   if (fault != GuardReason::none) throw Error(std::string("stopped by the guard: ") + toString(fault));
 }
 

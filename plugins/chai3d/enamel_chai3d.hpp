@@ -434,14 +434,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
 
   void moveObstacles() noexcept {
     for (const Followed& f : followed_) {
-      const Obstacle& obstacle = scene_.obstacles()[static_cast<std::size_t>(f.obstacle)];
-      const Pose pose = poseOf(*f.object);
-      Vec6 twist = Vec6::Zero();
-      if (pose.position != obstacle.pose.position || pose.rotation != obstacle.pose.rotation)
-        twist = motionBetween(obstacle.pose, pose) / guard_.period;
-      else if (obstacle.twist.isZero(0.0))
-        continue;
-      const Status moved = scene_.move(f.obstacle, pose, twist);
+      const Status moved = scene_.move(f.obstacle, poseOf(*f.object), Vec6::Zero());  // the tick finds the velocity
       if (moved != Status::ok) status_ = moved;
     }
   }

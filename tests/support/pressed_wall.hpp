@@ -34,6 +34,8 @@ struct PressResult {
   double depth = 0.0;                     // deepest point below the wall afterwards, m
   double lift = 0.0;                      // highest point above the wall afterwards, m
   double energy = 0.0;                    // largest work of the motors on the tool since the fault, without gravity, J
+  double energyAtEnd = 0.0;               // the same work in the last 0.2 s, J
+  std::uint64_t ignoredReports = 0;       // of the torque that acted
   GuardReason guard = GuardReason::none;  // the last one of the list that occurred
 };
 
@@ -104,7 +106,7 @@ inline PressResult run(const PressedWall& press) {
   };
 
   PressResult result;
-  double work = 0.0;
+  double work = 0.0, workBefore = 0.0;
   for (int i = 0; i < ticks; ++i) {
     const int tick = i - faultTick;
     if (press.host) press.host(tick, scene);
@@ -115,13 +117,16 @@ inline PressResult run(const PressedWall& press) {
     if (tick >= 0) {
       result.depth = std::max(result.depth, -height);
       result.lift = std::max(result.lift, height);
-      result.guard = std::max(result.guard, loop.tick().reason);
     }
+    if (tick >= 0 || isFault(loop.tick().reason)) result.guard = std::max(result.guard, loop.tick().reason);
     if (device.advance(hand) != Status::ok) return result;
     const Kinematics& k = device.kinematics();
     if (tick >= 0) work += press.period * wrenchOf(k, device.torque() - k.gravity).dot(device.state().twist);
     result.energy = std::max(result.energy, work);
+    if (tick == faultTick - static_cast<int>(0.2 / press.period)) workBefore = work;
   }
+  result.energyAtEnd = work - workBefore;
+  result.ignoredReports = haptics.guard().ignoredReports();
   result.finished = true;
   return result;
 }

@@ -65,7 +65,7 @@ void SceneMotion::followOne(const Obstacle& stated, int number, double elapsed) 
     glide.left = isEveryTick ? elapsed : std::max(elapsed, kStretch * since);
     const Vec6 rate = twistBetween(glide.goal, stated.pose, since);  // the pose's
     glide.twist = twistBetween(pose, stated.pose, glide.left);
-    isBelieved = isBelieved || agrees(stated.twist, rate);
+    isBelieved = isBelieved || agrees(stated.twist, rate) || since == kLongestFrame;  // nobody knows when it began
     if (isEveryTick) glide.twist = agrees(stated.twist, rate) ? stated.twist : rate;
     glide.goal = stated.pose;
     glide.set = time_;
