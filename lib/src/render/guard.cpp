@@ -21,7 +21,7 @@ constexpr double kLever = 0.05;         // m at which a moment counts as a force
 constexpr double kOscillationTime = 0.1;
 constexpr double kForgottenMisses = 0.01;
 // Of reported torque: time constant, s; share of the commands, and of the motor's limit.
-constexpr double kReportTime = 0.01, kReportShare = 0.5, kReportNoise = 0.03, kLargestReport = 1.5;
+constexpr double kReportTime = 0.01, kReportShare = 0.75, kReportNoise = 0.03, kLargestReport = 1.5;
 constexpr double kIntervalTime = 0.1, kShortest = 0.5;  // s, periods
 constexpr double kRounding = 1.0 + 1e-9;
 constexpr double kTouching = 1e-4;  // m: contacts farther away carry no force

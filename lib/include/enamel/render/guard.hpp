@@ -103,7 +103,7 @@ class Guard {
   const GuardOptions& options() const noexcept { return options_; }
 
   /// Whether a report of the torque that acted (Measurement::applied) can be true: each motor's is within 1.5 times its
-  /// limit, and at least half of the commands of 0 to 3 ticks before is in it (by regression over 10 ms). More may be
+  /// limit, and at least 0.75 of the commands of 0 to 3 ticks before is in it (by regression over 10 ms). More may be
   /// in it: effects that an application adds. Tick and guard take the command for a report that cannot be true.
   /// Realtime: yes.
   bool believes(const JointVector& applied) const noexcept;
