@@ -273,7 +273,7 @@ void addSearchOptions(CLI::App& command, DesignOptions& options) {
   command.add_option("--runs", options.search.runs, "--rivals: steps of force a point that evaluate a servo")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  command.add_option("--threads", options.search.threads, "--rivals: 0 means all; the result is the same")
+  command.add_option("--threads", options.search.threads, "0 means all; the result is the same")
       ->check(CLI::Range(0, kMaxThreads))
       ->capture_default_str();
   command.add_option("--seed", options.search.seed, "--rivals: of the random numbers")->capture_default_str();
@@ -285,9 +285,8 @@ void addDesign(CLI::App& app) {
   auto options = std::make_shared<DesignOptions>();
   CLI::App* command = app.add_subcommand(
       "design",
-      "What position control is expected to do on a device, and what limits it, from simulated pushes. Then the "
-      "paper's\n"
-      "servo for it (the renderer hold): linearise, hold, Riccati; margins and Table II.\n"
+      "What position control is expected to do on a device, and what limits it, from simulated pushes.\n"
+      "Then the paper's servo for it (the renderer hold): linearise, hold, Riccati; margins and Table II.\n"
       "--output writes the design (JSON: models, K, P, poles, margins, requirements) for --gain of push and study.\n"
       "--tune searches the weights and\n"
       "prints how stiff the servo can be for each delay; with --output the servo of --delay is written.\n"

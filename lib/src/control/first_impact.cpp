@@ -15,8 +15,7 @@ std::uint64_t ticksIn(double time, double period) noexcept {
   return static_cast<std::uint64_t>(std::llround(time / period));
 }
 
-}  // namespace
-
+// Lowest gap between two ticks: of the cubic that the values and rates at both ends determine.
 double lowestGap(double gap, double rate, double nextGap, double nextRate, double period) noexcept {
   if (!(rate < 0.0 && nextRate >= 0.0)) return std::fmin(gap, nextGap);
   // The cubic's slope on s in [0, 1] is a s^2 + b s + c: negative at 0, not negative at 1, one root between.
@@ -26,6 +25,8 @@ double lowestGap(double gap, double rate, double nextGap, double nextRate, doubl
   const double s = b >= 0.0 ? -2.0 * c / (b + root) : (root - b) / (2.0 * a);
   return gap + s * (c + s * (0.5 * b + s * a / 3.0));
 }
+
+}  // namespace
 
 bool FirstImpact::add(double gap, double rate, double nextGap, double nextRate, double period) noexcept {
   if (returned_ || !(rate < 0.0 && nextRate >= 0.0)) return false;

@@ -64,20 +64,29 @@ Guard::Guard(const Mechanism& device, const GuardOptions& options)
       n_(device.joints()),
       damped_(!options.damping.isZero(0.0)),
       ring_(kGuardTicks) {
-  if (const Drive& d = options_.drive; d.stiffness > 0.0)
-    for (int joint = 0; joint < n_; ++joint) {
-      // m' = w (u - m),  stretch'' = m / J - (k stretch + b stretch') (1 / J + 1 / L)
-      const double w = lagOf(d), inverse = 1.0 / d.rotorInertia + 1.0 / options_.linkInertia[joint];
-      Matrix<4> A;
-      A << -w, 0.0, 0.0, w, 0.0, 0.0, 1.0, 0.0, 1.0 / d.rotorInertia, -d.stiffness * inverse, -d.damping * inverse, 0.0,
-          0.0, 0.0, 0.0, 0.0;
-      const Matrix<4> step = exponential<4>(A * options_.period);
-      for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) transmission_[joint].kept[i][j] = step(i, j);
-        transmission_[joint].command[i] = step(i, 3);
-      }
-    }
+  if (options_.drive.stiffness > 0.0) describeTransmission();
   for (GuardTick& tick : ring_) tick.q = tick.requested = tick.applied = JointVector::Zero(n_);
+}
+
+void Guard::describeTransmission() {
+  const Drive& d = options_.drive;
+  lag_ = lagOf(d);
+  for (int joint = 0; joint < n_; ++joint) {
+    // m' = w (u - m),  stretch'' = m / J - (k stretch + b stretch') (1 / J + 1 / L)
+    const double J = d.rotorInertia, L = options_.linkInertia[joint], inverse = 1.0 / J + 1.0 / L;
+    Matrix<4> A;
+    A << -lag_, 0.0, 0.0, lag_, 0.0, 0.0, 1.0, 0.0, 1.0 / J, -d.stiffness * inverse, -d.damping * inverse, 0.0, 0.0,
+        0.0, 0.0, 0.0;
+    const Matrix<4> step = exponential<4>(A * options_.period);
+    Transmission& t = transmission_[joint];
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) t.kept[i][j] = step(i, j);
+      t.command[i] = step(i, 3);
+    }
+    t.share = 1.0 / (1.0 + J / L);
+    // A step of all torque stretches the cable twice as far as the torque at rest.
+    mostHeld_ += 2.0 * options_.torque[joint] * options_.torque[joint] / d.stiffness;
+  }
 }
 
 void Guard::reset() noexcept {
@@ -188,7 +197,7 @@ void Guard::reachLink(int joint, double elapsed, double& torque, double& way) no
   State& s = state_;
   const Transmission& t = transmission_[joint];
   const double command = torque, before = s.stretch[joint], rateBefore = s.stretchRate[joint],
-               lagBefore = s.lagged[joint], w = lagOf(options_.drive), J = options_.drive.rotorInertia;
+               lagBefore = s.lagged[joint];
   const int ticks = std::clamp(static_cast<int>(std::lround(elapsed / options_.period)), 1, options_.longestGap);
   for (int tick = 0; tick < ticks; ++tick) {
     const double now[3] = {s.lagged[joint], s.stretch[joint], s.stretchRate[joint]};
@@ -202,8 +211,8 @@ void Guard::reachLink(int joint, double elapsed, double& torque, double& way) no
     s.stretchRate[joint] = next[2];
   }
   // The mean over the time, by the balance of momentum of motor and rotor; the link moves by itself.
-  const double time = ticks * options_.period, motor = command - (s.lagged[joint] - lagBefore) / (w * time);
-  torque = (motor - J * (s.stretchRate[joint] - rateBefore) / time) / (1.0 + J / options_.linkInertia[joint]);
+  const double time = ticks * options_.period, motor = command - (s.lagged[joint] - lagBefore) / (lag_ * time);
+  torque = t.share * (motor - options_.drive.rotorInertia * (s.stretchRate[joint] - rateBefore) / time);
   if (!options_.drive.encoderOnLink) way -= s.stretch[joint] - before;
 }
 
@@ -213,7 +222,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   const GuardOptions& o = options_;
   const double elapsed = m.time - s.sampleTime;
   const bool acts = m.applied && s.ticks == 1.0;  // it says what acted in the last tick
-  double work = 0.0, held = 0.0, most = 0.0;
+  double work = 0.0, held = 0.0;
   Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
   for (int i = 0; i < n_; ++i) {
     double step = m.q[i] - s.q[i], beyond = (acts && isDriven(i) ? (*m.applied)[i] : s.acting[i]) - s.gravity[i];
@@ -222,7 +231,6 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
       reachLink(i, elapsed, beyond, step);
       held += 0.5 * o.drive.stiffness * s.stretch[i] * s.stretch[i] +
               0.5 * o.drive.rotorInertia * s.stretchRate[i] * s.stretchRate[i];
-      most += 2.0 * o.torque[i] * o.torque[i] / o.drive.stiffness;  // a step of all torque stretches twice as far
     }
     wrench += k.inverseTransposed.col(i) * beyond;
     // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
@@ -233,7 +241,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   s.twist = way / std::max(elapsed, 0.5 * o.period);
 
   // What rotors and cables exchange with the links is known only as well as the inertia of the links here.
-  held = std::min(held, most);
+  held = std::min(held, mostHeld_);
   work -= kLinkError * std::abs(held - s.held);
   s.held = held;
   const double force = std::hypot(wrench.head<3>().norm(), wrench.tail<3>().norm() / kLever);

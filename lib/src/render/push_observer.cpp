@@ -319,8 +319,8 @@ void PushObserver<kMech>::merge(State& s) const noexcept {
     for (int i = 0; i < kStates; ++i)
       for (int k = 0; k < kLanes; ++k) s.mean[i][k] += s.weight[p] * s.part[p].x[i][k];
   }
-  // One mass for all modes, by what each knows of it beyond the prior. What they do not know is mostly the one force of
-  // the hand, so they are no independent witnesses: their information is averaged (Julier and Uhlmann 1997).
+  // One mass for all modes, by what each knows of it beyond the prior. The same unknown force of the hand disturbs all
+  // of them, so they are not independent: their information is averaged (Julier and Uhlmann 1997).
   constexpr double kPrior = 1.0 / (kScalePrior * kScalePrior);
   double sum = 0.0, squares = 0.0, weighted = 0.0;
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {

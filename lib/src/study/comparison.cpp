@@ -56,7 +56,7 @@ std::vector<RendererScore> scoresOf(const StudyPlan& plan, const std::vector<Stu
     ++score.runs;
     const bool first = run.run.scenario == 1;
     steps[run.run.column] += first;
-    if (run.status != Status::ok || run.metrics.verdict == FirstImpactVerdict::unstable) {
+    if (isLost(run)) {
       ++score.lost;
       continue;
     }

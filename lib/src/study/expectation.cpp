@@ -56,10 +56,6 @@ std::vector<StudyResult> push(const Loop& loop, const Pushes& pushes) {
   return results;
 }
 
-bool isLost(const StudyResult& run) {
-  return run.status != Status::ok || run.metrics.verdict == FirstImpactVerdict::unstable;
-}
-
 // Of the first `count`; 0: all were lost.
 double meanStiffness(const std::vector<StudyResult>& runs, int count) {
   std::vector<double> values;

@@ -116,6 +116,10 @@ StudyResult performRun(const StudyPlan& plan, const StudyRun& run,
   return result;
 }
 
+bool isLost(const StudyResult& run) noexcept {
+  return run.status != Status::ok || run.metrics.verdict == FirstImpactVerdict::unstable;
+}
+
 Spread spreadOf(const std::vector<double>& values) {
   Spread spread{static_cast<int>(values.size()), kNone, kNone};
   if (values.empty()) return spread;

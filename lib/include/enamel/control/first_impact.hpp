@@ -8,9 +8,6 @@
 
 namespace enamel {
 
-/// Lowest gap between two ticks, m: of the cubic that the values and rates (m/s) at both ends determine. Realtime: yes.
-double lowestGap(double gap, double rate, double nextGap, double nextRate, double period) noexcept;
-
 /// Watches the gap along the wall's normal from one tick to the next, from the onset of a push on. Between ticks the
 /// gap is the cubic that its values and rates at both ends determine (Hermite): under torques that are held over a tick
 /// its error is of fourth order in the period.

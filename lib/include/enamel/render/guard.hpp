@@ -115,6 +115,7 @@ class Guard {
   // Torque of a motor, stretch of its cable and its rate, a period later: by themselves and by the command.
   struct Transmission {
     double kept[3][3], command[3];
+    double share;  // of what is left for rotor and link that reaches the link
   };
   struct State {
     GuardReason fault = GuardReason::none;
@@ -156,6 +157,7 @@ class Guard {
   GuardReason judged(const Measurement& m, Status status, bool known, double elapsed, const TickFrame& frame) noexcept;
   void remember(const Measurement& m) noexcept;
   GuardReason moved(const Measurement& m, const Kinematics& k) noexcept;
+  void describeTransmission();
   void reachLink(int joint, double elapsed, double& torque, double& way) noexcept;
   GuardReason asked(const JointVector& requested, const Kinematics& k) noexcept;
   GuardReason shape(const Measurement& m, const Kinematics& k, const JointVector& requested, double elapsed,
@@ -170,6 +172,7 @@ class Guard {
   int n_;
   bool damped_;
   std::array<Transmission, kMaxJoints> transmission_{};  // behind cables
+  double lag_ = 0.0, mostHeld_ = 0.0;                    // of the motors, 1/s; largest of State::held, J
   State state_;
   std::vector<GuardTick> ring_;
   std::size_t count_ = 0;

@@ -112,6 +112,9 @@ struct PointStatistics {
   const Spread& of(const MetricMember& member) const noexcept { return metrics[indexOf(member)]; }
 };
 
+/// Return whether a run is lost: it left the workspace, the guard stopped it, or it is unstable. Realtime: yes.
+bool isLost(const StudyResult& run) noexcept;
+
 /// Statistics of the runs of one point. Realtime: no.
 PointStatistics statisticsOf(const std::vector<StudyResult>& runs);
 
