@@ -11,6 +11,7 @@
 #include "enamel/collision/proximity.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "outputs.hpp"
 #include "program/program.hpp"
 
 namespace enamel::app {
@@ -83,6 +84,7 @@ void addBench(CLI::App& app) {
   command->add_option("--scale", options->scale, "multiplies the number of batches")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
+  protectOutputs(*command, {"--report"});
   command->callback([options] { run(*options); });
 }
 

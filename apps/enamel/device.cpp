@@ -25,6 +25,7 @@
 #include "enamel/runtime/udp_device.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/simulated_device.hpp"
+#include "outputs.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/recorded.hpp"
 
@@ -32,7 +33,7 @@ namespace enamel::app {
 namespace {
 
 struct DeviceOptions {
-  bool serve = false;
+  bool serve = false, overwrite = false;
   std::string connect, device, scene, key, record, renderer = kPositionControl;
   ServeOptions server;
   double rate_Hz = 1000.0, duration = 0.0, force = kUnlimited;
@@ -172,6 +173,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
 
   RecordingHeader header;
   if (!options.record.empty()) {
+    requireFree(options.record, options.overwrite);
     if (options.device.empty()) throw Error("--record needs --device: its file stands in the recording");
     header.deviceFile = std::filesystem::absolute(options.device).string();
     header.deviceText = readFile(options.device);
@@ -202,6 +204,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
   Tally tally;
   if (!options.record.empty()) {
     nameRenderer(source.name, source.plugin ? source.plugin->path() : "", values, scene, header);
+    removeOld(options.record, options.overwrite);
     tally.recorder.emplace(options.record, header, haptics);
   }
   HapticLoopOptions how;
@@ -274,6 +277,7 @@ void addDevice(CLI::App& app) {
   command->add_option("--max-force", options->force, "that the guard lets the renderer put on the tool, N")
       ->default_str("no limit")
       ->needs(connect);
+  addOverwrite(*command, options->overwrite);
   command->callback([options] { run(*options); });
 }
 

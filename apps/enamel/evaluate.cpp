@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "evaluate_rows.hpp"
+#include "outputs.hpp"
 
 namespace enamel::app {
 
@@ -23,6 +24,7 @@ void addEvaluate(CLI::App& app) {
   command->add_option("--device", options->device, "device file (TOML) of kind tau")->required();
   command->add_option("--input", options->input, "rows to evaluate (JSON)")->required();
   command->add_option("--output", options->output, "where the results go (JSON)")->required();
+  protectOutputs(*command, {"--output"});
   command->callback([options] { evaluateRows(options->device, options->input, options->output); });
 }
 

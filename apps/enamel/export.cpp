@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
+#include "outputs.hpp"
 #include "program/recorded.hpp"
 
 namespace enamel::app {
@@ -15,6 +16,7 @@ namespace {
 
 struct ExportOptions {
   std::string file, csv;
+  bool overwrite = false;
 };
 
 std::string titleOf(const Mechanism& device) {
@@ -42,6 +44,7 @@ void run(const ExportOptions& options) {
   std::error_code none;
   if (std::filesystem::equivalent(options.file, options.csv, none))
     throw Error(options.csv + ": is the recording itself, --csv must be another file");
+  requireFree(options.csv, options.overwrite);
   FileWriter file(options.csv);
   file.write(titleOf(*device));
   Kinematics k = device->home();
@@ -94,6 +97,7 @@ void addExport(CLI::App& app) {
       "is what forward kinematics makes of the measured joints; empty: the device did not tell, or has no such pose.");
   command->add_option("file", options->file, "recording")->required();
   command->add_option("--csv", options->csv, "file to write, or /dev/stdout")->required();
+  addOverwrite(*command, options->overwrite);
   command->callback([options] { run(*options); });
 }
 

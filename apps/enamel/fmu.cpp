@@ -8,6 +8,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/render/guard.hpp"
+#include "outputs.hpp"
 #include "plant_option.hpp"
 #include "plugins/fmi/export.hpp"
 #include "program/plugin_folder.hpp"
@@ -96,6 +97,7 @@ void addFmu(CLI::App& app) {
   command->add_option("--guard", options->guard, "of a renderer: off: every torque passes")
       ->transform(CLI::CheckedTransformer(onOff))
       ->default_str("on");
+  protectOutputs(*command, {"--output"});
   command->callback([options] { run(*options); });
 }
 

@@ -19,6 +19,7 @@
 #include "enamel/core/file.hpp"
 #include "mesh_generator.hpp"
 #include "mesh_prepare.hpp"
+#include "outputs.hpp"
 
 namespace enamel::app {
 namespace {
@@ -239,6 +240,7 @@ void addMesh(CLI::App& app) {
       ->check(CLI::Range(1e-3, 1e3))
       ->needs(solid)
       ->capture_default_str();
+  protectOutputs(*command, {"--output", "--prepare"});
   command->callback([options] { run(*options); });
 }
 

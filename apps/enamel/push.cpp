@@ -12,6 +12,7 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/hold.hpp"
 #include "enamel/runtime/recorder.hpp"
+#include "outputs.hpp"
 #include "plant_option.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
@@ -28,7 +29,7 @@ struct PushOptions {
   std::string device, scene, gain, output, record;
   std::vector<std::string> renderers = {kPositionControl};
   std::string delay = "none", plant = kClosedForm;
-  bool guide = true, arm = false, encoders = false, insideTick = false, json = false;
+  bool guide = true, arm = false, encoders = false, insideTick = false, json = false, overwrite = false;
   HoldOptions servo;
   std::string rates;
   std::vector<std::string> set;
@@ -222,6 +223,7 @@ void pushWith(const RendererSource& source, PushTask& task, PushResults& results
   std::optional<TickFile> file;
   if (!options.output.empty()) file.emplace(outputFor(options, options.output, name), *task.device);
   const std::string recording = options.record.empty() ? "" : outputFor(options, options.record, name);
+  removeOld(recording, options.overwrite);
   if (!recording.empty()) nameRenderer(name, library ? library->path() : "", values, task.setup.scene, task.header);
   std::optional<Recorder> recorder;
   MetricsCollector collector(task.setup, task.limit, task.plant->limits().effort);
@@ -275,6 +277,9 @@ void print(const PushTask& task, const PushResults& results) {
 void run(const PushOptions& options) {
   PushTask task = taskOf(options);
   const std::vector<RendererSource> sources = sourcesOf(options);
+  for (const RendererSource& source : sources)
+    for (const std::string& file : {options.output, options.record})
+      if (!file.empty()) requireFree(outputFor(options, file, source.name), options.overwrite);
   completeTask(task);
   PushResults results;
   std::string failures;
@@ -390,6 +395,7 @@ void addPush(CLI::App& app) {
   command->add_option("--output", options->output, "CSV file");
   command->add_option("--record", options->record, "recording, for enamel replay and enamel export");
   command->add_flag("--json", options->json, "print the metrics as JSON");
+  addOverwrite(*command, options->overwrite);
   command->callback([options] { run(*options); });
 }
 

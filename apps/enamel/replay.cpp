@@ -10,6 +10,7 @@
 
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
+#include "outputs.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
 #include "program/recorded.hpp"
@@ -22,6 +23,7 @@ struct ReplayOptions {
   std::string file, renderer, html, beside;
   std::vector<std::string> set;
   std::uint64_t from = 0;
+  bool overwrite = false;
 };
 
 std::string valueOf(const std::string& what, double value) {
@@ -82,6 +84,7 @@ void run(const ReplayOptions& options) {
   if (hasPage) checkReplayPage();
   if (hasPage && std::filesystem::exists(options.html) && std::filesystem::equivalent(options.html, options.file))
     throw Error("--html would write over the recording: " + options.html);
+  requireFree(options.html, options.overwrite);
   std::vector<nlohmann::json> sides;
   PageNumbers numbers;
   if (hasPage && isOther) {  // beside what was recorded
@@ -93,9 +96,11 @@ void run(const ReplayOptions& options) {
   const std::string name =
       options.renderer.empty() ? header.renderer : std::filesystem::path(options.renderer).stem().string();
   const ReplayResult result = play(run, options.from, name, isOther, numbers, hasPage ? &sides : nullptr);
+  std::string damage;
   if (!options.beside.empty()) {
     Replayed other(options.beside, "", {});
-    play(other, 0, other.recording.header().renderer, false, numbers, &sides);
+    const ReplayResult seen = play(other, 0, other.recording.header().renderer, false, numbers, &sides);
+    if (seen.damaged > 0) damage = options.beside + ": damaged: " + seen.damage;
   }
 
   fmt::print("{}: {} on {}, {} s a tick; {} ticks compared, {}\n", options.file, header.renderer, run.device->name(),
@@ -111,23 +116,24 @@ void run(const ReplayOptions& options) {
     fmt::print("page: {}, {:.1f} MB\n", options.html,
                1e-6 * static_cast<double>(std::filesystem::file_size(options.html)));
   }
-  if (result.different == 0) {
-    fmt::print("equal, bit for bit\n");
-    return;
-  }
-  fmt::print("{} ticks differ, first {}\nlargest difference by joint, N m or N: requested torque {}; command {}\n",
-             result.different, textOf(*result.first), numbersOf(result.requested), numbersOf(result.command));
-  throw Exit(1, "");
+  if (result.damaged > 0) damage = options.file + ": damaged: only the ticks that could be read were compared";
+  if (result.different > 0)
+    fmt::print("{} ticks differ, first {}\nlargest difference by joint, N m or N: requested torque {}; command {}\n",
+               result.different, textOf(*result.first), numbersOf(result.requested), numbersOf(result.command));
+  if (!damage.empty()) throw Error(damage);
+  if (result.different > 0) throw Exit(1, "");
+  fmt::print("equal, bit for bit\n");
 }
 
 }  // namespace
 
 void addReplay(CLI::App& app) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = app.add_subcommand("replay",
-                                         "Runs a renderer on the measurements of a recording (push --record) and "
-                                         "compares bit for bit what it answers, what\n"
-                                         "the guard made of it, and the renderer's state. Status 0: equal; 1: not.");
+  CLI::App* command =
+      app.add_subcommand("replay",
+                         "Runs a renderer on the measurements of a recording (push --record) and "
+                         "compares bit for bit what it answers, what\n"
+                         "the guard made of it, and the renderer's state. Status 0: equal; 1: different or damaged.");
   command->add_option("file", options->file, "recording")->required();
   command->add_option("--renderer", options->renderer,
                       "as of enamel push, one of them; without it that of the recording");
@@ -141,6 +147,7 @@ void addReplay(CLI::App& app) {
                       "page that plays the recording in a browser, without any other file; with --renderer or --set "
                       "beside what that renderer answers");
   command->add_option("--beside", options->beside, "another recording, for the right half of the page");
+  addOverwrite(*command, options->overwrite);
   command->callback([options] { run(*options); });
 }
 

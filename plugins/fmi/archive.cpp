@@ -1,10 +1,14 @@
 #include "archive.hpp"
 
 #include <stdlib.h>  // mkdtemp is not in <cstdlib>
+#include <sys/stat.h>
 #include <zip.h>
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 
 #include "enamel/core/error.hpp"
@@ -27,38 +31,89 @@ Archive openArchive(const std::string& path, int flags) {
   return archive;
 }
 
-bool staysInside(const std::filesystem::path& name) {
-  if (name.empty() || name.is_absolute()) return false;
-  for (const auto& part : name)
+// A file or folder of an archive, as it is unpacked.
+struct Entry {
+  zip_uint64_t index = 0;
+  std::string name;  // with '/'; a folder's ends with it
+  std::uint64_t size = 0;
+};
+
+bool staysInside(const std::string& name) {
+  if (name.empty() || name.front() == '/' || (name.size() > 1 && name[1] == ':')) return false;  // C:
+  for (const auto& part : std::filesystem::path(name))
     if (part == "..") return false;
   return true;
 }
 
-void unpack(zip_t* archive, const std::string& path, const std::filesystem::path& folder) {
-  std::size_t left = kLargestUnit;
+Entry entryOf(zip_t* archive, zip_uint64_t index, const std::string& path) {
+  zip_stat_t about;
+  zip_stat_init(&about);
+  const char* const given = zip_get_name(archive, index, 0);
+  if (given == nullptr || zip_stat_index(archive, index, 0, &about) != 0 || (about.valid & ZIP_STAT_SIZE) == 0)
+    throw Error(path + ": its entry " + std::to_string(index) + " is damaged: " + zip_strerror(archive));
+  Entry entry{index, given, about.size};
+  std::replace(entry.name.begin(), entry.name.end(), '\\', '/');  // of packers on Windows
+  if (!staysInside(entry.name)) throw Error(path + ": holds \"" + given + "\", which leads out of it");
+  zip_uint8_t system = 0;
+  zip_uint32_t attributes = 0;
+  zip_file_get_external_attributes(archive, index, 0, &system, &attributes);
+  const mode_t kind = (attributes >> 16) & S_IFMT;  // 0: the packer does not say
+  if (kind != 0 && kind != S_IFREG && kind != S_IFDIR)
+    throw Error(path + ": holds \"" + given + "\", which is a link or a device");
+  return entry;
+}
+
+// All entries, checked before anything is unpacked.
+std::vector<Entry> entriesOf(zip_t* archive, const std::string& path, std::size_t most) {
+  const auto count = static_cast<std::size_t>(zip_get_num_entries(archive, 0));
+  if (count > kMostEntries)
+    throw Error(path + ": holds " + std::to_string(count) + " files, at most " + std::to_string(kMostEntries) +
+                " are read");
+  std::vector<Entry> entries;
+  std::map<std::string, std::string> seen;  // lower case to the name
+  std::uint64_t left = most;
+  for (std::size_t i = 0; i < count; ++i) {
+    Entry entry = entryOf(archive, i, path);
+    if (entry.size > left) throw Error(path + ": holds more than " + std::to_string(most) + " bytes");
+    left -= entry.size;
+    std::string lower = std::filesystem::path(entry.name).lexically_normal().string();
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (lower.back() == '/') lower.pop_back();
+    const auto [same, isNew] = seen.emplace(lower, entry.name);
+    if (!isNew)
+      throw Error(path + ": holds \"" + same->second + "\" and \"" + entry.name +
+                  "\", which are one file where case does not count");
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+void unpack(zip_t* archive, const Entry& entry, const std::string& path, const std::filesystem::path& target) {
   std::string buffer(1 << 16, '\0');
-  for (zip_int64_t i = 0; i < zip_get_num_entries(archive, 0); ++i) {
-    const char* const given = zip_get_name(archive, static_cast<zip_uint64_t>(i), 0);
-    const std::string name = given != nullptr ? given : "";
-    if (!staysInside(name)) throw Error(path + ": holds \"" + name + "\", which leads out of it");
-    const std::filesystem::path target = folder / name;
-    if (name.back() == '/') {
-      std::filesystem::create_directories(target);
-      continue;
-    }
-    std::filesystem::create_directories(target.parent_path());
-    const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> entry(
-        zip_fopen_index(archive, static_cast<zip_uint64_t>(i), 0), &zip_fclose);
-    std::ofstream file(target, std::ios::binary);
-    zip_int64_t read = entry != nullptr ? 0 : -1;
-    while (entry != nullptr && (read = zip_fread(entry.get(), buffer.data(), buffer.size())) > 0) {
-      if (static_cast<std::size_t>(read) > left) throw Error(path + ": holds more than 1 GiB");
-      left -= static_cast<std::size_t>(read);
-      file.write(buffer.data(), read);
-    }
-    if (read < 0) throw Error(path + ": " + name + " is damaged");
-    if (!file.flush())
-      throw Error(path + ": cannot unpack " + name + " to " + target.string() + " (is the disk full?)");
+  const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> source(zip_fopen_index(archive, entry.index, 0), &zip_fclose);
+  if (source == nullptr) throw Error(path + ": " + entry.name + " cannot be read: " + zip_strerror(archive));
+  std::ofstream file(target, std::ios::binary);
+  std::uint64_t size = 0;
+  for (zip_int64_t read = 0; (read = zip_fread(source.get(), buffer.data(), buffer.size())) != 0;) {
+    if (read > 0) size += static_cast<std::uint64_t>(read);
+    if (read < 0 || size > entry.size) throw Error(path + ": " + entry.name + " is damaged");
+    file.write(buffer.data(), read);
+  }
+  if (size != entry.size) throw Error(path + ": " + entry.name + " is damaged");
+  if (!file.flush())
+    throw Error(path + ": cannot unpack " + entry.name + " to " + target.string() + " (is the disk full?)");
+}
+
+void unpackAll(zip_t* archive, const std::string& path, const std::filesystem::path& folder, std::size_t most) {
+  for (const Entry& entry : entriesOf(archive, path, most)) {
+    const std::filesystem::path target = folder / entry.name;
+    const bool isFolder = entry.name.back() == '/';
+    std::error_code problem;
+    std::filesystem::create_directories(isFolder ? target : target.parent_path(), problem);
+    if (problem || (!isFolder && std::filesystem::is_directory(target, problem)))
+      throw Error(path + ": cannot unpack " + entry.name + ": another of its files is in the way, or the disk is full");
+    if (!isFolder) unpack(archive, entry, path, target);
   }
 }
 
@@ -82,13 +137,13 @@ void writeArchive(const std::string& path, const std::vector<ArchiveFile>& files
   (void)archive.release();
 }
 
-UnpackedArchive::UnpackedArchive(const std::string& path) {
+UnpackedArchive::UnpackedArchive(const std::string& path, std::size_t most) {
   const Archive archive = openArchive(path, ZIP_RDONLY);
   std::string pattern = (std::filesystem::temp_directory_path() / "enamel-unit-XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) throw Error(path + ": cannot be unpacked to " + pattern);
   folder_ = pattern;
   try {
-    unpack(archive.get(), path, folder_);
+    unpackAll(archive.get(), path, folder_, most);
   } catch (...) {
     std::error_code ignored;
     std::filesystem::remove_all(folder_, ignored);

@@ -1,5 +1,6 @@
 // The command line as a user meets it.
 #include <filesystem>
+#include <map>
 #include <optional>
 
 #include "enamel/plugin/host.hpp"
@@ -27,23 +28,14 @@ const Failure kFailures[] = {{"throwing", "enamel_plugin() threw: thrown while i
                              {"exiting", "loading it ended the process with exit status 0"},
                              {"hanging", "loading it did not end in 0.9 s"}};
 
-struct TwoStudies {
-  test::CommandResult first, second;
-  std::string before, after;  // the first one's runs
-};
+std::string device() { return "--device '" + test::deviceFile("tau-nominal.toml") + "' "; }
 
-// A study of two runs, and another one of three runs into the same folder.
-TwoStudies studyTwice() {
-  const test::TemporaryFolder folder;
-  const std::string study =
-      "study --renderers impedance --scenario 1 --grid 1 --no-convergence --threads 1 --output '" + (folder / "out") +
-      "' --runs ";
-  TwoStudies studies;
-  studies.first = run(study + "2");
-  studies.before = test::readFile(folder / "out/runs.csv");
-  studies.second = run(study + "3");
-  studies.after = test::readFile(folder / "out/runs.csv");
-  return studies;
+// The content of all files of a folder, by name.
+std::map<std::string, std::string> contentOf(const std::string& folder) {
+  std::map<std::string, std::string> content;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) content[entry.path().string()] = test::readFile(entry.path().string());
+  return content;
 }
 
 // K_z1 of position control under encoders, N/m; none where it is undefined.
@@ -92,21 +84,118 @@ TEST_CASE("case 07: a renderer is found by its name beside plugins that fail", "
   CHECK(findPlugin("template", folder / ".")->description().name == std::string("template"));
 }
 
-TEST_CASE("case 08: a study writes its runs", "[cases]") {
-  const TwoStudies studies = studyTwice();
-  INFO(studies.first.output);
-  CHECK(studies.first.status == 0);
-  CHECK_FALSE(studies.before.empty());
-  CHECK_FALSE(studies.after.empty());
+TEST_CASE("case 08: no other study writes into the folder of one", "[cases]") {
+  const test::TemporaryFolder folder;
+  const std::string study =
+      "study --renderers impedance --scenario 1 --grid 1 --no-convergence --threads 1 --output '" + (folder / "out") +
+      "' ";
+  const test::CommandResult first = run(study + "--runs 2");
+  INFO(first.output);
+  REQUIRE(first.status == 0);
+  const auto before = contentOf(folder / "out");
+  CHECK(before.count(folder / "out/runs.csv") == 1);
+  const auto refused = [&](const std::string& options, const std::string& reason) {
+    const test::CommandResult result = run(study + options);
+    INFO(options << ": " << result.output);
+    CHECK(result.status == 1);
+    CHECK(result.output.find('\n') == result.output.size() - 1);
+    CHECK(holds(result.output, reason));
+    CHECK(contentOf(folder / "out") == before);
+  };
+  refused("--runs 3", "out/runs.csv: holds another study: its runs is 2, here it is 3; --force overwrites it");
+  refused("--runs 2 --seed 9", "--force overwrites it");
+  refused("--runs 3 --resume", "holds another study");
+  refused("--runs 3 --part 1/2", "holds another study");
+  refused("--runs 3 --force --resume", "--force starts again: it excludes --resume and --part");
+  refused("--runs 3 --force --part 1/2", "--force starts again: it excludes --resume and --part");
+  // The same study again, or resumed, has the same bytes.
+  CHECK(run(study + "--runs 2").status == 0);
+  CHECK(run(study + "--runs 2 --resume").status == 0);
+  CHECK(contentOf(folder / "out") == before);
+  // Nor is a file overwritten that no study.json describes.
+  std::filesystem::remove(folder / "out/runs.csv");
+  CHECK(holds(run(study + "--runs 3").output, "out/points.csv: exists; --force overwrites it"));
+  CHECK(run(study + "--runs 3 --force").status == 0);
+  CHECK(contentOf(folder / "out").at(folder / "out/runs.csv") != before.at(folder / "out/runs.csv"));
+  CHECK(run(study + "--force 5,6 --runs 2 --force").status == 0);  // the force of the push, and the permission
 }
 
-TEST_CASE(
-    "case 08: another study does not overwrite the runs in its folder "
-    "(expected failure until the hardening)",
-    "[!shouldfail][cases]") {
-  const TwoStudies studies = studyTwice();
-  CAPTURE(studies.second.output);
-  CHECK(studies.after == studies.before);
+TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
+  const test::TemporaryFolder folder;
+  const std::string push = "push " + device() + "--renderer impedance --device-damping 4 --duration 1.1 ";
+  const std::string recording = "'" + (folder / "push.rec") + "' ", rows = folder / "rows.json";
+  test::writeFile(rows, "[{\"q\": [0, 0, 0, 0, 0, 0]}]");
+  struct Writer {
+    std::string command, file;
+  };
+  const Writer writers[] = {
+      {push + "--record ", "push.rec"},
+      {push + "--output ", "push.csv"},
+      {"replay " + recording + "--html ", "page.html"},
+      {"export " + recording + "--csv ", "export.csv"},
+      {"design " + device() + "--output ", "servo.json"},
+      {"design " + device() + "--impedance-map ", "map.csv"},
+      {"evaluate " + device() + "--input '" + rows + "' --output ", "evaluate.json"},
+      {"mesh --generate molar --output ", "molar.ply"},
+      {"bench --filter 'device nominal' --scale 0.01 --report ", "bench.md"},
+      {"fmu " + device() + "--output ", "unit.fmu"},
+  };
+  for (const auto& [command, name] : writers) {
+    INFO(command << name);
+    const std::string file = folder / name, to = "'" + file + "'";
+    const test::CommandResult first = run(command + to);
+    if (holds(first.output, "not expected") || holds(first.output, "built without three.js")) continue;  // not built in
+    INFO(first.output);
+    REQUIRE(first.status == 0);
+    const bool isRecording = name == "push.rec";
+    const std::string made = test::readFile(file);
+    if (!isRecording) test::writeFile(file, "mine");
+    const std::string before = test::readFile(file);
+    const test::CommandResult second = run(command + to);
+    CHECK(second.status == 1);
+    CHECK(second.output == "enamel: " + file + ": exists; --force overwrites it\n");
+    CHECK(test::readFile(file) == before);
+    CHECK(run(command + to + " --force").status == 0);
+    CHECK(test::readFile(file).size() > (isRecording ? 1000u : 4u));
+    test::writeFile(file, "");  // an empty file is no result
+    CHECK(run(command + to).status == 0);
+    CHECK(test::readFile(file).size() > 4);
+  }
+  // Each renderer of a push has its own file.
+  test::writeFile(folder / "two-hold.csv", "mine");
+  const test::CommandResult two =
+      run("push " + device() + "--renderer impedance,hold --output '" + (folder / "two.csv") + "'");
+  CHECK(two.output == "enamel: " + (folder / "two-hold.csv") + ": exists; --force overwrites it\n");
+  CHECK_FALSE(std::filesystem::exists(folder / "two-impedance.csv"));
+  // compare: its own files, and the folders of its pushes.
+  const std::string compare =
+      "compare " + device() + "--renderers impedance --tasks ramp --runs 1 --output '" + (folder / "compare") + "' ";
+  REQUIRE(run(compare).status == 0);
+  const auto before = contentOf(folder / "compare");
+  CHECK(holds(run(compare + "--seed 2").output, "compare/tasks.csv: exists; --force overwrites it"));
+  CHECK(holds(run(compare + "--resume").output, "compare/tasks.csv: exists; --force overwrites it"));
+  CHECK(contentOf(folder / "compare") == before);
+  CHECK(run(compare + "--seed 2 --force").status == 0);
+  CHECK(contentOf(folder / "compare") != before);
+}
+
+TEST_CASE("case 08: a recording with a damaged chunk is damaged, not equal", "[cases]") {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "push.rec";
+  REQUIRE(run("push " + device() + "--renderer impedance --device-damping 4 --duration 1.1 --record '" + file + "'")
+              .status == 0);
+  const std::string whole = test::readFile(file);
+  CHECK(holds(run("replay '" + file + "'").output, "equal, bit for bit"));
+  std::string flipped = whole;
+  flipped[whole.size() / 2] = static_cast<char>(flipped[whole.size() / 2] ^ 1);
+  for (const std::string& bytes : {flipped, whole.substr(0, whole.size() - 1000), whole + "more"}) {
+    test::writeFile(file, bytes);
+    const test::CommandResult result = run("replay '" + file + "'");
+    INFO(result.output);
+    CHECK(result.status == 1);
+    CHECK(holds(result.output, "push.rec: damaged"));
+    CHECK_FALSE(holds(result.output, "equal"));
+  }
 }
 
 TEST_CASE("case 14: under encoders and a preload the stiffness is that of the wall", "[cases]") {

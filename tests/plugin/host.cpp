@@ -63,7 +63,7 @@ TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good in
       if (i % 50 == 8) input.contacts.contacts[0].gap = 1e9;
       if (i % 50 == 9) input.contacts.count = 99;
       if (i % 50 == 10) input.time = 0.0;
-      if (i % 5 == 2) input.age = 1;  // lost
+      if (i % 5 == 2) input.age = 1;                      // lost
       if (i % 3 == 0) input.maxTorque.setConstant(0.05);  // often cut
       TickOutput a, b;
       const Status wanted = linked->step(input, a), got = plugin->step(input, b);
@@ -128,8 +128,9 @@ TEST_CASE("a push through a plugin writes the same file as the linked renderer",
     INFO(name);
     const std::string common =
         "push --device '" + kDevice + "' --device-damping 4 --encoders --rates low-pass --seed 5 --duration 1.3 ";
-    REQUIRE(test::run(common + "--renderer " + name + " --output '" + (folder / "linked.csv") + "'").status == 0);
-    REQUIRE(test::run(common + "--renderer '" ENAMEL_PLUGINS "/enamel_" + file + " --output '" +
+    REQUIRE(test::run(common + "--renderer " + name + " --force --output '" + (folder / "linked.csv") + "'").status ==
+            0);
+    REQUIRE(test::run(common + "--renderer '" ENAMEL_PLUGINS "/enamel_" + file + " --force --output '" +
                       (folder / "plugin.csv") + "'")
                 .status == 0);
     const std::string linked = test::readFile(folder / "linked.csv");

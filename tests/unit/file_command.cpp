@@ -53,8 +53,9 @@ TEST_CASE("a full disk is told, and what was there stays", "[file_command]") {
   std::filesystem::create_directory(folder / "out");
   const std::string out = folder / "out/old";
   for (const std::string& command :
-       {evaluate + "--output ", "design " + kDevice + "--output ", "design " + kDevice + "--impedance-map ",
-        std::string("mesh --generate molar --output "), kPush + "--output "}) {
+       {evaluate + "--force --output ", "design " + kDevice + "--force --output ",
+        "design " + kDevice + "--force --impedance-map ", std::string("mesh --generate molar --force --output "),
+        kPush + "--force --output "}) {
     test::writeFile(out, "old");
     // A limit on the size of files stands for the disk.
     refused("ulimit -f 1; " + kTool + command + "'" + out + "'", out + ": cannot write the file: File too large");

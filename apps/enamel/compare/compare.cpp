@@ -9,6 +9,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/study/parallel.hpp"
+#include "outputs.hpp"
 
 namespace enamel::app {
 namespace {
@@ -87,6 +88,10 @@ void runCompare(CompareOptions options) {
   StudyOptions& study = options.study;
   if (study.threads == 0) study.threads = availableThreads();
   if (hasPushes(options) && study.output.empty()) throw Error("the task push keeps its runs in a folder: add --output");
+  const bool continues = hasPushes(options) && (study.resume || study.parts > 1);
+  if (!study.output.empty() && !continues)
+    for (const char* name : {"compare.csv", "tasks.csv", "compare.html"})
+      requireFree(study.output + '/' + name, study.overwrite);
   const std::vector<std::string> wallTasks = wallTasksOf(options.tasks);
   std::vector<Condition> conditions = conditionsOf(options);
   if (hasPushes(options) && !completePushes(conditions)) {

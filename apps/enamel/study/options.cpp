@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "enamel/core/error.hpp"
+#include "outputs.hpp"
 
 namespace enamel::app {
 namespace {
@@ -84,12 +85,16 @@ void addStudyOptions(CLI::App& command, const std::shared_ptr<StudyOptions>& opt
       "I/N: performs the I-th of N parts of the runs; the process that ends last joins them. Under Open MPI "
       "(mpirun -n N enamel ...) every process takes its own");
   command.add_flag("--resume", options->resume, "continue what is in the folder");
+  addOverwrite(command, options->overwrite);
 }
 
 void takeRank(const CLI::App& command, StudyOptions& options) {
   const char *size = std::getenv("OMPI_COMM_WORLD_SIZE"), *rank = std::getenv("OMPI_COMM_WORLD_RANK");
   if (size != nullptr && rank != nullptr && command.count("--part") == 0)
     std::tie(options.part, options.parts) = parsePart(fmt::format("{}/{}", 1 + std::atoi(rank), size));
+  if (options.overwrite && (options.resume || options.parts > 1))
+    throw Error("--force starts again: it excludes --resume and --part; remove " + options.output +
+                " to start parts again");
 }
 
 }  // namespace enamel::app

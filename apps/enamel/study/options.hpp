@@ -34,13 +34,13 @@ struct StudyOptions {
   std::uint64_t seed = 1;
   std::vector<double> tip_mm{0.0, 0.0, 0.0};
   double preload = 0.0;                     ///< N
-  double noise = HandModel().noise;            ///< standard deviation of the person's force, N
+  double noise = HandModel().noise;         ///< standard deviation of the person's force, N
   double inertia = 1.0;                     ///< of the renderers' model, as a share of the plant's
   std::vector<double> force = {8.0, 15.0};  ///< F_c is uniform between, N
   ImpedanceOptions impedance;               ///< of the renderers impedance and passivity
   bool arm = false;                         ///< scenario 1 pushes through an arm
   bool insideTick = false;                  ///< the step comes at a random instant of its tick
-  bool encoders = false, resume = false;
+  bool encoders = false, resume = false, overwrite = false;
   int part = 1, parts = 1;                ///< which of how many parts of the runs
   bool convergence = true, whole = true;  ///< what is done: speed against error of the integration, all else
   bool guard = true;                      ///< in the loop

@@ -17,6 +17,7 @@
 #include "enamel/core/file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
+#include "outputs.hpp"
 #include "program/program.hpp"
 #include "study/report.hpp"
 
@@ -145,40 +146,64 @@ std::size_t runsOf(const Json& m) {
   return runs;
 }
 
-// The same for one of several parts: whoever comes first writes the manifest, and what is there goes on.
-void claimPart(const Study& study) {
-  const std::string path = study.path("study.json");
-  if (!std::filesystem::exists(path)) return writeFile(path, study.manifest);
-  const Json there = Json::parse(readJson(path), nullptr, false), here = Json::parse(study.manifest);
-  if (there != here)
-    throw Error(fmt::format("{}: holds another study: {}", study.options.output, differenceOf(there, here)));
+// What is written into the folder, without the figures.
+std::vector<std::string> resultsOf(const StudyOptions& options) {
+  std::vector<std::string> names;
+  if (options.whole) names = {"runs.csv", "points.csv", "summary.json", "report.html"};
+  if (options.convergence) names.push_back("convergence.csv");
+  if (!options.whole) names.push_back("convergence.html");
+  return names;
 }
 
-// study.json says what the runs depend on; runs.csv is continued only by the same study, and only a finished one is
-// started again.
+// The manifest in the folder; null where there is none.
+Json manifestIn(const Study& study) {
+  const std::string path = study.path("study.json");
+  return std::filesystem::exists(path) ? Json::parse(readJson(path), nullptr, false) : Json();
+}
+
+void requireSame(const Study& study, const Json& there) {
+  const Json here = Json::parse(study.manifest);
+  if (there != here)
+    throw Error(fmt::format("{}: holds another study: {}; --force overwrites it", study.path("runs.csv"),
+                            differenceOf(there, here)));
+}
+
+// Writes the manifest where no results are that it might not describe.
+void beginFolder(const Study& study) {
+  for (const std::string& name : resultsOf(study.options)) requireFree(study.path(name), false);
+  writeFile(study.path("study.json"), study.manifest);
+}
+
+// The same for one of several parts: whoever comes first writes the manifest, and what is there goes on.
+void claimPart(const Study& study) {
+  if (!std::filesystem::exists(study.path("study.json"))) return beginFolder(study);
+  requireSame(study, manifestIn(study));
+}
+
+// study.json says what the runs depend on: only the same study goes on with results, or is done again.
 void claimFolder(const Study& study) {
   const std::string path = study.path("study.json"), runs = study.path("runs.csv");
-  if (!std::filesystem::exists(std::filesystem::symlink_status(runs))) return writeFile(path, study.manifest);
-  Json there;
-  if (std::filesystem::exists(path)) there = Json::parse(readJson(path), nullptr, false);
-  const std::size_t count = runsOf(there);
-  if (count == 0)
-    throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to; remove " + runs +
-                " to start again");
-  if (study.options.resume) {
-    const Json here = Json::parse(study.manifest);
-    if (there != here)
-      throw Error(fmt::format("{}: holds another study: {}", study.options.output, differenceOf(there, here)));
+  if (study.options.overwrite)
+    for (const std::string& name : resultsOf(study.options)) std::filesystem::remove(study.path(name));
+  const Json there = study.options.overwrite ? Json() : manifestIn(study);
+  if (!std::filesystem::exists(std::filesystem::symlink_status(runs))) {
+    if (there != Json::parse(study.manifest)) beginFolder(study);
     return;
   }
+  const std::size_t count = runsOf(there);
+  if (count == 0)
+    throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to; --force starts again");
+  requireSame(study, there);
+  if (study.options.resume) return;
   // Unfinished work is not thrown away by forgetting an option, nor what is no study's.
   const std::string text = readFile(runs, kLargestRunFile);
   const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
   if ((!text.empty() && text.rfind("scenario,renderer,", 0) != 0) || lines > count + 1)
-    throw Error(runs + ": is not what study.json beside it describes: remove it to start again");
+    throw Error(runs + ": is not what study.json beside it describes; --force overwrites it");
   if (lines > 0 && lines < count + 1)
-    throw Error(fmt::format("{}: holds an unfinished study ({} of {} runs): continue it with --resume, or remove {}",
-                            study.options.output, lines - 1, count, runs));
+    throw Error(
+        fmt::format("{}: holds an unfinished study ({} of {} runs): continue it with --resume; --force overwrites it",
+                    runs, lines - 1, count));
   std::filesystem::remove(runs);
   writeFile(path, study.manifest);
 }
@@ -308,6 +333,8 @@ void runStudy(StudyOptions options) {
   if (options.parts == 1) lock.emplace(options.output, false);
   Findings findings;
   findings.whole = options.whole;
+  if (!findings.whole && !options.resume)
+    for (const std::string& name : resultsOf(options)) requireFree(study.path(name), options.overwrite);
   if (findings.whole) {
     if (!completeRuns(study)) {
       fmt::print("part {} of {} is done; the last one writes the report\n", options.part, options.parts);
