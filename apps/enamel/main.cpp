@@ -30,7 +30,6 @@ int main(int argc, char** argv) {
     std::string warning;
     std::vector<std::string> arguments = enamel::app::presentCommand({argv + 1, argv + argc}, warning);
     if (!warning.empty()) enamel::app::tell("enamel: warning", warning);
-    enamel::app::nameOverwrite(arguments);
     std::vector<char*> words{argv[0]};
     for (std::string& argument : arguments) words.push_back(argument.data());
     enamel::app::parse(app, "enamel", static_cast<int>(words.size()), words.data());

@@ -17,13 +17,10 @@ void requireFree(const std::string& path, bool overwrite);
 /// Remove an old recording, because a Recorder writes only new files.
 void removeOld(const std::string& path, bool overwrite);
 
-/// Give a command --overwrite, and --force as another name unless that is a force. Call it after all other options.
+/// Give a command the option --overwrite.
 void addOverwrite(CLI::App& command, bool& overwrite);
 
 /// The same for a command whose outputs are the values of these options: they are checked before it runs.
 void protectOutputs(CLI::App& command, const std::vector<std::string>& options);
-
-/// Write --overwrite for each --force without a number, in commands where --force is a force.
-void nameOverwrite(std::vector<std::string>& arguments);
 
 }  // namespace enamel::app

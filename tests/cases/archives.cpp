@@ -128,9 +128,10 @@ TEST_CASE("case 13: a unit is a plant, and its copy differs by backslashes alone
 
 TEST_CASE("case 13: a unit with backslashes in its names is read", "[cases]") {
   const Archives archives;
-  const test::CommandResult result = archives.push("other.fmu");
+  test::CommandResult result = archives.push("other.fmu");
   INFO(result.output);
   CHECK(result.status == 0);
+  result.output.replace(result.output.find("other.fmu"), 9, "unit.fmu");
   CHECK(result.output == archives.push("unit.fmu").output);
 }
 

@@ -102,22 +102,22 @@ TEST_CASE("case 08: no other study writes into the folder of one", "[cases]") {
     CHECK(holds(result.output, reason));
     CHECK(contentOf(folder / "out") == before);
   };
-  refused("--runs 3", "out/runs.csv: holds another study: its runs is 2, here it is 3; --force overwrites it");
-  refused("--runs 2 --seed 9", "--force overwrites it");
+  refused("--runs 3", "out/runs.csv: holds another study: its runs is 2, here it is 3; --overwrite replaces it");
+  refused("--runs 2 --seed 9", "--overwrite replaces it");
   refused("--runs 3 --resume", "holds another study");
   refused("--runs 3 --part 1/2", "holds another study");
-  refused("--runs 3 --force --resume", "--force starts again: it excludes --resume and --part");
-  refused("--runs 3 --force --part 1/2", "--force starts again: it excludes --resume and --part");
+  refused("--runs 3 --overwrite --resume", "--overwrite starts again: it excludes --resume and --part");
+  refused("--runs 3 --overwrite --part 1/2", "--overwrite starts again: it excludes --resume and --part");
   // The same study again, or resumed, has the same bytes.
   CHECK(run(study + "--runs 2").status == 0);
   CHECK(run(study + "--runs 2 --resume").status == 0);
   CHECK(contentOf(folder / "out") == before);
   // Nor is a file overwritten that no study.json describes.
   std::filesystem::remove(folder / "out/runs.csv");
-  CHECK(holds(run(study + "--runs 3").output, "out/points.csv: exists; --force overwrites it"));
-  CHECK(run(study + "--runs 3 --force").status == 0);
+  CHECK(holds(run(study + "--runs 3").output, "out/points.csv: exists; --overwrite replaces it"));
+  CHECK(run(study + "--runs 3 --overwrite").status == 0);
   CHECK(contentOf(folder / "out").at(folder / "out/runs.csv") != before.at(folder / "out/runs.csv"));
-  CHECK(run(study + "--force 5,6 --runs 2 --force").status == 0);  // the force of the push, and the permission
+  CHECK(run(study + "--force 5,6 --runs 2 --overwrite").status == 0);  // the force of the push, and the permission
 }
 
 TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
@@ -137,7 +137,7 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
       {"design " + device() + "--impedance-map ", "map.csv"},
       {"evaluate " + device() + "--input '" + rows + "' --output ", "evaluate.json"},
       {"mesh --generate molar --output ", "molar.ply"},
-      {"bench --filter 'device nominal' --scale 0.01 --report ", "bench.md"},
+      {"bench --filter inverse --scale 0.01 --report ", "bench.md"},
       {"fmu " + device() + "--output ", "unit.fmu"},
   };
   for (const auto& [command, name] : writers) {
@@ -153,9 +153,9 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
     const std::string before = test::readFile(file);
     const test::CommandResult second = run(command + to);
     CHECK(second.status == 1);
-    CHECK(second.output == "enamel: " + file + ": exists; --force overwrites it\n");
+    CHECK(second.output == "enamel: " + file + ": exists; --overwrite replaces it\n");
     CHECK(test::readFile(file) == before);
-    CHECK(run(command + to + " --force").status == 0);
+    CHECK(run(command + to + " --overwrite").status == 0);
     CHECK(test::readFile(file).size() > (isRecording ? 1000u : 4u));
     test::writeFile(file, "");  // an empty file is no result
     CHECK(run(command + to).status == 0);
@@ -165,17 +165,17 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
   test::writeFile(folder / "two-hold.csv", "mine");
   const test::CommandResult two =
       run("push " + device() + "--renderer impedance,hold --output '" + (folder / "two.csv") + "'");
-  CHECK(two.output == "enamel: " + (folder / "two-hold.csv") + ": exists; --force overwrites it\n");
+  CHECK(two.output == "enamel: " + (folder / "two-hold.csv") + ": exists; --overwrite replaces it\n");
   CHECK_FALSE(std::filesystem::exists(folder / "two-impedance.csv"));
   // compare: its own files, and the folders of its pushes.
   const std::string compare =
       "compare " + device() + "--renderers impedance --tasks ramp --runs 1 --output '" + (folder / "compare") + "' ";
   REQUIRE(run(compare).status == 0);
   const auto before = contentOf(folder / "compare");
-  CHECK(holds(run(compare + "--seed 2").output, "compare/tasks.csv: exists; --force overwrites it"));
-  CHECK(holds(run(compare + "--resume").output, "compare/tasks.csv: exists; --force overwrites it"));
+  CHECK(holds(run(compare + "--seed 2").output, "compare/tasks.csv: exists; --overwrite replaces it"));
+  CHECK(holds(run(compare + "--resume").output, "compare/tasks.csv: exists; --overwrite replaces it"));
   CHECK(contentOf(folder / "compare") == before);
-  CHECK(run(compare + "--seed 2 --force").status == 0);
+  CHECK(run(compare + "--seed 2 --overwrite").status == 0);
   CHECK(contentOf(folder / "compare") != before);
 }
 

@@ -53,9 +53,9 @@ TEST_CASE("a full disk is told, and what was there stays", "[file_command]") {
   std::filesystem::create_directory(folder / "out");
   const std::string out = folder / "out/old";
   for (const std::string& command :
-       {evaluate + "--force --output ", "design " + kDevice + "--force --output ",
-        "design " + kDevice + "--force --impedance-map ", std::string("mesh --generate molar --force --output "),
-        kPush + "--force --output "}) {
+       {evaluate + "--overwrite --output ", "design " + kDevice + "--overwrite --output ",
+        "design " + kDevice + "--overwrite --impedance-map ", std::string("mesh --generate molar --overwrite --output "),
+        kPush + "--overwrite --output "}) {
     test::writeFile(out, "old");
     // A limit on the size of files stands for the disk.
     refused("ulimit -f 1; " + kTool + command + "'" + out + "'", out + ": cannot write the file: File too large");

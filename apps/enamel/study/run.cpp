@@ -164,7 +164,7 @@ Json manifestIn(const Study& study) {
 void requireSame(const Study& study, const Json& there) {
   const Json here = Json::parse(study.manifest);
   if (there != here)
-    throw Error(fmt::format("{}: holds another study: {}; --force overwrites it", study.path("runs.csv"),
+    throw Error(fmt::format("{}: holds another study: {}; --overwrite replaces it", study.path("runs.csv"),
                             differenceOf(there, here)));
 }
 
@@ -192,17 +192,17 @@ void claimFolder(const Study& study) {
   }
   const std::size_t count = runsOf(there);
   if (count == 0)
-    throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to; --force starts again");
+    throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to; --overwrite starts again");
   requireSame(study, there);
   if (study.options.resume) return;
   // Unfinished work is not thrown away by forgetting an option, nor what is no study's.
   const std::string text = readFile(runs, kLargestRunFile);
   const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
   if ((!text.empty() && text.rfind("scenario,renderer,", 0) != 0) || lines > count + 1)
-    throw Error(runs + ": is not what study.json beside it describes; --force overwrites it");
+    throw Error(runs + ": is not what study.json beside it describes; --overwrite replaces it");
   if (lines > 0 && lines < count + 1)
     throw Error(
-        fmt::format("{}: holds an unfinished study ({} of {} runs): continue it with --resume; --force overwrites it",
+        fmt::format("{}: holds an unfinished study ({} of {} runs): continue it with --resume; --overwrite replaces it",
                     runs, lines - 1, count));
   std::filesystem::remove(runs);
   writeFile(path, study.manifest);

@@ -326,7 +326,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   if (m.applied && !s.reports) s.reported = s.commanded;
   s.reports = s.reports || m.applied.has_value();
   // What a report tells is known of one tick: where that had no sample, the mean of the commands since then counts.
-  Row commanded = s.acting, reported = s.acting;
+  Row commanded = s.ticks == 1.0 ? s.sent[o.delay] : s.acting, reported = commanded;
   if (m.applied && s.ticks == 1.0) {
     const int unlikely = unlikelyJoint(*m.applied);
     const Row& nearest = nearestCommand(*m.applied);

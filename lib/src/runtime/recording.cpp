@@ -122,6 +122,7 @@ std::string headerText(const RecordingHeader& h) {
   for (const auto& [name, value] : kCounts) guard[name] = h.guard.*value;
   guard["workspace"] = listOf(h.guard.workspace);
   guard["damping"] = listOf(h.guard.damping);
+  if (h.guard.delay > 0) guard["delay"] = h.guard.delay;
   if (h.guard.drive.stiffness > 0.0) {  // else nothing of it counts
     Written& drive = guard["drive"];
     for (const auto& [name, value] : kDrive) drive[name] = h.guard.drive.*value;
@@ -162,6 +163,7 @@ RecordingHeader parseHeader(const std::string& text, const std::string& file) {
   for (const auto& [name, value] : kCounts) h.guard.*value = static_cast<int>(guard.at(name).whole(INT32_MAX));
   guard.at("workspace").read(h.guard.workspace);
   guard.at("damping").read(h.guard.damping);
+  if (guard.json().contains("delay")) h.guard.delay = static_cast<int>(guard.at("delay").whole(3));
   if (guard.json().contains("drive")) {
     const Reading drive = guard.at("drive");
     for (const auto& [name, value] : kDrive) h.guard.drive.*value = drive.at(name).number();

@@ -42,6 +42,7 @@ struct GuardOptions {
   JointVector encoderStep;  ///< of the encoders, rad or m
   Drive drive;              ///< between motors and links: what rotors and cables hold is not the tool's energy
   JointVector linkInertia;  ///< of each link by itself, without rotors, kg m^2 or kg; needed behind cables
+  int delay = 0;            ///< of the commands where the device does not report what acted, ticks, 0 to 3
   int longestGap = 4;       ///< between two ticks, and between two samples, periods
   int mostMissed = 10;      ///< ticks and samples that were missed, of which 1 % are forgotten a tick
 
