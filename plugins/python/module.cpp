@@ -43,7 +43,7 @@ PYBIND11_MODULE(_enamel, m) {
   m.attr("modes") = python::namesUpTo(RenderMode::fault);
   m.attr("statuses") = python::namesUpTo(Status::stopped);
   m.attr("guard_reasons") = python::namesUpTo(GuardReason::early);
-  m.attr("verdicts") = python::namesUpTo(FirstImpactVerdict::unstable);
+  m.attr("verdicts") = python::namesUpTo(FirstImpactVerdict::flies);
   m.attr("plants") = plantNames();
   python::addDevice(m);
   python::addScene(m);

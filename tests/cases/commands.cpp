@@ -208,10 +208,7 @@ TEST_CASE("case 14: under encoders and a preload the stiffness is that of the wa
   CHECK((!plain || *plain > 0.0));
 }
 
-TEST_CASE(
-    "case 14: without a preload the stiffness does not count free flight "
-    "(expected failure until the hardening)",
-    "[!shouldfail][cases]") {
+TEST_CASE("case 14: without a preload the stiffness does not count free flight", "[cases]") {
   const auto plain = stiffness(""), preloaded = stiffness("--preload 1");
   CAPTURE(plain.value_or(0.0), preloaded.value_or(0.0));
   CHECK((!plain || *plain > 0.4 * preloaded.value_or(0.0)));

@@ -122,4 +122,20 @@ TEST_CASE("no stiffness: never returned, rings, slipped", "[first_impact]") {
   CHECK(watch(slipping, 750).verdict() == FirstImpactVerdict::slips);
 }
 
+TEST_CASE("a push that begins off the wall by more than a tenth of its depth has no stiffness", "[first_impact]") {
+  const Oscillator oscillator{150.0, 30.0};
+  for (const double gap : {0.5e-4, 3e-4}) {
+    ImpactMonitor impact(kPeriod);
+    for (int i = 0; i < 100; ++i) impact.rest({gap, 0.0, 0.0, 0.0, false});
+    for (int i = 0; i < 750; ++i) {
+      ImpactTick tick = oscillator.at(kPeriod * i);
+      tick.gap += gap - kRest;
+      impact.push(tick);
+    }
+    REQUIRE(impact.depth() > 1e-3);
+    CHECK(impact.verdict() == (gap < 0.1 * impact.depth() ? FirstImpactVerdict::measured : FirstImpactVerdict::flies));
+    CHECK(impact.deepest() > 0.0);
+  }
+}
+
 }  // namespace enamel::test_first_impact

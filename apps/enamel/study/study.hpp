@@ -70,7 +70,8 @@ std::string delayText(const std::string& delay);
 
 /// How a push ends without a first impact stiffness.
 inline constexpr FirstImpactVerdict kWithoutFirst[] = {FirstImpactVerdict::rings, FirstImpactVerdict::slips,
-                                                       FirstImpactVerdict::noReturn, FirstImpactVerdict::unstable};
+                                                       FirstImpactVerdict::noReturn, FirstImpactVerdict::flies,
+                                                       FirstImpactVerdict::unstable};
 
 /// Why runs have no first impact stiffness, as "2 rings, 1 slipped"; empty where all have one.
 std::string withoutFirstText(const WallSummary& wall);

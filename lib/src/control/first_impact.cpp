@@ -6,10 +6,10 @@
 namespace enamel {
 namespace {
 
-constexpr double kSettling = 0.5, kJudged = 0.25;   // s after the onset that do not count, and that at least must
-constexpr double kRinging = 0.25, kReturned = 0.1;  // of D_z1
-constexpr double kBlock = 0.125;                    // s
-constexpr double kGrows = 10.0, kChatters = 0.25;   // of the first block's deviation, of a motor's limit
+constexpr double kSettling = 0.5, kJudged = 0.25;  // s after the onset that do not count, and that at least must
+constexpr double kRinging = 0.25, kReturned = 0.1, kFlight = 0.1;  // of D_z1
+constexpr double kBlock = 0.125;                                   // s
+constexpr double kGrows = 10.0, kChatters = 0.25;                  // of the first block's deviation, of a motor's limit
 
 std::uint64_t ticksIn(double time, double period) noexcept {
   return static_cast<std::uint64_t>(std::llround(time / period));
@@ -45,6 +45,7 @@ const char* toString(FirstImpactVerdict verdict) noexcept {
     case FirstImpactVerdict::rings: return "rings";
     case FirstImpactVerdict::slips: return "slipped";
     case FirstImpactVerdict::unstable: return "unstable";
+    case FirstImpactVerdict::flies: return "began off the wall";
   }
   return "unknown verdict";
 }
@@ -130,7 +131,8 @@ FirstImpactVerdict ImpactMonitor::verdict() const noexcept {
   if (unstable() || grows) return FirstImpactVerdict::unstable;
   if (depth_ == 0.0) return FirstImpactVerdict::noReturn;
   if (ringing()) return FirstImpactVerdict::rings;
-  return slipped_ ? FirstImpactVerdict::slips : FirstImpactVerdict::measured;
+  if (slipped_) return FirstImpactVerdict::slips;
+  return rest_ > kFlight * depth_ ? FirstImpactVerdict::flies : FirstImpactVerdict::measured;
 }
 
 }  // namespace enamel

@@ -238,7 +238,7 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
 int WallSummary::withoutFirst() const noexcept {
   int count = 0;
   for (const FirstImpactVerdict v : {FirstImpactVerdict::noReturn, FirstImpactVerdict::rings, FirstImpactVerdict::slips,
-                                     FirstImpactVerdict::unstable})
+                                     FirstImpactVerdict::flies, FirstImpactVerdict::unstable})
     count += verdicts[static_cast<std::size_t>(v)];
   return count;
 }

@@ -40,9 +40,10 @@ enum class FirstImpactVerdict : std::uint8_t {
   slips,     ///< until its return the tool moved farther across the normal than along it
   unstable,  ///< it rings and grows tenfold, or more than half of those ticks are saturated, or a torque's standard
              ///< deviation in an eighth of a second is above a quarter of its motor's limit, or the guard stopped it
+  flies,     ///< before the step the tool was off the wall by more than D_z1 / 10: the push began with a flight
 };
 
-inline constexpr int kVerdicts = 6;
+inline constexpr int kVerdicts = 7;
 
 /// Name of a verdict in plain words. Realtime: yes.
 const char* toString(FirstImpactVerdict verdict) noexcept;
