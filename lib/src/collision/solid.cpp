@@ -16,8 +16,9 @@ using kernel::Inside;
 constexpr double kBorder = Solid::kBand + 1.0;                      // cells around the mesh
 constexpr double kHalfDiagonal = 0.8660254037844386 * kBrickCells;  // of a brick, cells
 constexpr double kMostBytes = 1e9, kMostPlaces = 1 << 22;
-constexpr double kLongestCut = 0.02;  // m
-constexpr double kSubstep = 0.5;      // cells that an end moves between two places of a capsule
+constexpr double kLongestMove = 0.02, kLongestAxis = 0.1;  // m
+constexpr int kMostBricks = 4096;                          // that a cut looks at before it leaves the rest
+constexpr double kSubstep = 0.5;                           // cells that an end moves between two places of a capsule
 constexpr int kSlice = kBrickSamples * kBrickSamples;
 
 // A row of nine samples as whole vectors: the last four repeat three.
@@ -192,26 +193,30 @@ void Solid::findSurface(Brick& brick) noexcept {
   hasSurface_[number] = std::any_of(brick.surface.begin(), brick.surface.end(), [](auto slice) { return slice != 0; });
 }
 
-RemovedVolume Solid::cut(const Segment& from, const Segment& to, double radius) noexcept {
+RemovedVolume Solid::cut(const Segment& from, const Segment& to, double radius, double* reached) noexcept {
   RemovedVolume removed{};
+  if (reached != nullptr) *reached = 0.0;
   const double move = std::max((to.a - from.a).norm(), (to.b - from.b).norm());
-  if (!(move <= kLongestCut && radius > 0.0 && radius <= kLongestCut && from.a.allFinite() && from.b.allFinite() &&
-        (from.b - from.a).norm() <= 1.0))
+  if (!(move <= kLongestMove && radius > 0.0 && radius <= kLargestBur && from.a.allFinite() && from.b.allFinite() &&
+        (from.b - from.a).norm() <= kLongestAxis))
     return removed;
   const int steps = 1 + static_cast<int>(move / (kSubstep * cell_));
-  for (int i = 1; i <= steps; ++i) {
+  int bricks = 0;
+  for (int i = 1; i <= steps && bricks < kMostBricks; ++i) {
     const double t = static_cast<double>(i) / steps;
-    cutCapsule({from.a + t * (to.a - from.a), from.b + t * (to.b - from.b)}, radius, removed);
+    bricks += cutCapsule({from.a + t * (to.a - from.a), from.b + t * (to.b - from.b)}, radius, removed);
+    if (reached != nullptr) *reached = t;
   }
   return removed;
 }
 
-void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed) noexcept {
+// Number of bricks that it looked at.
+int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed) noexcept {
   const Vec3 a = (axis.a - origin_) / cell_, b = (axis.b - origin_) / cell_;
   const double r = radius / cell_, volume = cell_ * cell_ * cell_;
   // On average the interpolation of a distance that curves lies above it by a twelfth of its Laplacian: 1 / r along the
-  // way of a bur.
-  const float reach = static_cast<float>(r + 1.0 / (12.0 * r));
+  // way of a bur. A bur below a cell has no curvature there.
+  const float reach = static_cast<float>(r + (r > 1.0 ? 1.0 / (12.0 * r) : r / 12.0));
   const float inner = std::max(reach - kBand, 0.0f), most = (reach + kBand) * (reach + kBand);
   const double around = static_cast<double>(reach) + kBand;
   const Eigen::Vector3f span = (b - a).cast<float>();
@@ -221,15 +226,24 @@ void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& remove
   for (int i = 0; i < 3; ++i) {
     first[i] = static_cast<int>(std::max(low[i], 0.0));
     last[i] = static_cast<int>(std::min(high[i], static_cast<double>(kBrickCells) * count_[i]));
-    if (first[i] > last[i]) return;
+    if (first[i] > last[i]) return 0;
   }
   const auto firstBrick = [&](int i) { return std::max((first[i] - 1) / kBrickCells, 0); };
   const auto lastBrick = [&](int i) { return std::min(last[i] / kBrickCells, count_[i] - 1); };
+  // Farther from a brick's middle than this nothing of it is within reach.
+  const float farthest = std::sqrt(most) + 0.5f * std::sqrt(3.0f) * static_cast<float>(kBrickCells) + 1e-3f;
+  int bricks = 0;
   for (int bz = firstBrick(2); bz <= lastBrick(2); ++bz)
     for (int by = firstBrick(1); by <= lastBrick(1); ++by)
       for (int bx = firstBrick(0); bx <= lastBrick(0); ++bx) {
         const std::int32_t number = brickAt(bx, by, bz);
         if (number < 0) continue;
+        if (perLength != 0.0f) {  // a long axis across: most bricks of its box are out of reach
+          const Eigen::Vector3f middle = (kBrickCells * (Vec3(bx, by, bz).array() + 0.5) - a.array()).cast<float>();
+          const float t = std::clamp(middle.dot(span) * perLength, 0.0f, 1.0f);
+          if ((middle - t * span).squaredNorm() > farthest * farthest) continue;
+        }
+        ++bricks;
         Brick& brick = bricks_[static_cast<std::size_t>(number)];
         const std::array<int, 3> corner = {kBrickCells * bx, kBrickCells * by, kBrickCells * bz};
         std::array<int, 3> i0, i1;  // what is out of reach has values below -kBand
@@ -274,6 +288,7 @@ void Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& remove
         if (isTurned) findSurface(brick);
         if (isCut) tellChanged(number);
       }
+  return bricks;
 }
 
 void Solid::tellChanged(std::int32_t brick) noexcept {

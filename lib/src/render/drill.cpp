@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
@@ -27,6 +28,10 @@ Drill::Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const
     throw Error("the bur is part " + std::to_string(number_) + " of the tool, which has " + std::to_string(tool.count));
   part_ = tool.parts[static_cast<std::size_t>(number_)];
   if (!(part_.radius > 0.0)) throw Error("the bur, part " + std::to_string(number_) + " of the tool, has no radius");
+  if (!(part_.radius <= Solid::kLargestBur))
+    throw Error("the bur, part " + std::to_string(number_) + " of the tool, has a radius of " +
+                formatNumber(1e3 * part_.radius) + " mm, must be at most " + formatNumber(1e3 * Solid::kLargestBur) +
+                " mm; are its lengths in metres?");
   if (!(bur.wear > 0.0 && std::isfinite(bur.wear))) throw Error("the wear of a bur must be positive and finite");
   if (!(bur.turns >= 0.0 && bur.turns <= kMostTurns)) throw Error("a bur turns 0 to 10000 times a second");
   removal_ = bur.wear * 2.0 * M_PI * part_.radius * bur.turns;
@@ -93,7 +98,9 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   }
   const Segment axis{inSolid(pose.position + pose.rotation * part_.a + back * way_),
                      inSolid(pose.position + pose.rotation * part_.b + back * way_)};
-  removed_ = solid.cut(obstacle_ == number ? last_ : axis, axis, part_.radius);
+  const Segment from = obstacle_ == number ? last_ : axis;
+  double reached = 0.0;
+  removed_ = solid.cut(from, axis, part_.radius, &reached);
   const double volume = std::accumulate(removed_.begin(), removed_.end(), 0.0);
   if (volume > 0.0) {
     double weighted = 0.0;
@@ -106,6 +113,8 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   if (obstacle_ == number) feed_ += kFollow * (-way_.dot(moved) / elapsed - feed_);
   obstacle_ = number;
   last_ = axis;
+  if (reached > 0.0 && reached < 1.0)  // the rest is for the next tick
+    last_ = {from.a + reached * (axis.a - from.a), from.b + reached * (axis.b - from.b)};
 }
 
 }  // namespace enamel
