@@ -224,6 +224,34 @@ TEST_CASE("scene files: what is refused, and how", "[scene]") {
                     "s.toml:5: tool[0].radius: is 1, must be in 0 to 0.05 m");
 }
 
+TEST_CASE("scene files: a probable wrong unit, and cells larger than the bur, are noted", "[scene]") {
+  const test::TemporaryFolder folder;
+  test::writeFile(
+      folder / "box.off",
+      "OFF 8 12 0\n-5 -5 -10\n5 -5 -10\n5 5 -10\n-5 5 -10\n-5 -5 0\n5 -5 0\n5 5 0\n-5 5 0\n3 0 2 1\n3 0 3 2\n3 4 5 "
+      "6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 2 3 7\n3 2 7 6\n3 1 2 6\n3 1 6 5\n3 0 4 7\n3 0 7 3\n");
+  const auto notes = [&](const std::string& shape, const std::string& keys) {
+    return parseScene(
+               "name = \"a\"\nstart = [0, 0, 0.02]\n[[tool]]\nradius = 0.0005\n[[obstacle]]\nname = \"box\"\nshape = "
+               "\"" +
+                   shape + "\"\nfile = \"box.off\"\n" + keys,
+               folder / "s.toml")
+        .notes;
+  };
+  CHECK(notes("mesh", "unit = \"mm\"\n").empty());
+  REQUIRE(notes("mesh", "unit = \"m\"\n").size() == 1);
+  CHECK_THAT(
+      notes("mesh", "unit = \"m\"\n")[0],
+      test::ContainsSubstring("obstacle \"box\": is 10000 mm across; if that is not meant, its unit is probably mm"));
+  REQUIRE(notes("mesh", "unit = \"um\"\n").size() == 1);
+  CHECK_THAT(notes("mesh", "unit = \"um\"\n")[0], test::ContainsSubstring("is 0.01 mm across"));
+  const std::string layer = "[[obstacle.layer]]\nname = \"enamel\"\nhardness = 3e9\n";
+  CHECK(notes("solid", "unit = \"mm\"\ncell = 0.0005\n" + layer).empty());
+  REQUIRE(notes("solid", "unit = \"mm\"\ncell = 0.0006\n" + layer).size() == 1);
+  CHECK_THAT(notes("solid", "unit = \"mm\"\ncell = 0.0006\n" + layer)[0],
+             test::ContainsSubstring("its cells of 0.6 mm are larger than the radius of the tool's part 0, 0.5 mm"));
+}
+
 TEST_CASE("scene files: an open mesh is noted, a sheet is none", "[scene]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "flap.off", "OFF 3 1 0\n-10 -10 0\n10 -10 0\n0 10 0\n3 0 1 2\n");

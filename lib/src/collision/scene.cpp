@@ -3,9 +3,18 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 
 namespace enamel {
+namespace {
+
+bool isNear(const Vec3& position) noexcept { return position.cwiseAbs().maxCoeff() <= kFarthest; }
+bool isSlow(const Vec6& twist) noexcept {
+  return twist.head<3>().cwiseAbs().maxCoeff() <= kFastest && twist.tail<3>().cwiseAbs().maxCoeff() <= kFastestTurn;
+}
+
+}  // namespace
 
 int Scene::add(Obstacle obstacle) {
   const std::string name = "obstacle \"" + obstacle.name + "\"";
@@ -15,6 +24,10 @@ int Scene::add(Obstacle obstacle) {
   const Mat3& R = obstacle.pose.rotation;
   if (!obstacle.pose.position.allFinite() || !R.allFinite() || !obstacle.twist.allFinite())
     throw Error(name + ": pose or twist is not finite");
+  if (!isNear(obstacle.pose.position) || !isSlow(obstacle.twist))
+    throw Error(name + ": must be within " + formatNumber(kFarthest) + " m of the origin and slower than " +
+                formatNumber(kFastest) + " m/s and " + formatNumber(kFastestTurn) +
+                " rad/s; are its lengths in metres?");
   if (!isRotation(R)) throw Error(name + ": the rotation is not a right-handed orthonormal matrix to 1e-6");
   const auto positive = [](double x) { return x > 0.0 && std::isfinite(x); };
   bool sized = true;
@@ -43,7 +56,7 @@ int Scene::add(Obstacle obstacle) {
 Status Scene::move(int obstacle, const Pose& pose, const Vec6& twist) noexcept {
   if (obstacle < 0 || static_cast<std::size_t>(obstacle) >= obstacles_.size()) return Status::outOfRange;
   if (!pose.position.allFinite() || !pose.rotation.allFinite() || !twist.allFinite()) return Status::notFinite;
-  if (!isRotation(pose.rotation)) return Status::outOfRange;
+  if (!isRotation(pose.rotation) || !isNear(pose.position) || !isSlow(twist)) return Status::outOfRange;
   obstacles_[static_cast<std::size_t>(obstacle)].pose = pose;
   obstacles_[static_cast<std::size_t>(obstacle)].twist = twist;
   return Status::ok;

@@ -16,6 +16,7 @@ constexpr double kLargestPosition = 1.0;  // m
 constexpr double kSmallestSize = 1e-4, kLargestSize = 2.0;
 constexpr double kLargestToolRadius = 0.05;
 constexpr double kSmallestCell = 1e-6;
+constexpr double kSmallestTooth = 1e-3, kLargestTooth = 1.0;  // m: other sizes are probably another unit
 constexpr double kLeastHardness = 1e3, kMostHardness = 1e12;  // Pa
 constexpr double kLeastThickness = 1e-6, kMostThickness = 0.01;
 constexpr int kMaxObstacles = 64;
@@ -204,10 +205,36 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
 }
 
 // What a user should know of a mesh that is no sound solid.
-std::string noteOf(const Obstacle& obstacle) {
-  const auto* mesh = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape);
-  if (mesh == nullptr || obstacle.thickness > 0.0 || isSound(**mesh)) return "";
-  return "obstacle \"" + obstacle.name + "\": " + describe(**mesh);
+// What is probably not meant: an inside that is not certain, another unit.
+void addNotes(const Obstacle& obstacle, const Tool& tool, std::vector<std::string>& notes) {
+  const std::string name = "obstacle \"" + obstacle.name + "\": ";
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  if (const auto* found = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape)) {
+    const MeshModel& mesh = **found;
+    if (!(obstacle.thickness > 0.0) && !isSound(mesh)) notes.push_back(name + describe(mesh));
+    const TriangleMesh triangles = presentMesh(mesh);
+    low = high = triangles.vertices.front();
+    for (const Vec3& vertex : triangles.vertices) {
+      low = low.cwiseMin(vertex);
+      high = high.cwiseMax(vertex);
+    }
+  } else if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) {
+    low = (*solid)->low();
+    high = (*solid)->high();
+    for (int part = 0; part < tool.count; ++part)
+      if (const double radius = tool.parts[static_cast<std::size_t>(part)].radius;
+          radius > 0.0 && radius < (*solid)->cell())
+        notes.push_back(name + "its cells of " + formatNumber(1e3 * (*solid)->cell()) +
+                        " mm are larger than the radius of the tool's part " + std::to_string(part) + ", " +
+                        formatNumber(1e3 * radius) + " mm: make `cell` smaller");
+  } else {
+    return;
+  }
+  const double size = (high - low).maxCoeff();
+  if (size > kLargestTooth || size < kSmallestTooth)
+    notes.push_back(name + "is " + formatNumber(1e3 * size) +
+                    " mm across; if that is not meant, its unit is probably " + (size > kLargestTooth ? "mm" : "m") +
+                    ": see `unit` and `scale`");
 }
 
 Tool readTool(TomlTable& root) {
@@ -243,8 +270,12 @@ std::optional<Bur> readBur(TomlTable& root, const Tool& tool) {
   if (bur.part != part) table.fail("part", "is " + formatNumber(part) + ", must be a whole number");
   read("wear", 1e-9, 1e3, bur.wear);
   read("turns", 0.0, 1e4, bur.turns);
-  if (!(tool.parts[static_cast<std::size_t>(bur.part)].radius > 0.0))
-    root.fail("bur", "is part " + std::to_string(bur.part) + " of the tool, which has no radius");
+  const double radius = tool.parts[static_cast<std::size_t>(bur.part)].radius;
+  if (!(radius > 0.0)) root.fail("bur", "is part " + std::to_string(bur.part) + " of the tool, which has no radius");
+  if (radius > Solid::kLargestBur)
+    root.fail("bur", "is part " + std::to_string(bur.part) + " of the tool, whose radius of " +
+                         formatNumber(1e3 * radius) + " mm must be at most " + formatNumber(1e3 * Solid::kLargestBur) +
+                         " mm");
   table.finish();
   return bur;
 }
@@ -274,7 +305,7 @@ SceneFile parseScene(std::string_view text, const std::string& file, SpareCapaci
     Obstacle obstacle = readObstacle(table, file, spare, model, solid);
     for (const Obstacle& other : result.scene.obstacles())
       if (other.name == obstacle.name) table.fail("name", "is \"" + obstacle.name + "\", which another obstacle has");
-    if (const std::string note = noteOf(obstacle); !note.empty()) result.notes.push_back(note);
+    addNotes(obstacle, result.tool, result.notes);
     result.scene.add(std::move(obstacle));
   }
   root.finish();
