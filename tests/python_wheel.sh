@@ -26,7 +26,11 @@ for python in "$@"; do
     unset PYTHONPATH ENAMEL_TOOL
     cp -r plugins/python/scripts tests/python/module.py "$folder/$ran-wheels"
     cd "$folder/$ran-wheels" # nothing of the source is in the way
-    "$folder/$ran/bin/python" module.py
+    for numpy in "numpy<2" "numpy>=2"; do # the same arrays under both
+      "$folder/$ran/bin/pip" -q --disable-pip-version-check install "$numpy"
+      "$folder/$ran/bin/python" -c 'import numpy; print("NumPy", numpy.__version__)'
+      "$folder/$ran/bin/python" module.py
+    done
     for script in scripts/*.py; do "$folder/$ran/bin/python" "$script"; done
     "$folder/$ran/bin/mypy" --strict --ignore-missing-imports scripts/*.py
   )

@@ -1,4 +1,6 @@
 // The Python module enamel._enamel: errors, names of numbers, and what the other files add.
+#include <cstdlib>
+
 #include "binding.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/host.hpp"
@@ -16,12 +18,30 @@ py::tuple namesUpTo(Enum last) {
   return py::tuple(names);
 }
 
+// pybind11 takes NumPy 2 for NumPy 1 before its version 2.12: arrays would have wrong contents.
+void refuseNumpy2() {
+#if PYBIND11_VERSION_HEX < 0x020C0000
+  std::string version;
+  try {
+    version = py::str(py::module_::import("numpy").attr("__version__"));
+  } catch (const py::error_already_set&) {
+    return;  // what needs arrays says that NumPy is missing
+  }
+  if (std::atoi(version.c_str()) >= 2)
+    throw py::import_error(
+        "enamel was built with pybind11 " PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(
+            PYBIND11_VERSION_MINOR) ", whose arrays are wrong under NumPy " +
+        version + ": install numpy<2, or build enamel with pybind11 2.12 or newer");
+#endif
+}
+
 }  // namespace
 }  // namespace enamel::python
 
 PYBIND11_MODULE(_enamel, m) {
   namespace py = pybind11;
   using namespace enamel;
+  python::refuseNumpy2();
   m.doc() = "Stiff contact on haptic devices. SI units; W: x right, y up, z from the wall towards the user.";
   // The last that is registered is tried first.
   const auto error = py::register_exception<Error>(m, "Error", PyExc_RuntimeError);

@@ -6,6 +6,7 @@ import inspect
 import os
 import re
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -321,6 +322,26 @@ class Stub(unittest.TestCase):
             if name.startswith("_") or not (inspect.isclass(thing) or callable(thing)) or name.endswith("Error") or name == "RendererLike":
                 continue
             self.assertTrue(thing.__doc__ and len(thing.__doc__.strip()) > 20, name)
+
+
+class Numpy(unittest.TestCase):
+    def test_numpy_2_works_or_is_refused(self):
+        """A module that was built by an old pybind11 must not give wrong arrays under NumPy 2."""
+        code = "import enamel; print(float(enamel.Device(enamel.data / 'devices/tau-nominal.toml').home.inertia.sum()))"
+        with tempfile.TemporaryDirectory() as folder:
+            if np.lib.NumpyVersion(np.__version__) < "2.0.0":  # a stand-in that only has the version
+                (Path(folder) / "numpy").mkdir()
+                (Path(folder) / "numpy/__init__.py").write_text("__version__ = '2.1.0'\nndarray = object\n")
+            path = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
+            result = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": path},
+                                    capture_output=True, text=True)
+        if result.returncode == 0:  # NumPy 2, and a pybind11 that knows it
+            self.assertAlmostEqual(float(result.stdout), float(enamel.Device(TAU).home.inertia.sum()))
+        elif "ImportError" in result.stderr:
+            self.assertIn("pybind11 2.", result.stderr)
+            self.assertIn("NumPy 2.1.0: install numpy<2", result.stderr)
+        else:  # the stand-in has no arrays: a pybind11 that knows NumPy 2 asks it for more
+            self.assertIn("numpy", result.stderr)
 
 
 if __name__ == "__main__":

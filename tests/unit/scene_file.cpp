@@ -232,7 +232,8 @@ TEST_CASE("scene files: a probable wrong unit, and cells larger than the bur, ar
       "6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 2 3 7\n3 2 7 6\n3 1 2 6\n3 1 6 5\n3 0 4 7\n3 0 7 3\n");
   const auto notes = [&](const std::string& shape, const std::string& keys) {
     return parseScene(
-               "name = \"a\"\nstart = [0, 0, 0.02]\n[[tool]]\nradius = 0.0005\n[[obstacle]]\nname = \"box\"\nshape = "
+               "name = \"a\"\nstart = [0, 0, 0.02]\n[[tool]]\nfrom = [0, 0, 0]\nto = [0, 0, 0]\nradius = "
+               "0.0005\n[[obstacle]]\nname = \"box\"\nshape = "
                "\"" +
                    shape + "\"\nfile = \"box.off\"\n" + keys,
                folder / "s.toml")
@@ -242,9 +243,12 @@ TEST_CASE("scene files: a probable wrong unit, and cells larger than the bur, ar
   REQUIRE(notes("mesh", "unit = \"m\"\n").size() == 1);
   CHECK_THAT(
       notes("mesh", "unit = \"m\"\n")[0],
-      test::ContainsSubstring("obstacle \"box\": is 10000 mm across; if that is not meant, its unit is probably mm"));
+      test::ContainsSubstring(
+          "obstacle \"box\": is 10000 mm across; if that is not meant, its unit is probably 1000 times smaller"));
   REQUIRE(notes("mesh", "unit = \"um\"\n").size() == 1);
-  CHECK_THAT(notes("mesh", "unit = \"um\"\n")[0], test::ContainsSubstring("is 0.01 mm across"));
+  CHECK_THAT(
+      notes("mesh", "unit = \"um\"\n")[0],
+      test::ContainsSubstring("is 0.01 mm across; if that is not meant, its unit is probably 1000 times larger"));
   const std::string layer = "[[obstacle.layer]]\nname = \"enamel\"\nhardness = 3e9\n";
   CHECK(notes("solid", "unit = \"mm\"\ncell = 0.0005\n" + layer).empty());
   REQUIRE(notes("solid", "unit = \"mm\"\ncell = 0.0006\n" + layer).size() == 1);

@@ -232,9 +232,9 @@ void addNotes(const Obstacle& obstacle, const Tool& tool, std::vector<std::strin
   }
   const double size = (high - low).maxCoeff();
   if (size > kLargestTooth || size < kSmallestTooth)
-    notes.push_back(name + "is " + formatNumber(1e3 * size) +
-                    " mm across; if that is not meant, its unit is probably " + (size > kLargestTooth ? "mm" : "m") +
-                    ": see `unit` and `scale`");
+    notes.push_back(name + "is " + formatNumber(std::round(1e9 * size) / 1e6) +
+                    " mm across; if that is not meant, its unit is probably 1000 times " +
+                    (size > kLargestTooth ? "smaller" : "larger") + ": see `unit` and `scale`");
 }
 
 Tool readTool(TomlTable& root) {
