@@ -6,22 +6,13 @@
 #include <limits>
 #include <type_traits>
 
-#include "render/exponential.hpp"
 #include "render/guard_options.hpp"
-#include "render/mode_table.hpp"
 
 namespace enamel {
 namespace {
 
-constexpr double kForgets = 0.2;        // s, of the largest force of late
-constexpr double kLeastForce = 1e-3;    // N, below which nothing is rendered
-constexpr double kLargestEnergy = 1e6;  // J
-constexpr double kLinkError = 0.2;      // of the energy of rotors and cables
-constexpr double kLever = 0.05;         // m at which a moment counts as a force
 constexpr double kOscillationTime = 0.1;
 constexpr double kForgottenMisses = 0.01;
-// Of reported torque: time constant, s; share of the commands, and of the motor's limit.
-constexpr double kReportTime = 0.01, kReportShare = 0.75, kReportNoise = 0.03, kLargestReport = 1.5;
 constexpr double kIntervalTime = 0.1, kShortest = 0.5;  // s, periods
 constexpr double kRounding = 1.0 + 1e-9;
 constexpr double kTouching = 1e-4;  // m: contacts farther away carry no force
@@ -70,27 +61,6 @@ Guard::Guard(const Mechanism& device, const GuardOptions& options)
       ring_(kGuardTicks) {
   if (options_.drive.stiffness > 0.0) describeTransmission();
   for (GuardTick& tick : ring_) tick.q = tick.requested = tick.applied = JointVector::Zero(n_);
-}
-
-void Guard::describeTransmission() {
-  const Drive& d = options_.drive;
-  lag_ = lagOf(d);
-  for (int joint = 0; joint < n_; ++joint) {
-    // m' = w (u - m),  stretch'' = m / J - (k stretch + b stretch') (1 / J + 1 / L)
-    const double J = d.rotorInertia, L = options_.linkInertia[joint], inverse = 1.0 / J + 1.0 / L;
-    Matrix<4> A;
-    A << -lag_, 0.0, 0.0, lag_, 0.0, 0.0, 1.0, 0.0, 1.0 / J, -d.stiffness * inverse, -d.damping * inverse, 0.0, 0.0,
-        0.0, 0.0, 0.0;
-    const Matrix<4> step = exponential<4>(A * options_.period);
-    Transmission& t = transmission_[joint];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) t.kept[i][j] = step(i, j);
-      t.command[i] = step(i, 3);
-    }
-    t.share = 1.0 / (1.0 + J / L);
-    // A step of all torque stretches the cable twice as far as the torque at rest.
-    mostHeld_ += 2.0 * options_.torque[joint] * options_.torque[joint] / d.stiffness;
-  }
 }
 
 void Guard::reset() noexcept {
@@ -205,152 +175,6 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   if (reason != GuardReason::none) return reason;
   if (!(elapsed > 0.0)) return GuardReason::clock;
   return elapsed > longest ? GuardReason::late : GuardReason::none;
-}
-
-// The first joint whose report cannot be true, or -1.
-int Guard::unlikelyJoint(const JointVector& applied) const noexcept {
-  for (int i = 0; i < n_; ++i) {
-    const double noise = kReportNoise * most_[i];
-    if (isDriven(i) && (!(std::abs(applied[i]) <= kLargestReport * most_[i]) ||
-                        state_.match[i] < kReportShare * state_.power[i] - noise * noise))
-      return i;
-  }
-  return -1;
-}
-
-bool Guard::believes(const JointVector& applied) const noexcept { return unlikelyJoint(applied) < 0; }
-
-// A motor's torque comes late and is not exact, but follows the commands. The oldest command's square, so that a report
-// that comes late is not taken for one that is missing.
-void Guard::compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept {
-  State& s = state_;
-  const double share = std::min(1.0, elapsed / kReportTime);
-  for (int i = 0; i < n_; ++i) {
-    const double most = kLargestReport * most_[i], old = s.sent.back()[i];
-    s.match[i] += share * (std::clamp(applied[i], -most, most) * command[i] - s.match[i]);
-    s.power[i] += share * (old * old - s.power[i]);
-  }
-}
-
-// The command of late that is most like the report: the delay may change from tick to tick.
-const Guard::Row& Guard::nearestCommand(const JointVector& applied) const noexcept {
-  const Row* best = nullptr;
-  double least = kUnlimited;
-  for (const Row& sent : state_.sent) {
-    double sum = 0.0;
-    for (int i = 0; i < n_; ++i)
-      if (isDriven(i)) sum += std::pow((applied[i] - sent[i]) / most_[i], 2);
-    if (sum >= least) continue;
-    best = &sent;
-    least = sum;
-  }
-  return best != nullptr ? *best : state_.acting;
-}
-
-double Guard::energy() const noexcept {
-  return state_.reports ? std::max(state_.commanded.energy, state_.reported.energy) : state_.commanded.energy;
-}
-
-// Of a motor's torque and the way of its encoder: what reaches the link. The rest turns the rotor and stretches the
-// cable. Without it a single strong command counts as energy of the tool: it winds the cable up.
-void Guard::reachLink(int joint, double elapsed, Account& s, double& torque, double& way) const noexcept {
-  const Transmission& t = transmission_[joint];
-  const double command = torque, before = s.stretch[joint], rateBefore = s.stretchRate[joint],
-               lagBefore = s.lagged[joint];
-  const int ticks = std::clamp(static_cast<int>(std::lround(elapsed / options_.period)), 1, options_.longestGap);
-  for (int tick = 0; tick < ticks; ++tick) {
-    const double now[3] = {s.lagged[joint], s.stretch[joint], s.stretchRate[joint]};
-    double next[3];
-    for (int i = 0; i < 3; ++i) {
-      next[i] = t.command[i] * command;
-      for (int j = 0; j < 3; ++j) next[i] += t.kept[i][j] * now[j];
-    }
-    s.lagged[joint] = next[0];
-    s.stretch[joint] = next[1];
-    s.stretchRate[joint] = next[2];
-  }
-  // The mean over the time, by the balance of momentum of motor and rotor; the link moves by itself.
-  const double time = ticks * options_.period, motor = command - (s.lagged[joint] - lagBefore) / (lag_ * time);
-  torque = t.share * (motor - options_.drive.rotorInertia * (s.stretchRate[joint] - rateBefore) / time);
-  if (!options_.drive.encoderOnLink) way -= s.stretch[joint] - before;
-}
-
-// Books the motion since the last sample under the account of a torque; the force that it made, N.
-double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque, Account& account) noexcept {
-  const State& s = state_;
-  const GuardOptions& o = options_;
-  const double elapsed = m.time - s.sampleTime;
-  double work = 0.0, held = 0.0;
-  Vec6 way = Vec6::Zero(), wrench = Vec6::Zero();
-  for (int i = 0; i < n_; ++i) {
-    double step = m.q[i] - s.q[i], beyond = torque[i] - s.gravity[i];
-    way += k.jacobian.col(i) * step;
-    if (o.drive.stiffness > 0.0) {
-      reachLink(i, elapsed, account, beyond, step);
-      held += 0.5 * o.drive.stiffness * account.stretch[i] * account.stretch[i] +
-              0.5 * o.drive.rotorInertia * account.stretchRate[i] * account.stretchRate[i];
-    }
-    wrench += k.inverseTransposed.col(i) * beyond;
-    // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
-    // bound.
-    work += beyond * step - 0.5 * o.encoderStep[i] * std::abs(beyond - account.beyond[i]);
-    account.beyond[i] = beyond;
-  }
-  // What rotors and cables exchange with the links is known only as well as the inertia of the links here.
-  held = std::min(held, mostHeld_);
-  work -= kLinkError * std::abs(held - account.held);
-  account.held = held;
-  const double force = std::hypot(wrench.head<3>().norm(), wrench.tail<3>().norm() / kLever);
-  const double peak = std::max(force, s.peak);
-  if (peak > kLeastForce) {
-    if (damped_) work -= way.dot(o.damping * way) / elapsed;
-    work -= wrench.head<3>().dot(s.surface) * elapsed;
-    account.energy += work;
-  }
-  if (account.energy > 0.0) account.energy = std::max(0.0, account.energy - o.power * elapsed);
-  account.energy = std::max(account.energy, -0.5 * peak * peak / o.softest);
-  if (!(std::abs(account.energy) <= kLargestEnergy)) account.energy = kLargestEnergy;  // numbers that mean nothing
-  return force;
-}
-
-// Workspace, speed and energy of the motion since the last sample; its twist.
-GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
-  State& s = state_;
-  const GuardOptions& o = options_;
-  const double elapsed = m.time - s.sampleTime;
-  Vec6 way = Vec6::Zero();
-  for (int i = 0; i < n_; ++i) way += k.jacobian.col(i) * (m.q[i] - s.q[i]);
-  s.twist = way / std::max(elapsed, 0.5 * o.period);
-
-  s.peak *= std::max(0.0, 1.0 - elapsed / kForgets);
-  if (m.applied && !s.reports) s.reported = s.commanded;
-  s.reports = s.reports || m.applied.has_value();
-  // What a report tells is known of one tick: where that had no sample, the mean of the commands since then counts.
-  Row commanded = s.ticks == 1.0 ? s.sent[o.delay] : s.acting, reported = commanded;
-  if (m.applied && s.ticks == 1.0) {
-    const int unlikely = unlikelyJoint(*m.applied);
-    const Row& nearest = nearestCommand(*m.applied);
-    compareReport(*m.applied, nearest, elapsed);
-    if (unlikely < 0) {
-      reported = commanded = nearest;
-      for (int i = 0; i < n_; ++i)
-        if (isDriven(i)) reported[i] = (*m.applied)[i];
-    } else {
-      ++ignored_;
-      ignoredJoint_ = unlikely;
-    }
-  }
-  double force = book(m, k, commanded, s.commanded);
-  if (s.reports) force = std::max(force, book(m, k, reported, s.reported));
-  s.peak = std::max(s.peak, force);
-  if (!(s.peak <= kLargestEnergy)) s.peak = 0.0;  // numbers that mean nothing
-
-  for (int i = 0; i < 3; ++i)
-    if (!(std::abs(k.pose.position[i]) <= o.workspace[i] + o.margin)) return GuardReason::workspace;
-  if (!(s.twist.head<3>().squaredNorm() <= o.stopSpeed * o.stopSpeed &&
-        s.twist.tail<3>().squaredNorm() <= o.stopTurn * o.stopTurn))
-    return GuardReason::speed;
-  return energy() <= o.energy ? GuardReason::none : GuardReason::energy;
 }
 
 // Whether what is asked for oscillates.

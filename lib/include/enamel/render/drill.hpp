@@ -19,8 +19,8 @@ namespace enamel {
 class Drill {
  public:
   /// `solids` by obstacle of the scene, null where it cannot be cut. Throws Error: a part that the tool does not have
-  /// or whose radius is not in 0 to Solid::kLargestBur; a wear that is not positive and finite; turns outside 0 to 10
-  /// 000 a second. Realtime: no.
+  /// or whose radius is not in 0 to Solid::kLargestBur; a wear that is not positive and finite; turns outside 0 to
+  /// 10 000 a second. Realtime: no.
   Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur = {});
 
   /// Whether the bur spins; at first it does not. Realtime: yes.

@@ -68,11 +68,10 @@ void setDrive(const Mechanism& device, GuardOptions& options);
 
 /// One tick as the guard keeps it.
 struct GuardTick {
-  double time = 0.0;               ///< s
-  JointVector q;                   ///< measured, rad or m
-  JointVector requested, applied;  ///< N m or N
-  double energy =
-      0.0;  ///< that the tool was given beyond what it gave, the worse of both accounts, J; negative: it gave
+  double time = 0.0;                       ///< s
+  JointVector q;                           ///< measured, rad or m
+  JointVector requested, applied;          ///< N m or N
+  double energy = 0.0;                     ///< that the tool was given beyond what it gave, by the worse account, J
   GuardReason reason = GuardReason::none;  ///< why the two differ
 };
 
@@ -184,7 +183,7 @@ class Guard {
   int unlikelyJoint(const JointVector& applied) const noexcept;
   void compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept;
   const Row& nearestCommand(const JointVector& applied) const noexcept;
-  double book(const Measurement& m, const Kinematics& k, const Row& torque, Account& account) noexcept;
+  double book(const Measurement& m, const Kinematics& k, const Row& torque, Account& account) const noexcept;
   double energy() const noexcept;
   GuardReason asked(const JointVector& requested, const Kinematics& k) noexcept;
   GuardReason shape(const Measurement& m, const Kinematics& k, const JointVector& requested, double elapsed,
