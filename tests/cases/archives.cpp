@@ -52,8 +52,17 @@ std::string withBackslashes(const std::string& zip) {
   });
 }
 
-void put(std::string& bytes, std::size_t at, std::uint32_t value) {
-  for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> 8 * i & 0xffu);
+void put(std::string& bytes, std::size_t at, std::uint32_t value, std::size_t size = 4) {
+  for (std::size_t i = 0; i < size; ++i) bytes[at + i] = static_cast<char>(value >> 8 * i & 0xffu);
+}
+
+// With a number of `size` bytes in place of what both heads of each file have there.
+std::string with(const std::string& zip, std::uint32_t value, std::size_t inTable, std::size_t inFile,
+                 std::size_t size) {
+  return changed(zip, [&](std::string& bytes, std::size_t entry, std::size_t file) {
+    put(bytes, entry + inTable, value, size);
+    put(bytes, file + inFile, value, size);
+  });
 }
 
 // With a type of file in the attributes of Unix.
@@ -65,12 +74,7 @@ std::string withKind(const std::string& zip, std::uint32_t kind) {
 }
 
 // Where the files say that they have `size` bytes.
-std::string withSize(const std::string& zip, std::uint32_t size) {
-  return changed(zip, [size](std::string& bytes, std::size_t entry, std::size_t file) {
-    put(bytes, entry + 24, size);
-    put(bytes, file + 22, size);
-  });
-}
+std::string withSize(const std::string& zip, std::uint32_t size) { return with(zip, size, 24, 22, 4); }
 
 std::string withNames(const std::string& zip, const std::string& name) {
   return changed(zip, [&name](std::string& bytes, std::size_t entry, std::size_t file) {
@@ -145,11 +149,12 @@ TEST_CASE("archives: good ones are unpacked, whoever packed them", "[cases]") {
   CHECK(refusal(zipOf({"a..b", "..c/d", "e/f..g"})) == "");
   CHECK(refusal(withKind(zipOf({"a", "b"}), S_IFREG)) == "");
   CHECK(refusal(zipOf({"a", "b"}), 200) == "");
+  CHECK(refusal(zipOf({"\xc3\x84", "\xc3\xa4"})) == "");  // case counts beyond ASCII
 }
 
 TEST_CASE("archives: names that lead out of it are refused", "[cases]") {
-  for (const char* name :
-       {"../x", "a/../../x", "a/..", "/etc/x", "//x", "..\\x", "a\\..\\..\\x", "\\x", "C:\\x", "c:x"}) {
+  for (const char* name : {"", "..", "../x", "a/../../x", "a/../x", "a/..", "/", "/etc/x", "//x", "..\\x",
+                           "a\\..\\..\\x", "a\\../..\\x", "\\x", "\\\\server\\x", "C:\\x", "C:/x", "c:x", "C:"}) {
     INFO(name);
     CHECK(refusal(zipOf({"good", name})) == "holds \"" + std::string(name) + "\", which leads out of it");
   }
@@ -181,8 +186,31 @@ TEST_CASE("archives: names that are one file on some systems are refused", "[cas
     CHECK(refusal(zipOf(names)).find("which are one file where case does not count") != std::string::npos);
   }
   CHECK(refusal(withNames(zipOf({"a1", "a2"}), "a3")).find("one file") != std::string::npos);
-  for (const Names& names : {Names{"a", "a/b"}, {"a/b", "a"}})
-    CHECK(refusal(zipOf(names)).find("another of its files is in the way") != std::string::npos);
+  CHECK(refusal(zipOf({"a", "a/b"})) == "cannot unpack a/b: Not a directory");
+  CHECK(refusal(zipOf({"a/b", "a"})) == "cannot unpack a: Is a directory");
+}
+
+TEST_CASE("archives: a name ends at its first NUL", "[cases]") {
+  const auto nul = [](const char(&name)[4]) { return std::string(name, 3); };
+  const test::TemporaryFolder folder;
+  test::writeFile(folder / "a.zip", withNames(zipOf({"b12"}, "content"), nul("a\0b")));
+  const fmi::UnpackedArchive unpacked(folder / "a.zip");
+  CHECK(test::readFile(unpacked.folder() + "/a") == "content");
+  CHECK(refusal(withNames(zipOf({"b12"}), nul("\0ab"))) == "holds \"\", which leads out of it");
+  CHECK(refusal(withNames(zipOf({"b12"}), nul("..\0"))) == "holds \"..\", which leads out of it");
+  CHECK(refusal(withNames(zipOf({"b12", "a"}), nul("a\0b"))).find("are one file") != std::string::npos);
+}
+
+TEST_CASE("archives: what cannot be read or written has libzip's or the system's reason", "[cases]") {
+  const std::string zip = zipOf({"a"});
+  CHECK(refusal(with(zip, 1, 8, 6, 2)) == "a cannot be read: No password provided");
+  CHECK(refusal(with(zip, 99, 10, 8, 2)) == "a cannot be read: Compression method not supported");
+  CHECK(refusal(with(zip, 0x12345678u, 16, 14, 4)) == "a is damaged");
+  CHECK(refusal(zip.substr(0, zip.size() / 2)).rfind("is no archive that can be opened: ", 0) == 0);
+  const std::string longest(255, 'x');
+  CHECK(refusal(zipOf({longest})) == "");
+  CHECK(refusal(zipOf({longest + "x"})).find(": File name too long") != std::string::npos);
+  CHECK(refusal(zipOf({longest + "x/y"})).find(": File name too long") != std::string::npos);
 }
 
 TEST_CASE("archives: of a refused one nothing is left", "[cases]") {

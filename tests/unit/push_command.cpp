@@ -60,9 +60,10 @@ TEST_CASE("push reproduces the reference runs, with a gain designed from the dev
   const test::TemporaryFolder folder;
   for (const test::ReferenceRun& reference : test::referenceRuns()) {
     const std::string renderer = reference.servo ? "hold" : "impedance --device-damping 4";
-    const auto result = run(push("--renderer " + renderer +
-                                 " --release off --guide off --noise 0 --force 12 --duration 1.3 --force --output '" +
-                                 (folder / "run.csv") + "'"));
+    const auto result =
+        run(push("--renderer " + renderer +
+                 " --release off --guide off --noise 0 --force 12 --duration 1.3 --overwrite --output '" +
+                 (folder / "run.csv") + "'"));
     INFO(result.output);
     REQUIRE(result.status == 0);
     const std::string csv = test::readFile(folder / "run.csv");
@@ -167,8 +168,8 @@ TEST_CASE("push: a missing stiffness has its reason", "[push_command]") {
 TEST_CASE("push: one plant for linked renderers and plugins, with the damping of file and option", "[push_command]") {
   const test::TemporaryFolder folder;
   const auto ticks = [&](const std::string& renderer, const std::string& options) {
-    const auto result = run(
-        push("--renderer " + renderer + " --duration 1.1 --force --output '" + (folder / "run.csv") + "' " + options));
+    const auto result = run(push("--renderer " + renderer + " --duration 1.1 --overwrite --output '" +
+                                 (folder / "run.csv") + "' " + options));
     INFO(result.output);
     REQUIRE(result.status == 0);
     return test::readFile(folder / "run.csv");
@@ -205,7 +206,7 @@ TEST_CASE("push: hold with a servo of enamel design --output, linked and as a pl
     return folder / name;
   };
   const auto ticks = [&](const std::string& options) {
-    const auto result = run(push("--duration 1.1 --force --output '" + (folder / "run.csv") + "' " + options));
+    const auto result = run(push("--duration 1.1 --overwrite --output '" + (folder / "run.csv") + "' " + options));
     INFO(result.output);
     REQUIRE(result.status == 0);
     return test::readFile(folder / "run.csv");
@@ -234,8 +235,8 @@ TEST_CASE("push: position control, linked and as a plugin, is told of the plant'
   const test::TemporaryFolder folder;
   const auto ticks = [&](const std::string& device, const std::string& options) {
     const auto result = run("push --device '" + test::deviceFile(device) +
-                            "' --encoders --duration 1.1 --delay constant:1 --force --output '" + (folder / "run.csv") +
-                            "' " + options);
+                            "' --encoders --duration 1.1 --delay constant:1 --overwrite --output '" +
+                            (folder / "run.csv") + "' " + options);
     INFO(result.output);
     REQUIRE(result.status == 0);
     return test::readFile(folder / "run.csv");
@@ -291,7 +292,7 @@ TEST_CASE("push: the device as a renderer is told of it", "[push_command]") {
 TEST_CASE("push: a preload, and a step inside its tick", "[push_command]") {
   const test::TemporaryFolder folder;
   const auto forces = [&](const std::string& options) {
-    const auto result = run(push("--renderer impedance --device-damping 4 --duration 1.3 --force --output '" +
+    const auto result = run(push("--renderer impedance --device-damping 4 --duration 1.3 --overwrite --output '" +
                                  (folder / "run.csv") + "' " + options));
     INFO(result.output);
     REQUIRE(result.status == 0);
@@ -322,13 +323,13 @@ TEST_CASE("push and design on other mechanisms: as many columns as joints, in th
     const std::string device = "--device '" + test::deviceFile(file) + "' --force 2 ";
     // The built-in weights make a wall of some 100 N/m on these: the guard takes what it gives back for energy made.
     const auto ticks = [&](const std::string& options) {
-      const auto result = run("push " + device + "--guard off --duration 1.1 --force --output '" +
+      const auto result = run("push " + device + "--guard off --duration 1.1 --overwrite --output '" +
                               (folder / "run.csv") + "' " + options);
       INFO(result.output);
       REQUIRE(result.status == 0);
       return test::readFile(folder / "run.csv");
     };
-    const auto designed = run("design " + device + "--force --output '" + (folder / "servo.json") + "'");
+    const auto designed = run("design " + device + "--overwrite --output '" + (folder / "servo.json") + "'");
     INFO(designed.output);
     REQUIRE(designed.status == 0);
     CHECK_THAT(designed.output, ContainsSubstring("q3 ") && !ContainsSubstring("q4 ") && ContainsSubstring("Table II"));
@@ -349,7 +350,7 @@ TEST_CASE("push: what one renderer reached outlives the failure of another", "[p
   const test::TemporaryFolder folder;
   for (const char* renderers : {"impedance,hold", "hold,impedance"}) {
     const std::string both = std::string("--renderer ") + renderers + " --stiffness -5 --duration 1.1 ";
-    const std::string output = "--force --output '" + (folder / "run.csv") + "' ";
+    const std::string output = "--overwrite --output '" + (folder / "run.csv") + "' ";
     const auto table = printed(both + output, folder / "errors");
     CHECK(table.status == 1);
     CHECK_THAT(table.output, ContainsSubstring("K_z1") && ContainsSubstring("hold") &&

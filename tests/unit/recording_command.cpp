@@ -71,7 +71,7 @@ TEST_CASE("what a recording cannot be, and disks that are full", "[recording]") 
   const std::string before = test::readFile(file);
   const auto again = test::run(push + "'" + file + "'");
   CHECK(again.status == 1);
-  CHECK_THAT(again.output, test::ContainsSubstring("a.rec: exists; --force overwrites it"));
+  CHECK_THAT(again.output, test::ContainsSubstring("a.rec: exists; --overwrite replaces it"));
   CHECK(test::readFile(file) == before);
 
   for (const char* csv : {"a.rec", "link.csv"}) {

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "enamel/core/error.hpp"
-#include "outputs.hpp"
+#include "program/outputs.hpp"
 
 namespace enamel::app {
 namespace {
@@ -93,7 +93,7 @@ void takeRank(const CLI::App& command, StudyOptions& options) {
   if (size != nullptr && rank != nullptr && command.count("--part") == 0)
     std::tie(options.part, options.parts) = parsePart(fmt::format("{}/{}", 1 + std::atoi(rank), size));
   if (options.overwrite && (options.resume || options.parts > 1))
-    throw Error("--force starts again: it excludes --resume and --part; remove " + options.output +
+    throw Error("--overwrite starts again: it excludes --resume and --part; remove " + options.output +
                 " to start parts again");
 }
 
