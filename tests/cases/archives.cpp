@@ -205,7 +205,7 @@ TEST_CASE("archives: a NUL in a name is read as a space", "[cases]") {
 TEST_CASE("archives: what cannot be read or written has libzip's or the system's reason", "[cases]") {
   const std::string zip = zipOf({"a"});
   CHECK(refusal(with(zip, 1, 8, 6, 2)) == "a cannot be read: No password provided");
-  CHECK(refusal(with(zip, 99, 10, 8, 2)) == "a cannot be read: Compression method not supported");
+  CHECK(refusal(with(zip, 97, 10, 8, 2)) == "a cannot be read: Compression method not supported");
   CHECK(refusal(with(zip, 0x12345678u, 16, 14, 4)) == "a is damaged");
   CHECK(refusal(zip.substr(0, zip.size() / 2)).rfind("is no archive that can be opened: ", 0) == 0);
   const std::string longest(255, 'x');
