@@ -112,7 +112,7 @@ struct Archives {
   test::CommandResult made = run("fmu --device '" + device() + "' --output '" + (folder / "unit.fmu") + "'");
   Archives() { test::writeFile(folder / "other.fmu", withBackslashes(test::readFile(folder / "unit.fmu"))); }
   test::CommandResult push(const std::string& unit) const {
-    return run("push --device '" + device() + "' --plant '" + (folder / unit) + "' --duration 1.2");
+    return run("push --device '" + device() + "' --plant '" + (folder / unit) + "' --duration 1.2 --json");
   }
   static std::string device() { return test::deviceFile("cartesian-6.toml"); }
 };

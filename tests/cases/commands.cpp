@@ -141,7 +141,7 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
       {"design " + device() + "--impedance-map ", "map.csv"},
       {"evaluate " + device() + "--input '" + rows + "' --output ", "evaluate.json"},
       {"mesh --generate molar --output ", "molar.ply"},
-      {"bench --filter 'device nominal' --scale 0.01 --report ", "bench.md"},
+      {"bench --filter 'scene plane' --scale 0.01 --report ", "bench.md"},
       {"fmu " + device() + "--output ", "unit.fmu"},
   };
   for (const auto& [command, name] : writers) {
@@ -182,7 +182,9 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
   CHECK_FALSE(std::filesystem::exists(folder / "two-impedance.csv"));
   // compare: its own files, and the folders of its pushes.
   const std::string compare =
-      "compare " + device() + "--renderers impedance --tasks ramp --runs 1 --output '" + (folder / "compare") + "' ";
+      "compare " + device() +
+      "--renderers impedance --tasks ramp --runs 1 --plants closed-form --delays none --output '" +
+      (folder / "compare") + "' ";
   REQUIRE(run(compare).status == 0);
   const auto before = contentOf(folder / "compare");
   CHECK(holds(run(compare + "--seed 2").output, "compare/tasks.csv: exists; --overwrite replaces it"));
