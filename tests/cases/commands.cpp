@@ -166,8 +166,11 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
   }
   // The standard output is no file of ours, wherever it leads.
   test::writeFile(folder / "all.csv", "mine\n");
-  CHECK(run("export " + recording + "--csv /dev/stdout >> '" + (folder / "all.csv") + "'").status == 0);
-  CHECK(test::readFile(folder / "all.csv") == "mine\n" + test::readFile(folder / "export.csv"));
+  CHECK(test::runCommand("{ '" ENAMEL_TOOL "' export " + recording + "--csv /dev/stdout >> '" + (folder / "all.csv") +
+                         "'; }")
+            .status == 0);
+  const bool isAppended = test::readFile(folder / "all.csv") == "mine\n" + test::readFile(folder / "export.csv");
+  CHECK(isAppended);
   // A link is not removed, nor what it leads to.
   std::filesystem::create_symlink(folder / "push.rec", folder / "link.rec");
   const std::string recorded = test::readFile(folder / "push.rec");
