@@ -4,7 +4,6 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -156,7 +155,7 @@ void claimFolder(const Study& study) {
   if (hasRuns && !options.overwrite) throw Error(runs + ": exists; --resume continues it, --overwrite replaces it");
   for (const std::string& name : resultsOf(options)) {
     requireFree(study.path(name), options.overwrite);
-    std::filesystem::remove(study.path(name));
+    if (options.overwrite) std::filesystem::remove(study.path(name));
   }
   writeFile(path, study.manifest);
 }
