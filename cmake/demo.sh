@@ -17,7 +17,7 @@ build/release/apps/enamel/enamel push --device data/devices/tau-nominal.toml \
   --renderer position-control,hold,impedance --device-damping 4 --noise 0 --output out/push.csv --overwrite
 
 echo "== a small study: 9 query points, 3 runs each; the paper's is: enamel study --output out/study"
-build/release/apps/enamel/enamel study --grid 3 --runs 3 --output out/small-study
+build/release/apps/enamel/enamel study --grid 3 --runs 3 --output out/small-study --overwrite
 
 echo "== speed against error"
 build/release/apps/enamel/enamel bench --scale 0.2
@@ -29,5 +29,5 @@ elif [ -n "${DISPLAY:-}" ]; then
   exec "$viewer"
 else
   echo "== no display: the push is recorded; the pictures:"
-  "$viewer" --headless --script data/scripts/push.txt --record out
+  "$viewer" --headless --script data/scripts/push.txt --record out --overwrite
 fi

@@ -11,7 +11,7 @@
 #include "enamel/collision/proximity.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
-#include "outputs.hpp"
+#include "program/outputs.hpp"
 #include "program/program.hpp"
 
 namespace enamel::app {
@@ -20,6 +20,7 @@ namespace {
 struct BenchOptions {
   std::string filter, report;
   double scale = 1.0;
+  bool overwrite = false;
 };
 
 std::string cell(double value, const char* format) {
@@ -84,7 +85,7 @@ void addBench(CLI::App& app) {
   command->add_option("--scale", options->scale, "multiplies the number of batches")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
-  protectOutputs(*command, {"--report"});
+  addOverwrite(*command, options->overwrite, {"--report"});
   command->callback([options] { run(*options); });
 }
 

@@ -16,6 +16,7 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "plant_option.hpp"
+#include "program/outputs.hpp"
 #include "program/program.hpp"
 #include "renderer_option.hpp"
 
@@ -29,7 +30,7 @@ struct DesignOptions {
   double rate = 1000.0;
   ServoWeights weights;
   std::vector<double> at{0.0, 0.0, 0.0};
-  bool tune = false, rivals = false;
+  bool tune = false, rivals = false, overwrite = false;
   RivalSearchOptions search;
   TuneRequirements required;
   double deviceDamping = 0.0, push = 12.0;
@@ -301,6 +302,7 @@ void addDesign(CLI::App& app) {
               "; with --rivals 2.5 % of the weakest motor)")
       ->check(CLI::PositiveNumber);
   addSearchOptions(*command, *options);
+  addOverwrite(*command, options->overwrite, {"--output", "--impedance-map"});
   command->callback([options] { run(*options); });
 }
 

@@ -25,7 +25,7 @@
 #include "enamel/runtime/udp_device.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/simulated_device.hpp"
-#include "outputs.hpp"
+#include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/recorded.hpp"
 
@@ -173,7 +173,6 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
 
   RecordingHeader header;
   if (!options.record.empty()) {
-    requireFree(options.record, options.overwrite);
     if (options.device.empty()) throw Error("--record needs --device: its file stands in the recording");
     header.deviceFile = std::filesystem::absolute(options.device).string();
     header.deviceText = readFile(options.device);
@@ -277,7 +276,7 @@ void addDevice(CLI::App& app) {
   command->add_option("--max-force", options->force, "that the guard lets the renderer put on the tool, N")
       ->default_str("no limit")
       ->needs(connect);
-  addOverwrite(*command, options->overwrite);
+  addOverwrite(*command, options->overwrite, {"--record"});
   command->callback([options] { run(*options); });
 }
 

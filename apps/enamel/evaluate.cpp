@@ -3,13 +3,14 @@
 
 #include "commands.hpp"
 #include "evaluate_rows.hpp"
-#include "outputs.hpp"
+#include "program/outputs.hpp"
 
 namespace enamel::app {
 
 void addEvaluate(CLI::App& app) {
   struct Options {
     std::string device, input, output;
+    bool overwrite = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -24,7 +25,7 @@ void addEvaluate(CLI::App& app) {
   command->add_option("--device", options->device, "device file (TOML) of kind tau")->required();
   command->add_option("--input", options->input, "rows to evaluate (JSON)")->required();
   command->add_option("--output", options->output, "where the results go (JSON)")->required();
-  protectOutputs(*command, {"--output"});
+  addOverwrite(*command, options->overwrite, {"--output"});
   command->callback([options] { evaluateRows(options->device, options->input, options->output); });
 }
 

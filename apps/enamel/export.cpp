@@ -8,7 +8,7 @@
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
-#include "outputs.hpp"
+#include "program/outputs.hpp"
 #include "program/recorded.hpp"
 
 namespace enamel::app {

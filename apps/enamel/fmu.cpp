@@ -8,9 +8,9 @@
 #include "enamel/core/error.hpp"
 #include "enamel/plugin/renderer_source.hpp"
 #include "enamel/render/guard.hpp"
-#include "outputs.hpp"
 #include "plant_option.hpp"
 #include "plugins/fmi/export.hpp"
+#include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
 
@@ -22,7 +22,7 @@ struct FmuOptions {
   std::vector<std::string> set;
   int substeps = 1;
   double period = 1e-3, force = kUnlimited;
-  bool guard = true;
+  bool guard = true, overwrite = false;
   std::uint64_t seed = 1;
 };
 
@@ -97,7 +97,7 @@ void addFmu(CLI::App& app) {
   command->add_option("--guard", options->guard, "of a renderer: off: every torque passes")
       ->transform(CLI::CheckedTransformer(onOff))
       ->default_str("on");
-  protectOutputs(*command, {"--output"});
+  addOverwrite(*command, options->overwrite, {"--output"});
   command->callback([options] { run(*options); });
 }
 

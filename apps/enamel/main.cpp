@@ -2,7 +2,6 @@
 
 #include "commands.hpp"
 #include "old_commands.hpp"
-#include "outputs.hpp"
 #include "program/program.hpp"
 
 int main(int argc, char** argv) {
@@ -13,7 +12,6 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     enamel::app::addEvaluate(app);
     enamel::app::addDesign(app);
-    enamel::app::protectOutputs(*app.get_subcommand("design"), {"--output", "--impedance-map"});
     enamel::app::addPush(app);
     enamel::app::addReplay(app);
     enamel::app::addExport(app);

@@ -19,7 +19,7 @@
 #include "enamel/core/file.hpp"
 #include "mesh_generator.hpp"
 #include "mesh_prepare.hpp"
-#include "outputs.hpp"
+#include "program/outputs.hpp"
 
 namespace enamel::app {
 namespace {
@@ -29,7 +29,7 @@ struct MeshOptions {
   double unit = 1e-3;       // m
   double deviation = 20.0;  // um
   double base = 0.0;        // mm
-  bool solid = false;
+  bool solid = false, overwrite = false;
   double cell = 0.1;  // mm
 };
 
@@ -240,7 +240,7 @@ void addMesh(CLI::App& app) {
       ->check(CLI::Range(1e-3, 1e3))
       ->needs(solid)
       ->capture_default_str();
-  protectOutputs(*command, {"--output", "--prepare"});
+  addOverwrite(*command, options->overwrite, {"--output", "--prepare"});
   command->callback([options] { run(*options); });
 }
 

@@ -12,8 +12,8 @@
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/hold.hpp"
 #include "enamel/runtime/recorder.hpp"
-#include "outputs.hpp"
 #include "plant_option.hpp"
+#include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
 #include "program/recorded.hpp"
@@ -223,7 +223,6 @@ void pushWith(const RendererSource& source, PushTask& task, PushResults& results
   std::optional<TickFile> file;
   if (!options.output.empty()) file.emplace(outputFor(options, options.output, name), *task.device);
   const std::string recording = options.record.empty() ? "" : outputFor(options, options.record, name);
-  removeOld(recording, options.overwrite);
   if (!recording.empty()) nameRenderer(name, library ? library->path() : "", values, task.setup.scene, task.header);
   std::optional<Recorder> recorder;
   MetricsCollector collector(task.setup, task.limit, task.plant->limits().effort);
@@ -233,7 +232,10 @@ void pushWith(const RendererSource& source, PushTask& task, PushResults& results
     wayOut.add(tick);
     if (file) file->write(tick);
     if (recording.empty()) return;
-    if (!recorder) recorder.emplace(recording, task.header, loop.hapticTick());
+    if (!recorder) {
+      removeOld(recording, options.overwrite);
+      recorder.emplace(recording, task.header, loop.hapticTick());
+    }
     recorder->makeRoom();
     recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
   };

@@ -10,7 +10,7 @@
 
 #include "commands.hpp"
 #include "enamel/core/error.hpp"
-#include "outputs.hpp"
+#include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
 #include "program/recorded.hpp"

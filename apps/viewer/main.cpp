@@ -3,6 +3,7 @@
 #include <string>
 
 #include "data_folder.hpp"
+#include "program/outputs.hpp"
 #include "program/plugin_folder.hpp"
 #include "program/program.hpp"
 #include "run.hpp"
@@ -52,6 +53,7 @@ void runViewer(int argc, char** argv) {
   app.add_flag("--fixed-step", options.fixedStep,
                "a second of the script is so many pictures of the window as --frame-rate says, however long they take")
       ->excludes(headless);
+  enamel::app::addOverwrite(app, options.overwrite, {"--report"});
   if (!enamel::app::parse(app, kProgram, argc, argv)) return;
   const auto linked = rendererNames(nullptr);
   const auto found = std::find(linked.begin(), linked.end(), renderer);

@@ -17,7 +17,7 @@ struct Options {
   RendererSlot begin = RendererSlot::positionControl;
   std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
   std::map<std::string, std::string> pluginParameters;
-  bool headless = false;
+  bool headless = false, overwrite = false;
   std::string script, record, report;
   glm::ivec2 size{1280, 720};
   float scale = 1.0f;

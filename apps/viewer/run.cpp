@@ -15,6 +15,7 @@
 
 #include "capture.hpp"
 #include "enamel/core/error.hpp"
+#include "program/outputs.hpp"
 #include "report.hpp"
 #include "window_input.hpp"
 
@@ -62,14 +63,20 @@ void finish(Viewer& viewer, ClipMaker& clip) {
   if (const std::string recorded = viewer.endRecording(); !recorded.empty()) std::printf("%s\n", recorded.c_str());
 }
 
-// Steps of a script that are due. In a window a picture ends a turn: the haptic loop runs beside it, and would carry out
-// the steps after the picture before it is drawn.
+void requireFree(const Options& options, const std::string& picture) {
+  app::requireFree((std::filesystem::path(options.folder()) / (picture + ".png")).string(), options.overwrite);
+}
+
+// Steps of a script that are due. In a window a picture ends a turn: the haptic loop runs beside it, and would carry
+// out the steps after the picture before it is drawn.
 class ScriptPlayer {
  public:
   explicit ScriptPlayer(const Options& options) : isHeadless_(options.headless) {
     if (!options.script.empty())
       steps_ = loadScript(options.script,
                           options.play.empty() ? rendererNames(options.plugin.get()) : std::vector<std::string>{});
+    for (const ScriptStep& step : steps_)
+      if (step.kind == ScriptStep::Kind::picture) requireFree(options, step.name);
   }
 
   template <typename Function>
@@ -86,8 +93,8 @@ class ScriptPlayer {
   std::size_t next_ = 0;
 };
 
-// Keeps a script of fixed steps behind the haptic loop: each step waits until the loop has run for as long, however slow
-// the machine is.
+// Keeps a script of fixed steps behind the haptic loop: each step waits until the loop has run for as long, however
+// slow the machine is.
 class HapticPace {
  public:
   explicit HapticPace(double step) : ticks_(static_cast<std::uint64_t>(step / kPeriod)) {}
@@ -207,6 +214,7 @@ int runHeadless(const Options& options, double started) {
       char name[32];
       std::snprintf(name, sizeof(name), "frame-%05d", recorded++);
       names.emplace_back(name);
+      requireFree(options, names.back());
     }
     const bool clipped = clip.begin(viewer, now);
     if (!names.empty() || clipped) {

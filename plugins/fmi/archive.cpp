@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -94,6 +96,7 @@ void unpack(zip_t* archive, const Entry& entry, const std::string& path, const s
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> source(zip_fopen_index(archive, entry.index, 0), &zip_fclose);
   if (source == nullptr) throw Error(path + ": " + entry.name + " cannot be read: " + zip_strerror(archive));
   std::ofstream file(target, std::ios::binary);
+  if (!file) throw Error(path + ": cannot unpack " + entry.name + ": " + std::strerror(errno));
   std::uint64_t size = 0;
   for (zip_int64_t read = 0; (read = zip_fread(source.get(), buffer.data(), buffer.size())) != 0;) {
     if (read > 0) size += static_cast<std::uint64_t>(read);
@@ -111,8 +114,7 @@ void unpackAll(zip_t* archive, const std::string& path, const std::filesystem::p
     const bool isFolder = entry.name.back() == '/';
     std::error_code problem;
     std::filesystem::create_directories(isFolder ? target : target.parent_path(), problem);
-    if (problem || (!isFolder && std::filesystem::is_directory(target, problem)))
-      throw Error(path + ": cannot unpack " + entry.name + ": another of its files is in the way, or the disk is full");
+    if (problem) throw Error(path + ": cannot unpack " + entry.name + ": " + problem.message());
     if (!isFolder) unpack(archive, entry, path, target);
   }
 }

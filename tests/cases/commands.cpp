@@ -84,7 +84,7 @@ TEST_CASE("case 07: a renderer is found by its name beside plugins that fail", "
   CHECK(findPlugin("template", folder / ".")->description().name == std::string("template"));
 }
 
-TEST_CASE("case 08: no other study writes into the folder of one", "[cases]") {
+TEST_CASE("case 08: a study writes into a folder with results only with --resume or --overwrite", "[cases]") {
   const test::TemporaryFolder folder;
   const std::string study =
       "study --renderers impedance --scenario 1 --grid 1 --no-convergence --threads 1 --output '" + (folder / "out") +
@@ -102,22 +102,26 @@ TEST_CASE("case 08: no other study writes into the folder of one", "[cases]") {
     CHECK(holds(result.output, reason));
     CHECK(contentOf(folder / "out") == before);
   };
-  refused("--runs 3", "out/runs.csv: holds another study: its runs is 2, here it is 3; --overwrite replaces it");
-  refused("--runs 2 --seed 9", "--overwrite replaces it");
-  refused("--runs 3 --resume", "holds another study");
-  refused("--runs 3 --part 1/2", "holds another study");
+  const std::string exists = "out/runs.csv: exists; --resume continues it, --overwrite replaces it";
+  refused("--runs 3", exists);
+  refused("--runs 2 --seed 9", exists);
+  refused("--runs 2", exists);
+  refused("--runs 3 --resume", "out/study.json: holds another study: its runs is 2, here it is 3");
+  refused("--runs 3 --part 1/2", "out/study.json: holds another study: its runs is 2, here it is 3");
   refused("--runs 3 --overwrite --resume", "--overwrite starts again: it excludes --resume and --part");
   refused("--runs 3 --overwrite --part 1/2", "--overwrite starts again: it excludes --resume and --part");
-  // The same study again, or resumed, has the same bytes.
-  CHECK(run(study + "--runs 2").status == 0);
-  CHECK(run(study + "--runs 2 --resume").status == 0);
-  CHECK(contentOf(folder / "out") == before);
-  // Nor is a file overwritten that no study.json describes.
-  std::filesystem::remove(folder / "out/runs.csv");
-  CHECK(holds(run(study + "--runs 3").output, "out/points.csv: exists; --overwrite replaces it"));
+  for (const char* again : {"--runs 2 --resume", "--runs 2 --overwrite"}) {  // the same study has the same bytes
+    CHECK(run(study + again).status == 0);
+    CHECK(contentOf(folder / "out") == before);
+  }
   CHECK(run(study + "--runs 3 --overwrite").status == 0);
   CHECK(contentOf(folder / "out").at(folder / "out/runs.csv") != before.at(folder / "out/runs.csv"));
-  CHECK(run(study + "--force 5,6 --runs 2 --overwrite").status == 0);  // the force of the push, and the permission
+  CHECK(contentOf(folder / "out").at(folder / "out/report.html") != before.at(folder / "out/report.html"));
+  // Every other result is protected too, also where no study.json describes it.
+  std::filesystem::remove(folder / "out/study.json");
+  std::filesystem::remove(folder / "out/runs.csv");
+  for (const char* options : {"--runs 3", "--runs 3 --resume", "--runs 3 --part 1/2"})
+    CHECK(holds(run(study + options).output, "out/points.csv: exists; --overwrite replaces it"));
 }
 
 TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
@@ -137,7 +141,7 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
       {"design " + device() + "--impedance-map ", "map.csv"},
       {"evaluate " + device() + "--input '" + rows + "' --output ", "evaluate.json"},
       {"mesh --generate molar --output ", "molar.ply"},
-      {"bench --filter tick --scale 0.01 --report ", "bench.md"},
+      {"bench --filter 'scene plane' --scale 0.01 --report ", "bench.md"},
       {"fmu " + device() + "--output ", "unit.fmu"},
   };
   for (const auto& [command, name] : writers) {
@@ -148,7 +152,6 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
     INFO(first.output);
     REQUIRE(first.status == 0);
     const bool isRecording = name == "push.rec";
-    const std::string made = test::readFile(file);
     if (!isRecording) test::writeFile(file, "mine");
     const std::string before = test::readFile(file);
     const test::CommandResult second = run(command + to);
@@ -161,6 +164,19 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
     CHECK(run(command + to).status == 0);
     CHECK(test::readFile(file).size() > 4);
   }
+  // The standard output is no file of ours, wherever it leads.
+  test::writeFile(folder / "all.csv", "mine\n");
+  CHECK(test::runCommand("{ '" ENAMEL_TOOL "' export " + recording + "--csv /dev/stdout >> '" + (folder / "all.csv") +
+                         "'; }")
+            .status == 0);
+  const bool isAppended = test::readFile(folder / "all.csv") == "mine\n" + test::readFile(folder / "export.csv");
+  CHECK(isAppended);
+  // A link is not removed, nor what it leads to.
+  std::filesystem::create_symlink(folder / "push.rec", folder / "link.rec");
+  const std::string recorded = test::readFile(folder / "push.rec");
+  CHECK(holds(run(push + "--overwrite --record '" + (folder / "link.rec") + "'").output, "cannot make the recording"));
+  CHECK(std::filesystem::is_symlink(folder / "link.rec"));
+  CHECK(test::readFile(folder / "push.rec") == recorded);
   // Each renderer of a push has its own file.
   test::writeFile(folder / "two-hold.csv", "mine");
   const test::CommandResult two =
@@ -170,7 +186,7 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
   // compare: its own files, and the folders of its pushes.
   const std::string compare =
       "compare " + device() +
-      "--renderers impedance --tasks ramp --plants closed-form --delays none --runs 1 --output '" +
+      "--renderers impedance --tasks ramp --runs 1 --plants closed-form --delays none --output '" +
       (folder / "compare") + "' ";
   REQUIRE(run(compare).status == 0);
   const auto before = contentOf(folder / "compare");

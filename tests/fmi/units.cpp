@@ -569,7 +569,7 @@ TEST_CASE("fmi: the command writes units and says what it cannot", "[fmi]") {
                                           {" --renderer impedance --period 1", "0.1"},
                                           {" --plant wood", "wood"},
                                           {" --substeps 0", "--substeps is 0"}}) {
-    const test::CommandResult result = test::run(tau + " --overwrite" + options);
+    const test::CommandResult result = test::run(tau + options + " --overwrite");
     INFO(options << ": " << result.output);
     CHECK(result.status != 0);
     CHECK(result.output.find(reason) != std::string::npos);

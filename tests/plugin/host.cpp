@@ -128,8 +128,9 @@ TEST_CASE("a push through a plugin writes the same file as the linked renderer",
     INFO(name);
     const std::string common =
         "push --device '" + kDevice + "' --device-damping 4 --encoders --rates low-pass --seed 5 --duration 1.3 ";
-    REQUIRE(test::run(common + "--renderer " + name + " --overwrite --output '" + (folder / "linked.csv") + "'").status ==
-            0);
+    REQUIRE(
+        test::run(common + "--renderer " + name + " --overwrite --output '" + (folder / "linked.csv") + "'").status ==
+        0);
     REQUIRE(test::run(common + "--renderer '" ENAMEL_PLUGINS "/enamel_" + file + " --overwrite --output '" +
                       (folder / "plugin.csv") + "'")
                 .status == 0);

@@ -54,8 +54,8 @@ TEST_CASE("a full disk is told, and what was there stays", "[file_command]") {
   const std::string out = folder / "out/old";
   for (const std::string& command :
        {evaluate + "--overwrite --output ", "design " + kDevice + "--overwrite --output ",
-        "design " + kDevice + "--overwrite --impedance-map ", std::string("mesh --generate molar --overwrite --output "),
-        kPush + "--overwrite --output "}) {
+        "design " + kDevice + "--overwrite --impedance-map ",
+        std::string("mesh --generate molar --overwrite --output "), kPush + "--overwrite --output "}) {
     test::writeFile(out, "old");
     // A limit on the size of files stands for the disk.
     refused("ulimit -f 1; " + kTool + command + "'" + out + "'", out + ": cannot write the file: File too large");
@@ -142,21 +142,23 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
   // Nobody else's file is overwritten, whatever stands beside it.
   const std::string path = folder / "whole/", again = kTool + small + "'" + path + "'";
   const std::string manifest = test::readFile(path + "study.json");
+  const std::string exists = "runs.csv: exists; --resume continues it, --overwrite replaces it";
   for (const std::string& broken :
        {std::string(), std::string("{"), std::string("[]"), std::string("{\"runs\": \"x\", \"grid\": 1}"),
         std::string(200000, '['), manifest.substr(0, manifest.size() / 2)}) {
     test::writeFile(path + "study.json", broken);
-    refused(again, "study.json");
+    refused(again, exists);
     refused(again + " --resume", "study.json");
     CHECK(test::readFile(path + "runs.csv") == whole);
     CHECK(test::readFile(path + "study.json") == broken);
   }
   std::filesystem::remove(path + "study.json");
-  refused(again, "nothing says which study runs.csv belongs to");
+  refused(again + " --resume", "nothing says which study runs.csv belongs to");
   test::writeFile(path + "study.json", manifest);
   for (const std::string& foreign : {std::string("my,own\n1,2\n"), whole + whole}) {
     test::writeFile(path + "runs.csv", foreign);
-    refused(again, "runs.csv: is not what study.json beside it describes");
+    refused(again, exists);
+    refused(again + " --resume", "runs.csv:");
     CHECK(test::readFile(path + "runs.csv") == foreign);
   }
   // A resumed study believes no row that it would not have written.
@@ -176,7 +178,7 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
   }
   std::filesystem::remove(path + "runs.csv");
   REQUIRE(mkfifo((path + "runs.csv").c_str(), 0600) == 0);
-  refused("timeout 3000 " + again, "is no plain file");
+  refused("timeout 3000 " + again, exists);
   refused("timeout 3000 " + again + " --resume", "runs.csv: ");
   std::filesystem::remove(path + "runs.csv");
 
@@ -187,7 +189,7 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
   refused(again, "another study writes into the folder");
   CHECK(test::readFile(path + "runs.csv") == whole);
   close(lock);
-  CHECK(test::runCommand(again).status == 0);
+  CHECK(test::runCommand(again + " --overwrite").status == 0);
   CHECK(test::readFile(path + "runs.csv") == whole);
 }
 

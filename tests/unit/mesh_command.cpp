@@ -197,8 +197,9 @@ TEST_CASE("the shipped meshes are closed, in mm, and made by the generator", "[u
     CHECK_FALSE(report.inwards);
     CHECK(report.degenerateTriangles + report.duplicateTriangles + report.nonManifoldVertices == 0);
     CHECK((report.high - report.low).norm() < 0.1);
-    REQUIRE(test::run(std::string("mesh --generate ") + name + " --overwrite --output " + (folder / "made.ply")).status ==
-            0);
+    REQUIRE(
+        test::run(std::string("mesh --generate ") + name + " --overwrite --output " + (folder / "made.ply")).status ==
+        0);
     const TriangleMesh made = loadMesh(folder / "made.ply", 1e-3);
     REQUIRE(made.triangles == mesh.triangles);
     double difference = 0.0;  // sines and powers may differ in their last bit from one C library to the next

@@ -60,9 +60,10 @@ TEST_CASE("push reproduces the reference runs, with a gain designed from the dev
   const test::TemporaryFolder folder;
   for (const test::ReferenceRun& reference : test::referenceRuns()) {
     const std::string renderer = reference.servo ? "hold" : "impedance --device-damping 4";
-    const auto result = run(push("--renderer " + renderer +
-                                 " --release off --guide off --noise 0 --force 12 --duration 1.3 --overwrite --output '" +
-                                 (folder / "run.csv") + "'"));
+    const auto result =
+        run(push("--renderer " + renderer +
+                 " --release off --guide off --noise 0 --force 12 --duration 1.3 --overwrite --output '" +
+                 (folder / "run.csv") + "'"));
     INFO(result.output);
     REQUIRE(result.status == 0);
     const std::string csv = test::readFile(folder / "run.csv");
@@ -167,8 +168,8 @@ TEST_CASE("push: a missing stiffness has its reason", "[push_command]") {
 TEST_CASE("push: one plant for linked renderers and plugins, with the damping of file and option", "[push_command]") {
   const test::TemporaryFolder folder;
   const auto ticks = [&](const std::string& renderer, const std::string& options) {
-    const auto result = run(
-        push("--renderer " + renderer + " --duration 1.1 --overwrite --output '" + (folder / "run.csv") + "' " + options));
+    const auto result = run(push("--renderer " + renderer + " --duration 1.1 --overwrite --output '" +
+                                 (folder / "run.csv") + "' " + options));
     INFO(result.output);
     REQUIRE(result.status == 0);
     return test::readFile(folder / "run.csv");
@@ -234,8 +235,8 @@ TEST_CASE("push: position control, linked and as a plugin, is told of the plant'
   const test::TemporaryFolder folder;
   const auto ticks = [&](const std::string& device, const std::string& options) {
     const auto result = run("push --device '" + test::deviceFile(device) +
-                            "' --encoders --duration 1.1 --delay constant:1 --overwrite --output '" + (folder / "run.csv") +
-                            "' " + options);
+                            "' --encoders --duration 1.1 --delay constant:1 --overwrite --output '" +
+                            (folder / "run.csv") + "' " + options);
     INFO(result.output);
     REQUIRE(result.status == 0);
     return test::readFile(folder / "run.csv");

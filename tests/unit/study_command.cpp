@@ -116,7 +116,8 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
     // Forgetting --resume throws nothing away.
     const auto forgotten = run(study(folder, name, longer));
     CHECK(forgotten.status == 1);
-    CHECK(forgotten.output.find("holds an unfinished study") != std::string::npos);
+    CHECK(forgotten.output.find("runs.csv: exists; --resume continues it, --overwrite replaces it") !=
+          std::string::npos);
     CHECK(file(folder, name, "runs.csv") == left);
     // Nor does another study go on in its place.
     const auto mixed = run(study(folder, name, longer + " --resume --seed 9"));
@@ -129,10 +130,10 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
     CHECK(file(folder, name, "runs.csv") == whole);
     CHECK(std::filesystem::exists(folder / (name + "/report.html")));
   }
-  // A finished one may be resumed, or done again.
+  // A finished one may be resumed, or done again on request.
   REQUIRE(run(study(folder, "two", kSmall + "--resume")).status == 0);
   same("two");
-  REQUIRE(run(study(folder, "two", kSmall)).status == 0);
+  REQUIRE(run(study(folder, "two", kSmall + "--overwrite")).status == 0);
   same("two");
 }
 

@@ -205,7 +205,7 @@ nlohmann::json testPushes(const test::TemporaryFolder& folder, const std::string
                           const std::string& arguments) {
   test::writeFile(folder / "push.txt", script);
   const auto result = test::viewer("--headless --script '" + folder / "push.txt" + "' --record '" + folder / "push" +
-                                   "' --report '" + folder / "push.json' " + arguments);
+                                   "' --overwrite --report '" + folder / "push.json' " + arguments);
   INFO(result.output);
   REQUIRE(result.status == 0);
   return nlohmann::json::parse(test::readFile(folder / "push.json")).at("test_pushes");
@@ -489,8 +489,8 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   for (const auto& [scene, tours] :
        {std::pair{"oblique-wall.toml", true}, {"corner.toml", false}, {"jaw.toml", false}}) {
     INFO(scene);
-    REQUIRE(test::viewer(test::shippedScene(scene) + " --headless --script '" + folder / "other.txt" + "' --report '" +
-                         folder / "other.json'")
+    REQUIRE(test::viewer(test::shippedScene(scene) + " --headless --script '" + folder / "other.txt" +
+                         "' --overwrite --report '" + folder / "other.json'")
                 .status == 0);
     CHECK(nlohmann::json::parse(test::readFile(folder / "other.json")).at("touring").get<bool>() == tours);
   }
@@ -550,8 +550,8 @@ TEST_CASE("the followed contact is in the middle, and links that hide it shine t
 TEST_CASE("teeth are ivory with dark fissures, in pink gum; the tool slides over a molar's cusps", "[viewer]") {
   const test::TemporaryFolder folder;
   const auto run = [&](const std::string& scene, const std::string& script) {
-    const auto result = test::viewer(test::shippedScene(scene) + " --headless --script '" + script + "' --record '" +
-                                     folder / "out' --report '" + folder / "report.json'");
+    const auto result = test::viewer(test::shippedScene(scene) + " --headless --script '" + script +
+                                     "' --overwrite --record '" + folder / "out' --report '" + folder / "report.json'");
     INFO(result.output);
     REQUIRE(result.status == 0);
     return nlohmann::json::parse(test::readFile(folder / "report.json"));
@@ -587,7 +587,7 @@ TEST_CASE("own scenes stand beside the shipped ones, each once", "[viewer]") {
   test::writeFile(folder / "another.toml", wall);
   test::writeFile(folder / "script.txt", "0.1 picture a\n0.1 end\n");
   const auto choice = [&](const std::string& scene) {
-    const auto result = test::viewer(scene + " --headless --script '" + folder / "script.txt' --record '" +
+    const auto result = test::viewer(scene + " --headless --script '" + folder / "script.txt' --overwrite --record '" +
                                      folder / "out' --report '" + folder / "report.json'");
     INFO(result.output);
     REQUIRE(result.status == 0);
@@ -606,7 +606,7 @@ TEST_CASE("a script records ticks and makes a clip; without ffmpeg its pictures 
   const test::TemporaryFolder folder;
   const auto run = [&](const std::string& script, const std::string& arguments) {
     test::writeFile(folder / "script.txt", script);
-    const auto result = test::viewer("--headless --script '" + folder / "script.txt' --record '" +
+    const auto result = test::viewer("--headless --script '" + folder / "script.txt' --overwrite --record '" +
                                          folder / "out' --report '" + folder / "report.json' " + arguments,
                                      "env -u DISPLAY -u WAYLAND_DISPLAY PATH=/nowhere");
     INFO(result.output);

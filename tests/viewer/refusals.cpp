@@ -49,6 +49,21 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
   test::writeFile(folder / "escape.txt", "0 \x1b[2J\n0 end\n");
   requireRefused(test::viewer("--headless --script '" + folder / "escape.txt'"), 1, "\\x1b[2J: is not a known command");
   requireRefused(test::viewer(headless + "--report /dev/full"), 1, "/dev/full: cannot write the file: No space left");
+  test::writeFile(folder / "report.json", "mine");
+  requireRefused(test::viewer(headless + "--report '" + folder / "report.json'"), 1,
+                 "report.json: exists; --overwrite replaces it");
+  CHECK(test::readFile(folder / "report.json") == "mine");
+  for (const char* name : {"a", "frame-00000"}) {
+    const test::TemporaryFolder out;
+    const std::string picture = out / (name + std::string(".png"));
+    test::writeFile(picture, "mine");
+    test::writeFile(folder / "pictures.txt", "0 frames 60\n0.1 picture a\n0.1 picture a\n0.1 end\n");
+    const std::string arguments = "--headless --script '" + folder / "pictures.txt' --record '" + out / "'";
+    requireRefused(test::viewer(arguments), 1, picture + ": exists; --overwrite replaces it");
+    CHECK(test::readFile(picture) == "mine");
+    CHECK(test::viewer(arguments + " --overwrite").status == 0);
+    CHECK(test::readFile(picture) != "mine");
+  }
   requireRefused(test::viewer(headless + "--size huge"), 2, "--size is \"huge\", must be WIDTHxHEIGHT");
   requireRefused(test::viewer(headless + "--record /proc/nowhere"), 1, "/proc/nowhere: cannot make the folder");
   const auto script = [&](const std::string& text, const std::string& message) {

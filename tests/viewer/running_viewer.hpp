@@ -15,8 +15,8 @@ class RunningViewer {
   RunningViewer(const TemporaryFolder& folder, const std::string& arguments, const std::string& before)
       : report_(folder / "report.json"),
         said_(folder / "said.txt"),
-        viewer_("cd '" + folder / "" + "' && exec env " + before + " '" + ENAMEL_VIEWER + "' --report '" + report_ +
-                "' " + arguments + " > '" + said_ + "' 2>&1") {
+        viewer_("cd '" + folder / "" + "' && exec env " + before + " '" + ENAMEL_VIEWER + "' --overwrite --report '" +
+                report_ + "' " + arguments + " > '" + said_ + "' 2>&1") {
     INFO("the viewer has printed: " << said());
     REQUIRE(eventually([this] { return viewer_.handles(SIGUSR1) || !viewer_.isRunning(); }));
     REQUIRE(viewer_.isRunning());

@@ -51,7 +51,7 @@ Answers viewerSays(const test::TemporaryFolder& folder, const std::string& devic
   script << time << " end\n";
   test::writeFile(folder / "push.txt", script.str());
   const auto result = test::viewer(test::shippedScene(push.scene) + " --device '" + device + "' --headless --script '" +
-                                   folder / "push.txt' --report '" + folder / "push.json'");
+                                   folder / "push.txt' --overwrite --report '" + folder / "push.json'");
   INFO(result.output);
   REQUIRE(result.status == 0);
   Answers answers;

@@ -9,7 +9,7 @@
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
 #include "enamel/study/parallel.hpp"
-#include "outputs.hpp"
+#include "program/outputs.hpp"
 
 namespace enamel::app {
 namespace {

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "enamel/core/error.hpp"
-#include "outputs.hpp"
+#include "program/outputs.hpp"
 
 namespace enamel::app {
 namespace {

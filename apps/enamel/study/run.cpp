@@ -4,7 +4,6 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -17,7 +16,7 @@
 #include "enamel/core/file.hpp"
 #include "enamel/study/parallel.hpp"
 #include "enamel/study/run_file.hpp"
-#include "outputs.hpp"
+#include "program/outputs.hpp"
 #include "program/program.hpp"
 #include "study/report.hpp"
 
@@ -132,20 +131,6 @@ std::string differenceOf(const Json& there, const Json& here) {
   return "it has other settings";
 }
 
-// Number of runs of the study that a manifest describes; 0 where it describes none.
-std::size_t runsOf(const Json& m) {
-  std::size_t runs = 1;
-  for (const char* key : {"scenarios", "renderers"}) {
-    if (!m.is_object() || !m.contains(key) || !m.at(key).is_array()) return 0;
-    runs *= m.at(key).size();
-  }
-  for (const char* key : {"grid", "grid", "runs"}) {
-    if (!m.contains(key) || !m.at(key).is_number_unsigned() || m.at(key) > kMaxRuns) return 0;
-    runs *= m.at(key).get<std::size_t>();
-  }
-  return runs;
-}
-
 // What is written into the folder, without the figures.
 std::vector<std::string> resultsOf(const StudyOptions& options) {
   std::vector<std::string> names;
@@ -155,56 +140,23 @@ std::vector<std::string> resultsOf(const StudyOptions& options) {
   return names;
 }
 
-// The manifest in the folder; null where there is none.
-Json manifestIn(const Study& study) {
-  const std::string path = study.path("study.json");
-  return std::filesystem::exists(path) ? Json::parse(readJson(path), nullptr, false) : Json();
-}
-
-void requireSame(const Study& study, const Json& there) {
-  const Json here = Json::parse(study.manifest);
-  if (there != here)
-    throw Error(fmt::format("{}: holds another study: {}; --overwrite replaces it", study.path("runs.csv"),
-                            differenceOf(there, here)));
-}
-
-// Writes the manifest where no results are that it might not describe.
-void beginFolder(const Study& study) {
-  for (const std::string& name : resultsOf(study.options)) requireFree(study.path(name), false);
-  writeFile(study.path("study.json"), study.manifest);
-}
-
-// The same for one of several parts: whoever comes first writes the manifest, and what is there goes on.
-void claimPart(const Study& study) {
-  if (!std::filesystem::exists(study.path("study.json"))) return beginFolder(study);
-  requireSame(study, manifestIn(study));
-}
-
-// study.json says what the runs depend on: only the same study goes on with results, or is done again.
+// study.json says what the runs depend on: only the same study continues what is in the folder.
 void claimFolder(const Study& study) {
+  const StudyOptions& options = study.options;
   const std::string path = study.path("study.json"), runs = study.path("runs.csv");
-  if (study.options.overwrite)
-    for (const std::string& name : resultsOf(study.options)) std::filesystem::remove(study.path(name));
-  const Json there = study.options.overwrite ? Json() : manifestIn(study);
-  if (!std::filesystem::exists(std::filesystem::symlink_status(runs))) {
-    if (there != Json::parse(study.manifest)) beginFolder(study);
+  const bool hasRuns = std::filesystem::exists(std::filesystem::symlink_status(runs));
+  if (options.parts > 1 ? std::filesystem::exists(path) : options.resume && hasRuns) {
+    const Json there = std::filesystem::exists(path) ? Json::parse(readJson(path), nullptr, false) : Json();
+    if (!there.is_object()) throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to");
+    const Json here = Json::parse(study.manifest);
+    if (there != here) throw Error(fmt::format("{}: holds another study: {}", path, differenceOf(there, here)));
     return;
   }
-  const std::size_t count = runsOf(there);
-  if (count == 0)
-    throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to; --overwrite starts again");
-  requireSame(study, there);
-  if (study.options.resume) return;
-  // Unfinished work is not thrown away by forgetting an option, nor what is no study's.
-  const std::string text = readFile(runs, kLargestRunFile);
-  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-  if ((!text.empty() && text.rfind("scenario,renderer,", 0) != 0) || lines > count + 1)
-    throw Error(runs + ": is not what study.json beside it describes; --overwrite replaces it");
-  if (lines > 0 && lines < count + 1)
-    throw Error(
-        fmt::format("{}: holds an unfinished study ({} of {} runs): continue it with --resume; --overwrite replaces it",
-                    runs, lines - 1, count));
-  std::filesystem::remove(runs);
+  if (hasRuns && !options.overwrite) throw Error(runs + ": exists; --resume continues it, --overwrite replaces it");
+  for (const std::string& name : resultsOf(options)) {
+    requireFree(study.path(name), options.overwrite);
+    if (options.overwrite) std::filesystem::remove(study.path(name));
+  }
   writeFile(path, study.manifest);
 }
 
@@ -309,12 +261,11 @@ void writeReport(const Study& study, const Findings& findings) {
 
 bool completeRuns(const Study& study) {
   prepareFolder(study);
+  claimFolder(study);
   if (study.options.parts == 1) {
-    claimFolder(study);
     perform(study);
     return true;
   }
-  claimPart(study);
   if (!std::filesystem::exists(study.path("runs.csv"))) perform(study);
   const FolderLock lock(study.options.output, true);
   return joinParts(study);
@@ -333,7 +284,7 @@ void runStudy(StudyOptions options) {
   if (options.parts == 1) lock.emplace(options.output, false);
   Findings findings;
   findings.whole = options.whole;
-  if (!findings.whole && !options.resume)
+  if (!findings.whole)
     for (const std::string& name : resultsOf(options)) requireFree(study.path(name), options.overwrite);
   if (findings.whole) {
     if (!completeRuns(study)) {

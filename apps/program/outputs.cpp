@@ -1,0 +1,34 @@
+#include "program/outputs.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "enamel/core/error.hpp"
+
+namespace enamel::app {
+
+namespace fs = std::filesystem;
+
+void addOverwrite(CLI::App& command, bool& overwrite, const std::vector<std::string>& files) {
+  command.add_flag("--overwrite", overwrite, "replace results that exist");
+  if (files.empty()) return;
+  command.parse_complete_callback([&command, &overwrite, files] {
+    for (const std::string& name : files)
+      if (const CLI::Option* option = command.get_option(name); option->count() > 0)
+        requireFree(option->results().back(), overwrite);
+  });
+}
+
+void requireFree(const std::string& path, bool overwrite) {
+  std::error_code none;
+  if (!overwrite && path != "/dev/stdout" && fs::is_regular_file(path, none) && fs::file_size(path, none) > 0)
+    throw Error(path + ": exists; --overwrite replaces it");
+}
+
+void removeOld(const std::string& path, bool overwrite) {
+  std::error_code none;  // of a link nothing is removed
+  if (fs::is_regular_file(fs::symlink_status(path, none)) && (overwrite || fs::file_size(path, none) == 0))
+    fs::remove(path);
+}
+
+}  // namespace enamel::app
