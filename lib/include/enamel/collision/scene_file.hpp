@@ -23,7 +23,7 @@ struct SceneFile {
       meshes;                                  ///< by obstacle, null for other shapes: what the scene holds, to edit
   std::vector<std::shared_ptr<Solid>> solids;  ///< by obstacle, null for other shapes: what the scene holds, to cut
   std::optional<Bur> bur;                      ///< where the file names one
-  std::vector<std::string> notes;  ///< a line for each mesh whose inside is not certain, size that is no tooth's or jaw's, cell above a bur
+  std::vector<std::string> notes;              ///< a line for each doubt: inside, unit, size of a cell
   double maxForce = std::numeric_limits<double>::infinity();  ///< that a guard should let a renderer put on the tool, N
 };
 

@@ -20,8 +20,8 @@ struct Measurement {
   bool enabled = true;            ///< the user's enable, such as a dead man's switch; true where the device has none
   std::uint32_t buttons = 0;      ///< bit i: button i is pressed
   std::optional<double> gripper;  ///< opening angle, rad; empty where the device has none
-  int age = 0;          ///< periods since the sample; 0: a new one. Above 0, q, rates and applied are ignored
-  bool failed = false;  ///< the driver cannot go on: the guard's fault `device`; with an age above 0
+  int age = 0;                    ///< periods since the sample; 0: a new one. Above 0, q, rates and applied are ignored
+  bool failed = false;            ///< the driver cannot go on: the guard's fault `device`; with an age above 0
 };
 
 /// What a device is told.
