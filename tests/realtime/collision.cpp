@@ -1,6 +1,10 @@
 // No query or update of the collision module allocates: counted by interposition, with good and with bad input.
 #include <malloc.h>
 
+#include <cstdio>
+#include <map>
+#include <string>
+
 #include "enamel/collision/mesh_update.hpp"
 #include "enamel/collision/solid_changes.hpp"
 #include "enamel/collision/sweep.hpp"
@@ -8,6 +12,7 @@
 #include "support/allocation_counter.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
+#include "support/processor_time.hpp"
 
 namespace enamel::test_collision {
 
@@ -144,6 +149,196 @@ TEST_CASE("a solid that is cut, asked, sent and restored allocates nothing", "[r
   CHECK(test::allocationCount() == before);
   CHECK(touched > 1000);
   CHECK(taken > 1000);
+}
+
+namespace {
+
+// Times at the edges of the accepted input, in multiples of one look at every triangle or brick. Such a ratio does not
+// depend on the machine; the bounds are three to four times what was measured.
+class Costs {
+ public:
+  explicit Costs(double unit) : unit_(unit) {}
+
+  template <typename Query, typename Prepare>
+  void add(const char* name, const Query& query, const Prepare& prepare) {
+    double& most = most_[name];
+    most = std::max(most, test::leastTime(2, query, prepare) / unit_);
+  }
+  template <typename Query>
+  void add(const char* name, const Query& query) {
+    add(name, query, [] {});
+  }
+
+  void check(const std::map<std::string, double>& bounds) const {
+    CHECK(most_.size() == bounds.size());
+    for (const auto& [name, cost] : most_) {
+      std::printf("  %-20s %6.2f looks\n", name.c_str(), cost);
+      INFO(name << ": " << cost << " looks");
+      CHECK(cost < bounds.at(name));
+    }
+  }
+
+ private:
+  double unit_;  // s
+  std::map<std::string, double> most_;
+};
+
+// In the middle of a ball of radius 1, where all of it is equally near, on it, about it, and as far as numbers go.
+std::vector<Vec3> places() {
+  std::vector<Vec3> all = {Vec3::Zero(), Vec3(0.5, 0.1, -0.2), Vec3::UnitZ(), Vec3(1.1, 0.1, 0.1), Vec3(3, 1, 2)};
+  for (const double far : {1e3, 1e6, 1e100, 1e300}) all.push_back(far * Vec3(0.6, -0.64, 0.48));
+  return all;
+}
+
+constexpr double kRadii[] = {0.0, 0.1, 1.0, 1e9, 1e300}, kMargins[] = {0.0, 1.0, 1e300};
+
+Pose poseAt(const Vec3& place) { return {place, Mat3::Identity()}; }
+
+// A tool as long as the ball is wide, with the ball's radius: it touches all of it.
+Tool largeTool() {
+  Tool tool;
+  tool.parts[0] = {{-1, 0, 0}, {1, 0, 0}, 1.0};
+  return tool;
+}
+
+void addToolQueries(const Scene& scene, Costs& costs) {
+  const Tool tool = largeTool();
+  ToolTrack track = makeToolTrack(scene, tool);
+  ToolCache cache = makeToolCache(scene, tool);
+  ContactSnapshot contacts;
+  for (const Vec3& p : places()) {
+    for (const double margin : kMargins) {
+      costs.add("findContacts", [&] { (void)findContacts(scene, tool, poseAt(p), margin, nullptr, contacts); });
+      costs.add("findContacts", [&] { (void)findContacts(scene, tool, poseAt(p), margin, &cache, contacts); });
+      costs.add("followContacts", [&] { (void)followContacts(scene, tool, poseAt(p), margin, track, contacts); });
+    }
+    costs.add("nearestContact", [&] { (void)nearestContact(scene, tool, poseAt(p), nullptr); });
+    for (const Vec3& q : places())
+      costs.add("sweepTool", [&] { (void)sweepTool(scene, tool, poseAt(p), poseAt(q), nullptr); });
+  }
+}
+
+void addMeshQueries(const MeshModel& mesh, Costs& costs) {
+  std::vector<int> found(mesh.mesh().triangles.size());
+  const int room = static_cast<int>(found.size());
+  for (const Vec3& p : places()) {
+    costs.add("closestPoint", [&] { closestPoint(mesh, p); });
+    costs.add("signedDistance", [&] { signedDistance(mesh, p); });
+    for (const double radius : kRadii)
+      costs.add("trianglesWithin", [&] { trianglesWithin(mesh, p, radius, found.data(), room); });
+    for (const Vec3& q : places()) {
+      costs.add("closestToSegment", [&] { closestToSegment(mesh, {p, q}); });
+      costs.add("pick", [&] { pick(mesh, {p, q}); });
+      const Segment from{p, p + Vec3::UnitX()}, to{q, q - Vec3::UnitX()};
+      for (const double radius : kRadii) {
+        costs.add("sweepSphere", [&] { sweepSphere(mesh, p, q, radius); });
+        costs.add("sweepCapsule", [&] { sweepCapsule(mesh, from, to, radius); });
+        costs.add("sweepCapsule", [&] { sweepCapsule(mesh, {p, q}, {q, p}, radius); });
+      }
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the cost of a query is bounded by the triangles of a mesh, whatever the input", "[realtime]") {
+  TriangleMesh holed = test::ball(4);
+  for (std::size_t t = 0; t < holed.triangles.size(); t += 7)
+    holed.triangles.erase(holed.triangles.begin() + static_cast<long>(t));
+  for (const TriangleMesh& triangles : {test::ball(4), holed}) {
+    const auto mesh = std::make_shared<const MeshModel>(triangles);
+    int one = -1;
+    Costs costs(test::leastTime(9, [&] { trianglesWithin(*mesh, Vec3::Zero(), 1e3, &one, 1); }));
+    CHECK(one == 0);
+    addMeshQueries(*mesh, costs);
+    Scene scene;
+    scene.add({"mesh", mesh, Pose(), Vec6::Zero(), {}});
+    addToolQueries(scene, costs);
+    costs.check({{"closestPoint", 4.0},
+                 {"closestToSegment", 25.0},
+                 {"findContacts", 50.0},
+                 {"followContacts", 50.0},
+                 {"nearestContact", 10.0},
+                 {"pick", 4.0},
+                 {"signedDistance", 4.0},
+                 {"sweepCapsule", 250.0},
+                 {"sweepSphere", 20.0},
+                 {"sweepTool", 120.0},
+                 {"trianglesWithin", 15.0}});
+  }
+}
+
+TEST_CASE("the cost of a query of analytic shapes is that of a few hundred distances, whatever the input",
+          "[realtime]") {
+  Scene scene;
+  scene.add({"floor", HalfSpace{}, Pose(), Vec6::Zero(), {}});
+  scene.add({"box", Box{{1.0, 0.5, 0.1}}, Pose(), Vec6::Zero(), {}});
+  scene.add({"ball", Sphere{1.0}, Pose(), Vec6::Zero(), {}});
+  scene.add({"rod", Capsule{0.1, 1.0}, Pose(), Vec6::Zero(), {}});
+  double sum = 0.0;
+  Costs costs(test::leastTime(9, [&] {
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 p(0.3, 0.01 * i, 0.2);
+      sum += signedDistance(HalfSpace{}, p).distance + signedDistance(Box{}, p).distance +
+             signedDistance(Sphere{}, p).distance + signedDistance(Capsule{}, p).distance;
+    }
+  }));
+  CHECK(std::isfinite(sum));
+  addToolQueries(scene, costs);
+  costs.check({{"findContacts", 25.0}, {"followContacts", 25.0}, {"nearestContact", 25.0}, {"sweepTool", 100.0}});
+}
+
+TEST_CASE("the cost of a query, an undo and a restoration is bounded by the bricks of a solid, whatever the input",
+          "[realtime]") {
+  const std::vector<SolidLayer> layers = {{"all", {}, 1e9, 0.0, nullptr}};
+  const auto solid = std::make_shared<Solid>(MeshModel(test::ball(4)), layers, SolidOptions{0.03, 64});
+  double sum = 0.0;
+  const auto look = [&sum](const Solid& of) {
+    for (int i = 0; i < of.bricks(); ++i)
+      for (const float sample : of.samples(i)) sum += static_cast<double>(sample);
+  };
+  Costs costs(test::leastTime(9, [&] { look(*solid); }));
+  for (const Vec3& p : places()) {
+    costs.add("signedDistance", [&] { signedDistance(*solid, p); });
+    costs.add("isInside", [&] { isInside(*solid, p); });
+    for (const Vec3& q : places()) costs.add("closestToSegment", [&] { closestToSegment(*solid, {p, q}); });
+  }
+  Scene scene;
+  scene.add({"solid", std::shared_ptr<const Solid>(solid), Pose(), Vec6::Zero(), {}});
+  addToolQueries(scene, costs);
+  costs.check({{"closestToSegment", 15.0},
+               {"findContacts", 10.0},
+               {"followContacts", 10.0},
+               {"isInside", 0.1},
+               {"nearestContact", 10.0},
+               {"signedDistance", 10.0},
+               {"sweepTool", 20.0}});
+
+  // All of a block is cut, put back, and sent.
+  Solid block(MeshModel(test::boxMesh({5e-3, 5e-3, 3e-3})), layers, {1e-4, 4096});
+  Costs ofBlock(test::leastTime(9, [&] { look(block); }));
+  const auto cutAll = [&] {
+    block.mark();
+    const Segment across{{-5e-3, 0, 0}, {5e-3, 0, 0}};
+    block.cut(across, across, Solid::kLargestBur);
+  };
+  ofBlock.add("restore", [&] { block.restore(); });
+  ofBlock.add(
+      "restore", [&] { block.restore(); }, cutAll);
+  ofBlock.add(
+      "undo", [&] { CHECK(block.undo()); }, cutAll);
+  SolidChanges changes;
+  BrickChange sent;
+  const auto change = [&] {
+    cutAll();
+    block.restore();
+    while (changes.take(sent)) {
+    }
+  };
+  ofBlock.add(
+      "publish", [&] { changes.publish(block, block.bricks()); }, change);
+  ofBlock.check({{"restore", 5.0}, {"undo", 5.0}, {"publish", 5.0}});
+  CHECK(std::isfinite(sum));
 }
 
 }  // namespace enamel::test_collision

@@ -51,7 +51,8 @@ template <typename Visit>
 Status forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                    ContactSnapshot& contacts, const Visit& visit) {
   contacts.count = 0;
-  if (!isFinite(pose) || !std::isfinite(margin)) return Status::notFinite;
+  if (!std::isfinite(margin)) return Status::notFinite;
+  if (const Status status = checkPlace(pose); status != Status::ok) return status;
   if (const Status status = checkTool(tool); status != Status::ok) return status;
   const std::vector<Obstacle>& obstacles = scene.obstacles();
   End ends[2];

@@ -54,6 +54,12 @@ inline Cache* pointOf(PartCache* cache, std::size_t i) noexcept {
 
 inline bool isFinite(const Pose& pose) noexcept { return pose.position.allFinite() && pose.rotation.allFinite(); }
 
+/// Whether a tool can be there: ok; notFinite; outOfRange beyond kFarthestTool.
+inline Status checkPlace(const Pose& pose) noexcept {
+  if (!isFinite(pose)) return Status::notFinite;
+  return pose.position.squaredNorm() <= kFarthestTool * kFarthestTool ? Status::ok : Status::outOfRange;
+}
+
 /// Axis of a part in the obstacle's frame.
 inline Segment axisOf(const ToolPart& part, const Pose& pose, const Obstacle& obstacle) noexcept {
   const auto toObstacle = [&](const Vec3& p_P) {

@@ -90,7 +90,9 @@ SweepHit kernel::sweepPart(const Obstacle& obstacle, const Segment& from, const 
 
 ToolSweep sweepTool(const Scene& scene, const Tool& tool, const Pose& from, const Pose& to, ToolCache* cache) noexcept {
   ToolSweep result;
-  result.status = isFinite(from) && isFinite(to) ? checkTool(tool) : Status::notFinite;
+  result.status = checkPlace(from);
+  if (result.status == Status::ok) result.status = checkPlace(to);
+  if (result.status == Status::ok) result.status = checkTool(tool);
   if (result.status != Status::ok) return result;
   const std::vector<Obstacle>& obstacles = scene.obstacles();
   for (std::size_t i = 0; i < obstacles.size(); ++i) {

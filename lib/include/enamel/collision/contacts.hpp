@@ -40,6 +40,9 @@ class ToolCache {
 /// checkTool() refuses the tool. Realtime: no.
 ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 
+/// Farthest that a tool may be from the origin of W in a query, m: gaps are then still known to a nanometre.
+inline constexpr double kFarthestTool = 1e6;
+
 /// All contacts whose gap is at most `margin`, the deepest first (then by obstacle), at most kMaxContacts.
 /// A sphere at p touches an obstacle at every local minimum of the distance |p - x| over its surface, one for each
 /// direction within 15 deg; inside an obstacle at the nearest surface point only. A capsule touches with its two ends
@@ -47,7 +50,8 @@ ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 /// deepest one in an analytic shape; the one nearest to a mesh, and only while both ends are outside of it. The
 /// obstacle's velocity is v + w x r. `cache` may be null and must else come from makeToolCache() of this scene and
 /// tool; the contacts are the same (with meshes whose sign is defined: signedDistance()). Statuses: notFinite
-/// for a pose or margin; those of checkTool(); no contacts then. Realtime: yes. Threads: const scene, own cache.
+/// for a pose or margin; outOfRange for a position beyond kFarthestTool; those of checkTool(); no contacts then.
+/// Realtime: yes. Threads: const scene, own cache.
 Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                     ContactSnapshot& contacts) noexcept;
 
@@ -102,7 +106,7 @@ Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, do
                       ContactSnapshot& contacts) noexcept;
 
 /// The contact of smallest gap, near or far, among equals the first of the scene: the first of findContacts() where its
-/// gap is within the margin. For a scene without surfaces, a pose that is not finite or a tool that
+/// gap is within the margin. For a scene without surfaces, a pose that findContacts() refuses or a tool that
 /// checkTool() refuses the gap is kNoLimit.
 /// Realtime: yes. Threads: as findContacts().
 Contact nearestContact(const Scene& scene, const Tool& tool, const Pose& pose, ToolCache* cache) noexcept;
