@@ -159,7 +159,7 @@ TEST_CASE("every scene in contact: the walls are there, and the force", "[viewer
       INFO(name << " " << renderer);
       const auto result =
           test::viewer(test::shippedScene(name + ".toml") + " --renderer " + renderer + " --headless --script '" +
-                       folder / "script.txt" + "' --record '" + folder / name + "'");
+                       folder / "script.txt" + "' --overwrite --record '" + folder / name + "'");
       INFO(result.output);
       REQUIRE(result.status == 0);
       const Pixels picture(folder / name + "/contact.png");
