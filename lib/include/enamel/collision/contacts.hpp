@@ -40,8 +40,8 @@ class ToolCache {
 /// checkTool() refuses the tool. Realtime: no.
 ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 
-/// Farthest that a tool may be from the origin of W in a query, m: gaps are then still known to a nanometre.
-inline constexpr double kFarthestTool = 1e6;
+/// Farthest that a tool may be from the origin of W in a query, m: gaps are then still known to 2 nm.
+inline constexpr double kFarthestTool = 1e7;
 
 /// All contacts whose gap is at most `margin`, the deepest first (then by obstacle), at most kMaxContacts.
 /// A sphere at p touches an obstacle at every local minimum of the distance |p - x| over its surface, one for each
