@@ -82,8 +82,9 @@ void run(const ReplayOptions& options) {
   if (!options.beside.empty() && !hasPage) throw Error("--beside is for --html");
   if (!options.beside.empty() && isOther) throw Error("--beside is another recording: no --renderer, no --set");
   if (hasPage) checkReplayPage();
-  if (hasPage && std::filesystem::exists(options.html) && std::filesystem::equivalent(options.html, options.file))
-    throw Error("--html would write over the recording: " + options.html);
+  for (const std::string& recording : {options.file, options.beside})
+    if (std::error_code none; hasPage && std::filesystem::equivalent(options.html, recording, none))
+      throw Error("--html would write over the recording: " + options.html);
   requireFree(options.html, options.overwrite);
   std::vector<nlohmann::json> sides;
   PageNumbers numbers;

@@ -67,6 +67,12 @@ void requireFree(const Options& options, const std::string& picture) {
   app::requireFree((std::filesystem::path(options.folder()) / (picture + ".png")).string(), options.overwrite);
 }
 
+std::string frameName(int number) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "frame-%05d", number);
+  return name;
+}
+
 // Steps of a script that are due. In a window a picture ends a turn: the haptic loop runs beside it, and would carry
 // out the steps after the picture before it is drawn.
 class ScriptPlayer {
@@ -75,8 +81,10 @@ class ScriptPlayer {
     if (!options.script.empty())
       steps_ = loadScript(options.script,
                           options.play.empty() ? rendererNames(options.plugin.get()) : std::vector<std::string>{});
-    for (const ScriptStep& step : steps_)
+    for (const ScriptStep& step : steps_) {
       if (step.kind == ScriptStep::Kind::picture) requireFree(options, step.name);
+      if (step.kind == ScriptStep::Kind::frames) requireFree(options, frameName(0));  // of an earlier run
+    }
   }
 
   template <typename Function>
@@ -210,12 +218,7 @@ int runHeadless(const Options& options, double started) {
     });
     viewer.update(now, TimingNumbers{});
     std::vector<std::string> names = viewer.takePictures();
-    if (recordEvery > 0 && frame % static_cast<std::uint64_t>(recordEvery) == 0) {
-      char name[32];
-      std::snprintf(name, sizeof(name), "frame-%05d", recorded++);
-      names.emplace_back(name);
-      requireFree(options, names.back());
-    }
+    if (recordEvery > 0 && frame % static_cast<std::uint64_t>(recordEvery) == 0) names.push_back(frameName(recorded++));
     const bool clipped = clip.begin(viewer, now);
     if (!names.empty() || clipped) {
       viewer.draw(true);

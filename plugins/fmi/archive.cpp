@@ -56,6 +56,8 @@ Entry entryOf(zip_t* archive, zip_uint64_t index, const std::string& path) {
   Entry entry{index, given, about.size};
   std::replace(entry.name.begin(), entry.name.end(), '\\', '/');  // of packers on Windows
   if (!staysInside(entry.name)) throw Error(path + ": holds \"" + given + "\", which leads out of it");
+  if (entry.name.back() == '/' && entry.size > 0)
+    throw Error(path + ": holds \"" + given + "\", which is a folder with content of its own");
   zip_uint8_t system = 0;
   zip_uint32_t attributes = 0;
   zip_file_get_external_attributes(archive, index, 0, &system, &attributes);

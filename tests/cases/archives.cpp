@@ -178,12 +178,17 @@ TEST_CASE("archives: bombs are refused, by the size that they say and by the rea
   CHECK(refusal(zipOf(many, "")) == "holds 10001 files, at most 10000 are read");
 }
 
+TEST_CASE("archives: a folder with content of its own is refused", "[cases]") {
+  CHECK(refusal(zipOf({"a/"})) == "holds \"a/\", which is a folder with content of its own");
+  CHECK(refusal(zipOf({"a/"}, "")) == "");
+}
+
 TEST_CASE("archives: names that are one file on some systems are refused", "[cases]") {
   CHECK(refusal(zipOf({"a/B.xml", "A/b.xml"})) ==
         "holds \"a/B.xml\" and \"A/b.xml\", which are one file where case does not count");
   for (const Names& names : {Names{"a", "A"}, {"a/b", "a\\b"}, {"a", "./a"}, {"a/", "A"}}) {
     INFO(names[0] << " " << names[1]);
-    CHECK(refusal(zipOf(names)).find("which are one file where case does not count") != std::string::npos);
+    CHECK(refusal(zipOf(names, "")).find("which are one file where case does not count") != std::string::npos);
   }
   CHECK(refusal(withNames(zipOf({"a1", "a2"}), "a3")).find("one file") != std::string::npos);
   CHECK(refusal(zipOf({"a", "a/b"})) == "cannot unpack a/b: Not a directory");

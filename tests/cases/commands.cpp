@@ -124,6 +124,24 @@ TEST_CASE("case 08: a study writes into a folder with results only with --resume
     CHECK(holds(run(study + options).output, "out/points.csv: exists; --overwrite replaces it"));
 }
 
+TEST_CASE("case 08: unfinished parts of a study are not lost to another one", "[cases]") {
+  const test::TemporaryFolder folder;
+  const std::string study =
+      "study --renderers impedance --scenario 1 --grid 1 --no-convergence --threads 1 --output '" + (folder / "out") +
+      "' ";
+  REQUIRE(run(study + "--runs 2 --part 1/2").status == 0);
+  const auto before = contentOf(folder / "out");
+  for (const char* options : {"--runs 3", "--runs 3 --resume", "--runs 3 --part 2/2"}) {
+    const test::CommandResult other = run(study + options);
+    INFO(options << ": " << other.output);
+    CHECK(other.status == 1);
+    CHECK(holds(other.output, "out/study.json: holds another study: its runs is 2, here it is 3"));
+    CHECK(contentOf(folder / "out") == before);
+  }
+  CHECK(run(study + "--runs 2 --overwrite").status == 0);
+  CHECK(contentOf(folder / "out").count(folder / "out/runs-1-of-2.csv") == 0);
+}
+
 TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
   const test::TemporaryFolder folder;
   const std::string push = "push " + device() + "--renderer impedance --device-damping 4 --duration 1.1 ";

@@ -1,12 +1,12 @@
 // Cuts at the edges of what Solid::cut() accepts.
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <numeric>
 
 #include "enamel/collision/solid.hpp"
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
+#include "support/processor_time.hpp"
 
 namespace enamel::test_solids {
 
@@ -34,21 +34,11 @@ double takenBy(Solid& solid, double radius) {
   return taken;
 }
 
-// Least processor time of three cuts, s. Not wall time: other work on the machine does not count.
+// Least processor time of three cuts, s.
 double timeOf(Solid& solid, const Segment& from, const Segment& to, double radius) {
-  const auto now = [] {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-  };
-  double least = 1e9;
-  for (int i = 0; i < 3; ++i) {
-    const double begin = now();
-    (void)solid.cut(from, to, radius);
-    least = std::min(least, now() - begin);
-    solid.restore();
-  }
-  return least;
+  solid.restore();
+  return test::leastTime(
+      3, [&] { (void)solid.cut(from, to, radius); }, [&] { solid.restore(); });
 }
 
 Segment ballAt(double y) { return {{0.0, y, 3e-3}, {0.0, y, 3e-3}}; }
@@ -89,7 +79,7 @@ TEST_CASE("case 18: no cut that is accepted costs more than 100 ordinary ones", 
   CHECK(costs(ballAt(-0.0095), ballAt(0.0095), 1e-5) < 100.0);
 }
 
-TEST_CASE("cuts: beyond the limits nothing is taken, and the call says so", "[cases]") {
+TEST_CASE("cuts: a cut outside the limits removes nothing, and the call says so", "[cases]") {
   Solid solid = block();
   const Segment ball = ballAt(0.0);
   const auto refuses = [&](const Segment& from, const Segment& to, double radius) {

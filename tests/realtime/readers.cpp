@@ -19,6 +19,7 @@
 #include "support/catch.hpp"
 #include "support/command.hpp"
 #include "support/meshes.hpp"
+#include "support/processor_time.hpp"
 #include "support/pushes.hpp"
 #include "support/run_length.hpp"
 
@@ -77,19 +78,12 @@ std::string many(const std::string& value, std::size_t bytes) {
   return repeat(value, std::min(bytes, 990 / (value.size() == 2 ? 1 : 2) * value.size()));
 }
 
-// Of the processor: other programs do not count.
-double threadSeconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 // Of the processor, for the checksum of a byte.
 double checksumSeconds() {
   const std::string bytes(1 << 20, 'x');
-  const double begin = threadSeconds();
+  const double begin = test::processorTime();
   const std::uint32_t sum = crc32(bytes);
-  const double passed = threadSeconds() - begin;
+  const double passed = test::processorTime() - begin;
   REQUIRE(sum != 0);
   return passed / static_cast<double>(bytes.size());
 }
@@ -104,13 +98,13 @@ Cost costOf(const Format& format, const std::string& bytes) {
   if (!format.path.empty()) writeFile(format.path, bytes);
   const std::ptrdiff_t before = used;
   most = before;
-  const double begin = threadSeconds();
+  const double begin = test::processorTime();
   try {
     format.read(format.path.empty() ? bytes : format.path);
   } catch (const Error&) {
     cost.refused = true;
   }
-  cost.time = threadSeconds() - begin;
+  cost.time = test::processorTime() - begin;
   cost.memory = static_cast<double>(most - before);
   return cost;
 }

@@ -140,22 +140,37 @@ std::vector<std::string> resultsOf(const StudyOptions& options) {
   return names;
 }
 
+// Throws unless study.json in the folder describes this study.
+void requireSame(const Study& study) {
+  const std::string path = study.path("study.json");
+  const Json there = std::filesystem::exists(path) ? Json::parse(readJson(path), nullptr, false) : Json();
+  if (!there.is_object()) throw Error(path + ": is missing or broken: nothing says which study the runs belong to");
+  const Json here = Json::parse(study.manifest);
+  if (there != here) throw Error(fmt::format("{}: holds another study: {}", path, differenceOf(there, here)));
+}
+
+// Removes the results of another study, and its unfinished parts: these would be joined to this one's.
+void removeResults(const Study& study) {
+  for (const std::string& name : resultsOf(study.options)) std::filesystem::remove(study.path(name));
+  for (const auto& entry : std::filesystem::directory_iterator(study.options.output))
+    if (entry.path().filename().string().rfind("runs-", 0) == 0) std::filesystem::remove(entry.path());
+}
+
 // study.json says what the runs depend on: only the same study continues what is in the folder.
 void claimFolder(const Study& study) {
   const StudyOptions& options = study.options;
   const std::string path = study.path("study.json"), runs = study.path("runs.csv");
   const bool hasRuns = std::filesystem::exists(std::filesystem::symlink_status(runs));
-  if (options.parts > 1 ? std::filesystem::exists(path) : options.resume && hasRuns) {
-    const Json there = std::filesystem::exists(path) ? Json::parse(readJson(path), nullptr, false) : Json();
-    if (!there.is_object()) throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to");
-    const Json here = Json::parse(study.manifest);
-    if (there != here) throw Error(fmt::format("{}: holds another study: {}", path, differenceOf(there, here)));
-    return;
-  }
-  if (hasRuns && !options.overwrite) throw Error(runs + ": exists; --resume continues it, --overwrite replaces it");
-  for (const std::string& name : resultsOf(options)) {
-    requireFree(study.path(name), options.overwrite);
-    if (options.overwrite) std::filesystem::remove(study.path(name));
+  if (options.overwrite) {
+    removeResults(study);
+  } else {
+    if (hasRuns && !options.resume && options.parts == 1)
+      throw Error(runs + ": exists; --resume continues it, --overwrite replaces it");
+    if (std::filesystem::exists(path) || (hasRuns && options.resume)) {
+      requireSame(study);
+      if (hasRuns || options.parts > 1) return;
+    }
+    for (const std::string& name : resultsOf(options)) requireFree(study.path(name), false);
   }
   writeFile(path, study.manifest);
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "collision/mesh_data.hpp"
 #include "core/message.hpp"
 #include "core/toml.hpp"
 #include "enamel/collision/contacts.hpp"
@@ -204,20 +205,16 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
   return obstacle;
 }
 
-// What a user should know of a mesh that is no sound solid.
-// What is probably not meant: an inside that is not certain, another unit.
+// Adds a note for a mesh whose inside is not certain, a size that looks like another unit, and cells larger than the
+// tool.
 void addNotes(const Obstacle& obstacle, const Tool& tool, std::vector<std::string>& notes) {
   const std::string name = "obstacle \"" + obstacle.name + "\": ";
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   if (const auto* found = std::get_if<std::shared_ptr<const MeshModel>>(&obstacle.shape)) {
     const MeshModel& mesh = **found;
     if (!(obstacle.thickness > 0.0) && !isSound(mesh)) notes.push_back(name + describe(mesh));
-    const TriangleMesh triangles = presentMesh(mesh);
-    low = high = triangles.vertices.front();
-    for (const Vec3& vertex : triangles.vertices) {
-      low = low.cwiseMin(vertex);
-      high = high.cwiseMax(vertex);
-    }
+    low = kernel::Inside::of(mesh).low;
+    high = kernel::Inside::of(mesh).high;
   } else if (const auto* solid = std::get_if<std::shared_ptr<const Solid>>(&obstacle.shape)) {
     low = (*solid)->low();
     high = (*solid)->high();

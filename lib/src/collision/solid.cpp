@@ -210,12 +210,12 @@ RemovedVolume Solid::cut(const Segment& from, const Segment& to, double radius, 
   return removed;
 }
 
-// Number of bricks that it looked at.
+// Returns how many bricks it looked at.
 int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed) noexcept {
   const Vec3 a = (axis.a - origin_) / cell_, b = (axis.b - origin_) / cell_;
   const double r = radius / cell_, volume = cell_ * cell_ * cell_;
   // On average the interpolation of a distance that curves lies above it by a twelfth of its Laplacian: 1 / r along the
-  // way of a bur. A bur below a cell has no curvature there.
+  // way of a bur. The grid cannot resolve the curvature of a bur smaller than a cell.
   const float reach = static_cast<float>(r + (r > 1.0 ? 1.0 / (12.0 * r) : r / 12.0));
   const float inner = std::max(reach - kBand, 0.0f), most = (reach + kBand) * (reach + kBand);
   const double around = static_cast<double>(reach) + kBand;
@@ -230,8 +230,8 @@ int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed
   }
   const auto firstBrick = [&](int i) { return std::max((first[i] - 1) / kBrickCells, 0); };
   const auto lastBrick = [&](int i) { return std::min(last[i] / kBrickCells, count_[i] - 1); };
-  // Farther from a brick's middle than this nothing of it is within reach.
-  const float farthest = std::sqrt(most) + 0.5f * std::sqrt(3.0f) * static_cast<float>(kBrickCells) + 1e-3f;
+  // A brick whose middle is farther than this is out of reach.
+  const float farthest = static_cast<float>(around + kHalfDiagonal) + 1e-3f;
   int bricks = 0;
   for (int bz = firstBrick(2); bz <= lastBrick(2); ++bz)
     for (int by = firstBrick(1); by <= lastBrick(1); ++by)

@@ -54,7 +54,7 @@ inline Cache* pointOf(PartCache* cache, std::size_t i) noexcept {
 
 inline bool isFinite(const Pose& pose) noexcept { return pose.position.allFinite() && pose.rotation.allFinite(); }
 
-/// Whether a tool can be there: ok; notFinite; outOfRange beyond kFarthestTool.
+/// Whether a tool can be there: ok; notFinite; outOfRange farther than kFarthestTool.
 inline Status checkPlace(const Pose& pose) noexcept {
   if (!isFinite(pose)) return Status::notFinite;
   return pose.position.squaredNorm() <= kFarthestTool * kFarthestTool ? Status::ok : Status::outOfRange;

@@ -60,6 +60,8 @@ Guard::Guard(const Mechanism& device, const GuardOptions& options)
       most_(device.limits().effort),
       ring_(kGuardTicks) {
   if (options_.drive.stiffness > 0.0) describeTransmission();
+  for (int i = 0; i < n_; ++i)
+    if (isDriven(i)) weight_[i] = 1.0 / (most_[i] * most_[i]);
   for (GuardTick& tick : ring_) tick.q = tick.requested = tick.applied = JointVector::Zero(n_);
 }
 

@@ -1,4 +1,4 @@
-// The guard's books: what the torque gave to the tool, by the commands and by what the device reports.
+// The guard's energy accounts: by its own commands, and by the torque that the device reports.
 #include <algorithm>
 #include <cmath>
 
@@ -40,7 +40,7 @@ void Guard::describeTransmission() {
   }
 }
 
-// The first joint whose report cannot be true, or -1.
+// Returns the first joint whose report is not plausible, or -1.
 int Guard::unlikelyJoint(const JointVector& applied) const noexcept {
   for (int i = 0; i < n_; ++i) {
     const double noise = kReportNoise * most_[i];
@@ -53,8 +53,8 @@ int Guard::unlikelyJoint(const JointVector& applied) const noexcept {
 
 bool Guard::believes(const JointVector& applied) const noexcept { return unlikelyJoint(applied) < 0; }
 
-// A motor's torque comes late and is not exact, but follows the commands. The oldest command's square, so that a report
-// that comes late is not taken for one that is missing.
+// Compares a report with the commands. The power is that of the oldest command: a late report must not look like a
+// missing one.
 void Guard::compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept {
   State& s = state_;
   const double share = std::min(1.0, elapsed / kReportTime);
@@ -65,14 +65,13 @@ void Guard::compareReport(const JointVector& applied, const Row& command, double
   }
 }
 
-// The command of late that is most like the report: the delay may change from tick to tick.
+// Returns the recent command that is most similar to the report. The delay may change from tick to tick.
 const Guard::Row& Guard::nearestCommand(const JointVector& applied) const noexcept {
   const Row* best = nullptr;
   double least = kUnlimited;
   for (const Row& sent : state_.sent) {
     double sum = 0.0;
-    for (int i = 0; i < n_; ++i)
-      if (isDriven(i)) sum += std::pow((applied[i] - sent[i]) / most_[i], 2);
+    for (int i = 0; i < n_; ++i) sum += weight_[i] * (applied[i] - sent[i]) * (applied[i] - sent[i]);
     if (sum >= least) continue;
     best = &sent;
     least = sum;
@@ -108,7 +107,7 @@ void Guard::reachLink(int joint, double elapsed, Account& s, double& torque, dou
   if (!options_.drive.encoderOnLink) way -= s.stretch[joint] - before;
 }
 
-// Books the motion since the last sample under the account of a torque; the force that it made, N.
+// Adds the work of a torque since the last sample to its account. Returns the force of the torque at the TCP, N.
 double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque, Account& account) const noexcept {
   const State& s = state_;
   const GuardOptions& o = options_;
@@ -158,7 +157,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   s.peak *= std::max(0.0, 1.0 - elapsed / kForgets);
   if (m.applied && !s.reports) s.reported = s.commanded;
   s.reports = s.reports || m.applied.has_value();
-  // What a report tells is known of one tick: where that had no sample, the mean of the commands since then counts.
+  // A report covers one tick. After lost samples the mean of the commands counts instead.
   Row commanded = s.ticks == 1.0 ? s.sent[o.delay] : s.acting, reported = commanded;
   if (m.applied && s.ticks == 1.0) {
     const int unlikely = unlikelyJoint(*m.applied);

@@ -149,7 +149,9 @@ const GuardOptions& checked(const Mechanism& device, const GuardOptions& o) {
   requireLimit(o.engage, "the torque to engage at", "of a motor's limit");
   requireLimit(o.rampIn, "the ramp in", "s");
   requireLimit(o.rampOut, "the ramp out", "s");
-  require(o.delay >= 0 && o.delay <= 3, "guard: the delay is " + std::to_string(o.delay) + ", must be in 0 to 3 ticks");
+  require(o.delay >= 0 && o.delay <= kMostGuardDelay, "guard: the delay is " + std::to_string(o.delay) +
+                                                          ", must be in 0 to " + std::to_string(kMostGuardDelay) +
+                                                          " ticks");
   require(o.longestGap >= 1 && o.mostMissed >= 0, "guard: the longest gap must be at least 1 period, the misses 0");
   return o;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace enamel {
 namespace {
@@ -46,33 +47,34 @@ const Scene& SceneMotion::follow(const Scene& stated, double time) noexcept {
     for (Glide& glide : glides_) glide.set = time - kLongestFrame;
     started_ = true;
   }
-  const double elapsed = time - time_;
-  time_ = time;
+  const double before = std::exchange(time_, time);
   for (std::size_t i = 0; i < glides_.size() && i < stated.obstacles().size(); ++i)
-    followOne(stated.obstacles()[i], static_cast<int>(i), elapsed);
+    followOne(stated.obstacles()[i], static_cast<int>(i), before);
   return scene_;
 }
 
-void SceneMotion::followOne(const Obstacle& stated, int number, double elapsed) noexcept {
+void SceneMotion::followOne(const Obstacle& stated, int number, double before) noexcept {
   Glide& glide = glides_[static_cast<std::size_t>(number)];
   const Pose& pose = scene_.obstacles()[static_cast<std::size_t>(number)].pose;
   const bool isNew = !isSame(stated.pose, glide.goal);
   if (!isNew && glide.left == 0.0 && glide.twist.isZero(0.0) && stated.twist.isZero(0.0)) return;  // most of them
-  bool isBelieved = stated.twist.isZero(0.0);
-  if (isNew && elapsed > 0.0) {
-    const bool isEveryTick = glide.set == time_ - elapsed;
-    const double since = std::min(time_ - glide.set, kLongestFrame);
-    glide.left = isEveryTick ? elapsed : std::max(elapsed, kStretch * since);
-    const Vec6 rate = twistBetween(glide.goal, stated.pose, since);  // the pose's
-    glide.twist = twistBetween(pose, stated.pose, glide.left);
-    isBelieved = isBelieved || agrees(stated.twist, rate) || since == kLongestFrame;  // nobody knows when it began
-    if (isEveryTick) glide.twist = agrees(stated.twist, rate) ? stated.twist : rate;
+  const double elapsed = time_ - before, since = std::min(time_ - glide.set, kLongestFrame);
+  if (!isNew && glide.left == 0.0) glide.twist.setZero();
+  Vec6 measured = glide.twist;  // by the poses
+  if (isNew) {
+    measured = twistBetween(glide.goal, stated.pose, since);
+    if (glide.set == before) {  // new at every tick
+      glide.left = elapsed;
+      glide.twist = agrees(stated.twist, measured) ? stated.twist : measured;
+    } else {
+      glide.left = std::max(elapsed, kStretch * since);
+      glide.twist = twistBetween(pose, stated.pose, glide.left);
+    }
     glide.goal = stated.pose;
     glide.set = time_;
-  } else if (glide.left == 0.0) {
-    glide.twist.setZero();
   }
-  if (!isBelieved && !agrees(stated.twist, glide.twist)) {
+  const bool begins = isNew && since == kLongestFrame;  // its first pose says nothing about the velocity
+  if (!begins && !stated.twist.isZero(0.0) && !agrees(stated.twist, measured)) {
     ++ignored_;
     ignoredObstacle_ = number;
   }
@@ -81,7 +83,7 @@ void SceneMotion::followOne(const Obstacle& stated, int number, double elapsed) 
     next.position = pose.position + elapsed * glide.twist.head<3>();
     next.rotation = rotationFromVector(elapsed * glide.twist.tail<3>()) * pose.rotation;
     glide.left -= elapsed;
-    if (scene_.move(number, next, glide.twist) == Status::ok) return;  // not a rotation any more, after rounding
+    if (scene_.move(number, next, glide.twist) == Status::ok) return;  // else rounding has spoilt the rotation
   }
   glide.left = 0.0;
   (void)scene_.move(number, glide.goal, glide.twist);

@@ -163,7 +163,7 @@ RecordingHeader parseHeader(const std::string& text, const std::string& file) {
   for (const auto& [name, value] : kCounts) h.guard.*value = static_cast<int>(guard.at(name).whole(INT32_MAX));
   guard.at("workspace").read(h.guard.workspace);
   guard.at("damping").read(h.guard.damping);
-  if (guard.json().contains("delay")) h.guard.delay = static_cast<int>(guard.at("delay").whole(3));
+  if (guard.json().contains("delay")) h.guard.delay = static_cast<int>(guard.at("delay").whole(kMostGuardDelay));
   if (guard.json().contains("drive")) {
     const Reading drive = guard.at("drive");
     for (const auto& [name, value] : kDrive) h.guard.drive.*value = drive.at(name).number();

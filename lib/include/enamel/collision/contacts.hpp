@@ -50,7 +50,7 @@ inline constexpr double kFarthestTool = 1e7;
 /// deepest one in an analytic shape; the one nearest to a mesh, and only while both ends are outside of it. The
 /// obstacle's velocity is v + w x r. `cache` may be null and must else come from makeToolCache() of this scene and
 /// tool; the contacts are the same (with meshes whose sign is defined: signedDistance()). Statuses: notFinite
-/// for a pose or margin; outOfRange for a position beyond kFarthestTool; those of checkTool(); no contacts then.
+/// for a pose or margin; outOfRange for a position farther than kFarthestTool; those of checkTool(); no contacts then.
 /// Realtime: yes. Threads: const scene, own cache.
 Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                     ContactSnapshot& contacts) noexcept;

@@ -26,20 +26,20 @@ struct Obstacle {
   double thickness = 0.0;     ///< above 0: the mesh is the middle of a sheet as thick as this, without an inside, m
 };
 
-/// Farther from the origin of W, and faster, is no obstacle of a haptic device: m, m/s, rad/s.
+/// Limits of an obstacle: distance from the origin of W along each axis, speed, turn rate; m, m/s, rad/s.
 inline constexpr double kFarthest = 100.0, kFastest = 100.0, kFastestTurn = 1000.0;
 
 /// Obstacles by number. Add them before the ticks begin; in a tick only poses and twists change.
 class Scene {
  public:
   /// Returns the obstacle's number, counted from 0. Throws Error for a name that is empty or taken, a pose that is not
-  /// finite, farther than kFarthest or not a rotation to 1e-6, a twist beyond kFastest or kFastestTurn, a shape without
+  /// finite, farther than kFarthest or not a rotation to 1e-6, a twist above kFastest or kFastestTurn, a shape without
   /// size, an empty pointer, a thickness that is negative, not finite or of another shape than a mesh. Realtime: no.
   int add(Obstacle obstacle);
 
   /// Moves an obstacle. Statuses: ok; notFinite; outOfRange for a number that no obstacle has, a matrix that is no
-  /// rotation, a position beyond kFarthest, a twist beyond kFastest or kFastestTurn; the obstacle is then where it was.
-  /// A tick sees the motion as SceneMotion has it. Realtime: yes.
+  /// rotation, a position farther than kFarthest, a twist above kFastest or kFastestTurn; the obstacle is then where it
+  /// was. A tick sees the motion as SceneMotion has it. Realtime: yes.
   Status move(int obstacle, const Pose& pose, const Vec6& twist) noexcept;
 
   const std::vector<Obstacle>& obstacles() const noexcept { return obstacles_; }

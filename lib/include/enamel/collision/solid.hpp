@@ -64,12 +64,12 @@ class Solid {
   /// What is there now, m^3, by layer. Realtime: no, some ms.
   RemovedVolume volume() const;
 
-  /// Takes away all that a capsule sweeps whose axis goes from one place, where it has cut, to another. Only samples
-  /// within reach of it are visited; none outside of it changes its side, to h^2 / (12 radius). Refused, with nothing
-  /// cut: values that are not finite, a radius outside 0 to kLargestBur, an axis beyond 100 mm, a move beyond 20 mm.
-  /// `reached`: share of the way that was cut, 0 where refused. It is below 1 where a call has looked at 4096 bricks of
-  /// 8 cells: go on from there at the next tick. Returns about what it took: the sum of many cuts is off by some
-  /// h^2 / radius^2 of itself, volume() is not. Realtime: yes, some ms at most.
+  /// Remove what a capsule sweeps whose axis moves from one place to another; it has cut at the first. Only samples
+  /// within reach are visited; no other sample changes its side, to h^2 / (12 radius). Removes nothing, with a
+  /// `reached` of 0, if a value is not finite, the radius is outside 0 to kLargestBur, the axis is longer than 100 mm,
+  /// or an end moves by more than 20 mm. `reached` is the share of the way that was cut. It is below 1 if the call
+  /// stopped after 4096 bricks of 8 cells: continue from there at the next tick. Returns about what was removed: the
+  /// sum of many cuts is off by some h^2 / radius^2 of itself, volume() is exact. Realtime: yes, some ms at most.
   RemovedVolume cut(const Segment& from, const Segment& to, double radius, double* reached = nullptr) noexcept;
   static constexpr double kLargestBur = 5e-3;  ///< radius, m
 

@@ -7,7 +7,7 @@ namespace enamel {
 
 /// First touch of a moving tool.
 struct ToolSweep {
-  Status status = Status::ok;  ///< notFinite: a pose; outOfRange: a position beyond kFarthestTool; checkTool()
+  Status status = Status::ok;  ///< notFinite: a pose; outOfRange: farther than kFarthestTool; checkTool()
   bool hit = false;
   double time = 1.0;  ///< of the first touch, as SweepHit::time
   Contact contact;    ///< there; the point is the obstacle's, the gap 0

@@ -22,6 +22,9 @@ namespace enamel {
 
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
+/// Largest GuardOptions::delay, ticks.
+inline constexpr int kMostGuardDelay = 3;
+
 /// Limits and budgets of a guard: guardFor() derives them from a device; tighten what should be tighter.
 struct GuardOptions {
   bool on = true;        ///< false: everything passes; ticks are kept all the same
@@ -42,7 +45,7 @@ struct GuardOptions {
   JointVector encoderStep;  ///< of the encoders, rad or m
   Drive drive;              ///< between motors and links: what rotors and cables hold is not the tool's energy
   JointVector linkInertia;  ///< of each link by itself, without rotors, kg m^2 or kg; needed behind cables
-  int delay = 0;            ///< of the commands where the device does not report what acted, ticks, 0 to 3
+  int delay = 0;            ///< of the commands, ticks; used if the device does not report what acted
   int longestGap = 4;       ///< between two ticks, and between two samples, periods
   int mostMissed = 10;      ///< ticks and samples that were missed, of which 1 % are forgotten a tick
 
@@ -102,13 +105,14 @@ class Guard {
 
   const GuardOptions& options() const noexcept { return options_; }
 
-  /// Whether a report of the torque that acted (Measurement::applied) can be true: each motor's is within 1.5 times its
-  /// limit, and at least 0.75 of the commands of 0 to 3 ticks before is in it (by regression over 10 ms). More may be
-  /// in it: effects that an application adds. Tick and guard take the command for a report that cannot be true.
-  /// Realtime: yes.
+  /// Return whether a report of the acting torque (Measurement::applied) is plausible. Each motor must be within 1.5
+  /// times its limit. The report must contain at least 0.75 of the commands of the last 0 to kMostGuardDelay ticks (by
+  /// regression over 10 ms); it may contain more, such as effects of an application. The command replaces a report that
+  /// is rejected. Realtime: yes.
   bool believes(const JointVector& applied) const noexcept;
 
-  /// Reports that were not believed since construction or restart(), and the joint of the last one. Realtime: yes.
+  /// Return the number of rejected reports since construction or restart(), and the joint of the last one (-1: none).
+  /// Realtime: yes.
   std::uint64_t ignoredReports() const noexcept { return ignored_; }
   int ignoredJoint() const noexcept { return ignoredJoint_; }
 
@@ -129,7 +133,7 @@ class Guard {
     double kept[3][3], command[3];
     double share;  // of what is left for rotor and link that reaches the link
   };
-  static constexpr int kReportLags = 4;
+  static constexpr int kReportLags = kMostGuardDelay + 1;
   // Energy that the tool was given, by one opinion on the torque that acted.
   struct Account {
     double energy = 0.0;                     // J
@@ -200,6 +204,7 @@ class Guard {
   std::array<Transmission, kMaxJoints> transmission_{};  // behind cables
   double lag_ = 0.0, mostHeld_ = 0.0;                    // of the motors, 1/s; largest of Account::held, J
   JointVector most_;                                     // of the motors, whatever the options, N m or N
+  Row weight_{};                                         // of a joint in a comparison of torques: 1 / most_^2
   std::uint64_t ignored_ = 0;
   int ignoredJoint_ = -1;
   State state_;

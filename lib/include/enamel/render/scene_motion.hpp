@@ -1,4 +1,4 @@
-// Obstacles between the poses that a host sets: a host at frame rate moves them in steps, a tick sees them glide.
+// Interpolation of obstacle poses that a host sets at frame rate.
 #pragma once
 
 #include <cstdint>
@@ -8,29 +8,29 @@
 
 namespace enamel {
 
-/// A copy of a scene whose obstacles move as the poses of the original say. A value; HapticTick has one.
+/// A copy of a scene in which obstacles move continuously. HapticTick has one.
 ///
-/// An obstacle whose pose is new at every tick is where its pose is. One whose pose is new less often glides from pose
-/// to pose, over 1.2 times the time since the pose before and at most 0.12 s: so it arrives a fifth of a frame after
-/// the pose, and does not stop where a frame comes late. Its velocity is that of its motion. The stated twist counts
-/// where the pose is new at every tick and the twist is within half of the pose's rate; elsewhere it is ignored. An
-/// obstacle whose pose stays does not move, whatever its twist says.
+/// If the pose of an obstacle is new at every tick, the obstacle is at that pose. Its velocity is the stated twist if
+/// that is within half of the rate of the poses, else that rate. If poses come less often, the obstacle glides to each
+/// one with constant velocity. A glide takes 1.2 times the time since the pose before, at most 0.12 s: the obstacle
+/// arrives a fifth of a frame late and does not stop when a frame is late. Without new poses an obstacle is at rest,
+/// whatever twist is stated.
 class SceneMotion {
  public:
-  /// The scene must not get obstacles, nor other shapes, later. Realtime: no.
+  /// Obstacles and shapes of the scene must not change later. Realtime: no.
   explicit SceneMotion(const Scene& scene);
 
-  /// The scene at a time that is not before that of the last call, s; `stated` is the original. Realtime: yes.
+  /// Return the scene at `time`, s, which must not decrease; `stated` is the original. Realtime: yes.
   const Scene& follow(const Scene& stated, double time) noexcept;
 
-  /// As it was at the last call of follow(). Realtime: yes.
+  /// Return the scene of the last call of follow(). Realtime: yes.
   const Scene& scene() const noexcept { return scene_; }
 
-  /// All obstacles are at rest where they are stated. Realtime: yes.
+  /// Put all obstacles at their stated poses, at rest. Realtime: yes.
   void reset(const Scene& stated) noexcept;
 
-  /// Twists above 1 mm/s or 0.02 rad/s that contradicted the poses, a tick and obstacle each, since construction, and
-  /// the last one's obstacle (-1: none). Realtime: yes.
+  /// Return how often a twist above 1 mm/s or 0.02 rad/s contradicted the poses since construction (once a tick and
+  /// obstacle), and the last such obstacle (-1: none). Realtime: yes.
   std::uint64_t ignoredTwists() const noexcept { return ignored_; }
   int ignoredObstacle() const noexcept { return ignoredObstacle_; }
 
@@ -41,7 +41,7 @@ class SceneMotion {
     double left = 0.0;          // time until the goal, s
     Vec6 twist = Vec6::Zero();  // until then
   };
-  void followOne(const Obstacle& stated, int number, double elapsed) noexcept;
+  void followOne(const Obstacle& stated, int number, double before) noexcept;
 
   Scene scene_;
   std::vector<Glide> glides_;

@@ -48,7 +48,7 @@ class HapticTick {
   /// What is attached, null: nothing. Realtime: yes.
   Drill* drill() const noexcept { return drill_; }
 
-  /// Goes on after a fault: guard and renderer start again. Realtime: yes.
+  /// Goes on after a fault: guard and renderer start again, obstacles are at their stated poses. Realtime: yes.
   void reset() noexcept;
 
   /// Starts again as after construction, with the platform about at `start`. Realtime: yes.
