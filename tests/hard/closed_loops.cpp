@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
-#include <random>
 #include <string>
 
 #include "enamel/device/device_file.hpp"
@@ -64,14 +63,14 @@ struct Case {
     trouble = static_cast<Trouble>(pick(static_cast<int>(Trouble::count)));
     delay = pick(4);
     force = 0.3 + 12.0 * uniform();
-    stiffness = std::exp(std::log(300.0) + uniform() * std::log(100.0));
+    stiffness = random.power(2.5, 4.5);
     isQuantised = pick(4) > 0;
     size = uniform();
   }
-  double uniform() { return std::uniform_real_distribution<double>(0.0, 1.0)(random); }
+  double uniform() { return random.uniform(0.0, 1.0); }
   int pick(int count) { return std::min(count - 1, static_cast<int>(uniform() * count)); }
 
-  std::mt19937 random;
+  test::Random random;
   int device, renderer, delay;
   Trouble trouble;
   double force, stiffness, size;
