@@ -144,7 +144,7 @@ std::vector<std::string> resultsOf(const StudyOptions& options) {
 void requireSame(const Study& study) {
   const std::string path = study.path("study.json");
   const Json there = std::filesystem::exists(path) ? Json::parse(readJson(path), nullptr, false) : Json();
-  if (!there.is_object()) throw Error(path + ": is missing or broken: nothing says which study the runs belong to");
+  if (!there.is_object()) throw Error(path + ": is missing or broken: nothing says which study runs.csv belongs to");
   const Json here = Json::parse(study.manifest);
   if (there != here) throw Error(fmt::format("{}: holds another study: {}", path, differenceOf(there, here)));
 }
