@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <functional>
 
 #include "enamel/core/error.hpp"
 #include "enamel/core/file.hpp"
@@ -15,8 +14,8 @@ namespace {
 
 /// An instance.
 struct Handle {
-  std::function<std::unique_ptr<Unit>()> make;
   std::unique_ptr<Unit> unit;
+  std::unique_ptr<UnitState> first;  // as it was instantiated
   void* environment;
   LogMessage log;
 
@@ -72,7 +71,7 @@ Status refuse(Instance instance, const char* function) noexcept {
 }
 
 Instance refuseKind(void* environment, LogMessage log) noexcept {
-  Handle{{}, nullptr, environment, log}.say(error, "this unit is for co-simulation");
+  Handle{nullptr, nullptr, environment, log}.say(error, "this unit is for co-simulation");
   return nullptr;
 }
 
@@ -106,7 +105,7 @@ EXPORT String fmi3GetVersion() { return "3.0"; }
 EXPORT Instance fmi3InstantiateCoSimulation(String, String token, String resources, bool, bool, bool eventModeUsed,
                                             bool, const Reference[], std::size_t required, void* environment,
                                             LogMessage log, IntermediateUpdate) {
-  auto handle = std::make_unique<Handle>(Handle{{}, nullptr, environment, log});
+  auto handle = std::make_unique<Handle>(Handle{nullptr, nullptr, environment, log});
   const Status status = guarded(handle.get(), [&](Handle& h) {
     if (eventModeUsed) throw Error("this unit has no event mode");
     if (required > 0) throw Error("this unit has no intermediate variables");
@@ -114,8 +113,8 @@ EXPORT Instance fmi3InstantiateCoSimulation(String, String token, String resourc
     std::string folder = resources;
     if (folder.back() != '/') folder += '/';
     checkToken(folder, token);
-    h.make = [folder] { return makeUnit(folder); };
-    h.unit = h.make();
+    h.unit = makeUnit(folder);
+    h.first = h.unit->copyState();
   });
   return status == ok ? handle.release() : nullptr;
 }
@@ -174,7 +173,7 @@ EXPORT Status fmi3Terminate(Instance instance) {
 }
 
 EXPORT Status fmi3Reset(Instance instance) {
-  return guarded(instance, [](Handle& h) { h.unit = h.make(); });
+  return guarded(instance, [](Handle& h) { h.unit->putState(*h.first); });
 }
 
 // ---- state -------------------------------------------------------------------------------------------------------

@@ -2,9 +2,7 @@
 
 #include <fmt/core.h>
 #include <sys/utsname.h>
-#include <toml++/toml.h>
 
-#include <filesystem>
 #include <pugixml.hpp>
 #include <sstream>
 
@@ -15,6 +13,8 @@
 
 namespace enamel::fmi {
 namespace {
+
+constexpr std::size_t kLargestMesh = std::size_t{2} << 30;  // bytes
 
 struct Unit {
   const char* name;
@@ -69,36 +69,6 @@ void addVariable(pugi::xml_node& variables, const Variable& v, std::size_t refer
   if (v.causality == Causality::parameter || v.causality == Causality::input)
     node.append_attribute("start") = numbers(v).c_str();
   if (v.isArray) node.append_child("Dimension").append_attribute("start") = static_cast<unsigned>(v.start.size());
-}
-
-// Of the scene's meshes: what they are named in the unit, and their bytes. The text names them so.
-std::string packScene(const std::string& path, std::vector<ArchiveFile>& files) {
-  (void)loadScene(path);  // with its own messages
-  toml::table scene = toml::parse(readFile(path), path);
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  int count = 0;
-  bool packed = false;
-  const auto pack = [&](toml::table& table) {
-    const auto file = table["file"].value<std::string>();
-    if (!file) return;
-    const std::string name = fmt::format("mesh-{}{}", count++, std::filesystem::path(*file).extension().string());
-    files.push_back({"resources/" + name, readFile((folder / *file).string(), std::size_t{2} << 30)});
-    table.insert_or_assign("file", name);
-    packed = true;
-  };
-  if (toml::array* obstacles = scene["obstacle"].as_array())
-    for (toml::node& obstacle : *obstacles) {
-      toml::table* table = obstacle.as_table();
-      if (table == nullptr) continue;
-      pack(*table);
-      if (toml::array* layers = (*table)["layer"].as_array())
-        for (toml::node& layer : *layers)
-          if (toml::table* inner = layer.as_table()) pack(*inner);
-    }
-  if (!packed) return readFile(path);
-  std::ostringstream text;
-  text << scene << '\n';
-  return text.str();
 }
 
 }  // namespace
@@ -167,7 +137,12 @@ void writeUnit(const std::string& path, const ExportSetup& setup) {
   const std::string device = readFile(setup.deviceFile);
   const auto mechanism = makeMechanism(parseDevice(device, setup.deviceFile));
   std::vector<ArchiveFile> files;
-  const std::string scene = setup.sceneFile.empty() ? "" : packScene(setup.sceneFile, files);
+  std::string scene;
+  if (!setup.sceneFile.empty()) {
+    PackedScene packed = packScene(setup.sceneFile);
+    scene = std::move(packed.text);
+    for (const auto& [name, from] : packed.files) files.push_back({"resources/" + name, readFile(from, kLargestMesh)});
+  }
   const std::string text = textOf(unit);
   files.push_back({"modelDescription.xml", modelDescription(unit, *mechanism, tokenOf(text, device, scene))});
   files.push_back({"resources/unit.json", text});

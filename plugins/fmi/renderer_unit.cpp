@@ -23,13 +23,17 @@ RendererUnit::RendererUnit(const UnitConfiguration& configuration, const DeviceP
       scene_(std::move(scene)),
       renderer_(makeLinked(configuration.renderer, configuration.parameters, device_, configuration.period)) {}
 
-void RendererUnit::begin() {
+void RendererUnit::makeTick() {
   GuardOptions guard = guardFor(*device_, configuration_.period);
   guard.on = configuration_.guarded;
   if (configuration_.force > 0.0) guard.force = configuration_.force;
   tick_.emplace(*device_, scene_.scene, scene_.tool, *renderer_, guard, startPose());
   before_.resize(tick_->stateSize());
   tick_->saveState(before_.data());
+}
+
+void RendererUnit::begin() {
+  makeTick();
   number_ = 0;
   now_.isNew = true;
 }
@@ -71,10 +75,17 @@ std::unique_ptr<UnitState> RendererUnit::copyState() const { return std::make_un
 
 void RendererUnit::putState(const UnitState& state) {
   const auto& saved = static_cast<const Saved&>(state);
+  if (saved.before.empty()) {  // of a unit that had not begun
+    if (saved.now.phase == Phase::stepping) throw Error("the state is of another unit");
+    tick_.reset();
+  } else {
+    if (!tick_) makeTick();  // of another instance
+    if (saved.before.size() != before_.size()) throw Error("the state is of another unit");
+    tick_->loadState(saved.before.data());
+  }
   now_ = saved.now;
   before_ = saved.before;
   number_ = saved.number;
-  if (tick_ && before_.size() == tick_->stateSize()) tick_->loadState(before_.data());
 }
 
 std::string RendererUnit::bytesOf(const UnitState& state) const {

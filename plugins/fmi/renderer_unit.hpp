@@ -27,6 +27,7 @@ class RendererUnit final : public Unit {
   struct Saved;
 
   void refresh() override;
+  void makeTick();
 
   SceneFile scene_;
   std::unique_ptr<Renderer> renderer_;

@@ -290,6 +290,11 @@ TEST_CASE("fmi: units of plant and renderer make the native loop's bits", "[fmi]
                                                                        &again) == fmi::ok);
     CHECK(renderer.call<fmi::SetState>("fmi3SetFMUState")(renderer.instance(), again) == fmi::ok);
     CHECK(drive(plant, renderer, 1050, 1200) == rest);
+    for (auto& [slave, kept] : {std::pair<Slave&, fmi::State&>(plant, plantState), {renderer, again}}) {  // also after
+      CHECK(slave.call<fmi::Transition>("fmi3Reset")(slave.instance()) == fmi::ok);
+      CHECK(slave.call<fmi::SetState>("fmi3SetFMUState")(slave.instance(), kept) == fmi::ok);
+    }
+    CHECK(drive(plant, renderer, 1050, 1200) == rest);
     CHECK(renderer.call<fmi::Deserialize>("fmi3DeserializeFMUState")(renderer.instance(), bytes.data(), size / 2,
                                                                      &again) == fmi::error);
     for (auto& [slave, kept] :

@@ -57,7 +57,7 @@ constexpr const char* kNames[] = {"none",         "reports zero", "reports turne
 
 // One random loop, all of it drawn from its number.
 struct Case {
-  explicit Case(std::uint32_t number) : random(number) {
+  explicit Case(std::uint64_t number) : random(number) {
     device = pick(5);
     renderer = pick(4);
     trouble = static_cast<Trouble>(pick(static_cast<int>(Trouble::count)));
@@ -284,9 +284,9 @@ TEST_CASE("random closed loops: no torque above a limit, no energy above the gua
   std::array<Outcome, static_cast<std::size_t>(Trouble::count)> worst{};
   std::array<int, static_cast<std::size_t>(Trouble::count)> runs{}, faults{};
   for (int i = 0; i < loops; ++i) {
-    Case c(static_cast<std::uint32_t>(i));
+    Case c(test::seed() * 10000 + static_cast<std::uint64_t>(i));
     const auto kind = static_cast<std::size_t>(c.trouble);
-    INFO("loop " << i << ": " << kNames[kind] << ", device " << c.device << ", renderer " << c.renderer << ", delay "
+    INFO("ENAMEL_SEED=" << test::seed() << ", loop " << i << ": " << kNames[kind] << ", device " << c.device << ", renderer " << c.renderer << ", delay "
                  << c.delay << ", " << c.force << " N, " << c.stiffness << " N/m");
     const Outcome o = outcomeOf(c);
     CHECK(o.beyond <= o.allowed);

@@ -1,8 +1,9 @@
 // How much a test does: a short run by default, a tenth of it under a sanitizer (which costs about that factor), the
-// full one with ENAMEL_LONG=1 (`check.sh --long`).
+// full one with ENAMEL_LONG=1 (`check.sh --long`). ENAMEL_SEED=N draws other random numbers (tests/attack/run.sh).
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
@@ -18,6 +19,11 @@ inline constexpr int kSlowdown = 10;
 #else
 inline constexpr int kSlowdown = 1;
 #endif
+
+inline std::uint64_t seed() {
+  const char* value = std::getenv("ENAMEL_SEED");
+  return value == nullptr ? 0 : std::strtoull(value, nullptr, 10);
+}
 
 inline int count(int shortRun, int fullRun) { return longRun() ? fullRun : std::max(1, shortRun / kSlowdown); }
 

@@ -272,6 +272,36 @@ TEST_CASE("over the loopback: a wall is felt, the end of either side ramps out",
   }
 }
 
+TEST_CASE("while a session lasts, what comes from elsewhere does not reach the device", "[haptic_loop]") {
+  SimulatedDevice plant(stylus(), test::swingStart(), test::swingingHand());
+  ServeOptions options;
+  options.port = 0;
+  options.link.timeout = 0.1;
+  const DeviceServer server(plant, stylus(), options);
+  LinkOptions link;
+  link.joints = 3;
+  link.timeout = 0.1;
+  UdpDevice device("127.0.0.1", server.port(), link);
+  Measurement m;
+  const auto measured = [&] { return device.measure(m) == Status::ok; };
+  const auto stranger = [&] {
+    for (int i = 0; i < 200; ++i) {  // each calls
+      UdpDevice other("127.0.0.1", server.port(), link);
+      Measurement none;
+      CHECK(other.measure(none) == Status::stale);
+    }
+  };
+  REQUIRE(eventually(measured));
+  REQUIRE(eventually(measured));  // the server has seen the session
+  const std::uint64_t before = device.counts().accepted;
+  stranger();
+  REQUIRE(eventually([&] { return measured() && device.counts().accepted > before + 20; }));
+  for (const auto& reason : server.counts().dropped) CHECK(reason == 0);
+  // Once it is over, anyone can begin one.
+  UdpDevice next("127.0.0.1", server.port(), link);
+  CHECK(eventually([&] { return next.measure(m) == Status::ok; }));
+}
+
 TEST_CASE("a served device that was never measured gets nothing, not even its weight", "[haptic_loop]") {
   CartesianParameters heavy = loadCartesian(test::deviceFile("cartesian-3.toml"));
   heavy.gravity.z() = -9.81;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "enamel/collision/scene_file.hpp"
+#include "enamel/device/device_file.hpp"
 #include "enamel/device/tau/mechanism.hpp"
 #include "enamel/sim/hand.hpp"
 #include "enamel/sim/virtual_loop.hpp"
@@ -11,6 +12,7 @@
 #include "support/catch.hpp"
 #include "support/devices.hpp"
 #include "support/mechanisms.hpp"
+#include "support/pushes.hpp"
 #include "support/run_length.hpp"
 
 namespace enamel::test_position_control {
@@ -294,6 +296,20 @@ TEST_CASE("friction holds below its limit and drags above it", "[position_contro
       CHECK(along == Approx(0.25 * pressed).epsilon(0.1));
     }
   }
+}
+
+TEST_CASE("of an inertia that is not symmetric the lower triangle counts", "[position_control]") {
+  const std::shared_ptr<const Mechanism> device = makeMechanism(loadDevice(test::deviceFile("cartesian-3.toml")));
+  PositionControlRenderer renderer(positionControlFor(*device, 1e-3, 0, 0));
+  renderer.activate(1e-3);
+  TickFrame frame = test::frameAt(*device, test::poseAtDepth(1e-4), 1.0);
+  frame.kinematics.inertia(0, 2) += 1e-6;
+  REQUIRE(fillContactRows(frame) == Status::ok);
+  TickOutput output;
+  REQUIRE(renderer.step(frame, output) == Status::ok);
+  std::vector<double> state(renderer.stateSize() / sizeof(double));
+  renderer.saveState(state.data());
+  for (const double number : state) REQUIRE(std::isfinite(number));
 }
 
 TEST_CASE("a soft surface gives way by its stiffness", "[position_control]") {

@@ -243,6 +243,10 @@ TEST_CASE("renderers: bad input gets a status, a zero torque, and leaves the sta
     refuse(Status::outOfRange, [](TickFrame& in) { in.contacts.count = kMaxContacts + 1; });
     refuse(Status::outOfRange, [](TickFrame& in) { in.contacts.count = -1; });
     refuse(Status::outOfRange, [](TickFrame& in) { in.maxTorque[2] = -1.0; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.inertia(1, 1) = 1e-100; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.inertia(1, 1) = 1e7; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.jacobian(2, 1) = 2e3; });
+    refuse(Status::outOfRange, [](TickFrame& in) { in.kinematics.inverseTransposed(2, 1) = 2e9; });
     refuse(Status::stale, [](TickFrame& in) { in.time = 1.0; });
     refuse(Status::stale, [](TickFrame& in) { in.time = 0.5; });
     refuse(Status::notFinite, [](TickFrame& in) { in.kinematics.jacobian(4, 5) = HUGE_VAL; });

@@ -106,7 +106,7 @@ TEST_CASE("the same commands on simulated time give the same bits", "[experiment
 
 TEST_CASE("beside a haptic thread: random commands, no sample lost or out of order", "[experiment]") {
   Runner runner(experiment(shipped("flat-wall.toml"), RendererSlot::positionControl));
-  test::Random random(602);
+  test::Random random(602 + test::seed());
   std::uint64_t samples = 0, frames = 0;
   {
     Haptics haptics(runner);

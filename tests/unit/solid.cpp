@@ -298,6 +298,8 @@ TEST_CASE("solid: what is refused, what finds nothing", "[solid]") {
                     test::ContainsSubstring("closed"));
   CHECK_THROWS_WITH(build(box, kTooth, {0.0}), test::ContainsSubstring("cell"));
   CHECK_THROWS_WITH(build(box, kTooth, {1e-7}), test::ContainsSubstring("1 GB"));
+  CHECK_THROWS_WITH(build(MeshModel(test::boxMesh(Vec3::Constant(3e-6))), kTooth, {0.9e-6}),
+                    test::ContainsSubstring("at least 1e-06 m"));
   CHECK_THROWS_WITH(build(box, kTooth, {1e-4, -1}), test::ContainsSubstring("undo"));
 
   Solid solid = block(Vec3(1e-3, 1e-3, 1e-3));

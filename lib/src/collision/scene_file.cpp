@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 
 #include "collision/mesh_data.hpp"
 #include "core/message.hpp"
@@ -16,7 +17,6 @@ namespace {
 constexpr double kLargestPosition = 1.0;  // m
 constexpr double kSmallestSize = 1e-4, kLargestSize = 2.0;
 constexpr double kLargestToolRadius = 0.05;
-constexpr double kSmallestCell = 1e-6;
 constexpr double kSmallestTooth = 1e-3, kLargestTooth = 1.0;  // m: other sizes are probably another unit
 constexpr double kLeastHardness = 1e3, kMostHardness = 1e12;  // Pa
 constexpr double kLeastThickness = 1e-6, kMostThickness = 0.01;
@@ -165,7 +165,7 @@ Obstacle readSolid(TomlTable& table, const std::string& sceneFile, std::shared_p
   const double scale = readScale(table);
   obstacle.pose = readPose(table);
   SolidOptions options;
-  if (table.has("cell")) options.cell = length(table, "cell", kSmallestCell, kLargestSize);
+  if (table.has("cell")) options.cell = length(table, "cell", Solid::kSmallestCell, kLargestSize);
   const MeshModel surface(readMeshFile(table, sceneFile, scale));
   std::vector<SolidLayer> layers;
   for (TomlTable& layer : table.tables("layer")) layers.push_back(readLayer(layer, sceneFile, scale));
@@ -315,5 +315,31 @@ SceneFile parseScene(std::string_view text, const std::string& file, SpareCapaci
 }
 
 SceneFile loadScene(const std::string& path, SpareCapacity spare) { return parseScene(readFile(path), path, spare); }
+
+PackedScene packScene(const std::string& path) {
+  PackedScene packed{readFile(path), {}};
+  (void)parseScene(packed.text, path);  // with its own messages
+  toml::table scene = toml::parse(packed.text, path);
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const auto pack = [&](toml::node& node) {
+    toml::table& table = *node.as_table();
+    const auto file = table["file"].value<std::string>();
+    if (!file) return;
+    const std::string name =
+        "mesh-" + std::to_string(packed.files.size()) + std::filesystem::path(*file).extension().string();
+    packed.files.push_back({name, (folder / *file).string()});
+    table.insert_or_assign("file", name);
+  };
+  for (toml::node& obstacle : *scene["obstacle"].as_array()) {
+    pack(obstacle);
+    if (toml::array* layers = (*obstacle.as_table())["layer"].as_array())
+      for (toml::node& layer : *layers) pack(layer);
+  }
+  if (packed.files.empty()) return packed;
+  std::ostringstream text;
+  text << scene << '\n';
+  packed.text = text.str();
+  return packed;
+}
 
 }  // namespace enamel

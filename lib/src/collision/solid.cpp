@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/message.hpp"
 #include "enamel/core/error.hpp"
 #include "mesh_data.hpp"
 #include "solid_query.hpp"
@@ -76,6 +77,9 @@ Solid::Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, co
   const Vec3 along = (cells / kBrickCells).array().ceil();
   if (!(along.prod() <= kMostPlaces))
     throw Error("cells of " + std::to_string(1e3 * cell_) + " mm are too small for this solid: more than 1 GB");
+  if (cell_ < kSmallestCell)
+    throw Error("the cell of a solid is " + formatNumber(cell_) + " m, must be at least " +
+                formatNumber(kSmallestCell) + " m");
   for (int i = 0; i < 3; ++i) count_[i] = static_cast<int>(along[i]);
 
   ProximityCache cache;

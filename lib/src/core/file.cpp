@@ -52,8 +52,11 @@ void checkNesting(std::string_view text, const std::string& file) {
   const auto refuse = [&](const std::string& problem) {
     throw ConfigurationError(file, line, "", problem + std::to_string(kDeepest));
   };
-  for (std::size_t i = 0; i < text.size(); ++i) {
+  const bool hasMark = text.substr(0, 3) == "\xef\xbb\xbf";  // of UTF-8
+  for (std::size_t i = hasMark ? 3 : 0; i < text.size(); ++i) {
     const char c = text[i];
+    if ((static_cast<unsigned char>(c) & 0x80u) != 0)
+      throw ConfigurationError(file, line, "", "not valid TOML or JSON: a letter that is not ASCII, outside of quotes");
     if (c == '#') i = std::min(text.find('\n', i), text.size()) - 1;
     if (c == '"' || c == '\'') {  // to the end of the string: three quotes end what three have begun, else a line does
       const std::string_view three = text.substr(i, 3);

@@ -15,6 +15,8 @@
 namespace enamel {
 namespace {
 
+constexpr std::size_t kLargestState = std::size_t{16} << 20;  // bytes, of a plugin
+
 #if defined(__x86_64__)
 constexpr int kMachine = EM_X86_64;
 #elif defined(__aarch64__)
@@ -134,7 +136,11 @@ class PluginRenderer final : public Renderer {
     prepared_ = false;
     require("activate", [&](EnamelMessage message) { return table_.activate(self_.get(), period, message); });
     prepared_ = true;
-    state_.assign(table_.state_size(self_.get()), 0);
+    const std::size_t size = table_.state_size(self_.get());
+    if (size > kLargestState)
+      throw PluginError(library_->path() + ": its state has " + std::to_string(size) + " bytes, at most " +
+                        std::to_string(kLargestState) + " are kept");
+    state_.assign(size, 0);
   }
 
   bool needsInertia() const noexcept override { return (table_.needs & ENAMEL_NEEDS_INERTIA) != 0; }

@@ -193,7 +193,8 @@ void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& fra
   double half[kMaxJoints][kLanes] = {}, L[kLanes][kLanes] = {};
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
-      for (int k = 0; k < kLanes; ++k) half[i][k] += frame.kinematics.inertia(i, j) * V[j][k];
+      for (int k = 0; k < kLanes; ++k)
+        half[i][k] += frame.kinematics.inertia(std::max(i, j), std::min(i, j)) * V[j][k];  // the lower triangle counts
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < kLanes; ++k) L[i][k] += V[j][i] * half[j][k];

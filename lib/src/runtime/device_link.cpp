@@ -312,7 +312,7 @@ bool LinkServer::receive(const unsigned char* d, std::size_t size, std::int64_t 
   Head h;
   if (const int reason = examine(options_, d, size, true, h); reason != kDropReasons)
     return count(counts_, static_cast<DropReason>(reason));
-  if (session_ && now - heard_ > kSessionTimeout) session_ = false;
+  session_ = hasSession(now);
   if (h.kind == kCall) {
     if (session_ && h.client != client_) return count(counts_, DropReason::session);
     if (!session_) {
@@ -365,7 +365,7 @@ JointVector LinkServer::torque(const JointVector& q, double period, std::int64_t
 }
 
 std::size_t LinkServer::measurement(const Measurement& m, std::int64_t now, Datagram& datagram) noexcept {
-  if (!session_ || now - heard_ > kSessionTimeout || m.q.size() != options_.joints || m.rates.size() != options_.joints)
+  if (!hasSession(now) || m.q.size() != options_.joints || m.rates.size() != options_.joints)
     return 0;
   const bool applied = m.applied && m.applied->size() == options_.joints;
   Head h;

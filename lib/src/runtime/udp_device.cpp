@@ -101,6 +101,7 @@ struct DeviceServer::Server {
   int socket = -1;
   std::uint16_t port = 0;
   sockaddr_in client{};
+  bool isConnected = false;  // the socket, to the client
   Measurement measurement;
   Command command;
   Datagram datagram{};
@@ -115,11 +116,21 @@ struct DeviceServer::Server {
     if (socket >= 0) ::close(socket);
   }
 
+  // While a session lasts the system drops what comes from other addresses: a flood does not push out the client's
+  // commands.
+  void listen() noexcept {
+    if (link.hasSession(clockNow()) == isConnected) return;
+    sockaddr_in only = client;
+    if (isConnected) only.sin_family = AF_UNSPEC;
+    isConnected = connect(socket, reinterpret_cast<const sockaddr*>(&only), sizeof(only)) == 0 && !isConnected;
+  }
+
   void tick() noexcept {
     const bool stops = stop.load(std::memory_order_relaxed);
     drain(socket, [&](const unsigned char* bytes, std::size_t size, const sockaddr_in& from) {
       if (!stops && link.receive(bytes, size, clockNow())) client = from;
     });
+    listen();
     const Status measured = device.measure(measurement);
     // Commands that were taken before stop() end by the watchdog like any others.
     command.effort = link.torque(measurement.q, period, clockNow());

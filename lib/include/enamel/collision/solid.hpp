@@ -49,10 +49,12 @@ class Solid {
  public:
   /// Samples the distance from a closed mesh; every brick that holds a part of it is allocated now, cuts never are.
   /// About 1 us a sample near the surface. Layers: the outermost first, at the surface; where several begin, the last
-  /// one counts. Throws Error: a mesh that is not closed; a cell that is not positive, or so small that the solid would
+  /// one counts. Throws Error: a mesh that is not closed; a cell below kSmallestCell, or so small that the solid would
   /// take more than 1 GB; no layer, more than kMaxSolidLayers, one without hardness or with a depth below that of the
   /// one before; an undo room that is negative. Realtime: no.
   Solid(const MeshModel& surface, const std::vector<SolidLayer>& layers, const SolidOptions& options = {});
+
+  static constexpr double kSmallestCell = 1e-6;  ///< m
 
   double cell() const noexcept { return cell_; }
   const std::vector<SolidLayer>& layers() const noexcept { return layers_; }

@@ -16,9 +16,9 @@ inline constexpr std::size_t kLargestTextFile = std::size_t{16} << 20;
 /// pipe, a device) or larger than `most` bytes. Realtime: no.
 std::string readFile(const std::string& path, std::size_t most = kLargestTextFile);
 
-/// Refuses JSON and TOML that would cost their readers more than their length tells: brackets nested, or a dotted key of
-/// parts, beyond 32; beyond 1000 values, more than one for every 4 bytes. Throws ConfigurationError with `file` and
-/// the line. Realtime: no.
+/// Refuse JSON and TOML that would cost their readers more than their length tells: brackets nested, or a dotted key of
+/// parts, beyond 32; beyond 1000 values, more than one for every 4 bytes. Refuse letters outside of quotes and comments
+/// that are not ASCII. Throw ConfigurationError with `file` and the line. Realtime: no.
 void checkNesting(std::string_view text, const std::string& file);
 
 /// Text of a JSON file: readFile() and checkNesting(). Realtime: no.

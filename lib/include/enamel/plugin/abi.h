@@ -104,7 +104,7 @@ typedef struct EnamelTickInput {
   /* inverse[i] is the wrench of a unit torque of joint i: F = sum_i inverse[i] tau_i, rates_i = sum_k inverse[i][k]
    * twist[k]. */
   double inverse[ENAMEL_MAX_JOINTS][6];
-  double inertia[ENAMEL_MAX_JOINTS][ENAMEL_MAX_JOINTS]; /* M(q); undefined without ENAMEL_NEEDS_INERTIA */
+  double inertia[ENAMEL_MAX_JOINTS][ENAMEL_MAX_JOINTS]; /* M(q), symmetric; undefined without ENAMEL_NEEDS_INERTIA */
   int32_t joint_count;   /* 1 to ENAMEL_MAX_JOINTS, the same at every tick */
   int32_t contact_count; /* 0 to ENAMEL_MAX_CONTACTS */
   int32_t applied_known; /* 0: the device cannot tell, `applied` is undefined */
@@ -190,7 +190,8 @@ typedef struct EnamelPlugin {
   /* Setup, in any state. */
   void (*destroy)(void* self);
 
-  /* Tick, while active. The state between ticks as bytes: copied out, copied in. Equal states have equal bytes. */
+  /* Tick, while active. The state between ticks as bytes, at most 16 MB: copied out, copied in. Equal states have equal
+   * bytes. */
   size_t (*state_size)(const void* self);
   void (*save_state)(const void* self, void* state);
   void (*load_state)(void* self, const void* state);

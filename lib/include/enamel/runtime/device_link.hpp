@@ -121,6 +121,9 @@ class LinkServer {
   /// Writes a measurement, or nothing without a session; returns the size. Realtime: yes.
   std::size_t measurement(const Measurement& measurement, std::int64_t now, Datagram& datagram) noexcept;
 
+  /// Return whether a client's session lasts. Realtime: yes.
+  bool hasSession(std::int64_t now) const noexcept { return session_ && now - heard_ <= kSessionTimeout; }
+
   /// Whether the torque is less than the client's command; whether nothing of that is left. Realtime: yes.
   bool watchdog() const noexcept { return weight_ < 1.0; }
   bool rests() const noexcept { return weight_ == 0.0; }

@@ -48,7 +48,8 @@ struct ServeOptions {
 };
 
 /// Serves a device to one client at a time from a thread of its own, from construction to destruction: a tick takes
-/// what has come, measures, actuates and sends the measurement. A command thus acts a tick after its measurement.
+/// what has come, measures, actuates and sends the measurement. A command thus acts a tick after its measurement. While
+/// a session lasts, only datagrams of its client's address are received.
 class DeviceServer {
  public:
   /// Opens the device. `mechanism` (for limits and gravity) and `device` must outlive it. Throws Error: as LinkServer,

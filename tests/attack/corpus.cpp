@@ -1,0 +1,26 @@
+// Every input that a fuzzer found and that was kept, on the surface that it is for. An input that breaks a promise ends
+// the program.
+#include <filesystem>
+
+#include "attack/surfaces.hpp"
+#include "support/catch.hpp"
+#include "support/command.hpp"
+
+namespace enamel::test_corpus {
+
+TEST_CASE("kept inputs break no promise", "[attack]") {
+  const std::filesystem::path corpus = ENAMEL_SOURCE_DIR "/tests/attack/corpus";
+  for (const attack::Surface& surface : attack::allSurfaces()) {
+    int inputs = 0;
+    surface.attack("");
+    for (const auto& entry : std::filesystem::directory_iterator(corpus / surface.name)) {
+      INFO(entry.path());
+      surface.attack(test::readFile(entry.path().string()));
+      ++inputs;
+    }
+    INFO(surface.name);
+    CHECK(inputs > 0);
+  }
+}
+
+}  // namespace enamel::test_corpus

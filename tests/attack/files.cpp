@@ -1,0 +1,96 @@
+// Files that are not meshes.
+
+#include <string>
+
+#include "enamel/collision/scene_file.hpp"
+#include "enamel/control/servo_file.hpp"
+#include "enamel/core/error.hpp"
+#include "enamel/device/device_file.hpp"
+#include "enamel/runtime/device_link.hpp"
+#include "enamel/runtime/recording.hpp"
+#include "enamel/study/run_file.hpp"
+#include "memory_file.hpp"
+#include "surfaces.hpp"
+
+namespace enamel::attack {
+
+namespace {
+
+void attackDevice(std::string_view bytes) {
+  try {
+    const std::shared_ptr<const Mechanism> device = makeMechanism(parseDevice(bytes, "a.toml"));
+    const Kinematics& home = device->home();
+    require(home.q.allFinite() && home.jacobian.allFinite() && home.gravity.allFinite(), "home is finite");
+    Kinematics k = home;
+    require(device->track(home.q, JointVector::Zero(device->joints()), true, k) == Status::ok, "home can be reached");
+  } catch (const Error&) {
+  }
+}
+
+void attackScene(std::string_view bytes) {
+  try {
+    const SceneFile file = parseScene(bytes, ENAMEL_SOURCE_DIR "/data/a.toml");
+    require(file.start.allFinite(), "the start is finite");
+    ContactSnapshot contacts;
+    Pose pose;
+    pose.position = file.start;
+    require(findContacts(file.scene, file.tool, pose, 1e-3, nullptr, contacts) == Status::ok, "contacts are found");
+  } catch (const Error&) {
+  }
+}
+
+void attackServo(std::string_view bytes) {
+  try {
+    const ServoFile servo = loadServo(MemoryFile(bytes).path());
+    require(servo.gain.allFinite() && servo.gain.cols() == 3 * servo.gain.rows(), "gains are finite");
+  } catch (const Error&) {
+  }
+}
+
+void attackRuns(std::string_view bytes) {
+  static const StudyPlan plan = [] {
+    StudyPlan made;
+    made.grid = 2;
+    made.runs = 3;
+    made.scenarios = {1};
+    made.columns.push_back({"a", nullptr, {}});
+    return made;
+  }();
+  try {
+    for (const StudyResult& result : readRuns(plan, MemoryFile(bytes).path())) {
+      const std::string line = runLine(plan, result) + '\n';
+      require(bytes.find(line) != std::string_view::npos, "what was read is what is written");
+    }
+  } catch (const Error&) {
+  }
+}
+
+void attackKey(std::string_view bytes) {
+  try {
+    (void)readKey(MemoryFile(bytes).path());
+  } catch (const Error&) {
+  }
+}
+
+void attackRecording(std::string_view bytes) {
+  try {
+    const MemoryFile file(bytes);
+    RecordingReader reader(file.path());
+    RecordedChunk chunk;
+    for (std::uint64_t i = 0; i < reader.chunks(); ++i) {
+      if (!reader.read(i, chunk).empty()) continue;
+      require(chunk.ticks.size() <= kChunkTicks, "a chunk has its ticks");
+      require(chunk.state.empty() || chunk.state.size() == reader.header().stateSize, "a state has its size");
+    }
+  } catch (const Error&) {
+  }
+}
+
+}  // namespace
+
+std::vector<Surface> fileSurfaces() {
+  return {{"device", attackDevice}, {"scene", attackScene}, {"servo", attackServo},
+          {"runs", attackRuns},     {"key", attackKey},     {"recording", attackRecording}};
+}
+
+}  // namespace enamel::attack
