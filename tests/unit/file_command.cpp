@@ -66,6 +66,18 @@ TEST_CASE("a full disk is told, and what was there stays", "[file_command]") {
   }
 }
 
+TEST_CASE("what a killed process left under the same number does not stop the next one", "[file_command]") {
+  const test::TemporaryFolder folder;
+  const std::string out = folder / "k.json";
+  const auto result =
+      test::runCommand("sh -c 'echo x >" + out + ".$$-0.part; exec \"" ENAMEL_TOOL "\" design --device \"" +
+                       test::deviceFile("tau-nominal.toml") + "\" --output " + out + "'");
+  INFO(result.output);
+  CHECK(result.status == 0);
+  CHECK(test::readFile(out).find("\"K\"") != std::string::npos);
+  CHECK(filesIn(folder / "") == 2);
+}
+
 TEST_CASE("what is no plain file is not read", "[file_command]") {
   const test::TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "pipe.ply").c_str(), 0600) == 0);
