@@ -194,6 +194,17 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
   refused("timeout 3000 " + again + " --resume", "runs.csv: ");
   std::filesystem::remove(path + "runs.csv");
 
+  // Parts are not put beside the runs that a process without --part has begun; --overwrite removes parts, no other
+  // file.
+  test::writeFile(path + "runs.csv", whole.substr(0, whole.find('\n', whole.find('\n') + 1) + 1));
+  refused(again + " --part 1/2", "runs.csv: has 1 of 4 runs");
+  for (const char* name : {"runs-notes.txt", "runs-1-of-2.csv.bak", "runs-1-of-2.csv"})
+    test::writeFile(path + name, "mine");
+  CHECK(test::runCommand(again + " --overwrite").status == 0);
+  CHECK(test::readFile(path + "runs-notes.txt") == "mine");
+  CHECK(test::readFile(path + "runs-1-of-2.csv.bak") == "mine");
+  CHECK_FALSE(std::filesystem::exists(path + "runs-1-of-2.csv"));
+
   // One study at a time: this test is the other one.
   test::writeFile(path + "runs.csv", whole);
   const int lock = open(path.c_str(), O_RDONLY | O_DIRECTORY);
