@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "compare/page.hpp"
 #include "enamel/core/error.hpp"
