@@ -224,6 +224,7 @@ void pushWith(const RendererSource& source, PushTask& task, PushResults& results
   if (!options.output.empty()) file.emplace(outputFor(options, options.output, name), *task.device);
   const std::string recording = options.record.empty() ? "" : outputFor(options, options.record, name);
   if (!recording.empty()) nameRenderer(name, library ? library->path() : "", values, task.setup.scene, task.header);
+  std::optional<NewRecording> place;
   std::optional<Recorder> recorder;
   MetricsCollector collector(task.setup, task.limit, task.plant->limits().effort);
   WayOut wayOut(task.setup);
@@ -233,15 +234,19 @@ void pushWith(const RendererSource& source, PushTask& task, PushResults& results
     if (file) file->write(tick);
     if (recording.empty()) return;
     if (!recorder) {
-      removeOld(recording, options.overwrite);
-      recorder.emplace(recording, task.header, loop.hapticTick());
+      place.emplace(recording, options.overwrite);
+      recorder.emplace(place->place(), task.header, loop.hapticTick());
     }
     recorder->makeRoom();
     recorder->add(tick.tick, loop.measurement(), loop.hapticTick(), loop.command(), tick.status);
   };
   const PushResult result = runPush(task.makeOne(), *task.plant, *renderer, task.setup, perTick);
   if (file) file->close();
-  if (recorder) results.recordings.push_back(closed(*recorder, recording));
+  if (recorder) {
+    const std::string text = closed(*recorder, recording);
+    place->keep();
+    results.recordings.push_back(text);
+  }
   const double end = static_cast<double>(result.ticks) * task.setup.period;
   const PushMetrics metrics = collector.metrics();
   if (result.status != Status::ok && result.status != Status::stopped)

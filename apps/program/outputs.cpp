@@ -1,5 +1,7 @@
 #include "program/outputs.hpp"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
@@ -29,6 +31,26 @@ void removeOld(const std::string& path, bool overwrite) {
   std::error_code none;  // of a link nothing is removed
   if (fs::is_regular_file(fs::symlink_status(path, none)) && (overwrite || fs::file_size(path, none) == 0))
     fs::remove(path);
+}
+
+NewRecording::NewRecording(const std::string& path, bool overwrite) : path_(path), place_(path) {
+  std::error_code none;
+  const bool isOld = fs::is_regular_file(fs::symlink_status(path, none)) && fs::file_size(path, none) > 0;
+  if (isOld && overwrite) place_ += "." + std::to_string(getpid()) + ".part";
+  removeOld(place_, overwrite);
+}
+
+NewRecording::~NewRecording() {
+  std::error_code none;
+  if (place_ != path_) fs::remove(place_, none);
+}
+
+void NewRecording::keep() {
+  if (place_ == path_) return;
+  std::error_code error;
+  fs::rename(place_, path_, error);
+  if (error) throw Error(path_ + ": cannot make the recording: " + error.message());
+  place_ = path_;
 }
 
 }  // namespace enamel::app

@@ -21,4 +21,22 @@ void requireFree(const std::string& path, bool overwrite);
 /// Remove the file of a path that is free, for a Recorder, which writes only new files.
 void removeOld(const std::string& path, bool overwrite);
 
+/// A file that a Recorder writes in the place of `path`. An old recording there stays whole until keep() replaces it:
+/// the new one then grows beside it, as PATH.NUMBER.part, and goes away if there is no keep().
+class NewRecording {
+ public:
+  /// Throws Error: as removeOld().
+  NewRecording(const std::string& path, bool overwrite);
+  ~NewRecording();
+  NewRecording(const NewRecording&) = delete;
+  NewRecording& operator=(const NewRecording&) = delete;
+
+  const std::string& place() const noexcept { return place_; }
+  /// Throws Error with the file and the cause.
+  void keep();
+
+ private:
+  std::string path_, place_;
+};
+
 }  // namespace enamel::app

@@ -111,6 +111,41 @@ TEST_CASE("compare: its tasks are the library's trials, to the last bit", "[comp
   CHECK(test::xmlProblem(page) == "");
 }
 
+TEST_CASE("the names of files and devices are text on every page", "[compare_command]") {
+  const test::TemporaryFolder folder;
+  const std::string name = "<b title=x>&lt;\xff", shown = "&lt;b title=x&gt;&amp;lt;\ufffd";
+  const std::string servo = folder / (name + ".json"), device = folder / "device.toml";
+  std::filesystem::copy_file(servoFile("tau-hold-0.json"), servo);
+  std::string text = test::readFile(test::deviceFile("tau-nominal.toml"));
+  text.replace(text.find("TAU nominal"), std::string("TAU nominal").size(), "<i>\\uFFFE</i>");
+  test::writeFile(device, text);
+  const std::string small =
+      " --device '" + device + "' --grid 1 --runs 2 --renderers position-control,impedance,'" + servo + "' ";
+  const auto compared = run("compare" + small + "--plants closed-form --delays none --tasks push,release --output '" +
+                            (folder / "compared") + "'");
+  const auto studied = run("study --no-convergence" + small + "--output '" + (folder / "studied") + "'");
+  INFO(compared.output << studied.output);
+  REQUIRE((compared.status == 0 && studied.status == 0));
+  for (const std::string& page : {file(folder, "compared", "compare.html"), file(folder, "studied", "report.html")}) {
+    CHECK(test::xmlProblem(page) == "");
+    CHECK(occurrences(page, "<b title") + occurrences(page, "<i>") + occurrences(page, "\xff") +
+              occurrences(page, "\ufffe") ==
+          0);
+    CHECK(occurrences(page, shown) > 3);
+    CHECK_THAT(page, ContainsSubstring("&lt;i&gt;\ufffd&lt;/i&gt;"));
+  }
+  for (const auto& figure : std::filesystem::directory_iterator(folder / "studied/figures"))
+    CHECK_THAT(test::readFile(figure.path().string()), !ContainsSubstring("\xff"));
+  // In CSV files it could end a cell or a line.
+  for (const char* bad : {"a\nb", "a\"b"}) {
+    const std::string path = folder / (std::string(bad) + ".json");
+    std::filesystem::copy_file(servoFile("tau-hold-0.json"), path);
+    const auto refused = run("study --no-convergence --renderers '" + path + "' --output '" + (folder / "bad") + "'");
+    CHECK(refused.status == 1);
+    CHECK_THAT(refused.output, ContainsSubstring("it must have no comma, quote or control character"));
+  }
+}
+
 TEST_CASE("compare: a model with the wrong inertia reaches the pushes too", "[compare_command]") {
   const test::TemporaryFolder folder;
   const auto stiffness = [&](const std::string& name, const std::string& more) {

@@ -66,6 +66,18 @@ TEST_CASE("a full disk is told, and what was there stays", "[file_command]") {
   }
 }
 
+TEST_CASE("what a killed process left under the same number does not stop the next one", "[file_command]") {
+  const test::TemporaryFolder folder;
+  const std::string out = folder / "k.json";
+  const auto result =
+      test::runCommand("sh -c 'echo x >" + out + ".$$-0.part; exec \"" ENAMEL_TOOL "\" design --device \"" +
+                       test::deviceFile("tau-nominal.toml") + "\" --output " + out + "'");
+  INFO(result.output);
+  CHECK(result.status == 0);
+  CHECK(test::readFile(out).find("\"K\"") != std::string::npos);
+  CHECK(filesIn(folder / "") == 2);
+}
+
 TEST_CASE("what is no plain file is not read", "[file_command]") {
   const test::TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "pipe.ply").c_str(), 0600) == 0);
@@ -181,6 +193,17 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
   refused("timeout 3000 " + again, exists);
   refused("timeout 3000 " + again + " --resume", "runs.csv: ");
   std::filesystem::remove(path + "runs.csv");
+
+  // Parts are not put beside the runs that a process without --part has begun; --overwrite removes parts, no other
+  // file.
+  test::writeFile(path + "runs.csv", whole.substr(0, whole.find('\n', whole.find('\n') + 1) + 1));
+  refused(again + " --part 1/2", "runs.csv: has 1 of 4 runs");
+  for (const char* name : {"runs-notes.txt", "runs-1-of-2.csv.bak", "runs-1-of-2.csv"})
+    test::writeFile(path + name, "mine");
+  CHECK(test::runCommand(again + " --overwrite").status == 0);
+  CHECK(test::readFile(path + "runs-notes.txt") == "mine");
+  CHECK(test::readFile(path + "runs-1-of-2.csv.bak") == "mine");
+  CHECK_FALSE(std::filesystem::exists(path + "runs-1-of-2.csv"));
 
   // One study at a time: this test is the other one.
   test::writeFile(path + "runs.csv", whole);

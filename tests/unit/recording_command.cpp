@@ -93,6 +93,15 @@ TEST_CASE("what a recording cannot be, and disks that are full", "[recording]") 
   CHECK(rest.status == 0);
   CHECK_THAT(rest.output,
              test::ContainsSubstring("it was not closed") && test::ContainsSubstring("equal, bit for bit"));
+  // A recording that was to be replaced stays whole; where there is room, it is replaced.
+  const auto kept = test::runCommand("ulimit -f 300; '" ENAMEL_TOOL "' " + push + "'" + file + "' --overwrite");
+  CHECK(kept.status == 1);
+  CHECK_THAT(kept.output, test::ContainsSubstring("a.rec") && test::ContainsSubstring("File too large"));
+  CHECK(test::readFile(file) == before);
+  REQUIRE(test::run(push + "'" + file + "' --seed 7 --overwrite").status == 0);
+  CHECK(test::readFile(file) != before);
+  CHECK(test::run("replay '" + file + "'").status == 0);
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "")) CHECK(entry.path().extension() != ".part");
   const auto nowhere = test::run(push + "/dev/full");
   CHECK(nowhere.status == 1);
   CHECK_THAT(nowhere.output, test::ContainsSubstring("/dev/full: cannot write the recording: No space left"));

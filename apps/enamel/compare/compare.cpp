@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "compare/page.hpp"
 #include "enamel/core/error.hpp"
@@ -67,8 +69,12 @@ void readPushes(Condition& c) {
 
 // Without the HTML.
 std::string plain(std::string text) {
-  for (std::size_t at = 0; (at = text.find("&lt;")) != std::string::npos;) text.replace(at, 4, "<");
-  return text;
+  constexpr std::pair<const char*, const char*> kEntities[] = {
+      {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}};  // the last one makes no new ones
+  for (const auto& [entity, character] : kEntities)
+    for (std::size_t at = 0; (at = text.find(entity, at)) != std::string::npos; ++at)
+      text.replace(at, std::strlen(entity), character);
+  return printable(text);
 }
 
 void writeResults(const CompareOptions& options, const std::vector<Condition>& conditions) {

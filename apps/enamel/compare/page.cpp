@@ -23,7 +23,7 @@ void addRanks(Page& page, const std::vector<const Condition*>& conditions) {
   head.push_back("mean rank");
   std::vector<std::pair<double, std::vector<std::string>>> rows;
   for (std::size_t i = 0; i < conditions.front()->scores.size(); ++i) {
-    std::vector<std::string> row{conditions.front()->title(i)};
+    std::vector<std::string> row{escape(conditions.front()->title(i))};
     double mean = 0.0;
     for (const Condition* c : conditions) {
       const RendererScore& s = c->scores[i];
@@ -46,7 +46,7 @@ void addFeel(Page& page, const Condition& condition) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < condition.scores.size(); ++i) {
     const RendererScore& s = condition.scores[i];
-    std::vector<std::string> row{condition.title(i), meanText(spreadOf(s.stiffness)),
+    std::vector<std::string> row{escape(condition.title(i)), meanText(spreadOf(s.stiffness)),
                                  meanText(spreadOf(s.depthStiffness))};
     for (const ComparisonCriterion& c : comparisonCriteria()) row.push_back(scoreText(c.scale * c.value(s)));
     row.push_back(scoreText(s.figure("impact 0.2 m/s", "bounce")));
@@ -104,7 +104,7 @@ void addTests(Page& page, const std::vector<const Condition*>& conditions) {
     for (std::size_t i = 0; i < c->scores.size(); ++i) {
       if (i == ours) continue;
       const WelchTest t = welchTest(spreadOf(c->scores[ours].depth), spreadOf(c->scores[i].depth));
-      rows.push_back({c->title(i), delayText(c->delay), meanText(spreadOf(c->scores[ours].depth), 1e6),
+      rows.push_back({escape(c->title(i)), delayText(c->delay), meanText(spreadOf(c->scores[ours].depth), 1e6),
                       meanText(spreadOf(c->scores[i].depth), 1e6), scoreText(t.t), scoreText(t.freedom), pText(t.p),
                       scoreText(t.effect)});
     }
@@ -215,7 +215,7 @@ std::vector<const Condition*> onPlant(const std::vector<Condition>& conditions, 
 // For a reader in a hurry: computed from the ranks, the stiffnesses and their tests.
 std::string sentenceOf(const std::vector<const Condition*>& conditions) {
   std::map<std::string, int> firsts;
-  for (const Condition* c : conditions) ++firsts[c->title(bestOf(c->scores))];
+  for (const Condition* c : conditions) ++firsts[escape(c->title(bestOf(c->scores)))];
   std::string winners;
   for (const auto& [title, count] : firsts)
     winners += fmt::format("{}{} ranks first at {} of {} delays", winners.empty() ? "" : ", ", title, count,

@@ -37,7 +37,7 @@ void addTableThree(Page& page, const std::vector<Condition>& conditions) {
           return d.empty() ? std::numeric_limits<double>::quiet_NaN() : 1e6 * deepestOf(d);
         };
         rows.push_back(
-            {c.title(i), c.plant, depth == &RendererScore::depth ? "1" : "2",
+            {escape(c.title(i)), c.plant, depth == &RendererScore::depth ? "1" : "2",
              cell([&](const RendererScore& s) { return scoreText(1e6 * meanOf(s.*depth)); }),
              cell([&](const RendererScore& s) { return scoreText(1e6 * spreadOf(s.*depth).deviation); }),
              cell([&](const RendererScore& s) { return scoreText(deepest(s)); }), cell([&](const RendererScore& s) {
@@ -73,7 +73,7 @@ void addTableFour(Page& page, const std::vector<Condition>& conditions) {
           if (!reason.empty()) because += (because.empty() ? "" : ", ") + reason;
         if (!wall.stable()) because += (because.empty() ? "" : "; ") + ("impedance: " + lostText(wall));
         const bool holds = servo.stable() && steady && (first || servo.scenario == 2);
-        rows.push_back({c.title(servo.column), c.plant, delayText(c.delay), fmt::format("{}", servo.scenario),
+        rows.push_back({escape(c.title(servo.column)), c.plant, delayText(c.delay), fmt::format("{}", servo.scenario),
                         extreme(servo.lowestFirst), extreme(wall.highestFirst), extreme(servo.lowestSteady),
                         extreme(wall.highestSteady),
                         holds                              ? "holds"

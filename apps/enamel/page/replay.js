@@ -195,7 +195,6 @@ class Side {
     heading.textContent = this.data.title;
     heading.style.color = sideColour(this.number);
     const list = document.createElement('dl');
-    this.values = {};
     const row = (name, colour) => {
       const term = document.createElement('dt'), value = document.createElement('dd');
       if (colour !== undefined) {
@@ -206,11 +205,10 @@ class Side {
       }
       term.append(name);
       list.append(term, value);
-      this.values[name] = value;
+      return value;
     };
-    row('force');
-    row('depth');
-    if (this.data.removed) for (const layer of this.layers || []) row(layer.name, layer.colour);
+    this.values = {force: row('force'), depth: row('depth')};
+    this.volumes = this.data.removed ? (this.layers || []).map(layer => row(layer.name, layer.colour)) : [];
     this.guard = document.createElement('p');
     this.guard.className = 'guard';
     panel.append(heading, list, this.guard);
@@ -247,10 +245,7 @@ class Side {
     const depth = this.data.depths[k];
     this.values.force.textContent = this.force.toFixed(2) + ' N';
     this.values.depth.textContent = depth < 0.1 ? (1e3 * depth).toFixed(1) + ' \u00b5m' : depth.toFixed(2) + ' mm';
-    if (this.data.removed && this.layers)
-      this.layers.forEach((layer, l) => {
-        this.values[layer.name].textContent = this.data.removed[8 * k + l].toFixed(2) + ' mm\u00b3';
-      });
+    this.volumes.forEach((value, l) => { value.textContent = this.data.removed[8 * k + l].toFixed(2) + ' mm\u00b3'; });
     const reason = this.data.guards[k];
     this.guard.textContent = reason === 0 ? '' : 'guard: ' + this.data.reasons[reason];
   }

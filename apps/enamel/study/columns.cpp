@@ -213,6 +213,8 @@ void addColumns(Study& study, ColumnRecords& records) {
   DampingOption damping(options.deviceDamping);
   for (const std::string& text : options.renderers) {
     const RendererChoice choice = choiceOf(text);
+    if (choice.name.find_first_of(",\"") != std::string::npos || printable(choice.name) != choice.name)
+      throw Error(text + ": its name heads lines of CSV files: it must have no comma, quote or control character");
     for (const StudyColumn& other : plan.columns)
       if (other.name == choice.name) throw Error("--renderers names " + choice.name + " twice");
     const double more = damping.of(choice.plugin ? choice.plugin->description().name : choice.name);

@@ -58,10 +58,10 @@ void addSpringLimits(Page& page, const Study& study, const Findings& findings, c
     for (const ColumnKind kind : {ColumnKind::hold, ColumnKind::positionControl})
       if (const WallSummary* servo = wallOf(study, findings, 1, kind); servo && servo->lowestFirst) {
         const Spread& k = pointOf(findings, *servo, servo->lowestFirst->point).of(&PushMetrics::firstStiffness);
-        text +=
-            fmt::format(" On a plant with {} N s/m {} stops the first impact with at least {} N/m, {} times as much{}.",
-                        givenText(study.labels[servo->column].damping), study.labels[servo->column].title, meanText(k),
-                        meanText(k, 1.0 / passive), kind == ColumnKind::hold ? " (research question 2)" : "");
+        text += fmt::format(
+            " On a plant with {} N s/m {} stops the first impact with at least {} N/m, {} times as much{}.",
+            givenText(study.labels[servo->column].damping), escape(study.labels[servo->column].title), meanText(k),
+            meanText(k, 1.0 / passive), kind == ColumnKind::hold ? " (research question 2)" : "");
       }
     page.paragraph(text);
   }

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -149,11 +150,18 @@ void requireSame(const Study& study) {
   if (there != here) throw Error(fmt::format("{}: holds another study: {}", path, differenceOf(there, here)));
 }
 
+// Whether a file is one that runsPath() names: a part of a study's runs.
+bool isPartOfRuns(const std::string& name) {
+  int part = 0, parts = 0, length = -1;
+  return std::sscanf(name.c_str(), "runs-%9d-of-%9d.csv%n", &part, &parts, &length) == 2 &&
+         length == static_cast<int>(name.size());
+}
+
 // Removes the results of another study, and its unfinished parts: these would be joined to this one's.
 void removeResults(const Study& study) {
   for (const std::string& name : resultsOf(study.options)) std::filesystem::remove(study.path(name));
   for (const auto& entry : std::filesystem::directory_iterator(study.options.output))
-    if (entry.path().filename().string().rfind("runs-", 0) == 0) std::filesystem::remove(entry.path());
+    if (isPartOfRuns(entry.path().filename().string())) std::filesystem::remove(entry.path());
 }
 
 // study.json says what the runs depend on: only the same study continues what is in the folder.
@@ -207,7 +215,12 @@ void perform(const Study& study) {
 // Joins the parts to runs.csv, where all are there; false: some are not.
 bool joinParts(const Study& study) {
   const std::string path = study.path("runs.csv");
-  if (std::filesystem::exists(path)) return true;
+  if (std::filesystem::exists(path)) {  // joined, or left by a process that had no --part
+    const std::size_t there = readRuns(study.plan, path).size();
+    if (there == study.plan.size()) return true;
+    throw Error(fmt::format("{}: has {} of {} runs, of a process without --part: continue it with --resume", path,
+                            there, study.plan.size()));
+  }
   std::string text = runHeader() + '\n';
   for (int part = 1; part <= study.options.parts; ++part) {
     const RunRange range = partOf(study.plan, part, study.options.parts);

@@ -50,12 +50,36 @@ std::vector<std::string> textsOf(const std::vector<double>& ticks) {
   return texts;
 }
 
+struct Character {
+  std::size_t bytes;
+  bool isXml;  // false: XML cannot hold it, or it is no UTF-8
+};
+
+Character characterAt(const std::string& text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const unsigned first = byte(at);
+  if (first < 0x80) return {1, first >= 0x20 || first == '\n' || first == '\t'};
+  const std::size_t size = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+  unsigned code = size == 0 ? 0 : first & (0x7fu >> size);
+  for (std::size_t i = 1; i < size; ++i) {
+    if ((byte(at + i) & 0xc0u) != 0x80u) return {1, false};
+    code = code << 6 | (byte(at + i) & 0x3fu);
+  }
+  const bool isLong = (size == 3 && code < 0x800) || (size == 4 && code < 0x10000);
+  if (size == 0 || isLong || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff) return {1, false};
+  return {size, (code & ~1u) != 0xfffe};
+}
+
 }  // namespace
 
 std::string escape(const std::string& text) {
   std::string out;
-  for (const char c : text) {
-    if (c == '&')
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    const Character character = characterAt(text, i);
+    if (!character.isXml)
+      out += "\ufffd";
+    else if (c == '&')
       out += "&amp;";
     else if (c == '<')
       out += "&lt;";
@@ -64,7 +88,8 @@ std::string escape(const std::string& text) {
     else if (c == '"')
       out += "&quot;";
     else
-      out += c;
+      out.append(text, i, character.bytes);
+    i += character.bytes;
   }
   return out;
 }

@@ -11,7 +11,7 @@ inline constexpr const char *kBlue = "#0072b2", *kVermilion = "#d55e00", *kGreen
                             *kPurple = "#cc79a7", *kSky = "#56b4e9", *kBrown = "#8c6d1f", *kMuted = "#66707c",
                             *kInk = "#1f262e", *kLine = "#d3d9e0", *kRed = "#9b2226", *kNoValue = "#bdbdbd";
 
-/// Text as XML.
+/// Text as XML. What XML cannot hold, as control characters and bytes that are not UTF-8, becomes U+FFFD.
 std::string escape(const std::string& text);
 
 /// viridis (S. van der Walt, N. Smith 2015): rises evenly in lightness. share: 0 to 1.

@@ -110,8 +110,11 @@ FileWriter::FileWriter(const std::string& path) : path_(path), target_(path), fi
       const std::filesystem::path link(target_);
       target_ = (link.parent_path() / std::filesystem::read_symlink(link, ignored)).string();
     }
-    beside_ = target_ + "." + std::to_string(getpid()) + "-" + std::to_string(count++) + ".part";
-    const int number = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    int number = -1;
+    do {  // a process that was killed may have had the same number: in a container it is the rule
+      beside_ = target_ + "." + std::to_string(getpid()) + "-" + std::to_string(count++) + ".part";
+      number = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    } while (number < 0 && errno == EEXIST);
     if (number < 0) {
       beside_.clear();
       fail();
