@@ -1,8 +1,8 @@
 #!/bin/sh
 # Installs what is missing, builds, runs every test: optimised with assertions by GCC, with sanitizers by Clang, the
 # threads with theirs. GCC at -O3 and Clang at -O1 must give the same bits. `check.sh --long` runs the full counts
-# (millions of poses, soaks) and compares the bits of the Debug build too. The optimised tests run beside all that is
-# sanitized: many of them wait, for windows and for time.
+# (millions of poses, soaks), compares the bits of the Debug build too, and attacks every surface (tests/attack). The
+# optimised tests run beside all that is sanitized: many of them wait, for windows and for time.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh
@@ -75,4 +75,8 @@ for other in tsan ${ENAMEL_LONG:+dev}; do
   "build/$other/tests/test_bits" >"$folder/other"
   cmp "$folder/bits" "$folder/other"
 done
+if [ -n "${ENAMEL_LONG:-}" ]; then
+  say "attacks"
+  sh tests/attack/run.sh
+fi
 say "all checks passed"

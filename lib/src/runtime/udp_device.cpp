@@ -100,7 +100,7 @@ struct DeviceServer::Server {
   LinkServer link;
   int socket = -1;
   std::uint16_t port = 0;
-  sockaddr_in client{};
+  sockaddr_in own{}, client{};
   bool isConnected = false;  // the socket, to the client
   Measurement measurement;
   Command command;
@@ -122,7 +122,10 @@ struct DeviceServer::Server {
     if (link.hasSession(clockNow()) == isConnected) return;
     sockaddr_in only = client;
     if (isConnected) only.sin_family = AF_UNSPEC;
-    isConnected = connect(socket, reinterpret_cast<const sockaddr*>(&only), sizeof(only)) == 0 && !isConnected;
+    const bool isDone = connect(socket, reinterpret_cast<const sockaddr*>(&only), sizeof(only)) == 0;
+    // A port that the system had chosen is lost with the connection.
+    if (isConnected) (void)!bind(socket, reinterpret_cast<const sockaddr*>(&own), sizeof(own));
+    isConnected = isDone && !isConnected;
   }
 
   void tick() noexcept {
@@ -161,6 +164,7 @@ DeviceServer::DeviceServer(HapticDevice& device, const Mechanism& mechanism, con
       getsockname(s.socket, reinterpret_cast<sockaddr*>(&address), &length) != 0)
     throw Error("device: cannot bind to " + options.address + ":" + std::to_string(options.port) + ": " +
                 std::strerror(errno));
+  s.own = address;
   s.port = ntohs(address.sin_port);
   s.thread = std::make_unique<PeriodicThread>(
       options.period, [&s] { s.tick(); }, options.priority);
