@@ -286,8 +286,9 @@ TEST_CASE("random closed loops: no torque above a limit, no energy above the gua
   for (int i = 0; i < loops; ++i) {
     Case c(test::seed() * 10000 + static_cast<std::uint64_t>(i));
     const auto kind = static_cast<std::size_t>(c.trouble);
-    INFO("ENAMEL_SEED=" << test::seed() << ", loop " << i << ": " << kNames[kind] << ", device " << c.device << ", renderer " << c.renderer << ", delay "
-                 << c.delay << ", " << c.force << " N, " << c.stiffness << " N/m");
+    INFO("ENAMEL_SEED=" << test::seed() << ", loop " << i << ": " << kNames[kind] << ", device " << c.device
+                        << ", renderer " << c.renderer << ", delay " << c.delay << ", " << c.force << " N, "
+                        << c.stiffness << " N/m");
     const Outcome o = outcomeOf(c);
     CHECK(o.beyond <= o.allowed);
     if (c.renderer == 0) CHECK(o.depth < kDeepest);

@@ -365,8 +365,7 @@ JointVector LinkServer::torque(const JointVector& q, double period, std::int64_t
 }
 
 std::size_t LinkServer::measurement(const Measurement& m, std::int64_t now, Datagram& datagram) noexcept {
-  if (!hasSession(now) || m.q.size() != options_.joints || m.rates.size() != options_.joints)
-    return 0;
+  if (!hasSession(now) || m.q.size() != options_.joints || m.rates.size() != options_.joints) return 0;
   const bool applied = m.applied && m.applied->size() == options_.joints;
   Head h;
   h.kind = kMeasurement;

@@ -52,8 +52,8 @@ SceneFile loadScene(const std::string& path, SpareCapacity spare = {});
 /// The same for text in memory; `file` stands in messages, meshes are looked for beside it.
 SceneFile parseScene(std::string_view text, const std::string& file, SpareCapacity spare = {});
 
-/// A scene file's text, and the files that it names: `text` names them "mesh-0.ply", "mesh-1.stl" and so on, in a folder
-/// of their own.
+/// A scene file's text, and the files that it names: `text` names them "mesh-0.ply", "mesh-1.stl" and so on, in a
+/// folder of their own.
 struct PackedScene {
   struct File {
     std::string name, path;  ///< in `text`; where it is now

@@ -24,10 +24,9 @@ void checkNesting(std::string_view text, const std::string& file);
 /// Text of a JSON file: readFile() and checkNesting(). Realtime: no.
 std::string readJson(const std::string& path);
 
-/// A file in the making. Until close() it stands under another name beside `path`, and without close() it goes away (a process that is killed
-/// leaves it as PATH.NUMBERS.part):
-/// whoever looks finds what was there before or all of the new. A link stays one. What is no plain file (a pipe,
-/// /dev/stdout) is written as it comes.
+/// A file in the making. Until close() it stands under another name beside `path`, and without close() it goes away (a
+/// process that is killed leaves it as PATH.NUMBERS.part): whoever looks finds what was there before or all of the new.
+/// A link stays one. What is no plain file (a pipe, /dev/stdout) is written as it comes.
 class FileWriter {
  public:
   /// Throws Error with the file and the cause. Realtime: no.
