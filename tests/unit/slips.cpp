@@ -294,6 +294,9 @@ TEST_CASE("configurations that are too deep or too long", "[slips]") {
                            "\xef\xbb\xbf\xef\xbb\xbf"
                            "a = 1\n"})
     refuse(text, "not ASCII");
+  for (const char* text : {"a = \"\"\"\\\xc5\x9e\"\"\"\n", "a = \"\"\"\\\n  \xc5\x9e\"\"\"\n", "a = \"\\\xc5\x9e\"\n"})
+    refuse(text, "not ASCII");
+  CHECK_NOTHROW(checkNesting("a = \"\"\"\\\n  x \xc5\x9e\"\"\"\n", ""));
   CHECK_NOTHROW(
       checkNesting("\xef\xbb\xbf"
                    "a = '\xc3\xa9' # \xc3\xa9\n",
