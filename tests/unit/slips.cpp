@@ -290,17 +290,9 @@ TEST_CASE("configurations that are too deep or too long", "[slips]") {
   refuse("name = \"a\\u001b[2J\"\n", "must be one line");
   refuse("name = \"" + std::string(3000, 'x') + "\"\n", "of at most 2000 bytes");
   for (const char* text : {"[,a]\n", "[[,a]]\n", "a = [\xe2\x80\xa8-1]\n"}) refuse(text, "not valid TOML");
-  for (const char* text : {"\xcd\x9f = 1\n", "a = 1 \xc3\xa9\n", "a = [\xe3\x80\x80]\n",
-                           "\xef\xbb\xbf\xef\xbb\xbf"
-                           "a = 1\n"})
-    refuse(text, "not ASCII");
-  for (const char* text : {"a = \"\"\"\\\xc5\x9e\"\"\"\n", "a = \"\"\"\\\n  \xc5\x9e\"\"\"\n", "a = \"\\\xc5\x9e\"\n"})
-    refuse(text, "not ASCII");
-  CHECK_NOTHROW(checkNesting("a = \"\"\"\\\n  x \xc5\x9e\"\"\"\n", ""));
-  CHECK_NOTHROW(
-      checkNesting("\xef\xbb\xbf"
-                   "a = '\xc3\xa9' # \xc3\xa9\n",
-                   ""));
+  for (const char* text : {"\xcd\x9f = 1\n", "a = 1\xc3\xa9\n", "a = [\xcd\x9f]\n", "a = 0'\xcd\x9f\n",
+                           "a = \"\"\"\\\xc5\x9e\"\"\"\n", "a = \"\"\"\\\n  \xc5\x9e\"\"\"\n]\n"})
+    refuse(text, "not valid TOML");
   // Dots in numbers, texts and remarks are no keys.
   CHECK_NOTHROW(checkNesting("a = [" + repeat("0.1, ", 100) + "]\nb = \"" + dots + "\"\n# " + dots + "\n", ""));
   CHECK_NOTHROW(checkNesting("c = '''\n" + dots + "\n'''\nd.e = 1\n", ""));

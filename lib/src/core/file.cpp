@@ -52,15 +52,8 @@ void checkNesting(std::string_view text, const std::string& file) {
   const auto refuse = [&](const std::string& problem) {
     throw ConfigurationError(file, line, "", problem + std::to_string(kDeepest));
   };
-  const auto requireAscii = [&](std::size_t at, const char* where) {
-    if (at < text.size() && (static_cast<unsigned char>(text[at]) & 0x80u) != 0)
-      throw ConfigurationError(file, line, "",
-                               std::string("not valid TOML or JSON: a letter that is not ASCII, ") + where);
-  };
-  const bool hasMark = text.substr(0, 3) == "\xef\xbb\xbf";  // of UTF-8
-  for (std::size_t i = hasMark ? 3 : 0; i < text.size(); ++i) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    requireAscii(i, "outside of quotes");
     if (c == '#') i = std::min(text.find('\n', i), text.size()) - 1;
     if (c == '"' || c == '\'') {  // to the end of the string: three quotes end what three have begun, else a line does
       const std::string_view three = text.substr(i, 3);
@@ -68,12 +61,10 @@ void checkNesting(std::string_view text, const std::string& file) {
       for (i += isLong ? 3 : 1; i < text.size(); ++i) {
         if (text[i] == '\n') ++line;
         if (text[i] == '\n' && !isLong) break;
-        if (text[i] == '\\' && c == '"') {
-          requireAscii(isLong ? text.find_first_not_of(" \t\r\n", i + 1) : i + 1, "behind \\");
+        if (text[i] == '\\' && c == '"')
           ++i;
-        } else if (text[i] == c && (!isLong || text.substr(i, 3) == three)) {
+        else if (text[i] == c && (!isLong || text.substr(i, 3) == three))
           break;
-        }
       }
       if (isLong) i += 2;
       continue;

@@ -115,7 +115,8 @@ ModeTable<kMech>::ModeTable(const ModeData& data) {
 template <int kMech>
 void ModeTable<kMech>::read(double logInertia, int lane, double (*value)[kLanes],
                             double (*slope)[kLanes]) const noexcept {
-  const double place = std::clamp((logInertia - kLowest) / kStep, 0.0, static_cast<double>(entries_.size() - 1));
+  const double last = static_cast<double>(entries_.size() - 1);
+  const double place = std::max(0.0, std::min((logInertia - kLowest) / kStep, last));  // of NaN: 0
   const std::size_t i = std::min(static_cast<std::size_t>(place), entries_.size() - 2);
   const double share = place - static_cast<double>(i);
   double a[kNumbers], b[kNumbers];

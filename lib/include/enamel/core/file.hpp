@@ -16,17 +16,18 @@ inline constexpr std::size_t kLargestTextFile = std::size_t{16} << 20;
 /// pipe, a device) or larger than `most` bytes. Realtime: no.
 std::string readFile(const std::string& path, std::size_t most = kLargestTextFile);
 
-/// Refuse JSON and TOML that would cost their readers more than their length tells: brackets nested, or a dotted key of
-/// parts, beyond 32; beyond 1000 values, more than one for every 4 bytes. Refuse letters outside of quotes and comments
-/// that are not ASCII. Throw ConfigurationError with `file` and the line. Realtime: no.
+/// Refuses JSON and TOML that would cost their readers more than their length tells: brackets nested, or a dotted key of
+/// parts, beyond 32; beyond 1000 values, more than one for every 4 bytes. Throws ConfigurationError with `file` and
+/// the line. Realtime: no.
 void checkNesting(std::string_view text, const std::string& file);
 
 /// Text of a JSON file: readFile() and checkNesting(). Realtime: no.
 std::string readJson(const std::string& path);
 
-/// A file in the making. Until close() it stands under another name beside `path`, and without close() it goes away (a
-/// process that is killed leaves it as PATH.NUMBERS.part): whoever looks finds what was there before or all of the new.
-/// A link stays one. What is no plain file (a pipe, /dev/stdout) is written as it comes.
+/// A file in the making. Until close() it stands under another name beside `path`, and without close() it goes away (a process that is killed
+/// leaves it as PATH.NUMBERS.part):
+/// whoever looks finds what was there before or all of the new. A link stays one. What is no plain file (a pipe,
+/// /dev/stdout) is written as it comes.
 class FileWriter {
  public:
   /// Throws Error with the file and the cause. Realtime: no.
