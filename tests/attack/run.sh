@@ -37,7 +37,7 @@ export ENAMEL_LONG=1 ENAMEL_SEED=$seed
 case $surface in
   udp) build/attack/tests/attack_udp "$seconds" "$seed" ;;
   loops) ctest --test-dir build/ci -R '^hard\.closed_loops$' --output-on-failure ;;
-  threads) ctest --test-dir build/tsan -L threads --output-on-failure ;;
+  threads) ENAMEL_LONG= ctest --test-dir build/tsan -L threads --output-on-failure ;;
   disk | kill | pages)
     python3 tests/attack/programs.py --tool build/ci/apps/enamel/enamel --surface "$surface" --seconds "$seconds" --state "$state" ;;
   *)
