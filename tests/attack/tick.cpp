@@ -2,6 +2,7 @@
 // cuts, resets, in any order.
 #include "enamel/render/tick.hpp"
 
+#include <array>
 #include <memory>
 
 #include "enamel/collision/mesh_file.hpp"
@@ -46,25 +47,31 @@ struct Setup {
   std::vector<double> first;
 };
 
+// Springs and position control on a device of three axes, and on one that senses six and drives three.
 Setup& setupOf(int number) {
-  static const std::shared_ptr<const Mechanism> device =
-      makeMechanism(idealOf(loadDevice(test::deviceFile("cartesian-3.toml"))));
-  static Setup impedance(std::make_unique<ImpedanceRenderer>(ImpedanceOptions{3000.0, 2.0}), device);
-  static Setup control(std::make_unique<PositionControlRenderer>(positionControlFor(*device, kPeriod, 0, 0)), device);
-  return number == 0 ? impedance : control;
+  const auto setups = [](const char* file) {
+    const std::shared_ptr<const Mechanism> device = makeMechanism(idealOf(loadDevice(test::deviceFile(file))));
+    std::array<std::unique_ptr<Setup>, 2> made;
+    made[0] = std::make_unique<Setup>(std::make_unique<ImpedanceRenderer>(ImpedanceOptions{3000.0, 2.0}), device);
+    made[1] = std::make_unique<Setup>(
+        std::make_unique<PositionControlRenderer>(positionControlFor(*device, kPeriod, 0, 0)), device);
+    return made;
+  };
+  static const auto axes = setups("cartesian-3.toml"), stylus = setups("stylus.toml");
+  return *(number < 2 ? axes : stylus)[static_cast<std::size_t>(number % 2)];
 }
 
 class Session {
  public:
-  explicit Session(Setup& setup) : setup_(setup), tick_(*setup.tick) {
+  explicit Session(Setup& setup) : setup_(setup), tick_(*setup.tick), joints_(setup.device->joints()) {
     for (int i = 0; i < 2; ++i) (void)setup_.scene.move(i, {Vec3(0.0, 0.0, 4e-3 * i), Mat3::Identity()}, Vec6::Zero());
     setup_.solid->restore();
     tick_.attach(nullptr);
     tick_.restart(setup_.start);
-    m_.q = JointVector::Zero(3);
+    m_.q = JointVector::Zero(joints_);
     m_.q[2] = setup_.start.position.z();
-    m_.rates = JointVector::Zero(3);
-    last_ = JointVector::Zero(3);
+    m_.rates = JointVector::Zero(joints_);
+    last_ = JointVector::Zero(joints_);
   }
 
   void act(Numbers& numbers) {
@@ -103,13 +110,13 @@ class Session {
     Measurement bad = m_;
     bad.time += kPeriod;
     m_.time = bad.time;
-    const int joint = numbers.pick(3);
+    const int joint = numbers.pick(joints_);
     switch (numbers.pick(9)) {
       case 0: bad.q[joint] = numbers.next<double>(); break;
       case 1: bad.rates[joint] = numbers.next<double>(); break;
       case 2: bad.time = numbers.next<double>(); break;
       case 3: bad.age = numbers.next<std::int32_t>(); break;
-      case 4: bad.applied = JointVector::Constant(3, numbers.next<double>()); break;
+      case 4: bad.applied = JointVector::Constant(joints_, numbers.next<double>()); break;
       case 5: bad.q.resize(numbers.pick(8)); break;
       case 6: bad.enabled = false; break;
       case 7: bad.failed = true; break;
@@ -143,7 +150,7 @@ class Session {
     Command command;
     const Status status = tick_(measurement, command);
     const GuardOptions& options = tick_.guard().options();
-    require(command.effort.size() == 3 && command.effort.allFinite(), "commands are finite");
+    require(command.effort.size() == joints_ && command.effort.allFinite(), "commands are finite");
     require((command.effort.cwiseAbs() - options.torque).maxCoeff() <= 0.0, "commands are within the limits");
     if (last_.size() > 0)
       require(((command.effort - last_).cwiseAbs() - kPeriod * options.slew).maxCoeff() <= 1e-9,
@@ -154,13 +161,14 @@ class Session {
 
   Setup& setup_;
   HapticTick& tick_;
+  int joints_;
   Measurement m_;
   JointVector last_;
 };
 
 void attackTick(std::string_view bytes) {
   Numbers numbers(bytes);
-  Session session(setupOf(numbers.pick(2)));
+  Session session(setupOf(numbers.pick(4)));
   while (!numbers.empty()) session.act(numbers);
 }
 

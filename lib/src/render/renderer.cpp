@@ -169,17 +169,16 @@ bool saturate(JointVector& torque, const JointVector& gravity, const JointVector
   double scale = 1.0;
   bool cut = false;
   for (Eigen::Index i = 0; i < torque.size(); ++i) {
-    if (std::abs(torque[i]) <= maxTorque[i] || maxTorque[i] == 0.0) continue;
+    if (maxTorque[i] == 0.0) torque[i] = 0.0;
+    if (std::abs(torque[i]) <= maxTorque[i]) continue;
     cut = true;
     const double rendered = torque[i] - gravity[i];
     const double most = std::copysign(maxTorque[i], rendered) - gravity[i];  // of the sign of `rendered`, or gravity's
     scale = std::min(scale, std::max(0.0, most / rendered));                 // own torque is too large
   }
   if (!cut) return false;
-  for (Eigen::Index i = 0; i < torque.size(); ++i) {
-    torque[i] = gravity[i] + scale * (torque[i] - gravity[i]);
-    if (maxTorque[i] > 0.0) torque[i] = std::clamp(torque[i], -maxTorque[i], maxTorque[i]);
-  }
+  for (Eigen::Index i = 0; i < torque.size(); ++i)
+    torque[i] = std::clamp(gravity[i] + scale * (torque[i] - gravity[i]), -maxTorque[i], maxTorque[i]);
   return true;
 }
 

@@ -79,7 +79,8 @@ class Renderer {
 [[nodiscard]] Status checkFrame(const TickFrame& frame, double lastTime) noexcept;
 
 /// Where a torque exceeds +-maxTorque, scales the part above `gravity` down, all joints by the same factor: the wrench
-/// on the tool keeps its direction. Joints without a motor (maxTorque 0) set no limit. True if one did. Realtime: yes.
+/// on the tool keeps its direction. Joints without a motor (maxTorque 0) get 0 and set no limit. True if one did.
+/// Realtime: yes.
 bool saturate(JointVector& torque, const JointVector& gravity, const JointVector& maxTorque) noexcept;
 
 /// Translation of the tool's material at `arm` from the TCP (W, m) by a motion or velocity [v; w] of the platform at
