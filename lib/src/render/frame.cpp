@@ -9,6 +9,8 @@
 namespace enamel {
 namespace {
 
+constexpr double kLeastInertia = 1e-12, kMostInertia = 1e6;  // of a joint, kg m^2 or kg
+
 // J^T [force; r x force], and M^-1 D of it.
 void fillRow(const TickFrame& frame, const Vec3& arm, const Vec3& force, JointRow& torque,
              JointRow& response) noexcept {
@@ -40,6 +42,8 @@ Status fillContactRows(TickFrame& frame) noexcept {
       frame.maxTorque.size() != n || frame.contacts.count < 0 || frame.contacts.count > kMaxContacts ||
       !factorInertia(k.inertia, frame.rows.inertia))
     return Status::outOfRange;
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (!(k.inertia(i, i) >= kLeastInertia && k.inertia(i, i) <= kMostInertia)) return Status::outOfRange;
   for (int c = 0; c < frame.contacts.count; ++c) {
     const Contact& contact = frame.contacts.contacts[c];
     ContactRow& row = frame.rows.row[c];

@@ -81,8 +81,8 @@ struct TickFrame {
 };
 
 /// The stage `contact rows and responses`: factors the inertia and fills the rows of all contacts. Status outOfRange
-/// where the inertia is missing or not positive definite, or the contacts' count cannot be; the frame then has no rows.
-/// Realtime: yes.
+/// where the inertia is missing, not positive definite or of a joint outside 1e-12 to 1e6 kg m^2 or kg, or the
+/// contacts' count cannot be; the frame then has no rows. Realtime: yes.
 [[nodiscard]] Status fillContactRows(TickFrame& frame) noexcept;
 
 }  // namespace enamel

@@ -73,7 +73,7 @@ class Renderer {
 
 /// Checks what every renderer checks first: joint vectors of one size; finite numbers, sizes that a device can have
 /// (joints to 1000 rad or m, rates to 1000 a second, positions to 10 m, speeds to 100 m/s, gaps to 100 m, torques to
-/// 1e6 N m, inertias of 1e-12 to 1e6 kg m^2 or kg, a Jacobian to 1000, its inverse to 1e9); a rotation matrix; unit
+/// 1e6 N m, a Jacobian to 1000, its inverse to 1e9); a rotation matrix; unit
 /// normals (to 1e-6); a count within capacity; a time later than `lastTime`; an age of at least 0. Returns ok,
 /// notFinite, outOfRange or stale. Realtime: yes.
 [[nodiscard]] Status checkFrame(const TickFrame& frame, double lastTime) noexcept;
