@@ -57,10 +57,10 @@ run() { # name, arguments of ctest
 build ci
 start "ci: all tests" --preset ci -j 2
 if [ -n "${ENAMEL_LONG:-}" ]; then
-  build asan -DENAMEL_TESTS= -- tests_unit tests_hard tests_chai3d tests_plugin
-  sanitized='unit|hard|chai3d|plugin' what="all tests that can run under sanitizers"
+  build asan -DENAMEL_TESTS= -- tests_unit tests_hard tests_chai3d tests_plugin tests_attack
+  sanitized='unit|hard|chai3d|plugin|attack' what="all tests that can run under sanitizers"
 else
-  build asan -DENAMEL_TESTS=sanitized -- tests_unit tests_hard tests_chai3d
+  build asan -DENAMEL_TESTS=sanitized -- tests_unit tests_hard tests_chai3d tests_attack
   sanitized=sanitized what="files, kinematics, meshes, contacts and threads (--long: everything)"
 fi
 run "asan: $what" --preset asan -j 2 -L "$sanitized"

@@ -1,14 +1,12 @@
-// Files that are not meshes.
+// Files of devices, scenes, keys and recordings.
 
 #include <string>
 
 #include "enamel/collision/scene_file.hpp"
-#include "enamel/control/servo_file.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/runtime/device_link.hpp"
 #include "enamel/runtime/recording.hpp"
-#include "enamel/study/run_file.hpp"
 #include "memory_file.hpp"
 #include "surfaces.hpp"
 
@@ -39,32 +37,6 @@ void attackScene(std::string_view bytes) {
   }
 }
 
-void attackServo(std::string_view bytes) {
-  try {
-    const ServoFile servo = loadServo(MemoryFile(bytes).path());
-    require(servo.gain.allFinite() && servo.gain.cols() == 3 * servo.gain.rows(), "gains are finite");
-  } catch (const Error&) {
-  }
-}
-
-void attackRuns(std::string_view bytes) {
-  static const StudyPlan plan = [] {
-    StudyPlan made;
-    made.grid = 2;
-    made.runs = 3;
-    made.scenarios = {1};
-    made.columns.push_back({"a", nullptr, {}});
-    return made;
-  }();
-  try {
-    for (const StudyResult& result : readRuns(plan, MemoryFile(bytes).path())) {
-      const std::string line = runLine(plan, result) + '\n';
-      require(bytes.find(line) != std::string_view::npos, "what was read is what is written");
-    }
-  } catch (const Error&) {
-  }
-}
-
 void attackKey(std::string_view bytes) {
   try {
     (void)readKey(MemoryFile(bytes).path());
@@ -86,11 +58,9 @@ void attackRecording(std::string_view bytes) {
   }
 }
 
-}  // namespace
+const Registration kFiles[] = {
+    {"device", attackDevice}, {"scene", attackScene}, {"key", attackKey}, {"recording", attackRecording}};
 
-std::vector<Surface> fileSurfaces() {
-  return {{"device", attackDevice}, {"scene", attackScene}, {"servo", attackServo},
-          {"runs", attackRuns},     {"key", attackKey},     {"recording", attackRecording}};
-}
+}  // namespace
 
 }  // namespace enamel::attack

@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
   const std::string_view option = "--surface=";
   for (int i = 1; i < *count; ++i) {
     const std::string_view argument = (*arguments)[i];
-    for (const enamel::attack::Surface& surface : enamel::attack::allSurfaces()) {
+    for (const enamel::attack::Surface& surface : enamel::attack::surfaces()) {
       if (argument == "--list") std::cout << surface.name << '\n';
       if (argument.substr(0, option.size()) == option && argument.substr(option.size()) == surface.name)
         chosen() = surface;

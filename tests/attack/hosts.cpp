@@ -27,8 +27,7 @@ void useRenderer(Renderer& renderer) {
     m.q += 1e-3 * m.rates;
     Command command;
     const Status status = tick(m, command);
-    require(command.effort.size() == 3 && command.effort.allFinite(), "commands are finite");
-    require((command.effort.cwiseAbs() - device->limits().effort).maxCoeff() <= 0.0, "commands are within the limits");
+    requireWithin(command.effort, device->limits().effort);
     require(tick.guard().fault() == GuardReason::none || status != Status::ok, "a fault is no ok");
     if (i % 7 == 6) {
       tick.saveState(state.data());
@@ -54,8 +53,8 @@ void attackHost(std::string_view bytes) {
   }
 }
 
-}  // namespace
+const Registration kHost{"host", attackHost};
 
-std::vector<Surface> hostSurfaces() { return {{"host", attackHost}}; }
+}  // namespace
 
 }  // namespace enamel::attack

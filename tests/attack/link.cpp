@@ -77,8 +77,7 @@ class Ends {
   }
   void answer() {
     const JointVector torque = server_.torque(measurement_.q, 1e-3, now_), gravity = device().home().gravity;
-    require(torque.size() == 3 && torque.allFinite(), "torques are finite");
-    require((torque.cwiseAbs() - device().limits().effort).maxCoeff() <= 0.0, "torques are within the limits");
+    requireWithin(torque, device().limits().effort);
     if (!isKeyed_) return;
     const JointVector rendered = torque - gravity;
     require(rendered.minCoeff() >= -1e-12 - gravity.cwiseAbs().maxCoeff() && torque.maxCoeff() <= kCommand + 1e-12,
@@ -107,8 +106,8 @@ void attackLink(std::string_view bytes) {
   while (!numbers.empty()) ends.act(numbers);
 }
 
-}  // namespace
+const Registration kLink{"link", attackLink};
 
-std::vector<Surface> linkSurfaces() { return {{"link", attackLink}}; }
+}  // namespace
 
 }  // namespace enamel::attack

@@ -69,13 +69,11 @@ void attackMesh(std::string_view bytes, const char* path) {
   }
 }
 
-}  // namespace
+const Registration kMeshes[] = {{"ply", [](std::string_view bytes) { attackMesh(bytes, "a.ply"); }},
+                                {"obj", [](std::string_view bytes) { attackMesh(bytes, "a.obj"); }},
+                                {"stl", [](std::string_view bytes) { attackMesh(bytes, "a.stl"); }},
+                                {"off", [](std::string_view bytes) { attackMesh(bytes, "a.off"); }}};
 
-std::vector<Surface> meshSurfaces() {
-  return {{"ply", [](std::string_view bytes) { attackMesh(bytes, "a.ply"); }},
-          {"obj", [](std::string_view bytes) { attackMesh(bytes, "a.obj"); }},
-          {"stl", [](std::string_view bytes) { attackMesh(bytes, "a.stl"); }},
-          {"off", [](std::string_view bytes) { attackMesh(bytes, "a.off"); }}};
-}
+}  // namespace
 
 }  // namespace enamel::attack

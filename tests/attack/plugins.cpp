@@ -36,7 +36,7 @@ class Calls {
       case 1: activate(instance, numbers); break;
       case 2:
         plugin_.reset(instance.self);
-        instance.isForeign = false;
+        instance.isChanged = false;
         break;
       case 3:
         plugin_.deactivate(instance.self);
@@ -55,7 +55,7 @@ class Calls {
   struct Instance {
     void* self = nullptr;
     bool isConfigured = false, isActive = false;
-    bool isForeign = false;  // its state is none that it came to
+    bool isChanged = false;  // its state was changed from outside
     double time = 0.0;
   };
 
@@ -92,7 +92,7 @@ class Calls {
     if (result != ENAMEL_OK) return;
     require(instance.isConfigured && period >= 1e-5 && period <= 0.1, "what is not ready is not activated");
     instance.isActive = true;
-    instance.isForeign = false;
+    instance.isChanged = false;
     instance.time = 0.0;
   }
   void state(Instance& instance, Numbers& numbers) {
@@ -101,12 +101,12 @@ class Calls {
     plugin_.save_state(instance.self, bytes.data());
     plugin_.load_state(instance.self, bytes.data());
     plugin_.save_state(instance.self, again.data());
-    if (!instance.isForeign)
+    if (!instance.isChanged)
       require(std::memcmp(bytes.data(), again.data(), plugin_.state_size(instance.self)) == 0, "a state comes back");
     if (numbers.pick(2) == 0) {
       bytes[numbers.next<std::uint16_t>() % bytes.size()] = numbers.next<double>();
       plugin_.load_state(instance.self, bytes.data());
-      instance.isForeign = true;
+      instance.isChanged = true;
     }
   }
   void step(Instance& instance, Numbers& numbers) {
@@ -176,8 +176,8 @@ void attackPlugin(std::string_view bytes) {
   for (int i = 0; i < 200 && !numbers.empty(); ++i) calls.act(numbers);
 }
 
-}  // namespace
+const Registration kPlugin{"plugin", attackPlugin};
 
-std::vector<Surface> pluginSurfaces() { return {{"plugin", attackPlugin}}; }
+}  // namespace
 
 }  // namespace enamel::attack

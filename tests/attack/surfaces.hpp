@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "enamel/core/types.hpp"
+
 namespace enamel::attack {
 
 struct Surface {
@@ -15,38 +17,28 @@ struct Surface {
   void (*attack)(std::string_view bytes);  ///< ends the process where a promise is broken
 };
 
-std::vector<Surface> meshSurfaces();
-std::vector<Surface> fileSurfaces();
-std::vector<Surface> linkSurfaces();
-std::vector<Surface> tickSurfaces();
-std::vector<Surface> pluginSurfaces();
-std::vector<Surface> hostSurfaces();
-#ifdef ENAMEL_ATTACK_FMI
-std::vector<Surface> unitSurfaces();
-#endif
-
-inline std::vector<Surface> allSurfaces() {
-  std::vector<Surface> all;
-  for (const auto& some : {
-           meshSurfaces(),
-           fileSurfaces(),
-           linkSurfaces(),
-           tickSurfaces(),
-           pluginSurfaces(),
-           hostSurfaces(),
-#ifdef ENAMEL_ATTACK_FMI
-           unitSurfaces(),
-#endif
-       })
-    all.insert(all.end(), some.begin(), some.end());
+/// All surfaces of the program.
+inline std::vector<Surface>& surfaces() {
+  static std::vector<Surface> all;
   return all;
 }
+
+/// Adds a surface. One a surface, in the file of its function.
+struct Registration {
+  Registration(std::string_view name, void (*attack)(std::string_view)) { surfaces().push_back({name, attack}); }
+};
 
 /// Ends the process where a promise is broken.
 inline void require(bool holds, const char* promise) {
   if (holds) return;
   std::fprintf(stderr, "broken: %s\n", promise);
   std::abort();
+}
+
+/// Torques are finite and within the limits.
+inline void requireWithin(const JointVector& torque, const JointVector& limits) {
+  require(torque.size() == limits.size() && torque.allFinite(), "torques are finite");
+  require((torque.cwiseAbs() - limits).maxCoeff() <= 0.0, "torques are within the limits");
 }
 
 /// Numbers of any type, read from the front of bytes; zeros where there are no more.

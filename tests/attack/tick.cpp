@@ -150,8 +150,7 @@ class Session {
     Command command;
     const Status status = tick_(measurement, command);
     const GuardOptions& options = tick_.guard().options();
-    require(command.effort.size() == joints_ && command.effort.allFinite(), "commands are finite");
-    require((command.effort.cwiseAbs() - options.torque).maxCoeff() <= 0.0, "commands are within the limits");
+    requireWithin(command.effort, options.torque);
     if (last_.size() > 0)
       require(((command.effort - last_).cwiseAbs() - kPeriod * options.slew).maxCoeff() <= 1e-9,
               "commands do not jump");
@@ -172,8 +171,8 @@ void attackTick(std::string_view bytes) {
   while (!numbers.empty()) session.act(numbers);
 }
 
-}  // namespace
+const Registration kTick{"tick", attackTick};
 
-std::vector<Surface> tickSurfaces() { return {{"tick", attackTick}}; }
+}  // namespace
 
 }  // namespace enamel::attack

@@ -126,8 +126,7 @@ class Motors final : public HapticDevice {
   Motors(HapticDevice& plant, const Mechanism& mechanism) : plant_(plant), mechanism_(mechanism) {}
   Status measure(Measurement& m) noexcept override { return plant_.measure(m); }
   Status actuate(const Command& command) noexcept override {
-    require(command.effort.allFinite() && (command.effort.cwiseAbs() - mechanism_.limits().effort).maxCoeff() <= 0.0,
-            "motors are told what they can");
+    requireWithin(command.effort, mechanism_.limits().effort);
     return plant_.actuate(command);
   }
 

@@ -161,10 +161,8 @@ void attackUnit(std::string_view bytes) {
   for (int i = 0; i < 300 && !numbers.empty(); ++i) master.act(numbers);
 }
 
-}  // namespace
+const Registration kUnits[] = {{"archive", attackArchive}, {"description", attackDescription}, {"unit", attackUnit}};
 
-std::vector<Surface> unitSurfaces() {
-  return {{"archive", attackArchive}, {"description", attackDescription}, {"unit", attackUnit}};
-}
+}  // namespace
 
 }  // namespace enamel::attack
