@@ -111,6 +111,29 @@ TEST_CASE("scene files: spheres, capsules, meshes and tools stand where the file
   CHECK(nearestTo(file, {0.113, 0.0, -0.012}).gap == Approx(0.002));
 }
 
+TEST_CASE("scene files: a packed scene is the same text with other names of files", "[scene]") {
+  const test::TemporaryFolder folder;
+  const std::string accents = "\xc3\xa9'\xf0\x9f\xa6\xb7.off";  // two bytes, four bytes
+  for (const std::string& name : {std::string("a.off"), accents, std::string("c.off")})
+    test::writeFile(folder / name, "OFF 4 4 0\n0 0 0\n0 20 0\n0 0 20\n-10 0 0\n3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n");
+  const auto text = [](const std::string& first, const std::string& second, const std::string& third) {
+    const std::string mesh = "shape = \"mesh\"\nunit = \"mm\"\n";
+    return "name = \"\xc3\xa9\" # \xf0\x9f\xa6\xb7\r\nstart = [0.0, 0.0, 0.1]\n[[tool]]\nfrom = [0.0, 0.0, "
+           "0.001]\nradius = 0.001\n"
+           "[[obstacle]]\nname = \"file = a.off\"\nfile = " +
+           first + " # the first\n" + mesh + "[[obstacle]]\nname = '\xc3\xa9'\n" + mesh + "file=" + second + "\n" +
+           "[[obstacle]]\nname = \"c\"\n" + mesh + "\"file\" =  " + third;
+  };
+  test::writeFile(folder / "scene.toml",
+                  text("'''a.off'''", "\"\\u00e9'\xf0\x9f\xa6\xb7.off\"", "\"\"\"\nc.off\"\"\""));
+  const PackedScene packed = packScene(folder / "scene.toml");
+  CHECK(packed.text == text("\"mesh-0.off\"", "\"mesh-1.off\"", "\"mesh-2.off\""));
+  REQUIRE(packed.files.size() == 3);
+  CHECK(packed.files[1].path == folder / accents);
+  for (const auto& [name, path] : packed.files) test::writeFile(folder / name, test::readFile(path));
+  CHECK(parseScene(packed.text, folder / "packed.toml").scene.obstacles().size() == 3);
+}
+
 TEST_CASE("scene files: solids and burs", "[scene]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "tooth.off", "OFF 4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n");

@@ -1,6 +1,7 @@
 // The surface of a solid as triangles: closed, at the samples' zero, after any cut; bricks fit to each other.
 #include "enamel/collision/solid_surface.hpp"
 
+#include <Eigen/Geometry>
 #include <array>
 #include <map>
 #include <numeric>

@@ -1,8 +1,8 @@
 #include "enamel/collision/scene_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <sstream>
 
 #include "collision/mesh_data.hpp"
 #include "core/message.hpp"
@@ -277,6 +277,19 @@ std::optional<Bur> readBur(TomlTable& root, const Tool& tool) {
   return bur;
 }
 
+// Offset in UTF-8 text of a position of toml++, which counts lines and characters from 1.
+std::size_t offsetOf(std::string_view text, const toml::source_position& position) {
+  std::size_t offset = 0;
+  for (unsigned line = 1; line < position.line; ++line) offset = text.find('\n', offset) + 1;
+  unsigned column = 1;
+  while (column < position.column) {
+    ++offset;
+    const bool isWithinCharacter = offset < text.size() && (static_cast<unsigned char>(text[offset]) & 0xc0) == 0x80;
+    if (!isWithinCharacter) ++column;
+  }
+  return offset;
+}
+
 }  // namespace
 
 SceneFile parseScene(std::string_view text, const std::string& file, SpareCapacity spare) {
@@ -321,24 +334,27 @@ PackedScene packScene(const std::string& path) {
   (void)parseScene(packed.text, path);  // with its own messages
   toml::table scene = toml::parse(packed.text, path);
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  struct Name {
+    std::size_t begin, end;  // in the text
+    std::string name;
+  };
+  std::vector<Name> names;
   const auto pack = [&](toml::node& node) {
-    toml::table& table = *node.as_table();
-    const auto file = table["file"].value<std::string>();
-    if (!file) return;
-    const std::string name =
-        "mesh-" + std::to_string(packed.files.size()) + std::filesystem::path(*file).extension().string();
-    packed.files.push_back({name, (folder / *file).string()});
-    table.insert_or_assign("file", name);
+    const toml::node* value = node.as_table()->get("file");
+    if (value == nullptr) return;
+    const std::string& file = **value->as_string();
+    std::string name = "mesh-" + std::to_string(names.size()) + std::filesystem::path(file).extension().string();
+    packed.files.push_back({name, (folder / file).string()});
+    names.push_back({offsetOf(packed.text, value->source().begin), offsetOf(packed.text, value->source().end),
+                     '"' + std::move(name) + '"'});
   };
   for (toml::node& obstacle : *scene["obstacle"].as_array()) {
     pack(obstacle);
     if (toml::array* layers = (*obstacle.as_table())["layer"].as_array())
       for (toml::node& layer : *layers) pack(layer);
   }
-  if (packed.files.empty()) return packed;
-  std::ostringstream text;
-  text << scene << '\n';
-  packed.text = text.str();
+  std::sort(names.begin(), names.end(), [](const Name& a, const Name& b) { return a.begin > b.begin; });
+  for (const Name& name : names) packed.text.replace(name.begin, name.end - name.begin, name.name);
   return packed;
 }
 
