@@ -15,19 +15,19 @@ template <int kMech>
 struct ObserverSteps {
   using Observer = PushObserver<kMech>;
   using Model = typename Observer::Model;
+  using State = typename Observer::State;
   using States = typename Observer::States;
-  using Pairs = typename Observer::Pairs;
 
   void (*carry)(const Model& model, const double* command, const double* matters, double scale, States& x) noexcept;
-  void (*predict)(const Model& model, const double* command, const double* matters, double scale, const Pairs& noise,
-                  States& x, Pairs& P) noexcept;
-  void (*weigh)(const double* innovation, const double* expected, const double* variance, const double* largest,
-                Evidence& seen) noexcept;
-  void (*correct)(const double* variance, int read, Pairs& P, States& column, States& gain) noexcept;
-  void (*gather)(const States& x, const States& g, const Lane& v, const States& mean, double share, Pairs& P) noexcept;
+  void (*predict)(const ModeData& data, const Model& model, const Lane& command, State& s) noexcept;
+  void (*weigh)(const double* innovation, const double* expected, const double* variance, const double* precision,
+                const double* largest, Evidence& seen) noexcept;
+  void (*correct)(int read, const Lane& reading, State& s) noexcept;
+  void (*merge)(State& s) noexcept;
+  typename Observer::Moments (*moments)(const State& s, const States& row) noexcept;
 };
 
-extern const ObserverSteps<2> kRigidSteps, kRigidStepsAvx2;
-extern const ObserverSteps<4> kCableSteps, kCableStepsAvx2;
+extern const ObserverSteps<2> kRigidSteps, kRigidStepsAvx2, kRigidStepsAvx512;
+extern const ObserverSteps<4> kCableSteps, kCableStepsAvx2, kCableStepsAvx512;
 
 }  // namespace enamel

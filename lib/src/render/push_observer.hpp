@@ -33,9 +33,9 @@ class PushObserver {
   using Pairs = double[kPairs][kLanes];
 
   struct Hypothesis {
-    States x, g;            // g: what a jump of size 1 adds
-    Lane v;                 // variance of its size
-    double logWeight, age;  // age in samples
+    States x, g;         // g: what a jump of size 1 adds
+    Lane v;              // variance of its size
+    double weight, age;  // age in samples
   };
   // Plain numbers.
   struct State {
@@ -43,12 +43,11 @@ class PushObserver {
     Pairs P;
     double count, modes;
     States mean;
-    double weight[kMost];
     double scale, scaleVariance;  // ln(mass / model's)
     Lane inertia, used;           // of the links' modes by the model; what the numbers in use are for
     Lane usedScale;               // ln(mass / model's) of these
     Lane step, tremor;            // deviations of the hand's force in the modes
-    Lane readingVariance, largestStep;
+    Lane readingVariance, readingPrecision, largestStep;  // precision: 1 / the root of the variance
   };
   /// Rounding of a mode's reading: variance, and the largest step among its encoders'.
   struct Rounding {
@@ -103,6 +102,9 @@ class PushObserver {
   const double (&gain(int i) const noexcept)[kLanes] { return model_.value[ModeTable<kMech>::kGainAt + i]; }
 
  private:
+  // The state that encoders read.
+  int readState() const noexcept { return kMech == 4 && data_.drive.encoderOnLink ? 2 : 0; }
+
   ModeData data_;
   std::shared_ptr<const ModeTable<kMech>> table_;
   Model model_;
