@@ -20,10 +20,10 @@ struct VirtualCouplingOptions {
 ///   m (v+ - v) / T = -K e+ - B (v+ - v_device) + sum_k n_k f_k
 ///   f_k >= 0,   g_k + n_k . e+ + f_k / k_material >= 0,   one of the two is zero
 ///
-/// The device receives the force K e+ + B (v+ - v_device) at the TCP, and the moments of the contacts. There is no
-/// friction. At most the six deepest contacts count. A moving obstacle acts by its position, not by its velocity. The
-/// wall is passive if the damping of the device exceeds requiredDamping() of K and B, for any obstacles. The limits of
-/// that bound (impedance.hpp) apply.
+/// The device receives the force K e+ + B (v+ - v_device) at the TCP, and the moments of the contacts. The coupling
+/// renders no friction. At most the six deepest contacts count. A moving obstacle acts by its position, not by its
+/// velocity. The wall is passive if the damping of the device exceeds requiredDamping() of K and B, for any obstacles.
+/// The limits of that bound (impedance.hpp) apply.
 class VirtualCouplingRenderer final : public Renderer {
  public:
   /// Throws Error if the stiffness or the mass is not positive and finite, or the damping is negative or not finite.
