@@ -1,5 +1,5 @@
-// Models of a person's hand on the tool: the springs and dampers of "A Position-Control Based Approach to Haptic
-// Rendering of Stiff Objects", section V, and a guide that keeps a free device from drifting away.
+// Models of a person's hand on the tool: springs and dampers. They follow "A Position-Control Based Approach to Haptic
+// Rendering of Stiff Objects", section V. A guide keeps a free device from drifting away.
 #pragma once
 
 #include "enamel/core/types.hpp"
@@ -54,8 +54,8 @@ class MovingArm {
   double way_ = 0.0, speed_ = 0.0;  // m, m/s
 };
 
-/// Return the moment by which a hand holds the tool's orientation, N m: -0.5 N m/rad times the rotation from `start`,
-/// and -0.014 N m s/rad times the angular velocity `omega` (W, rad/s). Realtime: yes.
+/// Return the moment by which a hand holds the tool's orientation, N m. It is -0.5 N m/rad times the rotation from
+/// `start`, plus -0.014 N m s/rad times `omega`. `omega` is the angular velocity, W, rad/s. Realtime: yes.
 Vec3 holdingMoment(const Mat3& rotation, const Mat3& start, const Vec3& omega) noexcept;
 
 /// Return the wrench of a guiding hand, N and N m: kGuideGrip and holdingMoment(). It holds the TCP across the unit

@@ -25,15 +25,16 @@ struct ImperfectDevice {
 /// Realtime: no.
 ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uint64_t seed, std::uint32_t number = 0);
 
-/// A plant with a rotor behind each joint. c is the command, m the motor's torque, th and w are the angle and speed of
-/// the rotor, J is its inertia, q the joint and T the torque on it.
+/// A plant with a rotor behind each joint. c is the command and m the motor's torque. The rotor has the angle th, the
+/// speed w and the inertia J. q is the joint and T the torque on it.
 ///
-///   m' = 2 pi f (round(c) - m)                           amplifier and current loop
-///   J w' = m (1 + r sin N th) + a sin N th - F - T       ripple and cogging
-///   F = F_c z / z_c,  z' = w - |w| z / z_c               Coulomb friction (P. Dahl, "A solid friction model", 1968)
-///   T = k (th - q -+ b/2) + d (w - q')                   cable; T is 0 within the backlash b
+///   m' = 2 pi f (round(c) - m)                           amplifier and current loop.
+///   J w' = m (1 + r sin N th) + a sin N th - F - T       ripple and cogging.
+///   F = F_c z / z_c,  z' = w - |w| z / z_c               Coulomb friction.
+///   T = k (th - q -+ b/2) + d (w - q')                   cable; T is 0 within the backlash b.
 ///
-/// A rigid transmission has th = q, and its rotors are part of the mechanism. The encoders are on the rotors.
+/// The friction is that of P. Dahl, "A solid friction model", 1968. A rigid transmission has th = q, and its rotors are
+/// part of the mechanism. The encoders are on the rotors.
 class ImperfectPlant final : public Plant {
  public:
   /// Integrate in steps of at most `step` s (Strang 1968). Each step has three parts: half a step of current and

@@ -29,9 +29,9 @@ std::string checkPlant(const std::string& plant);
 /// Realtime: yes.
 const char* plantOf(const DeviceParameters& device) noexcept;
 
-/// Return the drives (struct Drive) of a plant's motors, as a value for the parameter `drive` of the renderer
-/// position-control: "device" (imperfect), "rigid" (imperfect-stiff: all but the cables) or "ideal" (all others).
-/// Throws Error if the name is unknown. Realtime: no.
+/// Return the drives (struct Drive) of a plant's motors. The result is a value for the parameter `drive` of the
+/// renderer position-control: "device" (imperfect), "rigid" (imperfect-stiff: all but the cables) or "ideal" (all
+/// others). Throws Error if the name is unknown. Realtime: no.
 const char* drivesOf(const std::string& plant);
 
 /// Return the device as a renderer should know it: with the drives of this plant. Throws Error if the name is unknown.

@@ -49,8 +49,8 @@ void setToolTip(const Vec3& tip, PushSetup& setup);
 /// to the start. Throws Error if no surface is within reach. Realtime: no.
 void setScene(const SceneFile& file, PushSetup& setup);
 
-/// Move the start to the nearest surface of the scene, and push against that surface. Returns false if there is no
-/// surface. Realtime: yes (100 queries at most).
+/// Move the start to the nearest surface of the scene, and push against that surface. Returns false if the scene has no
+/// surface near the start. Realtime: yes (100 queries at most).
 bool placeOnSurface(PushSetup& setup) noexcept;
 
 /// Return a random time within a tick for the step of a run, as a share of the tick, uniform in [0, 1). Realtime: yes.
