@@ -3,6 +3,7 @@
 //   class MyWall {
 //    public:
 //     static constexpr bool kNeedsInertia = true;  // if needsInertia() of its renderers returns true
+//
 //     static const EnamelDescription& describe() noexcept;
 //     explicit MyWall(const enamel::PluginConfiguration& configuration);             // configure: throws Error
 //     std::unique_ptr<enamel::Renderer> activate(double period) const;               // throws Error

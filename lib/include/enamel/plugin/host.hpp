@@ -55,7 +55,7 @@ struct PluginSetup {
 };
 
 /// Make a renderer that runs in the plugin. It keeps the contract of Renderer. An output that is not finite becomes a
-/// fault. Throws PluginError if there is no memory or the plugin rejects the configuration. activate() throws
+/// fault. Throws PluginError if memory is exhausted or the plugin rejects the configuration. activate() throws
 /// PluginError with the plugin's reason. Realtime: no; step() and reset() if the plugin's are.
 std::unique_ptr<Renderer> makeRenderer(std::shared_ptr<const PluginLibrary> library, const PluginSetup& setup);
 

@@ -82,8 +82,8 @@ class LinkClient {
   /// Receive a datagram. Realtime: yes.
   void receive(const unsigned char* bytes, std::size_t size, std::int64_t now) noexcept;
 
-  /// Return the newest measurement. Status stale: there was none since the last call, or the server answers commands
-  /// older than `timeout`. While the server's watchdog acts, `enabled` is false. Realtime: yes.
+  /// Return the newest measurement. Status stale: nothing new arrived since the last call, or the server answers
+  /// commands older than `timeout`. While the server's watchdog acts, `enabled` is false. Realtime: yes.
   [[nodiscard]] Status measure(Measurement& measurement, std::int64_t now) noexcept;
 
   /// Write a call if one is due. Return its size, or 0. Realtime: yes.

@@ -78,8 +78,9 @@ class LoopBody {
   void stop() noexcept { stopping_ = true; }
   void reset() noexcept { reset_ = true; }
 
-  /// Return the last tick. The other functions return the age of commands, and counts of periods without a measurement
-  /// and of commands that actuate() refused. Realtime: yes.
+  /// Return the last tick. age() returns the ages of commands, held() the number of periods without a measurement.
+  /// unsent() returns the number of commands that actuate() refused, period() the period of the thread, s. Realtime:
+  /// yes.
   const LoopTick& tick() const noexcept { return tick_; }
 
   const DurationHistogram& age() const noexcept { return age_; }
@@ -125,7 +126,7 @@ class HapticLoop {
   /// Return whether the rendered part has ramped out after stop(). Realtime: yes.
   bool stopped() const noexcept { return stopped_.load(std::memory_order_acquire); }
 
-  /// Move latest() to the newest tick. Return false if there was none since the last call. Realtime: yes.
+  /// Move latest() to the newest tick. Return false if no tick was added since the last call. Realtime: yes.
   bool refresh() noexcept { return state_.refresh(); }
   const LoopTick& latest() const noexcept { return state_.latest(); }
 

@@ -84,7 +84,7 @@ class RecordingReader {
   std::uint64_t chunks() const noexcept { return chunks_; }
 
   /// Read chunk `number`. Return an empty text if it is complete, else what is wrong with it; `chunk` is then invalid.
-  /// Throws Error if there is no such number. Realtime: no.
+  /// Throws Error if the file does not have that chunk. Realtime: no.
   std::string read(std::uint64_t number, RecordedChunk& chunk);
 
  private:

@@ -21,8 +21,8 @@ class TripleBuffer {
     writer_ = middle_.exchange(fresh, std::memory_order_acq_rel) & kIndex;
   }
 
-  /// Move to the newest value. Return false if there was none since the last call. Threads: the reader's. Realtime:
-  /// yes.
+  /// Move to the newest value. Return false if nothing was published since the last call. Threads: the reader's.
+  /// Realtime: yes.
   bool refresh() noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
     reader_ = middle_.exchange(reader_, std::memory_order_acq_rel) & kIndex;

@@ -18,7 +18,7 @@ inline constexpr std::uint16_t kDevicePort = 46464;
 class UdpDevice final : public HapticDevice {
  public:
   /// Create the socket; send nothing yet. Throws Error as LinkClient, and if `host` cannot be found or no socket is
-  /// available. Throws Error also if `host` is another machine and there is no key. Realtime: no.
+  /// available. Throws Error also if `host` is another machine and the key is missing. Realtime: no.
   UdpDevice(const std::string& host, std::uint16_t port, const LinkOptions& options);
   ~UdpDevice() override;
   UdpDevice(const UdpDevice&) = delete;
@@ -28,8 +28,8 @@ class UdpDevice final : public HapticDevice {
   /// call per datagram, at most 64).
   [[nodiscard]] Status measure(Measurement& measurement) noexcept override;
 
-  /// Send a command. Status inactive: there is no session. Status stale: the datagram could not be sent. Realtime: yes
-  /// (one system call).
+  /// Send a command. Status inactive: the server has not answered yet, or the session has ended. Status stale: the
+  /// datagram could not be sent. Realtime: yes (one system call).
   [[nodiscard]] Status actuate(const Command& command) noexcept override;
 
   /// Return the counters of the link. Threads: any. Realtime: yes.
