@@ -1,5 +1,5 @@
-// Monte Carlo study of a wall ("A Position-Control Based Approach to Haptic Rendering of Stiff Objects", section V):
-// its runs, their statistics at each query point, and summaries of the whole wall.
+// Monte Carlo study of a wall ("A Position-Control Based Approach to Haptic Rendering of Stiff Objects", section V). It
+// has runs, their statistics at each query point, and summaries of the whole wall.
 #pragma once
 
 #include <array>
@@ -158,8 +158,8 @@ struct WallSummary {
   VerdictCounts verdicts{};                                           ///< first impacts of the other runs
   std::uint64_t faults = 0;
 
-  /// Return the number of runs with a step of force but without a first impact stiffness. stable() returns whether all
-  /// runs are neither lost nor unstable. Realtime: yes.
+  /// Return the number of runs with a step of force but without a first impact stiffness. stable() returns whether no
+  /// run was lost or unstable.
   int withoutFirst() const noexcept;
   bool stable() const noexcept {
     return failed == 0 && verdicts[static_cast<std::size_t>(FirstImpactVerdict::unstable)] == 0;
