@@ -4,12 +4,13 @@
 // the tool's material over the obstacle since it took hold. |f| is at most mu_s times the load (elasto-plastic model,
 // Hayward and Armstrong 2000).
 //
-// Slip: the contact slides while k |e| exceeds that bound. |f| is then at most mu_k times the load. e is limited to the
-// stretch that the spring can hold. The stored energy is therefore at most (mu load)^2 / (2 k).
+// Slip: the contact slides while k |e| exceeds that bound. The Coulomb part of |f| is then at most mu_k times the load.
+// The material's viscosity times the sliding speed adds to it. e is limited to the stretch that the spring can hold.
+// The stored energy is therefore at most (mu load)^2 / (2 k).
 //
 // Load: the larger of the normal force and its mean over about ten ticks. Encoder counts make a light push flicker
 // between zero and twice its force, and a light tool hop. A grip based on single ticks would creep. Over any time, the
-// sum of |f| is at most mu_s times the sum of the normal forces.
+// sum of the Coulomb part of |f| is at most mu_s times the sum of the normal forces.
 //
 // Off the surface, e is kept for about ten ticks, as long as the last normal forces would hold the contact. A contact
 // that is no longer near is forgotten.

@@ -30,8 +30,8 @@ enum class PassivityBound : std::uint8_t {
 /// PassivityBound::memory keeps E in layers of 40 um of the deepest contact's depth. The idea is that of Ryu and Yoon
 /// 2014, who store the force over the depth on the way in and stay below it on the way out. Here each layer stores
 /// energy, so a motion that turns within a layer is counted exactly. On the way out, the layer with the least energy
-/// for its part of the next motion determines the factor. When the tool has left a layer, its remaining energy is
-/// forgotten, and its debt is kept. All depths above 5.1 mm are one layer.
+/// for its part of the next motion determines the factor. When the tool has left a layer, the remaining energy of the
+/// layer is forgotten. A debt of the layer is kept. All depths above 5.1 mm are one layer.
 ///
 /// Without delay no contact returns energy. With delay, the observer sees the effect of a late torque only afterwards.
 /// The wall then returns nothing until its debt is paid. This bounds the energy but nothing else.

@@ -23,7 +23,7 @@ struct ReplayDifference {
 struct ReplayResult {
   std::uint64_t ticks = 0;      ///< ticks that were run and compared
   std::uint64_t different = 0;  ///< ticks that differ
-  std::uint64_t restored = 0;   ///< states taken from the recording, after gaps
+  std::uint64_t restored = 0;   ///< ticks whose state came from the recording: the first ones after gaps
   std::uint64_t lost = 0;       ///< ticks lost while recording
   std::uint64_t damaged = 0;    ///< chunks that could not be read
   std::string damage;           ///< what is wrong with the first of them

@@ -25,7 +25,7 @@ struct WallExpectation {
   double stiffness = 0.0;  ///< mean K_d, N/m
   double chatter = 0.0;    ///< largest chatter, N m or N
   double bounce = 0.0;     ///< largest bounce, m
-  /// Largest step of the hand without a lost run and without a depth of kSafeDepth or more, N.
+  /// Largest step of the hand that stays below kSafeDepth and loses no run, N.
   double safePush = 0.0;
   std::vector<DeviceChange> changes;  ///< most helpful first
 };

@@ -75,7 +75,7 @@ struct StudyRun {
 StudyRun runAt(const StudyPlan& plan, std::size_t index);
 
 /// Result of a run. `status` is ok, or the reason why the run ended early; the metrics are then missing. If the guard
-/// stopped the run (stopped), the metrics contain the verdict.
+/// stopped the run (stopped), the metrics contain only the verdict.
 struct StudyResult {
   StudyRun run;
   Status status = Status::ok;
@@ -112,7 +112,6 @@ struct PointStatistics {
   /// K_zs = 1 / |mean C_zs|, N/m. Empty if unresolved: |mean C_zs| is below two standard errors, fewer than two runs,
   /// or a run is unstable.
   std::optional<double> steadyStiffness;
-  ///< two standard errors, fewer than two runs, or one that is unstable
   Spread forceOverRms;        ///< F_c / rms depth, N/m
   Spread forceOver95;         ///< F_c / 95th percentile of the depth, N/m
   double largestDepth = 0.0;  ///< of all runs, m
