@@ -34,8 +34,9 @@ struct ReplayResult {
 };
 
 /// Run `tick` on the measurements of a recording, from chunk `from` on, and compare its outputs bit for bit. It
-/// compares requested torque, command, normal force, mode, status and the guard's reason. If the renderer's state has
-/// the recorded size, it also compares a hash of the state.
+/// compares requested torque, command, normal force, mode, status, saturation and the guard's reason. If the renderer's
+/// state has the recorded size, it also compares a hash of that state, and the whole state at the first tick of each
+/// chunk.
 ///
 /// - `tick` must be new, with the header's device, scene, start and guard options, and may have any renderer.
 /// - After a gap (lost ticks, damaged chunks, `from` above 0) the replay continues from the state in the chunk. A

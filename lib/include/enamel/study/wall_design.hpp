@@ -39,7 +39,8 @@ struct WallDesignSetup {
 };
 
 /// Return a device with the mass matrix `factor` times the true one. Its gravity torques are correct. Use it as a
-/// renderer's model of a plant. Throws Error if the mechanism is null or the factor outside 0.01 to 100. Realtime: no.
+/// renderer's model of a plant. Throws Error if the mechanism is null or the factor is outside 0.01 to 100. Realtime:
+/// no.
 std::shared_ptr<const Mechanism> withInertia(std::shared_ptr<const Mechanism> mechanism, double factor);
 
 /// Return the setup with forces that the motors can hold. One factor reduces all forces until the largest push is 0.3
@@ -67,8 +68,9 @@ struct WallScore {
 /// A function that makes a renderer. Several threads may call it at the same time.
 using MakeRenderer = std::function<std::unique_ptr<Renderer>()>;
 
-/// Evaluate a renderer. `trial` selects the random numbers. The result is the same to the bit for any `threads`. Throws
-/// Error if the plant or renderer is null, the points cannot be reached, or runs are outside 1 to 10 000. Realtime: no.
+/// Evaluate a renderer. `trial` selects the random numbers. The result does not depend on `threads`, bit for bit.
+/// Throws Error if the plant or renderer is null, the points cannot be reached, or runs are outside 1 to 10 000.
+/// Realtime: no.
 WallScore evaluateWall(const WallDesignSetup& setup, const MakeRenderer& make, std::uint32_t trial, int threads);
 
 /// An open number of a controller, and how the search varies it.

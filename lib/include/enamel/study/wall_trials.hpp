@@ -13,8 +13,8 @@
 namespace enamel {
 
 /// Setup of the trials: the wall z = 0 at the home pose. Joint angles are rounded to encoder counts, and rates are
-/// their differences over a tick. There is a hand but not a guard, so controllers run to the end. The hand keeps the
-/// TCP softly across the push (guidingWrench()) and trembles by white noise along it.
+/// their differences over a tick. The guard is off, so controllers run to the end. A hand keeps the TCP softly across
+/// the push (guidingWrench()) and trembles by white noise along it.
 struct WallTrialSetup {
   std::shared_ptr<const Mechanism> plant;
   std::shared_ptr<const Mechanism> model;  ///< mechanism that the renderer assumes
@@ -51,7 +51,7 @@ std::vector<std::string> wallTrialNames();
 ///   (firstImpactLimit()); largest distance above the rest; chatter (chatterOf(), last quarter of a second).
 /// - ramp: 1 N, then 10 N more in 50 ms. Figure: largest depth below the rest.
 /// - impact: thrown at 0.05, 0.2 and 0.5 m/s, then held with 1 N. Figures: depth over v t1 + m v^2 / (2 (F_max - 1 N));
-///   largest distance outside after the touch; how far outside v T + 20 um the tool was pushed before it.
+///   largest distance outside after the touch; how far outside v T + 20 um the tool was pushed before the touch.
 /// - release: 12 N change to a pull of 1 N at a random time within a tick. Figures: strongest pull of the wall; speed 1
 ///   mm outside, worst and mean. The speed is relative to a wall that releases t1 after a step at a sample.
 /// - slide: over walls tilted in ten directions, at 0.1 m/s under 10 N without friction. Figures: tangential over
