@@ -21,10 +21,9 @@ struct RiccatiSolution {
 ///
 /// 1. Balancing: a diagonal state transformation by powers of two (after Benner 2001).
 /// 2. Structure-preserving doubling (Chu, Fan, Lin and Wang 2004, eq. 2.13), at most 60 steps.
-/// 3. Newton's corrections (Kleinman 1968; Hewer 1971), at most 60. Each is a Stein equation, solved by Smith's
-/// doubling
-///    (1968). Their residual is computed in twice the working precision (Ogita, Rump and Oishi 2005). P is therefore
-///    accurate to the rounding of its entries, also if the equation is ill-conditioned.
+/// 3. Newton's corrections (Kleinman 1968; Hewer 1971), at most 60. Each is a Stein equation, solved by doubling
+///    (Smith 1968). Their residual is computed in twice the working precision (Ogita, Rump and Oishi 2005). P is
+///    therefore accurate to the rounding of its entries, also if the equation is ill-conditioned.
 /// 4. One correction of K with the digits of P that rounding removed.
 /// 5. Checks: the residual is small, P >= 0, and the closed loop is stable (a power of A - B K has a norm below one).
 ///

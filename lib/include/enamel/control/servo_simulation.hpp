@@ -9,8 +9,8 @@
 
 namespace enamel {
 
-/// Return the state [q'; q - q_op] one period later, under a constant joint torque and a constant wrench at the TCP
-/// (N, N m). The torque is relative to the operating point (N m).
+/// A function that returns the state [q'; q - q_op] one period later, under a constant joint torque and a constant
+/// wrench at the TCP (N, N m). The torque is relative to that of the operating point (N m).
 using SampledPlant = std::function<Eigen::VectorXd(const Eigen::VectorXd& y, const Eigen::VectorXd& torque,
                                                    const Eigen::VectorXd& wrench)>;
 
@@ -39,10 +39,12 @@ struct ServoTrace {
 /// 1e7 ticks. Realtime: no.
 ServoTrace simulateServo(const ServoDesign& design, const SampledPlant& plant, const ServoExperiment& experiment);
 
-/// Return the first impact stiffness K_z1 = F / D_z1 for a push of `force` (N) with ticks of `period` s, by
-/// ImpactMonitor
-/// ("A Position-Control Based Approach ...", section V-B). `normal`: z' = normal q'. NaN if the tool does not return.
-/// Throws DesignError: wrong sizes; a period that is not positive or gives more than 1e7 ticks a second. Realtime: no.
+/// Return the first impact stiffness K_z1 = F / D_z1 for a push of `force` (N), from ImpactMonitor ("A Position-Control
+/// Based Approach ...", section V-B). NaN if the tool does not return. Realtime: no.
+/// - `normal`: z' = normal q'.
+/// - `period` of the ticks, s.
+///
+/// Throws DesignError: wrong sizes; a period that is not positive or gives more than 1e7 ticks a second.
 double firstImpactStiffness(const ServoTrace& trace, const Eigen::RowVectorXd& normal, double force, double period);
 
 /// Return the largest standard deviation of a joint torque over the last `ticks`, N m. Throws DesignError: an empty
@@ -61,9 +63,8 @@ struct Requirement {
 
 /// Measure the requirements of Table II in a simulation of 1 s, with times interpolated between ticks. Realtime: no.
 /// - A reference step of 0.01 rad in each joint in turn: overshoot, rise time from 10 to 90 %, settling time to +-2 %.
-/// - A step of 10 N or 0.1 N m at the TCP along each axis in turn: deviation of the joints and, through the Jacobian,
-/// of
-///   the TCP.
+/// - A step of 10 N or 0.1 N m at the TCP along each axis in turn: deviation of the joints, and of the TCP through the
+///   Jacobian.
 ///
 /// Throws DesignError: wrong sizes; a period that is not positive or gives more than 1e7 ticks.
 std::vector<Requirement> measureRequirements(const ServoDesign& design, const SampledPlant& plant,
