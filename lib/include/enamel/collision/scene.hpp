@@ -23,8 +23,7 @@ struct Obstacle {
   Pose pose;                  ///< pose of the obstacle's frame in W
   Vec6 twist = Vec6::Zero();  ///< [v; w] of the obstacle's frame at its origin, axes of W, m/s and rad/s
   Material material;          ///< passed on to the contacts; a solid has a material for each layer
-  double thickness =
-      0.0;  ///< m; above 0: the mesh is the middle surface of a sheet of this thickness, without an inside
+  double thickness = 0.0;     ///< above 0: the mesh is the middle of a sheet of this thickness, without an inside, m
 };
 
 /// Limits of an obstacle: distance from the origin of W along each axis (m), speed (m/s), turn rate (rad/s).

@@ -9,8 +9,8 @@ namespace enamel {
 ///
 /// The method is the Pade approximant of degree 13 with scaling and squaring. The scaling follows from the norms of
 /// powers of A (Al-Mohy and Higham 2009, algorithm 5.1). This avoids too much scaling of a matrix that is far from
-/// normal. The squaring works on E = e^A - I, with E <- 2 E + E E. Slow modes therefore keep their digits beside fast
-/// ones.
+/// normal. The squaring works on E = e^A - I, with E <- 2 E + E E, so that slow modes keep their digits beside fast
+/// modes.
 ///
 /// Throws DesignError: A is not square or not finite; the result overflows. Realtime: no.
 Eigen::MatrixXd matrixExponential(const Eigen::MatrixXd& A);

@@ -7,8 +7,8 @@
 
 namespace enamel {
 
-/// First-in first-out queue for one producer and one consumer (Lamport 1983). The capacity is a power of two. T is
-/// copied.
+/// First-in first-out queue for one producer and one consumer (Lamport 1983). The capacity must be a power of two.
+/// Values are copied.
 template <typename T, std::size_t capacity>
 class SpscRing {
   static_assert(capacity >= 2 && (capacity & (capacity - 1)) == 0, "the capacity must be a power of two");

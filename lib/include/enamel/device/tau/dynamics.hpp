@@ -5,8 +5,8 @@
 //
 //   Lambda V' + h(V) + gravity = F + J^-T tau,   M(q) = J^T Lambda J.
 //
-// V = [v; w] and F = [f; m] are the twist and the wrench at the TCP in the axes of W. Rotor inertias act at the driven
-// joints.
+// V = [v; w] is the twist and F = [f; m] the wrench, both at the TCP and in the axes of W. The inertias of the rotors
+// act at the driven joints.
 //
 // Every function is noexcept, does not allocate, and may be called from any thread on a shared model. Configurations
 // must come from inverseKinematics() or forwardKinematics(), which never return a singular one.
