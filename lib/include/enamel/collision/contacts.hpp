@@ -46,8 +46,8 @@ inline constexpr double kFarthestTool = 1e7;
 /// Find all contacts with a gap of at most `margin` (m): the deepest first, then by obstacle, at most kMaxContacts.
 ///
 /// Sphere outside an obstacle: one contact at each local minimum of the distance |p - x| from its centre p to the
-/// surface. Minima with directions within 15 deg of each other count as one. In a solid this angle is 30 deg, and only
-/// gaps up to 0.2 mm give more than one contact.
+/// surface. Minima with directions within 15 deg of each other count as one. For a solid this limit is 30 deg, and if
+/// the smallest gap is above 0.2 mm, only the nearest place gives a contact.
 ///
 /// Sphere with its centre inside an obstacle: one contact, at the nearest surface point.
 ///
@@ -56,7 +56,8 @@ inline constexpr double kFarthestTool = 1e7;
 /// axis. With a mesh or a solid it is the point nearest to the surface, and only while both ends are outside.
 ///
 /// The obstacle's velocity at a contact is v + w x r. `cache` is null or comes from makeToolCache() of this scene and
-/// tool. It does not change the contacts if the meshes have a defined sign: signedDistance().
+/// tool. It does not change the contacts with meshes whose sign is defined (signedDistance()).
+///
 /// Statuses: notFinite (pose or margin); outOfRange (a position farther than kFarthestTool); those of checkTool().
 /// After an error `contacts` is empty. Realtime: yes. Threads: const scene, own cache.
 Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,

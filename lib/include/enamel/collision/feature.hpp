@@ -5,7 +5,7 @@
 
 namespace enamel {
 
-/// Kind of place of a point on a triangle or shape. Results add an index:
+/// Feature of a triangle or shape on which a point lies. Results add an index:
 /// - triangle: edge i joins the corners i and (i + 1) % 3; vertex i is corner i; a face has -1.
 /// - box: the sum of 3^k (1 + s_k) over the axes k = 0, 1, 2. s_k is the side of the box along axis k, -1 or 1. It is
 ///   0 if the feature extends along that axis.

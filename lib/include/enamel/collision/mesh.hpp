@@ -30,7 +30,7 @@ struct MeshReport {
   int flippedEdges = 0;         ///< two triangles use the edge in the same direction
   int nonManifoldVertices = 0;  ///< triangles at the vertex do not form one fan
   int components = 0;           ///< sets of triangles connected by edges
-  bool watertight = false;      ///< every edge is used equally often in both directions
+  bool watertight = false;      ///< every edge is used equally often in both directions, so a volume is enclosed
   bool inwards = false;         ///< watertight with a negative volume: normals point into the solid
   double volume = 0.0;          ///< enclosed volume, m^3; 0 if not watertight
   double area = 0.0;            ///< m^2

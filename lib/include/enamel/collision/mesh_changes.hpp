@@ -12,7 +12,7 @@ namespace enamel {
 
 /// All differences since the previous change. It contains values, so the reader does not need the model.
 struct MeshChange {
-  std::uint64_t revision = 0;               ///< number of edits that the change brings the mesh up to
+  std::uint64_t revision = 0;               ///< number of edits of the mesh, including those of this change
   std::vector<int> vertices;                ///< moved or added vertices, each once, in any order
   std::vector<Vec3> positions;              ///< their present positions, m
   std::vector<int> triangles;               ///< added, replaced or removed triangles, each once

@@ -51,7 +51,7 @@ bool isSound(const MeshModel& model) noexcept;
 /// Return the mesh without its removed triangles; the others keep their order. Realtime: no.
 TriangleMesh presentMesh(const MeshModel& model);
 
-/// Return one line about the mesh after all updates, and about the sign of its distances. Realtime: no.
+/// Return a description, in one line, of the mesh after all updates and of the sign of its distances. Realtime: no.
 std::string describe(const MeshModel& model);
 
 /// Memory of a query's result that makes the next query nearby faster. It never changes a result: results are

@@ -24,7 +24,7 @@ struct SceneFile {
   std::vector<std::shared_ptr<Solid>> solids;  ///< one for each obstacle, null for other shapes: for cuts
   std::optional<Bur> bur;                      ///< empty if the file has none
   std::vector<std::string> notes;              ///< warnings, one line each: unclear inside, unit, size of a cell
-  double maxForce = std::numeric_limits<double>::infinity();  ///< guard's limit of the rendered force, N
+  double maxForce = std::numeric_limits<double>::infinity();  ///< largest rendered force that a guard should allow, N
 };
 
 /// Read a scene file. Lengths are in m, angles in deg, and `euler_deg` (default 0) means R = Rz Ry Rx. Realtime: no.
@@ -46,8 +46,8 @@ struct SceneFile {
 /// - "mesh": `file` (relative to the scene file, or absolute), `unit` of its coordinates ("m", "mm" or "um"), optional
 ///   `scale` (default 1), `position` (of its origin) and `euler_deg`. With `thin = true` the mesh is a sheet with two
 ///   sides and no inside, with the key `thickness`.
-/// - "solid": the keys of a mesh, which must be closed, without `thin` and `thickness`; optional `cell` (default 1e-4);
-///   a list `layer` of tables.
+/// - "solid": the keys of a mesh without `thin` and `thickness`, optional `cell` (default 1e-4), and a list `layer` of
+///   tables. The mesh must be closed.
 ///
 /// Keys of a layer: `name`, `hardness` [Pa], optionally its material, and `depth` (default 0) or `file`. `file` is a
 /// mesh in the same coordinates at whose surface the layer begins.

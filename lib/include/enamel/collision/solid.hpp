@@ -40,9 +40,9 @@ using BrickSamples = std::array<float, kBrickSamples * kBrickSamples * kBrickSam
 /// Volume that a cut removed, m^3, for each layer.
 using RemovedVolume = std::array<double, kMaxSolidLayers>;
 
-/// A solid. Its surface is where the trilinear interpolation of the samples is 0. It lies in cells whose corners have
-/// both signs, and queries visit only these cells. Samples far from the surface therefore have no effect, and a cut
-/// leaves them unchanged.
+/// A solid that can be cut. Its surface is where the trilinear interpolation of the samples is 0. It lies in cells
+/// whose corners have both signs, and queries visit only these cells. Samples far from the surface therefore have no
+/// effect, and a cut leaves them unchanged.
 ///
 /// Let R be the least curvature radius of a smooth surface and h the size of a cell. Distances then have errors up to
 /// about h^2 / (4 R). Parts thinner than a cell may be lost.
@@ -117,8 +117,7 @@ class Solid {
   friend struct SolidQuery;
   struct Brick {
     BrickSamples samples;
-    std::array<std::uint8_t, kBrickCells * kBrickCells * kBrickCells>
-        layer;                                       // of the samples that belong to this brick only
+    std::array<std::uint8_t, kBrickCells * kBrickCells * kBrickCells> layer;  // of samples of this brick only
     std::array<std::uint64_t, kBrickCells> surface;  // bit x + 8 y of entry z: the cell contains surface
     std::array<std::int32_t, 3> place;               // position among the bricks
     std::uint64_t marked = 0;                        // last mark at which the brick was saved for undo

@@ -49,7 +49,8 @@ void forEachNeighbour(const Solid& solid, int brick, const Visit& visit) {
 /// Each cell is divided into six tetrahedra around a diagonal (Freudenthal 1942). Vertices are where the interpolation
 /// is 0 along their edges, and a sample of 0 is outside. Source: Doi and Koide, "An efficient method of triangulating
 /// equi-valued surfaces by using tetrahedral cells", 1991. Vertices keep a distance of 1 % of an edge from its ends, so
-/// that every triangle has an area. A triangle whose middle is more than 0.25 cells off the surface is divided there.
+/// that every triangle has an area. If the middle of a triangle is more than 0.25 cells off the surface, the triangle
+/// is split at a new vertex on the surface.
 TriangleMesh surfaceOf(const Solid& solid);
 
 }  // namespace enamel

@@ -36,8 +36,9 @@ struct Segment {
 
 /// Find the first touch of a capsule of `radius` (m) whose axis ends move straight from `from` to `to`.
 ///
-/// Each triangle within reach is approached in steps that its separating plane allows (conservative advancement,
-/// Mirtich 1996). No touch is missed. A triangle that is undecided after 256 steps counts as touched.
+/// The axis approaches each triangle within reach in steps. A plane that separates axis and triangle limits each step
+/// (conservative advancement, Mirtich 1996). No touch is missed. A triangle that is undecided after 256 steps counts as
+/// touched.
 ///
 /// The gap at the returned time is below 1e-15 of the sum of mesh, path and tool sizes, or below the rounding of their
 /// coordinates. The error of the time is this gap over the closing speed. It is 1e-12 of the path if the surface is met
