@@ -30,7 +30,7 @@ class FirstImpact {
   bool returned_ = false;
 };
 
-/// Result of the judgement of a push: it has a first impact stiffness, or the reason why not.
+/// Verdict on a push: it has a first impact stiffness, or the reason why not.
 enum class FirstImpactVerdict : std::uint8_t {
   measured,  ///< D_z1 and K_z1 are available
   noStep,    ///< the force does not rise at once
@@ -39,7 +39,7 @@ enum class FirstImpactVerdict : std::uint8_t {
   rings,
   slips,  ///< until its return the tool moves farther across the normal than along it
   /// The guard stopped the tool, or one of these holds from 0.5 s after the onset of a push of at least 0.75 s:
-  /// - the push rings, and the deviation of an eighth of a second grows tenfold from the first to the last;
+  /// - the push rings, and the depth's deviation in the last eighth of a second is over ten times that in the first;
   /// - more than half of the ticks are saturated;
   /// - a torque's standard deviation in the last eighth of a second is above a quarter of its motor's limit.
   unstable,

@@ -32,8 +32,8 @@ StateSpace augmentWithIntegrals(const StateSpace& plant);
 /// - `plant`: states [q'; q - q_op], rad/s and rad; inputs are torques relative to the operating point, N m.
 /// - `period` in s.
 ///
-/// Throws DesignError: as augmentWithIntegrals, zeroOrderHold and solveRiccati; a negative weight; a torque weight of
-/// zero.
+/// Throws DesignError: as augmentWithIntegrals, zeroOrderHold and solveRiccati; a weight that is negative or not
+/// finite; a torque weight of zero.
 ServoDesign designServo(const StateSpace& plant, double period, const ServoWeights& weights);
 
 /// A servo for commands that act `delay` samples after their measurement:
