@@ -7,8 +7,8 @@
 
 namespace enamel {
 
-/// Return a text in printable form for a message: one line, control characters as `\xNN`, and at most 2000 bytes. The
-/// middle of a longer text is left out.
+/// Return a text in printable form for a message: on one line, with control characters as `\xNN`. The middle of a text
+/// longer than 2000 bytes is left out.
 std::string printable(std::string_view text);
 
 /// Base of every exception that the library throws. Its message is always printable().
