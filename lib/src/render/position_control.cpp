@@ -18,7 +18,7 @@ namespace {
 constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
 constexpr double kModelError = 0.15;  // share of the force that the model misses: robustness against stiffness
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
-constexpr double kRepeats = 2.0;                                 // of the number of ticks in which a command acts
+constexpr double kRepeats = 2.0;                                 // deviations of the ticks in which a command acts
 constexpr double kStick = 0.5;  // of the stiffness along the surface: encoder steps that are felt against creep
 
 // Model of a person. A step has a deviation of 8 N, or a fifth of a weak device's largest force. The tremor is a
