@@ -51,8 +51,8 @@ Derivative differentiate(const Function& function, const VectorXd& at, Eigen::In
     for (std::size_t order = 1; order <= previous.size() && order < kOrders; ++order) {
       power *= 4.0;
       row.push_back(row[order - 1] + (row[order - 1] - previous[order - 1]) / (power - 1.0));
-      // After Ridders: the largest distance to the neighbours in the table, so that a lucky value does not pass for
-      // accuracy.
+      // After Ridders: the largest distance to the neighbours in the table, so that a lucky value does not count as
+      // accurate.
       ArrayXd error = (row[order] - row[order - 1]).abs().max((row[order] - previous[order - 1]).abs()).max(floor);
       if (order < previous.size()) error = error.max((row[order] - previous[order]).abs());
       const auto better = (error < best.error).eval();

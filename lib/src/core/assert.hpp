@@ -1,4 +1,4 @@
-// ENAMEL_ASSERT: an assumption of the developer, checked in Debug and in the CI preset (if NDEBUG is not set).
+// ENAMEL_ASSERT: check an assumption of the developer in Debug and in the CI preset (if NDEBUG is not set).
 #pragma once
 
 #include <cassert>

@@ -45,8 +45,7 @@ std::string readFile(const std::string& path, std::size_t most) {
 
 void checkNesting(std::string_view text, const std::string& file) {
   constexpr int kDeepest = 32;
-  constexpr std::size_t kManyValues = 1000, kLeastBytes = 4;  // least bytes of a value, which takes 16 to 64 bytes of
-                                                              // memory
+  constexpr std::size_t kManyValues = 1000, kLeastBytes = 4;  // bytes of a value, which takes 16 to 64 in memory
   std::size_t values = 0;
   int depth = 0, dots = 0, line = 1;
   const auto refuse = [&](const std::string& problem) {

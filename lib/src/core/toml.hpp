@@ -38,8 +38,7 @@ namespace enamel {
 class TomlTable {
  public:
   bool has(std::string_view key) const;
-  /// Return the line of a key or of a path such as "chain[0].link1.mass". If it is missing, the line of its closest
-  /// parent.
+  /// Return the line of a key or of a path such as "chain[0].link1.mass"; if it is missing, that of its closest parent.
   int line(std::string_view path) const;
 
   std::string text(std::string_view key);

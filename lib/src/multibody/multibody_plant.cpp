@@ -323,8 +323,7 @@ Status MultibodyPlant::advance(double time, double duration, const JointVector& 
     m.goesOn = false;  // until the tick is finished
     const double end = m.integrator->getTime() + duration;
     m.acting.timeAhead = time - m.integrator->getTime();
-    m.integrator->updAdvancedState().invalidateAllCacheAtOrAbove(SimTK::Stage::Dynamics);  // torque and load have
-                                                                                           // changed
+    m.integrator->updAdvancedState().invalidateAllCacheAtOrAbove(SimTK::Stage::Dynamics);  // new torque and load
     m.integrator->reinitialize(SimTK::Stage::Dynamics, false);
     while (m.integrator->getTime() < end)  // stop at the end of the tick: the next torque is unknown
       if (m.integrator->stepTo(end, end) == SimTK::Integrator::EndOfSimulation) return Status::notConverged;

@@ -17,8 +17,7 @@ namespace enamel {
 namespace conformance {
 namespace {
 
-// A path into the wall z = 0 and out again, three times, with a sideways motion. The applied torque is that of a device
-// at rest.
+// A path into the wall z = 0 and out again, three times, with a sideways motion. The motors hold the device's weight.
 std::vector<EnamelTickInput> pathThroughWall(const Mechanism& mechanism, const ConformanceOptions& options) {
   std::vector<EnamelTickInput> path(static_cast<std::size_t>(options.ticks));
   const Scene wall = flatWall();

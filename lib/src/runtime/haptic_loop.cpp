@@ -40,8 +40,8 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
   Status status = device_.measure(measurement_);
   for (bool isOver = false; status != Status::ok && !isOver;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    isOver = since(begin) >= options.firstMeasurement;  // checked before measuring, so that a delayed thread tries once
-                                                        // more
+    // Check the time before measuring, so that a delayed thread tries once more.
+    isOver = since(begin) >= options.firstMeasurement;
     status = device_.measure(measurement_);
   }
   if (status != Status::ok) {
@@ -60,7 +60,7 @@ LoopBody::~LoopBody() { device_.close(); }
 bool LoopBody::step() noexcept {
   const auto begin = Clock::now();
   const GuardOptions& guard = haptics_.guard().options();
-  // The first tick uses the constructor's measurement if there is no newer one.
+  // The first tick uses the constructor's measurement unless a newer one exists.
   Measurement fresh = measurement_;
   Status device = device_.measure(fresh);
   const bool fails = device != Status::ok && device != Status::stale;

@@ -116,8 +116,7 @@ struct DeviceServer::Server {
     if (socket >= 0) ::close(socket);
   }
 
-  // During a session the system drops datagrams from other addresses, so that a flood cannot displace the client's
-  // commands.
+  // During a session the system drops datagrams from other addresses. So a flood cannot displace the client's commands.
   void listen() noexcept {
     if (link.hasSession(clockNow()) == isConnected) return;
     sockaddr_in only = client;

@@ -13,8 +13,7 @@ namespace enamel {
 namespace {
 
 constexpr int kRuns = 12, kChangedRuns = 8, kSafeRuns = 3, kBisections = 5;
-constexpr double kAfterStep = 0.15, kWithChatter = 1.2;  // s: long enough for the depth; for the chatter of the last
-                                                         // second too
+constexpr double kAfterStep = 0.15, kWithChatter = 1.2;  // s: for the depth; for the last second's chatter too
 
 // A device and its loop.
 struct Loop {

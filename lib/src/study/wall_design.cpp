@@ -304,9 +304,7 @@ std::vector<WallScore> evaluateAll(const WallDesignSetup& setup, const std::vect
   if (setup.inertiaError > 0.0)
     for (const double sign : {-1.0, 1.0}) models.push_back(withInertia(setup.plant, 1.0 + sign * setup.inertiaError));
   const std::vector<Trial> trials = trialsOf(setup, trialNumber, models.size());
-  for (const Trial& trial : trials)
-    limitAt(setup, pointOf(setup, trial.point), trial.force);  // throws here, not in a
-                                                               // thread
+  for (const Trial& trial : trials) limitAt(setup, pointOf(setup, trial.point), trial.force);  // throws here
 
   std::vector<TrialResult> results(trials.size() * candidates.size());
   parallelFor(results.size(), threads, [&](std::size_t i) {
