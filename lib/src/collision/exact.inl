@@ -63,8 +63,8 @@ static inline void edgesOf(const Triangle* t, const double* p, double (*e)[3], d
   }
 }
 
-// Compare with the edges that have the point outside. `part` is the present location of `best`: kPartFace, or kPart01
-// if it has no location yet.
+// Try the edges with the point on their outer side. `part` is the present location of `best`: kPartFace, or kPart01 if
+// it has no location yet.
 static inline void tryEdges(const Triangle* t, const double (*e)[3], const double (*from)[3], const double* weight,
                             int32_t part, Candidate* best) {
   double u = 0.0;
@@ -119,7 +119,7 @@ static inline void closestOnThin(const Triangle* t, const double* p, Candidate* 
   tryEdges(t, e, from, outside, part, best);
 }
 
-// The foot point on the plane if it is inside; otherwise the nearest point of the edges that have the point outside.
+// The foot point on the plane if inside; otherwise the nearest point of the edges with the point on their outer side.
 static inline void closestOnTriangle(const Triangle* t, const double* p, Candidate* best) {
   best->overPlane = best->normalSquared = 0.0;
   if (isThin(t)) {

@@ -152,7 +152,7 @@ class Builder {
   }
 
   // Total area of all nodes below a part that takes up to `places` children of a node and is not a node itself. areas_
-  // has the least area if it may be a node.
+  // has the smaller of this and its area as a node.
   float areaOf(int binary, int places) const {
     const int ofLeft = placesOfLeft(binary, places);
     return areas_[tree_[binary].left][ofLeft - 1] + areas_[tree_[binary].right][places - ofLeft - 1];

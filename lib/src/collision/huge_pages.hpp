@@ -1,4 +1,4 @@
-// Memory for arrays with random access. Pages of 2 MB, if the system grants them, reduce page table misses.
+// Memory for arrays with random access. Pages of 2 MB, if the system grants them, reduce TLB misses.
 #pragma once
 
 #include <sys/mman.h>

@@ -10,8 +10,8 @@
 // Error of the float distances, with margin. At most 20 roundings of 2^-24 enter, of numbers up to |q|_1 + 2 extent. A
 // triangle that is represented by its edges alone is lower than 2^-20.
 constexpr double kBoundError = 0x1p-19;
-// Mesh sizes: at larger distances float boxes cannot separate triangles, and doubles take over. Their error, 64 *
-// 2^-19, is the size of a leaf of a mesh of 1e6 triangles.
+// Mesh sizes. Farther away float boxes cannot separate triangles, and doubles take over. The float error there is 64 *
+// 2^-19, the size of a leaf of a mesh of 1e6 triangles.
 constexpr double kFar = 64.0;
 constexpr double kHuge = 1e300;
 

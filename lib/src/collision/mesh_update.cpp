@@ -57,7 +57,7 @@ int trianglesOf(const MeshData& data, std::int32_t leaf, std::array<std::int32_t
   return count;
 }
 
-// Enlarge the boxes of a leaf, and of all nodes above, around its content.
+// Refit the boxes of a leaf, and of all nodes above, to its content.
 void refitLeaf(MeshData& data, std::int32_t leaf) {
   Parent at = data.leafParent[leaf];
   std::array<std::int32_t, kWidth> triangles{};

@@ -42,8 +42,7 @@ struct Plane {
   // fits the bur, all places are about equally near. q may move by `rise` to the plane, and its foot by `slide`.
   float least(float rise, float slide) const {
     const float ahead = std::max(distance - rise - (flatness < kSmooth ? 0.1f * flatness : flatness), 0.0f);
-    // the cell begins that far beside the point
-    const float aside = std::max(outside - slide - 0.5f - flatness, 0.0f);
+    const float aside = std::max(outside - slide - 0.5f - flatness, 0.0f);  // from the plane's point to the cell
     return std::sqrt(ahead * ahead + aside * aside);
   }
 };

@@ -13,10 +13,10 @@ using namespace kernel;
 
 namespace {
 
-constexpr double kFarthest = 1.0;  // above half its diagonal: a cell with surface has a place within that
+constexpr double kFarthest = 1.0;  // above half a diagonal: a cell with surface has a place so near its centre
 constexpr double kClose = 2.0 * kBrickCells;
 constexpr int kRounds = 8;    // of an axis and a patch
-constexpr double kFew = 4.0;  // shorter steps leave most of the way
+constexpr double kFew = 4.0;  // a first step shorter than 1 / kFew of the range goes to its end instead
 constexpr double kSameMinimum = 0.02;
 constexpr double kClear = 0.5;                         // farther away the offset from the surface gives its normal
 constexpr double kAligned = 0.9396926207859084;        // cos 20 deg

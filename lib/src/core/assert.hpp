@@ -1,4 +1,4 @@
-// ENAMEL_ASSERT: check an assumption of the developer in Debug and in the CI preset (if NDEBUG is not set).
+// ENAMEL_ASSERT checks an assumption of the developer. It is active without NDEBUG: in Debug and in the CI preset.
 #pragma once
 
 #include <cassert>

@@ -61,8 +61,7 @@ Vec3 FrictionMemory::force(const Contact& contact, const SurfaceMotion& slide, c
   const double stiffness = soft * gains.stiffness, damping = soft * gains.damping;
 
   const Vec3 lead = along(n, slide.predicted), velocity = along(n, slide.velocity);
-  // The mean load may exceed a weak tick's load only by what strong ticks saved. A hopping tool keeps its grip in the
-  // air.
+  // Strong ticks save budget for weak ones, so that a hopping tool keeps its grip until it lands.
   const double holds = normalForce > 0.0 ? std::min(std::max(load, normalForce), budget) : budget;
   // The spring decides whether the contact slides. The damper must not: it reacts to every encoder count.
   slides = stiffness * (stretch + lead).norm() > (slides ? material.slidingFriction : material.friction) * holds;

@@ -14,8 +14,7 @@ constexpr double kLeastForce = 1e-3;    // N; smaller forces count as zero
 constexpr double kLargestEnergy = 1e6;  // J
 constexpr double kLinkError = 0.2;      // share of the energy of rotors and cables
 constexpr double kLever = 0.05;         // m, lever that converts a moment to a force
-// Reported torque: filter time, s; least share of the commands' power; noise and maximum as shares of the motor's
-// limit.
+// Reported torque: filter time, s; least share of the commands' power; noise and maximum, of the motor's limit.
 constexpr double kReportTime = 0.01, kReportShare = 0.75, kReportNoise = 0.03, kLargestReport = 1.5;
 
 }  // namespace
@@ -54,8 +53,7 @@ int Guard::unlikelyJoint(const JointVector& applied) const noexcept {
 
 bool Guard::believes(const JointVector& applied) const noexcept { return unlikelyJoint(applied) < 0; }
 
-// Compare a report with the commands. The power is that of the oldest command, so a late report does not count as
-// missing.
+// Compare a report with the commands. The power is that of the oldest command: a late report is not a missing one.
 void Guard::compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept {
   State& s = state_;
   const double share = std::min(1.0, elapsed / kReportTime);

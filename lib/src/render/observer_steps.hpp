@@ -5,7 +5,7 @@
 
 namespace enamel {
 
-/// Gaussian equivalent of a rounded reading: it leaves the same mean and variance. Its likelihood is exp(-square / 2) /
+/// Gaussian equivalent of a rounded reading: it leaves the same mean and variance. The likelihood is exp(-square / 2) /
 /// volume, relative to a Gaussian reading of the same variance without innovation.
 struct Evidence {
   Lane innovation, variance, square, volume;

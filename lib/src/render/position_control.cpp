@@ -128,8 +128,7 @@ class PositionControlRenderer::ControllerOf final : public Controller {
 
   PositionControlOptions options_;
   int joints_, delay_;
-  // Variance of the number of ticks in which a command acts. One of delayHigh - delayLow + 1 commands acts in each
-  // tick.
+  // Variance of the number of ticks in which a command acts; one of delayHigh - delayLow + 1 commands acts in each.
   double chance_;
   double acts_;  // largest number of ticks in which a command acts, by kRepeats deviations
   Observer observer_;
@@ -495,7 +494,7 @@ double PositionControlRenderer::ControllerOf<kMech>::readingStep(const JointRow&
 
 // Largest force along a row of the modes that does not throw the tool out. The push must stop the outward motion within
 // the rebound: the distance that the push, at most a step of the hand, covers before an answer. Without a push the tool
-// leaves the wall within kGrowthTime. `speed`: outward, a tick after the command acts, without a force. `step`: of the
+// leaves the wall within kGrowthTime. `speed`: outward, a tick after the command acts, without force. `step`: of the
 // reading.
 template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row, double step,
@@ -582,8 +581,7 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
   return std::min(asked, most) / total;
 }
 
-// Friction torque at the contacts. Its limit uses the force that balances the hand's push; the commanded force
-// chatters.
+// Friction torque at the contacts. Its limit uses the force that balances the hand's push; the commanded one chatters.
 template <int kMech>
 JointRow PositionControlRenderer::ControllerOf<kMech>::frictionOf(const TickFrame& frame, const Ahead& a,
                                                                   const Target* targets, const Wall* walls, int count,

@@ -21,7 +21,7 @@ void forEachMatrix(AnyKinematics& k, const Visit& visit) {
   visit(k.inverseTransposed);
 }
 
-// Including the last command, the sample's time and age, the tick's time, and the guard's reason.
+// Size of a saved frame, with the last command, the sample's time and age, the tick's time, and the guard's reason.
 std::size_t frameSize(int joints) noexcept { return 18 + 16 * static_cast<std::size_t>(joints) + 4; }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace enamel {
 namespace {
 
-// All of them are positive or zero.
+// No value is negative, so the sum is zero only if all are zero.
 bool isPerfect(const Imperfections& i) noexcept {
   return i.currentBandwidth + i.torqueStep + i.torqueRipple + i.cogging + i.coulombFriction + i.cableStiffness +
              i.encoderOffset + i.lengthError + i.massError + i.jitter + i.lostSamples ==

@@ -8,8 +8,8 @@
 namespace enamel {
 namespace {
 
-// Dynamics of one chain in its frame (t, u, y) with the coordinates (a, b, w). The kinetic energy has three parts: link
-// 1 turns about the base, the knee carries link 2, and the rotors turn at a and b.
+// Dynamics of one chain in its frame (t, u, y) with the coordinates (a, b, w). The kinetic energy has three parts: that
+// of link 1, which turns about the base, of link 2, which the knee carries, and of the rotors at a and b.
 class ChainDynamics {
  public:
   ChainDynamics(const TauModel& model, const ChainModel& chain, const ChainConfiguration& c) noexcept
