@@ -10,7 +10,7 @@ namespace {
 constexpr double kLongestFrame = 0.1;                    // s: a newer pose belongs to a motion
 constexpr double kStretch = 1.2;                         // of a frame: how late the next one may be
 constexpr double kTwistError = 0.5;                      // share of the stated twist, or of the motion
-constexpr double kLeastSpeed = 1e-3, kLeastTurn = 0.02;  // m/s, rad/s: slower twists are not compared
+constexpr double kLeastSpeed = 1e-3, kLeastTurn = 0.02;  // m/s, rad/s: smaller differences do not count
 
 bool isSame(const Pose& a, const Pose& b) noexcept { return a.position == b.position && a.rotation == b.rotation; }
 
