@@ -1,12 +1,12 @@
-// The steps of PushObserver in which the time goes, compiled for more than one SIMD level.
+// Hot loops of PushObserver, compiled for several SIMD levels.
 #pragma once
 
 #include "render/push_observer.hpp"
 
 namespace enamel {
 
-/// What a rounded reading says, as one with Gaussian noise that leaves the same mean and variance. Its likelihood is
-/// exp(-square / 2) / volume, over that of a Gaussian reading of the same variance that was expected exactly.
+/// Gaussian equivalent of a rounded reading: it leaves the same mean and variance. The likelihood is exp(-square / 2) /
+/// volume, relative to a Gaussian reading of the same variance without innovation.
 struct Evidence {
   Lane innovation, variance, square, volume;
 };

@@ -1,9 +1,9 @@
-// The steps of PushObserver in which the time goes, over all modes side by side. Included once for each SIMD level, in
-// an anonymous namespace. No product is fused with a sum: all levels give the same bits.
+// Hot loops of PushObserver over all modes in parallel. Included once for each SIMD level, in an anonymous namespace.
+// No product is fused with a sum, so that all levels give the same bits.
 
-// e^x for x <= 0, to 1e-9: 2^n and a polynomial.
+// Return e^x for x <= 0, accurate to 1e-9, as 2^n times a polynomial.
 inline double exponentialOf(double x) noexcept {
-  constexpr double kRound = 6755399441055744.0, kLn2 = 0.69314718055994531;  // 1.5 2^52: the last bits become n
+  constexpr double kRound = 6755399441055744.0, kLn2 = 0.69314718055994531;  // 1.5 2^52 moves n into the last bits
   const double shifted = std::max(x, -700.0) * (1.0 / kLn2) + kRound;
   const double f = std::max(x, -700.0) - (shifted - kRound) * kLn2;
   std::int64_t bits;
@@ -12,11 +12,12 @@ inline double exponentialOf(double x) noexcept {
   double power;
   std::memcpy(&power, &bits, sizeof power);
   const double p =
-      1.0 + f * (1.0 + f / 2.0 * (1.0 + f / 3.0 * (1.0 + f / 4.0 * (1.0 + f / 5.0 * (1.0 + f / 6.0 * (1.0 + f / 7.0))))));
+      1.0 +
+      f * (1.0 + f / 2.0 * (1.0 + f / 3.0 * (1.0 + f / 4.0 * (1.0 + f / 5.0 * (1.0 + f / 6.0 * (1.0 + f / 7.0))))));
   return power * p;
 }
 
-// The normal distribution's tail over its density (Mills' ratio) for t >= 0, to 4e-8: a rational function fitted to it.
+// Tail of the normal distribution over its density (Mills' ratio) for t >= 0: a fitted rational function, good to 4e-8.
 inline double tailOverDensity(double t) noexcept {
   const double above = 92.2835971468 + t * (86.6668246159 + t * (38.2572925158 + t * (9.04015486331 + t)));
   const double below =
@@ -35,7 +36,7 @@ struct Steps {
                        kScale = Observer::kScale, kStates = Observer::kStates, kFree = kMech + 3;
   static constexpr int at(int i, int j) { return Observer::at(i, j); }
 
-  // How the mechanical states after a tick change with ln(mass), where it `matters` (1, else 0).
+  // Derivatives of the mechanical states after a tick by ln(mass), in the modes where it `matters` (1, else 0).
   static void slopes(const Model& m, const double* command, const double* matters, const States& x,
                      double (&slope)[kMech][kLanes]) noexcept {
     for (int i = 0; i < kMech; ++i) {
@@ -46,7 +47,7 @@ struct Steps {
     }
   }
 
-  // States after a tick, ln(mass) off the model's by x[kScale] - scale.
+  // States after a tick. Their ln(mass) differs from the model's by x[kScale] - scale.
   static void carry(const Model& m, const double* command, const double* matters, double scale, States& x) noexcept {
     double slope[kMech][kLanes];
     slopes(m, command, matters, x, slope);
@@ -70,7 +71,7 @@ struct Steps {
     }
   }
 
-  // x and P after a tick: P is G P G^T + Q with G the transition, its column of ln(mass) by the slopes.
+  // x and P after a tick: P becomes G P G^T + Q with the transition G. Its column for ln(mass) is given by the slopes.
   static void predict(const Model& m, const double* command, const double* matters, double scale, const Pairs& Q,
                       States& x, Pairs& P) noexcept {
     const double em = m.lagKept, eg = m.growthKept, cg = m.growthSum;
@@ -114,9 +115,9 @@ struct Steps {
     move(m, command, slope, scale, x);
   }
 
-  // What a reading says that differs by `innovation` from what was expected with the variance `expected`. With
-  // z = (true - expected) / d, d^2 the variance of all that is Gaussian, z is within [l, u]: the moments of a truncated
-  // Gaussian, from the side on which its mean is.
+  // Weigh a reading that differs from its prediction by `innovation`; the prediction has the variance `expected`. d^2
+  // is the variance of all Gaussian parts, and z = (true - expected) / d is within [l, u]. The result has the moments
+  // of this truncated Gaussian, computed from the end that is nearer to the Gaussian's mean.
   static void weigh(const double* innovation, const double* expected, const double* variance, const double* largest,
                     Evidence& seen) noexcept {
     constexpr double kNarrow = 0.1, kFar = 30.0, kRootTwoPi = 2.5066282746310002;
@@ -126,7 +127,7 @@ struct Steps {
       const double centre = std::abs(innovation[k]) / d, l = centre - 0.5 * width, u = centre + 0.5 * width;
       const double atL = exponentialOf(-0.5 * l * l) / kRootTwoPi, ratio = exponentialOf(-centre * width);
       const double tailL = tailOverDensity(std::abs(l)), tailU = ratio * tailOverDensity(std::abs(u));
-      const double inside = l > 0.0 ? tailL - tailU : 1.0 - atL * (tailL + tailU);  // its share, over the density at l
+      const double inside = l > 0.0 ? tailL - tailU : 1.0 - atL * (tailL + tailU);  // share inside / density at l
       const double density = (l > 0.0 ? 1.0 : atL) / inside;
       const double mean = density * (1.0 - ratio), shrinks = mean * mean - density * (l - u * ratio);
       const double as = gaussian / std::min(std::max(shrinks, 1e-9), 1.0);
@@ -139,7 +140,7 @@ struct Steps {
     }
   }
 
-  // The gains of a reading of state `read`, its column of P before, and P after. They teach of the mass as well.
+  // Gains of a reading of state `read`, its column of P before, and P after. Readings also correct the mass.
   static void correct(const double* variance, int read, Pairs& P, States& column, States& gain) noexcept {
     for (int i = 0; i < kStates; ++i)
       for (int k = 0; k < kLanes; ++k) {
@@ -151,7 +152,7 @@ struct Steps {
         for (int k = 0; k < kLanes; ++k) P[at(i, j)][k] -= gain[i][k] * column[j][k];
   }
 
-  // Adds to P the share of a hypothesis with states x about the mean, and a jump along g whose size has the variance v.
+  // Add to P the share of a hypothesis with states x around the mean, and of its jump along g with size variance v.
   static void gather(const States& x, const States& g, const Lane& v, const States& mean, double share,
                      Pairs& P) noexcept {
     double away[kStates][kLanes], jump[kStates][kLanes];

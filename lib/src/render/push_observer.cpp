@@ -9,14 +9,14 @@
 namespace enamel {
 namespace {
 
-constexpr double kJumpRate = 1.0;                           // steps of the hand a second
-constexpr double kLeastForce = 0.1;                         // of a step: the model lacks its share of at least that
-constexpr double kScaleWander = 0.03;                       // of ln(mass), in a root second
-constexpr double kMostScale = 0.5;                          // of ln(mass)
-constexpr double kRefreshed = 2e-3;                         // of ln(inertia)
+constexpr double kJumpRate = 1.0;                           // steps of the hand per second
+constexpr double kLeastForce = 0.1;                         // share of a step: smallest force for the model error
+constexpr double kScaleWander = 0.03;                       // deviation of ln(mass) per root second
+constexpr double kMostScale = 0.5;                          // limit of ln(mass)
+constexpr double kRefreshed = 2e-3;                         // change of ln(inertia) that updates the model
 constexpr double kForgotten = -40.0, kLeastWeight = -60.0;  // logarithms
 
-// Deviation of the growth of a push that begins with a step.
+// Standard deviation of the growth of a push that begins with a step.
 double growthOf(double step) noexcept { return 0.7 / kGrowthTime * step; }
 
 template <int kMech>
@@ -40,7 +40,7 @@ const ObserverSteps<kMech>& steps() noexcept {
 
 template <int kMech>
 PushObserver<kMech>::PushObserver(const ModeData& data) : data_(data), table_(modeTableOf<kMech>(data)), model_{} {
-  (void)steps<kMech>();  // looks at the processor here, not in a tick
+  (void)steps<kMech>();  // detects the processor now, not in a tick
   model_.lagKept = std::exp(-lagOf(data.drive) * data.period);
   model_.growthKept = std::exp(-data.period / kGrowthTime);
   model_.growthSum = kGrowthTime * (1.0 - model_.growthKept);
@@ -83,7 +83,7 @@ void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rat
   Pairs P = {};
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     const double growth = kGrowthOfStep * s.step[k], speed = s.step[k] * kGrowthTime / s.inertia[k];
-    // The push that would have made the rate within a tick.
+    // The push that would have caused the rate within a tick.
     const double push = (rate[k] - h.x[kMech - 1][k]) * (s.inertia[k] + data_.drive.rotorInertia) / data_.period;
     for (int i = 0; i < kMech; i += 2) {
       h.x[i][k] = reading[k];
@@ -111,7 +111,7 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
     const double wanted = s.inertia[k] * whole;
     if (std::abs(wanted - s.used[k]) < kRefreshed * wanted) continue;
     s.used[k] = wanted;
-    // A push is known by what it does: its share of the mass goes with it.
+    // A push is known by the acceleration that it causes, so it scales with the mass.
     const double ratio = std::exp(s.scale - s.usedScale[k]);
     s.usedScale[k] = s.scale;
     const auto grows = [&](int i) { return i == kPush || i == kGrowth ? ratio : 1.0; };
@@ -157,14 +157,14 @@ void PushObserver<kMech>::predict(State& s, const Lane& command) const noexcept 
   using Table = ModeTable<kMech>;
   const auto& value = model_.value;
   const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
-  // Process noise. What the model lacks scales with what accelerates the device; where it also stretches cables, with
-  // the force itself: that keeps the margin of the controller to a wrong resonance (loop transfer recovery).
+  // Process noise. The model error scales with the force that accelerates the device. With cables it also scales with
+  // the force itself, which keeps the controller's margin to a wrong resonance (loop transfer recovery).
   Lane rotor{}, link{}, growth{}, matters{};
   for (int k = 0; k < modes; ++k) {
     const double push = s.mean[kPush][k], net = std::abs(command[k] + push);
     double force = std::max(net, kLeastForce * s.step[k]);
-    // The rounding of encoders is not a noise that many readings average out: where what is not known of the mass moves
-    // a mode by less than the rounding in a tick, the mass is taken as known.
+    // Averaging readings does not remove the rounding of encoders. So the mass counts as known if its uncertainty moves
+    // the mode by less than the rounding in a tick.
     const double moves = 0.5 * net * data_.period * data_.period / (s.used[k] + data_.drive.rotorInertia);
     matters[k] = moves * moves * s.scaleVariance > s.readingVariance[k] ? 1.0 : 0.0;
     if (kMech == 4) force = std::max({force, std::abs(command[k]), std::abs(push)});
@@ -242,7 +242,7 @@ void PushObserver<kMech>::correct(State& s, const Lane& reading) const noexcept 
     Hypothesis& h = s.part[p];
     Lane e{}, expected, jumped{};
     for (int k = 0; k < kLanes; ++k) {
-      jumped[k] = h.v[k] * h.g[read][k];  // none of the first
+      jumped[k] = h.v[k] * h.g[read][k];  // zero in the first hypothesis
       expected[k] = (p == 0 ? s.P[at(read, read)][k] : column[read][k]) + jumped[k] * h.g[read][k];
       e[k] = k < modes ? reading[k] - h.x[read][k] : 0.0;
     }
@@ -319,8 +319,8 @@ void PushObserver<kMech>::merge(State& s) const noexcept {
     for (int i = 0; i < kStates; ++i)
       for (int k = 0; k < kLanes; ++k) s.mean[i][k] += s.weight[p] * s.part[p].x[i][k];
   }
-  // One mass for all modes, by what each knows of it beyond the prior. The same unknown force of the hand disturbs all
-  // of them, so they are not independent: their information is averaged (Julier and Uhlmann 1997).
+  // One mass for all modes, weighted by the information that each gained over the prior. The same unknown force of the
+  // hand disturbs all modes. So they are not independent, and their information is averaged (Julier and Uhlmann 1997).
   constexpr double kPrior = 1.0 / (kScalePrior * kScalePrior);
   double sum = 0.0, squares = 0.0, weighted = 0.0;
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
