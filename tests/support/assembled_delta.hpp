@@ -15,7 +15,8 @@ class AssembledDelta {
  public:
   /// Five joints per leg (base, elbow, bar, other bar, far crossbar on the first bar), then the platform's twist.
   static constexpr int kCoordinates = 21;
-  /// Per leg: far end of the other bar on the far crossbar (3), platform joint (3), its axis (2). 6 of 24 are redundant.
+  /// Per leg: far end of the other bar on the far crossbar (3), platform joint (3), its axis (2). 6 of 24 are
+  /// redundant.
   static constexpr int kClosures = 24;
 
   /// `q` and `position` must match; closureError() returns the mismatch. `extraInertia` is a tensor of the platform
