@@ -95,8 +95,8 @@ TEST_CASE("a mesh has few nodes, and no memory for more", "[unit]") {
     const auto isExact = [](const auto& vector) { return vector.capacity() == vector.size(); };
     CHECK((isExact(data.nodes) && isExact(data.boxes) && isExact(data.nodeParent)));
     CHECK((isExact(data.leaves) && isExact(data.leafParent) && isExact(data.triangles)));
-    // Each node but the first, and each leaf, takes one of a node's kWidth places. Splitting by least area fills more
-    // than half of them.
+    // Each node but the first, and each leaf, takes one of a node's kWidth places. The tree of least area
+    // fills more than half of them.
     const std::size_t places = kernel::kWidth - 1, least = (data.leaves.size() - 1 + places - 1) / places;
     CHECK(data.nodes.size() <= std::max<std::size_t>(1, 2 * least));
   }

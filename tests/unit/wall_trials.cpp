@@ -121,7 +121,7 @@ std::vector<WallFigure> impacts(int delay) {
   return runWallTrials(setup, "impact", 2);
 }
 
-// Before the age of a jump was considered above 1.5 ticks, one impact in a hundred was thrown back by up to 1 mm with 3
+// When ages of a jump above 1.5 ticks were not considered, one impact in a hundred was thrown back by up to 1 mm with 3
 // ticks of delay.
 TEST_CASE("no impact is thrown back", "[wall_trials]") {
   for (const int delay : {0, 3})
