@@ -1,4 +1,4 @@
-// The observer's steps: what a rounded reading says, and that all SIMD levels give the same bits.
+// The observer's steps: the information in a rounded reading, and the same bits on all SIMD levels.
 #include "render/observer_steps.hpp"
 
 #include <cmath>
@@ -11,8 +11,8 @@
 namespace enamel::test_observer_steps {
 namespace {
 
-// Mean and variance of x after a reading, and the reading's density, by the trapezoidal rule: x is N(0, P), the reading
-// x + u + g with u uniform over `largest` and g Gaussian with the rest of the variance.
+// Mean and variance of x after a reading, and the reading's density, by the trapezoidal rule. x is N(0, P); the reading
+// is x + u + g with u uniform over `largest` and g Gaussian with the rest of the variance.
 struct Posterior {
   double mean, variance, density;
 };
@@ -41,13 +41,13 @@ void fill(test::Random& random, double* begin, std::size_t count) {
 }  // namespace
 
 TEST_CASE("a rounded reading leaves the moments of the cut Gaussian, and has its likelihood", "[observer_steps]") {
-  for (const double share : {0.0025, 0.2, 0.7, 1.0})  // of the variance, by the largest step
+  for (const double share : {0.0025, 0.2, 0.7, 1.0})  // part of the variance due to the largest step
     for (const double P : {0.03, 0.5, 4.0, 60.0})
       for (const double innovation : {0.0, 0.4, -1.5, 3.0, 6.0}) {
         const double variance = 1.0, largest = std::sqrt(12.0 * share);
         INFO("share " << share << ", expected variance " << P << ", innovation " << innovation);
         const Posterior wanted = posteriorOf(innovation, P, variance, largest);
-        if (!(wanted.density > 1e-12)) continue;  // cannot be
+        if (!(wanted.density > 1e-12)) continue;  // impossible reading
         Lane e, expected, all, step;
         e.fill(innovation);
         expected.fill(P);
