@@ -1,7 +1,11 @@
-# `cpack` in a build folder makes Debian packages, one an install component: who builds programs takes enamel-dev, who
-# pushes and judges takes enamel, who looks takes enamel-viewer, who reads takes enamel-doc. The libraries are static: a
-# program keeps the version that it was tested with, and the only binary interface is that of plugins
-# (enamel/plugin/abi.h).
+# `cpack` in a build folder makes Debian packages, one for each install component:
+# - enamel-dev: to build programs;
+# - enamel: the command-line tool, to push and compare;
+# - enamel-viewer: the viewer;
+# - enamel-doc: pages and examples;
+# - enamel-data: devices, scenes, meshes and servos.
+# The libraries are static: a program keeps the version with which it was tested. The only binary interface is that of
+# plugins (enamel/plugin/abi.h).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME enamel)
 set(CPACK_PACKAGE_CONTACT "The authors of Enamel")
@@ -41,7 +45,7 @@ set(CPACK_DEBIAN_ENAMEL-DATA_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_ENAMEL-DOC_PACKAGE_ARCHITECTURE all)
 include(CPack)
 
-# pkg-config, for who builds without CMake: one file a component, relocatable with its folder.
+# pkg-config files for builds without CMake: one for each component, relocatable with its folder.
 # enamel_pkg_config(<component> <libraries in the order of the linker> <required> <further flags of the linker>)
 function(enamel_pkg_config component libraries requires flags)
   list(TRANSFORM libraries PREPEND -lenamel_)

@@ -1,5 +1,5 @@
-# enamel_add_plugin(<target> <sources>...): a renderer plugin, <target>.so. Only enamel_plugin() is exported: everything
-# else, also from static libraries and templates of the standard library, stays inside.
+# enamel_add_plugin(<target> <sources>...): add a renderer plugin, <target>.so. It exports enamel_plugin() only. All
+# other symbols remain inside, also those of static libraries and of templates of the standard library.
 set(ENAMEL_PLUGIN_EXPORTS ${CMAKE_CURRENT_LIST_DIR}/plugin.exports)
 
 function(enamel_add_plugin target)
@@ -8,6 +8,6 @@ function(enamel_add_plugin target)
     C_VISIBILITY_PRESET hidden CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
     LINK_DEPENDS ${ENAMEL_PLUGIN_EXPORTS})
   target_link_libraries(${target} PRIVATE enamel::abi m)
-  # A symbol that is missing is refused here, not by the host.
+  # Report a missing symbol here rather than in the host.
   target_link_options(${target} PRIVATE -Wl,--version-script=${ENAMEL_PLUGIN_EXPORTS} -Wl,--no-undefined)
 endfunction()

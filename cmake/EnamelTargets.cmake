@@ -1,15 +1,15 @@
-# How every target of this project is compiled, and the two functions that make them.
+# Compile options of all targets of this project, and the functions that make them.
 
 add_library(enamel_compile_options INTERFACE)
 target_compile_features(enamel_compile_options INTERFACE cxx_std_17)
-# One rounding of every product and sum, whatever the target machine: the same bits everywhere.
+# Round every product and sum separately (no FMA contraction): all machines give the same bits.
 target_compile_options(enamel_compile_options INTERFACE
   -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wconversion
   -Wno-sign-conversion $<$<BOOL:${ENAMEL_WARNINGS_AS_ERRORS}>:-Werror>)
 if(ENAMEL_SANITIZE)
-  # Checks of every pointer double the time of compiling Eigen's templates: an access by a bad one is caught by its
-  # address. A target with the property ENAMEL_PLAIN is not instrumented: it cannot say so by an option of its own, these
-  # come after it.
+  # Checks of every pointer double the compile time of Eigen's templates. The address sanitizer finds accesses through
+  # bad pointers without them. A target with the property ENAMEL_PLAIN is not instrumented. It needs a property,
+  # because its own options come before these.
   string(REPLACE "," "$<COMMA>" sanitizers "${ENAMEL_SANITIZE}")
   string(REPLACE "," "$<COMMA>" unchecked "null,alignment,object-size,pointer-overflow,vptr")
   target_compile_options(enamel_compile_options INTERFACE -fno-omit-frame-pointer
@@ -19,11 +19,11 @@ endif()
 
 option(ENAMEL_PRECOMPILED_HEADERS "Parse Eigen once for each kind of target instead of once a file" OFF)
 
-# enamel_own_headers(<name> <header>...): a target that parses the headers once; give it the includes and definitions of
-# those that reuse them. enamel_reuse_headers(<target> <name>): a target that starts from them. Only headers of bare
-# templates pay: what a header instantiates itself (nlohmann-json, CLI11) is compiled again in every file. A build
-# without precompiled headers, file by file (the dev preset; the others join them), checks that every file includes what
-# it uses.
+# enamel_own_headers(<name> <header>...): add a target that parses the headers once. It needs the include folders and
+# definitions of the targets that reuse them. enamel_reuse_headers(<target> <name>): let a target start from these
+# headers. Only headers of pure templates save time: the code that a header instantiates itself (nlohmann-json, CLI11)
+# is compiled in every file again. A build without precompiled headers and without joined files (the dev preset)
+# checks that every file includes what it uses.
 function(enamel_own_headers name)
   file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp CONTENT "")
   add_library(${name} OBJECT EXCLUDE_FROM_ALL ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
@@ -34,15 +34,16 @@ function(enamel_own_headers name)
   endif()
 endfunction()
 function(enamel_reuse_headers target name)
-  get_target_property(relocatable ${name} POSITION_INDEPENDENT_CODE)  # or the headers do not fit
+  get_target_property(relocatable ${name} POSITION_INDEPENDENT_CODE)  # must be equal, or the headers do not fit
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ${relocatable})
   if(ENAMEL_PRECOMPILED_HEADERS)
     target_precompile_headers(${target} REUSE_FROM ${name})
   endif()
 endfunction()
 
-# enamel_add_module(<name> COMPONENT <component> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>]): one static library
-# a module of lib/, target enamel::<name>, installed and exported with its component of the package.
+# enamel_add_module(<name> COMPONENT <component> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>]): add the
+# static library of a module in lib/. Its target is enamel::<name>. It is installed and exported with its component of
+# the package.
 function(enamel_add_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "COMPONENT" "SOURCES;PUBLIC;PRIVATE")
   set(target enamel_${name})

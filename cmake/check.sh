@@ -1,8 +1,8 @@
 #!/bin/sh
-# Installs what is missing, builds, runs every test: optimised with assertions by GCC, with sanitizers by Clang, the
-# threads with theirs. GCC at -O3 and Clang at -O1 must give the same bits. `check.sh --long` runs the full counts
+# Installs missing packages, builds, and runs every test: optimised with assertions by GCC, with sanitizers by Clang, and
+# with the thread sanitizer. GCC at -O3 and Clang at -O1 must give the same bits. `check.sh --long` runs the full counts
 # (millions of poses, soaks), compares the bits of the Debug build too, and attacks every surface (tests/attack). The
-# optimised tests run beside all that is sanitized: many of them wait, for windows and for time.
+# optimised tests run concurrently with the sanitized ones, because many of them wait for windows or for time.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh
@@ -33,14 +33,14 @@ build() { # preset and further options of the configuration, --, targets
   cmake --build --preset "$preset" ${1:+--target "$@"}
 }
 
-finish() { # waits for the tests that are under way
+finish() { # waits for running tests
   wait "$running" || { running=; cat "$folder/tests"; say "$tests: failed"; exit 1; }
   running=
   sed -n '/tests passed/,$p' "$folder/tests"
   say "$tests: passed"
 }
 
-start() { # name, arguments of ctest: runs beside what follows
+start() { # name, arguments of ctest: runs in the background
   tests=$1; shift
   say "$tests"
   ctest "$@" >"$folder/tests" 2>&1 &

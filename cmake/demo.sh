@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what is missing, builds, pushes a tool against a stiff wall with every renderer, repeats that all over the wall,
-# and opens the viewer to do the same by hand; where there is no display, the viewer records the push.
+# Installs missing packages, builds, pushes a tool against a stiff wall with every renderer, and repeats that over the
+# wall. Then it opens the viewer for the same by hand; without a display, the viewer records the push.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/packages.sh

@@ -1,20 +1,20 @@
-# Sourced by demo.sh and check.sh: installs the Debian packages that are missing, and says which.
+# Sourced by demo.sh and check.sh: installs missing Debian packages and prints their names.
 
 packages="g++ cmake ninja-build libeigen3-dev libopenmesh-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtbb-dev catch2"
-# The viewer: without these, everything else is built all the same. VTK is 400 MB of download: a step of its own.
+# The viewer: everything else can be built without these. VTK is a download of 400 MB, and therefore a separate step.
 viewer_packages="libglfw3-dev libglm-dev libglew-dev libimgui-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri \
 pkg-config fonts-roboto-unhinted xvfb"
 vtk_packages="libvtk9-dev"
-multibody_packages="libsimbody-dev"  # a second engine: enamel push --plant multibody
+multibody_packages="libsimbody-dev"  # a second physics engine: enamel push --plant multibody
 python_packages="python3-dev pybind11-dev python3-numpy"
 fmi_packages="libzip-dev libpugixml-dev"  # units of FMI: enamel fmu, --plant FILE.fmu
 sound_packages="libopenal-dev"
 page_packages="libjs-three zlib1g-dev"  # enamel replay --html
-person_packages="xdotool libx11-dev"  # tests: real keys and clicks, files that are dropped
+person_packages="xdotool libx11-dev"  # tests: real keys and clicks, dropped files
 
 is_installed() { dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'install ok installed'; }
 
-# Installs what is missing of the packages named; fails with the last lines of apt-get where that does not work.
+# Installs those of the named packages that are missing. On failure it prints the last lines of apt-get.
 install_step() {
   missing=
   for package in "$@"; do

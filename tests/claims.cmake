@@ -1,8 +1,9 @@
-# Measures again what the pages say, and tells which sentences are no longer true:
+# Measures the numbers of the pages again, and reports the sentences that are no longer true:
 #   cmake -DBUILD=build/release -P tests/claims.cmake
-# A claim is a sentence of a page, the command that shows it, where its number stands in what that prints, and within
-# what it must lie. Figures of a run are the same on every machine; times are given a factor of two, ratios that of the
-# sentence. Some two minutes; nothing else should run beside it.
+# A claim consists of a sentence of a page, the command that measures it, a pattern for the number in the command's
+# output, and the allowed range. Results of simulations are equal on every machine. Times have a tolerance of a factor
+# of two; ratios have the limits in the sentence. It takes about two minutes; nothing else should run at the same
+# time.
 cmake_minimum_required(VERSION 3.22)
 get_filename_component(source ${CMAKE_CURRENT_LIST_DIR} DIRECTORY)
 if(NOT BUILD)
@@ -15,7 +16,7 @@ endif()
 set(untrue 0)
 set(unknown 0)
 
-# What a command prints, run once.
+# Run a command once and return its output.
 function(output_of result)
   string(MD5 key "${ARGN}")
   if(NOT DEFINED CACHE{said_${key}})
@@ -66,7 +67,7 @@ function(row_pattern name column result)
   endforeach()
   set(${result} "\n${pattern}${gap}${number}" PARENT_SCOPE)
 endfunction()
-macro(claim_bench page sentence row column low high)  # the filter is the row's group
+macro(claim_bench page sentence row column low high)  # the row's group is the filter
   row_pattern("${row}" ${column} pattern)
   string(REGEX REPLACE ":.*" "" group "${row}")
   claim("${page}" "${sentence}" "${pattern}" ${low} ${high} bench --filter ${group})
@@ -89,7 +90,7 @@ claim_bench(README.md "9 to 15 times faster, 8e-15 off" "device: forward dynamic
 claim_bench(README.md "exact to 1e-19 m" "collision: closest point, haptic path, cache, 100 k" 6 0 1e-18)
 claim_bench(README.md "5 to 6 times faster than Embree 3" "collision: closest point, haptic path, cache, 100 k" 5 4.5 6.5)
 
-# lib/docs/measurements.md: the trials of position control, lowest and highest for a delay of 0, 1, 2, 3 ticks.
+# lib/docs/measurements.md: trials of position control, lowest and highest values for delays of 0, 1, 2 and 3 ticks.
 function(claim_trials sentence row)
   foreach(delay RANGE 3)
     math(EXPR at "2 * ${delay}")

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Mutation of lib/src: changes one line, builds, runs the tests until one fails, restores the line, takes the next one.
+"""Mutation test of lib/src: changes one line, builds, runs the tests until one fails, restores the line, and continues.
 
-CONTRIBUTING.md has the commands. One line a mutant, tabs between: file, line, before, after, verdict: "caught by TEST",
-"caught by TEST (time)", "SURVIVED", or "does not compile", which does not count. The seed orders the mutants by a hash of
-their text, so changes of other lines do not change the order. Interrupted, it restores the file; after kill -9,
-`git checkout lib/src` does.
+CONTRIBUTING.md has the commands. It prints one line per mutant, separated by tabs: file, line, before, after, verdict. The
+verdict is "caught by TEST", "caught by TEST (time)", "SURVIVED", or "does not compile", which does not count. The seed
+orders the mutants by a hash of their text, so that changes of other lines keep the order. After an interruption it restores
+the file; after kill -9, use `git checkout lib/src`.
 
---assertions FILE turns it round: which assertions of the file's own tests does no mutant of the file make fail? Each of
-them repeats another one, is about another file, or cannot fail."""
+--assertions FILE does the opposite: it lists assertions of the file's own tests that no mutant of the file makes fail. Each
+of them repeats another one, tests another file, or cannot fail."""
 import argparse
 import concurrent.futures
 import contextlib
@@ -32,13 +32,13 @@ SWAPS = [(" + ", " - "), (" * ", " / "), (" += ", " -= "), (" *= ", " /= "), (" 
 SWAPS += [(b, a) for a, b in SWAPS]
 NUMBER = re.compile(r"(?<![\w.'])\d+(\.\d*)?(e[-+]?\d+)?(?![\w.'])")
 MINUS = re.compile(r"(?:(?<=[(\[])|(?<=[=,?:] )|(?<=return ))-(?=[\w(])")
-# A call, an assignment without a declaration, a way out.
+# A call, an assignment without a declaration, a jump or a throw.
 STATEMENT = re.compile(r"\s*((if \(.*\)|else|for \(.*\)) )?([\w:.\[\]>()-]+(\(.*\)|\[.*\])? [-+*/|&]?= .*|[\w:.>-]+\(.*\)"
                        r"|(\+\+|--)\w+|break|continue|return|throw .*);$")
 
 
 def mutations(line, before):
-    """What can be done to a line, by the line of code before it. From the first text on a line is a message."""
+    """Return the possible changes of a line, given the code line before it. The rest after a string is not changed."""
     code = re.sub(r"'(\\.|[^'\\])'", lambda m: "'" * len(m[0]), line.split("//")[0]).split('"')[0]
     if re.match(r"\s*(#|using |template|namespace |static_assert|/?\*)", line):
         return []
@@ -65,8 +65,9 @@ def mutations(line, before):
 
 
 def candidates(seed, only=()):
-    """(file, line number, before, after) of all lines that can be changed, one change each, in the order of the seed;
-    of the files `only`, if any, every change."""
+    """Return (file, line number, before, after) of all lines that can be changed, in the order of the seed.
+
+    There is one change per line; for the files in `only`, if any, every change."""
     result = []
     for path in [ROOT / name for name in only] or sorted((ROOT / "lib/src").rglob("*.[chi]*")):
         name, seen, before = str(path.relative_to(ROOT)), {}, ""
@@ -98,7 +99,7 @@ class Tests:
         self.entries = {t["name"]: t["command"] for t in listed if RUNNER.fullmatch(Path(t.get("command", [""])[0]).name)
                         and (not wanted or t["name"] in wanted)}
         self.pool, self.running = concurrent.futures.ThreadPoolExecutor(self.jobs), set()
-        # How long each takes unchanged. What fails then is of no use; what takes longer than asked is left out.
+        # Time of each test without a mutant. Tests that fail or take too long are left out.
         file = self.build / "mutate_times.json"
         self.times = json.loads(file.read_text()) if file.exists() else {}
         new = sorted(self.entries.keys() - self.times.keys())
@@ -113,7 +114,7 @@ class Tests:
         return None if self.run(name, longest) else time.monotonic() - start
 
     def ordered(self, source):
-        """First those that are named like the file, then those with its header, with its module; of these the short first."""
+        """Order the tests: named like the file, then with its header, then with its module; short ones first."""
         module, stem, folder = source.split("/")[2], Path(source).stem, Path(source).parent.name
 
         def rank(name):
@@ -124,13 +125,13 @@ class Tests:
         return sorted(self.entries, key=lambda n: (rank(n), self.times[n]))
 
     def make(self, targets):
-        """What the compiler says if the targets cannot be built, else nothing."""
+        """Build the targets. Return the compiler's output on failure, else an empty text."""
         command = ["ninja", "-C", self.build, "-j", str(self.jobs), *targets]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         return done.stdout if done.returncode != 0 else ""
 
     def run(self, name, limit):
-        """None if the test passes, else what to say of it."""
+        """Run a test. Return None if it passes, else its name with the reason."""
         folder = self.build / "mutate_tmp" / name
         folder.mkdir(parents=True, exist_ok=True)
         test = subprocess.Popen([*self.entries[name], "--abort"], cwd=folder, stdout=subprocess.DEVNULL,
@@ -157,7 +158,7 @@ class Tests:
                 return "does not compile"
             built |= runners
             for name, failed in zip(some, self.pool.map(self.run, some, map(limit.get, some))):
-                # Once more, so that a hiccup of the machine is no catch.
+                # Repeat it, so that a hiccup of the machine does not count.
                 if failed and ("(time)" in failed or self.run(name, limit[name])):
                     return "caught by " + failed
         return "SURVIVED"
@@ -165,7 +166,7 @@ class Tests:
 
 @contextlib.contextmanager
 def mutated(tests, source, number, before, after):
-    """The file with the change; afterwards as it was."""
+    """Change the file, and restore it afterwards."""
     path = ROOT / source
     text = path.read_text()
     lines = text.split("\n")
@@ -178,11 +179,11 @@ def mutated(tests, source, number, before, after):
             test.kill()
         raise
     finally:
-        path.write_text(text)  # with a new time: what was built of the mutant is built again
+        path.write_text(text)  # with a new time, so that files built from the mutant are built again
 
 
 def tests_of(sources):
-    """ctest names of the sources' tests: of their own names, or by the rows of covered_by in tests/CMakeLists.txt."""
+    """Return the ctest names of the sources' tests: tests of the same name, or from the rows of covered_by."""
     rows = re.search(r"set\(covered_by\n(.*?)\)", (ROOT / "tests/CMakeLists.txt").read_text(), re.S)[1].split()
     covered = dict(zip(rows[::2], rows[1::2]))
     result = []
@@ -197,7 +198,7 @@ def tests_of(sources):
 
 
 def assertions(options):
-    """Prints the assertions that no mutant of the files makes fail, and those that are never reached."""
+    """Print the assertions that no mutant of the files makes fail, and those that are never reached."""
     wanted = options.tests or tests_of(options.assertions)
     listed = (options.build / "tests/CTestTestfile.cmake").read_text()  # ctest itself lists what is built alone
     runners = sorted({Path(re.search(rf'\[{re.escape(name)}\]=\] "(.*?)"', listed)[1]).name for name in wanted})
@@ -205,7 +206,7 @@ def assertions(options):
     files = {f"tests/{name.replace('.', '/', 1)}.cpp" for name in tests.entries}
 
     def seen(name, word, limit):
-        """file:line of the assertions that passed or failed in a run."""
+        """Return file:line of the assertions that passed or failed in a run."""
         command = [*tests.entries[name], "--reporter", "compact", "--success"]
         with contextlib.suppress(subprocess.TimeoutExpired):
             done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, timeout=limit, preexec_fn=limit_memory)
@@ -225,7 +226,7 @@ def assertions(options):
         count, failed = count + 1, failed | fails
         print(f"{source}:{number}\t{before}\t{after}\t{len(fails)} fail", flush=True)
     tests.make(runners)
-    written = {}  # by the place of an assertion: its first line, and the lines that a compiler may name for it
+    written = {}  # key: place of an assertion; value: its first line, and all lines that a compiler may report for it
     for file in files:
         lines = (ROOT / file).read_text().splitlines()
         for i, line in enumerate(lines):

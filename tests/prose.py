@@ -6,7 +6,8 @@
 A block is a paragraph, an item of a list, a cell of a table or a comment. A sentence ends at the end of its block, or
 at ".", "!" or "?" before a space. A word is anything between spaces that has a letter or a digit; code between
 backticks is one word. Headings and code blocks are not sentences. Cells of tables count for the longest sentence, not
-for the mean.
+for the mean. A number with a decimal point and three digits that count is on two pages only if one of them has a link to the
+other. Code is not looked at; whether links lead somewhere, unit.pages tests.
 """
 import pathlib
 import re
@@ -113,12 +114,31 @@ def check(path):
     return problems
 
 
+def numbers_on_two_pages(pages):
+    """Return the lines to print."""
+    problems, seen = [], {}
+    for page in pages:
+        text = page.read_text(encoding='utf-8')
+        links = {(page.parent / link).resolve() for link in re.findall(r'\]\(([^)#]+)', text)}
+        for line, block, _ in page_blocks(text):
+            for number in re.findall(r'(?<![\w.^-])\d+\.\d+(?![\w.])', code_to_word(block)):
+                if len(number.replace('.', '').strip('0')) < 3:
+                    continue
+                for other, other_line, other_links in seen.setdefault(number, []):
+                    if page != other and page not in other_links and other not in links:
+                        problems.append(f'{page.relative_to(ROOT)}:{line}: {number} is also in '
+                                        f'{other.relative_to(ROOT)}:{other_line}: one page has it, the other a link')
+                seen[number].append((page, line, links))
+    return problems
+
+
 def main():
     files = [pathlib.Path(name).resolve() for name in sys.argv[1:]]
     if not files:
         files = [path for path in sorted(ROOT.glob('*.md')) + sorted(ROOT.glob('[!b]*/**/*.md'))]
         files += sorted((ROOT / 'lib/include').glob('**/*.h*'))
     problems = [problem for path in files for problem in check(path)]
+    problems += numbers_on_two_pages([path for path in files if path.suffix == '.md' and path.name != 'CHANGELOG.md'])
     print('\n'.join(problems) if problems else f'{len(files)} files: every sentence follows the rules')
     return 1 if problems else 0
 

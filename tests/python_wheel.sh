@@ -1,10 +1,10 @@
 #!/bin/sh
-# Builds the Python wheel in a clean environment for each interpreter that is named (python3.9 and python3.11 where
-# nothing is), installs it into another one, and runs the tests, the scripts and mypy there.
+# Builds the Python wheel in a clean environment for each named interpreter (default: python3.9 and python3.11). Installs
+# it into another environment, and runs the tests, the scripts and mypy there.
 #
 #   sh tests/python_wheel.sh [PYTHON...]
-# What it needs of the system are the library's own packages (cmake/packages.sh); pip brings the rest. Ends with 4 where
-# there is no such interpreter.
+# The system must have the library's own packages (cmake/packages.sh); pip installs the rest. Status 4: the interpreter
+# is missing.
 set -eu
 cd "$(dirname "$0")/.."
 [ $# -gt 0 ] || set -- python3.9 python3.11
@@ -25,8 +25,8 @@ for python in "$@"; do
   (
     unset PYTHONPATH ENAMEL_TOOL
     cp -r plugins/python/scripts tests/python/module.py "$folder/$ran-wheels"
-    cd "$folder/$ran-wheels" # nothing of the source is in the way
-    for numpy in "numpy<2" "numpy>=2"; do # the same arrays under both
+    cd "$folder/$ran-wheels" # outside of the source tree
+    for numpy in "numpy<2" "numpy>=2"; do # both must give the same arrays
       "$folder/$ran/bin/pip" -q --disable-pip-version-check install "$numpy"
       "$folder/$ran/bin/python" -c 'import numpy; print("NumPy", numpy.__version__)'
       "$folder/$ran/bin/python" module.py

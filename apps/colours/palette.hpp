@@ -1,4 +1,4 @@
-// The colours of the viewer: a calm ground, and signals that colour-blind people can tell apart (Okabe and Ito 2008).
+// Colours of the viewer: calm backgrounds, and signals that colour-blind people can distinguish (Okabe and Ito 2008).
 #pragma once
 
 #include "enamel/core/types.hpp"
@@ -13,7 +13,7 @@ constexpr Colour colour(unsigned rgb) {
   return {(rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0};
 }
 
-/// As a vector of red, green and blue, 0 to 1.
+/// Return red, green and blue as a vector, 0 to 1.
 inline Vec3 rgbOf(unsigned rgb) {
   const Colour c = colour(rgb);
   return {c.r, c.g, c.b};
@@ -22,18 +22,18 @@ inline Vec3 rgbOf(unsigned rgb) {
 inline constexpr unsigned kGround = 0xE9EDF1, kPaper = 0xF7F8FA, kLine = 0xD3D9E0, kInk = 0x1F262E, kMuted = 0x66707C;
 inline constexpr unsigned kBlue = 0x0072B2, kOrange = 0xE69F00, kGreen = 0x009E73, kVermilion = 0xD55E00;
 inline constexpr unsigned kPurple = 0xCC79A7, kSky = 0x56B4E9;
-// One meaning each. Renderers: slotColour(); in the split screen blue is the left tool and purple the right one.
+// Each has one meaning. Renderers: slotColour(); in the split screen blue is the left tool and purple the right one.
 inline constexpr unsigned kForce = kVermilion, kHand = kOrange, kDepth = 0x1F262E, kReference = 0x5B6B7B;
 inline constexpr unsigned kJoints[] = {0x2B3138, 0x9A7B4F, 0x8FA0B0};  // of the charts: dark, brown, light
 inline constexpr unsigned kWrong = 0xA3141E;                           // a warning
-inline constexpr unsigned kChosen = 0x3D4957;                          // of several buttons; what is under way
+inline constexpr unsigned kChosen = 0x3D4957;                          // the selected button; an action in progress
 inline constexpr unsigned kMotor = 0x333C47, kLink1 = 0x55606E, kLink2 = 0x8C97A4, kColumn = 0xB9C2CC;
 inline constexpr unsigned kPlatform = 0x6C7785, kHandle = 0x2F6F73, kNeedle = 0x3A424C;
 inline constexpr unsigned kEnamel = 0xF3EAD6, kEnamelGrid = 0xBFA873, kEnamelEdge = 0x9C8A5E, kCubeLine = 0x93A0AE;
 inline constexpr unsigned kGum = 0xF2B3AA, kGumBack = 0xC98680, kGumEdge = 0xB06A64, kSectionEdge = 0x7A5B34;
 inline constexpr unsigned kBurSteel = 0xA9B2BC, kBurFlute = 0x2B3138;
 
-/// Of a solid's layers, the outermost first: as enamel, dentine and pulp are.
+/// Return the colour of a solid's layer, outermost first: enamel, dentine, pulp, ...
 constexpr unsigned layerColour(int layer) {
   constexpr unsigned colours[] = {0xF3EAD6, 0xE6BC62, 0xC4473F, 0x8FA9BF, 0x7E9B76, 0xA98BB5, 0x6C7785, 0x55606E};
   return colours[layer & 7];

@@ -14,7 +14,7 @@ double smooth(double low, double high, double value) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-// Every vertex to the middle of its neighbours, so many times; corners at one place move alike.
+// Move every vertex to the mean of its neighbours, `times` times. Vertices at one place move together.
 std::vector<Vec3> smoothed(const TriangleMesh& mesh, const std::vector<int>& place, std::vector<Vec3> at, int times) {
   std::vector<Vec3> sums(at.size());
   std::vector<int> counts(at.size());
@@ -40,7 +40,7 @@ std::vector<Vec3> smoothed(const TriangleMesh& mesh, const std::vector<int>& pla
 
 std::vector<Vec3> toothColours(const TriangleMesh& mesh, double gumLine) {
   static const Vec3 ivory = rgbOf(kEnamel), neck = rgbOf(0xE3CE9C), cusp = rgbOf(0xFBF7EE), fissure = rgbOf(0x6E5538);
-  constexpr int fine = 10, coarse = 120;  // times that it is smoothed
+  constexpr int fine = 10, coarse = 120;  // numbers of smoothing steps
   const std::vector<int> place = weld(mesh);
   std::vector<Vec3> at(mesh.vertices.size(), Vec3::Zero()), normals(at.size(), Vec3::Zero());
   for (std::size_t i = 0; i < place.size(); ++i) at[static_cast<std::size_t>(place[i])] = mesh.vertices[i];
@@ -66,7 +66,7 @@ std::vector<Vec3> toothColours(const TriangleMesh& mesh, double gumLine) {
     Vec3 tooth = neck + smooth(bottom, bottom + 0.45 * (high - bottom), z) * (ivory - neck);
     tooth += 0.7 * smooth(0.1, 0.8, -pit) * (cusp - tooth);
     tooth += (0.75 * smooth(0.05, 0.5, groove) + 0.45 * smooth(0.05, 0.8, pit)) * 0.8 * (fissure - tooth);
-    // Gum rises a little where the mesh is hollow, as between two teeth.
+    // Gum is slightly higher where the mesh is hollow, as between two teeth.
     const double line = gumLine + 0.0004 * std::clamp(pit, -1.0, 1.0), width = 0.00025;
     const double gum = std::isfinite(gumLine) ? 1.0 - smooth(line - width, line + width, z) : 0.0;
     const Vec3 flesh = gumColour(std::max(0.0, line - z)) * (1.0 - 0.35 * smooth(0.1, 1.0, pit));

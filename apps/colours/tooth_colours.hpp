@@ -1,4 +1,4 @@
-// How teeth and gum look: colours at the corners of meshes, which cost nothing while they are drawn.
+// Appearance of teeth and gum: vertex colours, which cost no time while drawing.
 #pragma once
 
 #include <limits>
@@ -8,15 +8,16 @@
 
 namespace enamel::viewer {
 
-/// Of an arch that is one mesh: what lies lower than this in its own frame is gum, m.
+/// For an arch in one mesh: everything below this height in its own frame is gum, m.
 inline constexpr double kGumLine = 0.0027;
 inline constexpr double kNoGum = -std::numeric_limits<double>::infinity();
 
-/// Red, green and blue, 0 to 1, of every vertex: ivory that is darker in fissures and lighter on cusps (how far the
-/// vertex lies below the mesh when that is smoothed), more yellow near its lower end; pink below `gumLine` (of z, m).
+/// Return red, green and blue, 0 to 1, of every vertex. Teeth are ivory, darker in fissures and lighter on cusps (by
+/// the depth of the vertex below the smoothed mesh), and more yellow near their lower end. Below `gumLine` (z, m) the
+/// colour is pink.
 std::vector<Vec3> toothColours(const TriangleMesh& mesh, double gumLine);
 
-/// Of a gum `distance` m from the nearest tooth: darker in the corner between them.
+/// Return the colour of gum `distance` m from the nearest tooth: darker in the corner between them.
 Vec3 gumColour(double distance);
 
 }  // namespace enamel::viewer

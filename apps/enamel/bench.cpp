@@ -27,7 +27,7 @@ std::string cell(double value, const char* format) {
   return std::isnan(value) ? "-" : fmt::format(fmt::runtime(format), value);
 }
 
-// The processor's name, as Linux tells it.
+// Return the processor's name from Linux.
 std::string processor() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);)
@@ -35,7 +35,7 @@ std::string processor() {
   return "a processor without a name";
 }
 
-// A page in Markdown, a table a group.
+// Return a page in Markdown with one table for each group.
 std::string pageOf(const std::vector<bench::Measurement>& rows) {
   constexpr const char* kLevels[] = {"baseline", "AVX2", "AVX-512"};
   std::string page = fmt::format(

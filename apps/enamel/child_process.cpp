@@ -21,7 +21,7 @@
 namespace enamel::app {
 namespace {
 
-constexpr char kAnswered = 'A', kFailed = 'F';  // first byte of what the child sends
+constexpr char kAnswered = 'A', kFailed = 'F';  // first byte of the child's message
 
 [[noreturn]] void answer(int pipe, const std::string& what, double seconds, const std::function<std::string()>& work) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -47,7 +47,7 @@ constexpr char kAnswered = 'A', kFailed = 'F';  // first byte of what the child 
   _exit(0);
 }
 
-// Adds what is in the pipe.
+// Append everything that is in the pipe.
 void drain(int pipe, std::string& message) {
   std::array<char, 4096> buffer;
   for (ssize_t n = 0; (n = read(pipe, buffer.data(), buffer.size())) > 0;)
@@ -73,7 +73,7 @@ ChildResult runInChild(const std::string& what, double seconds, const std::funct
   const pid_t child = fork();
   if (child == 0) {
     close(ends[0]);
-    fcntl(ends[1], F_SETFL, 0);  // the child waits until there is room
+    fcntl(ends[1], F_SETFL, 0);  // block on a full pipe: the child waits for room
     answer(ends[1], what, seconds, work);
   }
   const int problem = errno;
@@ -81,7 +81,8 @@ ChildResult runInChild(const std::string& what, double seconds, const std::funct
   std::string message;
   int status = 0;
   bool late = false;
-  // The end of the pipe does not show the end of the child: it may close the pipe, or its own children may hold it.
+  // A closed pipe does not mean that the child has ended: it may close the pipe early, or its own children may keep it
+  // open.
   while (child > 0 && waitpid(child, &status, WNOHANG) == 0) {
     pollfd readable{ends[0], POLLIN, 0};
     poll(&readable, 1, 10);

@@ -19,6 +19,6 @@ void addBench(CLI::App& app);
 void addMesh(CLI::App& app);
 void addScene(CLI::App& app);
 void addPlugins(CLI::App& app);
-void addFmu(CLI::App& app);  // where there is FMI
+void addFmu(CLI::App& app);  // only in a build with FMI
 
 }  // namespace enamel::app

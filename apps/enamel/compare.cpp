@@ -20,7 +20,7 @@ Names baselineDamping(const Names& renderers) {
   return damping;
 }
 
-// What is compared where nothing else is said: with a folder everything, without one a table in seconds.
+// Set the default comparison: with a folder everything, without one a table that takes seconds.
 void setDefaults(const CLI::App& command, CompareOptions& options) {
   StudyOptions& study = options.study;
   const bool folder = !study.output.empty();

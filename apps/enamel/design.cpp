@@ -36,7 +36,7 @@ struct DesignOptions {
   double deviceDamping = 0.0, push = 12.0;
 };
 
-// Everything that is known about the device at its operating point.
+// The device at its operating point.
 struct Device {
   DeviceParameters parameters;
   std::shared_ptr<const Mechanism> mechanism;
@@ -81,7 +81,7 @@ DesignedServo measure(const DesignOptions& options, const Device& device, const 
 
 // --- the terminal -------------------------------------------------------------------------------------------------
 
-// What no controller can pass, for the push that the stiffness is reported for; N/m.
+// Return the largest first-impact stiffness that any controller can reach for the push of the report, N/m.
 double limitOf(const Device& device, int delay) {
   return firstImpactLimit(device.plant.effectiveMass, device.problem.period, delay, device.problem.push,
                           device.plant.largestForce);
@@ -119,7 +119,7 @@ void printSummary(const Device& device, const DesignedServo& servo) {
     fmt::print("{:<48} {:>10.4g} {:>8.4g} {:<4} {}\n", r.name, r.worst(), r.limit, r.unit, r.met() ? "met" : "NOT MET");
 }
 
-// One line of the trade-off; returns the servo.
+// Print one line of the trade-off and return the servo.
 std::optional<TunedServo> printTuned(const Device& device, const TuneRequirements& required) {
   std::optional<TunedServo> tuned = tuneServo(device.problem, required);
   const char* rows = required.stepResponse ? "yes" : "no";

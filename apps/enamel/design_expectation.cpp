@@ -5,9 +5,9 @@
 namespace enamel::app {
 namespace {
 
-constexpr double kHelps = 0.05;  // less is not worth a word
+constexpr double kHelps = 0.05;  // smaller gains are not worth mentioning
 
-// What limits the stiffness, and what would help.
+// Return the changes of the device that would increase the stiffness.
 std::string helpOf(const WallExpectation& e) {
   std::string text;
   for (const DeviceChange& change : e.changes)

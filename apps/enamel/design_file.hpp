@@ -1,4 +1,4 @@
-// servo.json as `enamel design --output` writes it and loadServo() reads it.
+// servo.json: `enamel design --output` writes it and loadServo() reads it.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace enamel::app {
 
-/// A servo with all that was measured on it.
+/// A servo with everything that was measured on it.
 struct DesignedServo {
   std::string model;           ///< name of the device file
   Vec3 position;               ///< operating point, m
-  double deviceDamping = 0.0;  ///< beside what the device file gives, N s/m
+  double deviceDamping = 0.0;  ///< in addition to the damping of the device file, N s/m
   double linearisationError = 0.0;
   DevicePlant plant;
   ServoDesign design;

@@ -1,4 +1,4 @@
-// What `enamel design` and the study's report both say about a servo and its device.
+// Results of a servo and its device that `enamel design` and the study's report share.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace enamel::app {
 
-/// Table II of a servo on its own linear model.
+/// Evaluate the requirements of the paper's Table II for a servo on its own linear model.
 std::vector<Requirement> requirementsOf(const ServoDesign& design, const DevicePlant& plant);
 
-/// The device as an impedance wall z = 0 feels it.
+/// Return the device as seen by an impedance wall z = 0.
 WallDevice wallDeviceOf(const DevicePlant& plant, double damping, double period);
 
 }  // namespace enamel::app

@@ -14,7 +14,7 @@
 namespace enamel::app {
 namespace {
 
-constexpr std::uint32_t kFinalTrial = 40000;  // random numbers that the search has not seen
+constexpr std::uint32_t kFinalTrial = 40000;  // random numbers that the search has not used
 
 void printHead() {
   fmt::print("{:<12} {:>9} {:>8} {:>8} {:>9} {:>10} {:>10} {:>8} {:>8} {:>10} {:>5}\n", "", "K_z1 N/m", "% limit",

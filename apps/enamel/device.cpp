@@ -41,7 +41,7 @@ struct DeviceOptions {
 
 volatile sig_atomic_t interrupted = 0;
 
-// While it lives, SIGINT and SIGTERM only end the wait.
+// While it exists, SIGINT and SIGTERM end the wait instead of the program.
 class Wait {
  public:
   Wait() {
@@ -55,7 +55,7 @@ class Wait {
     sigaction(SIGTERM, &before_[1], nullptr);
   }
 
-  // Until a signal, or until `duration` s are over; 0: without end.
+  // Wait for a signal or for `duration` s; 0: until a signal.
   void operator()(double duration) const {
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
@@ -89,8 +89,8 @@ void print(const LinkCounts& counts, const char* trip) {
   print(trip, counts.roundTrip);
 }
 
-// A hand that goes in and out along z once in two seconds, from 5 mm before home to 20 mm behind it, and is soft enough
-// to be stopped by a wall.
+// A hand that moves in and out along z with a period of 2 s, from 5 mm in front of home to 20 mm behind it. It is soft
+// enough for a wall to stop it.
 WrenchFunction scriptedHand() {
   return [](double time, const Pose& pose, const Vec6& twist) {
     constexpr Grip grip{400.0, 12.0};
@@ -120,7 +120,7 @@ void serve(const DeviceOptions& options, const Mechanism& mechanism) {
   print(server.counts(), "measurement to command");
 }
 
-// Counts what happened, for another thread; and records it.
+// Records the ticks and counts them by the guard's reason, for another thread.
 class Tally final : public TickSink {
  public:
   std::optional<Recorder> recorder;
@@ -146,7 +146,7 @@ class Tally final : public TickSink {
   std::atomic<double> force_{0.0};
 };
 
-// Where nobody answers, no recording is begun.
+// Wait for the first measurement, so that no recording starts without a server.
 void awaitServer(UdpDevice& device, const std::string& where) {
   Measurement measurement;
   for (int ms = 0; device.measure(measurement) != Status::ok; ++ms) {
@@ -193,7 +193,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
   }
   const RendererSource source = findRenderer(options.renderer, pluginFolder());
   std::map<std::string, std::string> values;
-  // The wire: a command acts one tick after its measurement, or two.
+  // A command over UDP acts one or two ticks after its measurement.
   if (!source.plugin && source.name == kPositionControl) values = {{"delay", "1"}, {"delay-high", "2"}};
   const std::unique_ptr<Renderer> renderer =
       source.plugin ? makeRenderer(source.plugin, {options.device, "", options.scene, "", values})
@@ -207,7 +207,7 @@ void connect(const DeviceOptions& options, const std::shared_ptr<const Mechanism
     tally.recorder.emplace(options.record, header, haptics);
   }
   HapticLoopOptions how;
-  how.period = std::max(1e-4, period / 4.0);  // the server has a clock of its own
+  how.period = std::max(1e-4, period / 4.0);  // poll faster than the server, which has its own clock
   how.sink = &tally;
   GuardReason fault = GuardReason::none;
   {

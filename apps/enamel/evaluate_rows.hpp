@@ -5,7 +5,7 @@
 
 namespace enamel::app {
 
-/// Throws Error: a file that cannot be read or written, or is not a list of rows; a device that is not a TAU.
+/// Throws Error: a file cannot be read or written, or is not a list of rows; the device is not a TAU.
 void evaluateRows(const std::string& devicePath, const std::string& inputPath, const std::string& outputPath);
 
 }  // namespace enamel::app

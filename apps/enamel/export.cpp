@@ -1,4 +1,4 @@
-#include <fmt/format.h>  // format_to: Clang does not find it in a libfmt that GCC built
+#include <fmt/format.h>  // format_to: Clang does not find it in a libfmt built with GCC
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -52,7 +52,7 @@ void run(const ExportOptions& options) {
   std::string line;
   std::uint64_t ticks = 0, lost = 0;
   bool closed = false;
-  const auto list = [&line](const auto& values, Eigen::Index columns) {  // what is not there stays empty
+  const auto list = [&line](const auto& values, Eigen::Index columns) {  // missing values stay empty
     for (Eigen::Index i = 0; i < columns; ++i)
       if (i < values.size())
         fmt::format_to(std::back_inserter(line), ",{}", values[i]);

@@ -47,7 +47,7 @@ void run(const FmuOptions& options) {
     VirtualDeviceSetup ticks;
     ticks.seed = options.seed;
     if (const MakePlant make = makerOf(options.plant, parameters, ticks))
-      (void)make(0);  // refuses here what a unit would
+      (void)make(0);  // fail now rather than in the exported unit
     if (options.plant == kMultibody) binary = "enamel_fmi_unit_multibody.so";
   } else {
     if (findRenderer(options.renderer, pluginFolder()).plugin)

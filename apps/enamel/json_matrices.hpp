@@ -1,4 +1,4 @@
-// JSON files that subcommands read and write; vectors and matrices in them.
+// JSON files of the subcommands, and vectors and matrices in them.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,13 +9,13 @@ namespace enamel::app {
 
 nlohmann::ordered_json listOf(const Eigen::VectorXd& v);
 
-/// Throws ConfigurationError: as readJson(); the line that is no JSON.
+/// Throws ConfigurationError: as readJson(); it names the line that is not JSON.
 nlohmann::ordered_json parseJson(const std::string& path);
 
-/// As it stands in a file: an entry a line; names that are not UTF-8 are made so.
+/// Return the text of a file: one entry a line. Names that are not UTF-8 are converted.
 std::string textOf(const nlohmann::ordered_json& json);
 
-/// A list a row.
+/// Return one list for each row.
 nlohmann::ordered_json rowsOf(const Eigen::MatrixXd& m);
 
 }  // namespace enamel::app

@@ -57,7 +57,7 @@ void print(const MeshReport& r) {
                           r.high.y(), r.high.z()));
 }
 
-// A file without an ending becomes PLY.
+// Use PLY for a file name without an extension.
 void checkOutput(const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension().string();
   if (!ending.empty() && ending != ".ply" && ending != ".stl")
@@ -86,7 +86,7 @@ void writeStl(const TriangleMesh& mesh, const std::string& path) {
   writeFile(path, bytes);
 }
 
-// Binary, in mm.
+// Write a binary file in mm.
 void write(const TriangleMesh& mesh, const std::string& path) {
   if (std::filesystem::path(path).extension() == ".stl") return writeStl(mesh, path);
   std::string bytes = fmt::format(
@@ -123,7 +123,7 @@ void print(const PrepareReport& r, const TriangleMesh& result, const std::string
   printLine("file to prepared", within(r.fromFile));
 }
 
-// Points spread evenly over the mesh, moved by up to 5 cells, where a tool is.
+// Compare distances at points near the surface: spread evenly over the mesh, then moved by up to 5 cells.
 void printErrors(const MeshModel& model, const Solid& solid) {
   constexpr int kPoints = 100000;
   const TriangleMesh& mesh = model.mesh();

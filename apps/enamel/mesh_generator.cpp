@@ -10,7 +10,7 @@ namespace {
 
 double hill(double x, double y, double width) { return std::exp(-(x * x + y * y) / (width * width)); }
 
-// A smooth root: keeps its sign and is steep at 0, which squares a circle.
+// An odd root function, steep at 0: it turns a circle into a rounded square.
 double squared(double x, double power) { return std::copysign(std::pow(std::abs(x), power), x); }
 
 double smoothStep(double x) {
@@ -88,7 +88,7 @@ TriangleMesh makeJaw(int along, int around) {
       mesh.triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j)});
       mesh.triangles.push_back({at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)});
     }
-  for (const int i : {0, along - 1}) {  // lids
+  for (const int i : {0, along - 1}) {  // end caps
     Vec3 middle = Vec3::Zero();
     for (int j = 0; j < around; ++j) middle += mesh.vertices[at(i, j)] / around;
     mesh.vertices.push_back(middle);

@@ -1,16 +1,17 @@
-// Teeth made by formula: the meshes of data/meshes, and test pieces of any fineness.
+// Generates teeth from formulas: the meshes of data/meshes, and test meshes of any resolution.
 #pragma once
 
 #include "enamel/collision/mesh.hpp"
 
 namespace enamel::app {
 
-/// Crown of a lower molar, about 11 x 10 x 8 mm, in m: z up, five cusps around a cross of grooves. An octahedron whose
-/// triangles are halved `levels` times: 8 * 4^levels triangles. Closed, without self-intersection.
+/// Generate the crown of a lower molar in m: about 11 x 10 x 8 mm, z up, five cusps around crossing grooves. It is an
+/// octahedron subdivided `levels` times, with 8 * 4^levels triangles. It is closed and does not intersect itself.
 TriangleMesh makeMolar(int levels);
 
-/// Lower dental arch of 14 teeth on a ridge of gum, about 64 x 53 x 18 mm, in m: z up, open towards -y. `along` rings
-/// of `around` points: 2 * around * (along - 1) + 2 * around triangles. Closed, without self-intersection.
+/// Generate a lower dental arch of 14 teeth on a ridge of gum in m: about 64 x 53 x 18 mm, z up, open towards -y. It
+/// has `along` rings of `around` points: 2 * around * (along - 1) + 2 * around triangles. It is closed and does not
+/// intersect itself.
 TriangleMesh makeJaw(int along, int around);
 
 }  // namespace enamel::app

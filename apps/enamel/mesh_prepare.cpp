@@ -1,6 +1,6 @@
 #include "mesh_prepare.hpp"
 
-// Decimater's headers need those of the mesh first.
+// Decimater's headers need the mesh header first.
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
@@ -27,14 +27,14 @@ using Loop = std::vector<VertexHandle>;
 Vec3 at(const Mesh& mesh, VertexHandle v) { return fromOpenMeshPoint(mesh.point(v)); }
 OpenMesh::Vec3d pointOf(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-// Vertices at one place become one; triangles on fewer than three places, or on those of another, go.
+// Merge vertices at the same place. Remove triangles with repeated corners, and duplicates of other triangles.
 TriangleMesh joinVertices(const TriangleMesh& mesh, PrepareReport& report) {
   const std::vector<int> place = weld(mesh);
   TriangleMesh joined;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (place[v] == static_cast<int>(joined.vertices.size())) joined.vertices.push_back(mesh.vertices[v]);
   report.joinedVertices = static_cast<int>(mesh.vertices.size() - joined.vertices.size());
-  std::vector<std::array<int, 4>> sorted;  // corners in rising order, number
+  std::vector<std::array<int, 4>> sorted;  // corners in ascending order, then the triangle's number
   std::vector<std::array<int, 3>> corners;
   for (const auto& t : mesh.triangles) {
     const std::array<int, 3> c{place[static_cast<std::size_t>(t[0])], place[static_cast<std::size_t>(t[1])],
@@ -56,7 +56,7 @@ TriangleMesh joinVertices(const TriangleMesh& mesh, PrepareReport& report) {
   return joined;
 }
 
-// What fits; what is refused at first may fit once its neighbours are there.
+// Add every triangle that keeps the mesh manifold. A rejected one may fit after its neighbours: try until none fits.
 Mesh buildManifold(const TriangleMesh& mesh, PrepareReport& report) {
   Mesh result;
   result.request_vertex_status();
@@ -76,7 +76,8 @@ Mesh buildManifold(const TriangleMesh& mesh, PrepareReport& report) {
   return result;
 }
 
-// The borders of the openings, in the direction of the faces that would close them. One may pass a vertex twice.
+// Return the borders of the openings, in the direction of the faces that would close them. A border may pass a vertex
+// twice.
 std::vector<Loop> findLoops(const Mesh& mesh) {
   std::vector<Loop> loops;
   std::vector<char> isSeen(mesh.n_halfedges(), 0);
@@ -100,7 +101,7 @@ double lengthOf(const Mesh& mesh, const Loop& loop) {
   return length;
 }
 
-// Outward unit normal of what closes a loop, as if it were flat.
+// Return the outward unit normal of the cap that closes a loop, as if the cap were flat.
 Vec3 normalOf(const Mesh& mesh, const Loop& loop) {
   const Vec3 origin = at(mesh, loop[0]);
   Vec3 sum = Vec3::Zero();
@@ -109,7 +110,7 @@ Vec3 normalOf(const Mesh& mesh, const Loop& loop) {
   return sum.norm() > 0.0 ? Vec3(sum.normalized()) : Vec3(Vec3::UnitZ());
 }
 
-// Walls from a loop down to a plane `depth` below its lowest vertex; answers the loop down there.
+// Add walls from a loop down to a plane `depth` below its lowest vertex. Return the loop in that plane.
 Loop addWalls(Mesh& mesh, const Loop& loop, double depth) {
   const Vec3 down = normalOf(mesh, loop);
   double lowest = -HUGE_VAL;
@@ -127,7 +128,7 @@ Loop addWalls(Mesh& mesh, const Loop& loop, double depth) {
   return below;
 }
 
-// Triangles from a loop to a new vertex in its middle.
+// Add triangles from a loop to a new vertex in its middle.
 bool addFan(Mesh& mesh, const Loop& loop) {
   Vec3 middle = Vec3::Zero();
   for (const VertexHandle v : loop) middle += at(mesh, v) / static_cast<double>(loop.size());
@@ -138,9 +139,9 @@ bool addFan(Mesh& mesh, const Loop& loop) {
   return isWhole;
 }
 
-// Ears of a polygon (Meisters 1975), the one of the shortest diagonal first, seen along the loop's normal. A diagonal
-// that is an edge of the mesh already makes no ear; where there is none left, a fan closes the rest. False: something
-// stays open.
+// Fill a loop by ear clipping (Meisters 1975), seen along the loop's normal, ear with the shortest diagonal first. An
+// ear is skipped if its diagonal is already an edge of the mesh. If no ear remains, a fan closes the rest. Return false
+// if part of the loop stays open.
 bool fillLoop(Mesh& mesh, Loop loop) {
   const Vec3 normal = normalOf(mesh, loop), u = normal.unitOrthogonal(), w = normal.cross(u);
   using Point2 = Eigen::Vector2d;
@@ -150,7 +151,7 @@ bool fillLoop(Mesh& mesh, Loop loop) {
     return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
   };
   const auto isFree = [&](VertexHandle a, VertexHandle b) { return a != b && !mesh.find_halfedge(a, b).is_valid(); };
-  const auto measure = [&](std::size_t i) -> double {  // length of the diagonal; infinite: no ear
+  const auto measure = [&](std::size_t i) -> double {  // length of the diagonal; infinite if it is not an ear
     const std::size_t n = loop.size(), before = (i + n - 1) % n, after = (i + 1) % n;
     if (!isFree(loop[after], loop[before])) return HUGE_VAL;
     const Point2 &a = flat[before], &b = flat[i], &c = flat[after];
@@ -167,7 +168,7 @@ bool fillLoop(Mesh& mesh, Loop loop) {
   while (loop.size() > 3) {
     const auto least = std::min_element(ear.begin(), ear.end());
     if (!(*least < HUGE_VAL)) {
-      // Folded as seen along the normal: the sharpest corner is as good as any.
+      // The polygon overlaps itself in this projection: cut the corner with the shortest diagonal instead.
       const auto fold = [&](std::size_t i) {
         const std::size_t n = loop.size();
         const VertexHandle a = loop[(i + n - 1) % n], b = loop[(i + 1) % n];
@@ -189,15 +190,15 @@ bool fillLoop(Mesh& mesh, Loop loop) {
   return addFaceTo(mesh, loop[0], loop[1], loop[2]).is_valid();
 }
 
-// Of the sheets that meet in a corner only the largest stays there: what closes the opening beside one would touch what
-// closes the other's.
+// Where several sheets meet in one vertex, keep the largest one only. Otherwise the caps of the openings beside them
+// would touch each other.
 void clearCorners(Mesh& mesh, PrepareReport& report) {
-  constexpr int kRounds = 8;  // a cleared corner may make another
+  constexpr int kRounds = 8;  // clearing a corner may create another one
   const auto before = static_cast<int>(mesh.n_faces());
   for (int round = 0; round < kRounds; ++round) {
     std::vector<OpenMesh::FaceHandle> faces;
     for (const auto v : mesh.vertices()) {
-      std::vector<OpenMesh::FaceHandle> ring;  // invalid: an opening
+      std::vector<OpenMesh::FaceHandle> ring;  // an invalid handle marks an opening
       for (const auto h : mesh.voh_range(v)) ring.push_back(mesh.face_handle(h));
       const auto isOpening = [](OpenMesh::FaceHandle f) { return !f.is_valid(); };
       if (std::count_if(ring.begin(), ring.end(), isOpening) < 2) continue;
@@ -237,7 +238,7 @@ void close(Mesh& mesh, double base, PrepareReport& report) {
   mesh.garbage_collection();
 }
 
-// Edges of least quadric error first (Garland & Heckbert 1997), as OpenMesh collapses them; no face may turn over.
+// Collapse edges with OpenMesh, smallest quadric error first (Garland & Heckbert 1997). No face may flip.
 Mesh decimated(Mesh mesh, std::size_t faces) {
   mesh.request_vertex_status();
   mesh.request_edge_status();
@@ -277,7 +278,7 @@ Deviation deviation(const TriangleMesh& of, const MeshModel& from) {
       isDone = 1;
     }
     look((v[0] + v[1] + v[2]) / 3.0);
-    // From both sides: a file may have each triangle on corners of its own.
+    // Sample every edge from both of its triangles: in a file each triangle may have its own vertices.
     for (std::size_t i = 0; i < 3; ++i) look(0.5 * (v[i] + v[(i + 1) % 3]));
   }
   result.rms = std::sqrt(sum / result.points);
@@ -294,8 +295,8 @@ struct Candidate {
   Deviation there, back;
 };
 
-// About the fewest triangles whose deviation, measured both ways, is allowed: a quarter of them as long as that goes, then
-// the number halved in between.
+// Search for about the fewest triangles whose deviation, measured both ways, is within `most` m. Divide the number by 4
+// while the deviation allows it, then bisect on a logarithmic scale.
 Candidate decimateWithin(const Mesh& mesh, const TriangleMesh& closed, double most) {
   const MeshModel model(closed);
   const auto candidate = [&](std::size_t faces) {

@@ -14,7 +14,7 @@ bool has(const Arguments& arguments, const std::string& name) {
   return std::any_of(arguments.begin(), arguments.end(), [&](const auto& text) { return nameOf(text) == name; });
 }
 
-// Other names for options, also as NAME=VALUE.
+// Rename options, also in the form NAME=VALUE.
 void renameOptions(Arguments& arguments, const std::map<std::string, std::string>& names) {
   for (std::string& text : arguments)
     if (const auto found = names.find(nameOf(text)); found != names.end())
@@ -28,7 +28,7 @@ void dropOptions(Arguments& arguments, const std::vector<std::string>& names) {
   arguments.erase(std::remove_if(arguments.begin(), arguments.end(), old), arguments.end());
 }
 
-// Moves an option and its values to the end.
+// Move an option and its values to the end.
 void moveToEnd(Arguments& arguments, const std::string& name) {
   Arguments rest, moved;
   bool inside = false;
@@ -40,7 +40,7 @@ void moveToEnd(Arguments& arguments, const std::string& name) {
   arguments.insert(arguments.end(), moved.begin(), moved.end());
 }
 
-// `trials`, with its defaults; the columns of --gain were the last.
+// Translate `trials` and its defaults. --gain moves to the end because its columns came last.
 void renameTrials(Arguments& arguments) {
   Arguments more{"--release"};
   if (!has(arguments, "--renderers")) more.insert(more.end(), {"--renderers", "position-control,hold,impedance"});

@@ -5,7 +5,7 @@
 
 namespace enamel::app {
 
-/// The help of --plant.
+/// Help text of --plant.
 inline constexpr const char* kPlantHelp =
     "closed-form: the mechanism's own dynamics; multibody: the same device in Simbody, some 200 times slower; real: "
     "with the [imperfections] of its file, for every run another "
@@ -14,7 +14,7 @@ inline constexpr const char* kPlantHelp =
 inline constexpr const char* kTipHelp =
     "where the tool touches and the hand holds it, from the TCP, X,Y,Z in mm (0,0,0); the wall is level with it";
 
-/// Return the maker of a plant of those that this program was built with. Throws Error: as plantMaker().
+/// Return a function that makes the named plant, if this program was built with it. Throws Error: as plantMaker().
 MakePlant makerOf(const std::string& plant, const DeviceParameters& device, VirtualDeviceSetup& setup);
 
 }  // namespace enamel::app

@@ -48,7 +48,7 @@ struct CheckOptions {
   double limit = 20.0;  // s
 };
 
-// Prints a line a check.
+// Print one line for each check.
 bool keepsContract(const CheckOptions& options) {
   PluginSetup setup;
   setup.parameters = parseParameters(options.set);

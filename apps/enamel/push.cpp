@@ -23,7 +23,7 @@
 namespace enamel::app {
 namespace {
 
-constexpr double kTouch = 2e-5;  // m: nearer is touched
+constexpr double kTouch = 2e-5;  // m: a smaller gap counts as contact
 
 struct PushOptions {
   std::string device, scene, gain, output, record;
@@ -39,7 +39,7 @@ struct PushOptions {
   PushSetup setup;
 };
 
-// run.csv, or run-impedance.csv where several renderers write beside each other.
+// Return the file's name; with several renderers, the renderer's name is added: run-impedance.csv.
 std::string outputFor(const PushOptions& options, const std::string& file, const std::string& renderer) {
   if (options.renderers.size() == 1) return file;
   std::filesystem::path path(file);
@@ -47,7 +47,7 @@ std::string outputFor(const PushOptions& options, const std::string& file, const
   return path.string();
 }
 
-// What the options say, checked as far as it can be before a renderer runs.
+// Convert the options, and check everything that can be checked before a renderer runs.
 PushSetup setupOf(const PushOptions& options) {
   PushSetup setup = options.setup;
   setup.start.position = Vec3(1e-3 * options.x_mm, 1e-3 * options.y_mm, 0.0);
@@ -91,7 +91,7 @@ std::vector<RendererSource> sourcesOf(const PushOptions& options) {
   return sources;
 }
 
-// The parameters of a linked renderer, by the names that the plugins give them.
+// Return the parameters of a linked renderer under the names that the plugins use.
 std::map<std::string, std::string> parametersOf(const PushOptions& options, const std::string& renderer,
                                                 const Delay& delay) {
   const auto onOff = [](bool value) { return value ? "on" : "off"; };
@@ -121,8 +121,8 @@ RecordingHeader headerOf(const PushOptions& options, const PushSetup& setup) {
   return header;
 }
 
-// How a device leaves its workspace: how far and fast the tool went, when it was last on the obstacle that it was
-// pushed against, and what it met instead.
+// Describes how the tool left the workspace: distance and speed, the last touch of the obstacle that it was pushed
+// against, and the nearest obstacle at the end.
 class WayOut {
  public:
   explicit WayOut(const PushSetup& setup) : setup_(setup) { last_.pose = setup.start; }
@@ -155,16 +155,16 @@ class WayOut {
   double touched_ = 0.0;  // s
 };
 
-// What every renderer is pushed on.
+// The setup that all renderers share.
 struct PushTask {
   const PushOptions& options;
   PushSetup setup;
-  std::shared_ptr<const Mechanism> device;  // of the file, with the plant's drives: servos are designed on it
-  std::shared_ptr<const Mechanism> plant;   // with the damping that an option adds
+  std::shared_ptr<const Mechanism> device;  // of the file, with the plant's drives: servos are designed for it
+  std::shared_ptr<const Mechanism> plant;   // with the damping of --device-damping
   MakePlant makePlant;
   PluginSetup plugin;
   double damping = 0.0;  // of the plant along the normal, N s/m
-  double limit = 0.0;    // largest first impact stiffness, N/m
+  double limit = 0.0;    // largest first-impact stiffness, N/m
   RecordingHeader header;
 
   std::unique_ptr<Plant> makeOne() const {
@@ -173,7 +173,7 @@ struct PushTask {
   }
 };
 
-// What has been written, and measured.
+// Files written and metrics measured so far.
 struct PushResults {
   std::vector<PushOutcome> outcomes;
   std::vector<std::string> files, recordings;
@@ -189,7 +189,7 @@ PushTask taskOf(const PushOptions& options) {
   return task;
 }
 
-// What needs no more checks of the options.
+// Complete the parts of the task that need the checked options.
 void completeTask(PushTask& task) {
   const PushOptions& options = task.options;
   task.plugin = {options.device, "", options.scene, "", parseParameters(options.set)};
@@ -202,14 +202,14 @@ void completeTask(PushTask& task) {
   task.header = headerOf(options, task.setup);
 }
 
-// Ends a recording; its name, with what it lost.
+// Close a recording. Return its name and the number of lost ticks.
 std::string closed(Recorder& recorder, const std::string& file) {
   const RecordingResult recorded = recorder.close();
   if (!recorded.problem.empty()) throw Error(fmt::format("{} ({} ticks are lost)", recorded.problem, recorded.lost));
   return file + (recorded.lost > 0 ? fmt::format(" ({} ticks are lost)", recorded.lost) : "");
 }
 
-// Throws Error: what ended the push too early.
+// Throws Error: the reason why the push ended too early.
 void pushWith(const RendererSource& source, PushTask& task, PushResults& results) {
   const PushOptions& options = task.options;
   const auto& [name, library] = source;
@@ -293,7 +293,7 @@ void run(const PushOptions& options) {
   for (const RendererSource& source : sources) {
     try {
       pushWith(source, task, results);
-    } catch (const std::exception& error) {  // what the others reach is printed all the same
+    } catch (const std::exception& error) {  // print the results of the other renderers nevertheless
       failures += fmt::format("{}{}: {}", failures.empty() ? "" : "; ", source.name, error.what());
     }
   }
@@ -304,7 +304,7 @@ void run(const PushOptions& options) {
   }
 }
 
-// "on" or "off".
+// Add an option with the values "on" and "off".
 void addSwitch(CLI::App& command, const std::string& name, bool& value, const std::string& text) {
   command.add_option(name, value, text)
       ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"on", true}, {"off", false}}))

@@ -1,6 +1,6 @@
 #include "push_report.hpp"
 
-#include <fmt/format.h>  // format_to: Clang does not find it in a libfmt that GCC built
+#include <fmt/format.h>  // format_to: Clang does not find it in a libfmt built with GCC
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -11,7 +11,7 @@
 namespace enamel::app {
 namespace {
 
-// The paper's extremes in scenario 1, in the units of the table.
+// The paper's extreme values in scenario 1, in the units of the table.
 struct PaperFigure {
   const char *symbol, *servo, *spring;
 };
@@ -77,7 +77,7 @@ TickFile::TickFile(const std::string& path, const Mechanism& device) : file_(pat
       "t [s],x [m],y [m],z [m],alpha [rad],beta [rad],gamma [rad],vx [m/s],vy [m/s],vz [m/s],wx [rad/s],"
       "wy [rad/s],wz [rad/s],gap [m],person fx [N],person fy [N],person fz [N],rendered fx [N],rendered fy "
       "[N],rendered fz [N],wall force [N]";
-  // Where J is the identity the joints are the axes of the TCP; all others turn.
+  // If J is the identity, the joints are the axes of the TCP, and the first three slide. All other joints turn.
   const Jacobian& J = device.home().jacobian;
   const bool axes = J.isApprox(Jacobian::Identity(6, J.cols()));
   for (const auto& [name, ofTurn, ofSlide] : {std::tuple{"q", "rad", "m"}, {"tau", "N m", "N"}})

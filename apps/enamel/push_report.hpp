@@ -1,4 +1,4 @@
-// What `enamel push` says about a push: every tick as CSV, the metrics as a table or as JSON.
+// Output of `enamel push`: every tick as CSV, the metrics as a table or as JSON.
 #pragma once
 
 #include <string>
@@ -9,20 +9,20 @@
 
 namespace enamel::app {
 
-/// What a renderer that came to the end made of the push.
+/// Result of a renderer that completed the push.
 struct PushOutcome {
   std::string renderer;
-  bool ofPaper;  ///< the linked hold or impedance, whose figures the paper has; not a plugin of the same name
+  bool ofPaper;  ///< linked hold or impedance: the paper has their values; not a plugin of that name
   PushMetrics metrics;
 };
 
-/// A column a renderer, a row a metric.
+/// Return a table with one column for each renderer and one row for each metric.
 std::string tableOf(const std::vector<PushOutcome>& outcomes, int scenario);
 
-/// Metrics under the keys that files have (keyOf()), by renderer; what a run does not have is null.
+/// Return the metrics by renderer, under the keys used in files (keyOf()). Missing values are null.
 std::string jsonOf(const std::vector<PushOutcome>& outcomes);
 
-/// A CSV file with a line a tick: FileWriter. Throws Error.
+/// A CSV file with one line for each tick; uses FileWriter. Throws Error.
 class TickFile {
  public:
   TickFile(const std::string& path, const Mechanism& device);

@@ -50,7 +50,7 @@ double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal
   };
   Kinematics k;
   require(plant.reach(pose, Vec6::Zero(), true, k));
-  // What a motion and its opposite do not have in common: gravity and centrifugal forces are even in the twist.
+  // Gravity and centrifugal forces are even in the twist. Damping is odd: half the difference of the two directions.
   constexpr double kSpeed = 0.1;  // m/s
   Vec6 twist, forth, back;
   twist << kSpeed * normal, Vec3::Zero();
@@ -63,7 +63,7 @@ double dampingAlong(const Mechanism& plant, const Pose& pose, const Vec3& normal
 
 std::string dampingWarning(const ImpedanceOptions& wall, double period, double available) {
   const double required = requiredDamping(wall, period);
-  if (available > required * (1.0 + 1e-9)) return "";  // equal is not enough, and `available` has been computed
+  if (available > required * (1.0 + 1e-9)) return "";  // equality is not enough, and `available` is rounded
   return fmt::format(
       "a stiffness of {:.6g} N/m and a damping of {:.6g} N s/m need more than {:.6g} N s/m of device damping at {:.6g} "
       "s (eq. 16), there are {:.6g}: see --device-damping",

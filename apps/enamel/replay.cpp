@@ -46,7 +46,7 @@ std::string numbersOf(const JointVector& v) {
   return text;
 }
 
-// A recording and what runs it again; the bur of its scene cuts as it did.
+// A recording and the loop that replays it. The bur of its scene cuts as it did in the recording.
 struct Replayed {
   RecordingReader recording;
   std::shared_ptr<const Mechanism> device;
@@ -65,7 +65,7 @@ struct Replayed {
   }
 };
 
-// Replays, and appends what a page shows of it where there is to be one.
+// Replay a recording. If a page is written, append its side of the page.
 ReplayResult play(Replayed& run, std::uint64_t from, const std::string& title, bool isAsked, PageNumbers& numbers,
                   std::vector<nlohmann::json>* sides) {
   if (sides == nullptr) return replay(run.recording, run.tick, from);
@@ -88,7 +88,7 @@ void run(const ReplayOptions& options) {
   requireFree(options.html, options.overwrite);
   std::vector<nlohmann::json> sides;
   PageNumbers numbers;
-  if (hasPage && isOther) {  // beside what was recorded
+  if (hasPage && isOther) {  // show the recorded renderer beside the other one
     Replayed recorded(options.file, "", {});
     play(recorded, options.from, recorded.recording.header().renderer, false, numbers, &sides);
   }

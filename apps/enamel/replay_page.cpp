@@ -24,16 +24,16 @@ using nlohmann::json;
 
 constexpr double kPictures = 60.0, kBrickPeriod = 0.1;
 constexpr std::size_t kMostPictures = 36000, kMostBuckets = 20000;
-constexpr std::size_t kPose = 7, kContact = 6;  // numbers a picture
+constexpr std::size_t kPose = 7, kContact = 6;  // numbers in each picture
 
-// Of the numbers that a page has: f32, u16.
+// Return the name of a number type on the page: f32, u16.
 template <typename T>
 std::string nameOf() {
   const char* const kind = std::is_floating_point_v<T> ? "f" : std::is_signed_v<T> ? "i" : "u";
   return kind + std::to_string(8 * sizeof(T));
 }
 
-// In mm, of m.
+// Convert m to mm.
 json millimetres(const Vec3& v) { return {1e3 * v.x(), 1e3 * v.y(), 1e3 * v.z()}; }
 
 Vec3 rgbOf(unsigned rgb) {
@@ -41,7 +41,7 @@ Vec3 rgbOf(unsigned rgb) {
   return {c.r, c.g, c.b};
 }
 
-// At every vertex the mean of its triangles' normals, by their areas.
+// Return for every vertex the mean of its triangles' normals, weighted by their areas.
 std::vector<Vec3> normalsOf(const TriangleMesh& mesh) {
   const std::vector<int> place = weld(mesh);
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero()), normals;
@@ -56,7 +56,7 @@ std::vector<Vec3> normalsOf(const TriangleMesh& mesh) {
   return normals;
 }
 
-// Of rows of this width.
+// Keep every second row of `width` values.
 template <typename T>
 void keepEverySecond(std::vector<T>& values, std::size_t width) {
   const std::size_t kept = (values.size() / width + 1) / 2;
@@ -93,7 +93,7 @@ PageSide::PageSide(std::string title, const RecordingHeader& header, const Scene
       drill_(drill),
       isAsked_(isAsked),
       everyPicture_(static_cast<std::uint64_t>(std::max(1.0, std::round(1.0 / (kPictures * header.guard.period))))) {
-  if (isAsked) return;  // the other side shows them
+  if (isAsked) return;  // the first side shows them
   for (const auto& solid : scene.solids) {
     Copy copy;
     copy.solid = solid;
@@ -105,11 +105,11 @@ PageSide::PageSide(std::string title, const RecordingHeader& header, const Scene
 void PageSide::see(const RecordedTick& recorded, const HapticTick& tick) {
   if (ticks_ == 0) begin_ = recorded.measurement.time;
   const double time = recorded.measurement.time - begin_;
-  if (!std::isfinite(time) || recorded.status == Status::notFinite) return;  // there is nothing to show
+  if (!std::isfinite(time) || recorded.status == Status::notFinite) return;  // nothing to show
   end_ = std::max(end_, time);
   const ContactSnapshot& contacts = tick.frame().contacts;
   const Contact& contact = contacts.contacts[0];
-  // What the tool feels: the command without what carries the device.
+  // The force that a person feels: the command without the torque that compensates gravity.
   const Kinematics& k = tick.frame().kinematics;
   const JointVector& torque = isAsked_ ? tick.frame().output.torque : recorded.command;
   const bool acts = recorded.status == Status::ok && torque.size() == k.gravity.size() && !torque.isZero();
@@ -142,7 +142,7 @@ void PageSide::see(const RecordedTick& recorded, const HapticTick& tick) {
   for (const double volume : sum_) removed_.push_back(static_cast<float>(1e9 * volume));
 }
 
-// Buckets of twice as many ticks.
+// Merge pairs of buckets; each then covers twice as many ticks.
 void PageSide::halveCurves() {
   for (Curve* curve : {&force_, &depth_}) {
     for (std::size_t i = 0; i < kMostBuckets / 2; ++i) {
@@ -172,7 +172,7 @@ void PageSide::takeBricks(float time) {
   }
 }
 
-// Coordinates in 65535 steps of the box, normals in 127.
+// Quantise coordinates to 65535 steps of the bounding box, and normals to 127 steps.
 json PageSide::meshOf(const std::vector<Vec3>& vertices, const std::vector<Vec3>& normals,
                       const std::vector<Vec3>& colours, const std::vector<std::array<int, 3>>& triangles,
                       PageNumbers& numbers) const {
@@ -203,8 +203,8 @@ json PageSide::meshOf(const std::vector<Vec3>& vertices, const std::vector<Vec3>
   return mesh;
 }
 
-// What no bur ever touches is one mesh of every second sample; the other bricks, as they are from some time on, are
-// pieces of every sample.
+// Bricks that the bur never cuts become one mesh at half resolution. Each cut brick becomes a piece at full resolution
+// for each time at which it changed.
 json PageSide::solidOf(const Copy& copy, PageNumbers& numbers) const {
   const Solid& solid = *copy.solid;
   std::vector<bool> isCut(copy.uncut.size(), false);
@@ -313,7 +313,7 @@ std::string compressed(const std::string& bytes) {
   if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
     throw Error("zlib cannot begin");
   std::string result(deflateBound(&stream, bytes.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib only reads it
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib does not write to it
   stream.avail_in = static_cast<uInt>(bytes.size());
   stream.next_out = reinterpret_cast<Bytef*>(result.data());
   stream.avail_out = static_cast<uInt>(result.size());

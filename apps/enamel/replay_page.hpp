@@ -1,4 +1,4 @@
-// One page that plays recordings in a browser, with all that it needs inside: enamel replay --html.
+// One self-contained page that plays recordings in a browser: enamel replay --html.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,10 +11,10 @@
 
 namespace enamel::app {
 
-/// The numbers of a page: arrays behind each other, named by where they begin.
+/// The numbers of a page: arrays one after the other, addressed by their first byte.
 class PageNumbers {
  public:
-  /// Returns {"at": byte, "count": numbers, "type": f32, u32, u16, i8 or u8}.
+  /// Return {"at": byte, "count": numbers, "type": f32, u32, u16, i8 or u8}.
   template <typename T>
   nlohmann::json add(const std::vector<T>& values);
   const std::string& bytes() const noexcept { return bytes_; }
@@ -23,33 +23,33 @@ class PageNumbers {
   std::string bytes_;
 };
 
-/// What a page shows of one replay: the motion 60 times a second, forces and depths of every tick as their extremes,
-/// and what a bur has left of the solids, ten times a second.
+/// The data that a page shows of one replay. It has the motion at 60 Hz, the extremes of force and depth over all
+/// ticks, and the solids at 10 Hz while a bur cuts them.
 class PageSide {
  public:
-  /// `title` tells the side from another one. The solids are as before the first tick; the drill, null where there is
-  /// none, cuts those of `scene`. `isAsked`: the motors never got what the renderer answered, only the recorded one's;
-  /// it is shown beside the first side's motion, and has none.
+  /// `title` distinguishes the side from the other one. The solids must be as before the first tick; the drill (null:
+  /// no drill) cuts those of `scene`. `isAsked`: this renderer was only asked for its torque, the motors received the
+  /// recorded renderer's. Such a side is shown with the first side's motion and solids.
   PageSide(std::string title, const RecordingHeader& header, const SceneFile& scene, const Drill* drill, bool isAsked);
 
-  /// Every tick after it was run.
+  /// Add a tick after it has run.
   void see(const RecordedTick& recorded, const HapticTick& tick);
 
-  /// As the page's script takes it. Throws Error: no tick was seen.
+  /// Return the data for the page's script. Throws Error: no tick was added.
   nlohmann::json finish(PageNumbers& numbers);
 
  private:
   struct Brick {
-    float time;  // from when on it is so, s
+    float time;  // s; the brick has these samples from this time on
     int number;
     BrickSamples samples;
   };
-  struct Copy {  // of an obstacle's solid
+  struct Copy {  // of the solid of an obstacle
     std::shared_ptr<Solid> solid;
     std::vector<BrickSamples> uncut;
     std::vector<Brick> changes;
   };
-  // Smallest and largest value of several ticks.
+  // Smallest and largest value of each bucket of ticks.
   struct Curve {
     std::vector<float> low, high;
     void add(double value, bool isNew);
@@ -69,7 +69,7 @@ class PageSide {
   const SceneFile& scene_;
   const Drill* drill_;
   bool isAsked_;
-  std::vector<Copy> copies_;  // by obstacle
+  std::vector<Copy> copies_;  // one for each obstacle
   double begin_ = 0.0, end_ = 0.0, bricksAt_ = 0.0;
   std::uint64_t ticks_ = 0, everyPicture_, everyCurve_ = 1;  // ticks
   std::vector<float> times_, poses_, forces_, depths_, contacts_, removed_;
@@ -78,11 +78,11 @@ class PageSide {
   Curve force_, depth_;
 };
 
-/// Writes the page with one or two sides. Throws Error: this build has no such page (it needs three.js and zlib, and
-/// says which packages); the file cannot be written.
+/// Write the page with one or two sides. Throws Error: this build has no page, because it needs three.js and zlib (the
+/// message names the packages); the file cannot be written.
 void writeReplayPage(const std::string& path, const std::vector<nlohmann::json>& sides, const PageNumbers& numbers);
 
-/// Throws Error where writeReplayPage() could not but throw: before the work.
+/// Throw the Error of a build without a page before any work is done.
 void checkReplayPage();
 
 }  // namespace enamel::app

@@ -1,4 +1,4 @@
-// The parts of the page that replay_page.cpp writes: the files in page/, and three.js.
+// Parts of the page that replay_page.cpp writes: the files in page/, and three.js.
 #pragma once
 
 namespace enamel::app {

@@ -17,7 +17,7 @@ struct SceneOptions {
   bool explain = false;
 };
 
-// What lib/docs/collision.md and contacts.hpp say.
+// From lib/docs/collision.md and contacts.hpp.
 constexpr double kBytesOfTriangle = 244.0, kBytesOfCache = 19e3;
 
 std::string whatIs(const HalfSpace&) { return "half space: a plane, nothing is built"; }

@@ -1,6 +1,5 @@
-// Debian's GLEW knows GLX only: in an EGL context glewInit() loads every function, then reports that there is no GLX
-// display, and VTK would log an error per frame. This definition stands before the library's and takes that report
-// for what it is.
+// Debian's GLEW supports GLX only. In an EGL context, glewInit() loads every function and then reports a missing GLX
+// display; VTK would log an error per frame. This definition precedes the library's and ignores that report.
 #include <GL/glew.h>
 #include <dlfcn.h>
 

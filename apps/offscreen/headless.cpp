@@ -11,7 +11,7 @@ namespace {
 class Headless final : public Surface {
  public:
   Headless(const glm::ivec2& size, float scale) : scale_(scale) {
-    const auto getDisplay = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(  // NOLINT: the way EGL does it
+    const auto getDisplay = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(  // NOLINT: required by EGL
         eglGetProcAddress("eglGetPlatformDisplayEXT"));
     if (getDisplay == nullptr) throw Error("no OpenGL without a display: EGL has no platform displays");
     display_ = getDisplay(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr);

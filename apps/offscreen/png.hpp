@@ -1,11 +1,11 @@
-// Pictures as files.
+// Writes pictures to files.
 #pragma once
 
 #include <string>
 
 namespace enamel::offscreen {
 
-/// Writes a picture (RGB, rows from the bottom) as PNG: writeFile(). Throws Error.
+/// Write a picture (RGB, rows from the bottom) as PNG with writeFile(). Throws Error.
 void writePng(int width, int height, const unsigned char* rgb, const std::string& path);
 
 }  // namespace enamel::offscreen

@@ -1,6 +1,6 @@
 #include "render_window.hpp"
 
-#include <GL/glew.h>  // before anything that includes OpenGL
+#include <GL/glew.h>  // before any other header that includes OpenGL
 #include <vtkCallbackCommand.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
@@ -12,7 +12,7 @@
 namespace enamel::offscreen {
 namespace {
 
-// VTK's messages: a line each on stderr instead of a page.
+// Prints VTK's messages as one line each on stderr instead of a page.
 class Messages final : public vtkOutputWindow {
  public:
   static Messages* New();

@@ -1,4 +1,4 @@
-// VTK's window in a context that somebody else owns.
+// VTK's window in an existing OpenGL context.
 #pragma once
 
 #include <vtkGenericOpenGLRenderWindow.h>
@@ -8,8 +8,8 @@
 
 namespace enamel::offscreen {
 
-/// A window that draws into `surface`, which must outlive it; VTK's messages go to stderr, a line each, after the name
-/// of the program. Before the surface ends: Finalize() and RemoveAllObservers().
+/// Make a window that draws into `surface`, which must outlive it. VTK's messages go to stderr, one line each, after
+/// the name of the program. Call Finalize() and RemoveAllObservers() before the surface ends.
 vtkSmartPointer<vtkGenericOpenGLRenderWindow> makeRenderWindow(Surface& surface, const char* program);
 
 }  // namespace enamel::offscreen

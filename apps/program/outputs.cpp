@@ -28,7 +28,7 @@ void requireFree(const std::string& path, bool overwrite) {
 }
 
 void removeOld(const std::string& path, bool overwrite) {
-  std::error_code none;  // of a link nothing is removed
+  std::error_code none;  // a link is never removed
   if (fs::is_regular_file(fs::symlink_status(path, none)) && (overwrite || fs::file_size(path, none) == 0))
     fs::remove(path);
 }

@@ -1,4 +1,4 @@
-// Files that a program writes: what is there already is overwritten only on request.
+// Output files of a program: existing files are overwritten only on request.
 #pragma once
 
 #include <string>
@@ -18,11 +18,11 @@ void addOverwrite(CLI::App& command, bool& overwrite, const std::vector<std::str
 /// pipe and a device are free.
 void requireFree(const std::string& path, bool overwrite);
 
-/// Remove the file of a path that is free, for a Recorder, which writes only new files.
+/// Remove the file of a free path for a Recorder, which writes new files only.
 void removeOld(const std::string& path, bool overwrite);
 
-/// A file that a Recorder writes in the place of `path`. An old recording there stays whole until keep() replaces it:
-/// the new one then grows beside it, as PATH.NUMBER.part, and goes away if there is no keep().
+/// A file that a Recorder writes in place of `path`. An old recording remains complete until keep() replaces it. Until
+/// then the new one grows beside it as PATH.NUMBER.part; without keep() it is removed.
 class NewRecording {
  public:
   /// Throws Error: as removeOld().
@@ -32,7 +32,7 @@ class NewRecording {
   NewRecording& operator=(const NewRecording&) = delete;
 
   const std::string& place() const noexcept { return place_; }
-  /// Throws Error with the file and the cause.
+  /// Replace the old recording. Throws Error with the file and the cause.
   void keep();
 
  private:

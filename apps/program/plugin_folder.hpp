@@ -1,4 +1,4 @@
-// Where plugins are, and their parameters on a command line.
+// Location of plugins, and their parameters on a command line.
 #pragma once
 
 #include <map>
@@ -7,10 +7,10 @@
 
 namespace enamel::app {
 
-/// The folder of the plugins that came with this program: installed beside it, or of its build tree.
+/// Return the folder of the plugins of this program: installed beside it, or in its build tree.
 std::string pluginFolder();
 
-/// KEY=VALUE, ... as a map. Throws Error: a text without '=', or a key given twice.
+/// Convert KEY=VALUE, ... to a map. Throws Error: a text without '=', or a key given twice.
 std::map<std::string, std::string> parseParameters(const std::vector<std::string>& texts);
 
 }  // namespace enamel::app

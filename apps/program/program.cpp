@@ -20,7 +20,7 @@
 namespace enamel::app {
 namespace {
 
-// CLI11 reads "010" as eight and -1 as the largest unsigned number, and takes "0x10" and "nan": here numbers are
+// CLI11 reads "010" as eight and -1 as the largest unsigned number, and accepts "0x10" and "nan". Here numbers must be
 // decimal and finite.
 void requireDecimalNumbers(CLI::App& command) {
   for (CLI::Option* option : command.get_options()) {
@@ -69,7 +69,7 @@ int runProgram(const std::string& name, const std::function<void()>& body) noexc
   } catch (const Exit& end) {
     fail(end.status(), end.what());
   } catch (const std::system_error& error) {
-    if (!std::ferror(stdout)) fail(1, error.what());  // else fmt::print() could not write it: told below
+    if (!std::ferror(stdout)) fail(1, error.what());  // otherwise fmt::print() failed: reported below
   } catch (const std::bad_alloc&) {
     fail(1, "there is not enough memory");
   } catch (const std::exception& error) {

@@ -1,4 +1,4 @@
-// What the mains of all programs share.
+// Shared by the main functions of all programs.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ class Option;
 
 namespace enamel::app {
 
-/// Ends a program with a status of its own; without a message, silently.
+/// Ends a program with a given status; silently if the message is empty.
 class Exit : public Error {
  public:
   Exit(int status, const std::string& message) : Error(message), status_(status) {}
@@ -23,23 +23,24 @@ class Exit : public Error {
   int status_;
 };
 
-/// Runs the body of a main and returns the status of the process: 0, that of an Exit, or 1 for any other exception and
-/// for a standard output that could not be written; each is told in one line "NAME: reason". Streams that were closed
-/// lead nowhere, so that no file that is opened takes their place; a limit of file sizes is an error of writing.
+/// Run the body of a main function and return the status of the process: 0, the status of an Exit, or 1. Status 1 means
+/// another exception, or that the standard output could not be written. Each error is printed as one line "NAME:
+/// reason". Closed standard streams are opened on /dev/null, so that no other file gets their number. Exceeding a file
+/// size limit is a write error.
 int runProgram(const std::string& name, const std::function<void()>& body) noexcept;
 
-/// Tells an error as runProgram() does.
+/// Print an error as runProgram() does.
 void tell(const std::string& name, const std::string& reason) noexcept;
 
-/// Version, compiler, options and libraries of this build, in one line: what --version says behind the name.
+/// Return version, compiler, options and libraries of this build in one line: the text of --version after the name.
 const char* buildText() noexcept;
 
-/// Makes an option take the names of the version before (core/old_names.hpp) for what it names, `kind`: the present
-/// name replaces them before anything checks it, and a warning on standard error says so.
+/// Let an option accept the names of the previous version (core/old_names.hpp) for its `kind`. The present name
+/// replaces an old one before any check, with a warning on stderr.
 void takeOldNames(CLI::Option* option, const std::string& kind);
 
-/// Parses a command line and runs its callbacks. Numbers are finite and decimal. Throws Exit with 2 where it cannot be
-/// read; false where help or the version was asked for.
+/// Parse a command line and run its callbacks. Numbers must be finite and decimal. Return false after --help or
+/// --version. Throws Exit with status 2: an invalid command line.
 bool parse(CLI::App& app, const std::string& name, int argc, char** argv);
 
 }  // namespace enamel::app

@@ -13,7 +13,7 @@
 namespace enamel::app {
 namespace {
 
-// Of what a header names by its path: meshes, and the file of a servo.
+// Return the checksum of the files that a header names by path: meshes, and the servo file.
 std::uint32_t filesChecksum(const std::map<std::string, std::string>& parameters, const Scene& scene) {
   const std::uint32_t meshes = meshChecksum(scene);
   const auto gain = parameters.find("gain");

@@ -1,4 +1,4 @@
-// Everything that a key, a button or a script can do.
+// All actions of keys, buttons and scripts.
 #pragma once
 
 #include <cstdint>
@@ -45,24 +45,24 @@ enum class Action : std::uint8_t {
   quit,
 };
 
-/// What an action is for: a live run, a recording that is played, or both.
+/// Where an action applies: a live run, a recording, or both.
 enum class Source : std::uint8_t { both, live, recording };
 
 /// A row of the help, of the key bindings and of the script's vocabulary.
 struct ActionRow {
   Action action;
-  const char* name;  ///< in scripts
-  const char* keys;  ///< as the help shows them
+  const char* name;  ///< name in scripts
+  const char* keys;  ///< text in the help
   const char* meaning;
-  int key;       ///< GLFW's number
+  int key;       ///< key code of GLFW
   bool control;  ///< with Ctrl
   Source source = Source::both;
 };
 
-/// In the order of Action.
+/// Return the rows in the order of Action.
 const std::vector<ActionRow>& actionRows();
 
-/// The rows of the help that are not single actions.
+/// A row of the help that is not a single action.
 struct HelpRow {
   const char* keys;
   const char* meaning;
@@ -70,7 +70,7 @@ struct HelpRow {
 };
 const std::vector<HelpRow>& drivingRows();
 
-/// The action bound to a key, or of a name in a script; or nullptr.
+/// Return the action of a key, or of a name in a script; nullptr if nothing matches.
 const ActionRow* actionOfKey(int key, bool control);
 const ActionRow* actionOfName(std::string_view name);
 

@@ -1,4 +1,4 @@
-// Pills over the scene: what the tool is doing, what is wrong, and what is being recorded.
+// Badges over the scene: state of the tool, problems, and recordings.
 #include <imgui.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace enamel::viewer {
 
 double handForce(const Frame& frame) { return -frame.record.nearest.normal.dot(frame.record.handWrench.head<3>()); }
 
-// What the tool is doing, in a word.
+// Draw the state of the tool as one word.
 void drawStatus(float right, float y, const OverlayInput& input, const Frame& frame, const Brush& brush) {
   const float s = brush.s;
   const Player* const player = input.player;
@@ -33,7 +33,7 @@ void drawStatus(float right, float y, const OverlayInput& input, const Frame& fr
   brush.text(gFonts.bold, right - chipWidth + 10 * s, y + 4 * s, 0xFFFFFF, chip);
 }
 
-// What is wrong, each in its pill, from the right.
+// Return all problems. Each has its own badge, starting from the right.
 std::array<std::pair<bool, const char*>, 4> badgesOf(const Frame& frame) {
   const Conditions& c = frame.conditions;
   return {

@@ -1,4 +1,4 @@
-// What the overlay is drawn with: fonts, colours, words, arrows.
+// Fonts, colours, text and arrows of the overlay.
 #pragma once
 
 #include <imgui.h>
@@ -11,10 +11,10 @@
 
 namespace enamel::viewer {
 
-/// ImGui keeps fonts for the life of its context, of which there is one: setUpOverlay() fills them in.
+/// ImGui keeps fonts as long as its context, and there is only one: setUpOverlay() fills them in.
 struct Fonts {
   ImFont *text = nullptr, *small = nullptr, *bold = nullptr, *large = nullptr;
-  ImFont* huge = nullptr;  ///< digits
+  ImFont* huge = nullptr;  ///< for digits
 };
 inline Fonts gFonts;
 
@@ -23,7 +23,7 @@ ImVec4 tone(unsigned rgb, double alpha = 1.0);
 
 std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
 
-/// With one decimal; never "-0.0".
+/// Format with one decimal, but never as "-0.0".
 std::string tenths(double value);
 
 struct Brush {
@@ -39,7 +39,7 @@ struct Brush {
   void textRight(ImFont* font, float x, float y, unsigned rgb, const std::string& t) const {
     text(font, x - width(font, t), y, rgb, t);
   }
-  // So that words can be read where the device stands behind them.
+  // Clear the background, so that text remains readable over the device.
   void clear(float x, float y, float width, float height) const {
     list->AddRectFilled({x - 6 * s, y}, {x + width + 6 * s, y + height}, ink(kGround, 0.8), 6 * s);
   }

@@ -17,7 +17,7 @@ namespace enamel::viewer {
 
 FlutedBur::FlutedBur(vtkRenderer* renderer, double radius, double length) {
   constexpr int around = 96, rings = 25, flutes = 8;
-  constexpr double pi = 3.14159265358979323846, twist = 0.5, depth = 0.14;  // of a flute, share of the radius
+  constexpr double pi = 3.14159265358979323846, twist = 0.5, depth = 0.14;  // depth of a flute, relative to the radius
   Polygons polygons;
   for (int ring = 0; ring < rings; ++ring) {
     const double polar = pi * (1.0 - static_cast<double>(ring) / (rings - 1));  // from the tip, at -z
@@ -67,7 +67,7 @@ ChipView::ChipView(vtkRenderer* renderer) {
   actor_ = addData(renderer, data, {0xFFFFFF, 1.0, 0.1});
   actor_->GetMapper()->ScalarVisibilityOn();
   actor_->GetMapper()->SetColorModeToDirectScalars();
-  actor_->GetProperty()->SetAmbient(0.75);  // chips in the shade would be specks
+  actor_->GetProperty()->SetAmbient(0.75);  // bright even in the shade, where chips would look like specks
   actor_->GetProperty()->SetDiffuse(0.25);
   actor_->VisibilityOff();
 }

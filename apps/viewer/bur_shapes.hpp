@@ -1,4 +1,4 @@
-// What is seen of a bur: the bur, and what it throws off.
+// Drawing of the bur and its chips.
 #pragma once
 
 #include <vtkActor.h>
@@ -13,18 +13,19 @@
 
 namespace enamel::viewer {
 
-/// A bur: a ball or capsule of radius `radius` (mm) with flutes around its axis, along which `length` (mm) is straight.
+/// A bur of radius `radius` (mm): a sphere or a capsule whose straight part is `length` (mm) long, with flutes around
+/// its axis.
 class FlutedBur {
  public:
   FlutedBur(vtkRenderer* renderer, double radius, double length);
-  /// `from`: centre of its tip, m; `frame`: its axis is the third column; turned by an angle, rad.
+  /// Place the bur. `from`: centre of its tip, m; `frame`: its third column is the axis; `angle`: rotation, rad.
   void place(const Vec3& from, const Mat3& frame, double angle);
 
  private:
   vtkSmartPointer<vtkActor> actor_;
 };
 
-/// Chips, as one actor: small flat triangles that tumble, and become smaller as they age.
+/// All chips as one actor: small flat triangles that tumble and shrink with age.
 class ChipView {
  public:
   explicit ChipView(vtkRenderer* renderer);

@@ -6,12 +6,12 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr double kMostPower = 20.0;                                        // W, of the turbine
-constexpr double kRotor = 0.08, kGrain = 0.02;                             // s, that speed and noise take to follow
-constexpr double kFullTurns = 1000.0;                                      // a second: from here on at full strength
+constexpr double kMostPower = 20.0;                                        // W, largest power of the turbine
+constexpr double kRotor = 0.08, kGrain = 0.02;                             // s, time constants of speed and noise
+constexpr double kFullTurns = 1000.0;                                      // per second; full volume from this speed on
 constexpr double kHalfRemoval = 1e-8;                                      // m^3/s
-constexpr double kTone = 0.12, kNoise = 0.12;                              // of full scale
-constexpr double kDullest = 100.0, kBrightest = 8e3, kBrightness = 2.5e3;  // Hz; the last for 1 GPa
+constexpr double kTone = 0.12, kNoise = 0.12;                              // relative to full scale
+constexpr double kDullest = 100.0, kBrightest = 8e3, kBrightness = 2.5e3;  // Hz; kBrightness: for 1 GPa
 struct Partial {
   double multiple, strength;
 };
@@ -35,7 +35,7 @@ void BurSound::next(const BurLoad& load, std::int16_t* samples, int count) noexc
     brightness_ += grain * (brightness - brightness_);
     phase_ = std::fmod(phase_ + 2.0 * pi * turns_ * step, 2.0 * pi);
     double tone = 0.0;
-    for (const Partial& partial : kPartials) {  // none that would be heard as another one
+    for (const Partial& partial : kPartials) {  // fade out partials near the Nyquist frequency, which would alias
       const double heard = std::clamp(20.0 * (0.45 - partial.multiple * turns_ * step), 0.0, 1.0);
       tone += heard * partial.strength * std::sin(partial.multiple * phase_);
     }

@@ -7,10 +7,10 @@ namespace {
 
 const ToolPart& burOf(const SceneFile& scene) { return scene.tool.parts[static_cast<std::size_t>(scene.bur->part)]; }
 
-// Centre of the bur's tip.
+// Return the centre of the bur's tip.
 Vec3 tipOf(const SceneFile& scene, const Pose& tool) { return tool.position + tool.rotation * burOf(scene).a; }
 
-// From the nearest solid as it was before anything was cut, m; none is far.
+// Return the distance to the nearest solid before any cut, m; very large without a solid.
 double uncutDistance(const SceneFile& scene, const std::vector<SolidCopy>& solids, const Vec3& point) {
   double distance = 1.0;
   for (std::size_t i = 0; i < solids.size(); ++i) {
@@ -22,7 +22,7 @@ double uncutDistance(const SceneFile& scene, const std::vector<SolidCopy>& solid
   return distance;
 }
 
-// What is cut in so many seconds.
+// Return the load of a bur that cuts these volumes in `seconds`.
 BurLoad loadOf(const RemovedVolume& cut, double seconds, double turns, const std::vector<SolidLayer>& layers) {
   BurLoad load;
   load.turns = turns;
@@ -50,7 +50,7 @@ double burDepth(const SceneFile& scene, const std::vector<SolidCopy>& solids, co
 
 const char* BurView::update(const Frame& frame, const SceneFile& scene, const std::vector<SolidCopy>& solids,
                             bool isHeard) {
-  constexpr double shownTurns = 1.7;  // a second: those of a bur are too fast to be seen
+  constexpr double shownTurns = 1.7;  // per second: real speeds are too fast to see
   const DrillState& drilled = frame.drilled;
   if (frame.record.time < time_) chips_ = Chips();
   const double passed = std::max(0.0, frame.record.time - time_);
@@ -59,7 +59,7 @@ const char* BurView::update(const Frame& frame, const SceneFile& scene, const st
   RemovedVolume cut{};
   for (std::size_t i = 0; i < cut.size(); ++i) cut[i] = std::max(0.0, drilled.removed[i] - removed_[i]);
   removed_ = drilled.removed;
-  // Out of a hole chips come at its mouth.
+  // Chips leave a hole at its mouth.
   const Vec3 axis = frame.record.pose.rotation.col(2);
   const double radius = burOf(scene).radius;
   Vec3 mouth = tipOf(scene, frame.record.pose);
@@ -71,7 +71,7 @@ const char* BurView::update(const Frame& frame, const SceneFile& scene, const st
   chips_.advance(passed, cut, mouth, axis, radius);
 
   if (isHeard && !sound_) sound_.emplace();
-  if (!sound_ || (passed == 0.0 && !frame.paused)) return nullptr;  // in slow motion it goes on
+  if (!sound_ || (passed == 0.0 && !frame.paused)) return nullptr;  // keep the sound in slow motion
   const auto* const layers = layersOf(solids);
   const bool turns = isHeard && drilled.spins && !frame.paused && layers != nullptr;
   sound_->set(turns ? loadOf(cut, passed, scene.bur->turns, *layers) : BurLoad());

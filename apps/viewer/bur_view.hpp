@@ -1,4 +1,4 @@
-// What is seen and heard of a bur that cuts: how it turns, its chips, its sound.
+// Visible and audible effects of a bur: its rotation, chips and sound.
 #pragma once
 
 #include <optional>
@@ -11,29 +11,29 @@
 
 namespace enamel::viewer {
 
-/// Layers of the first solid, or nullptr.
+/// Return the layers of the first solid, or nullptr.
 const std::vector<SolidLayer>* layersOf(const std::vector<SolidCopy>& solids);
 
-/// How deep the tip of a scene's bur is below the uncut solids, m; 0: outside, or there is no bur.
+/// Return the depth of the bur's tip below the uncut solids, m; 0 if it is outside or the scene has no bur.
 double burDepth(const SceneFile& scene, const std::vector<SolidCopy>& solids, const Pose& tool);
 
 class BurView {
  public:
-  /// What happened between the frame before and this one. The scene has a bur. Why nothing is heard although
-  /// `isHeard`, or nullptr.
+  /// Process the time since the last frame. The scene must have a bur. Return the reason why nothing is heard although
+  /// `isHeard` is set, or nullptr.
   const char* update(const Frame& frame, const SceneFile& scene, const std::vector<SolidCopy>& solids, bool isHeard);
-  /// Ends the sound.
+  /// End the sound.
   void silence() { sound_.reset(); }
 
-  double angle() const { return angle_; }  ///< that it has turned, rad
+  double angle() const { return angle_; }  ///< rotation so far, rad
   const Chips& chips() const { return chips_; }
 
  private:
-  double time_ = 0.0;        // of the frame before, s
-  RemovedVolume removed_{};  // then, m^3
+  double time_ = 0.0;        // of the last frame, s
+  RemovedVolume removed_{};  // at that time, m^3
   double angle_ = 0.0;
   Chips chips_;
-  std::optional<SoundOutput> sound_;  // since it was first wanted
+  std::optional<SoundOutput> sound_;  // exists since the sound was first requested
 };
 
 }  // namespace enamel::viewer

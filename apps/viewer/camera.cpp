@@ -68,7 +68,7 @@ void CameraControl::toggleFollowing(double now) {
   nearUntil_ = now + 0.6;
 }
 
-// Nearer at first; then the person's wheel says how near.
+// Move near the contact at first. Afterwards the person sets the distance with the wheel.
 void CameraControl::follow(const glm::dvec3& point, double now, double passed) {
   constexpr double near = 120.0;  // mm
   if (follows_) viewer::follow(camera_, point, now < nearUntil_ ? near : camera_.distance, passed);

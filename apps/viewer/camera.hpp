@@ -1,4 +1,4 @@
-// The camera: orbits a point. The scene is drawn in mm of W, with vectors of GLM; everything else is in SI.
+// A camera that orbits a point. Scenes are drawn in mm of W with vectors of GLM; everything else is in SI units.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace enamel::viewer {
 
-inline constexpr double kMillimetres = 1e3;  // in a metre
+inline constexpr double kMillimetres = 1e3;  // per metre
 
 inline Vec3 metres(const glm::dvec3& mm) { return Vec3(mm.x, mm.y, mm.z) / kMillimetres; }
 
@@ -22,14 +22,14 @@ struct Camera {
   double azimuth = 0.0;             ///< of the eye about y, from z towards x, rad
   double elevation = 0.0;           ///< rad, within +-88 deg
   double distance = 400.0;          ///< mm
-  double angle = 0.45;              ///< of view, vertical, rad
+  double angle = 0.45;              ///< vertical angle of view, rad
 
   glm::dvec3 eye() const;
   glm::dmat4 view() const;
-  /// `aspect`: width over height.
+  /// `aspect`: width / height.
   glm::dmat4 projection(double aspect) const;
-  /// Of the view from bottom to top, rad: `angle`, and more where the picture is so narrow that the hand would be cut
-  /// off.
+  /// Return the vertical angle of view, rad: `angle`, but more in narrow pictures, which would otherwise cut off the
+  /// hand.
   double height(double aspect) const;
 };
 
@@ -38,38 +38,38 @@ struct CameraPreset {
   Camera camera;
 };
 
-/// What the keys 1 to 4 show.
+/// Return the views of the keys 1 to 4.
 const std::array<CameraPreset, 4>& cameraPresets();
 
 inline constexpr double kNearest = 30.0;  ///< distance of a camera, mm
 
-/// Turns by a drag of so many radians; moves the focus across the view by millimetres; nearer or farther by a factor.
+/// Turn the camera by a drag, rad; the next functions move the focus across the view (mm) and scale the distance.
 void orbit(Camera& camera, double right, double up);
 void pan(Camera& camera, double right, double up);
 void zoom(Camera& camera, double factor);
-/// Brings the focus to a point, mm, and the distance to `distance`, as far as `passed` s allow: nearly all in 0.5 s.
+/// Move the focus to a point (mm) and the distance to `distance`, with most of the way done in 0.5 s. `passed`: s.
 void follow(Camera& camera, const glm::dvec3& point, double distance, double passed);
 
-/// The camera that a person turns, chooses, or lets follow the contact.
+/// A camera that a person turns or selects, or that follows the contact.
 class CameraControl {
  public:
   CameraControl() { select(0); }
 
   Camera& camera() { return camera_; }
   const Camera& camera() const { return camera_; }
-  /// "follow", or of the preset that was selected last.
+  /// Return "follow" or the name of the last selected preset.
   const char* name() const { return follows_ ? "follow" : cameraPresets()[preset_].name; }
 
   void select(std::size_t preset);
   void selectNext() { select((preset_ + 1) % cameraPresets().size()); }
   void selectPrevious() { select((preset_ + cameraPresets().size() - 1) % cameraPresets().size()); }
 
-  /// Follows the contact from `now` (s) on, or no longer.
+  /// Start or stop to follow the contact at `now` (s).
   void toggleFollowing(double now);
-  /// Brings the focus to a point (mm) if it follows, as far as the seconds that have passed allow.
+  /// If the camera follows, move the focus towards a point (mm). `passed`: s.
   void follow(const glm::dvec3& point, double now, double passed);
 
-  /// Keeps the view for restore().
+  /// Save the view for restore().
   void keep() { keptCamera_ = camera_, keptPreset_ = preset_; }
   void restore() { camera_ = keptCamera_, preset_ = keptPreset_; }
 
@@ -77,13 +77,13 @@ class CameraControl {
   Camera camera_, keptCamera_;
   std::size_t preset_ = 0, keptPreset_ = 0;
   bool follows_ = false;
-  double nearUntil_ = 0.0;  // s: until then it also comes near
+  double nearUntil_ = 0.0;  // s: until then it also moves nearer
 };
 
-/// A point of W, mm, in a picture of `size` pixels, from the top left; z is the depth in the picture, 0 to 1.
+/// Project a point of W (mm) into a picture of `size` pixels, from the top left; z is the depth, 0 to 1.
 glm::dvec3 project(const Camera& camera, const glm::dvec2& size, const glm::dvec3& point);
 
-/// The point that is seen at `pixel` as far away as `like` is.
+/// Return the point at `pixel` that has the same depth as `like`.
 glm::dvec3 unproject(const Camera& camera, const glm::dvec2& size, const glm::dvec2& pixel, const glm::dvec3& like);
 
 }  // namespace enamel::viewer

@@ -1,6 +1,6 @@
 #include "canvas.hpp"
 
-#include <GL/glew.h>  // before anything that includes OpenGL
+#include <GL/glew.h>  // before any other header that includes OpenGL
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 #include <vtkGenericOpenGLRenderWindow.h>
@@ -41,7 +41,7 @@ Canvas::~Canvas() {
 
 void Canvas::draw(const Layout& layout, const std::function<void()>& overlay, bool picture) {
   surface_.makeCurrent();
-  // Smooth edges in both layers, of which this one is drawn last. In software they cost a third of the frames.
+  // Antialias both layers; this one is drawn last. In software this costs a third of the frame rate.
   for (vtkRenderer* above : {above_.Get(), aboveRight_.Get()}) above->SetUseFXAA(picture || !software_);
   if (layout.scale != fontScale_) {
     fontScale_ = layout.scale;
@@ -60,7 +60,7 @@ void Canvas::draw(const Layout& layout, const std::function<void()>& overlay, bo
   place(right_, layout.right);
   place(aboveRight_, layout.right);
   place(charts_, layout.charts);
-  // Curves of seconds need not be drawn with every picture: VTK's framebuffer keeps what is not drawn into.
+  // Charts over seconds do not need every frame: VTK's framebuffer keeps what it does not draw again.
   const bool same = layout.size == chartsDrawn_.size && layout.charts.width == chartsDrawn_.charts.width;
   if (software_ && !picture && same && ++chartsAge_ < kChartsEvery)
     charts_->SetDraw(false);

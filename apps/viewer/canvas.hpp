@@ -1,4 +1,4 @@
-// One OpenGL context for everything: VTK's scene and charts, and Dear ImGui over them.
+// The OpenGL context of everything: VTK's scene and charts, with Dear ImGui over them.
 #pragma once
 
 #include <vtkNew.h>
@@ -17,7 +17,7 @@ class vtkGenericOpenGLRenderWindow;
 
 namespace enamel::viewer {
 
-/// Pixels of a picture, three bytes each, the bottom row first, as OpenGL has them.
+/// Pixels of a picture with three bytes each; the bottom row comes first, as in OpenGL.
 struct Picture {
   glm::ivec2 size{0};
   std::vector<unsigned char> rgb;
@@ -32,18 +32,18 @@ class Canvas {
   Canvas& operator=(const Canvas&) = delete;
 
   vtkRenderer* scene() { return scene_; }
-  vtkRenderer* above() { return above_; }  ///< a layer over the scene
-  vtkRenderer* right() { return right_; }  ///< the scene of the split screen's right pane, and the layer over it
+  vtkRenderer* above() { return above_; }  ///< layer over the scene
+  vtkRenderer* right() { return right_; }  ///< scene of the split screen's right pane, and the layer over it
   vtkRenderer* aboveRight() { return aboveRight_; }
   vtkRenderer* charts() { return charts_; }
 
-  /// Draws VTK's part, then what `overlay` gives to ImGui, into the surface; does not present. A `picture` has smooth
-  /// edges also where OpenGL draws in software.
+  /// Draw VTK's part and then the overlay into the surface, without presenting it. A `picture` is antialiased even if
+  /// OpenGL runs in software.
   void draw(const Layout& layout, const std::function<void()>& overlay, bool picture);
 
   Picture read();
 
-  /// OpenGL errors so far.
+  /// Return the number of OpenGL errors so far.
   std::uint64_t errors() const { return errors_; }
 
  private:

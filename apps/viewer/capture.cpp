@@ -19,7 +19,7 @@ extern char** environ;
 namespace enamel::viewer {
 namespace {
 
-constexpr int kRate = 25;  // pictures of a clip a second
+constexpr int kRate = 25;  // pictures per second of a clip
 
 void print(const std::string& text) {
   std::printf("%s\n", text.c_str());
@@ -31,7 +31,7 @@ void tell(Viewer& viewer, const std::string& text) {
   print(text);
 }
 
-// What cannot be written ends the clip.
+// Run a function; an error when writing ends the clip.
 template <typename Function>
 void guarded(Viewer& viewer, const Function& function) {
   try {
@@ -53,7 +53,7 @@ std::string film(const std::string& folder, int pictures) {
       folder + ": " + std::to_string(pictures) + " pictures, " + std::to_string(kRate) + " a second";
   if (pictures == 0) return folder + ": no picture";
   const std::string input = folder + "/%05d.png", output = folder + ".mp4", rate = std::to_string(kRate);
-  // Even sides: the usual encoders take no others.
+  // Common encoders need even side lengths.
   const char* const words[] = {"ffmpeg",
                                "-nostdin",
                                "-y",
@@ -92,8 +92,8 @@ void writePictures(const std::string& folder, Viewer& viewer, const std::vector<
   }
 }
 
-// Writes pictures at a fixed rate of the clock that drives it, each again where drawing is slower: the clip lasts as
-// long as what it shows.
+// Writes pictures at a fixed rate of its clock. If drawing is slower, pictures are repeated, so that the clip lasts as
+// long as the scene.
 class ClipMaker::Clip {
  public:
   Clip(const std::string& folder, double now) : folder_(freePath(folder, "clip", {"", ".mp4"})), begin_(now) {
@@ -103,9 +103,9 @@ class ClipMaker::Clip {
   }
 
   double seconds(double now) const { return now - begin_; }
-  // Whether a picture is due.
+  // Return whether a picture is due.
   bool wants(double now) const { return seconds(now) * kRate + 1e-6 >= pictures_; }
-  // Writes it, as often as it is.
+  // Write a picture as often as it is due.
   void add(double now, const Picture& picture) {
     const std::string first = pictureIn(folder_, pictures_);
     offscreen::writePng(picture.size.x, picture.size.y, picture.rgb.data(), first);

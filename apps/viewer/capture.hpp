@@ -1,4 +1,4 @@
-// Pictures and clips of what a viewer shows, as files.
+// Writes pictures and clips of the viewer to files.
 #pragma once
 
 #include <future>
@@ -10,20 +10,20 @@
 
 namespace enamel::viewer {
 
-/// Writes what was drawn last into a folder, once for each name (empty: the next free one). Throws Error.
+/// Write the last drawn picture into a folder, once for each name (empty: the next free name). Throws Error.
 void writePictures(const std::string& folder, Viewer& viewer, const std::vector<std::string>& names);
 
-/// The clip that a viewer wants: numbered pictures, and of them a film where ffmpeg is.
+/// Makes a clip for a viewer: numbered pictures, and a film if ffmpeg is installed.
 class ClipMaker {
  public:
   explicit ClipMaker(const std::string& folder);
   ~ClipMaker();
 
-  /// Before a picture: whether the clip needs it.
+  /// Return whether the clip needs the next picture. Call it before drawing.
   bool begin(Viewer& viewer, double now);
-  /// After it was drawn.
+  /// Add the picture after it was drawn.
   void add(Viewer& viewer, double now);
-  /// At the end of the program.
+  /// Complete the clip at the end of the program.
   void finish(Viewer& viewer);
 
  private:
@@ -32,7 +32,7 @@ class ClipMaker {
 
   std::string folder_;
   std::unique_ptr<Clip> clip_;
-  std::future<std::string> film_;  // of the last one: what came of it, in a sentence
+  std::future<std::string> film_;  // result of the last film as a sentence
 };
 
 }  // namespace enamel::viewer

@@ -24,7 +24,7 @@ vtkColor4ub bytes(unsigned rgb, unsigned char alpha = 255) {
           static_cast<unsigned char>(rgb & 255), alpha};
 }
 
-// The smallest of 1, 2, 5 times a power of ten that holds a value.
+// Return the smallest 1, 2 or 5 times a power of ten that is not below a value.
 double niceAbove(double value, double smallest) {
   double nice = smallest;
   while (nice < value) {
@@ -42,7 +42,7 @@ void setTicks(vtkAxis* axis, const std::vector<double>& places, const std::vecto
   axis->SetCustomTickPositions(positions, labels);
 }
 
-// Ticks at 1, 2 and 5 times powers of ten.
+// Set ticks at 1, 2 and 5 times powers of ten.
 void setTicks(vtkAxis* axis, double low, double high) {
   const double raw = high / 5.0, power = std::pow(10.0, std::floor(std::log10(raw) + 1e-9));
   const double step = raw / power < 1.01 ? power : raw / power < 2.01 ? 2.0 * power : 5.0 * power;
@@ -165,7 +165,7 @@ void Charts::plotLimit(std::size_t chart, int index) {
 
 void Charts::add(const Sample& sample) {
   std::array<float, kMaxSignals> now{};
-  now[0] = static_cast<float>(-1e3 * std::min(sample.gap, 0.0));  // NaN stays: the line has a gap there
+  now[0] = static_cast<float>(-1e3 * std::min(sample.gap, 0.0));  // NaN remains NaN, which interrupts the line
   now[1] = static_cast<float>(sample.normalForce);
   for (int i = 0; i < torques_.joints; ++i)
     now[static_cast<std::size_t>(2 + i)] = static_cast<float>(torques_.factor[i] * sample.torque[i]);
@@ -211,13 +211,13 @@ void Charts::updateLimits(const std::array<double, 4>& limits, float scale) {
   limits_->Modified();
 }
 
-// A range grows at once and shrinks after a while.
+// Grow a range at once, and shrink it after a while.
 void Charts::updateAxis(std::size_t chart, double wanted, float scale) {
   double& range = ranges_[chart];
   shrink_[chart] = wanted < range ? shrink_[chart] + 1 : 0;
   if (wanted > range || shrink_[chart] > 30) range = wanted;
   vtkAxis* axis = charts_[chart]->GetAxis(vtkAxis::LEFT);
-  // A force that pulls is drawn below the line.
+  // A force that pulls is drawn below the zero line.
   double low = chart == kTorqueChart ? -1.1 * torques_.limit : -0.03 * range;
   if (chart == 1 && lowestForce_ < low) low = -niceAbove(-1.08 * lowestForce_, 0.1 * range);
   if (range != drawnRanges_[chart] || low != drawnLows_[chart]) {

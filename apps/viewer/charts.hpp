@@ -26,14 +26,15 @@ class Charts {
   static constexpr int kMaxSignals = 2 + kMaxJoints;  ///< penetration [mm], force [N], torques
   using History = SignalHistory<kMaxSignals>;
 
-  /// `font`: a TrueType file, or empty. `period`: of the samples, s. `about`: the middle is now, not the end.
+  /// `font`: a TrueType file, or empty. `period`: of the samples, s. `about`: the current time is in the middle, not at
+  /// the end.
   Charts(vtkRenderer* renderer, const std::string& font, const TorqueStyle& torques, double period, bool about);
 
   void add(const Sample& sample);
   void clear() { history_.clear(); }
 
-  /// Draws what was added last. `places`: pixels from the bottom left of the renderer's viewport. `forceLimit`: what
-  /// the motors can give along the normal, N.
+  /// Draw the samples. `places`: pixels from the bottom left of the renderer's viewport. `forceLimit`: largest force of
+  /// the motors along the normal, N.
   void update(const std::array<Rect, kCharts>& places, float scale, double forceLimit);
 
  private:
@@ -56,12 +57,12 @@ class Charts {
   History history_;
   TorqueStyle torques_;
   std::size_t signals_;
-  std::array<double, kMaxSignals> largest_{};  // that are shown
+  std::array<double, kMaxSignals> largest_{};  // largest shown values
   double lowestForce_ = 0.0;
-  // Upper ends of the axes: mm, N, and as TorqueStyle has it.
+  // Upper ends of the axes: mm, N, and the unit of TorqueStyle.
   std::array<double, kCharts> ranges_{0.1, 5.0, 2.0};
   std::array<double, kCharts> drawnRanges_{}, drawnLows_{};
-  std::array<int, kCharts> shrink_{};  // frames since a smaller range would do
+  std::array<int, kCharts> shrink_{};  // frames since a smaller range would suffice
 };
 
 }  // namespace enamel::viewer

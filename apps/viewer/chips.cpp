@@ -33,7 +33,7 @@ void Chips::advance(double seconds, const RemovedVolume& cut, const Vec3& mouth,
       chip.velocity = (kSlowest + (kFastest - kSlowest) * share(2)) * (0.5 * out + along + rise * axis).normalized();
       chip.age = 0.0;
       chip.layer = static_cast<int>(layer);
-      fly(chip, seconds * share(3));  // it left in between
+      fly(chip, seconds * share(3));  // it left some time within `seconds`
     }
   }
 }

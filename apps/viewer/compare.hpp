@@ -1,4 +1,4 @@
-// Two tools under one hand, compared: depth and force of both, press by press. Knows no window.
+// Compares two tools under one hand: depth and force of both, press by press. Independent of any window.
 #pragma once
 
 #include <array>
@@ -10,24 +10,24 @@
 
 namespace enamel::viewer {
 
-/// One tick of two tools, left and right.
+/// One tick of both tools, left and right.
 struct PairSample {
   struct Side {
     double depth = 0.0;  ///< below the surface, m; negative outside
-    double force = 0.0;  ///< of the motors on the tool along the wall's normal, as delivered, N; negative: it pulls
+    double force = 0.0;  ///< delivered force of the motors on the tool along the wall's normal, N; negative: it pulls
   };
   std::array<Side, 2> side;
 };
 
-/// What is kept of them. A press begins where either tool enters the wall after both were out for kApart ticks; it is
-/// kept until the next one begins.
+/// Recorded depths and presses. A press begins when either tool enters the wall after both were outside for kApart
+/// ticks. It is kept until the next one begins.
 class Comparison {
  public:
-  using History = SignalHistory<2>;        ///< of the depths
+  using History = SignalHistory<2>;        ///< depths
   static constexpr int kApart = 300;       ///< ticks
-  static constexpr int kCurve = 800;       ///< most points of a press's curve
-  static constexpr double kLeast = 2e-6;   ///< m: less deep than this is not measured
-  static constexpr double kPressed = 1.0;  ///< N: a press of less force has no ratio
+  static constexpr int kCurve = 800;       ///< largest number of points of a press's curve
+  static constexpr double kLeast = 2e-6;   ///< m: smaller depths are not measured
+  static constexpr double kPressed = 1.0;  ///< N: presses with less force have no ratio
 
   struct Point {
     float depth = 0.0f, force = 0.0f;  ///< m, N
@@ -36,20 +36,20 @@ class Comparison {
   void add(const PairSample& sample);
   void clear() { *this = Comparison(); }
 
-  /// Depth of one side, m. An outside tool has depth 0.
+  /// Return the depth of one side, m. A tool outside has depth 0.
   const History::Range& depth(std::size_t side, int bin) const { return depths_.range(side, bin); }
 
-  /// Of the press: force over depth, in order of time, thinned evenly; and the largest of both since it began.
+  /// Return force over depth of the press, in order of time and thinned evenly; then the largest values since it began.
   const std::vector<Point>& curve(std::size_t side) const { return curves_[side]; }
   double deepest(std::size_t side) const { return deepest_[side]; }
   double strongest(std::size_t side) const { return strongest_[side]; }
 
-  /// How many times as deep the one tool went as the other. None where either was pressed with less than kPressed, or
-  /// both went less deep than kLeast.
+  /// Ratio of the two depths. It is missing if either tool was pressed with less than kPressed, or if both depths are
+  /// below kLeast.
   struct Ratio {
-    std::size_t deeper;  ///< side
-    double times;        ///< at least 1
-    bool atLeast;        ///< the other one went less deep than kLeast, which stands for its depth
+    std::size_t deeper;  ///< side of the deeper tool
+    double times;        ///< ratio, at least 1
+    bool atLeast;        ///< the other depth is below kLeast, and kLeast replaces it
   };
   std::optional<Ratio> ratio() const;
 

@@ -32,7 +32,7 @@ double ConditionWatch::forceRange() const noexcept {
 }
 
 bool ConditionWatch::chatters(const TickRecord& record, const JointVector& shares) noexcept {
-  constexpr double least = 0.25;  // of a torque's limit, standard deviation, as ImpactMonitor judges
+  constexpr double least = 0.25;  // standard deviation relative to the torque limit, as in ImpactMonitor
   const double force = deliveredOf(record).normal;
   if (block_.ticks == 0) {
     block_.lowForce = block_.highForce = force;
@@ -46,7 +46,7 @@ bool ConditionWatch::chatters(const TickRecord& record, const JointVector& share
   if (++block_.ticks == kBlock) {
     const JointVector mean = block_.sum / kBlock;
     const bool now = (block_.squares / kBlock - mean.cwiseAbs2()).maxCoeff() > least * least;
-    unstable = unstable || (now && chattered_);  // one block may be a single blow
+    unstable = unstable || (now && chattered_);  // a single block may be an impact
     chattered_ = now;
     complete_ = block_;
     block_.ticks = 0;

@@ -1,4 +1,4 @@
-// What happens to the tool: the forces of the motors, and what goes wrong.
+// State of the tool: forces of the motors, and problems.
 #pragma once
 
 #include <array>
@@ -7,37 +7,37 @@
 
 namespace enamel::viewer {
 
-/// Force of the motors on the tool beyond gravity, as delivered during a tick, N: along the nearest contact's normal
-/// (negative: into the wall), across it, and in all. Realtime: yes.
+/// Force of the motors on the tool in addition to gravity, as delivered during a tick, N. Components: along the nearest
+/// contact's normal (negative: into the wall), tangential, and total. Realtime: yes.
 struct Delivered {
   double normal, tangential, total;
 };
 Delivered deliveredOf(const TickRecord& record) noexcept;
 
-/// What happens to the tool, each for kShown ticks longer than it does.
+/// State of the tool. Each condition remains set for kShown ticks after its end.
 struct Conditions {
   bool saturated = false;  ///< a motor is at its limit
-  bool unstable = false;   ///< torques alternate by more than a quarter of their limits for two eighths of a second, or
-                           ///< the guard says so
-  bool slipped = false;    ///< it slid for kSlipPath, faster than kSlip, on a wall with friction
-  bool edge = false;       ///< of the workspace: at a mechanical stop
+  bool unstable = false;   ///< torques alternate by more than a quarter of their limits in two blocks (0.25 s), or the
+                           ///< guard reports it
+  bool slipped = false;    ///< it slid by kSlipPath, faster than kSlip, on a wall with friction
+  bool edge = false;       ///< at the edge of the workspace: a mechanical stop
 
   static constexpr int kShown = 400;
   static constexpr double kSlip = 2e-3, kSlipPath = 2e-4;  // m/s, m
 };
 
-/// Judges them tick by tick. Realtime: all.
+/// Determines the conditions tick by tick. Realtime: all.
 class ConditionWatch {
  public:
-  /// Of one tick, at a device with these limits of the torques.
+  /// Add one tick of a device with these torque limits.
   const Conditions& add(const TickRecord& record, const JointVector& maxTorque) noexcept;
-  /// Forgets the blocks of ticks so far.
+  /// Discard all blocks of ticks so far.
   void beginBlock() noexcept { block_ = complete_ = Block(); }
-  /// From the smallest to the largest normal force of the last complete block, else of the one that is filling, N.
+  /// Return the range of the normal force in the last complete block, or else in the current one, N.
   double forceRange() const noexcept;
 
  private:
-  // Extremes of the force over kBlock ticks; shares of the torques' limits, summed over as many.
+  // Extremes of the force over kBlock ticks; sums of the torques relative to their limits.
   struct Block {
     int ticks = 0;
     double lowForce = 0.0, highForce = 0.0;
@@ -49,9 +49,9 @@ class ConditionWatch {
   bool slips(const TickRecord& record) noexcept;
 
   Block block_, complete_;
-  bool chattered_ = false;         // in the block before
+  bool chattered_ = false;         // in the previous block
   double slid_ = 0.0;              // m, without a rest
-  std::array<int, 4> shownFor_{};  // ticks, of the conditions
+  std::array<int, 4> shownFor_{};  // remaining ticks of each condition
   Conditions conditions_;
 };
 

@@ -1,4 +1,4 @@
-// Where the scenes and devices that come with the program are, and the scenes to choose from.
+// Folder of the scenes and devices that come with the program, and the list of scenes.
 #pragma once
 
 #include <filesystem>
@@ -7,21 +7,21 @@
 
 namespace enamel::viewer {
 
-/// The folder `data`: beside the installed program if there is one, else that of the source tree.
+/// Return the folder `data`: beside the installed program if it exists, otherwise in the source tree.
 std::string dataFolder();
 
 class SceneList {
  public:
-  /// Makes a file the chosen one; if it is in the list already, it stays where it is.
+  /// Select a file. A file that is already in the list keeps its position.
   void add(const std::string& path);
-  /// All scene files of a folder, by name.
+  /// Add all scene files of a folder, sorted by name.
   void addFolder(const std::filesystem::path& folder);
 
   bool empty() const { return files_.empty(); }
   const std::vector<std::string>& names() const { return names_; }
-  std::size_t index() const { return index_; }  ///< of the chosen one
+  std::size_t index() const { return index_; }  ///< of the selected scene
   std::size_t next() const { return (index_ + 1) % files_.size(); }
-  /// Its file.
+  /// Select a scene and return its file.
   const std::string& choose(std::size_t index) { return files_[index_ = index]; }
 
  private:

@@ -6,7 +6,7 @@
 namespace enamel::viewer {
 namespace {
 
-// Sizes of drawn parts that no device file knows, m (radii in mm where a Rod takes them).
+// Sizes of parts that no device file contains, m (radii of Rods in mm).
 constexpr double kMotorHeight = 0.030, kHub = 0.020, kNeedleLength = 0.032;
 
 Vec3 inPlatform(const Pose& pose, const Vec3& local) { return pose.position + pose.rotation * local; }
@@ -23,7 +23,8 @@ bool isFirstOfChain(const std::vector<Bar>& bars, std::size_t i) {
   return i == 0 || bars[i - 1].chain != bars[i].chain;
 }
 
-// What the motors of three chains stand on: a beam through the two lower ones, and a mast from it to the upper one.
+// Draw the frame that carries three chains' motors: a beam through the two lower ones, and a mast from it to the upper
+// one.
 void addColumn(vtkRenderer* renderer, std::vector<Vec3> bases) {
   if (bases.size() != 3) return;
   std::stable_sort(bases.begin(), bases.end(), [](const Vec3& a, const Vec3& b) { return a.y() < b.y(); });

@@ -1,4 +1,4 @@
-// A device as VTK draws it, from its bars, and the tool on its platform.
+// Draws a device from its bars, and the tool on its platform, with VTK.
 #pragma once
 
 #include <vtkRenderer.h>
@@ -14,9 +14,9 @@
 
 namespace enamel::viewer {
 
-inline constexpr double kHandleEnd = 0.082;  ///< along the tool, m: where the hand is
+inline constexpr double kHandleEnd = 0.082;  ///< position of the hand along the tool, m
 
-/// Colours of a tool's parts; times the usual size.
+/// Colours of a tool's parts, and a factor for their size.
 struct ToolLook {
   unsigned body, grip, tip;
   double opacity = 1.0, growth = 1.0;
@@ -28,15 +28,15 @@ class ToolView {
   ToolView(vtkRenderer* renderer, const Tool& tool, const Bur* cutting, const ToolLook& look);
   void place(const Pose& pose, double burAngle);
   void show(bool visible);
-  /// Of handle and hub, as a Rod.
+  /// As Rod::fadeBefore(), for handle and hub.
   bool fadeBefore(const Vec3& eye, const Vec3& point);
   std::vector<vtkActor*> actors() const;
 
  private:
   std::vector<ToolPart> parts_;
-  std::vector<CapsuleSolid> solids_;  // of the parts; a point is drawn as the tip of a needle
+  std::vector<CapsuleSolid> solids_;  // the parts; a point is drawn as the tip of a needle
   std::vector<Rod> needle_;
-  double beyond_;  // that a larger one is longer at each end, or the ends would be drawn into each other, m
+  double beyond_;  // extra length at each end of a larger tool, m; it avoids coincident surfaces
   Rod handle_, hub_;
   std::optional<FlutedBur> bur_;
   ToolPart burPart_;
@@ -44,12 +44,12 @@ class ToolView {
 
 class DeviceView {
  public:
-  /// `bars`: of the mechanism anywhere.
+  /// `bars`: of the mechanism at any pose.
   DeviceView(vtkRenderer* renderer, const std::vector<Bar>& bars);
-  /// The same bars, moved, and the pose of the platform there.
+  /// Place the same bars at new positions, with the platform's pose.
   void place(const std::vector<Bar>& bars, const Pose& pose);
-  bool fadeBefore(const Vec3& eye, const Vec3& point);  ///< as a Rod
-  /// Of all that fades.
+  bool fadeBefore(const Vec3& eye, const Vec3& point);  ///< as Rod::fadeBefore()
+  /// Return the actors of all parts that fade.
   std::vector<vtkActor*> actors() const;
 
  private:
@@ -57,11 +57,11 @@ class DeviceView {
     Rod rod;
     Ball joint;  // at its far end
   };
-  struct Arm {  // of a platform that chains carry, from its hub to a corner
+  struct Arm {  // of a platform on chains, from its hub to a corner
     Rod arm, post;
   };
 
-  std::vector<Link> links_;  // of the bars
+  std::vector<Link> links_;  // one for each bar
   std::vector<Arm> arms_;
   std::vector<Rod> axes_;  // of a platform without chains
 };

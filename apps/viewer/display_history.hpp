@@ -1,4 +1,4 @@
-// What was shown during a run, for the report: each text once, in its order.
+// Texts that were shown during a run, for the report: each text once, in order of appearance.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@ namespace enamel::viewer {
 
 struct DisplayHistory {
   std::vector<std::string> scenes, renderers, notices, badges, tips, stiffnesses;
-  double deepest = 0.0;  ///< of the tool in a wall, m
+  double deepest = 0.0;  ///< largest depth of the tool in a wall, m
 
   static void add(std::vector<std::string>& list, const std::string& text) {
     constexpr std::size_t most = 200;  // a run may last for hours

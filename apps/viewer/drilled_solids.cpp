@@ -9,7 +9,7 @@ DrilledSolids::DrilledSolids(const SceneFile& scene) : solids_(scene.solids) {
 }
 
 void DrilledSolids::beginStroke() noexcept {
-  if (strokes_ > 0 && removed_ == before_[last()]) return;  // the one before took nothing
+  if (strokes_ > 0 && removed_ == before_[last()]) return;  // the last stroke removed nothing
   if (strokes_ == kStrokes) {
     std::copy(before_.begin() + 1, before_.end(), before_.begin());
     --strokes_;
@@ -29,7 +29,7 @@ bool DrilledSolids::undo() noexcept {
   bool undone = false;
   for (const auto& solid : solids_) undone = (solid && solid->undo()) || undone;
   if (!undone) {
-    strokes_ = 0;  // nor anything before it
+    strokes_ = 0;  // older strokes cannot be undone either
     return false;
   }
   removed_ = before_[last()];

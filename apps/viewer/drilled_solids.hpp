@@ -1,4 +1,4 @@
-// The solids of a scene while a bur drills them: what was taken away, stroke by stroke, and how it comes back.
+// The solids of a scene while a bur drills them: material removed by each stroke, and undo.
 #pragma once
 
 #include <array>
@@ -10,45 +10,46 @@
 
 namespace enamel::viewer {
 
-/// What was drilled so far. Plain data.
+/// State of the drilling. Plain data.
 struct DrillState {
   bool spins = false;
   double feed = 0.0;        ///< m/s
-  RemovedVolume removed{};  ///< by layer, without what came back, m^3
-  int strokes = 0;          ///< that undo() can bring back
+  RemovedVolume removed{};  ///< by layer, m^3; undone strokes do not count
+  int strokes = 0;          ///< number of strokes that undo() can restore
 };
 
-/// Outlasts the experiments on its scene, which replace each other when settings change. Belongs to the thread that
-/// ticks; only takeChange() is for the one that draws. Realtime: all but the constructor.
+/// Outlives the experiments on its scene, which are replaced when settings change. Belongs to the haptic thread; only
+/// takeChange() belongs to the drawing thread. Realtime: all except the constructor.
 class DrilledSolids {
  public:
   static constexpr int kStrokes = 64;
 
   explicit DrilledSolids(const SceneFile& scene);
 
-  /// What is cut from now on comes back with one undo().
+  /// Begin a stroke: one undo() restores everything that is cut from now on.
   void beginStroke() noexcept;
-  /// Of one tick: m^3 by layer.
+  /// Add the removed volumes of one tick: m^3 by layer.
   void add(const RemovedVolume& removed) noexcept;
-  /// False: there is nothing, or more was cut than a solid keeps (SolidOptions::undoBricks).
+  /// Undo a stroke. Return false if nothing was cut, or if the stroke cut more than a solid keeps
+  /// (SolidOptions::undoBricks).
   bool undo() noexcept;
   void restore() noexcept;
-  /// Tells the thread that draws what has changed, as far as there is room: once a period.
+  /// Send changes to the drawing thread as far as there is room. Call it once per period.
   void publish() noexcept;
 
   const RemovedVolume& removed() const noexcept { return removed_; }
   int strokes() const noexcept { return strokes_ - (strokes_ > 0 && removed_ == before_[last()] ? 1 : 0); }
 
-  /// Of the obstacle's solid; it must have one. Drawing thread.
+  /// Take a change of the obstacle's solid; the obstacle must have one. Drawing thread.
   bool takeChange(std::size_t obstacle, BrickChange& change) noexcept { return changes_[obstacle]->take(change); }
 
  private:
   std::size_t last() const noexcept { return static_cast<std::size_t>(strokes_ - 1); }
 
-  std::vector<std::shared_ptr<Solid>> solids_;  // by obstacle, or null
+  std::vector<std::shared_ptr<Solid>> solids_;  // by obstacle; may be null
   std::vector<std::unique_ptr<SolidChanges>> changes_;
   RemovedVolume removed_{};
-  std::array<RemovedVolume, kStrokes> before_{};  // what had been removed before each stroke
+  std::array<RemovedVolume, kStrokes> before_{};  // removed volumes before each stroke
   int strokes_ = 0;
 };
 

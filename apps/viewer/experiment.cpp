@@ -10,7 +10,7 @@ namespace enamel::viewer {
 namespace {
 
 constexpr int kApproachLimit = 1500;           // ticks
-constexpr double kThere = 2e-4, kSlow = 5e-3;  // m and m/s: where an approach ends
+constexpr double kThere = 2e-4, kSlow = 5e-3;  // m and m/s: end of an approach
 constexpr int kRestWatched = static_cast<int>(ImpactMonitor::kRestWindow / kPeriod + 0.5);
 
 LoopSetup loopSetup(const Settings& settings, const SceneFile& scene, const Pose& start) {
@@ -60,13 +60,13 @@ Experiment::Experiment(const ServoedDevice& device, const Settings& settings, co
   frame_.hand = hand;
   frame_.record.pose = start;
   frame_.record.torque = plant_->home().gravity;
-  if (drilledSolids_.use_count() == 1) look();  // nobody else cuts it
+  if (drilledSolids_.use_count() == 1) look();  // no other experiment cuts the solids
   select(slot);
 }
 
 std::shared_ptr<Recorder> Experiment::recordTo(const std::string& path, RecordingHeader header) {
   recorder_ = std::make_shared<Recorder>(path, std::move(header), loop_.hapticTick());
-  isReset_ = false;  // the first select() was none
+  isReset_ = false;  // the select() of the constructor does not count
   return recorder_;
 }
 
@@ -110,7 +110,7 @@ void Experiment::select(RendererSlot slot) noexcept {
 }
 
 void Experiment::setGrip(const Grip& grip) noexcept {
-  // The force stays as it was: the hand goes where the new springs give it.
+  // Keep the force: move the hand to the position where the new springs give it.
   const Vec3 tool = frame_.record.pose.position;
   const Vec3 ratio = stiffnessOf(frame_.hand.grip).cwiseQuotient(stiffnessOf(grip));
   frame_.hand.position = tool + ratio.cwiseProduct(frame_.hand.position - tool);
@@ -118,7 +118,7 @@ void Experiment::setGrip(const Grip& grip) noexcept {
   frame_.hand.grip = grip;
 }
 
-// On the surface nearest to where the hand holds the tool, or, in contact, to the tool; upright, as it is held.
+// Push upright, on the surface nearest to the hand's target; in contact, nearest to the tool.
 void Experiment::startTestPush() noexcept {
   if (phase_ == Phase::none) gripBefore_ = frame_.hand.grip;
   push_.start = Pose();
@@ -136,8 +136,8 @@ bool Experiment::isThere() const noexcept {
   return near || phaseTicks_ >= kApproachLimit;
 }
 
-// The hand brings the tool to the surface, where the push begins from rest, whatever was before: as in a loop of its
-// own.
+// The hand moves the tool to the surface. There the push starts from rest in a restarted loop, independent of what
+// happened before.
 void Experiment::advanceTestPush(bool mayBegin) noexcept {
   if (phase_ != Phase::approach) return;
   ++phaseTicks_;
@@ -157,7 +157,7 @@ void Experiment::advanceTestPush(bool mayBegin) noexcept {
   conditions_.beginBlock();
 }
 
-// As the study's MetricsCollector.
+// Judge the push as the study's MetricsCollector does.
 void Experiment::watchTestPush() noexcept {
   if (phase_ != Phase::push) return;
   const TickRecord& record = frame_.record;
@@ -209,7 +209,7 @@ void Experiment::tick() noexcept {
   tickHeld();
 }
 
-// In a push it waits where it was: what pushes is no spring.
+// During a push the hand stays where it was, because no spring pushes.
 void Experiment::moveOwnHand() noexcept {
   if (phase_ == Phase::push) return;
   keepWithinReach(frame_.hand, frame_.record.pose.position);
@@ -235,7 +235,7 @@ void Experiment::tickTogether(Experiment& left, Experiment& right) noexcept {
   right.tickHeld();
 }
 
-// One tick with the hand where it is now.
+// Run one tick with the hand at its present position.
 void Experiment::tickHeld() noexcept {
   TickRecord& record = frame_.record;
   if (phase_ == Phase::push) {
@@ -245,7 +245,7 @@ void Experiment::tickHeld() noexcept {
     };
     frame_.plant = loop_.tick(push, record);
     if (frame_.plant != Status::ok) {
-      record.pose = push_.start;  // where it goes on
+      record.pose = push_.start;  // restart position
       endTestPush(FirstImpactVerdict::unstable, frame_.plant);
       frame_.plant = loop_.restart(push_.start);
     }
@@ -254,7 +254,7 @@ void Experiment::tickHeld() noexcept {
     if (settings_.noise > 0.0)
       tremor = -settings_.noise * random_.normal(RandomStream::Purpose::noise, record.tick + 1) * record.nearest.normal;
     frame_.plant = loop_.tick(HandWrench(frame_.hand, loop_.device().time(), tremor), record);
-    if (frame_.plant != Status::ok && phase_ == Phase::approach) {  // thrown away on its way: it is put there
+    if (frame_.plant != Status::ok && phase_ == Phase::approach) {  // left the workspace on its way: place it
       frame_.plant = loop_.restart(push_.start);
       record.pose = push_.start;
       record.twist.setZero();

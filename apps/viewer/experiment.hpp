@@ -1,4 +1,4 @@
-// What the viewer runs: a scene, the virtual device, renderers to compare, and a person's hand, tick by tick.
+// The experiment of the viewer, tick by tick: a scene, the virtual device, renderers to compare, and a person's hand.
 #pragma once
 
 #include <array>
@@ -24,95 +24,96 @@
 
 namespace enamel::viewer {
 
-/// A test push is scenario 1 of runPush() with this force after this preload, from rest on the surface, N.
+/// Forces of a test push, N. It is scenario 1 of runPush() with this step after this preload, from rest on the surface.
 inline constexpr double kTestForce = 12.0, kTestPreload = 0.5;
 
-/// What a test push measured, as `enamel push` and the study judge it. It and what it was made with stay as they are
-/// until the next one.
+/// Results of a test push, judged as in `enamel push` and the study. They and the settings of the push are kept until
+/// the next one.
 struct TestPush {
   bool made = false;
-  FirstImpactVerdict verdict = FirstImpactVerdict::noStep;  ///< noStep: there was no wall within reach
-  Status status = Status::ok;  ///< or why it ended before its time: stopped by the guard; where the plant could not go
-  double amount = 0.0;  ///< half the force's range where it is unstable, N; path across the wall where it slipped, m
-  Settings settings;    ///< that it was made with
-  double limit = 0.0;   ///< stiffnessLimit() then, N/m
-  double depthStiffness = 0.0;  ///< K_d, N/m; 0: the tool did not go deeper
-  // Where it is `measured`:
+  FirstImpactVerdict verdict = FirstImpactVerdict::noStep;  ///< noStep: no wall within reach
+  Status status = Status::ok;   ///< reason for an early end: stopped by the guard, or the plant left its workspace
+  double amount = 0.0;          ///< if unstable: half the force's range, N; if it slipped: tangential path, m
+  Settings settings;            ///< settings of the push
+  double limit = 0.0;           ///< stiffnessLimit() at that time, N/m
+  double depthStiffness = 0.0;  ///< K_d, N/m; 0: the tool did not move deeper
+  // Set if the verdict is `measured`:
   double stiffness = 0.0;  ///< K_z1, N/m
   double depth = 0.0;      ///< D_z1, m
-  double force = 0.0;      ///< F_1, beyond the preload, N
+  double force = 0.0;      ///< F_1 in addition to the preload, N
   double preload = 0.0;    ///< before the step, N
 };
 
-/// Everything that is drawn of a tick. Plain data.
+/// Data of a tick for drawing. Plain data.
 struct Frame {
   TickRecord record;
-  ContactSnapshot contacts;  ///< that the renderer saw, within kContactMargin
+  ContactSnapshot contacts;  ///< contacts within kContactMargin that the renderer received
   Hand hand;
   RendererSlot selected = RendererSlot::positionControl;
-  PositionControlState control;  ///< of position control
-  bool holding = false;          ///< the renderer hold keeps the tool at
-  JointVector reference;         ///< these joint coordinates, rad or m
-  bool testing = false;          ///< a test push is under way
+  PositionControlState control;  ///< state of position control
+  bool holding = false;          ///< the renderer hold keeps the tool at `reference`
+  JointVector reference;         ///< joint coordinates, rad or m
+  bool testing = false;          ///< a test push is in progress
   Conditions conditions;
-  std::array<std::uint64_t, kGuardReasons> guardTicks{};  ///< of this experiment, by GuardReason
-  DrillState drilled;                                     ///< where the scene has a bur
-  std::array<TestPush, kMaxRenderers> tests;              ///< the last of each renderer
-  Status plant = Status::ok;                              ///< any other: the loop stands still until it is replaced
-  // Filled by the runner:
+  std::array<std::uint64_t, kGuardReasons> guardTicks{};  ///< ticks of this experiment, by GuardReason
+  DrillState drilled;                                     ///< set if the scene has a bur
+  std::array<TestPush, kMaxRenderers> tests;              ///< last test push of each renderer
+  Status plant = Status::ok;                              ///< if not ok, the loop stops until it is replaced
+  // Set by the runner:
   bool paused = false;
   int slowdown = 1;
   std::uint64_t droppedSamples = 0;
 };
 
-/// Not movable: the loop refers to its parts.
+/// Not movable, because the loop refers to its parts.
 class Experiment {
  public:
-  /// The tool begins at rest at `start`, held by `hand`. `drilled`: of the scene, where it goes on being drilled, or
-  /// nullptr. Throws Error: as the renderers, the loop and the drill do.
+  /// Start with the tool at rest at `start`, held by `hand`. `drilled`: the scene's solids if drilling continues, or
+  /// nullptr. Throws Error: as the renderers, the loop and the drill.
   Experiment(const ServoedDevice& device, const Settings& settings, const SceneFile& scene, const Pose& start,
              const Hand& hand, RendererSlot slot, std::shared_ptr<DrilledSolids> drilled = nullptr);
   Experiment(const Experiment&) = delete;
   Experiment& operator=(const Experiment&) = delete;
 
-  /// One tick; nothing happens once the plant has failed. Realtime: yes.
+  /// Run one tick. After a failure of the plant it does nothing. Realtime: yes.
   void tick() noexcept;
 
-  /// One tick of two under one hand, that of `left`, whose target stays within reach of both tools: the same springs to
-  /// the same point. In a test push each has a hand of its own, and both pushes begin in the same tick. Realtime: yes.
+  /// Run one tick of two tools under one hand, the hand of `left`: the same springs pull both to the same point. Its
+  /// target stays within reach of both tools. During a test push each tool has its own hand, and both pushes begin in
+  /// the same tick. Realtime: yes.
   static void tickTogether(Experiment& left, Experiment& right) noexcept;
 
-  /// Changes between ticks; select() also goes on after the guard has stopped. Realtime: yes.
+  /// Changes between ticks. select() also resets a fault of the guard. Realtime: yes.
   void select(RendererSlot slot) noexcept;
   void moveHandTo(const Vec3& target) noexcept { frame_.hand.target = target; }
   void moveHandBy(const Vec3& displacement) noexcept { frame_.hand.target += displacement; }
   void setGrip(const Grip& grip) noexcept;
   void startTestPush() noexcept;
-  /// Results of an experiment before, which are shown on.
+  /// Continue to show the results of an earlier experiment.
   void keepTests(const std::array<TestPush, kMaxRenderers>& tests) noexcept { frame_.tests = tests; }
-  /// Of the bur: its pedal; takes back the last stroke, or all. Without one nothing happens.
+  /// Pedal of the bur, and undo of the last stroke or of all. Without a bur they do nothing.
   void spin(bool on) noexcept;
   void undo() noexcept;
   void restore() noexcept;
 
-  /// Records every tick from now on, to the experiment's end: the file is whole once nobody holds the recorder.
-  /// Between ticks; throws Error: as Recorder. Realtime: no.
+  /// Record every tick from now on until the experiment ends. The file is complete when the last reference to the
+  /// recorder is gone. Call it between ticks. Throws Error: as Recorder. Realtime: no.
   std::shared_ptr<Recorder> recordTo(const std::string& path, RecordingHeader header);
 
-  /// Fills in what a frame before the first tick says of contact and drilling. Of the thread that ticks: an experiment
-  /// that this one replaces may have been cutting the same solids. Realtime: yes.
+  /// Fill in contact and drilling in the frame before the first tick. Call it on the haptic thread, because an
+  /// experiment that this one replaces may still have been cutting the same solids. Realtime: yes.
   void look() noexcept;
-  /// Once a period, whether it ticked or not: what has changed of the solids, to the thread that draws. Realtime: yes.
+  /// Send changes of the solids to the drawing thread. Call it once per period, with or without a tick. Realtime: yes.
   void publish() noexcept { drilledSolids_->publish(); }
 
-  /// The last tick's. Realtime: yes.
+  /// Return the frame of the last tick. Realtime: yes.
   const Frame& frame() const noexcept { return frame_; }
 
  private:
-  // One renderer in front of the loop and all behind it.
+  // Presents all renderers to the loop as one.
   class Switched final : public Renderer {
    public:
-    using Renderers = std::array<Renderer*, kMaxRenderers>;  // of the plugin: or nullptr
+    using Renderers = std::array<Renderer*, kMaxRenderers>;  // the plugin may be nullptr
     explicit Switched(const Renderers& renderers) noexcept : renderers_(renderers) {}
     void select(RendererSlot slot) noexcept;
     bool needsInertia() const noexcept override { return renderers_[selected_]->needsInertia(); }
@@ -138,18 +139,18 @@ class Experiment {
   void fillDrillState() noexcept;
 
   Settings settings_;
-  std::shared_ptr<const Mechanism> model_, plant_;  // what the haptic tick knows, and what is there
+  std::shared_ptr<const Mechanism> model_, plant_;  // model of the haptic tick, and the simulated device
   RandomStream random_;
   PositionControlRenderer servo_;
   HoldRenderer hold_;
   ImpedanceRenderer spring_;
-  PassivityRenderer passive_;         // around a spring of its own
-  std::unique_ptr<Renderer> plugin_;  // or nullptr
+  PassivityRenderer passive_;         // around a separate spring
+  std::unique_ptr<Renderer> plugin_;  // may be nullptr
   Switched switched_;
   VirtualLoop loop_;
-  std::shared_ptr<DrilledSolids> drilledSolids_;  // which other experiments on the scene may have too
+  std::shared_ptr<DrilledSolids> drilledSolids_;  // shared with other experiments on the scene
   std::optional<Drill> drill_;
-  std::shared_ptr<Recorder> recorder_;  // or nullptr
+  std::shared_ptr<Recorder> recorder_;  // may be nullptr
   std::uint64_t recorded_ = 0;          // ticks
   bool isReset_ = false;                // since the last tick
   Frame frame_;
@@ -157,20 +158,20 @@ class Experiment {
   int phaseTicks_ = 0;
   PushSetup push_;
   SimulatedHand pusher_{push_};
-  Vec6 carried_ = Vec6::Zero();  // by the hand that pushes: the weight that the model does not know, N, N m
-  double testDrift_ = 0.0;       // across the normal since the push began, m
+  Vec6 carried_ = Vec6::Zero();  // held by the pushing hand: weight that the model does not contain, N, N m
+  double testDrift_ = 0.0;       // tangential path since the push began, m
   ImpactMonitor impact_{kPeriod};
   Grip gripBefore_ = kFirmGrip;
   ConditionWatch conditions_;
 };
 
-/// The physical limit of K_z1 for a test push (firstImpactLimit()) at a pose.
+/// Physical limit of K_z1 for a test push (firstImpactLimit()) at a pose.
 struct StiffnessLimit {
   double stiffness = 0.0;     ///< N/m
   double largestForce = 0.0;  ///< of the motors along the normal at the TCP, N
 };
 
-/// `plant` at the pose, with its inertia. Realtime: yes.
+/// Compute the limit. `plant`: at the pose, with inertia. Realtime: yes.
 StiffnessLimit stiffnessLimit(const Kinematics& plant, const JointVector& maxTorque, const Vec3& normal,
                               const Delay& delay) noexcept;
 

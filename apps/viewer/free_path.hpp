@@ -1,4 +1,4 @@
-// Names of files that are written by number.
+// Numbered names of files.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace enamel::viewer {
 
-/// The first of stem-001, stem-002, ... in a folder that is free with each of the endings; without an ending.
+/// Return the first of stem-001, stem-002, ... in a folder that is free with each of the endings, without an ending.
 std::string freePath(const std::filesystem::path& folder, const char* stem, std::initializer_list<const char*> endings);
 
 }  // namespace enamel::viewer

@@ -1,4 +1,4 @@
-// The charts' titles, and the stiffnesses that test pushes measured.
+// Titles of the charts, and stiffnesses measured by test pushes.
 #include <imgui.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
     brush.text(gFonts.small, x + Brush::width(gFonts.bold, names[i]) + 8 * s, a.y + 8 * s, kMuted, limits[i]);
     brush.textRight(gFonts.bold, a.x + a.width - 14 * s, a.y + 6 * s, kInk, values[i]);
   }
-  // Key of the torques.
+  // Legend of the torques.
   const Rect& a = layout.chart[2];
   float x = a.x + 56 * s;
   const float y = a.y + 34 * s;
@@ -67,7 +67,7 @@ std::string verdictText(const TestPush& test) {
 
 namespace {
 
-// What a test push was made with and is no longer so, or nothing.
+// Return the settings of a test push that have changed since; empty if none has.
 std::string conditionsText(const TestPush& test, std::size_t slot, const Settings& now) {
   const Settings& then = test.settings;
   std::string text;
@@ -111,7 +111,7 @@ void drawGauge(const Layout& layout, const OverlayInput& input, const OverlaySta
       brush.text(gFonts.bold, x + 150 * s, y, kInk, stiffnessText(test.stiffness));
       const std::string then = conditionsText(test, i, state.settings);
       const std::string share = format("%.1f %% of the limit", 100.0 * test.stiffness / test.limit);
-      // In what room there is; a longer one ends in dots.
+      // Shorten the text to the available room, with dots at its end.
       std::string shown = then.empty() ? share : then;
       const float room = right - x - 158 * s - Brush::width(gFonts.bold, stiffnessText(test.stiffness));
       while (shown.size() > 4 && Brush::width(gFonts.text, shown) > room)

@@ -1,21 +1,21 @@
-// The person's hand: a spring and a damper between a point that the mouse moves and the tool.
+// The person's hand: a spring and a damper between the tool and a point that the mouse moves.
 #pragma once
 
 #include "enamel/sim/hand.hpp"
 
 namespace enamel::viewer {
 
-/// A firmer grip than the paper's.
+/// A firmer grip than in the paper.
 inline constexpr Grip kFirmGrip{400.0, 12.0};
 
-/// Largest force that the hand builds up, N: beyond it, the hand follows the tool.
+/// Largest force of the hand, N; at this force its target follows the tool.
 inline constexpr double kLargestHandForce = 15.0;
 
-/// Half the side of the cube at whose faces the device's mechanical stops begin, m.
+/// Half the edge of the cube at whose faces the mechanical stops begin, m.
 inline constexpr double kStop = 0.028;
 
-/// The hand in motion. Its point follows `target` like a critically damped spring of kHandRate; along x and y it is at
-/// least as firm as kGuideGrip, and it holds the tool's axes at those of W (holdingMoment()).
+/// The moving hand. Its point follows `target` like a critically damped spring of kHandRate. Along x and y it is at
+/// least as firm as kGuideGrip. It keeps the tool's axes parallel to those of W (holdingMoment()).
 struct Hand {
   Grip grip = kFirmGrip;
   Vec3 target = Vec3::Zero();    ///< m
@@ -23,22 +23,23 @@ struct Hand {
   Vec3 velocity = Vec3::Zero();  ///< m/s
 };
 
-/// Stiffness and damping along x, y, z. Realtime: yes.
+/// Return the stiffness along x, y, z; the next function returns the damping. Realtime: yes.
 Vec3 stiffnessOf(const Grip& grip) noexcept;
 Vec3 dampingOf(const Grip& grip) noexcept;
 
-/// How far beyond a mechanical stop the hand's target goes, m: it does not wind up where the tool cannot follow.
+/// Largest distance of the hand's target behind a mechanical stop, m: it does not wind up where the tool cannot follow.
 inline constexpr double kBeyondStop = 0.005;
 
-/// Brings the target within reach of the tool's point: where the springs give kLargestHandForce, and across a stop at
-/// which the tool is, kBeyondStop. Realtime: yes.
+/// Limit the target to the reach of the tool's point: where the springs give kLargestHandForce, and kBeyondStop behind
+/// a stop that the tool touches. Realtime: yes.
 void keepWithinReach(Hand& hand, const Vec3& tool) noexcept;
 
-/// Moves the hand towards its target for `dt` s. Realtime: yes.
+/// Move the hand towards its target for `dt` s. Realtime: yes.
 void moveHand(Hand& hand, double dt) noexcept;
 
-/// Wrench on the platform at the TCP: of the hand (its point moving on from time `since`), of a held force, and of the
-/// mechanical stops (3 kN/m, 20 N s/m outside the cube of kStop). A load for VirtualLoop::tick(). Realtime: yes.
+/// Wrench on the platform at the TCP: of the hand, of a constant force, and of the mechanical stops. The hand's point
+/// moves from time `since` on. The stops have 3 kN/m and 20 N s/m outside the cube of kStop. A load for
+/// VirtualLoop::tick(). Realtime: yes.
 class HandWrench {
  public:
   HandWrench(const Hand& hand, double since, const Vec3& held) noexcept;

@@ -1,4 +1,4 @@
-// The help: every key.
+// The help with all keys.
 #include <imgui.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ void drawHelp(const Layout& layout, bool recording, const Brush& brush) {
   const std::size_t all = help.size(), left = all / 2;
   const float rows = static_cast<float>(all - left);
   const float w = static_cast<float>(layout.size.x), h = static_cast<float>(layout.size.y);
-  // Smaller where the window is too small for it.
+  // Shrink it in small windows.
   const float fit = std::min({1.0f, w / (740 * layout.scale), h / ((76 + 23 * rows) * layout.scale)});
   const float s = layout.scale * fit, wide = 720 * s, high = (66 + 23 * rows) * s;
   const Rect card{0.5f * (w - wide), 0.5f * (h - high), wide, high};

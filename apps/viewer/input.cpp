@@ -10,7 +10,7 @@
 namespace enamel::viewer {
 namespace {
 
-// The scene that is seen at a place, and its size.
+// Return the scene at a place, and its size.
 std::pair<Rect, glm::dvec2> paneAt(const Layout& layout, const glm::dvec2& place) {
   const Rect& area = layout.isSplit() && place.x >= layout.right.x ? layout.right : layout.scene;
   return {area, {std::max(1.0f, area.width), std::max(1.0f, area.height)}};
@@ -20,8 +20,8 @@ double shareOf(const Rect& bar, double x) {
   return std::clamp((x - static_cast<double>(bar.x)) / static_cast<double>(bar.width), 0.0, 1.0);
 }
 
-// How far to go in the plane through `like` across `normal`, so that what is there goes with the cursor; seen almost
-// along the plane, as in the plane of the view without its part across.
+// Return the displacement in the plane through `like` with normal `normal` that follows the cursor. If the plane is
+// seen almost edge-on, use the plane of the view and remove the part along the normal.
 glm::dvec3 slid(const Camera& camera, const glm::dvec2& size, const glm::dvec2& from, const glm::dvec2& to,
                 const glm::dvec3& like, const glm::dvec3& normal) {
   constexpr double leastSlope = 0.2;
@@ -77,7 +77,7 @@ void Input::cursor(const glm::dvec2& place) {
 
 void Input::wheel(double notches, bool control) {
   if (!control) return target_.pressBy(0.4 * notches);
-  // What is seen at the cursor, as far away as the tool, stays there.
+  // Keep the point under the cursor, at the tool's distance, in place.
   const auto [area, size] = paneAt(target_.layout(), cursor_);
   Camera& camera = target_.camera();
   const glm::dvec3 kept = unproject(camera, size, cursor_ - glm::dvec2(area.x, area.y), target_.tool());

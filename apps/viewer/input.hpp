@@ -1,4 +1,4 @@
-// What keys and mouse mean, without a window: events in, calls of what they drive out.
+// Meaning of keys and mouse, independent of any window: events in, calls of an InputTarget out.
 #pragma once
 
 #include <functional>
@@ -12,24 +12,24 @@
 
 namespace enamel::viewer {
 
-/// What a person drives.
+/// The object that a person controls.
 class InputTarget {
  public:
   virtual ~InputTarget() = default;
   virtual void act(Action action) = 0;
   virtual void moveHandBy(const glm::dvec3& millimetres) = 0;
-  virtual void pressBy(double newtons) = 0;                      ///< along the wall's normal, inwards
-  virtual void spin(bool on) = 0;                                ///< of the bur
-  virtual void seek(double share) = 0;                           ///< of a recording, 0 to 1
-  virtual void drop(const std::vector<std::string>& paths) = 0;  ///< files on the window
+  virtual void pressBy(double newtons) = 0;                      ///< into the wall, along its normal
+  virtual void spin(bool on) = 0;                                ///< switch the bur
+  virtual void seek(double share) = 0;                           ///< in a recording, 0 to 1
+  virtual void drop(const std::vector<std::string>& paths) = 0;  ///< files dropped on the window
   virtual Camera& camera() = 0;
   virtual const Layout& layout() const = 0;
   virtual glm::dvec3 tool() const = 0;    ///< TCP, mm
   virtual glm::dvec3 normal() const = 0;  ///< of the nearest wall, outwards
 };
 
-/// Translates events; keys, buttons and actions have GLFW's numbers, places are pixels from the top left. A caller
-/// whose panels want an event does not pass it on, but always passes a release of the mouse.
+/// Translates events. Keys, buttons and actions have GLFW's codes; places are pixels from the top left. The caller
+/// keeps events for its panels to itself, but must always pass on a release of the mouse.
 class Input {
  public:
   explicit Input(InputTarget& target) : target_(target) {}
@@ -39,15 +39,15 @@ class Input {
   void cursor(const glm::dvec2& place);
   void wheel(double notches, bool control);
   void drop(const std::vector<std::string>& paths) { target_.drop(paths); }
-  /// Keys that act as long as they are down, for the seconds since the last call.
+  /// Process keys that act while they are down. `seconds`: since the last call.
   void hold(const std::function<bool(int key)>& isDown, double seconds);
 
  private:
   InputTarget& target_;
   glm::dvec2 cursor_{0.0};
   int dragged_ = -1;    // mouse button
-  bool seeks_ = false;  // it began on the time bar
-  bool along_ = false;  // or with Shift: along the wall
+  bool seeks_ = false;  // the drag began on the time bar
+  bool along_ = false;  // the drag moves along the wall (Shift)
   bool pedal_ = false;
 };
 

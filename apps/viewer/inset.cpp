@@ -13,9 +13,10 @@ namespace enamel::viewer {
 
 namespace {
 
-constexpr double kLeastDepth = 5e-4;  // that has a number, mm
+constexpr double kLeastDepth = 5e-4;  // mm: smaller depths have no number
 
-// The inset's section stands on the deepest contact's wall, and on the next one's too where that is near.
+// Return the horizontal axis of the inset: tangential to the deepest contact's wall. The section is perpendicular to
+// that wall, and also to the second contact's wall if it is near.
 Vec3 insetAcross(const Vec3& n, const ContactSnapshot& contacts) {
   constexpr double near = 3e-3;  // m
   const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
@@ -27,7 +28,7 @@ Vec3 insetAcross(const Vec3& n, const ContactSnapshot& contacts) {
   return (both.dot(usual) < 0.0 ? -1.0 : 1.0) * both.normalized();
 }
 
-// What lies behind the line through `point` with the outward normal `normal`, of the rectangle from `low` to `high`.
+// Fill the part of the rectangle `low`..`high` behind the line through `point` with the outward normal `normal`.
 void fillBehind(ImDrawList* list, ImVec2 low, ImVec2 high, ImVec2 point, ImVec2 normal, ImU32 fill) {
   const ImVec2 corners[] = {low, {high.x, low.y}, high, {low.x, high.y}};
   const auto side = [&](ImVec2 p) { return normal.x * (p.x - point.x) + normal.y * (p.y - point.y); };
@@ -51,7 +52,7 @@ std::string materialText(const Material& material) {
   return text;
 }
 
-// The plane of an inset: across the deepest contact's wall and along its normal, magnified.
+// The plane of the inset, magnified: it contains the deepest contact's normal.
 class Inset {
  public:
   Inset(const InsetView& view, double toolRadius, OverlayState::Zoom& zoom, const Brush& brush)
@@ -98,10 +99,10 @@ class Inset {
   }
 
  private:
-  // What the bar stands for, mm, so that `reach` (mm) fits: larger at once, smaller after a while.
+  // Choose the length of the scale bar, mm, so that `reach` (mm) fits: grow at once, shrink after a while.
   double chooseScale(OverlayState::Zoom& zoom, double reach) const {
     constexpr double steps[] = {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};
-    constexpr int split = 6, last = 8;  // split: what a spring of 6 kN/m sinks under 12 N fills its pane
+    constexpr int split = 6, last = 8;  // split: the depth of a spring of 6 kN/m under 12 N fills the pane
     if (view_.isSplit) return steps[split];
     int wanted = 0;
     while (wanted < last && reach * bar_ / steps[wanted] > 70 * s_) ++wanted;
@@ -116,7 +117,8 @@ class Inset {
             cy_ - static_cast<float>(std::clamp(perMillimetre_ * normal_.dot(d), -1e4, 1e4))};
   }
 
-  // The deepest contact's wall with a grid of one bar and its normal; of the others, planes where they cross the inset.
+  // Draw the deepest contact's wall, with its normal and a grid of one bar. The other walls are planes that cross the
+  // inset.
   void drawWalls() const {
     ImDrawList* const list = brush_.list;
     const float right = area_.x + area_.width;
@@ -131,7 +133,7 @@ class Inset {
       const float mx = static_cast<float>(across_.dot(other.normal)),
                   my = static_cast<float>(-normal_.dot(other.normal));
       const float length = std::hypot(mx, my);
-      // The section lies along this wall, or it is the deepest one's, a little further on.
+      // Skip walls along the section, and continuations of the deepest contact's wall.
       if (length < 0.1f || normal_.dot(other.normal) > 0.9) continue;
       const ImVec2 foot = at(other.point - other.gap * other.normal);
       fillBehind(list, {area_.x, top_}, {right, bottom_}, foot, {mx, my}, ink(kEnamel));
@@ -142,7 +144,7 @@ class Inset {
     list->AddLine({cx_, cy_}, {cx_, top_}, ink(kMuted, 0.6), s_);
   }
 
-  // A ball, or, where it is a point, a wedge. A colour of 0: without that part.
+  // Draw a sphere, or a wedge for a point. A colour of 0 omits that part.
   void drawTool(ImVec2 lowest, ImU32 fill, ImU32 outline) const {
     constexpr int sides = 256;
     ImDrawList* const list = brush_.list;
@@ -161,7 +163,7 @@ class Inset {
     list->AddLine(lowest, b, outline, 1.5f * s_);
   }
 
-  // Where it was, where it is, and its reference pose.
+  // Draw past positions, the present one, and the reference pose.
   void drawTools() const {
     const std::vector<Vec3>& trail = view_.trail;
     for (std::size_t i = 1; i < trail.size(); ++i)
@@ -175,7 +177,7 @@ class Inset {
     brush_.list->AddCircle(rest, 4 * s_, outline, 0, 1.5f * s_);
   }
 
-  // That of the motors, away from the wall, or, where they pull, into it; and that of the hand.
+  // Draw the forces of motors and hand. The motors' force points away from the wall, or into it if they pull.
   void drawForces() const {
     const ImVec2 tip = at(tool_);
     const double force = deliveredOf(frame_.record).normal, out = force > 0.0 ? 1.0 : -1.0;
@@ -189,7 +191,7 @@ class Inset {
     brush_.arrow({tip.x - 26 * s_, from}, {tip.x - 26 * s_, from + length}, kHand, 3 * s_);
   }
 
-  // With a number at the next deepest one: more would hide each other.
+  // Only the second deepest contact has a number: more would overlap.
   void drawOtherContacts() const {
     bool labelled = false;
     for (int i = 1; i < frame_.contacts.count; ++i) {
@@ -201,7 +203,7 @@ class Inset {
       if (labelled || -1e3 * other.gap < kLeastDepth) continue;
       labelled = true;
       const std::string text = format("%.3f mm", -1e3 * other.gap);
-      const bool right = across_.dot(other.normal) < 0.0;  // within its wall
+      const bool right = across_.dot(other.normal) < 0.0;  // inside its wall
       brush_.text(gFonts.small, foot.x + (right ? 8 * s_ : -8 * s_ - Brush::width(gFonts.small, text)), foot.y - 7 * s_,
                   kInk, text);
     }
@@ -221,7 +223,7 @@ class Inset {
                 std::min(std::max(y, cy_) + 4 * s_, bottom_ - 20 * s_), kInk, text);
   }
 
-  // Title, scale bar and material.
+  // Draw title, scale bar and material.
   void drawLegend() const {
     const bool several = frame_.contacts.count > 1 && frame_.contacts.contacts[1].gap <= 0.0;
     brush_.text(gFonts.bold, area_.x + 10 * s_, area_.y + 6 * s_, kInk,
@@ -243,12 +245,12 @@ class Inset {
   const float s_, bar_;  // scale; length of the scale bar
   const double toolRadius_;
   const Frame& frame_;
-  const Contact& contact_;  // the deepest one
-  // Everything is shown where the tool's nearest point is, not its TCP.
+  const Contact& contact_;  // the deepest contact
+  // The inset shows positions of the tool's nearest point, not of its TCP.
   const Vec3 normal_, across_, tool_, fromTcp_, reference_, origin_;
-  const double barMillimetres_;  // that the bar stands for
+  const double barMillimetres_;  // length of the scale bar
   const double perMillimetre_;
-  const float cx_, cy_, top_, bottom_;  // the middle of the wall's line; the ends of what is drawn
+  const float cx_, cy_, top_, bottom_;  // centre of the wall's line; ends of the drawing
 };
 
 }  // namespace

@@ -21,7 +21,7 @@ Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int
   if (bar > 0) layout.bar = {left + 24 * scale, h - bar, std::max(0.0f, layout.scene.width - 48 * scale), bar};
   layout.charts = {w - right, 0, right, showCharts ? h - gauge : 0};
   layout.gauge = {w - right, h - gauge, right, showCharts ? gauge : 0};
-  // The torques get a little more: six lines and their key.
+  // The torques need more room: six lines and a legend.
   const float unit = layout.charts.height / 3.2f, heights[] = {unit, unit, 1.2f * unit};
   float y = 0;
   for (std::size_t i = 0; i < kCharts; ++i) {
@@ -29,7 +29,7 @@ Layout layOut(const glm::ivec2& size, float scale, bool panels, bool charts, int
     y += heights[i];
   }
   const float side = std::min({236 * scale, 0.5f * layout.scene.width, 0.45f * h});
-  if (side > 170 * scale)  // smaller, its words no longer fit
+  if (side > 170 * scale)  // a smaller one has no room for its text
 
     layout.inset = {layout.scene.x + layout.scene.width - side - 14 * scale, layout.scene.height - side - 14 * scale,
                     side, side};
@@ -42,7 +42,7 @@ Layout layOutSplit(const glm::ivec2& size, float scale, bool panels) {
   layout.size = size;
   const float w = static_cast<float>(size.x), h = static_cast<float>(size.y);
   const float panel = panels && w >= (248 + 2 * 300) * scale ? 248 * scale : 0.0f;
-  // Smaller, what compares and what is magnified leave their places to the scenes.
+  // In small windows, comparison and insets give their room to the scenes.
   const float compare = h >= 420 * scale ? std::clamp(0.29f * h, 150 * scale, 230 * scale) : 0.0f;
   const float upper = h - compare, inset = upper >= 260 * scale ? 0.58f * upper : 0.0f, scene = upper - inset;
   const float half = 0.5f * (w - panel);

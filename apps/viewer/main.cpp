@@ -76,7 +76,7 @@ void runViewer(int argc, char** argv) {
     throw enamel::app::Exit(2, std::string("--size ") + error.what());
   }
   if (const int signal = options.headless ? runHeadless(options, started) : runInWindow(options, started); signal != 0)
-    throw enamel::app::Exit(128 + signal, "");  // as a shell tells it
+    throw enamel::app::Exit(128 + signal, "");  // exit status as in a shell
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ void drawNames(const Rect& scene, const std::vector<Rect>& taken, const Camera& 
                const Brush& brush) {
   const float s = brush.s;
   const auto seen = [&](const Vec3& point) { return project(camera, {scene.width, scene.height}, millimetres(point)); };
-  // On the sides that look away from each other: neither hides the handle between them.
+  // Place the names on opposite sides, so that neither hides the handle between them.
   const Pose& tool = frame.record.pose;
   const Vec3 end = frame.hand.position + tool.rotation * Vec3(0.0, 0.0, kHandleEnd);
   const bool handLeft = seen(end).x < seen(tool.position).x;

@@ -12,9 +12,9 @@ namespace {
 constexpr double kCube = 0.025, kPane = 0.028, kPaneDepth = 0.006, kGumDepth = 0.014, kGridStep = 0.005;
 constexpr Finish kEnamelFinish{kEnamel, 1.0, 0.1};
 
-// A face with lines of a grid and an outline.
+// A face with grid lines and an outline.
 struct Face {
-  Vec3 centre, across, up;  // the two half sides
+  Vec3 centre, across, up;  // half sides
   Polygon polygon() const { return parallelogram(centre, across, up); }
 };
 
@@ -31,7 +31,7 @@ void addOutline(const Polygon& polygon, std::vector<std::array<Vec3, 2>>& lines)
   for (std::size_t i = 0; i < polygon.size(); ++i) lines.push_back({polygon[i], polygon[(i + 1) % polygon.size()]});
 }
 
-// Lines of the grid are polygons of two corners: cut() works on them too.
+// Grid lines are polygons with two corners, so that cut() works for them.
 void addGrid(const Face& face, const std::vector<Wall>& others, const Vec3& lift, Drawing& drawing) {
   for (const bool turned : {false, true}) {
     const Vec3 along = turned ? face.up : face.across, step = turned ? face.across : face.up;
@@ -46,10 +46,10 @@ void addGrid(const Face& face, const std::vector<Wall>& others, const Vec3& lift
   }
 }
 
-// Its outline; its face in small pieces, for their shades.
+// Return the outline of a gum pane, and append its face in small pieces for shading.
 Polygon roundPane(const Vec3& middle, const Vec3& across, const Vec3& up, std::vector<Polygon>& faces) {
   constexpr int around = 72, rings = 36;
-  constexpr double power = 0.55, turn = 6.283185307179586 / around;  // of a superellipse
+  constexpr double power = 0.55, turn = 6.283185307179586 / around;  // exponent of a superellipse
   const auto squared = [](double x) { return std::copysign(std::pow(std::abs(x), power), x); };
   const auto at = [&](int i, int ring) {
     const double share = static_cast<double>(ring) / rings;
@@ -68,7 +68,7 @@ void drawWall(const Wall& wall, const std::vector<Wall>& others, Drawing& drawin
   const Vec3 n = wall.normal;
   const Vec3 vertical = std::abs(n.y()) < 0.95 ? Vec3(0.0, 1.0, 0.0) : Vec3(0.0, 0.0, -1.0);
   const Vec3 across = vertical.cross(n).normalized(), up = n.cross(across);
-  // Centred on the part of the plane that is nearest to the middle of the workspace.
+  // Centre it on the point of the plane nearest to the middle of the workspace.
   const Vec3 middle = n.dot(wall.point) * n;
   const Face face{middle, kPane * across, kPane * up};
   Polygon pane = wall.isGum ? roundPane(middle, face.across, face.up, drawing.faces) : face.polygon();
@@ -87,7 +87,7 @@ void drawWall(const Wall& wall, const std::vector<Wall>& others, Drawing& drawin
   drawing.backs.push_back(back);
 }
 
-// Only what lies behind a plane, and of the wall's body a section in it, a little behind those of solids.
+// Keep only the part behind a plane, and add a section of the wall's body slightly behind the sections of solids.
 void cutOpen(Drawing& drawing, const CutPlane& plane) {
   const Vec3 across = plane.normal.unitOrthogonal(), up = plane.normal.cross(across);
   const Vec3 middle = plane.point - 5e-5 * plane.normal;
@@ -128,7 +128,7 @@ std::vector<Wall> wallsOf(const Scene& scene) {
   return walls;
 }
 
-// Balls, capsules and meshes.
+// Draw spheres, capsules and meshes.
 void addShape(vtkRenderer* renderer, const Obstacle& obstacle) {
   const Pose& pose = obstacle.pose;
   if (const auto* sphere = std::get_if<Sphere>(&obstacle.shape))
@@ -143,7 +143,7 @@ void addShape(vtkRenderer* renderer, const Obstacle& obstacle) {
             toothColours((*mesh)->mesh(), obstacle.name == "arch" ? kGumLine : kNoGum));
 }
 
-// From the nearest mesh or solid, m.
+// Return the distance to the nearest mesh or solid, m.
 double distanceToTeeth(const Vec3& point, const Scene& scene, const std::vector<SolidCopy>& solids) {
   double nearest = 1.0;
   for (std::size_t i = 0; i < scene.obstacles().size(); ++i) {
@@ -157,7 +157,7 @@ double distanceToTeeth(const Vec3& point, const Scene& scene, const std::vector<
   return nearest;
 }
 
-// The cube of the workspace.
+// Draw the cube of the workspace.
 void addCube(vtkRenderer* renderer, float scale) {
   std::vector<std::array<Vec3, 2>> cube;
   for (int axis = 0; axis < 3; ++axis)
@@ -205,7 +205,7 @@ void addObstacles(vtkRenderer* renderer, const SceneFile& file, const std::vecto
   addFaces(renderer, drawing.backs, {kEnamelGrid, 1.0, 0.0});
   addLines(renderer, drawing.grid, kEnamelGrid, scale);
   addLines(renderer, drawing.edges, kEnamelEdge, 2.0f * scale);
-  if (!file.bur) addCube(renderer, scale);  // not through the view of what is drilled
+  if (!file.bur) addCube(renderer, scale);  // the cube would hide the drilled solid
 }
 
 }  // namespace enamel::viewer

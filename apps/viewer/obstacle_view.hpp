@@ -1,4 +1,4 @@
-// The obstacles of a scene, and the cube that is the workspace: what does not move.
+// Parts of a scene that do not move: the obstacles and the cube of the workspace.
 #pragma once
 
 #include <vtkRenderer.h>
@@ -11,12 +11,12 @@
 
 namespace enamel::viewer {
 
-/// Draws all obstacles but solids, whose views know what hides them: opaquePlanes(). `solids`: copies by obstacle.
-/// `plane`: that the gum is cut open along, if any. `scale`: pixels per unit of layout, for the width of lines.
+/// Draw all obstacles except solids, which have their own views: see opaquePlanes(). `solids`: copies by obstacle.
+/// `plane`: cuts the gum open, if set. `scale`: pixels per unit of layout, for the width of lines.
 void addObstacles(vtkRenderer* renderer, const SceneFile& file, const std::vector<SolidCopy>& solids,
                   const std::optional<CutPlane>& plane, float scale);
 
-/// Where opaque bodies begin: the gum.
+/// Return the surfaces of opaque bodies: the gum.
 std::vector<CutPlane> opaquePlanes(const Scene& scene);
 
 }  // namespace enamel::viewer

@@ -1,4 +1,4 @@
-// What the command line says.
+// Options of the command line.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,20 +11,20 @@
 namespace enamel::viewer {
 
 struct Options {
-  std::string play;  ///< recording; or empty, then:
+  std::string play;  ///< recording; if empty, the following apply:
   std::string scene, device;
-  std::string gain;  ///< file, or empty: loadServoedDevice()
+  std::string gain;  ///< file; empty: see loadServoedDevice()
   RendererSlot begin = RendererSlot::positionControl;
-  std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
+  std::shared_ptr<const PluginLibrary> plugin;  ///< may be nullptr
   std::map<std::string, std::string> pluginParameters;
   bool headless = false, overwrite = false;
   std::string script, record, report;
   glm::ivec2 size{1280, 720};
   float scale = 1.0f;
-  double frameRate = 60.0;  ///< of the window, 1/s, at most
-  bool fixedStep = false;   ///< of the window: each picture takes 1 / frameRate of the script's time
+  double frameRate = 60.0;  ///< largest frame rate of the window, 1/s
+  bool fixedStep = false;   ///< in a window: each picture advances the script by 1 / frameRate
 
-  /// For pictures, clips and recordings.
+  /// Return the folder for pictures, clips and recordings.
   std::string folder() const { return record.empty() ? "." : record; }
 };
 

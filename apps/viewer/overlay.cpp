@@ -31,7 +31,7 @@ void drawHeader(const Layout& layout, const OverlayInput& input, const Brush& br
 
   drawStatus(right, area.y + 16 * s, input, frame, brush);
   drawBadges(right, area.y + 72 * s, frame, brush);
-  if (player != nullptr) return;  // its time stands at the bar
+  if (player != nullptr) return;  // its time is beside the time bar
   std::string time = format("%.3f s", input.elapsed.simulated);
   if (frame.paused) time += "   paused";
   if (frame.slowdown != 1) time += format("   slow motion 1:%d", frame.slowdown);
@@ -52,8 +52,8 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   };
   const Delivered force = deliveredOf(frame.record);
   const double now = handForce(frame) / std::max(1e-9, -frame.record.nearest.gap);
-  const bool inside = depth > 1e-3 && handForce(frame) >= 0.1;  // of less, the ratio says nothing
-  // Beside the inset, as much as there is room for.
+  const bool inside = depth > 1e-3 && handForce(frame) >= 0.1;  // for smaller values the ratio means nothing
+  // Beside the inset, as far as there is room.
   const float room = layout.inset.width > 0 ? layout.inset.x - area.x - 36 * s : area.width;
   const std::string across = tenths(force.tangential), total = tenths(force.total);
   std::string forces = format("normal; tangential %s N, total %s N", across.c_str(), total.c_str());
@@ -70,7 +70,7 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
                    : "> 1000",
        "kN/m", "hand force / depth now", kInk},
   };
-  const int count = input.player != nullptr ? 2 : 4;  // a recording does not know the hand
+  const int count = input.player != nullptr ? 2 : 4;  // a recording does not contain the hand
   float y = area.y + area.height - static_cast<float>(count) * 46 * s - 14 * s;
   const float x = area.x + 18 * s;
   float wide = 0.0f;
@@ -86,7 +86,7 @@ void drawNumbers(const Layout& layout, const OverlayInput& input, const Brush& b
   }
 }
 
-// In as many lines as it needs.
+// Draw a notice in as many lines as it needs.
 void drawNotice(const Layout& layout, const std::string& notice, const Brush& brush) {
   const float s = layout.scale, whole = (layout.isSplit() ? 2 : 1) * layout.scene.width;
   const float most = std::min(560 * s, whole - 48 * s);

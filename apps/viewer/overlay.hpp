@@ -1,4 +1,4 @@
-// What Dear ImGui draws over the scene: panels, numbers, the magnified contact, the gauge of stiffness, help.
+// The overlay that Dear ImGui draws over the scene: panels, numbers, the magnified contact, the stiffness gauge, help.
 #pragma once
 
 #include <string>
@@ -7,10 +7,11 @@
 
 namespace enamel::viewer {
 
-/// Loads the font at a scale; call again when the scale changes. `font`: a TrueType file, or empty for the built-in.
+/// Load the font at a scale; call it again when the scale changes. `font`: a TrueType file, or empty for the built-in
+/// font.
 void setUpOverlay(const std::string& font, const std::string& boldFont, float scale);
 
-/// Draws everything into the current ImGui frame.
+/// Draw everything into the current ImGui frame.
 void drawOverlay(const Layout& layout, const OverlayInput& input, OverlayState& state);
 
 }  // namespace enamel::viewer

@@ -1,4 +1,4 @@
-// What the overlay shows, and what a person changes in it.
+// Inputs of the overlay, and changes that a person makes in it.
 #pragma once
 
 #include <array>
@@ -18,51 +18,51 @@
 
 namespace enamel::viewer {
 
-/// What buttons, sliders and lists have asked for since the viewer last looked.
+/// Requests of buttons, sliders and lists since the viewer last took them.
 struct OverlayRequests {
   std::vector<Action> actions;
-  std::optional<std::size_t> scene;  ///< of SceneInput::names
+  std::optional<std::size_t> scene;  ///< index in SceneInput::names
   std::optional<RendererSlot> renderer, right;
-  std::optional<bool> spin;  ///< of the bur
+  std::optional<bool> spin;  ///< switch the bur
   bool settings = false;     ///< OverlayState::settings have changed
-  std::string problem;       ///< with what was typed, to be told, or empty
+  std::string problem;       ///< problem with a typed value, to be shown; or empty
 };
 
-/// What the overlay shows and, of the settings, changes.
+/// State of the overlay, and the settings that it changes.
 struct OverlayState {
   bool panels = true, charts = true, help = false, timing = false;
   Settings settings;
   Grip grip = kFirmGrip;
-  bool sound = false;                   ///< is wanted
-  std::string soundTrouble;             ///< why there is no sound all the same, or empty
-  std::string notice;                   ///< for a while
-  std::vector<std::string> sceneNotes;  ///< of its meshes
+  bool sound = false;                   ///< sound is requested
+  std::string soundTrouble;             ///< why nothing is heard nevertheless, or empty
+  std::string notice;                   ///< shown for a while
+  std::vector<std::string> sceneNotes;  ///< about the scene's meshes
   OverlayRequests asked;
   struct Typing {
-    std::string name;  ///< of the slider whose value is being typed, or empty
+    std::string name;  ///< slider whose value is being typed, or empty
     std::array<char, 24> text{};
   } typing;
   struct Tip {
-    std::string text;  ///< of what the mouse is on, or empty
-    double since = 0;  ///< ImGui's time
+    std::string text;  ///< tip for the item under the mouse, or empty
+    double since = 0;  ///< time of ImGui
     bool seen = false;
   } tip;
   struct Zoom {
-    int step = 4;  ///< of the magnification, with hysteresis
+    int step = 4;  ///< magnification, with hysteresis
     int patience = 0;
   } zoom;
-  std::map<std::string, glm::vec2> controls;  ///< where they stand, pixels: for the report
+  std::map<std::string, glm::vec2> controls;  ///< positions in pixels, for the report
 };
 
 /// Timing as numbers.
 struct TimingNumbers {
-  bool available = false;  ///< no haptic thread in simulated time
+  bool available = false;  ///< false in simulated time, which has no haptic thread
   bool realtime = false;
   double wakeMedian = 0, wakeHigh = 0, computeMedian = 0, computeHigh = 0, computeLargest = 0;  ///< s; high: p99.9
   unsigned long long periods = 0, missed = 0;
   double framesPerSecond = 0;
-  /// Shares of all ticks, in classes of a quarter octave from kShortest up: from one tick's begin to the next one's,
-  /// and of its computation.
+  /// Shares of all ticks in classes of a quarter octave from kShortest up: interval between the starts of ticks, and
+  /// time of their computation.
   static constexpr std::size_t kClasses = 54;
   static constexpr double kShortest = 1e-6;  // s
   std::array<float, kClasses> interval{}, compute{};
@@ -78,35 +78,35 @@ struct DeviceInput {
   const std::string& name;
   const TorqueStyle& torques;
   StiffnessLimit limit;         ///< for a test push at this pose
-  const PluginLibrary* plugin;  ///< or nullptr
+  const PluginLibrary* plugin;  ///< may be nullptr
 };
 
 struct SceneInput {
   const std::string& name;
-  const std::vector<std::string>& names;  ///< to choose from
+  const std::vector<std::string>& names;  ///< scenes to choose from
   std::size_t index;
-  double toolRadius;  ///< of the tool's first part, m; 0: a point
+  double toolRadius;  ///< radius of the tool's first part, m; 0: a point
   bool isCutOpen;
 };
 
 struct BurInput {
   const Bur& bur;
   const std::vector<SolidLayer>& layers;
-  double depth;  ///< of its tip's lowest point below the uncut surface, m
+  double depth;  ///< depth of its tip's lowest point below the uncut surface, m
 };
 
-/// Seconds of simulated time; since a tour, a recording and (of its pictures) a clip began (negative: it has not).
+/// Seconds of simulated time; then seconds since the start of the tour, the recording and the clip (negative: none).
 struct ElapsedInput {
   double simulated, tour, recording, clip;
 };
 
 struct OverlayInput {
   ToolInput left;
-  std::optional<ToolInput> right;  ///< of the split screen
-  const Player* player;            ///< the frame's source, or nullptr: a live run
+  std::optional<ToolInput> right;  ///< in the split screen
+  const Player* player;            ///< source of the frame; nullptr: a live run
   DeviceInput device;
   SceneInput scene;
-  std::optional<BurInput> bur;     ///< of a live run's tool
+  std::optional<BurInput> bur;     ///< the tool of a live run
   const std::vector<Vec3>& trail;  ///< last positions of the TCP, oldest first, m
   const Comparison& comparison;
   const Camera& camera;

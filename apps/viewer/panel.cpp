@@ -1,4 +1,4 @@
-// The panel on the left: what a person can set.
+// The panel on the left: settings.
 #include <imgui.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ void drawPlayerControls(const OverlayInput& input, OverlayState& state, float s,
   remark("Drag the bar below to any time. F1 lists every key.");
 }
 
-// Whether a tool that is shown has that renderer, linked.
+// Return whether a shown tool uses this linked renderer.
 bool shows(const OverlayInput& input, RendererSlot slot) {
   return (input.left.frame.selected == slot || (input.right && input.right->frame.selected == slot)) &&
          !isPlugin(input, indexOf(slot));
@@ -87,7 +87,7 @@ void drawRendererChoice(const OverlayInput& input, OverlayState& state, float s,
   if (!input.bur) {
     ImGui::SameLine(whole - third);
     ImGui::PushFont(gFonts.small);
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, s});  // no higher than the heading
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, s});  // not higher than the heading
     if (toggle("split  (V)", split, third)) state.asked.actions.push_back(Action::split);
     ImGui::PopStyleVar();
     ImGui::PopFont();
@@ -176,7 +176,7 @@ void drawHandAndBur(const OverlayInput& input, OverlayState& state, float s, flo
   if (!input.bur) return;
   heading("Bur");
   ImGui::SameLine(whole - third);
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 0});  // no higher than the heading
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, 0});  // not higher than the heading
   if (bool sound = state.sound; ImGui::Checkbox("sound  (M)", &sound)) ask(Action::sound);
   ImGui::PopStyleVar();
   if (toggle("spin  (F)", frame.drilled.spins, third)) state.asked.spin = !frame.drilled.spins;

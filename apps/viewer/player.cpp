@@ -11,13 +11,13 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr std::size_t kKept = 64;                   // stretches whose samples are kept: more than charts show
-constexpr std::uint64_t kMostLost = 1'000'000'000;  // ticks; no recorder has counted as many
-constexpr std::uint64_t kQuiet = 50;                // ticks without it, before what comes back is an event
-constexpr double kLargest = 1e6;                    // of what is drawn
+constexpr std::size_t kKept = 64;                   // stretches with cached samples; the charts show fewer
+constexpr std::uint64_t kMostLost = 1'000'000'000;  // ticks; more cannot have been counted by a recorder
+constexpr std::uint64_t kQuiet = 50;                // ticks without it before its return is a new event
+constexpr double kLargest = 1e6;                    // largest value that is drawn
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
-// Can be drawn: finite, and one number a joint.
+// Return whether a tick can be drawn: it is finite and has one number for each joint.
 bool isPlain(const RecordedTick& t, int joints) {
   const Measurement& m = t.measurement;
   const auto plain = [joints](const JointVector& v) {
@@ -59,8 +59,8 @@ Player::Player(const std::string& path)
       scene_(app::recordedScene(reader_.header())),
       tick_(*device_, scene_.scene, scene_.tool, watcher_, unguarded(reader_.header().guard), reader_.header().start),
       cache_(makeToolCache(scene_.scene, scene_.tool)) {
-  if (scene_.name.empty()) scene_.name = "Flat wall";  // the recording names no scene file
-  // All but the renderer's, at its end: any renderer's is at least the watcher's.
+  if (scene_.name.empty()) scene_.name = "Flat wall";  // the recording has no scene file
+  // Compare the states without the renderer's part, which is at the end and at least as large as the watcher's.
   if (header().rendererState < watcher_.stateSize() ||
       header().stateSize - header().rendererState != tick_.stateSize() - watcher_.stateSize())
     throw Error(path + ": its states are not those of this scene's ticks");
@@ -71,7 +71,7 @@ void Player::makeIndex() {
   std::uint64_t at = 0, lost = 0, damaged = 0, unfit = 0;
   std::string damage, end;
   bool closed = false;
-  // Where an event of each reason could begin at the earliest; the first: of a contact.
+  // Earliest position of the next event of each reason; the first one is for contacts.
   std::array<std::uint64_t, kGuardReasons> quiet{};
   const auto happens = [&](GuardReason reason) {
     std::uint64_t& from = quiet[static_cast<std::size_t>(reason)];
@@ -102,7 +102,7 @@ void Player::makeIndex() {
         stretch.contact = true;
         happens(GuardReason::none);
       }
-      if (t.reason > GuardReason::engaging) happens(t.reason);  // up to there everything begins so
+      if (t.reason > GuardReason::engaging) happens(t.reason);  // smaller reasons occur in every start
       if (!isPlain(t, header().joints)) ++unfit;
       ++at;
     }
@@ -116,14 +116,14 @@ void Player::makeIndex() {
   try {
     if (app::filesHaveChanged(header(), scene_.scene)) notes_.push_back("a mesh or the servo's file has changed since");
   } catch (const Error& error) {
-    notes_.push_back(error.what());  // of the servo: nothing that is drawn needs it
+    notes_.push_back(error.what());  // about the servo, which is not needed for drawing
   }
 }
 
 std::size_t Player::stretchAt(std::uint64_t position) const noexcept {
   const auto after = std::upper_bound(stretches_.begin(), stretches_.end(), position,
                                       [](std::uint64_t p, const Stretch& s) { return p < s.begin; });
-  return static_cast<std::size_t>(after - stretches_.begin()) - 1;  // the first begins at 0
+  return static_cast<std::size_t>(after - stretches_.begin()) - 1;  // the first stretch begins at 0
 }
 
 std::uint64_t Player::gap() const noexcept {
@@ -167,21 +167,21 @@ bool Player::jump(bool forward) noexcept {
   return true;
 }
 
-// Runs the ticks of a stretch that are before a position; each(): `frame` is of the tick.
+// Run the ticks of a stretch before position `end`. each() is called when `frame` has been filled for a tick.
 template <typename Function>
 void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const Function& each) {
   const Stretch& s = stretches_[stretch];
-  // It could be read before: another program may have changed it since.
+  // It was readable before, but another program may have changed it since.
   if (!reader_.read(s.chunk, chunk_).empty() || chunk_.ticks.size() != s.end - s.begin)
     throw Error(path_ + ": was changed while it was played");
   Command command;
   tick_.loadState(chunk_.state.data());
-  tick_.reset();  // that state is behind the first tick, which comes again for its contacts
+  tick_.reset();  // the saved state follows the first tick, which is repeated for its contacts
   for (std::size_t i = 0; i < std::min(end, s.end) - s.begin; ++i) {
     const RecordedTick& t = chunk_.ticks[i];
     (void)tick_(t.measurement, command);
     const bool plain = isPlain(t, header().joints);
-    const Kinematics& k = tick_.frame().kinematics;  // as it was, where the measurement cannot be
+    const Kinematics& k = tick_.frame().kinematics;  // the last valid one if the measurement is unusable
     TickRecord& r = frame.record;
     r.tick = t.number;
     r.time = t.measurement.time;
@@ -195,7 +195,7 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
     r.rendered = wrenchOf(k, r.torque - k.gravity);
     r.nearest = nearestContact(scene_.scene, scene_.tool, k.pose, &cache_);
     r.gapRate = r.nearest.normal.dot(contactVelocity(k, r.nearest));
-    r.normalForce = t.normalForce;  // as VirtualLoop has it
+    r.normalForce = t.normalForce;  // as in VirtualLoop
     if (t.reason != GuardReason::none)
       r.normalForce = r.nearest.normal.dot(wrenchOf(k, t.command - k.gravity).head<3>());
     if (!plain) r.normalForce = 0.0;
@@ -206,7 +206,7 @@ void Player::watch(std::size_t stretch, std::uint64_t end, Frame& frame, const F
     frame.contacts = tick_.frame().contacts;
     frame.hand.target = frame.hand.position = k.pose.position;
     each(plain);
-    if (i == 0) tick_.loadState(chunk_.state.data());  // that is the state behind the first tick
+    if (i == 0) tick_.loadState(chunk_.state.data());  // the state that follows the first tick
   }
 }
 
@@ -221,7 +221,7 @@ const Frame& Player::frame() {
 
 const std::vector<Sample>& Player::samplesOf(std::size_t stretch) {
   if (const auto found = samples_.find(stretch); found != samples_.end()) return found->second;
-  // The farthest ones go.
+  // Discard the farthest stretch.
   if (samples_.size() == kKept)
     samples_.erase(samples_.begin()->first < stretch ? samples_.begin() : std::prev(samples_.end()));
   std::vector<Sample> samples;

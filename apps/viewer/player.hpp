@@ -1,4 +1,4 @@
-// Plays a recording: a source of frames and samples beside the running experiment. Knows no window.
+// Plays a recording: a source of frames and samples, like a running experiment. Independent of any window.
 #pragma once
 
 #include <cstdint>
@@ -14,29 +14,30 @@
 
 namespace enamel::viewer {
 
-/// A chunk that can be read. Positions count ticks from the first one that can, also those that are missing.
+/// A readable chunk. Positions count ticks from the first readable one; missing ticks count as well.
 struct Stretch {
   std::uint64_t begin = 0;  ///< position of its first tick
-  std::uint64_t end = 0;    ///< behind its last one; before the next one's begin where ticks are missing
+  std::uint64_t end = 0;    ///< position after its last tick; less than the next `begin` if ticks are missing
   std::uint64_t chunk = 0;  ///< its number in the file
-  bool contact = false;     ///< a wall was rendered
+  bool contact = false;     ///< it contains ticks with contact
 };
 
-/// What one may want to look at: a contact begins, or the guard changes the command.
+/// An event in a recording: a contact begins, or the guard changes the command.
 struct PlayerEvent {
   std::uint64_t position = 0;
   GuardReason reason = GuardReason::none;  ///< none: a contact
 };
 
-/// Looks at a recording tick by tick, at any place. The index, the events and the charts' samples of the last chunks
-/// are kept, nothing else: memory does not depend on where one looks. Poses and contacts are computed as HapticTick
-/// does, from the state that each chunk begins with.
+/// Shows a recording tick by tick, at any position. It keeps only the index, the events and the charts' samples of the
+/// last chunks: memory does not depend on the position. Poses and contacts are computed as in HapticTick, from the
+/// state at the beginning of each chunk.
 class Player {
  public:
-  static constexpr double kSlowest = 0.01, kFastest = 10.0;  // of real time
+  static constexpr double kSlowest = 0.01, kFastest = 10.0;  // relative to real time
 
-  /// Reads the whole file once, to check it and to make the index. Throws Error: as RecordingReader, parseDevice() and
-  /// parseScene(); other joints than the device's; states of another size; no tick can be read. Realtime: no.
+  /// Read the whole file once, to check it and to make the index. Throws Error: as RecordingReader, parseDevice() and
+  /// parseScene(); the number of joints is not the device's; the states have another size; no tick can be read.
+  /// Realtime: no.
   explicit Player(const std::string& path);
 
   const std::string& path() const noexcept { return path_; }
@@ -46,40 +47,40 @@ class Player {
 
   const std::vector<Stretch>& stretches() const noexcept { return stretches_; }
   const std::vector<PlayerEvent>& events() const noexcept { return events_; }
-  std::uint64_t size() const noexcept { return stretches_.back().end; }  ///< positions
-  /// What is wrong with the recording, a line each: cut off, damaged, with ticks lost or values that are not finite.
+  std::uint64_t size() const noexcept { return stretches_.back().end; }  ///< number of positions
+  /// Return the problems of the recording, one line each: cut off, damaged, lost ticks, values that are not finite.
   const std::vector<std::string>& notes() const noexcept { return notes_; }
 
   std::uint64_t position() const noexcept { return static_cast<std::uint64_t>(place_); }
-  double seconds() const noexcept { return place_ * header().guard.period; }  ///< from the first position
+  double seconds() const noexcept { return place_ * header().guard.period; }  ///< since the first position
   bool playing() const noexcept { return playing_; }
   double speed() const noexcept { return speed_; }
-  /// Ticks missing about the position; 0: it has one, and frame() is of it.
+  /// Return the number of missing ticks around the position; 0: the tick exists, and frame() shows it.
   std::uint64_t gap() const noexcept;
 
-  /// At the end, playing starts from the beginning.
+  /// Start or stop playing. At the end, playing starts from the beginning.
   void setPlaying(bool playing) noexcept;
-  /// Times real time, kSlowest to kFastest.
+  /// Set the speed relative to real time, kSlowest to kFastest.
   void setSpeed(double speed) noexcept;
-  /// For so many seconds of a clock; stops at the last tick.
+  /// Advance by `seconds` of a clock; stop at the last tick.
   void advance(double seconds) noexcept;
-  /// To a position, or the nearest end.
+  /// Go to a position, or to the nearest end.
   void seek(double position) noexcept;
-  /// So many ticks on or back, where ticks are missing over them; pauses.
+  /// Move by a number of ticks, skip missing ticks, and pause.
   void step(std::int64_t ticks) noexcept;
-  /// To the next event, or the one before; pauses. False: there is no such event.
+  /// Go to the next or previous event and pause. Return false after the last one.
   bool jump(bool forward) noexcept;
 
-  /// The tick at the position, where it is missing the one before. `paused` is filled in. Throws Error: the file was
-  /// changed since. Realtime: no.
+  /// Return the tick at the position; if it is missing, the previous one. Sets `paused`. Throws Error: the file was
+  /// changed. Realtime: no.
   const Frame& frame();
 
-  /// What the charts show of `count` positions from `from` on: NaN where there is no tick, or no finite value. Throws
-  /// Error: as frame(). Realtime: no.
+  /// Return the samples of the charts for `count` positions from `from` on; NaN for missing ticks and values that are
+  /// not finite. Throws Error: as frame(). Realtime: no.
   std::vector<Sample> samples(std::int64_t from, std::size_t count);
 
  private:
-  // Asks for nothing; HapticTick needs one.
+  // A renderer without output, because HapticTick needs one.
   class Watcher final : public Renderer {
     void prepare(double) override {}
     Status render(const TickFrame& input, TickOutput& output) noexcept override {
@@ -92,7 +93,7 @@ class Player {
   };
 
   void makeIndex();
-  std::size_t stretchAt(std::uint64_t position) const noexcept;  // the last that begins there or before
+  std::size_t stretchAt(std::uint64_t position) const noexcept;  // last stretch that begins at or before `position`
   template <typename Function>
   void watch(std::size_t stretch, std::uint64_t end, Frame& frame, const Function& each);
   const std::vector<Sample>& samplesOf(std::size_t stretch);

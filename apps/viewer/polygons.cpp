@@ -54,7 +54,7 @@ vtkSmartPointer<vtkActor> Polygons::addTo(vtkRenderer* renderer, const Finish& f
 
 vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,
                                   const Finish& finish, const std::vector<Vec3>& colours) {
-  std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());  // normals of the triangles, by area
+  std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());  // vertex normals: sums over triangles, weighted by area
   Polygons polygons;
   for (const auto& t : mesh.triangles) {
     const auto corner = [&](int i) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(t[i])]; };

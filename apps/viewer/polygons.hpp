@@ -1,4 +1,4 @@
-// Polygons and lines of the scene, in W, an actor a list.
+// Polygons and lines of the scene in W, one actor for each list.
 #pragma once
 
 #include <vtkActor.h>
@@ -19,19 +19,19 @@
 
 namespace enamel::viewer {
 
-/// Polygons over points that have a normal each, and, if any, a colour each.
+/// Polygons over points, each with a normal and possibly a colour.
 class Polygons {
  public:
-  /// `room`: for so many points.
+  /// `room`: expected number of points.
   explicit Polygons(vtkIdType room = 0);
 
-  /// Its number. Point: m.
+  /// Append a point (m) and return its number.
   vtkIdType append(const Vec3& point, const Vec3& normal);
-  /// Of the point that was appended last, 0 to 1.
+  /// Set the colour of the last point, 0 to 1.
   void paint(const Vec3& rgb);
   vtkCellArray* cells() { return cells_; }
 
-  /// `deep`: with more shade, so that what is painted has form.
+  /// `deep`: stronger shading, which shows the form of coloured surfaces.
   vtkSmartPointer<vtkActor> addTo(vtkRenderer* renderer, const Finish& finish, bool deep = true);
 
  private:
@@ -41,19 +41,19 @@ class Polygons {
   vtkNew<vtkUnsignedCharArray> colours_;
 };
 
-/// A mesh with smooth shading, `pose` in W; `colours` (0 to 1) of its vertices, or empty: that of the finish.
+/// Add a mesh with smooth shading. `pose`: in W; `colours`: of the vertices (0 to 1); empty: the colour of the finish.
 vtkSmartPointer<vtkActor> addMesh(vtkRenderer* renderer, const TriangleMesh& mesh, const Pose& pose,
                                   const Finish& finish, const std::vector<Vec3>& colours = {});
 
 /// A convex polygon in W, m.
 using Polygon = std::vector<Vec3>;
-/// A parallelogram from its middle and two half sides.
+/// Return a parallelogram from its centre and two half sides.
 Polygon parallelogram(const Vec3& middle, const Vec3& across, const Vec3& up);
-/// What is left of a polygon, or a line, outside the half space behind a plane.
+/// Cut away the part of a polygon or line that is in the half space behind a plane.
 Polygon cut(const Polygon& polygon, const Vec3& point, const Vec3& normal);
 
-/// Flat faces, with their corners anticlockwise as seen from outside, and lines, as one actor each.
-/// `colourAt`: of a corner; or empty, that of the finish.
+/// Add flat faces, whose corners are anticlockwise as seen from outside; then a function for lines. Each call adds one
+/// actor. `colourAt`: colour of a corner; empty: the colour of the finish.
 vtkSmartPointer<vtkActor> addFaces(vtkRenderer* renderer, const std::vector<Polygon>& faces, const Finish& finish,
                                    const std::function<Vec3(const Vec3&)>& colourAt = {});
 vtkSmartPointer<vtkActor> addLines(vtkRenderer* renderer, const std::vector<std::array<Vec3, 2>>& lines,

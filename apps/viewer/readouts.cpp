@@ -1,4 +1,4 @@
-// Read-outs over the scene: the bur, and the timing of the loop with the acts of the guard.
+// Read-outs over the scene: the bur, the loop's timing and the guard.
 #include <imgui.h>
 
 #include <algorithm>
@@ -48,7 +48,8 @@ void drawDrill(const Layout& layout, const OverlayInput& input, const Brush& bru
 
 namespace {
 
-// Shares of the ticks over a logarithmic scale; the highest class fills the height, and any that has ticks is seen.
+// Draw the shares of ticks over a logarithmic scale. The highest class fills the height; every class with ticks is
+// visible.
 void drawHistogram(const Rect& area, const std::array<float, TimingNumbers::kClasses>& shares, const Brush& brush) {
   const float s = brush.s, bottom = area.y + area.height, each = area.width / static_cast<float>(shares.size());
   const float highest = std::max(1e-9f, *std::max_element(shares.begin(), shares.end()));
@@ -67,7 +68,7 @@ void drawHistogram(const Rect& area, const std::array<float, TimingNumbers::kCla
   }
 }
 
-// How often the guard acted, the most frequent reasons first: ticks of a run, acts of a recording.
+// Return how often the guard acted, most frequent reasons first: ticks in a run, events in a recording.
 std::vector<std::string> guardLines(const OverlayInput& input) {
   std::array<std::uint64_t, kGuardReasons> counts = input.left.frame.guardTicks;
   if (input.player != nullptr)

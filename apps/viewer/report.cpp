@@ -23,7 +23,7 @@ long residentKilobytes() {
   return resident * (sysconf(_SC_PAGESIZE) / 1024);
 }
 
-// What test pushes measured, with the names of study/metrics.hpp.
+// Return the results of test pushes with the names of study/metrics.hpp.
 nlohmann::ordered_json testPushes(const Viewer& viewer) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < viewer.rendererNames().size(); ++i) {
@@ -93,7 +93,7 @@ void Report::write(const std::string& path, double seconds, Viewer& viewer, cons
   json["touring"] = viewer.isTouring();
   json["contact"] = viewer.isInContact();
   json["paused"] = viewer.frame().paused;
-  json["typing"] = ImGui::GetIO().WantTextInput ? viewer.overlay().typing.name : "";  // the slider's name
+  json["typing"] = ImGui::GetIO().WantTextInput ? viewer.overlay().typing.name : "";  // name of the slider
   const DisplayHistory& shown = viewer.history();
   json["shown"] = {{"scenes", shown.scenes},
                    {"choice of scenes", viewer.sceneNames()},

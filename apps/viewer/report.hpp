@@ -1,4 +1,4 @@
-// How a run went, for tests and for people who tune.
+// Report about a run, for tests and for tuning.
 #pragma once
 
 #include <cstdint>
@@ -18,17 +18,17 @@ class Report {
 
   std::uint64_t frames() const { return frames_; }
 
-  /// After every picture; `time` is the run's, s.
+  /// Add a picture; `time`: of the run, s.
   void frame(double time);
   void measureMemory(double time);
-  /// JSON; nothing where the path is empty. Throws Error: as writeFile().
+  /// Write JSON; an empty path writes nothing. Throws Error: as writeFile().
   void write(const std::string& path, double seconds, Viewer& viewer, const TimingNumbers& timing) const;
 
  private:
   double started_, firstFrame_ = 0.0, lastMemory_ = -1.0;
   std::uint64_t frames_ = 0;
   std::vector<double> memoryAt_;     // s of the run
-  std::vector<long> memory_, heap_;  // once a second, and with each report
+  std::vector<long> memory_, heap_;  // once per second, and with each report
 };
 
 }  // namespace enamel::viewer

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kFrame = 1.0 / 60.0;  // s
 
-// While it lives, SIGINT and SIGTERM only ask the loop to end, and SIGUSR1 asks it for a report.
+// While it exists, SIGINT and SIGTERM end the loop instead of the program, and SIGUSR1 requests a report.
 class Signals {
  public:
   Signals() {
@@ -40,10 +40,10 @@ class Signals {
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
-  /// The signal that ends the loop, or 0.
+  /// Return the signal that ends the loop, or 0.
   int caught() const { return caught_; }
 
-  /// Whether a report was asked for since the last call.
+  /// Return whether a report was requested since the last call.
   bool takeReportWanted() {
     if (reportWanted_ == 0) return false;
     reportWanted_ = 0;
@@ -57,7 +57,7 @@ class Signals {
 };
 volatile std::sig_atomic_t Signals::caught_ = 0, Signals::reportWanted_ = 0;
 
-// What is under way when the program ends.
+// Complete recordings and clips at the end of the program.
 void finish(Viewer& viewer, ClipMaker& clip) {
   clip.finish(viewer);
   if (const std::string recorded = viewer.endRecording(); !recorded.empty()) std::printf("%s\n", recorded.c_str());
@@ -73,8 +73,8 @@ std::string frameName(int number) {
   return name;
 }
 
-// Steps of a script that are due. In a window a picture ends a turn: the haptic loop runs beside it, and would carry
-// out the steps after the picture before it is drawn.
+// Runs due steps of a script. In a window, a step that takes a picture ends the turn. Otherwise the concurrent haptic
+// loop would already perform the steps after it before the picture is drawn.
 class ScriptPlayer {
  public:
   explicit ScriptPlayer(const Options& options) : isHeadless_(options.headless) {
@@ -83,7 +83,7 @@ class ScriptPlayer {
                           options.play.empty() ? rendererNames(options.plugin.get()) : std::vector<std::string>{});
     for (const ScriptStep& step : steps_) {
       if (step.kind == ScriptStep::Kind::picture) requireFree(options, step.name);
-      if (step.kind == ScriptStep::Kind::frames) requireFree(options, frameName(0));  // of an earlier run
+      if (step.kind == ScriptStep::Kind::frames) requireFree(options, frameName(0));  // from an earlier run
     }
   }
 
@@ -101,8 +101,8 @@ class ScriptPlayer {
   std::size_t next_ = 0;
 };
 
-// Keeps a script of fixed steps behind the haptic loop: each step waits until the loop has run for as long, however
-// slow the machine is.
+// Synchronises a script of fixed steps with the haptic loop: each step waits until the loop has run for the same time,
+// even on a slow machine.
 class HapticPace {
  public:
   explicit HapticPace(double step) : ticks_(static_cast<std::uint64_t>(step / kPeriod)) {}
@@ -151,7 +151,7 @@ int runInWindow(const Options& options, double started) {
     bool scripted = false;
     HapticPace pace(1.0 / options.frameRate);
     while (glfwWindowShouldClose(surface->window()) == GLFW_FALSE && !viewer.wantsToEnd() && signals.caught() == 0) {
-      const bool reports = signals.takeReportWanted();  // before the events: the report is of a picture that knows them
+      const bool reports = signals.takeReportWanted();  // before the events, so that the reported picture includes them
       input.poll();
       if (options.fixedStep && haptics) pace.wait(*haptics, signals);
       const double now = steadySeconds(), passed = now - last;
@@ -189,7 +189,7 @@ int runInWindow(const Options& options, double started) {
   }
   if (signals.caught() != 0) return signals.caught();
   if (viewer.runner() == nullptr) return 0;
-  if (viewer.isTouring()) return 0;  // nobody's hand
+  if (viewer.isTouring()) return 0;  // no person holds the tool
   if (viewer.isInContact())
     throw Error("the window was closed while the tool was in contact: the wall was gone at once");
   return 0;
@@ -206,7 +206,7 @@ int runHeadless(const Options& options, double started) {
   Report report(started);
   ClipMaker clip(options.folder());
   const double begin = steadySeconds();
-  const auto ticksAt = [](std::uint64_t frame) { return frame * 1000 / 60; };  // of kPeriod in frames of kFrame
+  const auto ticksAt = [](std::uint64_t frame) { return frame * 1000 / 60; };  // ticks of kPeriod in frames of kFrame
   int recorded = 0, recordEvery = 0;
   for (std::uint64_t frame = 0; !viewer.wantsToEnd() && signals.caught() == 0; ++frame) {
     const double now = static_cast<double>(frame) * kFrame;

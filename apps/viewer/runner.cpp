@@ -17,7 +17,7 @@ Runner::Runner(std::unique_ptr<Experiment> experiment) : experiment_(experiment.
   frames_.publish();
 }
 
-// The haptic side has ended.
+// The haptic side has ended before.
 Runner::~Runner() {
   collect();
   RunnerCommand command;
@@ -69,7 +69,7 @@ void Runner::obey(const RunnerCommand& command) noexcept {
     case RunnerCommand::Kind::step: steps_ += command.number; break;
     case RunnerCommand::Kind::slowdown: slowdown_ = std::clamp(command.number, 1, 1000); break;
     case RunnerCommand::Kind::replace: {
-      // There is room: replace() empties this ring, which holds twice as many as that of the commands.
+      // Never full: replace() empties this ring, which is twice as large as that of the commands.
       (void)retired_.push(experiment_);
       if (second_ != nullptr) (void)retired_.push(second_);
       experiment_ = command.experiment;

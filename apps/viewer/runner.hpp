@@ -1,4 +1,4 @@
-// Runs an experiment beside the drawing thread: commands in, frames and samples out, nobody waits.
+// Runs an experiment beside the drawing thread: commands in, frames and samples out, without waiting.
 #pragma once
 
 #include <memory>
@@ -11,18 +11,18 @@
 
 namespace enamel::viewer {
 
-/// One tick, for the charts.
+/// One tick for the charts.
 struct Sample {
   Vec3 position = Vec3::Zero();  ///< of the TCP, m
   double gap = 0.0;              ///< m
-  double normalForce = 0.0;      ///< deliveredOf(), N
+  double normalForce = 0.0;      ///< of deliveredOf(), N
   JointVector torque;            ///< N m or N
 };
 inline Sample sampleOf(const TickRecord& record) noexcept {
   return {record.pose.position, record.nearest.gap, deliveredOf(record).normal, record.torque};
 }
 
-/// Of two experiments under one hand.
+/// Combine two experiments under one hand.
 PairSample pairOf(const TickRecord& left, const TickRecord& right) noexcept;
 
 /// A change between two ticks.
@@ -43,15 +43,15 @@ struct RunnerCommand {
     slowdown,
     replace
   } kind;
-  Vec3 target = Vec3::Zero();  ///< of handTo and, relative, of handBy, m
+  Vec3 target = Vec3::Zero();  ///< handTo: absolute, handBy: relative, m
   int number = 0;         ///< RendererSlot of select and selectRight, 1 or 0 of spin, ticks of step, factor of slowdown
   Grip grip = kFirmGrip;  ///< of grip
-  /// Of replace; owned by the runner from here on. The second one, or nullptr: the right tool under the same hand.
+  /// replace: the runner owns them from here on. `second`: the right tool under the same hand, or nullptr.
   Experiment *experiment = nullptr, *second = nullptr;
 };
 
-/// The haptic side is period(), called once per kPeriod of wall time by a PeriodicThread, or by a loop on simulated
-/// time: the same code. Everything else belongs to the drawing thread.
+/// The haptic side is period(). A PeriodicThread calls it once per kPeriod of wall time, or a loop calls it in
+/// simulated time: the code is the same. Everything else belongs to the drawing thread.
 class Runner {
  public:
   explicit Runner(std::unique_ptr<Experiment> experiment);
@@ -59,19 +59,19 @@ class Runner {
   Runner(const Runner&) = delete;
   Runner& operator=(const Runner&) = delete;
 
-  /// Takes the waiting commands, then ticks as pause and slow motion allow, and publishes. Realtime: yes.
+  /// Process waiting commands, run ticks as pause and slow motion permit, and publish. Realtime: yes.
   void period() noexcept;
 
-  /// False if the queue is full (the haptic side stands still). Realtime: yes.
+  /// Send a command. Return false if the queue is full because the haptic side has stopped. Realtime: yes.
   bool send(const RunnerCommand& command) noexcept { return commands_.push(command); }
 
-  /// Replaces the experiments between two ticks; the old ones are destroyed by collect(). With a `second` one, both are
-  /// ticked together, Experiment::tickTogether(): commands of the hand go to the first, test pushes to both. Realtime:
-  /// no.
+  /// Replace the experiments between two ticks; collect() destroys the old ones. With `second`, both tick together with
+  /// Experiment::tickTogether(): the first receives commands of the hand, both receive test pushes. Realtime: no.
   void replace(std::unique_ptr<Experiment> experiment, std::unique_ptr<Experiment> second = nullptr);
   void collect() noexcept;
 
-  /// The newest frame, that of the second experiment in the same tick, or nullptr, and the samples since the last call.
+  /// Return the newest frame; then the second experiment's in the same tick, or nullptr; then the samples since the
+  /// last call.
   const Frame& frame() noexcept;
   const Frame* secondFrame() const noexcept { return frames_.latest().pair ? &frames_.latest().second : nullptr; }
   bool nextSample(Sample& sample) noexcept { return samples_.pop(sample); }
@@ -86,7 +86,7 @@ class Runner {
     bool pair = false;
   };
 
-  Experiment* experiment_;        // of the haptic side
+  Experiment* experiment_;        // belongs to the haptic side
   Experiment* second_ = nullptr;  // under the same hand, or nullptr
   bool paused_ = false;
   int steps_ = 0, slowdown_ = 1, waited_ = 0;

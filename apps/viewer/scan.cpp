@@ -20,7 +20,7 @@ bool isScan(const std::string& path) {
 
 SceneFile sceneOfScan(const std::string& path) {
   constexpr double smallest = 0.002, largest = 0.5, below = 0.004, above = 0.008;  // m
-  constexpr double friction = 0.2;                                                 // as that of the shipped teeth
+  constexpr double friction = 0.2;                                                 // as in the shipped teeth
   TriangleMesh mesh = loadMesh(path);
   Vec3 low = mesh.vertices.front(), high = low;
   for (const Vec3& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);

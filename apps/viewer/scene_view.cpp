@@ -13,8 +13,8 @@ namespace enamel::viewer {
 namespace {
 
 constexpr double kArrowPerNewton = 0.003, kArrowHead = 0.010, kNormal = 0.025;  // m/N, m, m
-constexpr double kMarkedFrom = 230.0;                         // mm: from nearer, marks of the contact are smaller
-constexpr double kSmallestForce = 0.1, kLargestForce = 40.0;  // N: that the arrow shows
+constexpr double kMarkedFrom = 230.0;                         // mm: at smaller distances, marks of the contact shrink
+constexpr double kSmallestForce = 0.1, kLargestForce = 40.0;  // N: range of the force arrow
 constexpr std::size_t kShownContacts = 3;
 
 }  // namespace
@@ -22,7 +22,7 @@ constexpr std::size_t kShownContacts = 3;
 struct SceneView::Parts {
   Parts(vtkRenderer* renderer, vtkRenderer* above, const std::vector<Bar>& bars, const SceneFile& scene);
 
-  // Draws what shines through last, the reference pose behind all else of it.
+  // Draw transparent parts last, with the reference pose first among them.
   void raiseFaded(vtkRenderer* renderer);
   void showHand(const SceneState& state);
   void showContacts(const SceneState& state, double size);

@@ -1,4 +1,4 @@
-// The scene as VTK draws it: the device from its bars, the obstacles, and what happens at the contact.
+// Draws the scene with VTK: the device from its bars, the obstacles, and the contact.
 #pragma once
 
 #include <vtkRenderer.h>
@@ -16,35 +16,35 @@
 
 namespace enamel::viewer {
 
-/// What a frame shows. All in W, SI.
+/// State of the scene in a frame. In W, SI units.
 struct SceneState {
   Pose pose;                  ///< of the platform
-  std::vector<Bar> bars;      ///< of the mechanism there
+  std::vector<Bar> bars;      ///< of the mechanism at this pose
   std::optional<Pose> ghost;  ///< reference pose
-  std::optional<Vec3> hand;   ///< where the hand pulls the TCP to
+  std::optional<Vec3> hand;   ///< point to which the hand pulls the TCP
   std::vector<Contact> touching;
-  double distance = 0.0;    ///< of the camera, mm: close to it marks become smaller
-  Vec3 eye = Vec3::Zero();  ///< of the camera: what hides `watched` from it shines through
+  double distance = 0.0;    ///< of the camera, mm: at small distances marks shrink
+  Vec3 eye = Vec3::Zero();  ///< position of the camera: objects between it and `watched` become transparent
   Vec3 watched = Vec3::Zero();
-  double burAngle = 0.0;  ///< that the bur has turned, rad
+  double burAngle = 0.0;  ///< rotation of the bur, rad
   const Chips* chips = nullptr;
-  Vec3 force = Vec3::Zero();  ///< of the motors on the tool beyond gravity, N: what stands for the wall
+  Vec3 force = Vec3::Zero();  ///< of the motors on the tool in addition to gravity, N: it represents the wall
 };
 
 class SceneView {
  public:
-  /// `above`: the same view in a layer over the first; what it shows is never hidden.
+  /// `above`: a layer with the same view over the first; nothing hides its contents.
   SceneView(vtkRenderer* renderer, vtkRenderer* above);
   ~SceneView();
   SceneView(const SceneView&) = delete;
   SceneView& operator=(const SceneView&) = delete;
 
-  /// Rebuilds what does not move. `scale`: pixels per unit of layout, for the width of lines.
-  /// `bars`: of the mechanism anywhere; those of update() are moved ones of the same parts. `solids`: copies by
-  /// obstacle, which the view refers to; they are cut open along a plane, if any.
+  /// Rebuild the static parts. `scale`: pixels per unit of layout, for the width of lines. `bars`: of the mechanism at
+  /// any pose; update() needs the same parts in other places. `solids`: copies by obstacle, which must outlive the
+  /// view; `plane` cuts them open, if set.
   void build(const std::vector<Bar>& bars, const SceneFile& scene, const std::vector<SolidCopy>& solids,
              const std::optional<CutPlane>& plane, float scale);
-  /// A brick of an obstacle's copy has changed.
+  /// Mark a brick of an obstacle's copy as changed.
   void change(std::size_t obstacle, int brick);
   void update(const SceneState& state);
   void look(const Camera& camera, double aspect);
@@ -55,7 +55,7 @@ class SceneView {
   vtkRenderer* renderer_;
   vtkRenderer* above_;
   std::unique_ptr<Parts> parts_;
-  std::vector<std::unique_ptr<SolidView>> solids_;  // by obstacle, or null
+  std::vector<std::unique_ptr<SolidView>> solids_;  // by obstacle; may be null
 };
 
 }  // namespace enamel::viewer

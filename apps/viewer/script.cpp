@@ -23,7 +23,7 @@ class Line {
   }
 
   const std::string& file() const { return file_; }
-  /// To choose from; none: the script is for a recording.
+  /// Return the available renderers; empty: the script is for a recording.
   const std::vector<std::string>& renderers() const { return renderers_; }
 
   bool empty() const { return next_ >= words_.size(); }
@@ -129,7 +129,7 @@ void parseSizeOf(Line& line, ScriptStep& step) {
   }
 }
 
-// A name that stays in the folder it is written to.
+// Parse a name that cannot leave the folder it is written to.
 void parsePicture(Line& line, ScriptStep& step) {
   step.name = line.word("picture");
   for (const char c : step.name)

@@ -1,4 +1,4 @@
-// Scripts: what a person would do, with times.
+// Scripts: a person's actions with their times.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -34,26 +34,35 @@ struct ScriptStep {
   Action action = Action::pause;
   glm::dvec3 target{0.0};  ///< of hand, mm
   Camera view;             ///< of view
-  double over = 0.0;       ///< of hand: moves there in so many seconds
-  int number = 0;          ///< of renderer and right (RendererSlot), spin (0 or 1), slowdown, frames (a second)
+  double over = 0.0;       ///< of hand: duration of the motion, s
+  int number = 0;          ///< of renderer and right (RendererSlot), spin (0 or 1), slowdown, frames (per second)
   glm::ivec2 size{0};
   double value = 0.0;  ///< of set; of seek, s
   std::string name;    ///< of picture and scene
 };
 
-/// Reads a script: one step a line, "TIME COMMAND", with times that do not decrease and # before remarks. Commands:
-/// the actions' names (see the help); `hand X Y Z [over S]` [mm]; `spin on` and `spin off`, of the bur; `view X Y Z
-/// AZIMUTH ELEVATION DISTANCE` (the camera looks at a point [mm], from there [deg, mm]); `renderer NAME` (one of
-/// `renderers`), in the split screen the left tool's; `right NAME`, the right tool's; `scene FILE` (relative to the
-/// script's folder); `slow N` (1:N); `seek S` (to a time of the recording, s); `size WxH`; `frames FPS` (records every
-/// frame from here on; 0 ends it); `picture NAME`; `set NAME VALUE` with a name of settingRows(); `end`, which must be
-/// the last. With a recording there is no hand, no spin, no renderer, no `set` and no `scene`: `renderers` is empty
-/// then. Throws ConfigurationError. Realtime: no.
+/// Read a script. Each line is a step, "TIME COMMAND"; times must not decrease, and # begins a remark. The commands are
+/// the names of the actions (see the help), and:
+/// - `hand X Y Z [over S]` [mm];
+/// - `spin on`, `spin off`: of the bur;
+/// - `view X Y Z AZIMUTH ELEVATION DISTANCE`: the camera looks at a point [mm], from there [deg, mm];
+/// - `renderer NAME`: one of `renderers`; in the split screen for the left tool;
+/// - `right NAME`: for the right tool;
+/// - `scene FILE`: relative to the script's folder;
+/// - `slow N`: slow motion 1:N;
+/// - `seek S`: to a time of the recording, s;
+/// - `size WxH`;
+/// - `frames FPS`: records every frame from here on; 0 ends it;
+/// - `picture NAME`;
+/// - `set NAME VALUE`: NAME as in settingRows();
+/// - `end`: must be the last step.
+/// For a recording, `renderers` is empty, and hand, spin, renderer, set and scene are not available. Throws
+/// ConfigurationError. Realtime: no.
 std::vector<ScriptStep> loadScript(const std::string& path, const std::vector<std::string>& renderers);
 std::vector<ScriptStep> parseScript(std::string_view text, const std::string& file,
                                     const std::vector<std::string>& renderers);
 
-/// What `set` changes, with its range.
+/// A setting that `set` changes, with its range.
 struct SettingRow {
   const char* name;
   double low, high;
@@ -62,7 +71,7 @@ struct SettingRow {
 };
 const std::vector<SettingRow>& settingRows();
 
-/// Reads "WxH", each 160 to 8192. Throws Error.
+/// Parse "WxH", each 160 to 8192. Throws Error.
 glm::ivec2 parseSize(const std::string& text);
 
 }  // namespace enamel::viewer

@@ -12,11 +12,11 @@ namespace enamel::viewer {
 struct ServoedDevice {
   DeviceParameters parameters;
   ServoGain gain;                               ///< of hold
-  std::shared_ptr<const PluginLibrary> plugin;  ///< or nullptr
+  std::shared_ptr<const PluginLibrary> plugin;  ///< may be nullptr
   PluginSetup pluginSetup;
 };
 
-/// Load a device, without a plugin, and the servo of hold from the file `gain`; where that is empty, designed at home
+/// Load a device without a plugin, and the servo of hold from the file `gain`. If `gain` is empty, design it at home
 /// for kPeriod with the paper's weights. Throws Error: as loadDevice(), makeMechanism(), designServo() and loadServo();
 /// a file for another period or another number of joints. Realtime: no.
 ServoedDevice loadServoedDevice(const std::string& path, const std::string& gain = "");

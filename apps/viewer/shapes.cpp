@@ -17,7 +17,7 @@
 namespace enamel::viewer {
 namespace {
 
-// Maps the unit rod (along y from 0 to 1, radius 1) between two points.
+// Map the unit rod (along y from 0 to 1, radius 1) to two points.
 void between(vtkMatrix4x4* matrix, const Vec3& from, const Vec3& to, double radius) {
   const Vec3 along = kMillimetres * (to - from);
   const double length = std::max(along.norm(), 1e-6);
@@ -31,11 +31,11 @@ void between(vtkMatrix4x4* matrix, const Vec3& from, const Vec3& to, double radi
   }
 }
 
-// How much is seen of what stands between `a` and `b` and is `radius` (mm) thick.
+// Return the opacity of a part between `a` and `b` that is `radius` (mm) thick.
 double opacityBefore(const Vec3& eye, const Vec3& point, const Vec3& a, const Vec3& b, double radius) {
   constexpr double before = 0.012, margin = 3.0, faded = 0.18;  // m, mm
   const Vec3 end = point + before * (eye - point).normalized(), sight = end - eye, along = b - a, between = eye - a;
-  // Nearest points of two stretches (Ericson 2005, 5.1.9), one of which may be a point.
+  // Nearest points of two segments (Ericson 2005, 5.1.9); one may be a point.
   const double ss = sight.squaredNorm(), aa = along.squaredNorm(), sa = sight.dot(along), as = along.dot(between);
   const double det = ss * aa - sa * sa;
   double s = det > 1e-12 * ss * aa ? std::clamp((sa * as - sight.dot(between) * aa) / det, 0.0, 1.0) : 0.0;
@@ -71,7 +71,7 @@ vtkSmartPointer<vtkActor> addActor(vtkRenderer* renderer, vtkAlgorithmOutput* so
   vtkSmartPointer<vtkActor> actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
   setFinish(actor->GetProperty(), finish);
-  actor->SetForceOpaque(finish.opacity < 1.0);  // drawLast()
+  actor->SetForceOpaque(finish.opacity < 1.0);  // see drawLast()
   renderer->AddActor(actor);
   return actor;
 }

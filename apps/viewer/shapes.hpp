@@ -1,4 +1,4 @@
-// Solids that move in the scene, in mm of W.
+// Moving bodies of the scene, in mm of W.
 #pragma once
 
 #include <vtkActor.h>
@@ -15,7 +15,7 @@
 
 namespace enamel::viewer {
 
-/// How a solid looks.
+/// Appearance of a body.
 struct Finish {
   unsigned colour;
   double opacity = 1.0;
@@ -28,14 +28,15 @@ vtkSmartPointer<vtkActor> addActor(vtkRenderer* renderer, vtkAlgorithmOutput* so
 
 vtkSmartPointer<vtkActor> addData(vtkRenderer* renderer, vtkPolyData* data, const Finish& finish);
 
-/// A rod of radius `radius` (mm) between two points that place() sets, m; a cone where `sharp` (its apex at the first).
+/// A rod of radius `radius` (mm) between two points that place() sets, m; if `sharp`, a cone with its apex at the
+/// first.
 class Rod {
  public:
   Rod(vtkRenderer* renderer, double radius, const Finish& finish, bool sharp = false);
-  void place(const Vec3& from, const Vec3& to, double thickness = 1.0);  ///< times its radius
+  void place(const Vec3& from, const Vec3& to, double thickness = 1.0);  ///< thickness: factor of the radius
   void show(bool visible);
-  /// Shines through where it is within 3 mm of the line of sight from `eye` to just before `point`, m. True where it
-  /// begins to, or ends.
+  /// Make the rod transparent if it is within 3 mm of the line of sight from `eye` to just before `point`, m. Return
+  /// true if the transparency begins or ends.
   bool fadeBefore(const Vec3& eye, const Vec3& point);
   vtkActor* actor() const { return actor_; }
 
@@ -45,13 +46,13 @@ class Rod {
   Vec3 from_ = Vec3::Zero(), to_ = Vec3::Zero();
 };
 
-/// A ball of radius `radius` (mm).
+/// A sphere of radius `radius` (mm).
 class Ball {
  public:
   Ball(vtkRenderer* renderer, double radius, const Finish& finish);
-  void place(const Vec3& centre, double growth = 1.0);  ///< times its radius
+  void place(const Vec3& centre, double growth = 1.0);  ///< growth: factor of the radius
   void show(bool visible) { actor_->SetVisibility(visible); }
-  bool fadeBefore(const Vec3& eye, const Vec3& point);  ///< as a Rod
+  bool fadeBefore(const Vec3& eye, const Vec3& point);  ///< as Rod::fadeBefore()
   vtkActor* actor() const { return actor_; }
 
  private:
@@ -72,11 +73,11 @@ class CapsuleSolid {
   Ball from_, to_;
 };
 
-/// Draws what shines through after all else of its renderer: it is blended with what is there. VTK's own pass, which
-/// draws translucent things in any order into buffers of their own, is slow in software.
+/// Draw an actor after all others of its renderer, so that it is blended with them. VTK's own pass, which draws
+/// translucent objects in any order into separate buffers, is slow in software.
 void drawLast(vtkRenderer* renderer, vtkActor* actor);
 
-/// A light at (x, y, z) in the camera's frame, where the camera is at (0, 0, 1) and looks at the origin.
+/// Add a light at (x, y, z) in the camera's frame: the camera is at (0, 0, 1) and looks at the origin.
 void addLight(vtkRenderer* renderer, double x, double y, double z, double intensity);
 
 }  // namespace enamel::viewer

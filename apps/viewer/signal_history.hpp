@@ -10,15 +10,15 @@ namespace enamel::viewer {
 template <std::size_t Signals>
 class SignalHistory {
  public:
-  static constexpr int kBins = 250;  ///< that are complete
+  static constexpr int kBins = 250;  ///< complete bins
   static constexpr int kBinTicks = 12;
 
   struct Range {
     float low = 0.0f, high = 0.0f;
-    bool lowFirst = true;  ///< in time
+    bool lowFirst = true;  ///< the lowest value came first
   };
 
-  /// Values of one tick. A NaN that begins a bin stays.
+  /// Add the values of one tick. If the first value of a bin is NaN, the bin is NaN.
   void add(const std::array<float, Signals>& values) {
     if (bins_[current_].count == kBinTicks) {
       current_ = (current_ + 1) % bins_.size();
@@ -40,7 +40,7 @@ class SignalHistory {
 
   void clear() { *this = SignalHistory(); }
 
-  /// Of a complete bin, 0 (oldest) to kBins - 1.
+  /// Return the range of a complete bin, 0 (oldest) to kBins - 1.
   const Range& range(std::size_t signal, int bin) const {
     return bins_[(current_ + 1 + static_cast<std::size_t>(bin)) % bins_.size()].ranges[signal];
   }
@@ -51,7 +51,7 @@ class SignalHistory {
     int count = kBinTicks;
   };
 
-  std::array<Bin, kBins + 1> bins_{};  // a ring; the current one is still filling
+  std::array<Bin, kBins + 1> bins_{};  // a ring; the current bin is incomplete
   std::size_t current_ = 0;
 };
 

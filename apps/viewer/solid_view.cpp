@@ -13,8 +13,8 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr int kGroup = 4;                       // bricks along an edge
-constexpr Finish kFinish{0xFFFFFF, 1.0, 0.25};  // under the layers' colours
+constexpr int kGroup = 4;                       // bricks along an edge of a group
+constexpr Finish kFinish{0xFFFFFF, 1.0, 0.25};  // below the layers' colours
 
 Vec3 colourOf(int layer) { return rgbOf(layerColour(layer)); }
 
@@ -59,7 +59,7 @@ SolidView::SolidView(vtkRenderer* renderer, const SolidCopy& solid, const Pose& 
 void SolidView::change(int brick) {
   Group& group = groupOf(brick);
   group.isChanged = true;
-  if (!std::exchange(group.isCut, true))  // neighbours fit to the step of its bricks
+  if (!std::exchange(group.isCut, true))  // neighbours adapt to the finer step of its bricks
     for (const int one : group.bricks)
       forEachNeighbour(*solid_.uncut, one, [&](int, int other) { groupOf(other).isChanged |= groupOf(other).isCut; });
   isSectionChanged_ = true;
@@ -117,7 +117,7 @@ float SolidView::at(const Vec3& p) const {
   return across(0) + t[2] * (across(back) - across(0));
 }
 
-// The material in the plane by squares of a cell's size, each cut where the field is 0.
+// Build the section in the plane from squares of a cell's size, each clipped where the field is 0.
 void SolidView::buildSection() {
   isSectionChanged_ = false;
   for (const auto& actor : section_) renderer_->RemoveActor(actor);
@@ -138,7 +138,7 @@ void SolidView::buildSection() {
   Polygons polygons(side * side / 2);
   std::vector<vtkIdType> corners(field.size(), -1), polygon;
   std::vector<std::array<Vec3, 2>> outline;
-  const auto append = [&](const Vec3& p) {  // borders of layers, which are known by cells, smoothed over three
+  const auto append = [&](const Vec3& p) {  // layers are known per cell: smooth their borders over three cells
     Vec3 sum = Vec3::Zero();
     for (int i = 0; i < 27; ++i)
       sum += colourOf(uncut.layerAt(inSolid(p) + step * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));

@@ -1,4 +1,4 @@
-// A solid as VTK draws it: its surface in groups of bricks, coloured by layer, and cut open along a plane.
+// Draws a solid with VTK: its surface in groups of bricks, coloured by layer, and cut open along a plane.
 #pragma once
 
 #include <vtkActor.h>
@@ -17,42 +17,42 @@
 
 namespace enamel::viewer {
 
-/// What the drawing thread has of a solid: never the one that is cut.
+/// The drawing thread's copy of a solid; the haptic thread cuts the original.
 struct SolidCopy {
   std::shared_ptr<const Solid> uncut;
-  std::vector<BrickSamples> samples;  ///< by brick, as they are now
+  std::vector<BrickSamples> samples;  ///< present samples by brick
 };
 SolidCopy copyOf(const Solid& solid);
 
-/// A plane in W that a solid is cut open along: what lies before it, where its normal points to, is not shown.
+/// A plane in W that cuts a solid open: the part in front of it, where its normal points, is not shown.
 struct CutPlane {
   Vec3 point, normal;
 };
 
 class SolidView {
  public:
-  /// Refers to `solid`, whose frame is at `pose` in W; shows what lies behind a plane, if any. What is in one of the
-  /// opaque bodies that begin at `hidden` planes is never seen. `scale`: of lines.
+  /// Refer to `solid`, which must outlive the view. `pose`: of its frame in W. If `plane` is set, only the part behind
+  /// it is shown. `hidden`: surfaces of opaque bodies; parts inside them are never shown. `scale`: of lines.
   SolidView(vtkRenderer* renderer, const SolidCopy& solid, const Pose& pose, const std::optional<CutPlane>& plane,
             const std::vector<CutPlane>& hidden, float scale);
   SolidView(const SolidView&) = delete;
   SolidView& operator=(const SolidView&) = delete;
 
-  /// The samples of this brick are others now.
+  /// Mark a brick whose samples have changed.
   void change(int brick);
-  /// Builds again what has changed.
+  /// Rebuild changed parts.
   void update();
 
  private:
   struct Group {
     std::vector<int> bricks;
     bool isChanged = true;
-    bool isCut = false;               // before, it is smooth: every second sample will do
-    vtkSmartPointer<vtkActor> actor;  // or none
+    bool isCut = false;               // before, its surface is smooth, and half the resolution suffices
+    vtkSmartPointer<vtkActor> actor;  // may be null
   };
 
   Group& groupOf(int brick) { return groups_[static_cast<std::size_t>(groupOf_[static_cast<std::size_t>(brick)])]; }
-  float at(const Vec3& p) const;  // of the field, cells
+  float at(const Vec3& p) const;  // value of the field, cells
   void build(Group& group);
   void buildSection();
 

@@ -65,7 +65,7 @@ const char* SoundOutput::play() noexcept {
       queue(buffer);
     }
     alGetSourcei(source, AL_SOURCE_STATE, &state);
-    if (state != AL_PLAYING) alSourcePlay(source);  // at first, and where this thread came too late
+    if (state != AL_PLAYING) alSourcePlay(source);  // at the start, and after an underrun
     ALCint connected = ALC_TRUE;
     if (tells) alcGetIntegerv(device.get(), ALC_CONNECTED, 1, &connected);
     if (connected == ALC_FALSE) trouble = "the audio device is gone";

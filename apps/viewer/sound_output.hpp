@@ -1,4 +1,4 @@
-// Plays the sound of a bur on the default audio device (OpenAL), from a thread of its own.
+// Plays the sound of a bur on the default audio device (OpenAL) from its own thread.
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 
 namespace enamel::viewer {
 
-/// From construction to destruction. Where there is no device, or it goes away, nothing is heard and nothing else
-/// happens. One at a time.
+/// Plays from construction to destruction. If the device is missing or disappears, nothing is heard, and nothing else
+/// changes. Only one instance at a time.
 class SoundOutput {
  public:
   SoundOutput();
@@ -18,9 +18,9 @@ class SoundOutput {
   SoundOutput(const SoundOutput&) = delete;
   SoundOutput& operator=(const SoundOutput&) = delete;
 
-  /// What is heard from now on: some 50 ms later. Of one thread.
+  /// Set the load for the sound, which changes about 50 ms later. Call it from one thread only.
   void set(const BurLoad& load) noexcept;
-  /// Why nothing is heard, or nullptr.
+  /// Return the reason why nothing is heard, or nullptr.
   const char* trouble() const noexcept { return trouble_.load(std::memory_order_relaxed); }
 
  private:

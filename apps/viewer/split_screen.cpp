@@ -1,4 +1,4 @@
-// The split screen: two tools under one hand, what compares them, and the tour.
+// The split screen: two tools under one hand, their comparison, and the tour.
 #include <imgui.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace enamel::viewer {
 
 namespace {
 
-// Two axes from 0 on, and what stands at a value on each. The vertical one begins at `low`, at most 0.
+// Two axes: the horizontal one begins at 0, the vertical one at `low`, at most 0.
 struct Plot {
   Rect area;
   double low, right, top;
@@ -23,13 +23,13 @@ struct Plot {
   }
 };
 
-// The smallest of 1, 2, 5 times a power of ten of which five reach so far.
+// Return the smallest 1, 2 or 5 times a power of ten that reaches `far` in five steps.
 double stepFor(double far) {
   const double raw = 0.2 * far, power = std::pow(10.0, std::floor(std::log10(raw)));
   return power * (raw <= power ? 1.0 : raw <= 2.0 * power ? 2.0 : raw <= 5.0 * power ? 5.0 : 10.0);
 }
 
-// The first step's end at or beyond a value.
+// Return the first multiple of a step that is not below a value.
 double endFor(double value, double least) {
   const double far = std::max(1.04 * value, least), step = stepFor(far);
   return step * std::ceil(far / step - 1e-9);
@@ -48,7 +48,7 @@ void drawAxes(const Plot& plot, const char* name, const Brush& brush) {
 }
 
 void drawLine(const std::vector<ImVec2>& points, unsigned rgb, const Brush& brush) {
-  for (std::size_t i = 1; i < points.size(); ++i)  // a polyline loses turns by half a circle
+  for (std::size_t i = 1; i < points.size(); ++i)  // single lines: a polyline fails at turns by 180 degrees
     brush.list->AddLine(points[i - 1], points[i], ink(rgb), 1.8f * brush.s);
 }
 
@@ -106,7 +106,7 @@ std::string timesText(const Comparison::Ratio& ratio) {
          format(ratio.times >= 9.95 ? "%.0f\u00d7" : "%.1f\u00d7", std::min(ratio.times, 9999.0));
 }
 
-// How many times as deep the one went as the other.
+// Draw the ratio of the two depths.
 void drawRatio(const Rect& area, const OverlayInput& input, const Brush& brush) {
   const float s = brush.s, x = area.x;
   const Comparison& both = input.comparison;
@@ -148,7 +148,7 @@ void drawRatio(const Rect& area, const OverlayInput& input, const Brush& brush) 
              format("perceived: %s and %s", result(*tests[0]).c_str(), result(*tests[1]).c_str()));
 }
 
-// Of a pane: where the tool is, and the motors' force on it as delivered.
+// Draw the position of a pane's tool, and the motors' force on it as delivered.
 void drawForces(const Rect& inset, const Frame& frame, const Brush& brush) {
   const float s = brush.s, x = inset.x + 10 * s, wall = inset.y + kWallShare * inset.height;
   const Delivered force = deliveredOf(frame.record);
@@ -162,14 +162,14 @@ void drawForces(const Rect& inset, const Frame& frame, const Brush& brush) {
   float y = inset.y + 28 * s;
   const float right = x + std::min(134 * s, 0.5f * inset.width - 50 * s);
   for (const auto& [name, value] : rows) {
-    if (y + 15 * s > wall) break;  // as many as stand above the wall
+    if (y + 15 * s > wall) break;  // as many rows as fit above the wall
     brush.text(gFonts.small, x, y, kMuted, name);
     brush.textRight(gFonts.small, right, y, kInk, value);
     y += 17 * s;
   }
 }
 
-// Below the panes: depths, curves and their ratio.
+// Draw the comparison below the panes: depths, curves and ratio.
 void drawComparison(const Layout& layout, const OverlayInput& input, const Brush& brush) {
   const float s = layout.scale;
   const Rect& a = layout.compare;
@@ -179,7 +179,7 @@ void drawComparison(const Layout& layout, const OverlayInput& input, const Brush
   brush.list->AddLine({a.x, a.y}, {a.x + a.width, a.y}, ink(kCubeLine), 2 * s);
   const float ratio = std::min(250 * s, 0.4f * a.width), top = a.y + 34 * s, high = a.height - 34 * s - 26 * s;
   const float plots = a.width - ratio - 14 * s;
-  const float share = plots >= 480 * s ? 0.5f : 1.0f;  // else one plot
+  const float share = plots >= 480 * s ? 0.5f : 1.0f;  // without room: one plot only
   drawDepths({a.x + 48 * s, top, share * plots - 74 * s, high}, input.comparison, brush);
   if (share < 1.0f)
     drawCurves({a.x + share * plots + 48 * s, top, share * plots - 80 * s, high}, input.comparison, brush);
@@ -188,7 +188,7 @@ void drawComparison(const Layout& layout, const OverlayInput& input, const Brush
 
 }  // namespace
 
-// What the tour says, and how far it is: between the tools, above the magnifications' scales.
+// Draw the text and the progress of the tour between the tools, above the scale bars of the insets.
 void drawTour(const Layout& layout, double time, const Brush& brush) {
   const float s = layout.scale, whole = 2 * layout.scene.width, pad = 14 * s, high = 76 * s;
   const std::size_t part = Tour::part(time);

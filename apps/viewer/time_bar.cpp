@@ -1,4 +1,4 @@
-// The bar of a recording: its time, contacts and acts of the guard.
+// The time bar of a recording, with its contacts and the guard's actions.
 #include <imgui.h>
 
 #include <algorithm>
@@ -20,8 +20,8 @@ void drawTimeBar(const Layout& layout, const OverlayInput& input, const Brush& b
   brush.list->AddRectFilled({layout.scene.x, bar.y}, {layout.scene.x + layout.scene.width, bar.y + bar.height},
                             ink(kPaper));
   brush.list->AddRectFilled({bar.x, top}, {bar.x + bar.width, bottom}, ink(kLine));
-  // Never thinner than a line, at most one a pixel: an hour has 28000 chunks.
-  float contacts = -1.0f, gaps = -1.0f, acts = -1.0f;  // where the last marks end
+  // Draw marks at least as wide as a line, and at most one per pixel: an hour has 28000 chunks.
+  float contacts = -1.0f, gaps = -1.0f, acts = -1.0f;  // ends of the last marks
   const auto mark = [&](float& drawn, std::uint64_t from, std::uint64_t to, float up, unsigned colour) {
     const float end = std::max(place(to), place(from) + 1.5f * s);
     if (end < drawn + 1.0f) return;

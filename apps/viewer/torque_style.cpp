@@ -12,7 +12,7 @@ TorqueStyle::TorqueStyle(const Mechanism& mechanism) : joints(mechanism.joints()
   int chains = 0;
   for (const Bar& bar : bars) chains = std::max(chains, bar.chain + 1);
   perChain = chains > 0 && joints % chains == 0 && joints <= 2 * chains ? joints / chains : 0;
-  // Joints without chains are axes, some of which may turn.
+  // Joints without chains are axes; some of them may be rotary.
   shares = chains == 0 || (limits.array() != limits[0]).any();
   limit = shares ? 100.0 : limits[0];
   factor = shares ? JointVector(100.0 * limits.cwiseInverse()) : JointVector::Ones(joints);

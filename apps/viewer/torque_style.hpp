@@ -1,19 +1,19 @@
-// How the torques of a mechanism's joints are charted.
+// Style of the chart of joint torques.
 #pragma once
 
 #include "enamel/device/mechanism.hpp"
 
 namespace enamel::viewer {
 
-/// Units, colours and strokes of the torques, joint by joint.
+/// Units, colours and strokes of the torques by joint.
 struct TorqueStyle {
   explicit TorqueStyle(const Mechanism& mechanism);
 
   int joints;
-  int perChain;        ///< joints of a chain, which share a colour; 0: every joint for itself
-  bool shares;         ///< in % of each joint's own limit: where the limits, or maybe their units, differ; else N m
-  double limit;        ///< 100 %, or N m
-  JointVector factor;  ///< of a torque, to what is shown
+  int perChain;        ///< joints of a chain, which share a colour; 0: each joint has its own
+  bool shares;         ///< in % of each joint's own limit if the limits or possibly the units differ; otherwise in N m
+  double limit;        ///< in % or N m
+  JointVector factor;  ///< from a torque to the shown value
 
   unsigned colourOf(int joint) const;
   bool dashed(int joint) const;

@@ -9,9 +9,9 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr double kSlide = 0.010;  // m, to either side
+constexpr double kSlide = 0.010;  // m, to each side
 
-// Where the hand is between start and pressed, and along the wall, both as shares.
+// Position of the hand between start (0) and pressed (1), and along the wall (-1 to 1).
 struct Keyframe {
   double time;  // s
   double pressed, along;
@@ -21,7 +21,7 @@ constexpr Keyframe kKeyframes[] = {
     {7.0, 1.0, 0.0},  {9.0, 1.0, 1.0},  {12.0, 1.0, -1.0}, {13.5, 1.0, 0.0}, {15.0, 1.0, 0.0}, {15.1, 0.0, 0.0},
     {17.0, 0.0, 0.0}, {18.0, 1.0, 0.0}, {18.5, 1.0, 0.0},  {18.6, 0.0, 0.0}, {20.0, 0.0, 0.0},
 };
-constexpr double kEnds[] = {7.0, 14.0, Tour::kLength};  // of the parts, s
+constexpr double kEnds[] = {7.0, 14.0, Tour::kLength};  // ends of the parts, s
 constexpr Tour::Words kWords[] = {
     {"Push", "One hand presses both tools. A stiff wall does not give way."},
     {"Slide", "Still pressed, the hand drags both tools along the wall."},
@@ -34,7 +34,7 @@ static_assert(std::size(kEnds) == Tour::kParts && std::size(kWords) == Tour::kPa
 Tour::Tour(const Vec3& start, const Contact& nearest, const Grip& grip) noexcept : start_(start) {
   const Vec3& n = nearest.normal;
   const Vec3 stiffness = stiffnessOf(grip);
-  // The target that gives the force along the normal with the TCP where its tool touches.
+  // Target with which the springs give the force along the normal when the tool touches the wall.
   pressed_ = start - nearest.gap * n - kForce * n.cwiseQuotient(stiffness);
   const Vec3 sideways = Vec3(1.0, 0.0, 0.0) - n.x() * n;
   along_ = kSlide * (sideways.norm() > 0.1 ? Vec3(sideways.normalized()) : Vec3(0.0, 1.0, 0.0));

@@ -1,4 +1,4 @@
-// The tour of the split screen: what the hand does for 20 s, and what is said meanwhile. Knows no window.
+// The tour of the split screen: motions of the hand for 20 s, with texts. Independent of any window.
 #pragma once
 
 #include <cstddef>
@@ -9,21 +9,20 @@
 
 namespace enamel::viewer {
 
-/// The hand pushes into the nearest wall, slides along it and lets go, and is where it began at the end.
+/// The hand pushes into the nearest wall, slides along it, releases it, and ends where it began.
 class Tour {
  public:
   static constexpr double kLength = 20.0;  ///< s
   static constexpr std::size_t kParts = 3;
-  static constexpr double kForce =
-      12.0;  ///< with which it presses, of its springs against a wall that does not give way, N
+  static constexpr double kForce = 12.0;  ///< force of its springs against a rigid wall, N
 
-  /// `start`: of the TCP, m. `nearest`: its contact there, near or far. `grip`: of the hand.
+  /// `start`: of the TCP, m. `nearest`: nearest contact at that pose, at any distance. `grip`: of the hand.
   Tour(const Vec3& start, const Contact& nearest, const Grip& grip) noexcept;
 
-  /// The hand's target so long after the beginning, m; `time` in s, at the ends where it is outside.
+  /// Return the hand's target, m. `time`: s since the beginning; times outside the tour give its ends.
   Vec3 hand(double time) const noexcept;
 
-  /// Which part it is then, 0 to kParts - 1.
+  /// Return the part of the tour at that time, 0 to kParts - 1.
   static std::size_t part(double time) noexcept;
   struct Words {
     const char* title;
@@ -35,20 +34,20 @@ class Tour {
   Vec3 start_, pressed_, along_;
 };
 
-/// What moves the hand when no person does: a tour, or a script along a line. Times in s, of one clock.
+/// Moves the hand in place of a person: a tour, or a line of a script. Times in s of one clock.
 class HandMotion {
  public:
   void startTour(const Tour& tour, double now);
   void endTour() { tour_.reset(); }
   bool isTouring() const { return tour_.has_value(); }
-  /// Since the tour began; negative: no tour.
+  /// Return the time since the tour began; negative: no tour.
   double tourTime(double now) const { return tour_ ? now - begin_ : -1.0; }
 
-  /// Along a line, mm, for so many seconds.
+  /// Start a motion along a line, mm, that lasts `seconds`.
   void startLine(const Vec3& from, const Vec3& to, double seconds, double now);
   void endLine() { line_.reset(); }
 
-  /// Where the hand is at `now`, m, or nothing. A line ends here.
+  /// Return the hand's target at `now`, m, or nothing. The end of a line ends its motion.
   std::optional<Vec3> target(double now);
 
  private:
@@ -62,8 +61,9 @@ class HandMotion {
   double begin_ = 0.0;
 };
 
-/// Whether the program was never started before by this user; from now on it was. A file in $XDG_STATE_HOME (or
-/// ~/.local/state) remembers it: where none can be written, no start is the first.
+/// Return whether this user starts the program for the first time, and remember the start. A file in $XDG_STATE_HOME
+/// (or
+/// /.local/state) remembers it: if the file cannot be written, no start counts as the first.
 bool isFirstStart();
 
 }  // namespace enamel::viewer

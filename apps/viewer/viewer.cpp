@@ -17,7 +17,7 @@
 namespace enamel::viewer {
 namespace {
 
-constexpr double kNotice = 3.0, kNoticeByte = 0.03;  // s, and for each letter
+constexpr double kNotice = 3.0, kNoticeByte = 0.03;  // s, and per letter
 constexpr std::size_t kTrail = 150;                  // ticks
 
 const std::string& existing(const std::string& file) {
@@ -44,7 +44,7 @@ ServoedDevice deviceOf(const Player* player, const Options& options) {
   return device;
 }
 
-// Before anything cuts them.
+// Copy the solids before any cut.
 std::vector<SolidCopy> copiesOf(const SceneFile& scene) {
   std::vector<SolidCopy> copies;
   for (const auto& solid : scene.solids) copies.push_back(solid ? copyOf(*solid) : SolidCopy());
@@ -59,7 +59,7 @@ std::unique_ptr<Runner> firstRunner(const ServoedDevice& device, const SceneFile
       std::make_unique<Experiment>(device, Settings{}, scene, start, handAt(scene.start, kFirmGrip), slot, drilled));
 }
 
-// What a recording says of what it is of.
+// Describe the experiment in a recording's header.
 RecordingHeader headerOf(const ServoedDevice& device, const std::string& scenePath, const SceneFile& scene,
                          const Pose& start, RendererSlot slot) {
   RecordingHeader header;
@@ -127,7 +127,7 @@ void Viewer::notify(const std::string& text) {
   noticeEnd_ = now_ + kNotice + kNoticeByte * static_cast<double>(text.size());
 }
 
-// A replaced experiment begins at rest where the tool is.
+// Replace the experiment; the new one begins at rest at the tool's present pose.
 void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests, const std::string& record) {
   try {
     plant_ = makeMechanism(changed(device_.parameters, overlay_.settings));
@@ -136,7 +136,7 @@ void Viewer::rebuild(const Pose& start, const Hand& hand, bool keepTests, const 
     };
     auto left = make(renderers_.selected, drilledSolids_), right = split_ ? make(renderers_.right, nullptr) : nullptr;
     if (keepTests) {
-      // What is known of the renderers, that of the right one from its own side.
+      // Results of all renderers; the right renderer's come from its own side.
       auto tests = left_.frame.tests;
       const std::size_t slot = indexOf(right_.frame.selected);
       if (const TestPush& test = right_.frame.tests[slot]; test.made) tests[slot] = test;
@@ -162,7 +162,7 @@ void Viewer::startAgain(bool keepTests) {
   rebuild(start, handAt(scene_.start, overlay_.grip), keepTests);
 }
 
-// False, with a word of why: it stays as it was.
+// Load a scene. On failure, notify the person and keep the present scene.
 bool Viewer::loadScene(const std::string& path) {
   try {
     scene_ = isScan(path) ? sceneOfScan(path) : enamel::loadScene(path);
@@ -207,7 +207,7 @@ void Viewer::takeRun() {
   }
 }
 
-// What was cut, as one sees and hears it.
+// Take the cut bricks for picture and sound.
 void Viewer::takeSolids() {
   for (std::size_t i = 0; i < solids_.size(); ++i) {
     if (!solids_[i].uncut) continue;
@@ -229,7 +229,7 @@ void Viewer::takeRecording(double passed) {
   player_->advance(passed);
   left_.frame = player_->frame();
   simulated_ = player_->seconds();
-  // Bins begin at the same ticks at every place, or their smallest and largest values would flicker.
+  // Align bins to the same ticks for every position: otherwise their extremes would flicker.
   constexpr int bin = Charts::History::kBinTicks, shown = Charts::History::kBins * bin;
   const auto now = static_cast<std::int64_t>(player_->position()), from = now / bin * bin - shown / 2;
   const std::vector<Sample> samples = player_->samples(from, shown + 1);  // one more completes the last bin
@@ -241,7 +241,7 @@ void Viewer::takeRecording(double passed) {
       trail_.push_back(position);
 }
 
-// What the overlay's buttons have asked for.
+// Perform the requests of the overlay.
 void Viewer::takeRequests() {
   OverlayRequests& asked = overlay_.asked;
   if (std::exchange(asked.settings, false)) rebuild(left_.frame.record.pose, left_.frame.hand, true);
@@ -260,12 +260,12 @@ void Viewer::fillShown(Pane& pane) const {
   if (plant_->reach(frame.record.pose, Vec6::Zero(), true, pane.kinematics) == Status::ok)
     shown.bars = plant_->bars(pane.kinematics.pose);
   shown.pose = pane.kinematics.pose;
-  if (!player_) shown.hand = frame.hand.position;  // which no recording knows
+  if (!player_) shown.hand = frame.hand.position;  // a recording does not contain it
   shown.force = frame.record.rendered.head<3>();
   shown.touching.clear();
   for (int i = 0; i < frame.contacts.count; ++i) {
     const bool held = i == 0 && frame.record.mode == RenderMode::contact;
-    if (frame.drilled.spins) break;  // they would hide the work
+    if (frame.drilled.spins) break;  // contacts would hide the drilled place
     if (held || frame.contacts.contacts[i].gap <= 0.0) shown.touching.push_back(frame.contacts.contacts[i]);
   }
   shown.ghost.reset();
@@ -331,7 +331,7 @@ void Viewer::drawPane(Pane& pane, double aspect) {
   shown.distance = camera.distance;
   shown.eye = metres(camera.eye());
   shown.watched = pane.frame.record.nearest.point;
-  if (split_) shown.ghost.reset();  // there, blue is the left tool's
+  if (split_) shown.ghost.reset();  // there, blue is the left tool's colour
   pane.view->update(shown);
   pane.view->look(camera, aspect);
 }

@@ -24,13 +24,13 @@
 
 namespace enamel::viewer {
 
-/// Everything but the loop that drives it: see run.hpp.
+/// The viewer without the loop that drives it: see run.hpp.
 class Viewer final : public InputTarget {
  public:
-  /// Loads scene and device, designs the servo, builds the picture; or opens the recording. Throws Error.
+  /// Load scene and device, design the servo and build the picture, or open the recording. Throws Error.
   Viewer(const Options& options, Surface& surface);
 
-  Runner* runner() { return runner_.get(); }  ///< nullptr: a recording is played
+  Runner* runner() { return runner_.get(); }  ///< nullptr if a recording is played
   Canvas& canvas() { return canvas_; }
   const Frame& frame() const { return left_.frame; }
   Camera& camera() override { return camera_.camera(); }
@@ -39,13 +39,13 @@ class Viewer final : public InputTarget {
   glm::dvec3 normal() const override;
   bool wantsToEnd() const { return end_; }
   bool fullScreen() const { return fullScreen_; }
-  /// A clip is wanted; the loop that drives the viewer makes it, and says since when.
+  /// Return whether a clip is requested. The loop that drives the viewer makes it and reports its start time.
   bool wantsClip() const { return wantsClip_; }
   void endClip() { wantsClip_ = false; }
   void showClip(double seconds) { clip_ = seconds; }
-  /// Ends a recording that is under way: what came of it, in a sentence; or nothing.
+  /// End a running recording. Return its result as a sentence, or an empty text.
   std::string endRecording();
-  /// A word for a while.
+  /// Show a notice for a while.
   void notify(const std::string& text);
   const DisplayHistory& history() const { return history_; }
   const std::vector<std::string>& sceneNames() const { return scenes_.names(); }
@@ -54,7 +54,7 @@ class Viewer final : public InputTarget {
   bool isTouring() const { return motion_.isTouring(); }
   bool canTour() const;
   const std::vector<std::string>& rendererNames() const { return rendererNames_; }
-  /// Names of pictures that were asked for since the last call; an empty name stands for the next free one.
+  /// Return the names of pictures requested since the last call; an empty name means the next free one.
   std::vector<std::string> takePictures();
 
   void act(Action action) override;
@@ -62,42 +62,42 @@ class Viewer final : public InputTarget {
   void pressBy(double newtons) override;
   void spin(bool on) override;
   void seek(double share) override;
-  /// Files dropped on the window: the first scene or scan among them is shown and joins the list of scenes.
+  /// Handle files dropped on the window: show the first scene or scan among them, and add it to the list of scenes.
   void drop(const std::vector<std::string>& paths) override;
-  /// One step of a script, at `now`, s.
+  /// Perform one step of a script at `now`, s.
   void follow(const ScriptStep& step, double now);
 
-  /// Takes what the haptic side has sent and prepares the next picture; `now` in s.
+  /// Take the data of the haptic side and prepare the next picture; `now`: s.
   void update(double now, const TimingNumbers& timing);
-  /// Draws it; a `picture` to be read has smooth edges.
+  /// Draw the prepared picture; `picture`: antialiased for reading it back.
   void draw(bool picture);
 
  private:
-  // A tool in its pane: of the whole scene, or of the split screen.
+  // A tool in its pane: the whole scene, or a side of the split screen.
   struct Pane {
     Frame frame;
     Kinematics kinematics;  // of the plant, with inertia
     SceneState shown;
-    std::optional<SceneView> view;  // of the right one: since the first split screen
+    std::optional<SceneView> view;  // right pane: exists since the first split screen
   };
 
-  // Which renderers are chosen.
+  // Selected renderers.
   struct Choice {
     explicit Choice(RendererSlot first)
         : begin(first),
           selected(first),
           before(first == RendererSlot::impedance ? RendererSlot::positionControl : RendererSlot::impedance),
           right(before) {}
-    RendererSlot begin;             // with which the person began
+    RendererSlot begin;             // renderer at the start
     RendererSlot selected, before;  // for Tab
-    RendererSlot right;             // of the split screen's right tool
+    RendererSlot right;             // of the right tool in the split screen
   };
 
-  // Of the ticks of one experiment, with which it ends.
+  // A recording of one experiment; it ends with the experiment.
   struct Recording {
-    std::shared_ptr<Recorder> recorder;  // that the experiment feeds, or nullptr
+    std::shared_ptr<Recorder> recorder;  // recorder of the experiment, or nullptr
     std::string path;
-    double begin = 0.0;  // of simulated_, s
+    double begin = 0.0;  // in time of simulated_, s
   };
 
   // viewer_actions.cpp
@@ -136,15 +136,15 @@ class Viewer final : public InputTarget {
 
   bool isHeadless_;
   Surface& surface_;
-  std::unique_ptr<Player> player_;  // or nullptr
+  std::unique_ptr<Player> player_;  // may be nullptr
   ServoedDevice device_;
   std::vector<std::string> rendererNames_;
   std::shared_ptr<const Mechanism> plant_;  // with the person's changes
   TorqueStyle torques_;
   std::string folder_;     // for recordings
-  std::string scenePath_;  // of what is shown
+  std::string scenePath_;  // of the shown scene
   SceneFile scene_;
-  SceneList scenes_;  // the shipped ones, and the person's own
+  SceneList scenes_;  // shipped scenes and the person's own
   OverlayState overlay_;
   Choice renderers_;
   std::shared_ptr<DrilledSolids> drilledSolids_;
@@ -152,7 +152,7 @@ class Viewer final : public InputTarget {
   std::optional<CutPlane> plane_;
   bool spins_ = false;
   BurView bur_;
-  std::unique_ptr<Runner> runner_;  // where there is no player
+  std::unique_ptr<Runner> runner_;  // null if there is a player
   Recording recording_;
   Canvas canvas_;
   Pane left_, right_;

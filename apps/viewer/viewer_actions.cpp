@@ -1,4 +1,4 @@
-// What a person or a script makes the viewer do.
+// Actions of a person or a script in the viewer.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -11,14 +11,14 @@
 namespace enamel::viewer {
 namespace {
 
-// That end a tour, and then do what they do.
+// Return whether an action ends a tour before it is performed.
 bool endsTour(Action action) {
   constexpr Action actions[] = {Action::swapRenderers, Action::split, Action::testPush, Action::grip,
                                 Action::home,          Action::reset, Action::nextScene};
   return std::find(std::begin(actions), std::end(actions), action) != std::end(actions);
 }
 
-// The next one of a run's factors.
+// Return the next factor of slow motion.
 int nextSlowdown(int factor, bool slower) {
   constexpr int factors[] = {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000};
   int next = factor;
@@ -80,7 +80,7 @@ bool Viewer::actOnRecording(Action action) {
   }
 }
 
-// What concerns renderers, hand, bur and scene; false: it is another action.
+// Perform actions of renderers, hand, bur and scene. Return false for all other actions.
 bool Viewer::actOnTool(Action action) {
   switch (action) {
     case Action::swapRenderers:
@@ -162,7 +162,7 @@ void Viewer::actOnView(Action action) {
       overlay_.help = false;
       break;
     case Action::quit: end_ = true; break;
-    default: break;  // of recordings
+    default: break;  // for recordings only
   }
 }
 
@@ -181,7 +181,7 @@ void Viewer::selectRight(RendererSlot slot) {
   send(RunnerCommand::Kind::selectRight, static_cast<int>(slot));
 }
 
-// Both tools begin where the one is; the left one goes on alone.
+// Switch the split screen. Both tools begin at the pose of the one; at the end the left one continues alone.
 void Viewer::toggleSplit() {
   if (!split_ && scene_.bur) return notify("Two tools cannot cut one solid: choose a scene without a bur.");
   split_ = !split_;
@@ -198,13 +198,13 @@ void Viewer::toggleSplit() {
   rebuild(left_.frame.record.pose, left_.frame.hand, true);
 }
 
-// On anything else the hand would slide off.
+// On any other shape the hand would slide off.
 bool Viewer::canTour() const {
   const auto& obstacles = scene_.scene.obstacles();
   return !player_ && !scene_.bur && obstacles.size() == 1 && std::holds_alternative<HalfSpace>(obstacles[0].shape);
 }
 
-// From the start, at rest, with position control and the spring.
+// Start the tour at the scene's start, at rest, with position control and the spring.
 void Viewer::startTour() {
   if (!canTour()) return notify("The tour is for scenes that are one wall, as flat-wall is.");
   if (!split_) toggleSplit();
@@ -219,7 +219,7 @@ void Viewer::startTour() {
   motion_.startTour(Tour(scene_.start, nearestContact(scene_.scene, scene_.tool, start, nullptr), overlay_.grip), now_);
 }
 
-// Then the hand is the person's.
+// End the tour and give the hand to the person.
 void Viewer::endTour(bool skipped) {
   motion_.endTour();
   if (skipped) act(Action::home);
@@ -237,7 +237,7 @@ void Viewer::undo() {
   send(RunnerCommand::Kind::undo);
 }
 
-// All but the scene and the size of the window.
+// Reset everything except the scene and the size of the window.
 void Viewer::resetAll() {
   overlay_.settings = Settings{};
   overlay_.grip = kFirmGrip;
@@ -253,8 +253,8 @@ void Viewer::resetAll() {
   notify("Settings, renderer, hand, teeth, time and view are as at the start.");
 }
 
-// From the tool at rest where it is, with renderers in their first state: a recording knows its first state. It ends
-// with its experiment.
+// Start or end a recording. It begins with the tool at rest at its present pose and the renderers in their initial
+// state, which the replay needs. It ends with its experiment.
 void Viewer::toggleRecording() {
   std::string path;
   if (!recording_.recorder) {
@@ -277,7 +277,7 @@ std::string Viewer::endRecording() {
   return text + ". --play shows it.";
 }
 
-// From a tour, or from a script.
+// Take the hand from a tour or a script.
 void Viewer::takeHand() {
   if (motion_.isTouring()) endTour(true);
   motion_.endLine();
@@ -306,7 +306,7 @@ void Viewer::spin(bool on) {
   send(RunnerCommand::Kind::spin, on ? 1 : 0);
 }
 
-// Along the tool, towards the camera; or closed again.
+// Cut the solids open along the tool, facing the camera; or close them again.
 void Viewer::cutOpen() {
   builtScale_ = 0.0f;
   if (plane_) {
@@ -362,7 +362,7 @@ void Viewer::follow(const ScriptStep& step, double now) {
     case ScriptStep::Kind::seek: player_->seek(std::round(step.value / player_->header().guard.period)); break;
     case ScriptStep::Kind::size: surface_.resize(step.size); break;
     case ScriptStep::Kind::picture: pictures_.push_back(step.name); break;
-    case ScriptStep::Kind::frames: break;  // of the headless loop
+    case ScriptStep::Kind::frames: break;  // performed by the headless loop
     case ScriptStep::Kind::end: end_ = true; break;
   }
 }

@@ -10,7 +10,7 @@
 namespace enamel::viewer {
 namespace {
 
-// What was typed for a value, in the shown unit, or why it is refused.
+// Return the typed value in the shown unit, or set `problem`.
 std::optional<double> typedValue(const OverlayState& state, const SliderRow& row, std::string& problem) {
   const char* const text = state.typing.text.data();
   char* end = nullptr;
@@ -28,7 +28,7 @@ std::optional<double> typedValue(const OverlayState& state, const SliderRow& row
   return std::nullopt;
 }
 
-// The value as a button, or, once that was pressed, the field to type it into; true where a value was typed.
+// Draw the value as a button; a click turns it into a text field. Return true when a value was typed.
 bool valueField(OverlayState& state, double& value, const SliderRow& row, float width) {
   bool done = false;
   ImGui::SetNextItemWidth(width);

@@ -1,4 +1,4 @@
-// The widgets of the panel: each notes where it is and has a tip for the mouse.
+// Widgets of the panel. Each one notes its position and has a tip for the mouse.
 #pragma once
 
 #include <initializer_list>
@@ -9,34 +9,35 @@
 
 namespace enamel::viewer {
 
-/// A tip for what the mouse is on, once it has stayed there. A formula is a line of its own.
+/// Show a tip when the mouse has rested on an item. A formula has its own line.
 void showTip(OverlayState& state, const char* text);
-/// What the last item is for, while the mouse is on it.
+/// Show the tip of the last item while the mouse is on it.
 void tip(OverlayState& state, const char* text);
-/// Notes where the last item is, for the report.
+/// Note the position of the last item for the report.
 void note(OverlayState& state, const std::string& name);
 
 void heading(const char* text);
 void remark(const std::string& text, unsigned rgb = kMuted);
 void label(const char* name);
 
-/// How a value is shown and set. `factor`: shown unit per SI unit.
+/// Display and range of a value. `factor`: shown unit per SI unit.
 struct SliderRow {
   const char *name, *pattern, *unit;
   double low, high;
   const char* about;
   double factor = 1.0;
 };
-/// A slider with its name above, and its value, which a click lets one type; true when a change is complete.
+/// Draw a slider with its name above and its value, which can be typed after a click. Return true when a change is
+/// complete.
 bool slider(OverlayState& state, double& value, const SliderRow& row);
 
-/// A button that is on or off; true when it is pressed.
+/// Draw a button that is on or off. Return true when it is pressed.
 bool toggle(const char* name, bool on, float width, unsigned colour = kChosen);
 
-/// A row of buttons of which one is on; the one that was pressed, or -1.
+/// Draw a row of buttons; `chosen` is on. Return the pressed one, or -1.
 int choice(OverlayState& state, const char* const* names, int count, int chosen, float width, const char* about);
 
-/// Buttons of equal width in a row that ask for actions; `about`: or nullptr.
+/// A button in a row of equal width that requests an action; `about` may be nullptr.
 struct ActionButton {
   std::string name;
   bool on;

@@ -16,9 +16,9 @@ namespace {
 struct Key {
   int key, scancode, modifiers;
 };
-GLFWkeyfun gBehind = nullptr;  // ImGui's, and then ours
-std::vector<int> gPressed;     // since poll()
-std::vector<Key> gReleased;    // to be told at the next one
+GLFWkeyfun gBehind = nullptr;  // callback of ImGui, followed by ours
+std::vector<int> gPressed;     // since the last poll()
+std::vector<Key> gReleased;    // to be reported at the next poll()
 
 Input& inputOf(GLFWwindow* window) { return *static_cast<Input*>(glfwGetWindowUserPointer(window)); }
 

@@ -1,4 +1,4 @@
-// The events of a window, for Dear ImGui and for Input.
+// Events of a window for Dear ImGui and for Input.
 #pragma once
 
 #include "input.hpp"
@@ -7,10 +7,11 @@ struct GLFWwindow;
 
 namespace enamel::viewer {
 
-/// Sets the window's callbacks; ends before the canvas does. One at a time. What ImGui wants does not reach `input`.
+/// Sets the window's callbacks; must end before the canvas. Only one instance at a time. Events that ImGui wants do not
+/// reach `input`.
 ///
-/// ImGui 1.86 looks at the keys once a picture: what was pressed and released since the last one is released one
-/// picture later, or an Enter would be lost now and then.
+/// ImGui 1.86 looks at the keys once per picture. A key that was pressed and released since the last picture is
+/// therefore released one picture later; otherwise an Enter could be lost.
 class WindowInput {
  public:
   WindowInput(GLFWwindow* window, Input& input);
@@ -18,9 +19,9 @@ class WindowInput {
   WindowInput(const WindowInput&) = delete;
   WindowInput& operator=(const WindowInput&) = delete;
 
-  /// Takes the events since the last picture.
+  /// Process the events since the last picture.
   void poll();
-  /// Keys that act as long as they are down, for the seconds since the last call.
+  /// Process keys that act while they are down. `seconds`: since the last call.
   void hold(double seconds);
 
  private:

@@ -1,8 +1,9 @@
-// CHAI3D (chai3d.org, 3.2 or 3.3) and Enamel: a tool of a CHAI3D world that takes its force from one of our renderers,
-// and any device that CHAI3D drives as a HapticDevice. Who includes this links enamel::runtime and CHAI3D.
+// Connects CHAI3D (chai3d.org, 3.2 or 3.3) and Enamel. A tool of a CHAI3D world takes its force from an Enamel
+// renderer, and any device of CHAI3D becomes a HapticDevice. A program that includes this file links enamel::runtime
+// and CHAI3D.
 //
-// SI units. A device of CHAI3D has x towards the user, y right, z up; W has x right, y up, z towards the user: the same
-// axes in another order, so that vectors change frames without rounding.
+// SI units. In CHAI3D's device frame x points towards the user, y right, z up. In W, x points right, y up, z towards
+// the user. The axes are the same in another order, so that vectors change frames without rounding.
 #pragma once
 
 #include <chai3d.h>
@@ -23,7 +24,7 @@
 
 namespace enamel {
 
-/// Vectors and rotations in the axes of CHAI3D and in those of W. Realtime: yes.
+/// Convert vectors and rotations between the axes of CHAI3D and those of W. Realtime: yes.
 inline Vec3 fromChai3d(const chai3d::cVector3d& v) noexcept { return {v(1), v(2), v(0)}; }
 inline chai3d::cVector3d toChai3d(const Vec3& v) noexcept { return {v[2], v[0], v[1]}; }
 inline Mat3 fromChai3d(const chai3d::cMatrix3d& m) noexcept {
@@ -39,16 +40,17 @@ inline chai3d::cMatrix3d toChai3d(const Mat3& m) noexcept {
   return result;
 }
 
-/// The motion from one pose to another, m and rad. Realtime: yes.
+/// Return the motion from one pose to another, m and rad. Realtime: yes.
 inline Vec6 motionBetween(const Pose& from, const Pose& to) noexcept {
   Vec6 motion;
   motion << to.position - from.position, rotationVector(to.rotation * from.rotation.transpose());
   return motion;
 }
 
-/// The Cartesian device of 3 axes that CHAI3D's specifications tell of. They do not tell the apparent mass at the tip
-/// (kg) and the smallest difference of positions (m). The workspace is a cuboid of twice m_workspaceRadius, which is
-/// that of a sphere inside the real one. With axes = 6, inertia and angleStep it is one of 6 axes. Realtime: no.
+/// Return the Cartesian device with 3 axes that CHAI3D's specifications describe. They lack the apparent mass at the
+/// tip (kg) and the smallest difference of positions (m). The workspace is a cuboid whose half widths are twice
+/// m_workspaceRadius: that is the radius of a sphere inside the real workspace. For 6 axes, set axes = 6, inertia and
+/// angleStep. Realtime: no.
 inline CartesianParameters cartesianFor(const chai3d::cHapticDeviceInfo& specifications, double mass,
                                         double positionStep) {
   CartesianParameters parameters;
@@ -62,19 +64,20 @@ inline CartesianParameters cartesianFor(const chai3d::cHapticDeviceInfo& specifi
 }
 
 struct Chai3dOptions {
-  /// Of the low pass through which differences of poses become rates, Hz. 0: CHAI3D's getLinearVelocity() and
-  /// getAngularVelocity(), where the driver has better ones than CHAI3D's means over 15 and 30 ms.
+  /// Cutoff of the low pass that turns differences of poses into rates, Hz. 0: use CHAI3D's getLinearVelocity() and
+  /// getAngularVelocity(), for drivers whose rates are better than CHAI3D's means over 15 and 30 ms.
   double cutoff = 100.0;
-  int enableSwitch = -1;          ///< user switch that has to be held, 0 to 31; -1: none
-  std::function<double()> clock;  ///< s, has to advance; empty: std::chrono::steady_clock. Realtime: yes
+  int enableSwitch = -1;          ///< user switch that must be held, 0 to 31; -1: none
+  std::function<double()> clock;  ///< s, must advance; empty: std::chrono::steady_clock. Realtime: yes
 };
 
-/// A device that CHAI3D drives. Its workspace is the device's own, in metres: no scale, no tool. CHAI3D's drivers must
-/// not throw in a tick. For one thread at a time.
+/// A device that CHAI3D drives. Its workspace is the device's own, in metres, without scale or tool. CHAI3D's drivers
+/// must not throw in a tick. For one thread at a time.
 class Chai3dDevice final : public HapticDevice {
  public:
-  /// `mechanism`: with 3 or 6 joints (kind cartesian); must outlive it. Throws Error: there is no device; it senses or
-  /// moves fewer axes than the mechanism has; other joints; a cutoff that is negative or not finite; no such switch.
+  /// `mechanism`: with 3 or 6 joints (kind cartesian); must outlive the device. Throws Error: `device` is null; the
+  /// device senses or moves fewer axes than the mechanism has; another number of joints; a negative or non-finite
+  /// cutoff; an invalid switch.
   Chai3dDevice(chai3d::cGenericHapticDevicePtr device, const Mechanism& mechanism, Chai3dOptions options = {})
       : device_(std::move(device)), mechanism_(mechanism), options_(std::move(options)), kinematics_(mechanism.home()) {
     if (device_ == nullptr) throw Error("chai3d: there is no haptic device");
@@ -95,7 +98,7 @@ class Chai3dDevice final : public HapticDevice {
   Chai3dDevice(const Chai3dDevice&) = delete;
   Chai3dDevice& operator=(const Chai3dDevice&) = delete;
 
-  /// Opens and calibrates. Throws Error: CHAI3D could not. Realtime: no.
+  /// Open and calibrate the device. Throws Error: CHAI3D cannot open or calibrate it. Realtime: no.
   void open() override {
     if (opened_) return;
     if (!device_->open()) throw Error("chai3d: \"" + specifications_.m_modelName + "\" cannot be opened");
@@ -104,7 +107,7 @@ class Chai3dDevice final : public HapticDevice {
       close();
       throw Error("chai3d: \"" + specifications_.m_modelName + "\" cannot be calibrated");
     }
-    specifications_ = device_->getSpecifications();  // some drivers know them only now
+    specifications_ = device_->getSpecifications();  // some drivers know them only after opening
     started_ = false;
   }
 
@@ -114,9 +117,14 @@ class Chai3dDevice final : public HapticDevice {
     device_->close();
   }
 
-  /// inactive: CHAI3D has not opened the device; stale: it gave no pose, or time did not advance; notFinite;
-  /// outOfRange: what it gave is no rotation; unreachable: beyond the mechanism's workspace. Whatever the status, the
-  /// time is set, and all else is as before where it is not ok. Realtime: yes, as CHAI3D's driver is.
+  /// Measure the pose. Statuses other than ok:
+  /// - inactive: CHAI3D has not opened the device;
+  /// - stale: it gave no pose, or time did not advance;
+  /// - notFinite: time, pose or rates;
+  /// - outOfRange: the rotation is not a rotation;
+  /// - unreachable: outside the mechanism's workspace.
+  /// The time is always set. All other members keep their values unless the status is ok. Realtime: yes, if CHAI3D's
+  /// driver is.
   [[nodiscard]] Status measure(Measurement& measurement) noexcept override {
     const double last = time_;
     const double time = options_.clock ? options_.clock() : steady();
@@ -132,15 +140,18 @@ class Chai3dDevice final : public HapticDevice {
     started_ = true;
     measurement.q = kinematics_.q;
     measurement.rates = kinematics_.rates;
-    measurement.applied.reset();  // CHAI3D's getForce() tells what was sent, not what acted
+    measurement.applied.reset();  // CHAI3D's getForce() returns the sent force, not the acting one
     measurement.enabled = options_.enableSwitch < 0 || ((switches_ >> options_.enableSwitch) & 1U) != 0;
     return Status::ok;
   }
 
-  /// Sends the wrench of the command at the last measured pose, made smaller where it is beyond m_maxLinearForce or
-  /// m_maxAngularTorque, its direction kept. inactive: CHAI3D has not opened the device; outOfRange: not one torque a
-  /// joint; notFinite (the motors are off then, in both); stale: CHAI3D could not send it. Realtime: yes, as CHAI3D's
-  /// driver is.
+  /// Send the wrench of the command at the last measured pose. It is scaled down to m_maxLinearForce and
+  /// m_maxAngularTorque; its direction is kept. Statuses other than ok:
+  /// - inactive: CHAI3D has not opened the device;
+  /// - outOfRange: the number of torques is not the number of joints; the motors are switched off;
+  /// - notFinite: the motors are switched off;
+  /// - stale: CHAI3D could not send it.
+  /// Realtime: yes, if CHAI3D's driver is.
   [[nodiscard]] Status actuate(const Command& command) noexcept override {
     chai3d::cVector3d force, moment;
     const Status status = wrenchOf(command, force, moment);
@@ -149,7 +160,8 @@ class Chai3dDevice final : public HapticDevice {
     return status;
   }
 
-  /// What actuate() sends, N and N m, in the axes of CHAI3D; zero where the status is not ok. Realtime: yes.
+  /// Compute the wrench that actuate() sends, N and N m, in the axes of CHAI3D; zero unless the status is ok. Realtime:
+  /// yes.
   [[nodiscard]] Status wrenchOf(const Command& command, chai3d::cVector3d& force,
                                 chai3d::cVector3d& moment) const noexcept {
     const bool fits = command.effort.size() == mechanism_.joints();
@@ -161,7 +173,7 @@ class Chai3dDevice final : public HapticDevice {
     return isFinite ? Status::ok : fits ? Status::notFinite : Status::outOfRange;
   }
 
-  /// At the last measurement that was ok; user switches, one bit each. Realtime: yes.
+  /// Kinematics at the last measurement with status ok; then the user switches, one bit each. Realtime: yes.
   const Kinematics& kinematics() const noexcept { return kinematics_; }
   unsigned int switches() const noexcept { return switches_; }
 
@@ -190,7 +202,7 @@ class Chai3dDevice final : public HapticDevice {
     if (options_.cutoff == 0.0)
       if (!device_->getLinearVelocity(speed) || (turns && !device_->getAngularVelocity(turning))) return Status::stale;
     unsigned int switches = 0;
-    if (!device_->getUserSwitches(switches)) switches = 0;  // none is held where nobody can tell
+    if (!device_->getUserSwitches(switches)) switches = 0;  // unknown switches count as released
     pose = {fromChai3d(position), fromChai3d(rotation)};
     if (options_.cutoff == 0.0) {
       twist << fromChai3d(speed), fromChai3d(turning);
@@ -211,24 +223,24 @@ class Chai3dDevice final : public HapticDevice {
   Chai3dOptions options_;
   chai3d::cHapticDeviceInfo specifications_;
   Kinematics kinematics_;  // at the last measurement
-  double time_ = 0.0;      // of it, s
+  double time_ = 0.0;      // of the last measurement, s
   bool opened_ = false, started_ = false;
   unsigned int switches_ = 0;
 };
 
-/// A cursor whose force an Enamel renderer makes, behind the guard. It takes the place of a cToolCursor:
+/// A cursor whose force comes from an Enamel renderer behind the guard. It replaces a cToolCursor:
 ///   setHapticDevice(), setWorkspaceRadius() or its scale, setRadius() -> addMesh() ... -> start() -> in the haptic
 ///   thread updateFromDevice(), computeInteractionForces(), applyToDevice() -> stop().
-/// Its wall is made in the device's own metres, whatever the scale of the world: shapes are divided by the scale once.
-/// Objects may move, and the tool with them, in the haptic thread: what was handed over follows their global position.
+/// The wall is rendered in the device's own metres, whatever the scale of the world: shapes are divided by the scale
+/// once. In the haptic thread, objects and the tool may move: obstacles follow the global poses of their objects.
 ///
-/// Errors before start() and in it: Error, with the cause. Afterwards: status() and latest(); the guard ramps the force
-/// out. Threads: the three functions of a tick, latest(), status() and reset() belong to the haptic thread; everything
-/// else to any one thread while that does not run.
+/// Errors before and in start() are thrown as Error, with the cause. Later errors are in status() and latest(); the
+/// guard ramps the force out. Threads: the three functions of a tick, latest(), status() and reset() belong to the
+/// haptic thread. All other functions may be called from any one thread while the haptic thread does not run.
 class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
  public:
-  /// Refers to mechanism (as Chai3dDevice) and renderer, which must outlive it. `guard`: guardFor(mechanism, period) or
-  /// tighter; the force is also kept within the device's specifications. Realtime: no.
+  /// Refer to mechanism (as Chai3dDevice) and renderer, which must outlive the tool. `guard`: guardFor(mechanism,
+  /// period) or tighter; the force is also limited to the device's specifications. Realtime: no.
   Chai3dTool(chai3d::cWorld* world, const Mechanism& mechanism, Renderer& renderer, GuardOptions guard,
              Chai3dOptions options = {})
       : cToolCursor(world),
@@ -237,13 +249,16 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
         guard_(std::move(guard)),
         options_(std::move(options)) {}
 
-  /// Ends the ticks; CHAI3D's stop() closes the device.
+  /// End the ticks; CHAI3D's stop() closes the device.
   ~Chai3dTool() override { end(); }
 
-  /// Hands a mesh over, in W of the device: its triangles are copied now, its pose is asked for at every tick. Returns
-  /// the obstacle's number. `thickness` (of the world's unit): as Obstacle's, for a mesh that encloses nothing. The
-  /// object must outlive the tool's ticks. Throws Error: no object; no device yet, or the scale has changed since
-  /// another mesh; no triangle, a vertex that is not there or not finite, as MeshModel and Scene::add(). Realtime: no.
+  /// Add a mesh in W of the device. Its triangles are copied now; its pose is read at every tick, so the object must
+  /// outlive the tool's ticks. Return the obstacle's number. `thickness` (in the world's unit): as in Obstacle, for a
+  /// mesh that encloses nothing. Realtime: no. Throws Error:
+  /// - the object is null;
+  /// - the tool has no device yet, or the scale has changed since the first mesh;
+  /// - a mesh without triangles, a missing or non-finite vertex;
+  /// - as MeshModel and Scene::add().
   int addMesh(chai3d::cMesh* mesh, const Material& material = {}, double thickness = 0.0) {
     if (mesh == nullptr) throw Error("chai3d: there is no mesh to add");
     TriangleMesh triangles;
@@ -251,7 +266,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
     return follow(*mesh, std::move(triangles), material, thickness);
   }
 
-  /// All meshes of an object as one obstacle.
+  /// Add all meshes of an object as one obstacle.
   int addMesh(chai3d::cMultiMesh* object, const Material& material = {}, double thickness = 0.0) {
     if (object == nullptr) throw Error("chai3d: there is no mesh to add");
     TriangleMesh triangles;
@@ -262,21 +277,21 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
     return follow(*object, std::move(triangles), material, thickness);
   }
 
-  /// Any other obstacle, at rest in W of the device, m. Throws as Scene::add(). Realtime: no.
+  /// Add any other obstacle, at rest in W of the device, m. Throws as Scene::add(). Realtime: no.
   int addObstacle(Obstacle obstacle) {
     const int number = scene_.add(std::move(obstacle));
     if (body_) begin();
     return number;
   }
 
-  /// What touches, in the platform's frame, m; a ball of getHapticPoint(0)->getRadiusContact() where it was not called.
+  /// Set the parts that touch, in the platform's frame, m. Default: a ball of getHapticPoint(0)->getRadiusContact().
   void setTool(const Tool& tool) {
     shape_ = tool;
     if (body_) begin();
   }
 
-  /// Opens the device and makes everything ready; false where CHAI3D cannot. Throws Error: as Chai3dDevice, HapticTick
-  /// and LoopBody; the device's first pose cannot be used. The device is closed then. Realtime: no.
+  /// Open the device and prepare everything. Return false if CHAI3D cannot. Throws Error, with the device closed: as
+  /// Chai3dDevice, HapticTick and LoopBody; the device's first pose is invalid. Realtime: no.
   bool start() override {
     end();
     if (!cToolCursor::start()) return chai3d::C_ERROR;
@@ -296,9 +311,9 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
     return cToolCursor::stop();
   }
 
-  /// Measures. Realtime: yes, as CHAI3D's driver is.
+  /// Measure. Realtime: yes, if CHAI3D's driver is.
   void updateFromDevice() override {
-    if (!device_) {  // CHAI3D asks while it starts
+    if (!device_) {  // CHAI3D calls it during its start
       cToolCursor::updateFromDevice();
       return;
     }
@@ -308,21 +323,21 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
     if (status_ != Status::ok) return;
     const Kinematics& k = device_->kinematics();
     chai3d::cMatrix3d rotation = toChai3d(k.pose.rotation);
-    if (mechanism_.joints() < 6) m_hapticDevice->getRotation(rotation);  // seen, not felt
+    if (mechanism_.joints() < 6) m_hapticDevice->getRotation(rotation);  // shown, not rendered
     setDeviceLocalTransform({scale_ * toChai3d(k.pose.position), rotation});
     setDeviceLocalLinVel(scale_ * toChai3d(Vec3(k.twist.head<3>())));
     setDeviceLocalAngVel(toChai3d(Vec3(k.twist.tail<3>())));
     m_hapticDevice->getGripperAngleRad(m_gripperAngle);
     m_hapticDevice->getGripperAngularVelocity(m_gripperAngVel);
     m_userSwitches = device_->switches();
-    m_hapticPoint->initialize(m_deviceGlobalPos);  // the ball that is seen
+    m_hapticPoint->initialize(m_deviceGlobalPos);  // position of the drawn ball
     m_freqRead.signal(1);
   }
 
-  /// One tick once a period, however often it is called; the force stays in between. Forces that the application adds
-  /// afterwards go to the device too: neither renderer nor guard knows of them. Realtime: yes.
+  /// Run one tick per period, however often it is called; the force is constant in between. Forces that the application
+  /// adds afterwards also reach the device, without check by renderer or guard. Realtime: yes.
   void computeInteractionForces() override {
-    const bool timed = std::isfinite(measurement_.time);  // else the guard has to hear of it
+    const bool timed = std::isfinite(measurement_.time);  // otherwise the guard must see the invalid time
     if (body_ && (!timed || measurement_.time >= due_ - 0.5 * guard_.period)) {
       if (timed) due_ = std::max(due_, measurement_.time) + guard_.period;
       moveObstacles();
@@ -333,7 +348,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
     setGripperForce(0.0);
   }
 
-  /// Whether it touches an object that was handed over. Realtime: yes.
+  /// Return whether the tool touches an object that was added. Realtime: yes.
   bool isInContact(chai3d::cGenericObject* object) override {
     if (!haptics_) return false;
     const ContactSnapshot& contacts = haptics_->frame().contacts;
@@ -344,19 +359,20 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
     return false;
   }
 
-  /// Goes on after a fault of the guard, at the next tick. Realtime: yes.
+  /// Continue after a fault of the guard, at the next tick. Realtime: yes.
   void reset() noexcept {
     if (body_) body_->reset();
   }
 
-  /// Of the last updateFromDevice(): as Chai3dDevice::measure(); inactive before start(); outOfRange also where the
-  /// scale has changed since start() or an object's rotation is invalid. Realtime: yes.
+  /// Return the status of the last updateFromDevice(): as Chai3dDevice::measure(). Also: inactive before start();
+  /// outOfRange if the scale has changed since start(), or if an object's rotation is invalid. Realtime: yes.
   Status status() const noexcept { return status_; }
 
-  /// What was handed over, in W of the device.
+  /// Return the added obstacles, in W of the device.
   const Scene& scene() const noexcept { return scene_; }
 
-  /// The last tick, with what the guard said; what renderer and guard saw of it. Null before start(). Realtime: yes.
+  /// Return the last tick with the guard's result; then the input of renderer and guard. Null before start(). Realtime:
+  /// yes.
   const LoopTick* latest() const noexcept { return body_ ? &body_->tick() : nullptr; }
   const HapticTick* haptics() const noexcept { return haptics_ ? &*haptics_ : nullptr; }
 
@@ -366,7 +382,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
     int obstacle;
   };
 
-  // What LoopBody takes for the device: measured before it, sent after it.
+  // The device of LoopBody: values are measured before its step and sent after it.
   [[nodiscard]] Status measure(Measurement& measurement) noexcept override {
     if (status_ == Status::ok) measurement = measurement_;
     return status_;
@@ -391,7 +407,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
       result.vertices.push_back((pose.position + pose.rotation * fromChai3d(mesh.m_vertices->getLocalPos(i))) / scale);
     const chai3d::cTriangleArray& all = *mesh.m_triangles;
     for (unsigned int i = 0; i < mesh.m_triangles->getNumElements(); ++i) {
-      if (!all.getAllocated(i)) continue;  // removed
+      if (!all.getAllocated(i)) continue;  // removed triangle
       std::array<int, 3> corners{};
       for (unsigned int k = 0; k < 3; ++k) {
         const unsigned int corner = all.getVertexIndex(i, k);
@@ -425,7 +441,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
     return followed_.back().obstacle;
   }
 
-  // In W of the device: the world as the tool sees it, without its scale.
+  // Return a pose in W of the device: the world relative to the tool, without its scale.
   Pose poseOf(const chai3d::cGenericObject& object) const noexcept {
     const Mat3 toTool = fromChai3d(m_globalRot).transpose();
     return {toTool * (fromChai3d(object.getGlobalPos()) - fromChai3d(m_globalPos)) / scale_,
@@ -434,7 +450,7 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
 
   void moveObstacles() noexcept {
     for (const Followed& f : followed_) {
-      const Status moved = scene_.move(f.obstacle, poseOf(*f.object), Vec6::Zero());  // the tick finds the velocity
+      const Status moved = scene_.move(f.obstacle, poseOf(*f.object), Vec6::Zero());  // the tick derives the velocity
       if (moved != Status::ok) status_ = moved;
     }
   }
@@ -480,13 +496,13 @@ class Chai3dTool : public chai3d::cToolCursor, private HapticDevice {
   Scene scene_;
   std::vector<Followed> followed_;
   std::optional<Tool> shape_;
-  double scale_ = 1.0;  // world over device, of the meshes
+  double scale_ = 1.0;  // unit of the world / unit of the device, for the meshes
   std::optional<Chai3dDevice> device_;
   std::optional<HapticTick> haptics_;
   std::optional<LoopBody> body_;
   Measurement measurement_;
   Status status_ = Status::inactive;
-  double due_ = 0.0;                  // the next tick, s
+  double due_ = 0.0;                  // time of the next tick, s
   chai3d::cVector3d force_, moment_;  // of the last tick, N, N m
 };
 

@@ -1,4 +1,4 @@
-// A stiff wall in CHAI3D: a box, touched through a Chai3dTool in the loop that every CHAI3D program has.
+// A stiff wall in CHAI3D: a box, touched through a Chai3dTool in the usual loop of a CHAI3D program.
 #include <cstdio>
 #include <enamel/device/cartesian/mechanism.hpp>
 #include <enamel/render/position_control.hpp>
@@ -7,7 +7,7 @@
 
 using namespace enamel;
 
-// In the place of a driver of CHAI3D: a stylus of 45 g in the hand of a person who presses, 1 ms a command.
+// Takes the place of a CHAI3D driver: a person's hand presses a stylus of 45 g. Each command advances it by 1 ms.
 class SimulatedStylus final : public chai3d::cGenericHapticDevice {
  public:
   SimulatedStylus() {
@@ -16,7 +16,7 @@ class SimulatedStylus final : public chai3d::cGenericHapticDevice {
     m_specifications.m_sensedPosition = m_specifications.m_actuatedPosition = true;
     mechanism = std::make_unique<CartesianMechanism>(cartesianFor(m_specifications, 0.045, 1e-5));
     VirtualDeviceSetup setup;
-    setup.start.position = Vec3(0.0, 0.0, 0.002);  // 2 mm before the wall
+    setup.start.position = Vec3(0.0, 0.0, 0.002);  // 2 mm in front of the wall
     setup.encoders.quantised = true;
     physics = std::make_unique<VirtualDevice>(*mechanism, setup);
   }
@@ -41,13 +41,13 @@ class SimulatedStylus final : public chai3d::cGenericHapticDevice {
 };
 
 int main() try {
-  const auto stylus = std::make_shared<SimulatedStylus>();  // yours: cHapticDeviceHandler().getDevice(stylus, 0)
+  const auto stylus = std::make_shared<SimulatedStylus>();  // use instead: cHapticDeviceHandler().getDevice(stylus, 0)
   const CartesianMechanism mechanism(cartesianFor(stylus->getSpecifications(), 0.045, 1e-5));
   PositionControlRenderer servo(positionControlFor(mechanism, 1e-3, 0, 0));
   Chai3dOptions options;
-  options.clock = [&stylus] { return stylus->physics->time(); };  // yours: nothing, that is a real clock
+  options.clock = [&stylus] { return stylus->physics->time(); };  // leave it out: the default is a real clock
   chai3d::cWorld world;
-  auto* box = new chai3d::cMesh;  // its front is at x = 0
+  auto* box = new chai3d::cMesh;  // front at x = 0
   for (int i = 0; i < 8; ++i) box->newVertex(i & 1 ? 0.0 : -0.02, i & 2 ? 0.05 : -0.05, i & 4 ? 0.05 : -0.05);
   for (const auto& t : {"046", "062", "137", "175", "015", "054", "273", "267", "023", "031", "457", "476"})
     box->newTriangle(t[0] - '0', t[1] - '0', t[2] - '0');

@@ -33,15 +33,15 @@ Archive openArchive(const std::string& path, int flags) {
   return archive;
 }
 
-// A file or folder of an archive, as it is unpacked.
+// A file or folder to unpack.
 struct Entry {
   zip_uint64_t index = 0;
-  std::string name;  // with '/'; a folder's ends with it
+  std::string name;  // with '/'; the name of a folder ends with it
   std::uint64_t size = 0;
 };
 
 bool staysInside(const std::string& name) {
-  if (name.empty() || name.front() == '/' || (name.size() > 1 && name[1] == ':')) return false;  // C:
+  if (name.empty() || name.front() == '/' || (name.size() > 1 && name[1] == ':')) return false;  // a drive such as C:
   for (const auto& part : std::filesystem::path(name))
     if (part == "..") return false;
   return true;
@@ -54,27 +54,27 @@ Entry entryOf(zip_t* archive, zip_uint64_t index, const std::string& path) {
   if (given == nullptr || zip_stat_index(archive, index, 0, &about) != 0 || (about.valid & ZIP_STAT_SIZE) == 0)
     throw Error(path + ": its entry " + std::to_string(index) + " is damaged: " + zip_strerror(archive));
   Entry entry{index, given, about.size};
-  std::replace(entry.name.begin(), entry.name.end(), '\\', '/');  // of packers on Windows
+  std::replace(entry.name.begin(), entry.name.end(), '\\', '/');  // some packers on Windows write backslashes
   if (!staysInside(entry.name)) throw Error(path + ": holds \"" + given + "\", which leads out of it");
   if (entry.name.back() == '/' && entry.size > 0)
     throw Error(path + ": holds \"" + given + "\", which is a folder with content of its own");
   zip_uint8_t system = 0;
   zip_uint32_t attributes = 0;
   zip_file_get_external_attributes(archive, index, 0, &system, &attributes);
-  const mode_t kind = (attributes >> 16) & S_IFMT;  // 0: the packer does not say
+  const mode_t kind = (attributes >> 16) & S_IFMT;  // 0: unknown
   if (kind != 0 && kind != S_IFREG && kind != S_IFDIR)
     throw Error(path + ": holds \"" + given + "\", which is a link or a device");
   return entry;
 }
 
-// All entries, checked before anything is unpacked.
+// Return all entries, after checking all of them.
 std::vector<Entry> entriesOf(zip_t* archive, const std::string& path, std::size_t most) {
   const auto count = static_cast<std::size_t>(zip_get_num_entries(archive, 0));
   if (count > kMostEntries)
     throw Error(path + ": holds " + std::to_string(count) + " files, at most " + std::to_string(kMostEntries) +
                 " are read");
   std::vector<Entry> entries;
-  std::map<std::string, std::string> seen;  // lower case to the name
+  std::map<std::string, std::string> seen;  // from lower-case to given name
   std::uint64_t left = most;
   for (std::size_t i = 0; i < count; ++i) {
     Entry entry = entryOf(archive, i, path);
@@ -133,7 +133,7 @@ void writeArchive(const std::string& path, const std::vector<ArchiveFile>& files
       zip_source_free(source);
       throw Error(path + ": cannot add " + file.name + ": " + zip_strerror(archive.get()));
     }
-    // As small as the quickest level makes it, within a few percent; the same unit has the same bytes.
+    // The fastest level is within a few percent of the smallest size. The same unit always has the same bytes.
     zip_set_file_compression(archive.get(), static_cast<zip_uint64_t>(entry), ZIP_CM_DEFLATE, 1);
     zip_file_set_dostime(archive.get(), static_cast<zip_uint64_t>(entry), 0, 0x21, 0);
   }

@@ -1,4 +1,4 @@
-// Zip archives, which units are: written whole, unpacked into a folder that goes away.
+// Zip archives, the file format of units: writes them, and unpacks them into a temporary folder.
 #pragma once
 
 #include <string>
@@ -11,21 +11,24 @@ struct ArchiveFile {
   std::string bytes;
 };
 
-/// Most bytes of a unit, unpacked.
+/// Largest unpacked size of a unit, bytes.
 inline constexpr std::size_t kLargestUnit = std::size_t{1} << 30;
 
-/// Most files and folders of a unit.
+/// Largest number of files and folders in a unit.
 inline constexpr std::size_t kMostEntries = 10000;
 
-/// Writes an archive. Throws Error with the file and the cause.
+/// Write an archive. Throws Error with the file and the cause.
 void writeArchive(const std::string& path, const std::vector<ArchiveFile>& files);
 
-/// An archive, unpacked below the folder of temporary files while this lives.
+/// An archive that is unpacked into a temporary folder; the destructor removes the folder.
 class UnpackedArchive {
  public:
-  /// Unpack an archive of at most `most` bytes; \ in a name is read as /. Throws Error with the file and the cause: no
-  /// archive, more bytes or kMostEntries, a name that leads out of it, a link, two names that differ in case only, a
-  /// file that is not as long as it says. All names are checked before anything is unpacked.
+  /// Unpack an archive of at most `most` bytes. A backslash in a name is read as /. All names are checked before
+  /// anything is unpacked. Throws Error with the file and the cause:
+  /// - not an archive;
+  /// - too many bytes, or more than kMostEntries;
+  /// - a name that leads out of the folder, a link, or two names that differ in case only;
+  /// - a file with another length than stated.
   explicit UnpackedArchive(const std::string& path, std::size_t most = kLargestUnit);
   ~UnpackedArchive();
   UnpackedArchive(const UnpackedArchive&) = delete;

@@ -1,5 +1,5 @@
-// The C functions of FMI 3.0 that the binary of a unit exports. From its resources a unit reads what it is: a plant, or
-// a haptic tick. Nothing throws across the boundary.
+// The C functions of FMI 3.0 that a unit's binary exports. A unit reads from its resources whether it is a plant or a
+// haptic tick. No exception crosses the boundary.
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace {
 /// An instance.
 struct Handle {
   std::unique_ptr<Unit> unit;
-  std::unique_ptr<UnitState> first;  // as it was instantiated
+  std::unique_ptr<UnitState> first;  // state after instantiation
   void* environment;
   LogMessage log;
 
@@ -24,7 +24,7 @@ struct Handle {
   }
 };
 
-// Runs the body of a call; what it throws is logged and becomes a status.
+// Run the body of a call. Exceptions are logged and become a status.
 template <typename Body>
 Status guarded(Instance instance, const Body& body) noexcept {
   if (instance == nullptr) return error;
@@ -87,8 +87,8 @@ void replace(State& state, std::unique_ptr<UnitState> by) {
 
 }  // namespace
 
-// Every exported function is declared by the type that the table has for it: a definition with other parameters does
-// not compile, nor does one that the table lacks.
+// The table declares every exported function with its type. A definition with other parameters, or one that the table
+// lacks, does not compile.
 #define EXPORT extern "C" __attribute__((visibility("default")))
 #define DECLARE(name, type) EXPORT type name;
 ENAMEL_FMI3_FUNCTIONS(DECLARE)

@@ -46,7 +46,7 @@ bool canSerialise(const UnitConfiguration& c) noexcept { return !c.renderer.empt
 
 std::vector<Variable> variablesOf(const UnitConfiguration& c, const Mechanism& device) {
   const auto n = static_cast<std::size_t>(device.joints());
-  // Joints are axes of the TCP where J is the identity; all others turn.
+  // If J is the identity, the joints are the axes of the TCP and slide. Otherwise all joints turn.
   const bool turns = !device.home().jacobian.isIdentity(0.0);
   const char *angle = turns ? "rad" : "m", *rate = turns ? "rad/s" : "m/s", *torque = turns ? "N.m" : "N";
   const std::vector<double> zeros(n, 0.0), three(3, 0.0), upright{1.0, 0.0, 0.0, 0.0};

@@ -1,5 +1,5 @@
-// What a unit is: its variables, in one table, from which modelDescription.xml is written and by which the unit itself
-// reads and writes them.
+// The table of a unit's variables. modelDescription.xml is written from it, and the unit reads and writes its variables
+// by it.
 #pragma once
 
 #include <map>
@@ -14,45 +14,45 @@ namespace enamel::fmi {
 enum class Causality { independent, parameter, input, output };
 enum class Type { real, integer, boolean };  // Float64, Int32, Boolean
 
-/// A variable; its value reference is its place in the table.
+/// A variable; its value reference is its index in the table.
 struct Variable {
   const char* name;
   Causality causality;
-  const char* unit;  ///< SI; "": none
+  const char* unit;  ///< SI; "": no unit
   const char* description;
-  std::vector<double> start;  ///< as many as the variable has numbers
+  std::vector<double> start;  ///< one value for each number of the variable
   bool isArray = true;        ///< false: a scalar
   Type type = Type::real;
 };
 
-/// What the file unit.json in a unit's resources says; beside it stand device.toml and, where one was given, scene.toml
-/// with its meshes.
+/// Contents of unit.json in a unit's resources. The resources also hold device.toml and, if given, scene.toml with its
+/// meshes.
 struct UnitConfiguration {
-  std::string renderer;                           ///< empty: a plant
+  std::string renderer;                           ///< empty: the unit is a plant
   std::map<std::string, std::string> parameters;  ///< of the renderer
-  std::string plant = kClosedForm;                ///< as --plant; of a renderer: the one that it is for
+  std::string plant = kClosedForm;                ///< as --plant; for a renderer: the plant that it is designed for
   int substeps = 1;
   double period = 1e-3;  ///< s
   bool guarded = true;
-  double force = 0.0;  ///< the guard's limit, N; 0: none
+  double force = 0.0;  ///< limit of the guard, N; 0: no limit
   std::uint64_t seed = 1;
 };
 
 std::string textOf(const UnitConfiguration& configuration);
-/// Throws ConfigurationError: no such file, or not as textOf() writes it.
+/// Throws ConfigurationError: the file is missing or has another format than textOf() writes.
 UnitConfiguration readUnit(const std::string& path);
 
-/// The variables of a unit. Of a plant: torque, and force and moment of the person on the TCP, held over a step; pose,
-/// motion, encoders; where it starts, and whether a hand guides it (guidingWrench()). Of a renderer: what a device
-/// measures; torque, and what came of it.
+/// Return the variables of a unit. A plant has the torque, and force and moment of the person on the TCP, all constant
+/// over a step. It also has pose, motion, encoders, the start pose, and a switch for a guiding hand (guidingWrench()).
+/// A renderer has the measurements of a device, the torque, and the results of the tick.
 std::vector<Variable> variablesOf(const UnitConfiguration& configuration, const Mechanism& device);
 
-/// A short name for a set of resources, which a unit checks against what it finds.
+/// Return a token that identifies a set of resources. A unit checks it against its resources.
 std::string tokenOf(const std::string& unit, const std::string& device, const std::string& scene);
 
 inline constexpr const char* kIdentifier = "enamel_unit";  ///< of the binary
 
-/// Whether its state can be written as bytes.
+/// Return whether the state can be written as bytes.
 bool canSerialise(const UnitConfiguration& configuration) noexcept;
 
 }  // namespace enamel::fmi

@@ -123,7 +123,7 @@ std::string modelDescription(const UnitConfiguration& unit, const Mechanism& dev
       if (table[i].causality != Causality::output) continue;
       pugi::xml_node node = structure.append_child(initial ? "InitialUnknown" : "Output");
       node.append_attribute("valueReference") = static_cast<unsigned>(i);
-      // A tick's answer follows from its inputs at once; a plant moves later.
+      // A tick's outputs depend directly on its inputs; a plant moves later.
       node.append_attribute("dependencies") =
           (initial ? (isPlant ? parameters : inputs + " " + parameters) : (isPlant ? "" : inputs)).c_str();
     }

@@ -1,6 +1,6 @@
-// FMI 3.0 for units of co-simulation and their importers: types, and the signature of every function that a unit has to
-// export, as the standard states them (Functional Mock-up Interface Specification 3.0, 2022, sections 2 to 5), in names
-// of our own. tests/fmi/headers.cpp compares them with the official headers, where these are at hand.
+// FMI 3.0 for units of co-simulation and their importers: types, and the signatures of all functions that a unit must
+// export. Source: Functional Mock-up Interface Specification 3.0, 2022, sections 2 to 5; the names are our own.
+// tests/fmi/headers.cpp compares them with the official headers if these are available.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 namespace enamel::fmi {
 
 enum Status : int { ok, warning, discard, error, fatal };
-enum DependencyKind : int;     // its values are not used here
+enum DependencyKind : int;     // values are not used here
 enum IntervalQualifier : int;  // of clocks
 
 using Instance = void*;
@@ -100,7 +100,7 @@ using ActivateModelPartition = Status(Instance, Reference clock, double time);
 
 }  // namespace enamel::fmi
 
-/// Calls X(name, type in enamel::fmi) for every function that the standard wants a unit to export.
+/// Calls X(name, type in enamel::fmi) for every function that a unit must export.
 #define ENAMEL_FMI3_FUNCTIONS(X)                                      \
   X(fmi3GetVersion, GetVersion)                                       \
   X(fmi3SetDebugLogging, SetDebugLogging)                             \

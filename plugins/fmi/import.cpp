@@ -9,7 +9,7 @@
 namespace enamel::fmi {
 namespace {
 
-/// A mechanism that lives as long as what is built on it.
+/// A mechanism that lives as long as the objects built on it.
 struct Owner {
   std::shared_ptr<const Mechanism> mechanism;
 };
@@ -24,13 +24,13 @@ class UnitPlant final : private Owner, public Plant {
   UnitPlant(const UnitPlant&) = delete;
   UnitPlant& operator=(const UnitPlant&) = delete;
 
-  /// Throws Error: FMI brings a state back only into the instance that it was taken from.
+  /// Throws Error: FMI restores a state only in the instance that saved it.
   [[nodiscard]] std::unique_ptr<Plant> clone() const override {
     throw Error(unit_->path() + ": a plant in another unit cannot be copied");
   }
 
   [[nodiscard]] enamel::Status start(const Pose& pose) override {
-    if (isStarted_) {  // again: not every unit can be reset
+    if (isStarted_) {  // a second start: not every unit can be reset
       close();
       open();
     }
@@ -115,7 +115,7 @@ class UnitPlant final : private Owner, public Plant {
     if (status > warning) fail(what);
   }
 
-  // Why a step failed: its status cannot say.
+  // Print why a step failed, because a status cannot contain the reason.
   void tell(const char* reason) const noexcept { std::fprintf(stderr, "%s: %s\n", unit_->path().c_str(), reason); }
 
   Status put(const FoundVariable& variable, const double* values) const noexcept {
@@ -129,7 +129,7 @@ class UnitPlant final : private Owner, public Plant {
     return true;
   }
 
-  // The state as the unit has it.
+  // Read the unit's state.
   bool look() noexcept {
     DeviceState state;
     if (!take(unit_->position, state.position.data()) || !take(unit_->velocity, state.twist.data())) return false;

@@ -10,7 +10,7 @@
 
 namespace enamel::fmi {
 
-/// Dimensions of a unit in kg, m and s; angles have none.
+/// Dimensions of a unit in kg, m and s; angles are dimensionless.
 struct Dimension {
   int kg, m, s;
 };

@@ -1,5 +1,4 @@
-// The file of a unit (*.fmu) that was made by any tool, opened for use as a plant: its description is read, its binary
-// loaded.
+// A unit (*.fmu) from any tool, opened for use as a plant: with its description read and its binary loaded.
 #pragma once
 
 #include <atomic>
@@ -13,7 +12,7 @@
 
 namespace enamel::fmi {
 
-/// References of a variable's numbers: one of an array, or one a scalar; none: the unit does not have it.
+/// References of a variable's numbers: one for an array, or one for each scalar; empty: the unit lacks it.
 struct FoundVariable {
   std::vector<Reference> references;
   std::size_t size = 0;
@@ -32,8 +31,8 @@ class ImportedUnit {
 
   FoundVariable torque, force, moment, position, orientation, velocity, angularVelocity, q, rates, startPosition,
       startOrientation;
-  bool anyStep = false;  ///< false: its steps must all be of one size
-  bool onlyOne = false;  ///< it can be instantiated only once
+  bool anyStep = false;  ///< false: all its steps must have the same size
+  bool onlyOne = false;  ///< only one instance is possible
   std::string token;
 
   InstantiateCoSimulation* instantiate = nullptr;
@@ -44,7 +43,7 @@ class ImportedUnit {
   Set<double>* set = nullptr;
   DoStep* doStep = nullptr;
 
-  mutable std::atomic<bool> taken{false};  ///< where onlyOne: an instance lives
+  mutable std::atomic<bool> taken{false};  ///< if onlyOne: an instance exists
 
  private:
   struct Wanted;

@@ -6,7 +6,7 @@
 
 namespace enamel::fmi {
 
-/// Inputs are the torques of the motors and the force of the person, held over a step of any length.
+/// Inputs are the motors' torques and the person's force. They are constant over a step of any length.
 class PlantUnit final : public Unit {
  public:
   /// Throws Error: as makerOf().
@@ -21,7 +21,7 @@ class PlantUnit final : public Unit {
  private:
   struct Saved;
 
-  void show();  // outputs
+  void show();  // write the outputs
 
   MakePlant make_;
   std::unique_ptr<Plant> plant_;

@@ -38,7 +38,7 @@ void RendererUnit::begin() {
   now_.isNew = true;
 }
 
-// The tick at the communication point, on the inputs as they are. It can come again with others.
+// Run the tick at the communication point with the present inputs. It can be repeated with other inputs.
 void RendererUnit::refresh() {
   if (!now_.isNew || !tick_) return;
   tick_->loadState(before_.data());
@@ -65,7 +65,7 @@ void RendererUnit::step(double step) {
   if (!(std::abs(step - configuration_.period) <= 1e-9 * configuration_.period))
     throw Error("a step of " + std::to_string(step) + " s: its ticks take " + std::to_string(configuration_.period) +
                 " s");
-  now_.isNew = true;  // also where outputs were got: a state may have been set since
+  now_.isNew = true;  // also if outputs were read: a state may have been set since
   refresh();
   tick_->saveState(before_.data());
   ++number_;

@@ -9,7 +9,7 @@
 
 namespace enamel::fmi {
 
-/// Inputs are what a device measures, outputs follow from them at once. Its steps are one period long.
+/// Inputs are the measurements of a device; outputs depend on them directly. Each step is one period.
 class RendererUnit final : public Unit {
  public:
   /// Throws Error: as makeLinked().
@@ -32,8 +32,8 @@ class RendererUnit final : public Unit {
   SceneFile scene_;
   std::unique_ptr<Renderer> renderer_;
   std::optional<HapticTick> tick_;
-  std::vector<char> before_;  // the tick's state at the communication point
-  std::uint64_t number_ = 0;  // of the tick
+  std::vector<char> before_;  // state of the tick at the communication point
+  std::uint64_t number_ = 0;  // number of the tick
 };
 
 }  // namespace enamel::fmi

@@ -1,4 +1,4 @@
-// What every unit has: variables that a master reads and writes by their references, modes, and a state.
+// Common parts of all units: variables that a master accesses by reference, modes, and a state.
 #pragma once
 
 #include <memory>
@@ -15,11 +15,11 @@ enum class Phase { instantiated, initialising, stepping, terminated };
 struct Condition {
   std::vector<std::vector<double>> values;  ///< by reference
   Phase phase = Phase::instantiated;
-  double start = 0.0, last = 0.0;  ///< s: of the simulation; of the last communication point
-  bool isNew = true;               ///< an input was set since outputs were computed
+  double start = 0.0, last = 0.0;  ///< s: start of the simulation; last communication point
+  bool isNew = true;               ///< an input was set after the last computation of outputs
 };
 
-/// What a unit needs to continue bit for bit. Each kind of unit adds its own part.
+/// State of a unit, sufficient to continue bit for bit. Each kind of unit adds its own part.
 struct UnitState {
   Condition now;
 
@@ -38,22 +38,22 @@ class Unit {
 
   Condition& now() { return now_; }
 
-  /// Ends the initialisation. Throws Error.
+  /// End the initialisation. Throws Error.
   virtual void begin() = 0;
-  /// Moves on by `step` s. Throws Error.
+  /// Advance by `step` s. Throws Error.
   virtual void step(double step) = 0;
 
-  /// Reads and writes variables of a type: double, std::int32_t or bool. Throws Error: no such variable, one of another
-  /// type; another number of values; set(): not finite, or a variable that cannot be set now.
+  /// Read variables of a type (double, std::int32_t or bool); set() writes them. Throws Error: an unknown variable, or
+  /// one of another type; a wrong number of values; for set(): not finite, or a variable that cannot be set now.
   template <typename T>
   void get(const Reference references[], std::size_t count, T values[], std::size_t valueCount);
   template <typename T>
   void set(const Reference references[], std::size_t count, const T values[], std::size_t valueCount);
 
   virtual std::unique_ptr<UnitState> copyState() const = 0;
-  /// `state`: of copyState() or stateOf() of a unit from the same file.
+  /// Restore a state. `state`: from copyState() or stateOf() of a unit from the same file.
   virtual void putState(const UnitState& state) = 0;
-  /// Throws Error: not every unit has these; bytes of another unit.
+  /// Convert a state to bytes, and back. Throws Error: this kind of unit has no bytes; bytes of another unit.
   virtual std::string bytesOf(const UnitState& state) const;
   virtual std::unique_ptr<UnitState> stateOf(const std::string& bytes) const;
 
@@ -76,9 +76,9 @@ class Unit {
   Condition now_;
 
  private:
-  virtual void refresh() {}  // outputs that follow from inputs at once
+  virtual void refresh() {}  // computes outputs that depend directly on inputs
 
-  // Calls visit(variable, its numbers, place of the first in the caller's array) for each reference.
+  // Call visit(variable, its numbers, index of the first one in the caller's array) for each reference.
   template <typename T, typename Visit>
   void eachValue(const Reference references[], std::size_t count, std::size_t valueCount, const Visit& visit);
 

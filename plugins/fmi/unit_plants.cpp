@@ -1,4 +1,4 @@
-// Compiled once for each binary: one is linked with Simbody, the other is not.
+// Compiled once for each binary: only one of them is linked with Simbody.
 #include "unit_plants.hpp"
 
 #ifdef ENAMEL_SIMBODY

@@ -1,4 +1,4 @@
-// The plants that a unit's binary has beside those of sim.
+// Plants of a unit's binary in addition to those of sim.
 #pragma once
 
 #include "enamel/sim/plant_maker.hpp"

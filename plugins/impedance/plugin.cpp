@@ -1,4 +1,4 @@
-// The spring wall of enamel::ImpedanceRenderer as a plugin.
+// enamel::ImpedanceRenderer, the spring wall, as a plugin.
 #include "enamel/plugin/author.hpp"
 #include "enamel/render/impedance.hpp"
 

@@ -1,5 +1,4 @@
-// The position servos of enamel::PositionControlRenderer (mode surface) and enamel::HoldRenderer (mode hold) as
-// a plugin.
+// enamel::PositionControlRenderer (mode surface) and enamel::HoldRenderer (mode hold) as a plugin.
 #include <cmath>
 
 #include "enamel/control/device_plant.hpp"
@@ -78,7 +77,7 @@ class PositionControl {
   std::shared_ptr<const enamel::Mechanism> mechanism_;
   bool surface_ = true;
   int low_ = 0, high_ = 0;                  // delay, ticks
-  std::optional<enamel::ServoFile> servo_;  // given, of mode hold
+  std::optional<enamel::ServoFile> servo_;  // given servo of mode hold
   enamel::HoldOptions hold_;
 };
 

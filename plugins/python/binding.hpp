@@ -1,4 +1,4 @@
-// What the files of the Python module share: checked arrays in, tables and views out.
+// Shared by the files of the Python module: checks of arrays, tables and views.
 #pragma once
 
 #include <pybind11/eigen.h>
@@ -22,34 +22,35 @@ namespace enamel::python {
 
 namespace py = pybind11;
 
-/// A device file, or what was made of one: a Mechanism with the parameters that it came from.
+/// A device file and its mechanism.
 struct Device {
   DeviceParameters parameters;
   std::shared_ptr<const Mechanism> mechanism;
 };
 
-/// Numbers as they come, converted to double and to rows one after the other where they are not.
+/// Numbers; other types and memory layouts are converted to double, row by row.
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 std::string shapeOf(const Array& array);
 
-/// Throws ValueError, with what was given: an array that has not the shape (-1: any).
+/// Check the shape of an array (-1: any size). Throws ValueError, which names the given shape.
 void requireShape(const Array& array, const char* name, std::initializer_list<py::ssize_t> shape, const char* unit);
 
-/// Vectors of fixed size. Throws ValueError: another shape.
+/// Convert to vectors of fixed size. Throws ValueError: another shape.
 Vec3 vec3(const Array& array, const char* name, const char* unit);
 Vec6 vec6(const Array& array, const char* name, const char* unit);
 JointVector joints(const Array& array, int count, const char* name, const char* unit);
-/// Position and rotation matrix; no rotation: that of W. Throws ValueError: another shape, or no rotation.
+/// Make a pose from position and rotation matrix (default: the axes of W). Throws ValueError: another shape; not a
+/// rotation.
 Pose poseOf(const Array& position, const std::optional<Array>& rotation);
 
-/// Throws Error naming what was asked of whom, unless the status is ok.
+/// Check a status. Throws Error, which names `what`, unless the status is ok.
 void require(Status status, const std::string& what);
 
-/// Warns with a DeprecationWarning; throws error_already_set where warnings are errors. Needs the GIL.
+/// Issue a DeprecationWarning. Throws error_already_set if warnings are errors. Needs the GIL.
 void warnDeprecated(const std::string& text);
 
-/// An array over memory that `owner` keeps, without a copy.
+/// Return an array over memory that `owner` keeps alive, without a copy.
 template <typename T>
 py::array view(const T* data, std::vector<py::ssize_t> shape, const py::handle& owner) {
   py::array array(py::dtype::of<T>(), std::move(shape), data, owner);
@@ -57,40 +58,40 @@ py::array view(const T* data, std::vector<py::ssize_t> shape, const py::handle& 
   return array;
 }
 
-/// Owns a value for arrays that look into it.
+/// Owns a value that arrays refer to.
 template <typename T>
 py::capsule keep(std::unique_ptr<T> value) {
   T* const raw = value.release();
   return py::capsule(raw, [](void* pointer) { delete static_cast<T*>(pointer); });
 }
 
-/// A row of what contact queries answer. In W.
+/// A row of the result of contact queries. In W.
 struct ContactRow {
-  std::int64_t pose;                               // number of the pose that was asked about
-  std::int32_t obstacle, part, triangle, feature;  // as Contact
+  std::int64_t pose;                               // number of the queried pose
+  std::int32_t obstacle, part, triangle, feature;  // as in Contact
   double gap, point[3], normal[3], velocity[3];
 };
 ContactRow rowOf(std::int64_t pose, const Contact& contact) noexcept;
 
-/// A structured NumPy array over rows, without a copy.
+/// Return a structured NumPy array over rows, without a copy.
 py::array arrayOf(std::vector<ContactRow> rows);
 
-/// A table with named columns, as a structured NumPy array without a copy: rows are of 8-byte numbers.
+/// A table with named columns that becomes a structured NumPy array without a copy. Rows consist of 8-byte numbers.
 class Table {
  public:
-  /// A column of numbers, or of arrays of a shape; `kind` is "f8", "i8" or "u8".
+  /// Add a column of numbers, or of arrays of a shape; `kind` is "f8", "i8" or "u8".
   void column(const char* name, std::vector<int> shape = {}, const char* kind = "f8");
   void add(double number) { numbers_.push_back(number); }
   void add(std::int64_t number) { addBits(number); }
   void add(std::uint64_t number) { addBits(number); }
   template <typename Derived>
-  void add(const Eigen::MatrixBase<Derived>& m) {  // row after row
+  void add(const Eigen::MatrixBase<Derived>& m) {  // row by row
     for (Eigen::Index i = 0; i < m.rows(); ++i)
       for (Eigen::Index j = 0; j < m.cols(); ++j) numbers_.push_back(m(i, j));
   }
-  /// A joint vector of a column of `width`, filled with NaN where it is shorter.
+  /// Add a joint vector to a column of `width`; missing entries are NaN.
   void addJoints(const JointVector& v, int width);
-  /// Ends the table. Needs the GIL.
+  /// Complete the table. Needs the GIL.
   py::array finish();
 
  private:
@@ -110,7 +111,7 @@ class Table {
   std::vector<double> numbers_;
 };
 
-// Each file adds its own; classes come before the functions that name them.
+// Each file adds its parts. Classes must be added before functions that use them.
 void addDevice(py::module_& m);
 void addScene(py::module_& m);
 void addRenderers(py::module_& m);

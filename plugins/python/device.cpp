@@ -1,4 +1,4 @@
-// Devices and their kinematics in Python. Every function says what the header says.
+// Devices and their kinematics in Python. The headers in lib/include describe the functions.
 #include "binding.hpp"
 #include "enamel/core/error.hpp"
 #include "enamel/device/device_file.hpp"
@@ -13,7 +13,7 @@ Device deviceOf(DeviceParameters parameters) {
 
 template <typename Member>
 void addVector(py::class_<Kinematics>& c, const char* name, Member member, const char* doc) {
-  c.def_readonly(name, member, doc);  // an array that looks into the object
+  c.def_readonly(name, member, doc);  // an array that refers to the object
 }
 
 void addKinematics(py::module_& m) {

@@ -1,4 +1,4 @@
-// Functions with many options: each option is a member of a struct, given by its name in Python.
+// Functions with many options: each option is a member of a struct, with its name in Python.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace enamel::python {
 
-/// What help() calls a type.
+/// Name of a type in help().
 template <typename T>
 struct TypeName {
   static std::string text() {
@@ -58,11 +58,11 @@ struct TypeName<std::optional<T>> {
 template <typename T>
 struct TypeName<std::shared_ptr<T>> : TypeName<T> {};
 
-/// The options of a function: members of Options, which states their defaults.
+/// The options of a function: members of Options, whose initial values are the defaults.
 template <typename Options>
 class Keywords {
  public:
-  /// `function`: its name, for messages. Options that are not `byNameOnly` can also be given by their place.
+  /// `function`: its name for messages. If not `byNameOnly`, options can also be positional.
   explicit Keywords(std::string function, bool byNameOnly = true)
       : function_(std::move(function)), byNameOnly_(byNameOnly) {}
 
@@ -81,7 +81,7 @@ class Keywords {
     return *this;
   }
 
-  /// Throws TypeError: an option that there is not, twice the same, a value of another type.
+  /// Read the options. Throws TypeError: an unknown option, a repeated one, a value of another type.
   Options read(const py::kwargs& named) const { return read(py::args(), named); }
   Options read(const py::args& placed, const py::kwargs& named) const {
     if (placed.size() > entries_.size()) throw py::type_error(function_ + "() got too many arguments");
@@ -97,8 +97,8 @@ class Keywords {
     return options;
   }
 
-  /// The docstring, which begins with the function's signature, as pybind11 writes it for others. `before`: arguments
-  /// before the options. For functions under disable_function_signatures().
+  /// Return the docstring, which begins with the function's signature as pybind11 writes it. `before`: arguments before
+  /// the options. For functions under disable_function_signatures().
   std::string documented(const std::string& before, const std::string& result, const char* text) const {
     std::string signature = function_ + "(" + before + (byNameOnly_ ? ", *" : "");
     for (const Entry& entry : entries_) signature += ", " + entry.signature;
@@ -130,7 +130,7 @@ class Keywords {
   std::vector<Entry> entries_;
 };
 
-/// The arguments of push(), judge() and trials() before their options, for documented().
+/// Return the arguments of push(), judge() and trials() before their options, for documented().
 inline std::string deviceAnd(const char* other) {
   return "device: " + TypeName<Device>::text() + ", " + other + ": object";
 }

@@ -1,4 +1,4 @@
-// The Python module enamel._enamel: errors, names of numbers, and what the other files add.
+// The Python module enamel._enamel: errors, names of enumerators, and the parts of the other files.
 #include <cstdlib>
 
 #include "binding.hpp"
@@ -18,14 +18,14 @@ py::tuple namesUpTo(Enum last) {
   return py::tuple(names);
 }
 
-// pybind11 takes NumPy 2 for NumPy 1 before its version 2.12: arrays would have wrong contents.
+// pybind11 before 2.12 takes NumPy 2 for NumPy 1, and arrays would have wrong contents.
 void refuseNumpy2() {
 #if PYBIND11_VERSION_HEX < 0x020C0000
   std::string version;
   try {
     version = py::str(py::module_::import("numpy").attr("__version__"));
   } catch (const py::error_already_set&) {
-    return;  // what needs arrays says that NumPy is missing
+    return;  // functions that need arrays report the missing NumPy
   }
   if (std::atoi(version.c_str()) >= 2)
     throw py::import_error(
@@ -43,7 +43,7 @@ PYBIND11_MODULE(_enamel, m) {
   using namespace enamel;
   python::refuseNumpy2();
   m.doc() = "Stiff contact on haptic devices. SI units; W: x right, y up, z from the wall towards the user.";
-  // The last that is registered is tried first.
+  // The translator that is registered last is tried first.
   const auto error = py::register_exception<Error>(m, "Error", PyExc_RuntimeError);
   py::register_exception<PluginError>(m, "PluginError", error);
   py::register_exception<DesignError>(m, "DesignError", error);

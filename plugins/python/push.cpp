@@ -9,7 +9,7 @@
 namespace enamel::python {
 namespace {
 
-/// As the options of `enamel push`, SI.
+/// The options of `enamel push`, SI.
 struct PushOptions {
   std::shared_ptr<SceneFile> scene;
   int scenario = 1;

@@ -41,7 +41,7 @@ class Recording {
       RecordedChunk chunk;
       for (std::uint64_t i = 0; i < reader_.chunks(); ++i) {
         if (const std::string problem = reader_.read(i, chunk); !problem.empty()) {
-          if (i + 1 == reader_.chunks()) break;  // cut off
+          if (i + 1 == reader_.chunks()) break;  // an incomplete last chunk
           throw Error(problem);
         }
         for (const RecordedTick& t : chunk.ticks) add(t, n, kinematics, table);

@@ -25,7 +25,7 @@ void Failure::rethrow() {
 
 namespace {
 
-// May be let go on any thread.
+// Share an object that any thread may release.
 std::shared_ptr<py::object> shared(py::object object) {
   return {new py::object(std::move(object)), [](py::object* kept) {
             const py::gil_scoped_acquire acquire;
@@ -33,8 +33,7 @@ std::shared_ptr<py::object> shared(py::object object) {
           }};
 }
 
-/// A renderer whose controller is a Python object: for experiments, not for real time. It has no state that could be
-/// saved.
+/// A renderer whose controller is a Python object: for experiments, not for real time. Its state cannot be saved.
 class ScriptedRenderer final : public Renderer {
  public:
   ScriptedRenderer(std::shared_ptr<py::object> self, std::shared_ptr<Failure> failure)
@@ -108,7 +107,7 @@ namespace {
 RendererRecipe positionControl(const Device& device, double period, const Delays& delay, const std::string& plant) {
   const auto model = makeMechanism(modelFor(plantName(plant), device.parameters));
   const PositionControlOptions options = positionControlFor(*model, period, delay.first, delay.second);
-  PositionControlRenderer{options};  // refuses here what a run would refuse
+  PositionControlRenderer{options};  // fail now rather than in a run
   return {"position-control", [options] { return std::make_unique<PositionControlRenderer>(options); }};
 }
 

@@ -1,4 +1,4 @@
-// Renderers for runs from Python: linked ones, plugins, and those that are written in Python.
+// Renderers for runs from Python: linked renderers, plugins, and renderers written in Python.
 #pragma once
 
 #include <exception>
@@ -11,13 +11,13 @@ namespace enamel::python {
 
 using Delays = std::pair<int, int>;  // smallest and largest, ticks
 
-/// How to make a renderer: a run makes its own, so that runs share no state.
+/// Makes a renderer. Each run makes its own, so that runs share no state.
 struct RendererRecipe {
   std::string name;
   MakeRenderer make;
 };
 
-/// Keeps the first exception of the Python renderers of one call: they cannot throw in a tick. Any thread.
+/// Keeps the first exception of the Python renderers during one call, because they cannot throw in a tick. Any thread.
 class Failure {
  public:
   void keep(std::exception_ptr error);
@@ -28,8 +28,8 @@ class Failure {
   std::exception_ptr first_;
 };
 
-/// Makes renderers from what a user handed over: a RendererRecipe, or a callable that makes one or a PythonRenderer.
-/// Throws TypeError: neither.
+/// Return a maker of renderers from the user's argument: a RendererRecipe, or a callable that returns a recipe or a
+/// PythonRenderer. Throws TypeError: anything else.
 MakeRenderer makerOf(const py::object& renderer, const std::shared_ptr<Failure>& failure);
 
 }  // namespace enamel::python

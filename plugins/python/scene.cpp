@@ -1,4 +1,4 @@
-// Scenes, meshes and contacts in Python. Every function says what the header says.
+// Scenes, meshes and contacts in Python. The headers in lib/include describe the functions.
 #include <limits>
 
 #include "enamel/collision/contacts.hpp"

@@ -1,4 +1,4 @@
-// What pushes, studies and trials from Python have in common.
+// Shared by pushes, studies and trials from Python.
 #pragma once
 
 #include "enamel/sim/plant_maker.hpp"
@@ -6,16 +6,17 @@
 
 namespace enamel::python {
 
-/// The encoders of a run; `rates`: exact, difference, low-pass, or "" for the usual one. Throws Error: another one.
+/// Return the encoders of a run; `rates`: exact, difference, low-pass, or "" for the default. Throws Error: another
+/// text.
 EncoderOptions encodersOf(bool encoders, const std::string& rates, double lowPass);
 
-/// The name of a plant, also given by its old one, with a warning.
+/// Return the name of a plant. An old name gives a warning.
 std::string plantName(const std::string& plant);
 
-/// The plant of a device, as --plant. Throws Error: as plantMaker().
+/// Return the maker of a plant, as --plant. Throws Error: as plantMaker().
 MakePlant plantOf(const std::string& plant, const DeviceParameters& parameters, VirtualDeviceSetup& setup);
 
-/// 0: all that there are.
+/// Return the number of threads; 0: all available ones.
 int threadsOf(int threads);
 
 }  // namespace enamel::python

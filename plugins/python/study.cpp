@@ -9,7 +9,7 @@
 namespace enamel::python {
 namespace {
 
-/// As the options of `enamel study`, SI.
+/// The options of `enamel study`, SI.
 struct StudyOptions {
   std::vector<int> scenarios{1, 2};
   int grid = 11;

@@ -1,4 +1,4 @@
-// How a renderer does on a wall, in Python: judge() and trials().
+// Performance of a renderer on a wall in Python: judge() and trials().
 #include "enamel/study/wall_design.hpp"
 #include "enamel/study/wall_trials.hpp"
 #include "keywords.hpp"

@@ -1,6 +1,6 @@
-/* A renderer plugin in plain C, to copy: a wall that pushes the tool out with a spring and a damper along each
- * contact's normal. It answers the wrench on the tool; the host balances gravity and turns it into joint torques, so it
- * runs on any mechanism. ../AUTHORS.md has the contract.
+/* A template for renderer plugins in plain C: a wall with a spring and a damper along each contact's normal. It returns
+ * the wrench on the tool. The host adds gravity and converts the wrench to joint torques, so that the plugin runs on
+ * any mechanism. ../AUTHORS.md has the contract.
  *
  * Build it with the installed package:  find_package(Enamel REQUIRED)  enamel_add_plugin(my_wall plugin.c)
  */
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what it is ---- */
+/* ---- description ---- */
 
 static const EnamelParameter kParameters[] = {
     {"stiffness", "2000", "of the wall, N/m"},
@@ -25,7 +25,7 @@ static const EnamelDescription* describe(void) { return &kDescription; }
 
 /* ---- an instance ---- */
 
-/* Everything that changes from tick to tick, in one block without padding: save, load and compare are then copies of
+/* All state that changes from tick to tick, in one block without padding: it can be saved, loaded and compared as
  * bytes. */
 typedef struct State {
   double last_time; /* s */
@@ -46,7 +46,7 @@ static void* create(void) { return calloc(1, sizeof(Wall)); }
 
 static void destroy(void* self) { free(self); }
 
-/* ---- setup: may allocate, read files and take its time ---- */
+/* ---- setup: may allocate, read files and take long ---- */
 
 static int32_t read_number(const EnamelParameter* given, double low, double high, double* value) {
   char* end = NULL;
@@ -100,7 +100,7 @@ static void deactivate(void* self) { ((Wall*)self)->active = 0; }
 
 /* ---- tick: no allocation, no lock, no file ---- */
 
-/* Finite, and no larger than a device can make it. */
+/* Check that values are finite and physically possible. */
 static int32_t check_numbers(const double* values, int count, double limit) {
   int i;
   for (i = 0; i < count; ++i)
@@ -150,7 +150,7 @@ static int32_t step(void* self, const EnamelTickInput* input, EnamelTickOutput* 
   wall->state.last_time = input->time;
   output->mode = ENAMEL_FREE;
   output->answer = ENAMEL_WRENCH;
-  for (i = 0; i < input->contact_count && input->contacts[i].gap < 0.0; ++i) { /* the deepest come first */
+  for (i = 0; i < input->contact_count && input->contacts[i].gap < 0.0; ++i) { /* sorted by gap, deepest first */
     const EnamelContact* contact = &input->contacts[i];
     double arm[3], spin[3], velocity[3], moment[3], force;
     for (k = 0; k < 3; ++k) arm[k] = contact->point[k] - input->position[k];

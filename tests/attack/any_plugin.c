@@ -1,5 +1,5 @@
-/* A plugin that answers with the bytes that the environment variable ENAMEL_ATTACK_BYTES points to ("ADDRESS SIZE", in
- * this process): any description, any result, any output. */
+/* A plugin with arbitrary description, results and outputs. It takes them from the bytes at ENAMEL_ATTACK_BYTES, an
+ * environment variable with "ADDRESS SIZE" in this process. */
 #include <enamel/plugin/abi.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -58,7 +58,7 @@ static void* create(void) {
 }
 
 static int32_t say(EnamelMessage message) {
-  if (message.text != NULL && any() % 2 == 0) take(message.text, message.size); /* it may lack its end */
+  if (message.text != NULL && any() % 2 == 0) take(message.text, message.size); /* possibly unterminated */
   return any_result();
 }
 

@@ -1,5 +1,4 @@
-// Every input that a fuzzer found and that was kept, on the surface that it is for. An input that breaks a promise ends
-// the program.
+// Runs every stored input of the fuzzer on its surface. An input that violates a promise ends the program.
 #include <filesystem>
 
 #include "attack/surfaces.hpp"

@@ -1,4 +1,4 @@
-// The host of plugins, with a plugin that answers anything (any_plugin.c), in a haptic tick.
+// The host of plugins in a haptic tick, with a plugin that returns arbitrary results (any_plugin.c).
 #include <cstdio>
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
-// The two ends of a wire, and an attacker on it who loses, delays, repeats, changes and invents datagrams. The attacker
-// does not have the key.
+// The two ends of a UDP link, and an attacker between them that loses, delays, repeats, changes and forges datagrams.
+// The attacker does not have the key.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -18,7 +18,7 @@ const Mechanism& device() {
   return *made;
 }
 
-constexpr double kCommand = 1.0;  // N, all that the client ever commands
+constexpr double kCommand = 1.0;  // N, the client's only command
 
 class Ends {
  public:

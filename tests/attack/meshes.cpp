@@ -1,4 +1,4 @@
-// Mesh files of each format, and what is made of the meshes that are accepted: contacts, a solid, cuts.
+// Mesh files of each format, and uses of the accepted meshes: contacts, a solid, cuts.
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -47,7 +47,7 @@ void useSolid(const MeshModel& model, const Vec3& middle, double size) {
     require(std::isfinite(removed) && removed >= 0.0, "a cut adds nothing");
     solid.restore();
     require(std::abs(solid.volume()[0] - before) <= 1e-9 * std::abs(before), "restore() puts all back");
-  } catch (const Error&) {  // not closed
+  } catch (const Error&) {  // the mesh is not closed
   }
 }
 

@@ -1,4 +1,4 @@
-// The C interface of plugins: any order of calls on several instances, with any numbers.
+// The C interface of plugins: calls in any order on several instances, with any numbers.
 #include <array>
 #include <cmath>
 #include <string>
@@ -7,7 +7,7 @@
 #include "enamel/plugin/abi.h"
 #include "surfaces.hpp"
 
-// Each plugin is compiled here under a name of its own.
+// Each plugin is compiled into this program under its own name.
 extern "C" const EnamelPlugin* impedance_plugin();
 extern "C" const EnamelPlugin* position_control_plugin();
 extern "C" const EnamelPlugin* template_plugin();
@@ -111,7 +111,7 @@ class Calls {
   }
   void step(Instance& instance, Numbers& numbers) {
     EnamelTickInput input = good(instance, numbers);
-    if (numbers.pick(3) == 0) {  // some bytes are any
+    if (numbers.pick(3) == 0) {  // replace some bytes by arbitrary ones
       auto* const bytes = reinterpret_cast<unsigned char*>(&input);
       for (int changes = 1 + numbers.pick(4); changes > 0; --changes) {
         const std::size_t at = numbers.next<std::uint16_t>() % (sizeof(input) / 8);

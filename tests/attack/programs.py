@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """Attacks the programs from outside: full and read-only disks, killed processes, pages with hostile names.
 
-programs.py --tool ENAMEL --surface disk|kill|pages --seconds S --state FOLDER draws scenarios from a seed that counts up;
-FOLDER/seed holds the next one. --seed N repeats one. disk: a small tmpfs, in a mount namespace of its own, is filled, out
-of inodes or read-only, or the size of files is limited; a command ends with its whole output or with one line that names
-the file, and works once there is room. kill: signals at random moments; the finished files have the bytes of an undisturbed
-run. pages: reports, comparisons and recordings in Chromium; no name becomes an element, a script or a request. Status: 0
-passed, 1 a failure (its folder stays), 4 the surface cannot run here."""
+    programs.py --tool ENAMEL --surface disk|kill|pages --seconds S --state FOLDER
+
+Each scenario comes from a seed that counts up; FOLDER/seed contains the next one. --seed N repeats one scenario. Surfaces:
+
+- disk: a small tmpfs in a separate mount namespace is full, read-only or without inodes, or the size of files is limited.
+  A command must end with its whole output, or with one line that names the file. It must work once there is room.
+- kill: signals arrive at random times. The finished files must have the bytes of an undisturbed run.
+- pages: reports, comparisons and recordings in Chromium. No name may become an element, a script or a request.
+
+Status: 0: passed; 1: a failure, whose folder is kept; 4: the surface cannot run here."""
 import argparse
 import collections
 import contextlib
@@ -29,8 +33,8 @@ from pathlib import Path
 
 DATA = Path(__file__).resolve().parent.parent.parent / "data"
 DEVICE = ["--device", str(DATA / "devices/tau-nominal.toml")]
-LIMIT = 120.0  # s: a command that takes longer hangs
-PROGRESS = re.compile(r"\d+ of \d+ runs|[a-z-]+, delay |enamel: warning: ")  # on stderr beside errors
+LIMIT = 120.0  # s: a slower command counts as hanging
+PROGRESS = re.compile(r"\d+ of \d+ runs|[a-z-]+, delay |enamel: warning: ")  # lines on stderr that are not errors
 BLOCK = """name = {5}\nstart = [0.0, 0.0, 0.004]\n[[tool]]\nfrom = [0.0, 0.0, 0.001]\nradius = 0.001\n[bur]\npart = 0
 wear = 0.5\n[[obstacle]]\nname = {6}\nshape = "solid"\nfile = "cube.obj"\nunit = "mm"\ncell = 0.0005
 position = [-0.0045, -0.0045, -0.009]\n[[obstacle.layer]]\nname = {7}\nhardness = 3.0e9\n[[obstacle.layer]]\nname = {8}
@@ -59,7 +63,7 @@ def need(condition, expected, happened):
 
 
 def contents(names, base):
-    """All files of these names, and below the folders of these names."""
+    """Return the contents of the files with these names, and of all files in folders with these names."""
     files = [f for n in names for f in ((base / n).rglob("*") if (base / n).is_dir() else [base / n]) if f.is_file()]
     return {str(f.relative_to(base)): f.read_bytes() for f in files}
 
@@ -74,7 +78,7 @@ class Job:
         files = [["out.rec"], ["out.csv"], ["out.csv", "out.rec"]][draw.randrange(3)]
         self.outputs = files if self.kind == "push" else ["out" + ends.get(self.kind, ".json")]
         self.isStudy = self.kind in ("study", "compare")
-        self.resume = ["--resume" if self.isStudy else "--overwrite"]  # goes on where it was disturbed
+        self.resume = ["--resume" if self.isStudy else "--overwrite"]  # continues after the disturbance
         self.args = {
             "push": ["push", *DEVICE, "--renderer", renderer, *seed, "--device-damping", "4", "--duration", draw.choice(["1.1", "3"]),
                      *sum((["--record" if n.endswith("rec") else "--output", n] for n in files), [])],
@@ -92,14 +96,14 @@ class Job:
 
 
 class Attack:
-    plain = {}  # by kind of page: the elements of one with harmless names
+    plain = {}  # by kind of page: the elements of a page with harmless names
 
     def __init__(self, tool, seed, folder):
         self.tool, self.folder, self.random = tool, folder, random.Random(seed)
         self.command, self.cleanups, self.note, self.refused = [], [], "", False
 
     def run(self, args, cwd, **options):
-        """Status (minus the signal) and standard error of a command that must not hang."""
+        """Return status (minus the signal) and standard error of a command that must not hang."""
         self.command = [self.tool, *args]
         try:
             done = subprocess.run(self.command, cwd=cwd, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, timeout=LIMIT, **options)
@@ -117,12 +121,12 @@ class Attack:
         need(good, f"one line \"enamel: ...\" that names {' or '.join(names) or 'it'}", repr(text[-600:]))
 
     def inputs(self, place):
-        (place / "cube.obj").write_text(CUBE[:CUBE.rfind("f")])  # open on one side
+        (place / "cube.obj").write_text(CUBE[:CUBE.rfind("f")])  # an open mesh
         (place / "rows.json").write_text(json.dumps([{"q": [1e-3 * i, 0, 0, 0, 0, 0]} for i in range(40)]))
         self.works(["push", *DEVICE, "--duration", "0.5", "--record", "in.rec"], place, "a recording")
 
     def wholeRun(self, job):
-        """What the job writes undisturbed, checked, and how long it takes."""
+        """Run the job undisturbed and check its files. Return them and the time."""
         place = self.folder / "whole"
         place.mkdir()
         self.inputs(place)
@@ -137,7 +141,7 @@ class Attack:
         return files, took
 
     def prepareOld(self, job, place):
-        """With chance 1/2 old results, which the job is to replace."""
+        """With probability 1/2, make old results that the job must replace."""
         if self.random.random() < 0.5:
             return {}
         self.works(["9" if before == "--seed" else a for before, a in zip([""] + job.args, job.args)], place, "an older run")
@@ -148,7 +152,7 @@ class Attack:
         return contents(job.outputs, place)
 
     def checkRest(self, job, place, old, whole, most):
-        """Single files are whole; study and compare remove results before they begin, a new recording grows."""
+        """Check that single files are whole. Study and compare remove results before they begin; a new recording grows."""
         left = [str(f) for f in place.rglob("*.part")]
         need(len(left) <= most, f"at most {most} files *.part", f"{len(left)}: {left[:3]}")
         for name in job.outputs if not job.isStudy else ():
@@ -157,10 +161,10 @@ class Attack:
             need(grows or now in (old.get(name), whole[name]), f"{name} as it was or as it becomes", f"{now and len(now)} bytes")
 
     def finish(self, job, place, whole):
-        """The disturbed job goes on and ends with the bytes of an undisturbed one."""
+        """Continue the disturbed job; it must end with the bytes of an undisturbed one."""
         args = [a for a in job.args if a != "--overwrite"]
         status, text = self.run(args + job.resume, place)
-        if status != 0 and "holds another study" in text:  # it was disturbed before it replaced that
+        if status != 0 and "holds another study" in text:  # it was disturbed before it replaced the older study
             self.oneLine(text, ["out"])
             status, text = self.run(args + ["--overwrite"], place)
         need(status == 0, "the next run ends with 0", f"{status}: {text[-600:]}")
@@ -170,7 +174,7 @@ class Attack:
     # ---- disk ----
 
     def disturb(self, how, place, free, stop):
-        """Takes the room, the inodes or the right to write; `free` bytes are left."""
+        """Take away space, inodes or write permission; `free` bytes remain."""
         if how in ("small", "full"):
             more = os.statvfs(place).f_bavail * os.statvfs(place).f_frsize - free
             with contextlib.suppress(OSError), open(place / "filler", "wb", buffering=0) as file:
@@ -181,7 +185,7 @@ class Attack:
             subprocess.run(["mount", "-o", f"remount,nr_inodes={used + free % 4}", str(place)], stderr=subprocess.DEVNULL)
         while how == "read-only" and not stop.is_set() and subprocess.run(
                 ["mount", "-o", "remount,ro", str(place)], stderr=subprocess.DEVNULL).returncode != 0:
-            time.sleep(0.002)  # a file is being written
+            time.sleep(0.002)  # while a file is being written
 
     def disk(self):
         job = Job(self.random, "push push study study compare design mesh prepare fmu replay evaluate".split())
@@ -190,7 +194,7 @@ class Attack:
         how = self.random.choice(["small", "full", "inodes", "read-only", "limit", "other user"])
         place.mkdir()
         if how not in ("limit", "other user") and os.environ["ENAMEL_ATTACK_MOUNTS"] == "yes":
-            room = (4 * size + (12 << 20)) // 1024  # study needs 8 MB before it begins
+            room = (4 * size + (12 << 20)) // 1024  # study checks for 8 MB before it begins
             subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={room}k,nr_inodes=200", "none", str(place)], check=True)
             self.cleanups.append(lambda: subprocess.run(["umount", "-l", str(place)]))
         elif how != "other user":
@@ -233,7 +237,7 @@ class Attack:
     # ---- kill ----
 
     def start(self, args, place, latest, container):
-        """The process, when it gets a signal, and which."""
+        """Start the process. Return it with the time and the kind of its signal."""
         wrap = ["unshare", "-p", "-f", "--kill-child", "--"] if container else []  # the same process number every time
         self.command = [*wrap, self.tool, *args]
         process = subprocess.Popen(self.command, cwd=place, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
@@ -268,7 +272,7 @@ class Attack:
             (place / name).write_bytes(data)
         parts = self.random.choice([1, 1, 2, 3]) if job.kind == "study" and not old else 1
         together = 2 if job.isStudy and parts == 1 and self.random.random() < 0.3 else 1
-        mixed = parts > 1 and self.random.random() < 0.4  # begins without --part
+        mixed = parts > 1 and self.random.random() < 0.4  # starts without --part
         container = os.geteuid() == 0 and self.random.random() < 0.3
         kills, times = 0, self.random.randint(1, 12)
         self.note = f"{parts} parts, {together} at once, {times} times{', one process number' * container}"
@@ -280,12 +284,12 @@ class Attack:
                        for i in range(parts if isSplit else together)]
             for one in sorted(started, key=lambda s: s[1]):
                 kills += self.end(*one, together > 1 or mixed or bool(old and job.isStudy))
-            time.sleep(0.05 if container else 0.0)  # the program outlives what stands around it for an instant
+            time.sleep(0.05 if container else 0.0)  # the program may outlive its container for an instant
             self.checkRest(job, place, old, whole, kills * len(job.outputs))
             for name in job.outputs:
                 if name.endswith("rec") and (place / name).exists():
                     status, text = self.run(["replay", name], place)
-                    isShort = status == 1 and (place / name).stat().st_size < 65536  # not one whole chunk
+                    isShort = status == 1 and (place / name).stat().st_size < 65536  # less than one chunk
                     need(status == 0 or isShort, "a killed recording replays equal", f"{status}: {text[-600:]}")
         for i in range(parts if parts > 1 else 0):
             status, text = self.run(job.args + ["--part", f"{i + 1}/{parts}"], place)
@@ -308,7 +312,7 @@ class Attack:
         return os.fsencode(name)[:150].decode(errors="surrogateescape")
 
     def makePage(self, names, place, kind):
-        """A page with these names in it; None: a command refused a name in one line."""
+        """Return a page that contains these names; None: a command rejected a name in one line."""
         place.mkdir()
         device, servo, scene, out = (str(place / (names[i] + end)) for i, end in enumerate((".toml", ".json", "-scene.toml", "")))
         quoted = [json.dumps(name).replace("\x7f", "\\u007f") for name in names]
@@ -336,7 +340,7 @@ class Attack:
         return Path(page)
 
     def open(self, page):
-        """The elements that the browser has made of a page, and what it says on the console."""
+        """Return the elements of a page in the browser, and the console output."""
         self.command = ["chromium", "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
                         "--disable-background-networking", "--disable-component-update", "--no-first-run", "--enable-logging=stderr",
                         f"--user-data-dir={self.folder / 'browser'}", "--virtual-time-budget=3000", "--dump-dom", page.as_uri() + "#t=0.5"]
@@ -384,13 +388,13 @@ class Attack:
 
 
 class Elements(html.parser.HTMLParser):
-    """The elements of a page as the browser dumps it."""
+    """Elements of a page as dumped by the browser."""
 
     def __init__(self, text):
         super().__init__()
         self.kinds, self.counts, self.of = set(), collections.Counter(), {"html": {}, "body": {}}
         self.title = self.text = self.inside = ""
-        self.values = []  # of the rows of a replay's panel
+        self.values = []  # values in the rows of a replay's panel
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
@@ -411,7 +415,7 @@ class Elements(html.parser.HTMLParser):
 
 
 def startInOwnMounts():
-    """Starts again in a mount namespace of its own, where that is possible; returns otherwise."""
+    """Restart in a separate mount namespace if possible; otherwise return."""
     wrap = ["unshare", "-m" if os.geteuid() == 0 else "-rm"]
     test = "t=$(mktemp -d) && mount -t tmpfs -o size=64k none $t && umount $t; s=$?; rmdir $t; exit $s"
     isAble = shutil.which("unshare") and subprocess.run([*wrap, "sh", "-c", test], stderr=subprocess.DEVNULL).returncode == 0

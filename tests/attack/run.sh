@@ -1,8 +1,8 @@
 #!/bin/sh
-# Attacks every surface for some minutes, as many at once as there are processors, and goes on where it was stopped:
+# Attacks every surface for some minutes, one per processor at a time. It continues where it was stopped:
 #   sh tests/attack/run.sh [--minutes 10] [SURFACE...]
-# build/attack/state/SURFACE has the seconds that were spent, the corpus, and under broken/ what broke a promise. With
-# more minutes the same surfaces go on. README.md beside this file names the surfaces.
+# build/attack/state/SURFACE contains the elapsed seconds, the corpus and, in broken/, inputs that violated a promise.
+# With more minutes the same surfaces continue. README.md beside this file lists the surfaces.
 set -eu
 cd "$(dirname "$0")/../.."
 . cmake/packages.sh

@@ -1,11 +1,11 @@
 #!/bin/sh
-# run.sh's part for one surface: attacks it until its minutes are spent, a slice of at most a minute at a time.
+# Attacks one surface for run.sh, in slices of at most 1 min, until its minutes have elapsed.
 #   sh tests/attack/surface.sh SURFACE MINUTES
 set -eu
 surface=$1 whole=$(($2 * 60)) state=build/attack/state/$1
 mkdir -p "$state/corpus" "$state/broken"
 
-# Attacks for about so many seconds, with random numbers that no earlier call had.
+# Attack for about so many seconds, with random numbers that no earlier call used.
 slice() {
   seed=$(cat "$state/seed" 2>/dev/null || echo 1)
   echo $((seed + 1)) >"$state/seed"

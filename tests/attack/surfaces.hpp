@@ -1,5 +1,5 @@
-// Attack surfaces: functions that take bytes from outside and must not crash, hang or answer nonsense. A fuzzer finds
-// the bytes (fuzzer.cpp), the corpus keeps them, and a test runs all that are kept (corpus.cpp).
+// Attack surfaces: functions that receive bytes from outside. They must not crash, hang or return invalid results. A
+// fuzzer searches for inputs (fuzzer.cpp), the corpus stores them, and a test runs all stored inputs (corpus.cpp).
 #pragma once
 
 #include <cstdio>
@@ -14,34 +14,34 @@ namespace enamel::attack {
 
 struct Surface {
   std::string_view name;
-  void (*attack)(std::string_view bytes);  ///< ends the process where a promise is broken
+  void (*attack)(std::string_view bytes);  ///< ends the process if a promise is violated
 };
 
-/// All surfaces of the program.
+/// Return all surfaces of the program.
 inline std::vector<Surface>& surfaces() {
   static std::vector<Surface> all;
   return all;
 }
 
-/// Adds a surface. One a surface, in the file of its function.
+/// Adds a surface. There is one for each surface, in the file of its function.
 struct Registration {
   Registration(std::string_view name, void (*attack)(std::string_view)) { surfaces().push_back({name, attack}); }
 };
 
-/// Ends the process where a promise is broken.
+/// End the process if a promise is violated.
 inline void require(bool holds, const char* promise) {
   if (holds) return;
   std::fprintf(stderr, "broken: %s\n", promise);
   std::abort();
 }
 
-/// Torques are finite and within the limits.
+/// Require finite torques within the limits.
 inline void requireWithin(const JointVector& torque, const JointVector& limits) {
   require(torque.size() == limits.size() && torque.allFinite(), "torques are finite");
   require((torque.cwiseAbs() - limits).maxCoeff() <= 0.0, "torques are within the limits");
 }
 
-/// Numbers of any type, read from the front of bytes; zeros where there are no more.
+/// Reads numbers of any type from the front of bytes; zeros after the end.
 class Numbers {
  public:
   explicit Numbers(std::string_view bytes) : left_(bytes) {}
@@ -54,9 +54,9 @@ class Numbers {
     left_.remove_prefix(size);
     return value;
   }
-  /// 0 to `count` - 1.
+  /// Return 0 to `count` - 1.
   int pick(int count) { return next<unsigned char>() % count; }
-  /// Some of the next bytes.
+  /// Return some of the next bytes.
   std::string_view text(std::size_t most) {
     const std::string_view some = left_.substr(0, std::min<std::size_t>(next<unsigned char>(), most));
     left_.remove_prefix(std::min(some.size(), left_.size()));

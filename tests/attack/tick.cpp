@@ -1,5 +1,5 @@
-// A haptic tick between a driver and a host that say anything: measurements, poses and velocities of obstacles, states,
-// cuts, resets, in any order.
+// A haptic tick between an arbitrary driver and host: measurements, poses and velocities of obstacles, states, cuts and
+// resets in any order.
 #include "enamel/render/tick.hpp"
 
 #include <array>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kPeriod = 1e-3;
 
-// All that a tick needs, made once: restart() and restore() bring it back.
+// Everything that a tick needs, made once; restart() and restore() reset it.
 struct Setup {
   explicit Setup(std::unique_ptr<Renderer> madeRenderer, std::shared_ptr<const Mechanism> madeDevice)
       : device(std::move(madeDevice)), renderer(std::move(madeRenderer)) {
@@ -47,7 +47,7 @@ struct Setup {
   std::vector<double> first;
 };
 
-// Springs and position control on a device of three axes, and on one that senses six and drives three.
+// Return springs and position control, on a device with three axes, and on one that senses six and drives three.
 Setup& setupOf(int number) {
   const auto setups = [](const char* file) {
     const std::shared_ptr<const Mechanism> device = makeMechanism(idealOf(loadDevice(test::deviceFile(file))));
@@ -94,7 +94,7 @@ class Session {
   }
 
  private:
-  // Ticks of a hand that moves at a constant speed.
+  // Run ticks of a hand that moves at a constant speed.
   void move(Numbers& numbers) {
     const int ticks = 1 + numbers.pick(20);
     for (int i = 0; i < 3; ++i) m_.rates[i] = 2e-3 * numbers.next<signed char>();
@@ -105,7 +105,7 @@ class Session {
       step(m_);
     }
   }
-  // A tick with one thing in it that no device should say.
+  // Run a tick with one value that no device should report.
   void spoil(Numbers& numbers) {
     Measurement bad = m_;
     bad.time += kPeriod;
@@ -137,7 +137,7 @@ class Session {
     if (obstacle < 2) (void)setup_.scene.move(obstacle, pose, twist);
     if (obstacle == 2) (void)setup_.scene.move(numbers.next<std::int32_t>() | 2, pose, twist);
   }
-  // A state with some numbers changed: what follows need not follow from what was.
+  // Load a state with some changed numbers: the next ticks need not match the earlier ones.
   void jumpBack(Numbers& numbers) {
     std::vector<double> state(setup_.first);
     if (numbers.pick(2) == 0) tick_.saveState(state.data());

@@ -1,5 +1,5 @@
-// A haptic loop over UDP in the middle of an attack on real sockets: a proxy that loses, doubles, delays, changes and
-// replays, and a flood from elsewhere. attack_udp SECONDS SEED.
+// A haptic loop over UDP during an attack on real sockets. A proxy loses, duplicates, delays, changes and replays
+// datagrams, and another address floods both ends. Usage: attack_udp SECONDS SEED.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -22,7 +22,7 @@ namespace enamel::attack {
 
 namespace {
 
-constexpr double kFlood = 1e5;  // datagrams a second
+constexpr double kFlood = 1e5;  // datagrams per second
 std::atomic<bool> ends{false};
 
 int socketAt(std::uint16_t& port) {
@@ -46,7 +46,7 @@ void sendTo(int s, std::uint16_t port, const std::string& bytes) {
   (void)!sendto(s, bytes.data(), bytes.size(), MSG_NOSIGNAL, reinterpret_cast<sockaddr*>(&to), sizeof(to));
 }
 
-// Between client and server; has no key. 5 % of the datagrams are lost, 5 % come late, and forged ones are added.
+// Between client and server, without the key. It loses 5 % of the datagrams, delays 5 %, and adds forged ones.
 class Proxy {
  public:
   Proxy(std::uint16_t server, std::uint64_t seed) : server_(server), random_(seed), socket_(socketAt(port)) {}
@@ -71,7 +71,7 @@ class Proxy {
   }
 
   std::uint16_t port = 0;
-  std::atomic<std::uint16_t> client{0};  // its port, once it has sent something
+  std::atomic<std::uint16_t> client{0};  // the client's port, known after its first datagram
 
  private:
   void pass(const std::string& datagram, std::uint16_t to) {
@@ -101,7 +101,7 @@ class Proxy {
   int socket_;
 };
 
-// From another address, to both ends.
+// Flood both ends from another address.
 std::uint64_t flood(std::uint16_t server, const std::atomic<std::uint16_t>& client, std::uint64_t seed) {
   test::Random random(seed);
   std::uint16_t own = 0;
@@ -120,7 +120,7 @@ std::uint64_t flood(std::uint16_t server, const std::atomic<std::uint16_t>& clie
   return sent;
 }
 
-// The motors: what they are told is within the limits.
+// The motors: commands must be within the limits.
 class Motors final : public HapticDevice {
  public:
   Motors(HapticDevice& plant, const Mechanism& mechanism) : plant_(plant), mechanism_(mechanism) {}

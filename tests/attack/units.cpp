@@ -1,4 +1,4 @@
-// Units of FMI: archives, descriptions, and any order of calls on units of our own.
+// FMI units: archives, descriptions, and calls in any order on Enamel's units.
 #include <array>
 #include <cmath>
 #include <string>
@@ -53,14 +53,14 @@ void attackDescription(std::string_view bytes) {
   }
 }
 
-// A unit's folder, and what a master needs to instantiate it.
+// A unit's folder, and everything that a master needs to instantiate it.
 struct Made {
   explicit Made(const std::string& renderer) {
     const test::TemporaryFolder folder;
     fmi::ExportSetup setup;
     setup.unit.renderer = renderer;
     if (!renderer.empty()) setup.unit.plant.clear();
-    setup.deviceFile = setup.binary = kDevice;  // its binary is this program
+    setup.deviceFile = setup.binary = kDevice;  // this program contains the unit's functions
     fmi::writeUnit(folder / "a.fmu", setup);
     archive = std::make_unique<fmi::UnpackedArchive>(folder / "a.fmu");
     const std::string text = readFile(archive->folder() + "/modelDescription.xml"), key = "instantiationToken=\"";

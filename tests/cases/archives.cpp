@@ -1,4 +1,4 @@
-// Units for co-simulation from other systems.
+// Co-simulation units from other systems.
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -25,8 +25,8 @@ std::size_t number(const std::string& bytes, std::size_t at, std::size_t size) {
   return value;
 }
 
-// Calls change(entry in the table at the end, the file's own head) for each file (APPNOTE 6.3, sections 4.3.7, 4.3.12,
-// 4.3.16). No checksum covers the two.
+// Call change(entry in the table at the end, header in front of the data) for each file (APPNOTE 6.3, sections 4.3.7,
+// 4.3.12, 4.3.16). No checksum covers these headers.
 template <typename Change>
 std::string changed(std::string zip, const Change& change) {
   const std::size_t end = zip.rfind("PK\5\6");
@@ -40,7 +40,7 @@ std::string changed(std::string zip, const Change& change) {
   return zip;
 }
 
-// With \ for / in all names.
+// Replace / by \ in all names.
 std::string withBackslashes(const std::string& zip) {
   return changed(zip, [](std::string& bytes, std::size_t entry, std::size_t file) {
     const auto change = [&bytes](std::size_t at, std::size_t length) {
@@ -56,7 +56,7 @@ void put(std::string& bytes, std::size_t at, std::uint32_t value, std::size_t si
   for (std::size_t i = 0; i < size; ++i) bytes[at + i] = static_cast<char>(value >> 8 * i & 0xffu);
 }
 
-// With a number of `size` bytes in place of what both heads of each file have there.
+// Replace a number of `size` bytes in both headers of each file.
 std::string with(const std::string& zip, std::uint32_t value, std::size_t inTable, std::size_t inFile,
                  std::size_t size) {
   return changed(zip, [&](std::string& bytes, std::size_t entry, std::size_t file) {
@@ -65,7 +65,7 @@ std::string with(const std::string& zip, std::uint32_t value, std::size_t inTabl
   });
 }
 
-// With a type of file in the attributes of Unix.
+// Set a file type in the Unix attributes.
 std::string withKind(const std::string& zip, std::uint32_t kind) {
   return changed(zip, [kind](std::string& bytes, std::size_t entry, std::size_t) {
     bytes[entry + 5] = 3;  // made on Unix
@@ -73,7 +73,7 @@ std::string withKind(const std::string& zip, std::uint32_t kind) {
   });
 }
 
-// Where the files say that they have `size` bytes.
+// Let the headers state `size` bytes for each file.
 std::string withSize(const std::string& zip, std::uint32_t size) { return with(zip, size, 24, 22, 4); }
 
 std::string withNames(const std::string& zip, const std::string& name) {
@@ -85,7 +85,7 @@ std::string withNames(const std::string& zip, const std::string& name) {
 
 using Names = std::vector<std::string>;
 
-// An archive of files with these names and 100 bytes each.
+// Return an archive of files with these names and 100 bytes each.
 std::string zipOf(const Names& names, const std::string& bytes = std::string(100, 'x')) {
   const test::TemporaryFolder folder;
   std::vector<fmi::ArchiveFile> files;
@@ -94,7 +94,7 @@ std::string zipOf(const Names& names, const std::string& bytes = std::string(100
   return test::readFile(folder / "a.zip");
 }
 
-// Why an archive is refused; "" where it is unpacked.
+// Return why an archive is refused; "" if it is unpacked.
 std::string refusal(const std::string& zip, std::size_t most = 1000) {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "a.zip", zip);
@@ -149,7 +149,7 @@ TEST_CASE("archives: good ones are unpacked, whoever packed them", "[cases]") {
   CHECK(refusal(zipOf({"a..b", "..c/d", "e/f..g"})) == "");
   CHECK(refusal(withKind(zipOf({"a", "b"}), S_IFREG)) == "");
   CHECK(refusal(zipOf({"a", "b"}), 200) == "");
-  CHECK(refusal(zipOf({"\xc3\x84", "\xc3\xa4"})) == "");  // case counts beyond ASCII
+  CHECK(refusal(zipOf({"\xc3\x84", "\xc3\xa4"})) == "");  // only ASCII letters are compared without case
 }
 
 TEST_CASE("archives: names that lead out of it are refused", "[cases]") {

@@ -1,4 +1,4 @@
-// Numbers that no obstacle can have.
+// Impossible numbers for obstacles.
 #include "enamel/collision/scene.hpp"
 #include "support/catch.hpp"
 

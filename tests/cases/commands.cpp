@@ -1,4 +1,4 @@
-// The command line as a user meets it.
+// The command line from a user's view.
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -30,7 +30,7 @@ const Failure kFailures[] = {{"throwing", "enamel_plugin() threw: thrown while i
 
 std::string device() { return "--device '" + test::deviceFile("tau-nominal.toml") + "' "; }
 
-// The content of all files of a folder, by name.
+// Return the contents of all files in a folder, by name.
 std::map<std::string, std::string> contentOf(const std::string& folder) {
   std::map<std::string, std::string> content;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
@@ -38,7 +38,7 @@ std::map<std::string, std::string> contentOf(const std::string& folder) {
   return content;
 }
 
-// K_z1 of position control under encoders, N/m; none where it is undefined.
+// Return K_z1 of position control with encoders, N/m; nothing if it is undefined.
 std::optional<double> stiffness(const std::string& options) {
   const test::CommandResult result =
       run("push --device '" + test::deviceFile("tau-nominal.toml") + "' --encoders --json " + options);
@@ -110,14 +110,14 @@ TEST_CASE("case 08: a study writes into a folder with results only with --resume
   refused("--runs 3 --part 1/2", "out/study.json: holds another study: its runs is 2, here it is 3");
   refused("--runs 3 --overwrite --resume", "--overwrite starts again: it excludes --resume and --part");
   refused("--runs 3 --overwrite --part 1/2", "--overwrite starts again: it excludes --resume and --part");
-  for (const char* again : {"--runs 2 --resume", "--runs 2 --overwrite"}) {  // the same study has the same bytes
+  for (const char* again : {"--runs 2 --resume", "--runs 2 --overwrite"}) {  // the same study gives the same bytes
     CHECK(run(study + again).status == 0);
     CHECK(contentOf(folder / "out") == before);
   }
   CHECK(run(study + "--runs 3 --overwrite").status == 0);
   CHECK(contentOf(folder / "out").at(folder / "out/runs.csv") != before.at(folder / "out/runs.csv"));
   CHECK(contentOf(folder / "out").at(folder / "out/report.html") != before.at(folder / "out/report.html"));
-  // Every other result is protected too, also where no study.json describes it.
+  // Every other result is protected too, even without study.json.
   std::filesystem::remove(folder / "out/study.json");
   std::filesystem::remove(folder / "out/runs.csv");
   for (const char* options : {"--runs 3", "--runs 3 --resume", "--runs 3 --part 1/2"})
@@ -178,18 +178,18 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
     CHECK(test::readFile(file) == before);
     CHECK(run(command + to + " --overwrite").status == 0);
     CHECK(test::readFile(file).size() > (isRecording ? 1000u : 4u));
-    test::writeFile(file, "");  // an empty file is no result
+    test::writeFile(file, "");  // an empty file is not a result
     CHECK(run(command + to).status == 0);
     CHECK(test::readFile(file).size() > 4);
   }
-  // The standard output is no file of ours, wherever it leads.
+  // The standard output is not our file, wherever it leads.
   test::writeFile(folder / "all.csv", "mine\n");
   CHECK(test::runCommand("{ '" ENAMEL_TOOL "' export " + recording + "--csv /dev/stdout >> '" + (folder / "all.csv") +
                          "'; }")
             .status == 0);
   const bool isAppended = test::readFile(folder / "all.csv") == "mine\n" + test::readFile(folder / "export.csv");
   CHECK(isAppended);
-  // A link is not removed, nor what it leads to.
+  // Neither a link nor its target is removed.
   std::filesystem::create_symlink(folder / "push.rec", folder / "link.rec");
   const std::string recorded = test::readFile(folder / "push.rec");
   CHECK(holds(run(push + "--overwrite --record '" + (folder / "link.rec") + "'").output, "cannot make the recording"));
@@ -201,7 +201,7 @@ TEST_CASE("case 08: no command overwrites a result unasked", "[cases]") {
       run("push " + device() + "--renderer impedance,hold --output '" + (folder / "two.csv") + "'");
   CHECK(two.output == "enamel: " + (folder / "two-hold.csv") + ": exists; --overwrite replaces it\n");
   CHECK_FALSE(std::filesystem::exists(folder / "two-impedance.csv"));
-  // compare: its own files, and the folders of its pushes.
+  // compare has its own files, and the folders of its pushes.
   const std::string compare =
       "compare " + device() +
       "--renderers impedance --tasks ramp --runs 1 --plants closed-form --delays none --output '" +

@@ -1,4 +1,4 @@
-// A ball bur drills a hole into a molar, stops, and rests in it. The hole's walls face each other.
+// A ball bur drills a hole into a molar, stops, and rests in it. The walls of the hole face each other.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,7 @@ using namespace fixture;
 
 namespace {
 
-// Moves the hand's target (m) from where it is straight down to a height (m), at a constant speed for `seconds`.
+// Move the hand's target (m) straight down to a height (m), at a constant speed for `seconds`.
 void lowerHand(Experiment& experiment, double to, double seconds) {
   const double from = experiment.frame().hand.target.z();
   const int ticks = static_cast<int>(std::lround(seconds / kPeriod));
@@ -26,10 +26,10 @@ struct Rest {
   double depth = 0.0;                                 // of the hole, m
   double hand = 0.0;                                  // mean force of the hand on the tool, N
   double mean = 0.0, deviation = 0.0, largest = 0.0;  // of the wall's force, N
-  double lightest = 1.0;                              // learnt mass, as a share of the model's
+  double lightest = 1.0;                              // learnt mass relative to the model's
 };
 
-// The hand drills for six seconds, then presses with 0.1 N and waits for one second. What follows is the result.
+// The hand drills for 6 s, then presses with 0.1 N and waits for 1 s. The result is measured after that.
 Rest drillAndRest() {
   const auto experiment = fixture::experiment(shipped("drill.toml"), RendererSlot::positionControl);
   lowerHand(*experiment, 0.5e-3, 0.5);

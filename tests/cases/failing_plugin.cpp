@@ -1,4 +1,4 @@
-// Plugins that fail as soon as they are asked for their table, each in the way that FAIL_BY_... says.
+// Plugins that fail as soon as the host requests their table; FAIL_BY_... selects the way.
 #include <unistd.h>
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// A tool that rests on a wall, and one thing that goes wrong. What is expected, case by case.
+// A tool rests on a wall, and one fault occurs: the expected behaviour, case by case.
 #include "support/pressed_wall.hpp"
 
 #include "support/catch.hpp"
@@ -30,7 +30,7 @@ Vec6 upward(double speed) {
   return twist;
 }
 
-// The driver tells that no torque acted, whatever the motors did.
+// The driver reports that no torque acted, whatever the motors did.
 PressedWall appliedZero() {
   return withDriver([](int tick, Measurement& sample) {
     if (tick >= 0) sample.applied->setZero();
@@ -38,7 +38,7 @@ PressedWall appliedZero() {
   });
 }
 
-// The wall stays where it is, and the host says that it moves.
+// The wall stays in place, but the host reports a velocity.
 PressedWall restingWallClaims(double speed) {
   return withHost(8.0, [=](int tick, Scene& scene) {
     if (tick >= 0) (void)scene.move(0, scene.obstacles()[0].pose, upward(speed));
@@ -55,7 +55,7 @@ PressedWall oneSampleWith(Status status) {
   return withDriver([=](int tick, Measurement&) { return tick == 0 ? status : Status::ok; });
 }
 
-// One sample in which joint 0 is that many counts off.
+// In one sample, joint 0 is wrong by this number of counts.
 PressedWall oneSampleOff(const std::string& device, double force, double counts) {
   const double step = makeMechanism(loadDevice(test::deviceFile(device)))->limits().encoderStep[0];
   PressedWall press = withDriver([=](int tick, Measurement& sample) {
@@ -67,8 +67,8 @@ PressedWall oneSampleOff(const std::string& device, double force, double counts)
   return press;
 }
 
-// A wall that rises at 20 mm/s for 0.3 s. Every `every` ticks the host sets the pose, with the velocity of the step
-// over one tick, as an application does that divides by the controller's period.
+// A wall rises at 20 mm/s for 0.3 s. Every `every` ticks the host sets its pose, with the step divided by one tick as
+// its velocity: as an application does that divides by the controller's period.
 PressedWall risingWall(int every) {
   return withHost(4.0, [=](int tick, Scene& scene) {
     if (tick < 0 || tick > 300) return;
@@ -79,7 +79,7 @@ PressedWall risingWall(int every) {
   });
 }
 
-// An application adds 2 N of vibration behind the controller, on a device that reports the torque that acted or not.
+// An application adds 2 N of vibration after the controller. The device may or may not report the torque that acted.
 PressedWall vibrating(bool reportsTorque) {
   PressedWall press = withDriver([=](int, Measurement& sample) {
     if (!reportsTorque) sample.applied.reset();
@@ -92,7 +92,7 @@ PressedWall vibrating(bool reportsTorque) {
 
 }  // namespace
 
-constexpr double kEnergyAtRest = 1e-3;  // J, in half a second
+constexpr double kEnergyAtRest = 1e-3;  // J, in 0.5 s
 
 TEST_CASE("pressed wall: without a fault the tool rests on the wall", "[cases]") {
   for (const char* device : {"tau-nominal.toml", "cartesian-6.toml"})
@@ -122,7 +122,7 @@ TEST_CASE(
   }
 }
 
-// The runs of the cases below before anything goes wrong, so that none of them fails for another reason.
+// The runs of the cases below before the fault, so that none of the cases fails for another reason.
 TEST_CASE("pressed wall: all is well before the fault", "[cases]") {
   for (const PressedWall& press :
        {appliedZero(), restingWallClaims(1.0), oneSampleWith(Status::notFinite), oneSampleWith(Status::stale),
@@ -152,7 +152,7 @@ TEST_CASE("case 01: reports of torque that cannot be true are ignored", "[cases]
     CHECK(result.energyAtEnd < kEnergyAtRest);
   }
   CHECK(run(PressedWall()).ignoredReports == 0);
-  CHECK(run(vibrating(true)).ignoredReports == 0);  // what an application adds is in the report, too
+  CHECK(run(vibrating(true)).ignoredReports == 0);  // the report contains the application's addition
 }
 
 TEST_CASE("case 02: a wall at rest that claims to move does not", "[cases]") {
@@ -241,7 +241,7 @@ TEST_CASE(
     "case 23: a vibration behind the controller moves the tool little on a device that cannot report its torque "
     "(expected failure until the controller follows from physics)",
     "[!shouldfail][cases]") {
-  double lift = 0.0;  // of runs that differ by a hair: one alone may pass by luck
+  double lift = 0.0;  // largest of several similar runs, because a single one may pass by luck
   for (const double vibration : {1.98, 1.99, 2.0, 2.01, 2.02}) {
     PressedWall press = vibrating(false);
     press.vibration = vibration;

@@ -19,7 +19,7 @@ namespace enamel::test_several_contacts {
 
 namespace {
 
-// A block whose upper face is a straight groove along x. Both sides rise by `slope` (rad) from the x axis.
+// Return a block whose upper face is a straight groove along x. Both sides rise by `slope` (rad) from the x axis.
 TriangleMesh grooveMesh(double slope) {
   constexpr double kHalfLength = 8e-3, kHalfWidth = 3e-3, kBottom = -1e-3;  // m
   const double rim = kHalfWidth * std::tan(slope);
@@ -46,7 +46,7 @@ struct GrooveRun {
   bool finished = false;
 };
 
-// A ball of 1 mm lies in the groove under 3 N and slides along it at 10 mm/s for one second.
+// Let a ball of 1 mm slide in the groove under 3 N, at 10 mm/s for 1 s.
 GrooveRun slideAlong(Obstacle groove) {
   const auto mechanism = makeMechanism(loadDevice(test::deviceFile("tau-nominal.toml")));
   PositionControlRenderer controller(positionControlFor(*mechanism, 1e-3, 0, 0));
@@ -95,7 +95,7 @@ GrooveRun slideAlongSolid() {
 
 constexpr int kPins = 12;
 
-// A bar that lies along a row of twelve pins.
+// A bar along a row of twelve pins.
 struct BarOnPins {
   Scene scene;
   Tool bar;
@@ -119,10 +119,10 @@ Status contactsOfBar(ContactSnapshot& contacts) {
 struct Tilting {
   double force = 0.0, moment = 0.0;  // mean along z and largest about y, N, N m
   double jump = 0.0;                 // largest change of the moment in a tick, N m
-  int faults = 0;                    // ticks that were not ok
+  int faults = 0;                    // ticks with a status other than ok
 };
 
-// The bar is lowered 5 um into the pins and then tilted by 0.4 urad to one side and the other: its ends move by 5 nm.
+// Lower the bar 5 um into the pins, then tilt it by 0.4 urad to each side: its ends move by 5 nm.
 Tilting tiltOnPins() {
   const auto mechanism = makeMechanism(loadDevice(test::deviceFile("cartesian-6.toml")));
   const BarOnPins setup;

@@ -1,4 +1,4 @@
-// Cuts at the edges of what Solid::cut() accepts.
+// Cuts at the limits of what Solid::cut() accepts.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -25,7 +25,7 @@ double volumeOf(const Solid& solid) {
 
 double ballOf(double radius) { return 4.0 / 3.0 * M_PI * radius * radius * radius; }
 
-// What a ball of `radius` takes out of the block's middle, m^3.
+// Return what a ball of `radius` removes from the block's middle, m^3.
 double takenBy(Solid& solid, double radius) {
   const double before = volumeOf(solid);
   (void)solid.cut({Vec3::Zero(), Vec3::Zero()}, {Vec3::Zero(), Vec3::Zero()}, radius);
@@ -34,7 +34,7 @@ double takenBy(Solid& solid, double radius) {
   return taken;
 }
 
-// Least processor time of three cuts, s.
+// Return the least processor time of three cuts, s.
 double timeOf(Solid& solid, const Segment& from, const Segment& to, double radius) {
   solid.restore();
   return test::leastTime(
@@ -52,7 +52,7 @@ TEST_CASE("cuts: a ball of ten cells takes its volume", "[cases]") {
 
 TEST_CASE("case 05: a ball smaller than a cell takes no more than its volume and a cell", "[cases]") {
   Solid solid = block();
-  double worst = 0.0, worstRadius = 0.0;  // m^3 beyond 1.5 times the ball, m
+  double worst = 0.0, worstRadius = 0.0;  // m^3 above 1.5 times the ball; m
   for (const double radius : {1e-300, 1e-9, 1e-8, 1e-7, 3e-7, 1e-6, 1e-5, 3e-5, 6e-5, 1e-4, 2e-4}) {
     const double excess = takenBy(solid, radius) - 1.5 * ballOf(radius);
     if (excess <= worst) continue;
@@ -63,7 +63,7 @@ TEST_CASE("case 05: a ball smaller than a cell takes no more than its volume and
   CHECK(worst < kCell * kCell * kCell);
 }
 
-// The bar is a ratio because machines differ; an ordinary cut takes some 0.1 ms.
+// The limit is a ratio because machines differ; an ordinary cut takes about 0.1 ms.
 TEST_CASE("case 18: no cut that is accepted costs more than 100 ordinary ones", "[cases]") {
   Solid solid = block();
   const double ordinary = timeOf(solid, ballAt(0.0), ballAt(1e-4), 1e-3);

@@ -1,4 +1,4 @@
-// A stylus that senses six axes and drives three, as the commonest desktop devices do.
+// A stylus that senses six axes and drives three, as most desktop devices do.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -16,7 +16,7 @@ namespace enamel::test_stylus {
 
 namespace {
 
-// Six sensed axes. `more`: further lines of the file, before its tables.
+// Return a device file with six sensed axes. `more`: further lines before its tables.
 std::string file(const std::string& more) {
   return "kind = \"cartesian\"\nname = \"stylus\"\naxes = 6\nhalf_widths = [0.08, 0.06, 0.035]\nmax_force = 3.3\n"
          "position_step = 5e-6\nangle_step = 2e-4\n" +
@@ -38,7 +38,8 @@ struct Press {
   double force = 0.0;  // of the wall, largest after 0.3 s, N
 };
 
-// A hand presses a ball against a wall with 1.5 N and holds the stylus' axes. The ball is `arm` (m) beside the TCP.
+// A hand presses a ball against a wall with 1.5 N and holds the axes of the stylus. The ball is `arm` (m) beside the
+// TCP.
 Press press(const CartesianMechanism& stylus, double arm) {
   PositionControlRenderer controller(positionControlFor(stylus, 1e-3, 0, 0));
   LoopSetup setup;
@@ -68,7 +69,7 @@ CartesianMechanism withMomentsUpTo(double moment) {
   return CartesianMechanism(parseCartesian(file("max_moment = " + std::to_string(moment)), "stylus.toml"));
 }
 
-// A driver's work-round: three joints, and the turn that the stylus senses written into the pose.
+// A workaround in a driver: three joints, with the sensed rotation of the stylus written into the pose.
 class TurningStylus final : public Mechanism {
  public:
   TurningStylus() : Mechanism("turning stylus", {JointVector::Constant(3, 3.3), JointVector::Constant(3, 5e-6)}) {
@@ -110,8 +111,8 @@ struct Turning {
   GuardReason fault = GuardReason::none;  // at the end
 };
 
-// A hand presses the ball against the wall with 1.5 N and turns the stylus to and fro by `angle` (rad) once a second,
-// which lifts and lowers the ball's centre, 10 mm beside the TCP. The plant is a mass on three axes.
+// A hand presses the ball against the wall with 1.5 N and turns the stylus to and fro by `angle` (rad) once per second.
+// This lifts and lowers the ball's centre, 10 mm beside the TCP. The plant is a mass on three axes.
 Turning turnOnTheWall(double angle) {
   TurningStylus stylus;
   const Scene scene = flatWall();

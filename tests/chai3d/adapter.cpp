@@ -1,4 +1,4 @@
-// A CHAI3D program gets the walls of the native loop, and CHAI3D's devices are HapticDevices.
+// A CHAI3D program renders the same walls as the native loop, and CHAI3D's devices are HapticDevices.
 #include <cstring>
 #include <fstream>
 #include <set>
@@ -104,7 +104,7 @@ TEST_CASE("a push through the tool gives the bits of the native loop: wall and m
         int different = 0, touching = 0;
         for (int i = 0; i < 3000; ++i) {
           REQUIRE(native.measure(measurement) == Status::ok);
-          measurement.applied.reset();  // what CHAI3D cannot tell
+          measurement.applied.reset();  // unknown to CHAI3D
           if (cutoff > 0.0) {           // the rates of lib/docs/own-device.md
             const Vec3 q = measurement.q;
             const double passed = measurement.time - lastTime;
@@ -171,7 +171,7 @@ TEST_CASE("a driver of CHAI3D in a loop gives the bits of the same device withou
       CHECK(most > 0.5);
     }
     CHECK(driver->closed == 1);
-    CHECK(driver->force.isZero(0.0));  // off at the end
+    CHECK(driver->force.isZero(0.0));  // motors off at the end
   }
 }
 
@@ -204,7 +204,7 @@ TEST_CASE("six axes: what the device measures, and a command a native tick gives
       sent << bench.driver->force, bench.driver->moment;
       worstWrench = std::max(worstWrench, (torqueOf(tick.frame().kinematics.jacobian, sent) - command.effort).norm());
       moment = std::max(moment, bench.driver->moment.norm());
-      if (i == 0) continue;  // start() has measured at this instant
+      if (i == 0) continue;  // start() has already measured at this time
       Vec6 shown;
       shown << fromChai3d(bench.tool.getDeviceLocalLinVel()), fromChai3d(bench.tool.getDeviceLocalAngVel());
       worst = std::max(worst, 1e-3 * (shown - twistOf(tick.frame().kinematics.jacobian, m.rates)).norm());
@@ -212,7 +212,7 @@ TEST_CASE("six axes: what the device measures, and a command a native tick gives
           std::max(worst, (fromChai3d(bench.tool.getDeviceLocalRot()) - tick.frame().kinematics.pose.rotation).norm());
     }
     CHECK(different == 0);
-    CHECK(worst < 1e-14);        // a rotation vector to a matrix and back
+    CHECK(worst < 1e-14);        // from a rotation vector to a matrix and back
     CHECK(worstWrench < 1e-14);  // E^T (E^-T tau)
     CHECK(moment > 0.005);
   }
@@ -242,7 +242,7 @@ TEST_CASE("forces stay within the device's specifications, their direction kept"
   CHECK(wrapped.actuate(command) == Status::ok);
   CHECK(driver->force.isZero(0.0));
 
-  // Of the tool: the guard cuts before.
+  // In the tool, the guard limits the force first.
   const auto stylus = device("cartesian-3");
   ImpedanceRenderer stiff({2000.0, 0.0});
   Bench bench(*stylus, stiff);
@@ -290,7 +290,7 @@ TEST_CASE("what a device cannot do is a status, and leaves the measurement as it
   REQUIRE(wrapped.measure(m) == Status::ok);
   CHECK(m.enabled);
   CHECK_FALSE(m.applied.has_value());
-  CHECK(wrapped.measure(m) == Status::stale);  // the clock stands still
+  CHECK(wrapped.measure(m) == Status::stale);  // the clock does not advance
   const JointVector q = m.q;
   driver->moves = false;
   const auto next = [&] {
@@ -341,7 +341,7 @@ TEST_CASE("what a device cannot do is a status, and leaves the measurement as it
   wrapped.close();
   CHECK(driver->closed == 1);
 
-  driver->offset.x() = 0.01;  // somewhere else when it is opened again: that was no motion
+  driver->offset.x() = 0.01;  // another position when it is opened again: this is not a motion
   now = then + 0.1;
   wrapped.open();
   REQUIRE(wrapped.measure(m) == Status::ok);
@@ -414,7 +414,7 @@ TEST_CASE("meshes that are none, and a tool that cannot start, are refused", "[c
   bench.driver->offset.setZero();
   REQUIRE(bench.tool.start());
   bench.tick();
-  CHECK(bench.tool.status() == Status::stale);  // start() has measured at this instant
+  CHECK(bench.tool.status() == Status::stale);  // start() has already measured at this time
   bench.tick();
   CHECK(bench.tool.status() == Status::ok);
   bench.driver->force = Vec3::Ones();
@@ -443,7 +443,7 @@ TEST_CASE("a pose that is none ramps the force out; reset() goes on", "[chai3d]"
   CHECK(largest < 3.0);
   bench.driver->offset.setZero();
   for (int i = 0; i < 10; ++i) bench.tick();
-  CHECK(bench.driver->force.isZero(0.0));  // until somebody says go on
+  CHECK(bench.driver->force.isZero(0.0));  // until reset()
   bench.tool.reset();
   double again = 0.0;
   for (int i = 0; i < 2000; ++i) {
@@ -511,7 +511,7 @@ TEST_CASE("the scale of the world is none of the wall", "[chai3d]") {
     }
     const Vec3 shown = fromChai3d(bench.tool.getDeviceLocalPos()), is = bench.driver->measured.q;
     CHECK((shown - scale * is).norm() < 1e-15);
-    REQUIRE(bench.tool.setWorkspaceScaleFactor(2.0 * scale));  // too late: no measurement fits
+    REQUIRE(bench.tool.setWorkspaceScaleFactor(2.0 * scale));  // too late: no measurement fits this scale
     for (int i = 0; i < 50; ++i) bench.tick();
     CHECK(bench.tool.status() == Status::outOfRange);
     CHECK(bench.driver->force.isZero(0.0));
@@ -522,7 +522,7 @@ TEST_CASE("the scale of the world is none of the wall", "[chai3d]") {
     off = std::max(off, (forces[0][i] - forces[1][i]).norm());
   }
   CHECK(most > 0.5);
-  CHECK(off < 1e-6);  // roundings of 1e-18 m, through a stiff wall
+  CHECK(off < 1e-6);  // rounding of 1e-18 m, times a stiff wall
 }
 
 TEST_CASE("a multi-mesh is one obstacle, its parts where they are; removed triangles are gone", "[chai3d]") {
@@ -563,7 +563,7 @@ TEST_CASE("obstacles follow their objects, as the tool sees them", "[chai3d]") {
   const auto mechanism = device("cartesian-3");
   ImpedanceRenderer spring({1000.0, 0.0});
   Bench bench(*mechanism, spring);
-  chai3d::cGenericObject camera;  // that carries the tool
+  chai3d::cGenericObject camera;  // it carries the tool
   camera.addChild(&bench.tool);
   cMesh box;
   test::makeBox(box);
@@ -574,7 +574,7 @@ TEST_CASE("obstacles follow their objects, as the tool sees them", "[chai3d]") {
   const Obstacle& obstacle = bench.tool.scene().obstacles()[0];
   CHECK(obstacle.pose.position == Vec3(0.0, 0.0, -0.01));
 
-  // It comes at 0.02 m/s and turns at 0.1 rad/s.
+  // The object approaches at 0.02 m/s and turns at 0.1 rad/s.
   for (int i = 1; i <= 10; ++i) {
     box.setLocalPos(toChai3d(Vec3(0.0, 0.0, -0.01 + 2e-5 * i)));
     box.setLocalRot(turned(Vec3(0.0, 0.0, 1e-4 * i)));
@@ -587,7 +587,7 @@ TEST_CASE("obstacles follow their objects, as the tool sees them", "[chai3d]") {
   bench.tick();
   CHECK(seen.twist.isZero(0.0));
 
-  // The camera turns: the world turns the other way.
+  // The camera turns: the world turns in the opposite direction.
   const Vec3 turn(0.0, 0.02, 0.0), way(0.003, 0.0, 0.001);
   camera.setLocalPos(toChai3d(way));
   camera.setLocalRot(turned(turn));
@@ -620,19 +620,19 @@ TEST_CASE("a mesh of the world is felt where it is seen, and the tool says so", 
   bench.tool.addMesh(&far);
   REQUIRE(bench.tool.start());
   bench.tick();
-  CHECK(bench.tool.addMesh(&box) == 1);  // also after start(): the ticks begin anew
+  CHECK(bench.tool.addMesh(&box) == 1);  // also after start(): the ticks start again
   CHECK(bench.tool.latest()->number == 0);
   do bench.tick();
   while (bench.driver->measured.q[2] > 0.8e-3);
   CHECK(bench.tool.haptics()->frame().contacts.count > 0);
-  CHECK(!bench.tool.isInContact(&box));  // within its margin only
+  CHECK(!bench.tool.isInContact(&box));  // only within its margin
   REQUIRE(bench.press(0.2));
   CHECK(bench.tool.isInContact(&box));
   CHECK(!bench.tool.isInContact(&far));
   CHECK(bench.tool.getDeviceGlobalForce()(0) > 0.19);  // towards the user
   CHECK(std::abs(bench.tool.getDeviceGlobalForce()(2)) < 1e-12);
   CHECK(bench.tool.getDeviceGlobalPos()(0) < 0.0);
-  bench.driver->hold = rotationFromVector(Vec3(0.2, 0.1, 0.0));  // a turn that is sensed is seen, with three axes too
+  bench.driver->hold = rotationFromVector(Vec3(0.2, 0.1, 0.0));  // a sensed rotation is shown, with three axes too
   bench.tick();
   CHECK(fromChai3d(bench.tool.getDeviceLocalRot()) == bench.driver->hold);
   CHECK(bench.tool.status() == Status::ok);
@@ -651,19 +651,19 @@ TEST_CASE("a tick a period, however often the thread asks", "[chai3d]") {
   }
   CHECK(std::abs(static_cast<double>(bench.tool.latest()->number) - 1000.0) <= 1.0);
   const auto before = bench.tool.latest()->number;
-  for (int i = 0; i < 1000; ++i) {  // at 1 kHz, each call late by up to 0.4 ms
+  for (int i = 0; i < 1000; ++i) {  // at 1 kHz, with calls late by up to 0.4 ms
     bench.later += i % 2 == 0 ? 1.4e-3 : 0.6e-3;
     bench.tick();
   }
   CHECK(bench.tool.latest()->number - before == 1000);
   CHECK(bench.tool.latest()->reason == GuardReason::none);
-  for (int i = 0; i < 100; ++i) {  // at 500 Hz: too slow for its renderer
+  for (int i = 0; i < 100; ++i) {  // at 500 Hz: too slow for the renderer
     bench.later += 2e-3;
     bench.tick();
   }
   CHECK(bench.tool.latest()->reason == GuardReason::deadlines);
   bench.tool.stop();
-  bench.later = 0.0;  // a clock that begins anew with the device
+  bench.later = 0.0;  // a clock that restarts with the device
   REQUIRE(bench.tool.start());
   for (int i = 0; i < 10; ++i) {
     bench.later += 1e-3;

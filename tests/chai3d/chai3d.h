@@ -1,6 +1,6 @@
-// A stand-in for CHAI3D where it is not installed: the few classes that plugins/chai3d touches, with the names and
-// signatures of CHAI3D's own headers and only as much behaviour as the tests need. signatures.cpp, which is compiled
-// with either, says that they are alike; real_headers.sh compiles it with CHAI3D's.
+// A substitute for CHAI3D where it is not installed: the few classes that plugins/chai3d uses. Names and signatures are
+// those of CHAI3D's headers; the behaviour is what the tests need. signatures.cpp checks both headers for equal
+// declarations, and real_headers.sh compiles it with CHAI3D's.
 #pragma once
 
 #include <algorithm>
@@ -71,7 +71,7 @@ struct cTransform {
 
 struct cHapticDeviceInfo {
   std::string m_modelName;
-  double m_maxLinearForce = 0.1, m_maxAngularTorque = 0.1;  // as CHAI3D's, for a device that does not tell
+  double m_maxLinearForce = 0.1, m_maxAngularTorque = 0.1;  // CHAI3D's defaults for a device that does not report them
   double m_workspaceRadius = 0.1;
   bool m_sensedPosition = false, m_sensedRotation = false, m_actuatedPosition = false, m_actuatedRotation = false;
 };
@@ -164,7 +164,7 @@ class cGenericObject : public cGenericType {
 
  private:
   cGenericObject* parent_ = nullptr;
-  std::vector<cGenericObject*> children_;  // its own, as in CHAI3D
+  std::vector<cGenericObject*> children_;  // it owns them, as in CHAI3D
 };
 
 class cWorld : public cGenericObject {
@@ -243,7 +243,7 @@ class cHapticPoint {
   double getRadiusContact() { return m_radiusContact; }
 
  protected:
-  double m_radiusContact = 0.01;  // as CHAI3D's
+  double m_radiusContact = 0.01;  // CHAI3D's default
 };
 
 class cGenericTool : public cGenericObject {

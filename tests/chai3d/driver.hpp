@@ -1,5 +1,4 @@
-// A driver of CHAI3D, as its stand-in has them, with a virtual device and a hand behind it; and what can go wrong
-// there.
+// A driver of the CHAI3D substitute with a virtual device and a hand, and possible faults.
 #pragma once
 
 #include <chai3d.h>
@@ -12,7 +11,7 @@
 
 namespace enamel::test {
 
-/// A hand that presses into -z of W, harder and softer, and along x, and holds the tool against turning.
+/// A hand that presses along -z of W with a varying force, moves along x, and holds the tool's orientation.
 inline const auto pressingHand = [](double time, const Pose& pose, const Vec6& twist) {
   Vec6 wrench = Vec6::Zero();
   const Vec3 goal(0.004 * std::sin(9.0 * time), 0.0, 0.001 - 0.004 * std::sin(6.0 * time));
@@ -28,7 +27,7 @@ inline VirtualDeviceSetup driverSetup() {
   return setup;
 }
 
-/// A tick of the device is over where the force is sent.
+/// Sending the force ends a tick of the device.
 class Driver final : public chai3d::cGenericHapticDevice {
  public:
   explicit Driver(const Mechanism& mechanism) : mechanism_(mechanism), physics(mechanism, driverSetup()) {
@@ -90,11 +89,11 @@ class Driver final : public chai3d::cGenericHapticDevice {
   unsigned int switches = 1;
   Vec3 offset = Vec3::Zero();
   double stretch = 1.0;
-  Mat3 hold = Mat3::Identity();                      // of a stylus that is sensed to turn
-  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();  // sent last, N, N m, in W
+  Mat3 hold = Mat3::Identity();                      // rotation of a stylus that senses it
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();  // last sent, N, N m, in W
 };
 
-/// A box whose front is at x = 0 of CHAI3D, z = 0 of W; twelve triangles, outwards. Lengths times `scale`.
+/// Make a box whose front is at x = 0 of CHAI3D, z = 0 of W: twelve triangles, outwards. Lengths times `scale`.
 inline void makeBox(chai3d::cMesh& mesh, double scale = 1.0) {
   for (int i = 0; i < 8; ++i)
     mesh.newVertex((i & 1) != 0 ? 0.0 : -0.02 * scale, (i & 2) != 0 ? 0.05 * scale : -0.05 * scale,
@@ -105,7 +104,7 @@ inline void makeBox(chai3d::cMesh& mesh, double scale = 1.0) {
   }
 }
 
-/// A tool on a driver, in simulated time; `cutoff` as Chai3dOptions'.
+/// A tool on a driver, in simulated time; `cutoff`: as in Chai3dOptions.
 struct Bench {
   Bench(const Mechanism& mechanism, Renderer& renderer, double cutoff = 0.0)
       : driver(std::make_shared<Driver>(mechanism)),
@@ -125,7 +124,7 @@ struct Bench {
     tool.applyToDevice();
   }
 
-  /// Ticks until it is pressed with `force`, N; false: not within 2 s.
+  /// Tick until it is pressed with `force`, N. Return false after 2 s.
   bool press(double force) {
     for (int i = 0; i < 2000; ++i) {
       tick();
@@ -136,7 +135,7 @@ struct Bench {
 
   chai3d::cWorld world;
   std::shared_ptr<Driver> driver;
-  double later = 0.0;  // s, of the clock
+  double later = 0.0;  // s, offset of the clock
   Chai3dTool tool;
 };
 

@@ -1,11 +1,11 @@
 #!/bin/sh
-# The adapter, its example and what the stand-in declares, compiled with CHAI3D's own headers.
+# Compiles the adapter, its example and the declarations of the substitute with CHAI3D's own headers.
 #
 #   ENAMEL_CHAI3D=DIR sh tests/chai3d/real_headers.sh [CXX [flags]]     # DIR: CHAI3D's sources, 3.2 or 3.3
-# Ends with 4 where ENAMEL_CHAI3D is not set.
+# Status 4: ENAMEL_CHAI3D is not set.
 set -eu
 source=$(cd "$(dirname "$0")/../.." && pwd)
-# What the stand-in has must be looked at in signatures.cpp.
+# signatures.cpp must check everything in the substitute.
 for name in $(grep -v '^ *//' "$source/tests/chai3d/chai3d.h" |
     grep -oE '\b(m_[A-Za-z0-9]+|C_[A-Z]+|c[A-Z][A-Za-z0-9]+|[a-z]+[A-Z][A-Za-z]*|zero|length|identity|open|close|calibrate|signal|initialize|start|stop)\b' |
     sort -u); do

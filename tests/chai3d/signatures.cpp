@@ -1,5 +1,5 @@
-// What the stand-in declares, CHAI3D declares alike: compiled with the stand-in in the tests, with CHAI3D's own headers
-// by real_headers.sh, which also looks that nothing of the stand-in is missing here.
+// The substitute and CHAI3D have the same declarations. The tests compile this file with the substitute;
+// real_headers.sh compiles it with CHAI3D's headers, and checks that it covers the whole substitute.
 #include <chai3d.h>
 
 #include <type_traits>
@@ -76,7 +76,7 @@ SAME(HapticDevice::m_specifications, cHapticDeviceInfo);
 inline bool callable(HapticDevice& device) { return device.calibrate(false); }
 
 SAME(&cFrequencyCounter::signal, double (cFrequencyCounter::*)(unsigned int));
-SAME(cGenericObject::m_name, std::string);  // cGenericType's from 3.3 on
+SAME(cGenericObject::m_name, std::string);  // in cGenericType since 3.3
 
 static_assert(std::is_base_of_v<cGenericType, cGenericObject> && std::has_virtual_destructor_v<cGenericType>);
 struct Object : cGenericObject {

@@ -1,4 +1,4 @@
-// A tick of the tool, and of a device that CHAI3D drives, allocates nothing, whatever comes.
+// A tick of the tool, or of a device that CHAI3D drives, never allocates.
 #include "chai3d/driver.hpp"
 #include "enamel/device/device_file.hpp"
 #include "enamel/render/position_control.hpp"

@@ -1,9 +1,9 @@
 #!/bin/sh
-# Units under an independent master, in a virtual environment of its own: FMPy validates them against the standard's
-# schema and drives them, and its copy of the official headers is compared with our declarations.
+# Tests units with an independent master in a virtual environment. FMPy validates them against the standard's schema and
+# drives them. Its copy of the official headers is compared with our declarations.
 #
 #   sh tests/fmi/fmpy.sh ENAMEL [PYTHON]     # the built command-line tool; python3
-# ENAMEL_FMPY, where it is set, is a Python that has FMPy; otherwise pip brings it. Ends with 4 where that cannot be done.
+# ENAMEL_FMPY, if set, is a Python with FMPy; otherwise pip installs it. Status 4: this is not possible.
 set -eu
 enamel=$1 python=${2:-python3}
 source=$(cd "$(dirname "$0")/../.." && pwd)

@@ -1,4 +1,4 @@
-"""FMPy as the master: units of plant and renderer make the ticks of `enamel push` bit for bit, and validate.
+"""FMPy as the master: units of plant and renderer are valid and give the ticks of `enamel push` bit for bit.
 
     python fmpy_master.py ENAMEL SOURCE      # the command-line tool; the project's folder
 """
@@ -75,9 +75,9 @@ def compare(folder, device, renderer, force, parameters=(), options=()):
     law_unit.begin()
     different, deepest, kept, again = 0, 0.0, None, None
     for i, row in enumerate(native):
-        if i == 1020:  # saved amid the first impact ...
+        if i == 1020:  # saved during the first impact ...
             kept = device_unit.slave.getFMUState(), law_unit.slave.serializeFMUState(law_unit.slave.getFMUState())
-        if i == 1060 and again is None:  # ... and put back once
+        if i == 1060 and again is None:  # ... and restored once
             again = device_unit.get("position")
             device_unit.slave.setFMUState(kept[0])
             law_unit.slave.setFMUState(law_unit.slave.deserializeFMUState(kept[1]))

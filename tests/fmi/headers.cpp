@@ -1,5 +1,5 @@
-// Compiled where the official headers are at hand: our declarations have their types. Enumerations count as what they
-// are stored in.
+// Compiled where the official headers are available: our declarations have their types. Enumerations count as the type
+// in which they are stored.
 #include <type_traits>
 
 #include "fmi3FunctionTypes.h"
@@ -7,7 +7,7 @@
 
 namespace {
 
-// What crosses the boundary: enumerations as integers, pointers to functions by their own parameters.
+// Types at the boundary: enumerations as integers, pointers to functions by their own parameters.
 template <typename T, typename = void>
 struct Plain {
   using type = std::remove_cv_t<T>;
@@ -39,7 +39,7 @@ static_assert(same<fmi::LogMessage, fmi3LogMessageCallback>);
 static_assert(same<fmi::IntermediateUpdate, fmi3IntermediateUpdateCallback>);
 static_assert(same<fmi::ClockUpdate, fmi3ClockUpdateCallback>);
 static_assert(same<fmi::Preemption, fmi3LockPreemptionCallback> && same<fmi::Preemption, fmi3UnlockPreemptionCallback>);
-// A trap that must not be same.
+// A counterexample that must not be same.
 static_assert(!same<fmi::DoStep, fmi3EnterInitializationModeTYPE>);
 
 }  // namespace

@@ -1,6 +1,6 @@
-/* A unit of FMI 3.0 as another tool might write it, in C, by the text of the standard and without this project's
-   sources: a body of 0.1 kg that three motors push along x, y, z, with 2 N s/m, moved exactly over a step of constant
-   force. Scalars, in an order of their own; no parameters. */
+/* An FMI 3.0 unit as another tool might write it: in C, from the text of the standard, without this project's sources.
+   Three motors push a body of 0.1 kg along x, y, z with a damping of 2 N s/m. The motion is exact for a constant force
+   over a step. Its variables are scalars in an unusual order; there are no parameters. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>

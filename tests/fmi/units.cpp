@@ -1,5 +1,5 @@
-// Units of FMI 3.0: a master of our own gets from plant and renderer units the bits of the native loop; units are taken
-// as plants, and refused with their reason. FMPy as the master: tests/fmi/fmpy.sh.
+// FMI 3.0 units. A master in this test gets from plant and renderer units the bits of the native loop. Units are
+// accepted as plants, or refused with a reason. For FMPy as the master see tests/fmi/fmpy.sh.
 #include <dlfcn.h>
 
 #include <cmath>
@@ -31,7 +31,7 @@ namespace {
 const std::string kDevices = ENAMEL_SOURCE_DIR "/data/devices/";
 const std::string kUnits = ENAMEL_PLUGINS "/../fmi";
 
-/// Writes a unit into a folder and returns its path.
+/// Write a unit into a folder and return its path.
 std::string unitOf(const test::TemporaryFolder& folder, const std::string& device, const std::string& renderer,
                    const std::map<std::string, std::string>& parameters = {}) {
   fmi::ExportSetup setup;
@@ -45,7 +45,7 @@ std::string unitOf(const test::TemporaryFolder& folder, const std::string& devic
   return path;
 }
 
-/// A unit that is run by hand.
+/// A unit that the test drives by hand.
 class Slave {
  public:
   Slave(const std::string& path, const std::string& device, const std::string& renderer,
@@ -154,7 +154,7 @@ const std::set<std::string> kUsed = {"fmi3GetVersion",
                                      "fmi3DeserializeFMUState",
                                      "fmi3DoStep"};
 
-/// Calls each function that a unit refuses with the parameters that the standard states, all zero.
+/// Calls each function that a unit refuses, with the standard's parameters, all zero.
 struct Refusals {
   Slave& unit;
   int count = 0;
@@ -176,13 +176,13 @@ struct Refusals {
   }
 };
 
-/// What a master sees of a run.
+/// A run as seen by a master.
 struct Seen {
   Eigen::VectorXd position, q, torque;
   bool operator==(const Seen& o) const { return position == o.position && q == o.q && torque == o.torque; }
 };
 
-/// Ticks `from` to `to` of a push of 12 N from tick 1000 on.
+/// Run ticks `from` to `to` of a push of 12 N from tick 1000 on.
 std::vector<Seen> drive(Slave& plant, Slave& renderer, int from, int to) {
   std::vector<Seen> seen;
   for (int i = from; i < to; ++i) {
@@ -211,7 +211,7 @@ std::string reasonOf(const std::string& path, const DeviceParameters& device) {
   return "";
 }
 
-/// The files of a unit, to be changed.
+/// Return the files of a unit, in order to change them.
 std::map<std::string, std::string> filesOf(const std::string& path) {
   const fmi::UnpackedArchive archive(path);
   std::map<std::string, std::string> files;
@@ -268,7 +268,7 @@ TEST_CASE("fmi: units of plant and renderer make the native loop's bits", "[fmi]
     renderer.begin();
     std::vector<Seen> seen = drive(plant, renderer, 0, 1050);
 
-    // Both are saved amid the first impact, go on, and are put back; the renderer's as bytes.
+    // Save both during the first impact, continue, and restore them; the renderer's state as bytes.
     fmi::State plantState = nullptr, state = nullptr, again = nullptr;
     REQUIRE(plant.call<fmi::GetState>("fmi3GetFMUState")(plant.instance(), &plantState) == fmi::ok);
     REQUIRE(renderer.call<fmi::GetState>("fmi3GetFMUState")(renderer.instance(), &state) == fmi::ok);
@@ -316,7 +316,7 @@ TEST_CASE("fmi: outputs follow from inputs without a step, and what is wrong is 
   CHECK(renderer.set("q", q.data()) == fmi::ok);
   const Eigen::VectorXd outside = renderer.get("torque");
   for (int i = 0; i < 300; ++i) REQUIRE(renderer.step(i * 1e-3, 1e-3) == fmi::ok);
-  q.z() = -1e-3;  // 10 ms ago it was outside: the guard looks at speeds, so by small steps
+  q.z() = -1e-3;  // move in small steps, because the guard limits the speed
   for (int i = 300; i < 400; ++i) {
     const Vec3 inside(0.0, 0.0, 1e-4 - 1.1e-3 * (i - 299) / 100.0);
     CHECK(renderer.set("q", inside.data()) == fmi::ok);
@@ -355,11 +355,11 @@ TEST_CASE("fmi: a unit exports every function of the standard, and refuses those
   plant.begin();
   Refusals refusals{plant};
 #define CALL(name, type) refusals(#name, plant.call<type>(#name));
-  using namespace fmi;  // of the types in the table
+  using namespace fmi;  // for the types in the table
   ENAMEL_FMI3_FUNCTIONS(CALL)
 #undef CALL
   CHECK(refusals.count == 54);
-  CHECK(plant.step(0.0, 1e-3) == fmi::ok);  // none of them did anything
+  CHECK(plant.step(0.0, 1e-3) == fmi::ok);  // none of the calls had an effect
 }
 
 TEST_CASE("fmi: every plant comes back to a saved state bit for bit", "[fmi]") {
@@ -392,7 +392,7 @@ TEST_CASE("fmi: every plant comes back to a saved state bit for bit", "[fmi]") {
     REQUIRE(plant.call<fmi::GetState>("fmi3GetFMUState")(plant.instance(), &state) == fmi::ok);
     const auto first = drive(20, 40);
     CHECK(first.back() != first[3]);
-    for (int time = 0; time < 2; ++time) {  // a state serves more than once
+    for (int time = 0; time < 2; ++time) {  // a state can be used more than once
       CHECK(plant.call<fmi::SetState>("fmi3SetFMUState")(plant.instance(), state) == fmi::ok);
       CHECK(drive(20, 40) == first);
     }
@@ -437,14 +437,14 @@ TEST_CASE("fmi: a unit as a plant is the plant that it was written from", "[fmi]
       REQUIRE(q == k.q);
       REQUIRE(rates == k.rates);
     }
-    CHECK(other->state().position == Vec3(Vec3::Zero()));  // instances have nothing in common
-    REQUIRE(unit->start(start) == Status::ok);             // again
+    CHECK(other->state().position == Vec3(Vec3::Zero()));  // instances share nothing
+    REQUIRE(unit->start(start) == Status::ok);             // a second start
     CHECK(unit->state().twist == Vec6(Vec6::Zero()));
   }
 }
 
 TEST_CASE("fmi: a unit by another hand runs as a plant", "[fmi]") {
-  // Described as its author would: scalars, units of its own names.
+  // A description as from another author: scalars, and units with their own names.
   std::string text = R"(<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="mass" instantiationToken="{mass}">
   <CoSimulation modelIdentifier="mass" canHandleVariableCommunicationStepSize="true"/>
@@ -470,7 +470,7 @@ TEST_CASE("fmi: a unit by another hand runs as a plant", "[fmi]") {
   const DeviceParameters device = loadDevice(kDevices + "cartesian-3.toml");
   const auto plant = fmi::plantsOf(path, device)(0);
   REQUIRE(plant->start(Pose{}) == Status::ok);
-  // Under 1 N along x: v = F/b (1 - exp(-t b/m)).
+  // Under a constant force along x: v = F/b (1 - exp(-t b/m)).
   const JointVector torque = (JointVector(3) << 0.6, 0.0, 0.0).finished();
   const auto person = [](double, const Pose&, const Vec6&) { return (Vec6() << 0.4, 0, 0, 0, 0, 0).finished(); };
   for (int i = 0; i < 50; ++i) REQUIRE(plant->advance(i * 1e-3, 1e-3, torque, person) == Status::ok);
@@ -482,7 +482,7 @@ TEST_CASE("fmi: a unit by another hand runs as a plant", "[fmi]") {
   INFO(pushed.output);
   CHECK(pushed.status == 0);
   CHECK(pushed.output.find("K_z1") != std::string::npos);
-  // It begins where it begins, and says so where that is not where the push is.
+  // The unit starts at its own pose, and reports it if the push starts elsewhere.
   const test::CommandResult away =
       test::run("push --device " + kDevices + "cartesian-3.toml --plant " + path + " --renderer impedance --x 5");
   CHECK(away.status == 1);
@@ -505,7 +505,7 @@ TEST_CASE("fmi: broken units are refused with their reason", "[fmi]") {
   const auto described = [&](const std::string& what, const std::string& by) {
     auto files = good;
     files[xml] = replaced(files[xml], what, by);
-    files[binary].clear();  // not looked at
+    files[binary].clear();  // not checked here
     return refusal(files);
   };
   write(path, good);
@@ -560,7 +560,7 @@ TEST_CASE("fmi: the command writes units and says what it cannot", "[fmi]") {
       test::run(tau + " --renderer position-control --scene " ENAMEL_SOURCE_DIR "/data/scenes/molar.toml");
   CHECK(molar.status == 0);
   {
-    const fmi::UnpackedArchive unit(folder / "unit.fmu");  // with its mesh
+    const fmi::UnpackedArchive unit(folder / "unit.fmu");  // it contains the mesh
     const SceneFile packed = loadScene(unit.folder() + "/resources/scene.toml");
     const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/molar.toml");
     Pose pose;

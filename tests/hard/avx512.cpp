@@ -1,4 +1,4 @@
-// The query loops for AVX-512 against those for AVX2, on any machine that has AVX2: the intrinsics are replaced.
+// The query loops for AVX-512 against those for AVX2, on any machine with AVX2: the intrinsics are replaced.
 #include <algorithm>
 #include <cmath>
 #include <vector>

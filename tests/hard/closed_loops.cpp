@@ -1,5 +1,4 @@
-// Random closed loops: devices, renderers, delays, and everything that a device or a host may say wrongly. In
-// simulation.
+// Random closed loops in simulation: devices, renderers, delays, and all errors in what a device or a host may report.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,7 +24,7 @@ namespace {
 
 constexpr double kPeriod = 1e-3;
 constexpr int kTicks = 600, kFaultAt = 300;
-constexpr double kDeepest = 2e-3;  // m, of position control that claims that all is well
+constexpr double kDeepest = 2e-3;  // m, of position control without any reported problem
 
 enum class Trouble {
   none,
@@ -55,7 +54,7 @@ constexpr const char* kNames[] = {"none",         "reports zero", "reports turne
                                   "jitters",      "repeats",      "rates zero",     "rates turned",    "not finite",
                                   "swaps",        "toggles",      "claims speed",   "moves in frames", "teleports"};
 
-// One random loop, all of it drawn from its number.
+// A random loop, determined by its number.
 struct Case {
   explicit Case(std::uint64_t number) : random(number) {
     device = pick(5);
@@ -116,7 +115,7 @@ class Driver final : public HapticDevice {
     if (m.q.allFinite()) offset_ = (m.q - last_.q).cwiseAbs();
     return told;
   }
-  // Work that false samples may have feigned, J.
+  // Work that wrong samples may have hidden, J.
   double hidden() const { return hidden_; }
   Status actuate(const Command& command) noexcept override { return device_.actuate(command); }
 
@@ -161,12 +160,12 @@ class Driver final : public HapticDevice {
   VirtualDevice& device_;
   Case& c_;
   Measurement last_;
-  JointVector offset_;  // of the last sample
+  JointVector offset_;  // error of the last sample
   double hidden_ = 0.0;
   int tick_ = 0;
 };
 
-// What the host does with the wall.
+// Change the wall as the host would.
 void moveWall(Case& c, int tick, Scene& scene) {
   Pose pose = scene.obstacles()[0].pose;
   Vec6 twist = Vec6::Zero();
@@ -183,19 +182,19 @@ void moveWall(Case& c, int tick, Scene& scene) {
   REQUIRE(scene.move(0, pose, twist) == Status::ok);
 }
 
-// What a loop did.
+// Result of a loop.
 struct Outcome {
-  double beyond = 0.0;   // largest energy that the tool was given, by the truth, beyond the guard's budget, J
-  double allowed = 0.0;  // of it, J: what acts until a command that the guard changed reaches the motors
-  double depth = 0.0;    // deepest below the wall while everything claimed to be well, m
+  double beyond = 0.0;   // largest energy given to the tool above the guard's budget, from the true motion, J
+  double allowed = 0.0;  // allowed part of it, J: until a command that the guard changed reaches the motors
+  double depth = 0.0;    // largest depth below the wall while no problem was reported, m
   bool isFault = false;
 };
 
-// The guard's rule by what really acted and moved: the reference for its accounts.
+// The guard's energy rule, computed from the true torques and motion: the reference for the guard's accounts.
 class TrueAccount {
  public:
   explicit TrueAccount(const GuardOptions& options) : options_(options) {}
-  // Energy beyond the budget, J.
+  // Return the energy above the budget, J.
   double add(const VirtualDevice& device, double wallSpeed) {
     const Kinematics& k = device.kinematics();
     const Vec6 wrench = wrenchOf(k, device.torque() - k.gravity), now = device.state().twist,
@@ -212,7 +211,7 @@ class TrueAccount {
     return energy_ - options_.energy;
   }
   double largestPower = 0.0;  // W
-  double hidden = 0.0;        // that rounding to counts may have feigned, J: the guard counts a lower bound
+  double hidden = 0.0;        // hidden by rounding to counts, J: the guard counts a lower bound
 
  private:
   const GuardOptions& options_;
@@ -263,11 +262,11 @@ Outcome outcomeOf(Case& c) {
       outcome.depth = std::max(outcome.depth, wall.pose.position.z() - device.state().position.z());
     if (device.advance(hand) != Status::ok) break;
     stopped += outcome.isFault;
-    if (stopped * kPeriod > options.rampOut + 5e-3) break;  // its torque is out
+    if (stopped * kPeriod > options.rampOut + 5e-3) break;  // its torque has ramped out
     outcome.beyond = std::max(outcome.beyond, account.add(device, wall.twist[2]));
   }
-  // The guard sees an excess a tick later; its answer acts after the delay. Where the configuration is not known it
-  // cannot see what pushes the tool on: all ramps out.
+  // The guard detects an excess one tick later, and its command acts after the delay. If the configuration is unknown,
+  // it cannot know what pushes the tool: everything ramps out.
   const GuardReason fault = haptics.guard().fault();
   const bool isKnown = fault != GuardReason::measurement && fault != GuardReason::jump &&
                        fault != GuardReason::frozen && fault != GuardReason::unreachable;

@@ -1,5 +1,5 @@
-// Contacts of tools with meshes: against the local minima that brute force finds, and the same bits whatever is known
-// from earlier ticks.
+// Contacts of tools with meshes: equal to the local minima found by brute force, and with the same bits whatever is
+// kept from earlier ticks.
 #include "support/contacts.hpp"
 
 #include <Eigen/Geometry>
@@ -13,7 +13,7 @@ namespace enamel::test_contacts {
 
 namespace {
 
-// The nearest point of a triangle: the foot on its plane if that lies inside, by the signs of areas, else on an edge.
+// Return the nearest point of a triangle: the foot in its plane if it is inside by signs of areas, else on an edge.
 Vec3 nearestOf(const Vec3& p, const std::array<Vec3, 3>& corner) {
   const Vec3 n = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
   bool isInside = n.squaredNorm() > 0.0;
@@ -27,13 +27,13 @@ Vec3 nearestOf(const Vec3& p, const std::array<Vec3, 3>& corner) {
   return isInside ? Vec3(p - n * (n.dot(p - corner[0]) / n.squaredNorm())) : best;
 }
 
-// Squared distance, for the innermost loop: at -O1 Eigen's expressions take several times as long.
+// Return the squared distance for the innermost loop: at -O1, Eigen's expressions take several times as long.
 double squared(const Vec3& a, const Vec3& b) {
   const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
   return x * x + y * y + z * z;
 }
 
-// Sound ones, and one with gaps between its parts, where much is near.
+// Return sound meshes, and one with gaps between its parts, which has many near features.
 std::vector<test::NamedMesh> contactMeshes() {
   std::vector<test::NamedMesh> all = test::soundMeshes();
   TriangleMesh balls;
@@ -44,7 +44,7 @@ std::vector<test::NamedMesh> contactMeshes() {
   return all;
 }
 
-// A triangle's nearest point; one corner, and 1.1 times the square of how far the triangle goes from it.
+// A triangle's nearest point; one corner, and 1.1 times the squared extent of the triangle from it.
 struct Nearest {
   Vec3 point;
   double distance;
@@ -63,7 +63,7 @@ std::vector<Nearest> nearestOfAll(const TriangleMesh& mesh, const Vec3& p) {
   return all;
 }
 
-// Whether no triangle that passes through a triangle's nearest point comes nearer by more than a part of its distance.
+// Return whether no triangle through the nearest point of triangle i is nearer by more than a fraction `part`.
 bool isMinimum(const TriangleMesh& mesh, const std::vector<Nearest>& all, std::size_t i, double size, double part) {
   const Vec3& x = all[i].point;
   const double nearer = (1.0 - part) * all[i].distance;
@@ -76,7 +76,7 @@ bool isMinimum(const TriangleMesh& mesh, const std::vector<Nearest>& all, std::s
   return true;
 }
 
-// Where p lies over a face, if only just, no neighbour is asked.
+// Return whether p is over a face, even barely: then no neighbour matters.
 bool isOverFace(const TriangleMesh& mesh, std::size_t triangle, const Vec3& p, const Nearest& nearest) {
   const auto& t = mesh.triangles[triangle];
   const Vec3& a = mesh.vertices[t[0]];
@@ -141,7 +141,7 @@ TEST_CASE("a sphere touches at every local minimum of the distance and nowhere e
 }
 
 TEST_CASE("where two tips meet in a vertex, each has its own contact there", "[hard]") {
-  // A tip at the origin: rings along `way`, each so far on and so wide, and an end.
+  // Return the vertices of a tip at the origin: rings along `way`, each with its distance and width, and an end.
   const auto tip = [](const Vec3& way, int corners, const std::vector<std::pair<double, double>>& rings) {
     TriangleMesh mesh;
     mesh.vertices.push_back(Vec3::Zero());
@@ -164,7 +164,7 @@ TEST_CASE("where two tips meet in a vertex, each has its own contact there", "[h
     }
     return mesh;
   };
-  // The corner is nearest of the blunt one, while an edge of the other, a spike that leans over the place, is nearer.
+  // A corner of the blunt tip is nearest, but an edge of the other one, a spike that leans over the place, is nearer.
   const Vec3 place(-0.1, 0.0, 0.0);
   const TriangleMesh blunt = tip(Vec3::UnitX(), 8, {{0.2, 0.4}, {0.5, 1.0}, {0.8, 1.6}}),
                      spike = tip(Vec3(-0.8, 0.6, 0.0), 3, {{1.0, 0.05}});
@@ -204,7 +204,7 @@ TEST_CASE("a tool of parts that meet has the same contacts with and without a ca
     for (int walk = 0; walk < test::count(12, 400); ++walk) {
       const double scale = std::min(size * std::pow(10.0, random.uniform(-2.0, -0.7)), kLargestTool / 3.0);
       const double margin = random.uniform(0.0, 0.3) * scale;
-      Tool tool;  // a ball, a neck and a shaft, thick after thin or thin after thick
+      Tool tool;  // sphere, neck and shaft: thick after thin, or thin after thick
       tool.parts[0] = {Vec3::Zero(), Vec3::Zero(), 0.3 * scale};
       tool.parts[1] = {{0, 0, 0.2 * scale}, {0, 0, scale}, random.uniform(0.05, 0.5) * scale};
       tool.parts[2] = {{0, 0, scale}, {0, 0, 3.0 * scale}, random.uniform(0.05, 0.5) * scale};

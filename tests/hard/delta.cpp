@@ -1,4 +1,4 @@
-// The delta on many poses, on garbage joint vectors, and at the edge of what it can reach.
+// The delta on many poses, on invalid joint vectors, and at the edge of its workspace.
 #include <Eigen/LU>
 #include <iostream>
 
@@ -12,7 +12,7 @@ namespace enamel::test_delta {
 
 namespace {
 
-// The loops of a leg, written anew: how far the near and the far end of the bars are from b apart, m.
+// The loops of a leg, computed independently: how much the distance of the bars' ends differs from b, m.
 struct Loops {
   const DeltaGeometry g;
   const double homeDistance;
@@ -45,7 +45,7 @@ struct Loops {
   }
 };
 
-// Poses on the branch of home (its sign of the determinant is `order`) that Newton's method finds from random starts.
+// Return poses on the branch of home (sign `order` of the determinant) that Newton's method finds from random starts.
 std::vector<Vec3> posesFound(const Loops& loops, double order, int starts, test::Random& random) {
   std::vector<Vec3> found;
   for (int k = 0; k < starts; ++k) {
@@ -114,7 +114,7 @@ TEST_CASE("delta: forward undoes inverse kinematics, and J is the derivative, on
               << "; worst error near " << worstNear_m << " m, cold " << worstCold_m << " m; J " << worstJacobian
               << "\n";
     CHECK(failures == 0);
-    CHECK(worstNear_m < 1e-12);  // the bar of the specification
+    CHECK(worstNear_m < 1e-12);  // limit of the specification
     CHECK(worstCold_m < 1e-12);
     CHECK(worstJacobian < 5e-9);  // 1e-10 times the condition number of J in the corners (20)
   }
@@ -147,16 +147,16 @@ TEST_CASE("delta: any joint vector gets a status, and ok means the one pose on t
       const Loops loops{device.geometry, device.homeDistance, q};
       if (status == Status::ok) {
         const Loops::At at = loops(c.position);
-        REQUIRE(at.error.cwiseAbs().maxCoeff() < 1e-14);  // m: roundings of lengths of 0.2 m
+        REQUIRE(at.error.cwiseAbs().maxCoeff() < 1e-14);  // m: rounding of lengths of 0.2 m
         REQUIRE(at.outer);
         REQUIRE(at.elbow.minCoeff() > 0.0);
         REQUIRE(at.lean.minCoeff() > 0.0);
         REQUIRE(model.order * at.bars.determinant() > 0.0);
-        // Inverse kinematics gives the joint vector back, whole turns aside.
+        // Inverse kinematics returns the joint vector, except for whole turns.
         DeltaConfiguration back;
         REQUIRE(inverseKinematics(model, c.position, back) == Status::ok);
         const Vec3 again = jointAngles(back);
-        // Near the elbow's singularity angles move by the root of the error: 1e-16 / kSmallestDeltaMeasure^2.
+        // Near the elbow's singularity the error of angles is the square root: 1e-16 / kSmallestDeltaMeasure^2.
         for (int k = 0; k < 3; ++k) REQUIRE(std::abs(std::remainder(again[k] - q[k], 2.0 * M_PI)) < 1e-9);
       }
       const std::vector<Vec3> found = posesFound(loops, model.order, 30, random);
@@ -170,8 +170,8 @@ TEST_CASE("delta: any joint vector gets a status, and ok means the one pose on t
               << ", several poses " << several << ", another pose " << wrong << "\n";
     CHECK(ok > vectors / 10);
     CHECK(unreachable > vectors / 20);
-    // The two starts of the search are not all starts: of 1e5 vectors far outside the workspace one was refused that
-    // has a pose. Refused is safe; a wrong pose would not be.
+    // The search uses two starts only. Of 1e5 vectors far outside the workspace, it refused one that has a pose. A
+    // refusal is safe; a wrong pose would not be.
     CHECK(missed <= vectors / 10000);
     CHECK(several == 0);
     CHECK(wrong == 0);

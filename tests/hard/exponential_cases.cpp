@@ -1,4 +1,4 @@
-// Matrices whose exponential is easy to spoil: far from normal, stiff, badly scaled.
+// Matrices whose exponential is hard to compute: far from normal, stiff, badly scaled.
 #include "bench/control_cases.hpp"
 #include "enamel/control/discretise.hpp"
 #include "enamel/core/error.hpp"
@@ -16,15 +16,15 @@ TEST_CASE("hard exponentials are right entry by entry") {
 }
 
 TEST_CASE("a zero-order hold over a stiff plant keeps its slow states") {
-  // A motor with an electrical pole at 1e8 1/s in front of a double integrator, held for Ts: the torque follows at
-  // once, so q' = Ts - 1/a and q = Ts^2/2 - Ts/a + 1/a^2 up to e^{-a Ts} = 0.
+  // A motor with an electrical pole at 1e8 1/s in front of a double integrator, held for Ts. The torque follows at
+  // once: q' = Ts - 1/a and q = Ts^2/2 - Ts/a + 1/a^2, except for e^{-a Ts} = 0.
   const double a = 1e8, period = 1e-3;
   MatrixXd A = MatrixXd::Zero(3, 3), B = MatrixXd::Zero(3, 1);
   A(0, 0) = -a, B(0, 0) = a, A(1, 0) = 1.0, A(2, 1) = 1.0;
   const StateSpace held = zeroOrderHold({A, B}, period);
   MatrixXd expected(3, 1);
   expected << 1.0, period - 1.0 / a, 0.5 * period * period - period / a + 1.0 / (a * a);
-  CHECK(bench::entrywiseError(held.B, expected) < 1e-14);  // a few roundings
+  CHECK(bench::entrywiseError(held.B, expected) < 1e-14);  // a few rounding errors
 }
 
 TEST_CASE("exponentials that do not exist in doubles are refused") {

@@ -1,4 +1,4 @@
-// Forward kinematics on many poses, on garbage, and against all assembly modes.
+// Forward kinematics on many poses, on invalid input, and compared with all assembly modes.
 #include <iostream>
 
 #include "enamel/device/tau/kinematics.hpp"
@@ -45,7 +45,7 @@ TEST_CASE("forward kinematics converges on every workspace pose, near and cold",
     REQUIRE(inverseKinematics(model, start, near) == Status::ok);
     const auto check = [&](const ForwardKinematicsReport& report, const Pose& found, int& failures) {
       const double error_m = distance(found, pose), error_rad = angleBetween(found.rotation, pose.rotation);
-      // The bars of the specification: 1e-11 m and 1e-10 rad. The platform is 75 mm wide.
+      // Limits of the specification: 1e-11 m and 1e-10 rad. The platform is 75 mm wide.
       if (report.status != Status::ok || !(error_m < 1e-11) || !(error_rad < 1e-10)) ++failures;
       worst_m = std::max(worst_m, error_m);
       worst_rad = std::max(worst_rad, error_rad);
@@ -102,7 +102,7 @@ TEST_CASE("the branch that forward kinematics follows is the one continued from 
   std::cout << poses << " poses, seed " << seed << ": " << fewest << " to " << most
             << " real assembly modes; the nearest other mode is rotated by " << nearestImpostor_rad * 180.0 / M_PI
             << " deg\n";
-  CHECK(nearestImpostor_rad > M_PI / 3.0);  // the 60 deg that separate the branches in the workspace
+  CHECK(nearestImpostor_rad > M_PI / 3.0);  // 60 deg separate the branches in the workspace
 }
 
 TEST_CASE("garbage joint angles get a status, and ok only on the branch of home", "[hard]") {
@@ -144,12 +144,12 @@ TEST_CASE("garbage joint angles get a status, and ok only on the branch of home"
         REQUIRE(walk.smallestSinElbow > 0.0);
         REQUIRE(distance(test::poseOfMode(device, legs, walk.elevations), cold.pose) < 1e-9);
       }
-      // A warm start from home must not find what the walk does not, nor anything else.
+      // A warm start from home must find the pose of the walk, or none.
       if (warmReport.status == Status::ok) {
         REQUIRE(report.status == Status::ok);
         REQUIRE(distance(warm.pose, cold.pose) < 1e-9);
       }
-      // What the walk refuses must really meet a singularity (checked on some: the slow walk is slow).
+      // If the walk refuses, there must be a singularity (checked for some, because the slow walk is slow).
       if (report.status != Status::ok && report.status != Status::notFinite && i % 20 == 1) {
         const test::Walk walk = test::slowWalk(device, model.homeAngles, elevations, wayTo(model, q), 2e-3);
         if (walk.arrived && std::min({walk.smallestDeterminant, walk.smallestSinElbow, walk.smallestRadius}) > 1e-2)
@@ -166,8 +166,8 @@ TEST_CASE("garbage joint angles get a status, and ok only on the branch of home"
 }
 
 TEST_CASE("a warm start stays on the branch it starts from", "[hard]") {
-  // From regular configurations anywhere (also near singularities) to joint angles up to 0.3 rad away: what is
-  // reported ok must be what the slow walk from the start, or from home, arrives at.
+  // From regular configurations, also near singularities, to joint angles up to 0.3 rad away. A result with status ok
+  // must be the end of the slow walk from the start, or from home.
   constexpr std::uint64_t seed = 45;
   for (const TauParameters& device : {test::nominal(), test::randomDevice(2)}) {
     const TauModel model = makeModel(device);
@@ -200,8 +200,8 @@ TEST_CASE("a warm start stays on the branch it starts from", "[hard]") {
 }
 
 TEST_CASE("a singular pose is approached and refused, not jumped over", "[hard]") {
-  // Walk from home along random directions of the joint space until the slow walk meets the fold; just before it
-  // forward kinematics converges, just behind it there is no solution on this branch.
+  // Walk from home along random directions in joint space until the slow walk reaches the fold. Just before it, forward
+  // kinematics converges; just behind it, this branch has no solution.
   const TauParameters device = test::nominal();
   const TauModel model = makeModel(device);
   const Vec3 elevations = homeElevations(model);

@@ -1,4 +1,4 @@
-// The guard where it counts: garbage, walls that are known to be bad, and ordinary runs, which it must leave alone.
+// The guard in difficult cases: invalid input, walls known to be bad, and ordinary runs, which it must not change.
 #include "enamel/render/guard.hpp"
 
 #include <iostream>
@@ -35,7 +35,7 @@ TEST_CASE("garbage into the guard: finite, within the limits and the slew, alway
   for (int i = 0; i < ticks; ++i) {
     const double chance = random.uniform(0.0, 1.0);
     if (chance < 0.05) guard.reset();
-    // Mostly a tool that moves slowly and is asked for little, so that every stage is reached; then blows.
+    // Mostly a tool that moves slowly with small requests, so that every stage is reached; sometimes invalid values.
     k = device.home();
     m.q = k.q + JointVector::Constant(6, 1e-5 * std::sin(1e-2 * i));
     k.q = m.q;
@@ -57,7 +57,7 @@ TEST_CASE("garbage into the guard: finite, within the limits and the slew, alway
         const int field = static_cast<int>(random.uniform(0.0, 12.0));
         if (sizes[field] == 0) continue;
         numbers[field][static_cast<int>(random.uniform(0.0, sizes[field]))] = test::garbage(random);
-        if (field == 1 && random.uniform(0.0, 1.0) < 0.5) k.q = m.q;  // and believed
+        if (field == 1 && random.uniform(0.0, 1.0) < 0.5) k.q = m.q;  // the mechanism uses the wrong value
       }
       if (random.uniform(0.0, 1.0) < 0.2) requested.conservativeResize(static_cast<int>(random.uniform(0.0, 8.0)));
       if (random.uniform(0.0, 1.0) < 0.2) m.q.conservativeResize(static_cast<int>(random.uniform(0.0, 8.0)));
@@ -100,7 +100,7 @@ TEST_CASE("walls that are known to be bad are stopped by their energy", "[hard]"
         CHECK(result.guard == GuardReason::energy);
         return all;
       }();
-      // The tool's energy beyond what the person gave it: motion alone, as the device has no springs.
+      // Energy of the tool that the person did not give: kinetic only, because the device has no springs.
       Kinematics k;
       const TickRecord& end = ticks.back();
       REQUIRE(device->reach(end.pose, end.twist, true, k) == Status::ok);
@@ -113,13 +113,13 @@ TEST_CASE("walls that are known to be bad are stopped by their energy", "[hard]"
       std::cout << (hold ? "hold, delay 2" : "spring of 20 kN/m, delay 3") << ", " << force << " N: stopped at "
                 << end.time << " s, moved " << 1e3 * way << " mm, " << 1e3 * motion << " mJ of motion, of these "
                 << 1e3 * (motion - given) << " mJ not from the person, budget " << 1e3 * options.energy << " mJ\n";
-      // A tick's work beyond the budget: 60 N over 0.5 mm; rounding to counts hides as much again.
+      // A tick's work above the budget: 60 N over 0.5 mm. Rounding to counts hides the same amount again.
       CHECK(motion - given < options.energy + 0.03);
       CHECK((way < 2e-3 || motion - given < 0.05));
     }
 }
 
-// Cables of 300 N m/rad: one tick of the largest torque turns a rotor with 24 mJ, of which little reaches the tool.
+// Cables of 300 N m/rad: one tick of the largest torque gives a rotor 24 mJ, but little of it reaches the tool.
 TEST_CASE("behind soft cables position control is left alone, and a spring that gives energy is stopped", "[hard]") {
   DeviceParameters file = loadDevice(test::deviceFile("tau-detailed.toml"));
   std::get<TauParameters>(file).imperfections.cableStiffness = 300.0;
@@ -182,7 +182,7 @@ TEST_CASE("ordinary study runs pass untouched", "[hard]") {
       });
       REQUIRE(result.status == Status::ok);
       INFO(plan.columns[result.run.column].name << ", scenario " << result.run.scenario << ", delay " << delay);
-      // Under random delay a run in a thousand oscillates (lib/docs/limits.md).
+      // Under random delay one run in a thousand oscillates (lib/docs/limits.md).
       unstable += result.metrics.verdict == FirstImpactVerdict::unstable;
       REQUIRE(unstable <= (delay < 4 ? 0 : 5));
       ++runs;
@@ -192,7 +192,7 @@ TEST_CASE("ordinary study runs pass untouched", "[hard]") {
 }
 
 TEST_CASE("a loop that is unstable and stays inside is called unstable", "[hard]") {
-  // The guard off: the paper's gain with a tick of delay and rates from encoders oscillates at a motor's limit.
+  // Without the guard, the paper's gain with a tick of delay and rates from encoders oscillates at a motor's limit.
   const TauMechanism device(test::nominal());
   for (const int scenario : {1, 2}) {
     HoldRenderer paper = test::holdRenderer(test::asInThePaper());
@@ -213,7 +213,7 @@ TEST_CASE("a loop that is unstable and stays inside is called unstable", "[hard]
 TEST_CASE("hold goes with a wall that moves, and back to the surface in small steps", "[hard]") {
   const TauMechanism device(test::nominal());
   const auto hand = [](double z) { return test::handAt(z, 200.0, 8.0); };
-  // A touch 20 mm deep: no kick.
+  // A first touch 20 mm deep causes no kick.
   HoldRenderer hold = test::holdRenderer();
   LoopSetup setup;
   setup.guarded = false;
@@ -229,7 +229,7 @@ TEST_CASE("hold goes with a wall that moves, and back to the surface in small st
   CHECK(fastest < 0.15);
   CHECK(std::abs(record.pose.position.z()) < 1e-3);
 
-  // A wall that comes at 20 mm/s takes the tool along.
+  // A wall that approaches at 20 mm/s pushes the tool along.
   Scene moving = flatWall();
   HoldRenderer carried = test::holdRenderer();
   VirtualDeviceSetup start;

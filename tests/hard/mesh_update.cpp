@@ -1,4 +1,4 @@
-// A mesh that changes in use answers as one that is built anew.
+// A mesh that changes in use gives the same results as a new one.
 #include "enamel/collision/mesh_update.hpp"
 
 #include "enamel/collision/contacts.hpp"
@@ -12,7 +12,7 @@ namespace enamel::test_mesh_update {
 
 namespace {
 
-// The mesh without its removed triangles, and the numbers that its triangles had.
+// Return the mesh without its removed triangles, and the old numbers of its triangles.
 std::pair<TriangleMesh, std::vector<int>> remaining(const MeshModel& model) {
   std::pair<TriangleMesh, std::vector<int>> result;
   result.first.vertices = model.mesh().vertices;
@@ -54,9 +54,9 @@ void compare(const std::shared_ptr<const MeshModel>& changed, test::Random& rand
     pose.position = p;
     REQUIRE(findContacts(changedScene, tool, pose, 0.05, nullptr, contactsA) == Status::ok);
     REQUIRE(findContacts(freshScene, tool, pose, 0.05, nullptr, contactsB) == Status::ok);
-    if (a.distance * b.distance <= 0.0) continue;  // without a volume the side of the nearest sheet is not defined
+    if (a.distance * b.distance <= 0.0) continue;  // without a volume, the side of the nearest sheet is undefined
     REQUIRE(contactsA.count == contactsB.count);
-    // On the surface itself the sign of a distance of 1e-17 is rounding.
+    // On the surface itself, the sign of a distance of 1e-17 is rounding.
     for (int k = 0; k < contactsA.count; ++k)
       REQUIRE(std::abs(contactsA.contacts[k].gap - contactsB.contacts[k].gap) < 1e-14);
   }
@@ -76,7 +76,7 @@ TEST_CASE("moved, removed, replaced and added triangles answer as a fresh build"
     const std::size_t vertices = model->mesh().vertices.size(), triangles = model->mesh().triangles.size();
     ProximityCache cache;
     for (int round = 0; round < rounds; ++round) {
-      // A dent: all vertices near a place, as a tool would push them.
+      // Make a dent: move all vertices near a place, as a tool would.
       std::vector<int> moved;
       std::vector<Vec3> positions;
       const Vec3 centre = random.direction();
@@ -104,7 +104,7 @@ TEST_CASE("moved, removed, replaced and added triangles answer as a fresh build"
       compare(model, random, cache, 20);
       const int firstVertex = static_cast<int>(model->mesh().vertices.size());
       const int firstTriangle = static_cast<int>(model->mesh().triangles.size());
-      std::vector<Vec3> spikes;  // on triangles anywhere
+      std::vector<Vec3> spikes;  // on random triangles
       std::vector<std::array<int, 3>> sides;
       for (int i = 0; i < perRound; ++i) {
         const auto& t = model->mesh().triangles[static_cast<std::size_t>(pick(triangles))];
@@ -120,8 +120,8 @@ TEST_CASE("moved, removed, replaced and added triangles answer as a fresh build"
 }
 
 TEST_CASE("below an overhang that an edit makes is outside, whichever triangle is the first", "[hard]") {
-  // A flat lid, two rings about its middle, over a deep point. Of the inner ring one vertex goes down and back, so that
-  // the middle hangs over a pit. Only there the surface bends: elsewhere one normal tells the side.
+  // A flat lid with two rings around its middle, above a deep point. One vertex of the inner ring moves down and back,
+  // so that the middle hangs over a pit. The surface bends only there: elsewhere one normal gives the side.
   TriangleMesh mesh;
   mesh.vertices.push_back(Vec3::Zero());
   const int corners = 5;
@@ -158,7 +158,7 @@ TEST_CASE("what a cache holds ready does not outlive an edit", "[hard]") {
   ProximityCache cache;
   for (int round = 0; round < 20; ++round) {
     const Vec3 way = random.direction();
-    for (int i = 0; i < 300; ++i) {  // slowly: it works ahead
+    for (int i = 0; i < 300; ++i) {  // slowly, so that the cache works ahead
       const Vec3 p = (1.3 + 1e-5 * i) * way;
       const SurfacePoint found = closestPoint(model, p, &cache), plain = closestPoint(model, p);
       REQUIRE(found.triangle == plain.triangle);
@@ -218,7 +218,7 @@ TEST_CASE("a model says what it is after updates", "[hard]") {
   CHECK_THAT(describe(model), test::ContainsSubstring("open (4 boundary edges)"));
   CHECK(presentMesh(model).triangles.size() == 10);
   CHECK(inspect(presentMesh(model)).boundaryEdges == 4);
-  // Another lid, in triangles of their own: a pyramid.
+  // Another lid from separate triangles: a pyramid.
   const Vec3 tip(0, 0, 2);
   const std::array<int, 3> sides[4] = {{4, 5, 8}, {5, 7, 8}, {7, 6, 8}, {6, 4, 8}};
   REQUIRE(addVertices(model, &tip, 1) == Status::ok);

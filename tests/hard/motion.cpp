@@ -1,4 +1,4 @@
-// Long undriven motion: the energy stays, and the integrator has its order.
+// Long motion without drive: the energy is conserved, and the integrator has its order.
 #include <iostream>
 
 #include "enamel/device/tau/dynamics.hpp"
@@ -12,7 +12,7 @@ namespace enamel::test_motion {
 
 namespace {
 
-// A conservative spring that keeps the device in its workspace: 100 N/m in translation, and in rotation the gradient
+// A conservative spring that keeps the device in its workspace: 100 N/m in translation. In rotation it is the gradient
 // of k (3 - trace R) / 2, k = 0.5 N m/rad.
 constexpr double kSpring = 100.0, kTurn = 0.5;
 
@@ -59,7 +59,7 @@ TEST_CASE("undriven motion keeps its energy for 10 s", "[hard]") {
     const TauModel& model = mechanism.model();
     const DeviceState start = startState();
     const double before = energy(model, start);
-    // Runge-Kutta loses (w h)^6 / 72 of the energy a step: at h = 50 us and w = 80 rad/s, 2e-11 in 10 s.
+    // Runge-Kutta loses (w h)^6 / 72 of the energy per step: 2e-11 in 10 s at h = 50 us and w = 80 rad/s.
     const double after = energy(model, moved(mechanism, start, 10.0, 5e-5));
     std::cout << device.name << ": relative energy drift over 10 s " << (after - before) / before << "\n";
     CHECK(std::abs(after - before) < 1e-10 * before);
@@ -76,7 +76,7 @@ TEST_CASE("the integrator is of fourth order", "[hard]") {
   };
   const double coarse = errorAt(50), middle = errorAt(100), fine = errorAt(200);
   std::cout << "halving the step divides the error by " << coarse / middle << ", " << middle / fine << "\n";
-  // 16 in the limit; higher-order terms are still visible at these steps.
+  // 16 in the limit; at these steps higher-order terms are still visible.
   CHECK(middle / fine > 13.0);
   CHECK(middle / fine < 19.0);
   CHECK(coarse / middle > 11.0);

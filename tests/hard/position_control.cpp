@@ -1,5 +1,4 @@
-// The contact-space servo where it is hard: corners, slots, impacts, motors at their limits, tools far from the TCP,
-// teeth.
+// Position control in difficult cases: corners, slots, impacts, motors at their limits, tools far from the TCP, teeth.
 #include "enamel/render/position_control.hpp"
 
 #include <Eigen/Geometry>
@@ -34,7 +33,8 @@ struct Setting {
   int delay = 0;
 };
 
-// Runs the loop; force(time, pose, twist) is the person's on the TCP, `seen` looks at every tick. False: lost.
+// Run the loop; force(time, pose, twist) is the person's on the TCP, `seen` is called at every tick. Return false if
+// lost.
 using Force = std::function<Vec3(double, const Pose&, const Vec6&)>;
 bool run(const Mechanism& device, Renderer& renderer, const Setting& setting, double duration, const Force& force,
          const std::function<void(const TickRecord&)>& seen) {
@@ -77,7 +77,7 @@ Tool ball(double radius, const Vec3& centre = Vec3::Zero()) {
   return tool;
 }
 
-// Amplitude of the strongest oscillation of a motor's torque above 20 Hz, N m: the largest line of its spectrum.
+// Return the amplitude of a motor torque's strongest oscillation above 20 Hz, N m: the largest line of the spectrum.
 double strongestLine(const std::vector<JointVector>& torques) {
   const auto count = static_cast<int>(torques.size());
   double strongest = 0.0;
@@ -115,7 +115,7 @@ TEST_CASE("corners, valleys and slots hold without oscillation", "[hard]") {
   add("three walls", wallsWith({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}), {0.006, 0.006, 0.006}, {-6, -6, -6}, 1e-4);
   add("dependent walls", wallsWith({{0, 0, 1}, {2e-4, 0, 1}, {-2e-4, 0, 1}, {0, 1e-4, 1}}), {0, 0, 0.004}, {0, 0, -10},
       1e-4);
-  for (const double narrow : {0.0, 1e-4, 2e-4}) {  // no pose is without penetration: half of it on either side
+  for (const double narrow : {0.0, 1e-4, 2e-4}) {  // every pose penetrates: half of the overlap on each side
     Scene scene;
     scene.add(halfSpace("left", {-0.003 + 0.5 * narrow, 0, 0}, Vec3::UnitX()));
     scene.add(halfSpace("right", {0.003 - 0.5 * narrow, 0, 0}, -Vec3::UnitX()));
@@ -144,14 +144,14 @@ TEST_CASE("corners, valleys and slots hold without oscillation", "[hard]") {
     }
 }
 
-// Bars that the controller misses: they are checked below.
+// Limits that the controller misses; the next test checks them.
 bool isMissed(const WallFigure& f, int delay, double wrong) {
   return (f.trial == "overload" && (delay == 0 || delay == 3)) ||
          (f.trial == "slide" && f.figure == "rms depth" && wrong < 1.0 && delay > 0);
 }
 
-// What people do to a wall, also with a model that is wrong by 30 %. Bars of a few dozen runs; where a bar is missed,
-// its figure is in lib/docs/limits.md.
+// Ordinary actions on a wall, also with a model whose inertia is wrong by 30 %. The limits are for a few dozen runs.
+// Missed limits are listed with their values in lib/docs/limits.md.
 TEST_CASE("steps, impacts, letting go, sliding and too much force are answered", "[hard]") {
   WallTrialSetup setup;
   setup.plant = std::make_shared<TauMechanism>(test::nominal());
@@ -165,16 +165,16 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
       {"impact 0.05 m/s", "depth of the allowed", {100, 100, 100, 100}},
       {"impact 0.2 m/s", "depth of the allowed", {100, 100, 100, 100}},
       {"impact 0.5 m/s", "depth of the allowed", {100, 100, 100, 100}},
-      {"impact 0.05 m/s", "bounce", {450, 450, 450, 450}},  // the bar is 200: rare runs
+      {"impact 0.05 m/s", "bounce", {450, 450, 450, 450}},  // the goal is 200: rare runs
       {"impact 0.2 m/s", "bounce", {450, 450, 450, 450}},
       {"impact 0.5 m/s", "bounce", {450, 450, 450, 450}},
-      {"release", "speed over the unavoidable", {1.25, 1.25, 1.25, 1.25}},  // 1.1
+      {"release", "speed over the unavoidable", {1.25, 1.25, 1.25, 1.25}},  // goal 1.1
       {"release", "pull", {1e-3, 1e-3, 1e-3, 1e-3}},
       {"slide", "tangential force", {0.1, 0.1, 0.3, 0.4}},
       {"slide", "rms depth", {10, 20, 30, 50}},
       {"pulse", "torque of the limit", {100.001, 100.001, 100.001, 100.001}},
       {"pulse", "turned", {1, 1, 1, 1}},
-      {"overload", "bounce", {60, 130, 280, 450}},  // 100, which with 2 and 3 ticks nothing can keep (limits.md)
+      {"overload", "bounce", {60, 130, 280, 450}},  // goal 100, impossible with 2 and 3 ticks (limits.md)
   };
   for (const double wrong : {1.0, 0.7, 1.3}) {
     setup.model = withInertia(setup.plant, wrong);
@@ -188,9 +188,9 @@ TEST_CASE("steps, impacts, letting go, sliding and too much force are answered",
                       << f.value << " " << f.unit);
         CHECK(f.lost == 0);
         CHECK(std::isfinite(f.value));
-        // Too light a model: learnt in the tick after the first command. 2.4 to 28 mm without.
+        // Too light a model: the mass is learnt in the tick after the first command. Otherwise 2.4 to 28 mm.
         if (wrong < 1.0 && f.trial == "impact 0.5 m/s" && f.figure == "bounce") CHECK(f.value < 450);
-        // Too heavy a model: 3.3 and 3.9 mm with 2 and 3 ticks where the cap takes the mass as known.
+        // Too heavy a model: 3.3 and 3.9 mm with 2 and 3 ticks if the cap assumes that the mass is known.
         if (wrong > 1.0 && f.trial == "impact 0.5 m/s" && f.figure == "bounce") CHECK(f.value < 1000);
         for (const Bar& bar : bars)
           if (f.trial == bar.trial && f.figure == bar.figure && (wrong == 1.0 || f.trial == "slide") &&
@@ -222,7 +222,7 @@ TEST_CASE(
   }
 }
 
-// The same where commands come at random, are left out and act again.
+// The same with commands that come at random, are skipped and act again.
 TEST_CASE("impacts and too much force are answered where the delay is random", "[hard]") {
   WallTrialSetup setup;
   setup.plant = std::make_shared<TauMechanism>(test::nominal());
@@ -240,7 +240,7 @@ TEST_CASE("impacts and too much force are answered where the delay is random", "
         CHECK(f.lost == 0);
         const bool depth = f.figure == "depth of the allowed", bounce = f.figure == "bounce";
         if (wrong == 1.0 && delay.high <= 3 && depth) CHECK(f.value < 120);
-        // 25 mm with a law that goes by the mean of what may yet act.
+        // 25 mm for a controller based on the mean of the pending commands.
         if (wrong == 1.0 && delay.high <= 3 && bounce) CHECK(f.value < 8e3);
         if (f.figure == "pull") CHECK(f.value < 5e-3);
         if (f.figure == "turned") CHECK(f.value < 1.0);
@@ -270,7 +270,7 @@ TEST_CASE("a tip 60 mm from the TCP is as good, as a share of its own limit", "[
                                 std::abs(torque[j]));
     const double preload = 0.05 * most, push = 0.35 * most;
     PositionControlRenderer servo = servoFor(device, delay);
-    // The person holds the tip, so the load is a wrench of its own.
+    // The person holds the tip, so that the load is a separate wrench.
     LoopSetup setup;
     setup.scene = setting.scene;
     setup.tool = setting.tool;
@@ -301,7 +301,7 @@ TEST_CASE("a tip 60 mm from the TCP is as good, as a share of its own limit", "[
   }
 }
 
-// Where a tool that comes down near `around` meets the highest place.
+// Return the highest place that a tool touches when it comes down near `around`.
 Vec3 highestNear(const Scene& scene, const Tool& tool, const Vec3& around) {
   Vec3 highest(0, 0, -1.0);
   for (double x = -0.006; x <= 0.006; x += 0.0005)
@@ -314,7 +314,7 @@ Vec3 highestNear(const Scene& scene, const Tool& tool, const Vec3& around) {
   return highest;
 }
 
-// A hand that is led in circles over a tooth and presses against it: the tool slides, with both renderers.
+// A hand moves in circles over a tooth and presses against it. The tool slides, with both renderers.
 TEST_CASE("a tool slides over teeth", "[hard]") {
   const TauMechanism device(test::nominal());
   for (const char* name : {"molar.toml", "jaw.toml"}) {
@@ -330,8 +330,8 @@ TEST_CASE("a tool slides over teeth", "[hard]") {
           obstacle.material.friction = obstacle.material.slidingFriction = friction;
           setting.scene.add(obstacle);
         }
-        // Led below the surface it presses with 3 N, of which friction of 0.2 would hold 1.5 mm of the hand's way, more
-        // than the circle has: with friction half of that.
+        // A target below the surface presses with 3 N. With friction 0.2 that would hold 1.5 mm of the hand's path,
+        // more than the circle has. With friction, use half of that force.
         const double below = friction > 0.0 ? 3.75e-3 : 7.5e-3;
         double way = 0.0, deepest = 0.0, touching = 0.0, fastest = 0.0;
         Vec3 last = start;
@@ -355,7 +355,7 @@ TEST_CASE("a tool slides over teeth", "[hard]") {
         std::cout << name << ", friction " << friction << (isServo ? ", servo" : ", spring") << ": way " << 1e3 * way
                   << " mm, deepest " << 1e6 * deepest << " um, fastest " << fastest << " m/s, in contact "
                   << touching / (duration - 0.5) << "\n";
-        CHECK(way > (friction > 0.0 ? 0.001 : 0.002) * duration);  // the hand's is 4 mm/s
+        CHECK(way > (friction > 0.0 ? 0.001 : 0.002) * duration);  // the hand moves at 4 mm/s
         CHECK(touching > 0.5 * (duration - 0.5));
         CHECK(fastest < 0.2);
         if (isServo) CHECK(deepest < 0.1e-3);
@@ -363,8 +363,8 @@ TEST_CASE("a tool slides over teeth", "[hard]") {
   }
 }
 
-// Counts of encoders make a light push flicker between nothing and a multiple of its force, and rates jump by
-// millimetres a second: what friction holds must not creep with them.
+// Encoder counts make a light push flicker between zero and a multiple of its force, and rates jump by mm/s. A tool
+// held by friction must not creep because of them.
 TEST_CASE("friction holds a light push against the counts of encoders", "[hard]") {
   const TauMechanism device(test::nominal());
   const SceneFile molar = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/molar.toml");
@@ -401,7 +401,7 @@ TEST_CASE("friction holds a light push against the counts of encoders", "[hard]"
     std::cout << c.name << ", " << c.press << " N, aside " << c.aside << " N: " << 1e6 * way << " um\n";
     if (c.aside <= 0.2 * c.press) {
       CHECK(stayed);
-      // The grip's own give of some 10 um and a few counts of 4 um.
+      // The grip yields by about 10 um, plus a few counts of 4 um.
       CHECK(way < 30e-6);
     } else {
       CHECK((!stayed || way > 5e-3));

@@ -1,4 +1,4 @@
-// Nearest points on sound, broken and real meshes against references that share no formula with the library.
+// Nearest points on sound, broken and real meshes against references that use other formulas than the library.
 #include "enamel/collision/proximity.hpp"
 
 #include <cstdio>
@@ -41,7 +41,7 @@ TEST_CASE("distances are exact on every mesh", "[hard]") {
       const Vec3 p = test::queryPoint(mesh, size, random);
       const SurfacePoint found = closestPoint(model, p);
       const double truth = reference(p);
-      // Rounding of the inputs alone moves a distance by 1e-16 of the mesh size and of the distance.
+      // Rounding of the inputs alone changes a distance by 1e-16 of the mesh size and of the distance.
       const double error = std::abs(found.distance - truth) / (size + truth);
       const double consistency = std::abs((p - found.point).norm() - found.distance) / (size + truth);
       worst = std::max({worst, error, consistency});
@@ -68,14 +68,14 @@ TEST_CASE("the sign agrees with the winding number wherever a volume is enclosed
     for (int i = 0; i < count; ++i) {
       const Vec3 p = test::queryPoint(mesh, size, random);
       const SurfacePoint found = signedDistance(model, p);
-      CHECK(std::abs(found.normal.norm() - 1.0) < 1e-9);  // unit
-      // On the surface the winding number jumps; its own rounding is about 1e-16 size / distance.
+      CHECK(std::abs(found.normal.norm() - 1.0) < 1e-9);  // unit length
+      // On the surface the winding number jumps; its rounding error is about 1e-16 size / distance.
       if (std::abs(found.distance) < 1e-8 * size) continue;
       const double winding = test::windingNumber(mesh, p);
       inside += winding > 0.5;
       INFO("query " << i << " at " << p.transpose() << ": " << found.distance << ", winding number " << winding);
       REQUIRE((found.distance < 0.0) == (winding > 0.5));
-      // Going against the normal reaches the surface.
+      // Moving against the normal reaches the surface.
       CHECK((p - found.distance * found.normal - found.point).norm() <= 1e-12 * (size + std::abs(found.distance)));
     }
     CHECK(inside > count / 100);
@@ -96,7 +96,7 @@ TEST_CASE("the same bits with and without a cache, and on every SIMD level", "[h
     for (int i = 0; i < count; ++i) {
       if (i % 300 == 0) speed = std::pow(10.0, random.uniform(-6.0, -0.5));
       if (i % 97 == 0) p = test::queryPoint(mesh, size, random);
-      if (i % 401 == 0) closestPoint(other, p, &cache);  // a cache from elsewhere
+      if (i % 401 == 0) closestPoint(other, p, &cache);  // a cache from another place
       velocity = 0.9 * velocity + 0.3 * speed * size * random.direction();
       p += velocity;
       const double limit = i % 5 == 0 ? size * std::pow(10.0, random.uniform(-4.0, 0.0)) : kNoLimit;
@@ -121,7 +121,7 @@ TEST_CASE("the same bits with and without a cache, and on every SIMD level", "[h
 }
 
 TEST_CASE("a tool that comes from far away misses nothing", "[hard]") {
-  // Small, and not at the origin: lists of near triangles that were begun far out are coarse here.
+  // Small, and away from the origin: lists of near triangles made at a large distance are coarse here.
   const Vec3 at(1, 2, 3);
   const std::vector<test::NamedMesh> meshes = {
       {"one triangle", {{at, at + Vec3(1e-3, 0, 0), at + Vec3(3e-4, 1e-3, 2e-4)}, {{0, 1, 2}}}},
@@ -154,7 +154,7 @@ TEST_CASE("a tool that comes from far away misses nothing", "[hard]") {
 TEST_CASE("a tool that jumped soon has its list of near triangles again", "[hard]") {
   const MeshModel model(test::ball(5));
   ProximityCache cache;
-  const auto walk = [&](const Vec3& start, int ticks) {  // how many queries a list could answer
+  const auto walk = [&](const Vec3& start, int ticks) {  // returns the number of queries that a list could answer
     int held = 0;
     for (int i = 0; i < ticks; ++i) {
       const Vec3 p = (start + 5e-4 * i * Vec3::UnitX()).normalized() * 1.02;

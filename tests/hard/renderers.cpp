@@ -1,5 +1,5 @@
-// A million random ticks of garbage into each renderer: the output is always finite, within limits, and the status
-// right.
+// A million random ticks of invalid input for each renderer: outputs are always finite and within limits, and the
+// status is right.
 #include <iostream>
 
 #include "support/catch.hpp"
@@ -51,7 +51,7 @@ TEST_CASE("garbage into the renderers", "[hard]") {
         numbers[field][static_cast<int>(random.uniform(0.0, sizes[field]))] = test::garbage(random);
       }
       if (random.uniform(0.0, 1.0) < 0.05) frame.contacts.count = static_cast<int>(random.uniform(-20.0, 20.0));
-      (void)fillContactRows(frame);  // what is damaged, checkFrame() refuses
+      (void)fillContactRows(frame);  // checkFrame() refuses damaged frames
       TickOutput output;
       output.torque.setConstant(6, std::nan(""));
       const Status status = renderer->step(frame, output);
@@ -60,7 +60,7 @@ TEST_CASE("garbage into the renderers", "[hard]") {
       const Status expected = checkFrame(frame, lastTime);
       if (expected != Status::ok) {
         REQUIRE(status == expected);
-      } else {  // a Jacobian of 1e308 makes no torque that can be; an inertia need not be one
+      } else {  // a Jacobian of 1e308 gives impossible torques, and an inertia may be invalid
         REQUIRE((status == Status::ok || status == Status::notFinite || status == Status::outOfRange));
       }
       if (status == Status::ok) {
@@ -68,7 +68,7 @@ TEST_CASE("garbage into the renderers", "[hard]") {
         lastTime = frame.time;
         REQUIRE((output.torque.array().abs() <= frame.maxTorque.array()).all());
         REQUIRE(output.mode != RenderMode::fault);
-        if (lastTime > 1e-3 * ticks) {  // garbage carried the clock into the far future: start again
+        if (lastTime > 1e-3 * ticks) {  // invalid input has moved the clock far into the future: start again
           renderer->reset();
           lastTime = -HUGE_VAL;
         }

@@ -1,4 +1,4 @@
-// Riccati equations on which solvers lose digits: DAREX and the servo's own, with exact solutions.
+// Riccati equations for which solvers lose digits: DAREX and the servo's own, with exact solutions.
 #include <Eigen/Cholesky>
 
 #include "bench/control_cases.hpp"
@@ -21,9 +21,9 @@ TEST_CASE("hard Riccati equations are solved to their bound") {
                            << solution.corrections);
     CHECK(error < c.bound);
     CHECK(solution.P == solution.P.transpose());
-    // The residual of a solution that is right in every digit is that of rounding its entries.
+    // The residual of a correctly rounded solution is that of rounding its entries.
     CHECK(solution.residual < 1e-14);
-    // And the gain belongs to it.
+    // The gain must match the solution.
     const MatrixXd BX = c.B.transpose() * c.X;
     const MatrixXd K = (c.R + BX * c.B).llt().solve(BX * c.A);
     CHECK(bench::relativeError(solution.K, K) < std::max(c.bound, 1e-12));
@@ -31,7 +31,7 @@ TEST_CASE("hard Riccati equations are solved to their bound") {
 }
 
 TEST_CASE("small entries of a badly scaled solution are right too") {
-  // DAREX 12: X = diag(1, 1 + d^2). Relative to the largest entry an error of 1 in X(0, 0) would pass.
+  // DAREX 12: X = diag(1, 1 + d^2). Relative to the largest entry, an error of 1 in X(0, 0) would pass.
   for (const bench::RiccatiCase& c : bench::riccatiCases())
     if (c.name.rfind("DAREX 12", 0) == 0) CHECK(bench::entrywiseError(solveRiccati(c.A, c.B, c.Q, c.R).P, c.X) < 1e-12);
 }
@@ -54,7 +54,7 @@ TEST_CASE("equations without a stabilising solution are refused, and the message
   CHECK_THAT(message(I, I, 0 * I, I), ContainsSubstring("no stabilising solution"));
   CHECK_THAT(message(-I, I, 0 * I, I), ContainsSubstring("no stabilising solution"));
   MatrixXd rotation(2, 2);
-  rotation << 0.6, -0.8, 0.8, 0.6;  // on the unit circle and unseen
+  rotation << 0.6, -0.8, 0.8, 0.6;  // on the unit circle and unobservable
   CHECK_THAT(message(rotation, e2, 0 * I2, I), ContainsSubstring("no stabilising solution"));
   CHECK_THAT(message(I2, e2, I, I), ContainsSubstring("sizes") && ContainsSubstring("Q 1 x 1"));
   CHECK_THAT(message(I2, I, I2, I), ContainsSubstring("sizes"));

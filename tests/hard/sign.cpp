@@ -1,4 +1,4 @@
-// The sign of meshes that are open, that cross themselves or are no surface at all, against all their solid angles.
+// The sign of meshes that are open, intersect themselves or are not surfaces, compared with all their solid angles.
 #include <Eigen/Geometry>
 #include <cstdio>
 
@@ -16,7 +16,7 @@ namespace enamel::test_sign {
 
 namespace {
 
-constexpr double kCoarse = 0.05, kStated = 1e-3;  // error of the winding number, and where it is near 1/2
+constexpr double kCoarse = 0.05, kStated = 1e-3;  // error of the winding number; how close to 1/2 the sign may differ
 
 TriangleMesh without(TriangleMesh mesh, double part, int seed) {
   test::Random random(seed);
@@ -27,7 +27,7 @@ TriangleMesh without(TriangleMesh mesh, double part, int seed) {
   return mesh;
 }
 
-// What lies below a height goes.
+// Remove everything below a height.
 TriangleMesh cutOff(TriangleMesh mesh, int axis, double part) {
   const MeshReport report = inspect(mesh);
   const double height = report.low[axis] + part * (report.high[axis] - report.low[axis]);
@@ -69,7 +69,7 @@ std::vector<test::NamedMesh> openMeshes() {
   return all;
 }
 
-// Signs at `count` points; how many of them the winding number of all triangles calls inside.
+// Compare signs at `count` points; return how many are inside by the winding number of all triangles.
 int compare(const std::string& name, const TriangleMesh& mesh, int count, int seed) {
   INFO(name);
   const MeshModel model(mesh);
@@ -168,7 +168,7 @@ TEST_CASE("no false contact of an open scan at poses outside of what it was cut 
     ++asked;
     const double radius = 0.9 * closestPoint(open, p).distance;
     const ContactSnapshot contacts = test::contactsOf(scene, test::sphereTool(radius), test::at(p), 0.0);
-    // A hole is closed by where the winding number is 1/2: it may bulge, but by less than the hole is wide.
+    // A hole is closed where the winding number is 1/2. That surface may bulge, but by less than the hole's width.
     far += contacts.count > 0 && contacts.contacts[0].gap + radius < -0.5e-3;
   }
   CHECK(far == 0);
@@ -200,10 +200,10 @@ TEST_CASE("edits that open a mesh and close it again change how its sign is told
     }
     REQUIRE(removeTriangles(model, triangles.data(), 5) == Status::ok);
     REQUIRE_FALSE(data.closed);
-    CHECK(differ() < 20);  // near the holes
+    CHECK(differ() < 20);  // near the holes only
     std::swap(corners[0][0], corners[0][1]);
     REQUIRE(replaceTriangles(model, triangles.data(), corners.data(), 5) == Status::ok);
-    REQUIRE_FALSE(data.closed);  // one runs the wrong way round
+    REQUIRE_FALSE(data.closed);  // one triangle has the wrong orientation
     CHECK(differ() < 10);
     std::swap(corners[0][0], corners[0][1]);
     REQUIRE(replaceTriangles(model, triangles.data(), corners.data(), 5) == Status::ok);

@@ -1,4 +1,4 @@
-// Moving tools: nothing is missed, nothing invented, first touches are first.
+// Moving tools: all touches are found, none is invented, and the first touch is the first.
 #include "enamel/collision/sweep.hpp"
 
 #include <Eigen/QR>
@@ -20,14 +20,15 @@ std::vector<test::NamedMesh> sweepMeshes() {
   return all;
 }
 
-// Brute force in extended precision, by another way: the least squares of segment and triangle in (t, u, v), free and
-// with every choice of sides of the domain held; places outside are moved into it, which is never too near.
+// Brute force in extended precision by another method: least squares of segment and triangle in (t, u, v), free and
+// with every combination of sides of the domain fixed. Places outside are moved into the domain, which never gives too
+// small a distance.
 long double distanceToTriangle(const Segment& segment, const std::array<Vec3, 3>& corner) {
   using Vec = Eigen::Matrix<long double, 3, 1>;
   const Vec a = segment.a.cast<long double>(), way = segment.b.cast<long double>() - a;
   const Vec c = corner[0].cast<long double>(), e1 = corner[1].cast<long double>() - c,
             e2 = corner[2].cast<long double>() - c;
-  const auto clamp01 = [](long double x) { return x > 0.0L ? std::min(x, 1.0L) : 0.0L; };  // also of NaN
+  const auto clamp01 = [](long double x) { return x > 0.0L ? std::min(x, 1.0L) : 0.0L; };  // also for NaN
   long double least = 1e300L;
   for (int side = 0; side < 7; ++side) {    // face, three edges, three corners
     for (int time = 0; time < 3; ++time) {  // free, the start, the end
@@ -81,7 +82,7 @@ TEST_CASE("random sphere sweeps touch when the distance says so", "[hard]") {
       REQUIRE(hit.time == cached.time);
       REQUIRE(hit.point == cached.point);
       REQUIRE(hit.triangle == cached.triangle);
-      // Rounding of the positions moves distances by 1e-16 of their size.
+      // Rounding of the positions changes distances by 1e-16 of their size.
       const double rounding = 1e-12 * (size + (to - from).norm());
       const auto gapAt = [&](double t) { return distance(from + t * (to - from)) - radius; };
       if (hit.hit && hit.time > 0.0) {
@@ -167,7 +168,7 @@ TEST_CASE("segments are as near as brute force finds them, with any hint and on 
       const double rounding = 1e-12 * (size + segment.a.lpNorm<1>() + segment.b.lpNorm<1>());
       REQUIRE(found.triangle >= 0);
       CHECK(std::abs(found.distance - static_cast<double>(truth)) <= rounding);
-      if (found.distance > 1e-6 * size) {  // what is free is free, and at least what was asked for
+      if (found.distance > 1e-6 * size) {  // a free segment is free, with at least the requested distance
         const double limit = found.distance * (i % 2 == 0 ? 0.9999 : random.uniform(0.5, 1.0));
         const SegmentPoint clear =
             closestToSegment(model, segment, limit, i % 3 == 0 ? -1 : found.triangle, random.uniform(0.0, 3.0) * limit);
@@ -206,7 +207,7 @@ TEST_CASE("capsule sweeps stop at the surface and never pass it", "[hard]") {
     const Segment to{a + way, from.b + (turns ? Vec3(2.0 * random.vector(1.0)) : way)};
     const auto at = [&](double t) { return Segment{from.a + t * (to.a - from.a), from.b + t * (to.b - from.b)}; };
     double radius = random.uniform(0.01, 0.3);
-    if (i % 3 == 0) {  // the least distance on the way, to the rounding: grazing
+    if (i % 3 == 0) {  // the smallest distance of the path, within rounding: grazing
       double least = 1e300, best = 0.0;
       for (double width = 0.5; width > 1e-9; width *= 0.25)
         for (int k = -8; k <= 8; ++k) {
@@ -221,8 +222,8 @@ TEST_CASE("capsule sweeps stop at the surface and never pass it", "[hard]") {
     INFO("sweep " << i << " radius " << radius << " hit " << hit.hit << " time " << hit.time);
     if (hit.hit && hit.time > 0.0) {
       const double gap = gapAt(hit.time);
-      REQUIRE(std::abs(gap) < 1e-13);  // rounding of coordinates of 3
-      // The time is known to the gap over the closing speed, in paths; a root of higher order has none.
+      REQUIRE(std::abs(gap) < 1e-13);  // rounding of coordinates of about 3
+      // The error of the time is the gap / closing speed, in paths; it is unlimited at a root of higher order.
       const double h = 1e-6, closing = (gapAt(hit.time - h) - gap) / h;
       if (closing > 1e-3) {
         ++met;
@@ -232,7 +233,7 @@ TEST_CASE("capsule sweeps stop at the surface and never pass it", "[hard]") {
         worstGrazed = std::max(worstGrazed, std::abs(gap));
       }
     }
-    // Nothing before.
+    // No touch before the hit.
     for (int k = 0; k < 10 && !(hit.hit && hit.time == 0.0); ++k) {
       const double t = random.uniform(0.0, hit.hit ? hit.time : 1.0), gap = gapAt(t);
       INFO("gap " << gap << " at " << t);
@@ -254,7 +255,7 @@ TEST_CASE("an axis whose far ends hold its sweep up is there a few steps after t
   int held = 0;
   double left = 0.0;  // of the path
   for (int i = 0; i < 2000; ++i) {
-    // About a place close to the triangle, which sinks to it.
+    // Near a place close to the triangle; the axis sinks towards it.
     const double length = random.power(0.0, 2.0), share = random.uniform(0.0, 1.0);
     const Vec3 place(random.uniform(0.0, 0.5), random.uniform(0.0, 0.5), radius + random.power(-3.0, -1.0));
     const Vec3 first = random.direction(), last = (first + random.uniform(0.0, 0.5) * random.direction()).normalized();
@@ -269,7 +270,7 @@ TEST_CASE("an axis whose far ends hold its sweep up is there a few steps after t
     left = std::max(left, hit.time - within(19).time);
   }
   CHECK(held > 20);
-  CHECK(left < 1e-6);  // 1.5e-8; a step less leaves 4e-5
+  CHECK(left < 1e-6);  // 1.5e-8; one step less leaves 4e-5
 }
 
 TEST_CASE("a pick hits what the segment crosses first", "[hard]") {
@@ -279,18 +280,18 @@ TEST_CASE("a pick hits what the segment crosses first", "[hard]") {
   for (int i = 0; i < test::count(500, 20000); ++i) {
     const Vec3 inside = 0.2 * random.vector(1.0), outside = 3.0 * random.direction();
     const SweepHit hit = pick(model, {outside, inside});
-    REQUIRE(hit.hit);  // the surface lies between
+    REQUIRE(hit.hit);  // the surface is in between
     CHECK(closestPoint(model, hit.point).distance < 1e-12);
     CHECK(hit.normal.dot(inside - outside) <= 0.0);
-    // Nothing before: just this side of the hit is outside, all the way.
+    // No touch before the hit: just before it, the whole path is outside.
     for (int k = 1; k <= 4; ++k)
       CHECK(signedDistance(model, outside + 0.25 * k * (hit.time - 1e-6) * (inside - outside)).distance > 0.0);
   }
-  // Exactly through corners and edges.
+  // Exactly through vertices and edges.
   for (std::size_t v = 0; v < mesh.vertices.size(); v += 5)
     CHECK(pick(model, {3.0 * mesh.vertices[v], 0.5 * mesh.vertices[v]}).hit);
   CHECK_FALSE(pick(model, {Vec3(3, 3, 3), Vec3(3, -3, 3)}).hit);
-  // A large triangle lies beside the segment all along; a small one is crossed before it.
+  // A large triangle is beside the whole segment; a small one is crossed earlier.
   TriangleMesh two;
   two.vertices = {{-1, -1, -0.03}, {2, -1, 0.03}, {0.5, 2, 0}, {0.3, -0.1, -0.1}, {0.3, 0.1, -0.1}, {0.3, 0, 0.1}};
   two.triangles = {{0, 1, 2}, {3, 4, 5}};

@@ -22,7 +22,7 @@ TEST_CASE("a tuned servo keeps to its requirements, and its neighbours do not do
     requirements.delay = delay;
     const auto tuned = tuneServo(problem, requirements);
     REQUIRE(tuned);
-    // Judged again by the functions themselves.
+    // Evaluate the result again with the functions themselves.
     const StateSpace loop = runningLoop(tuned->design);
     CHECK(toleratedDelay(loop, tuned->design.K) >= delay);
     CHECK(diskMargin(loop, tuned->design.K, problem.period, delay) >= requirements.diskMargin);
@@ -56,7 +56,7 @@ TEST_CASE("the step response of Table II is reachable and kept where it is requi
 
 TEST_CASE("requirements that nothing meets give nothing") {
   TuneRequirements requirements;
-  requirements.diskMargin = 1.01;  // |1 + L| -> 1 at best
+  requirements.diskMargin = 1.01;  // |1 + L| -> 1 is the limit
   CHECK_FALSE(tuneServo(nominalProblem(), requirements));
 }
 

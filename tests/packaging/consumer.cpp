@@ -1,4 +1,5 @@
-// Uses the installed package: loads a shipped device, goes to a pose and back, and looks at the layout of types.
+// Uses the installed package: loads a shipped device, converts a pose to joints and back, and checks the layout of
+// types.
 #include <cstdio>
 
 #include "enamel/collision/mesh_file.hpp"
@@ -7,7 +8,7 @@
 #include "enamel/device/tau/dynamics.hpp"
 #include "enamel/device/tau/kinematics.hpp"
 
-// What the library was compiled with; a consumer with AVX-512 must agree.
+// The library's layout; a consumer with AVX-512 must agree.
 static_assert(alignof(enamel::Mat6) == 16 && sizeof(enamel::Mat6) == 36 * sizeof(double), "layout of Mat6");
 
 int main() {

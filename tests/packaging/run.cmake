@@ -1,12 +1,12 @@
-# Unpacks the build's packages (without dpkg: installs it) into a fresh prefix, then configures, builds and runs an outside
-# project against it; plugins and hosts also across compilers, where Clang is installed.
+# Unpacks the build's packages into a new prefix (without dpkg: installs there). Then configures, builds and runs an
+# outside project against it. Plugins and hosts are also combined across compilers if Clang is installed.
 file(REMOVE_RECURSE ${WORK_DIR})
 set(prefix ${WORK_DIR}/prefix)
 set(plugins ${prefix}/${LIBDIR}/enamel/plugins)
 set(device ${prefix}/share/enamel/devices/cartesian-3.toml)
 set(tau ${prefix}/share/enamel/devices/tau-nominal.toml)
 set(examples ${prefix}/share/doc/enamel/apps/examples)
-set(quick "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG")  # sooner compiled than at -O3
+set(quick "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG")  # compiles faster than -O3
 function(run)
   execute_process(COMMAND ${ARGV} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
@@ -36,7 +36,7 @@ endif()
 set(options -DCMAKE_DISABLE_FIND_PACKAGE_TBB=ON -DCORE_ONLY=ON)
 build_outside(core ${C_COMPILER} ${CXX_COMPILER} core)
 run(${WORK_DIR}/core/core)
-set(options -DCMAKE_DISABLE_FIND_PACKAGE_OpenMesh=ON)  # only who includes openmesh.hpp needs it
+set(options -DCMAKE_DISABLE_FIND_PACKAGE_OpenMesh=ON)  # only needed for openmesh.hpp
 build_outside(build ${C_COMPILER} ${CXX_COMPILER} consumer readme my_wall smooth_wall host)
 run(${WORK_DIR}/build/consumer)
 execute_process(COMMAND ${WORK_DIR}/build/readme WORKING_DIRECTORY ${SOURCE_DIR} COMMAND_ERROR_IS_FATAL ANY)
@@ -49,7 +49,7 @@ foreach(plugin enamel_impedance.so enamel_position_control.so)
 endforeach()
 run(${WORK_DIR}/build/host ${WORK_DIR}/build/my_wall.so ${device})
 
-# Without CMake.
+# Build without CMake.
 find_program(PKG_CONFIG pkg-config)
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
@@ -67,7 +67,7 @@ else()
   message(STATUS "pkg-config is not installed: its files are not tried")
 endif()
 
-# The examples are a project of their own. One of them is enough here: all are built with the library.
+# Build one of the examples as a separate project; all of them are built with the library.
 run(${CMAKE_COMMAND} -S ${examples} -B ${WORK_DIR}/examples -DCMAKE_BUILD_TYPE=Release ${quick} -DCMAKE_C_COMPILER=${C_COMPILER}
   -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_PREFIX_PATH=${prefix})
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/examples --target own_tooth)

@@ -1,4 +1,4 @@
-// A good plugin, the template, spoilt in one way: the macro says which.
+// The template, a good plugin, with one defect; the macro selects it.
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
@@ -43,10 +43,10 @@ const EnamelPlugin& good() { return *good_plugin(); }
 #elif defined(BAD_SYMBOL)
   output->normal_force = a_function_that_nobody_has(0.0);
 #elif defined(BAD_COUNTER)
-  static double counter = 0.0;  // state that no one can save
+  static double counter = 0.0;  // state that cannot be saved
   output->normal_force = counter += 1e-3;
 #elif defined(BAD_LATE)
-  static double contacts = 0.0;  // the same, seen only once it touches
+  static double contacts = 0.0;  // the same, visible only in contact
   if (output->mode == ENAMEL_CONTACT) output->normal_force += contacts += 1e-3;
 #endif
   return result;

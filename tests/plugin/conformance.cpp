@@ -1,4 +1,4 @@
-// Our plugins keep the contract; plugins that break it are caught, each with its reason.
+// Our plugins satisfy the contract; plugins that violate it are detected, each with its reason.
 #include <map>
 
 #include "enamel/plugin/host.hpp"
@@ -65,7 +65,7 @@ TEST_CASE("files that are no plugins are refused with what they are", "[plugin]"
   const test::TemporaryFolder folder;
   test::writeFile(folder / "text.so", "this is not a library, however long its text may be; it has no header at all\n");
   std::string other = test::readFile(good("template"));
-  other[18] = other[18] == '\xb7' ? '\x3e' : '\xb7';  // e_machine: AArch64, or x86-64 there
+  other[18] = other[18] == '\xb7' ? '\x3e' : '\xb7';  // e_machine: AArch64, or x86-64 on that machine
   other[19] = 0;
   test::writeFile(folder / "other.so", other);
   test::writeFile(folder / "cut.so", other.substr(0, 10));

@@ -1,4 +1,4 @@
-// Faults around a renderer that runs in a plugin: the guard stands behind every one.
+// Faults around a renderer in a plugin: the guard handles every one.
 #include "enamel/plugin/host.hpp"
 #include "support/guard_faults.hpp"
 

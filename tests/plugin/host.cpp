@@ -1,4 +1,4 @@
-// Renderers that run in a plugin: the same bits as the linked ones, the same contract, their own errors.
+// Renderers in plugins: the same bits as the linked ones, the same contract, and their own errors.
 #include "enamel/plugin/host.hpp"
 
 #include "enamel/control/device_plant.hpp"
@@ -63,7 +63,7 @@ TEST_CASE("a plugin gives the bits of the linked renderer, tick by tick, good in
       if (i % 50 == 8) input.contacts.contacts[0].gap = 1e9;
       if (i % 50 == 9) input.contacts.count = 99;
       if (i % 50 == 10) input.time = 0.0;
-      if (i % 5 == 2) input.age = 1;                      // lost
+      if (i % 5 == 2) input.age = 1;                      // a lost sample
       if (i % 3 == 0) input.maxTorque.setConstant(0.05);  // often cut
       TickOutput a, b;
       const Status wanted = linked->step(input, a), got = plugin->step(input, b);
@@ -116,7 +116,7 @@ TEST_CASE("the reference runs through plugins have the bits of the linked render
       REQUIRE(a.saturated == b.saturated);
       worst = std::max(worst, std::abs(b.pose.position.z() - run.z[i]));
     }
-    CHECK(worst < 1e-9);  // as the linked renderers in unit.push
+    CHECK(worst < 1e-9);  // as for the linked renderers in unit.push
   }
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("a small study through plugins writes the same runs as the linked rend
   const std::string linked = test::readFile(folder / "linked/runs.csv");
   CHECK(std::count(linked.begin(), linked.end(), '\n') == 2 * 2 * 4 * 2 + 1);
   std::string plugins = test::readFile(folder / "plugins/runs.csv");
-  const std::string mark = " (plugin)";  // of the columns' names, the only difference
+  const std::string mark = " (plugin)";  // in the columns' names, the only difference
   int marks = 0;
   for (std::size_t at = 0; (at = plugins.find(mark)) != std::string::npos; ++marks) plugins.erase(at, mark.size());
   CHECK(marks == 2 * 2 * 4 * 2);
@@ -166,7 +166,7 @@ TEST_CASE("a small study through plugins writes the same runs as the linked rend
 }
 
 TEST_CASE("the template's wrench becomes the torque of gravity and wall on any mechanism", "[plugin]") {
-  PluginSetup setup;  // it asks for no device
+  PluginSetup setup;  // this plugin needs no device
   setup.parameters = {{"stiffness", "3000"}, {"damping", "5"}};
   const auto renderer = makeRenderer(library("template"), setup);
   renderer->activate(1e-3);
@@ -178,7 +178,7 @@ TEST_CASE("the template's wrench becomes the torque of gravity and wall on any m
   for (int i = 0; i < 500; ++i) {
     const Pose pose = random.workspacePose(0.2);
     TickFrame input = test::frameAt(device, pose, 1e-3 * (i + 1), random.vector6(0.1, 1.0));
-    // Several contacts with their obstacles in motion, the deepest first.
+    // Several contacts whose obstacles move, deepest first.
     input.contacts.count = i % 4;
     double gap = -2e-3;
     for (int k = 0; k < input.contacts.count; ++k) {

@@ -1,6 +1,6 @@
-"""The Python module: what it answers is what the command-line tool answers, and errors come as exceptions.
+"""The Python module gives the results of the command-line tool, and errors as exceptions.
 
-Run by ctest with PYTHONPATH at the package; ENAMEL_TOOL, where it is set, is the built command-line tool.
+ctest runs it with PYTHONPATH at the package; ENAMEL_TOOL, if set, is the built command-line tool.
 """
 import inspect
 import os
@@ -31,7 +31,7 @@ class Devices(unittest.TestCase):
             rates = np.linspace(-1.0, 1.0, device.joints)
             moving = device.track(there.q, rates)
             np.testing.assert_allclose(moving.twist, moving.jacobian @ rates, atol=1e-12)
-            # At rest under the torque that balances gravity nothing accelerates.
+            # At rest, gravity's torque gives zero acceleration.
             rest = device.accelerate([0.004, -0.003, 0.002], there.gravity)
             np.testing.assert_allclose(rest, 0.0, atol=1e-9)
 
@@ -118,7 +118,7 @@ class Scenes(unittest.TestCase):
         vertices, triangles = self.scene.mesh(0)
         self.assertEqual(vertices.ctypes.data, self.scene.mesh(0)[0].ctypes.data)
         copy = vertices.copy()
-        del self.scene  # the arrays keep it
+        del self.scene  # the arrays keep the scene alive
         self.assertTrue((vertices == copy).all())
         self.assertFalse(vertices.flags.writeable)
         again = enamel.Scene()
@@ -136,7 +136,7 @@ class Scenes(unittest.TestCase):
         followed = sheet.contacts(down, follow=True)
         last = followed[followed["pose"] == 59]
         self.assertEqual(len(last), 1)
-        self.assertGreater(last["normal"][0, 2], 0.99)  # back up
+        self.assertGreater(last["normal"][0, 2], 0.99)  # pushes back up
         self.assertLess(last["gap"][0], -4e-3)
 
 
@@ -232,7 +232,7 @@ class Runs(unittest.TestCase):
             with self.assertRaisesRegex(TypeError, message):
                 enamel.push(self.device, law, **options)
         with self.assertRaises(TypeError):
-            enamel.push(self.device, law, None)  # by name only
+            enamel.push(self.device, law, None)  # options by name only
         corner = np.array([[0, 0, 0], [0.01, 0, 0], [0, 0.01, 0]]), [[0, 1, 2]]
         placed, named = enamel.Scene(), enamel.Scene()
         placed.add_mesh("sheet", *corner, (0, 0, -0.01), None, 2e4, 0.1, 1e-3)
@@ -277,13 +277,13 @@ class Runs(unittest.TestCase):
                 time.sleep(1e-3)
             return count
 
-        # Without the GIL released this thread would run once or twice, however long the call. A longer one gives a
-        # loaded machine more chances to run it.
+        # If the GIL were not released, this thread would run once or twice, however long the call. A longer call
+        # gives it more chances on a loaded machine.
         self.assertTrue(any(counted(duration) > 10 for duration in (10.0, 40.0, 160.0)))
 
 
 class Stub(unittest.TestCase):
-    """__init__.pyi names what there is, with the arguments that there are, and everything has a docstring."""
+    """__init__.pyi lists all names with their arguments, and everything has a docstring."""
 
     def test_names_and_arguments(self):
         text = Path(enamel.__file__).with_suffix(".pyi").read_text()
@@ -326,21 +326,21 @@ class Stub(unittest.TestCase):
 
 class Numpy(unittest.TestCase):
     def test_numpy_2_works_or_is_refused(self):
-        """A module that was built by an old pybind11 must not give wrong arrays under NumPy 2."""
+        """A module built with an old pybind11 must not give wrong arrays with NumPy 2."""
         code = "import enamel; print(float(enamel.Device(enamel.data / 'devices/tau-nominal.toml').home.inertia.sum()))"
         with tempfile.TemporaryDirectory() as folder:
-            if np.lib.NumpyVersion(np.__version__) < "2.0.0":  # a stand-in that only has the version
+            if np.lib.NumpyVersion(np.__version__) < "2.0.0":  # a stand-in that only has a version
                 (Path(folder) / "numpy").mkdir()
                 (Path(folder) / "numpy/__init__.py").write_text("__version__ = '2.1.0'\nndarray = object\n")
             path = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
             result = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": path},
                                     capture_output=True, text=True)
-        if result.returncode == 0:  # NumPy 2, and a pybind11 that knows it
+        if result.returncode == 0:  # NumPy 2, and a pybind11 that supports it
             self.assertAlmostEqual(float(result.stdout), float(enamel.Device(TAU).home.inertia.sum()))
         elif "ImportError" in result.stderr:
             self.assertIn("pybind11 2.", result.stderr)
             self.assertIn("NumPy 2.1.0: install numpy<2", result.stderr)
-        else:  # the stand-in has no arrays: a pybind11 that knows NumPy 2 asks it for more
+        else:  # the stand-in has no arrays: a pybind11 that supports NumPy 2 fails elsewhere
             self.assertIn("numpy", result.stderr)
 
 

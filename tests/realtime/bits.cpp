@@ -1,5 +1,5 @@
-// Prints a push with every renderer, every number in full. The same program of another build must print the same:
-// check.sh compares.
+// Prints a push with every renderer, with all digits. check.sh compares the output of different builds: it must be
+// equal.
 #include <cstdio>
 
 #include "enamel/control/device_plant.hpp"

@@ -1,4 +1,5 @@
-// No query or update of the collision module allocates: counted by interposition, with good and with bad input.
+// No query or update of the collision module allocates. Allocations are counted by interposition, with valid and
+// invalid input.
 #include <malloc.h>
 
 #include <cstdio>
@@ -95,7 +96,7 @@ TEST_CASE("the collision module allocates nothing in a tick", "[realtime]") {
     use(nearestContact(scene, tool, pose, &cache).gap);
     use(signedDistance(*open, p, &one).distance);
     use(trianglesWithin(*open, p, 0.1, near.data(), 64).found);
-    step.position = pose.position + 0.005 * (i % 2) * random.direction();  // goes on, or is put elsewhere
+    step.position = pose.position + 0.005 * (i % 2) * random.direction();  // continues, or jumps
     use(followContacts(scene, tool, step, 0.1, track, contacts) == Status::ok ? contacts.contacts[0].gap : 0.0);
     copyOfTrack = track;
     copy = cache;
@@ -153,8 +154,8 @@ TEST_CASE("a solid that is cut, asked, sent and restored allocates nothing", "[r
 
 namespace {
 
-// Times at the edges of the accepted input, in multiples of one look at every triangle or brick. Such a ratio does not
-// depend on the machine; the bounds are three to four times what was measured.
+// Times at the limits of the accepted input, relative to one pass over every triangle or brick. Such a ratio does not
+// depend on the machine. The bounds are three to four times the measured values.
 class Costs {
  public:
   explicit Costs(double unit) : unit_(unit) {}
@@ -183,7 +184,8 @@ class Costs {
   std::map<std::string, double> most_;
 };
 
-// In the middle of a ball of radius 1, where all of it is equally near, on it, about it, and as far as numbers go.
+// Return places at the centre of a ball of radius 1, where all of it is equally near, on it, near it, and extremely far
+// away.
 std::vector<Vec3> places() {
   std::vector<Vec3> all = {Vec3::Zero(), Vec3(0.5, 0.1, -0.2), Vec3::UnitZ(), Vec3(1.1, 0.1, 0.1), Vec3(3, 1, 2)};
   for (const double far : {1e3, 1e6, 1e100, 1e300}) all.push_back(far * Vec3(0.6, -0.64, 0.48));
@@ -194,7 +196,7 @@ constexpr double kRadii[] = {0.0, 0.1, 1.0, 1e9, 1e300}, kMargins[] = {0.0, 1.0,
 
 Pose poseAt(const Vec3& place) { return {place, Mat3::Identity()}; }
 
-// A tool as long as the ball is wide, with the ball's radius: it touches all of it.
+// Return a tool with the ball's radius and the length of its diameter, which touches all of it.
 Tool largeTool() {
   Tool tool;
   tool.parts[0] = {{-1, 0, 0}, {1, 0, 0}, 1.0};
@@ -314,7 +316,7 @@ TEST_CASE("the cost of a query, an undo and a restoration is bounded by the bric
                {"signedDistance", 10.0},
                {"sweepTool", 20.0}});
 
-  // All of a block is cut, put back, and sent.
+  // Cut all of a block, restore it, and send it.
   Solid block(MeshModel(test::boxMesh({5e-3, 5e-3, 3e-3})), layers, {1e-4, 4096});
   Costs ofBlock(test::leastTime(9, [&] { look(block); }));
   const auto cutAll = [&] {

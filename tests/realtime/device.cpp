@@ -1,4 +1,5 @@
-// No tick-time function of the device allocates: counted by interposition, with good and with bad input.
+// No real-time function of the device allocates. Allocations are counted by interposition, with valid and invalid
+// input.
 #include <new>
 
 #include "enamel/device/tau/dynamics.hpp"
@@ -15,7 +16,7 @@ namespace enamel::test_device {
 TEST_CASE("the counter counts", "[realtime]") {
   const long before = test::allocationCount();
   for (int i = 0; i < 2; ++i) {
-    void* volatile kept = ::operator new(100);  // volatile: Clang leaves out what nobody sees
+    void* volatile kept = ::operator new(100);  // volatile: Clang removes unused allocations
     ::operator delete(kept);
   }
   CHECK(test::allocationCount() >= before + 2);

@@ -1,4 +1,4 @@
-// The viewer's haptic side allocates nothing: ticks of every renderer, test pushes, grips, commands, dropped samples.
+// The viewer's haptic side does not allocate: ticks of every renderer, test pushes, grips, commands, dropped samples.
 #include "experiment.hpp"
 
 #include "runner.hpp"
@@ -40,7 +40,7 @@ TEST_CASE("a tick of the viewer's experiment, or of two under one hand, allocate
     int contact = 0, tested = 0;
     Sample sample;
     const long before = test::allocationCount();
-    constexpr int kPush = 4600;  // ticks: more than an approach and a push take
+    constexpr int kPush = 4600;  // ticks: longer than an approach and a push
     bool made = false;
     for (int i = 0; i < 8000; ++i) {
       RunnerCommand command{RunnerCommand::Kind::handTo};
@@ -61,7 +61,7 @@ TEST_CASE("a tick of the viewer's experiment, or of two under one hand, allocate
         command.grip = i % 3000 == 0 ? kPaperGrip : kFirmGrip;
         runner.send(command);
       }
-      if (i == 0) runner.send({RunnerCommand::Kind::testPush});  // to its end
+      if (i == 0) runner.send({RunnerCommand::Kind::testPush});  // until its end
       runner.period();
       const Frame& frame = runner.frame();
       contact += frame.record.mode == RenderMode::contact;

@@ -1,4 +1,4 @@
-// A period of a loop allocates nothing, over the wire or not, whatever comes.
+// A period of a loop never allocates, with or without a network link.
 #include "enamel/runtime/haptic_loop.hpp"
 #include "enamel/runtime/udp_device.hpp"
 #include "support/allocation_counter.hpp"
@@ -18,7 +18,7 @@ const CartesianMechanism& stylus() {
 }  // namespace
 
 TEST_CASE("periods of a loop allocate nothing", "[realtime]") {
-  class Flickering final : public HapticDevice {  // without a measurement for a while
+  class Flickering final : public HapticDevice {  // no measurement for a while
    public:
     explicit Flickering(HapticDevice& device) : device_(device) {}
     Status measure(Measurement& m) noexcept override {

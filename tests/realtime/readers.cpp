@@ -1,6 +1,6 @@
-// What reading a file costs: memory and work a byte, for ordinary, for mutated and for the worst files that are not
-// refused. The unit of work is the checksum of a byte, measured beside it, whatever the machine. ENAMEL_LONG=1: 1e5
-// mutated files a format, and a table.
+// Memory and work per byte to read a file: for ordinary files, mutated ones, and the worst ones that are accepted. The
+// unit of work is the checksum of a byte, measured in the same run, so that the result does not depend on the machine.
+// ENAMEL_LONG=1: 1e5 mutated files per format, and a table.
 #include <malloc.h>
 
 #include <atomic>
@@ -54,9 +54,9 @@ namespace enamel::test_readers {
 
 namespace {
 
-// What a file may cost; beyond its share, a model and the reader's own tables.
-constexpr double kMemoryShare = 20.0, kMemoryBase = 1 << 20;         // bytes a byte, bytes
-constexpr double kWorkShare = 500.0, kWorkBase = 1e6;                // checksums of a byte: a byte, and in all
+// Limits for a file: its share per byte, and a base for a model and the reader's tables.
+constexpr double kMemoryShare = 20.0, kMemoryBase = 1 << 20;         // bytes per byte; bytes
+constexpr double kWorkShare = 500.0, kWorkBase = 1e6;                // in checksums of a byte: per byte; total
 constexpr std::size_t kLong = 1 << 20, kLongToml = (1 << 18) - 100;  // bytes
 
 struct Format {
@@ -64,7 +64,7 @@ struct Format {
   std::function<void(const std::string& bytesOrPath)> read;
   std::string good;
   std::vector<std::string> worst;
-  std::string path = {};  // where it reads; empty: it reads the bytes
+  std::string path = {};  // file to read; empty: read the bytes
 };
 
 std::string repeat(const std::string& text, std::size_t bytes) {
@@ -73,12 +73,12 @@ std::string repeat(const std::string& text, std::size_t bytes) {
   return all;
 }
 
-// As many values as are never refused for their number, or up to `bytes` of them.
+// Return as many values as are always accepted, or up to `bytes` of them.
 std::string many(const std::string& value, std::size_t bytes) {
   return repeat(value, std::min(bytes, 990 / (value.size() == 2 ? 1 : 2) * value.size()));
 }
 
-// Of the processor, for the checksum of a byte.
+// Return the processor time for the checksum of a byte, s.
 double checksumSeconds() {
   const std::string bytes(1 << 20, 'x');
   const double begin = test::processorTime();

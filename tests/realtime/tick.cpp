@@ -1,4 +1,4 @@
-// A whole tick, forward kinematics -> contact -> renderer, allocates nothing: good input, bad input, faults and resets.
+// A whole tick (forward kinematics, contact, renderer) never allocates: valid input, invalid input, faults and resets.
 #include "enamel/render/tick.hpp"
 
 #include "enamel/render/passivity.hpp"
@@ -12,7 +12,7 @@
 namespace enamel::test_tick {
 
 TEST_CASE("a tick of every renderer allocates nothing, with inertia or without", "[realtime]") {
-  // Asks for the inertia, and reads it.
+  // Requires the inertia and reads it.
   class Heavy final : public Renderer {
    public:
     bool needsInertia() const noexcept override { return true; }
@@ -96,7 +96,7 @@ TEST_CASE("a loop on the virtual device allocates nothing", "[realtime]") {
     VirtualLoop loop(device, *renderer, setup);
     TickRecord record;
     const auto push = [](double, const Pose& pose, const Vec6& twist) {
-      Vec6 wrench = -0.05 * twist;  // the guard stops hold under this delay: the hand keeps the tool then
+      Vec6 wrench = -0.05 * twist;  // the guard stops hold under this delay, and then the hand keeps the tool
       wrench.head<3>() += Vec3(0.0, 0.0, -5.0) - 1000.0 * pose.position - 5.0 * twist.head<3>();
       return wrench;
     };

@@ -1,4 +1,4 @@
-// Counts every allocation of the process: link apps/enamel/allocation_counter.cpp into an executable of its own.
+// Counts every allocation of the process. Link apps/enamel/allocation_counter.cpp into a separate executable.
 #pragma once
 
 #include "../../apps/enamel/allocation_counter.hpp"

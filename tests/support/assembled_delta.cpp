@@ -5,7 +5,7 @@
 
 namespace enamel::test {
 
-// A body-fixed frame: its Jacobian, and what its acceleration is at zero joint accelerations.
+// A body-fixed frame: its Jacobian, and its acceleration at zero joint accelerations.
 struct AssembledDelta::Frame {
   using Columns = Eigen::Matrix<double, 3, kCoordinates>;
   Vec3 origin = Vec3::Zero(), spin = Vec3::Zero(), turn = Vec3::Zero(), bias = Vec3::Zero();
@@ -23,13 +23,13 @@ AssembledDelta::AssembledDelta(const DeltaParameters& device, const Vec3& q, con
     leg.upper = std::cos(q[i]) * leg.u + std::sin(q[i]) * Vec3::UnitZ();
     leg.base = g.r * leg.u + g.s * leg.v - Vec3(0.0, 0.0, device.homeDistance);
     leg.arm = g.c * leg.u + g.f * leg.v;
-    const Vec3 span = position + leg.arm - leg.base - g.a * leg.upper;  // elbow to platform joint
+    const Vec3 span = position + leg.arm - leg.base - g.a * leg.upper;  // from the elbow to the platform joint
     const double t2 = std::atan2(span.z(), span.dot(leg.u)), t3 = std::acos(span.dot(leg.v) / g.b);
     leg.lower = std::cos(t2) * leg.u + std::sin(t2) * Vec3::UnitZ();
     leg.bar = std::sin(t3) * leg.lower + std::cos(t3) * leg.v;
     closureError_ = std::max(closureError_, (span - (g.d + g.e) * leg.lower - g.b * leg.bar).norm());
   }
-  // Rates of all joints from the closures, with the platform's twist [v; 0].
+  // Compute the rates of all joints from the closures and the platform's twist [v; 0].
   rates_.setZero();
   rates_.segment<3>(15) = velocity;
   assemble();
@@ -109,7 +109,7 @@ void AssembledDelta::assemble() {
   for (int i = 0; i < 3; ++i) {
     const Leg& leg = legs_[i];
     const int k = 5 * i;
-    const Vec3 axis = -leg.v;                    // a turn about it lifts u towards z
+    const Vec3 axis = -leg.v;                    // a rotation about it lifts u towards z
     const Vec3 normal = leg.lower.cross(leg.v);  // axis of the bars' joints
     const Vec3 half = 0.5 * device_.bar.spacing * leg.v;
     Frame ground;

@@ -1,8 +1,8 @@
-// The delta's dynamics the conventional way: three trees of upper link, near crossbar, two bars and far crossbar and a
-// free platform that could turn, closed at the joints. The loops are overconstrained (a delta with revolute joints
-// only), so the KKT system is solved in the null space of its closures: accelerations that keep them, then d'Alembert's
-// principle in the directions that remain. Independent of lib/device: no code is shared but the parameters. Every bar
-// is a body of its own.
+// The delta's dynamics in the conventional way. Each leg is a tree of upper link, near crossbar, two bars and far
+// crossbar; the platform is free to turn; the loops are closed at the joints. The loops are overconstrained, because a
+// real delta with revolute joints is. The KKT system is therefore solved in the null space of the closures: first the
+// accelerations that satisfy them, then d'Alembert's principle in the remaining directions. It shares only the
+// parameters with lib/device. Every bar is a separate body.
 #pragma once
 
 #include <array>
@@ -13,13 +13,14 @@ namespace enamel::test {
 
 class AssembledDelta {
  public:
-  /// Five joints a leg (base, elbow, bar, other bar, far crossbar on the first bar), then the platform's twist.
+  /// Five joints per leg (base, elbow, bar, other bar, far crossbar on the first bar), then the platform's twist.
   static constexpr int kCoordinates = 21;
-  /// A leg: far end of the other bar on the far crossbar (3), platform joint (3), its axis (2). 6 of 24 are redundant.
+  /// Per leg: far end of the other bar on the far crossbar (3), platform joint (3), its axis (2). 6 of 24 are
+  /// redundant.
   static constexpr int kClosures = 24;
 
-  /// `q` and `position` must belong together; closureError() says by how much they do not. `extraInertia` is a tensor
-  /// of the platform about `com`: with a platform that cannot turn neither must matter.
+  /// `q` and `position` must match; closureError() returns the mismatch. `extraInertia` is a tensor of the platform
+  /// about `com`: for a platform that cannot turn, neither may have an effect.
   AssembledDelta(const DeltaParameters& device, const Vec3& q, const Vec3& position, const Vec3& velocity,
                  const Vec3& com, const Mat3& extraInertia);
 
@@ -28,10 +29,10 @@ class AssembledDelta {
   double kineticEnergy() const;
   double potentialEnergy() const { return potential_; }
 
-  /// [q''; V'] under torques and a wrench on the platform at the TCP.
+  /// Return [q''; V'] for torques and a wrench on the platform at the TCP.
   Eigen::Matrix<double, 9, 1> accelerations(const Vec3& torque, const Vec6& wrench) const;
 
-  /// Freedoms of the closed mechanism, counted by accelerations().
+  /// Return the degrees of freedom of the closed mechanism, counted by accelerations().
   int freedoms() const { return freedoms_; }
 
  private:
@@ -50,7 +51,7 @@ class AssembledDelta {
   const Vec3 position_, com_;
   const Mat3 inertia_;
   std::array<Leg, 3> legs_;
-  // Of one type where a size gains nothing: what Eigen does with each compiles for seconds.
+  // One dynamic type: fixed sizes would save no time, and Eigen takes seconds to compile each of them.
   Eigen::MatrixXd mass_{kCoordinates, kCoordinates}, closures_{kClosures, kCoordinates};
   Eigen::VectorXd rates_{kCoordinates}, force_{kCoordinates}, closureBias_{kClosures};
   double closureError_ = 0.0, potential_ = 0.0;

@@ -1,5 +1,5 @@
-// All real assembly modes of the TAU for given joint angles, and a slow continuation to judge which of them is the
-// branch of home. Independent of lib/device: no code is shared but the parameters.
+// All real assembly modes of the TAU for given joint angles, and a slow continuation that finds the mode on the branch
+// of home. It shares only the parameters with lib/device.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -33,7 +33,7 @@ inline Legs legsAt(const TauParameters& device, const Vec6& q) {
   return legs;
 }
 
-/// Rigid motion of the platform's points onto three tips (Kabsch by an orthonormal triad).
+/// Return the rigid motion of the platform's points onto three tips (Kabsch by an orthonormal triad).
 inline Pose poseOfTips(const TauParameters& device, const Vec3 tips[3]) {
   const auto triad = [](const Vec3& a, const Vec3& b, const Vec3& c) {
     Mat3 m;
@@ -49,7 +49,8 @@ inline Pose poseOfTips(const TauParameters& device, const Vec3 tips[3]) {
   return pose;
 }
 
-/// Elevation of leg i at which its tip has a given distance from a point; sheet +1 or -1; nothing where it has none.
+/// Return the elevation of leg i at which its tip has a given distance from a point, on sheet +1 or -1; nothing if
+/// impossible.
 inline std::optional<double> elevationAtDistance(const Legs& legs, int i, const Vec3& from, double distance,
                                                  int sheet) {
   const Vec3 d = legs.knee[i] - from;
@@ -60,8 +61,9 @@ inline std::optional<double> elevationAtDistance(const Legs& legs, int i, const 
   return std::atan2(b, a) + sheet * std::acos(c / amplitude);
 }
 
-/// Elevations (w0, w1, w2) of every real assembly mode: w1 and w2 follow from w0 on four sheets, and the last
-/// distance must vanish; sign changes are bracketed on a fine grid that ends exactly where a sheet ends.
+/// Return the elevations (w0, w1, w2) of every real assembly mode. w1 and w2 follow from w0 on four sheets, and the
+/// last distance must have no error. Sign changes are bracketed on a fine grid that ends exactly at the ends of a
+/// sheet.
 inline std::vector<Vec3> assemblyModes(const Legs& legs, int samples = 4000) {
   std::vector<Vec3> modes;
   for (int sheet = 0; sheet < 4; ++sheet) {
@@ -75,7 +77,7 @@ inline std::vector<Vec3> assemblyModes(const Legs& legs, int samples = 4000) {
       w = {w0, *w1, *w2};
       return (legs.tip(1, *w1) - legs.tip(2, *w2)).norm() - legs.side[1];
     };
-    const auto edge = [&](double inside, double outside) {  // last point where the sheet exists
+    const auto edge = [&](double inside, double outside) {  // last point of the sheet
       for (int k = 0; k < 60; ++k) {
         const double middle = 0.5 * (inside + outside);
         (gap(middle) ? inside : outside) = middle;
@@ -118,7 +120,7 @@ inline Pose poseOfMode(const TauParameters& device, const Legs& legs, const Vec3
   return poseOfTips(device, tips);
 }
 
-/// Determinant of the loop equations over the product of lengths: its sign and distance from zero.
+/// Return the determinant of the loop equations, divided by the lengths: its sign and its distance from zero.
 inline double loopDeterminant(const Legs& legs, const Vec3& w) {
   Mat3 m = Mat3::Zero();
   double scale = 1.0;
@@ -135,12 +137,12 @@ inline double loopDeterminant(const Legs& legs, const Vec3& w) {
 struct Walk {
   bool arrived = false;
   Vec3 elevations = Vec3::Zero();
-  double smallestDeterminant = 0.0;  // along the way, times its sign at home
-  double smallestSinElbow = 1.0;     // along the way, times the elbow's sign
-  double smallestRadius = 1.0;       // along the way, of a tip from its yaw axis over the chain's length
+  double smallestDeterminant = 0.0;  // along the path, times its sign at home
+  double smallestSinElbow = 1.0;     // along the path, times the elbow's sign
+  double smallestRadius = 1.0;       // along the path: distance of a tip from its yaw axis / length of the chain
 };
 
-/// Plain Newton in very small steps along the straight line in joint space from home.
+/// Follow the straight line in joint space from home with plain Newton steps, in very small steps.
 inline Walk slowWalk(const TauParameters& device, const Vec6& home, const Vec3& homeElevations, const Vec6& way,
                      double stepAngle) {
   Walk walk;

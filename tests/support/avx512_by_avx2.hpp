@@ -1,5 +1,6 @@
-// Stand-ins for the intrinsics that lib/src/collision/kernel_avx512.cpp uses, so that machines without AVX-512 test
-// that file too. They follow Intel's intrinsics guide; where it leaves room (the reciprocal root) they use all of it.
+// Replacements for the intrinsics in lib/src/collision/kernel_avx512.cpp, so that machines without AVX-512 can test
+// that file. They follow Intel's intrinsics guide. Where it permits an error (the reciprocal root), they use the
+// largest one.
 #pragma once
 
 #include <immintrin.h>
@@ -16,7 +17,7 @@ struct Numbers16 {
   int32_t lane[16];
 };
 
-inline Floats16 roughInverseRoot(Floats16 x) {  // to 2^-14: too large and too small in turns
+inline Floats16 roughInverseRoot(Floats16 x) {  // error 2^-14, alternately too large and too small
   float f[16];
   store(f, x);
   for (int i = 0; i < 16; ++i)

@@ -1,4 +1,4 @@
-// Catch2 2.13 (Debian 12) and Catch2 3 differ in a header and in names; the tests use those of Catch2 3.
+// Catch2 2.13 (Debian 12) and Catch2 3 have different headers and names; the tests use the names of Catch2 3.
 #pragma once
 
 #if __has_include(<catch2/catch_all.hpp>)
@@ -20,11 +20,11 @@ inline auto ContainsSubstring(const std::string& part) { return Catch::Matchers:
 #include <type_traits>
 
 namespace enamel::test {
-/// Rows of numbers.
+/// Return rows of numbers as text.
 std::string describe(const double* values, Eigen::Index rows, Eigen::Index columns, bool rowMajor);
 }  // namespace enamel::test
 
-/// Matrices and vectors in messages, without an instance of Eigen's own output for every size.
+/// Print matrices and vectors in messages without an instance of Eigen's output for every size.
 template <typename T>
 struct Catch::StringMaker<
     T, std::enable_if_t<std::is_same_v<typename T::Scalar, double> && (T::PlainObject::SizeAtCompileTime != 0)>> {

@@ -1,4 +1,4 @@
-// Runs the built `enamel` as a user would and returns what it printed.
+// Runs the built `enamel` as a user would and returns its output.
 #pragma once
 
 #include <sys/wait.h>
@@ -35,7 +35,7 @@ inline CommandResult run(const std::string& arguments) {
   return runCommand(std::string("'") + ENAMEL_TOOL + "' " + arguments);
 }
 
-/// A folder that goes away with the test.
+/// A temporary folder that is removed with the test.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

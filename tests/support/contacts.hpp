@@ -16,13 +16,13 @@ Pose at(const Vec3& position);
 ContactSnapshot contactsOf(const Scene& scene, const Tool& tool, const Pose& pose, double margin,
                            ToolCache* cache = nullptr);
 
-/// How far x (W) lies from the feature that a contact with a mesh or a box names, m.
+/// Return the distance of x (W) from the feature that a contact with a mesh or a box names, m.
 double distanceFromFeature(const Scene& scene, const Contact& contact, const Vec3& x);
 
-/// How far the contact's point lies from its tool part's surface, and the obstacle's from the feature, m.
+/// Return how far the contact's point is from its tool part's surface, and the obstacle's point from the feature, m.
 double identityError(const Scene& scene, const Tool& tool, const Pose& pose, const Contact& contact);
 
-/// To the bit.
+/// Compare bit for bit.
 bool areEqual(const Contact& a, const Contact& b);
 
 bool areEqual(const ContactSnapshot& a, const ContactSnapshot& b);

@@ -9,10 +9,10 @@
 
 namespace enamel::test {
 
-/// n x m numbers in [-1, 1), the same bits for a seed everywhere (mt19937_64 is fixed by the standard).
+/// Return n x m numbers in [-1, 1), with the same bits for a seed on every machine (the standard defines mt19937_64).
 Eigen::MatrixXd randomMatrix(std::mt19937_64& random, Eigen::Index rows, Eigen::Index columns);
 
-/// A matrix of data/reference/servo-nominal.json.
+/// Return a matrix of data/reference/servo-nominal.json.
 Eigen::MatrixXd reference(const char* key);
 
 StateSpace referencePlant();

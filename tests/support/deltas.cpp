@@ -33,7 +33,7 @@ DeltaParameters randomDelta(std::uint64_t seed) {
       }
       if (regular) return device;
     } catch (const Error&) {
-      continue;  // this draw cannot close; the next one may
+      continue;  // these lengths cannot close; try the next ones
     }
   }
 }

@@ -9,10 +9,10 @@ namespace enamel::test {
 
 DeltaParameters desktopDelta();
 
-/// Varied from the shipped one; regular in a cube of 40 mm.
+/// Return a variation of the shipped delta that is regular in a cube of 40 mm.
 DeltaParameters randomDelta(std::uint64_t seed);
 
-/// A delta and the half width of a cube that it reaches, m.
+/// A delta, and the half width of a cube within its reach, m.
 struct SomeDelta {
   DeltaParameters device;
   double cube;

@@ -1,5 +1,5 @@
-// A device behind a wire that loses, doubles, reorders, delays and forges, on simulated time: what a datagram socket
-// does, without sockets and clocks, so that the machine's load changes nothing.
+// A device behind a wire that loses, duplicates, reorders, delays and forges datagrams, in simulated time. It behaves
+// like a datagram socket, but independently of the machine's load.
 #pragma once
 
 #include <cstring>
@@ -16,10 +16,10 @@
 
 namespace enamel::test {
 
-/// CRC-32, bit by bit.
+/// Return the CRC-32, computed bit by bit.
 std::uint32_t slowCrc(const unsigned char* bytes, std::size_t size);
 
-/// Writes the right checksum behind changed bytes.
+/// Write the correct checksum after changed bytes.
 void reseal(unsigned char* bytes, std::size_t size);
 
 struct WireFaults {
@@ -27,7 +27,7 @@ struct WireFaults {
   double delay = 0.0;                                        // s
 };
 
-/// One direction.
+/// One direction of the link.
 class Wire {
  public:
   explicit Wire(std::uint64_t seed) : random_(seed) {}
@@ -51,8 +51,8 @@ class Wire {
   std::multimap<std::int64_t, std::vector<unsigned char>> under_;
 };
 
-/// A served simulated device, the wire, and the client's end as a HapticDevice. Server and client tick once a ms, the
-/// client half a tick later.
+/// A served simulated device, the wire, and the client's end as a HapticDevice. Server and client tick every 1 ms; the
+/// client is half a tick later.
 class WiredDevice final : public HapticDevice {
  public:
   WiredDevice(const Mechanism& mechanism, HapticDevice& plant, std::optional<LinkKey> key = {})
@@ -80,7 +80,7 @@ class WiredDevice final : public HapticDevice {
     return size > 0 ? Status::ok : Status::inactive;
   }
 
-  /// The server's tick, and half a period.
+  /// Run the server's tick, and half a period.
   void serve() {
     if (!plugged) {
       now += 500'000;
@@ -94,7 +94,7 @@ class WiredDevice final : public HapticDevice {
     down.send(d.data(), server.measurement(measured, now, d), now);
     now += 500'000;
   }
-  void pass() { now += 500'000; }  // the client's half
+  void pass() { now += 500'000; }  // the client's half period
 
   bool plugged = true;
   std::int64_t now = 1'000'000'000;
@@ -126,7 +126,7 @@ class WiredDevice final : public HapticDevice {
   HapticDevice& plant_;
 };
 
-/// A hand that swings through the wall z = 0, once a second.
+/// Return a hand that swings through the wall z = 0 once per second.
 WrenchFunction swingingHand();
 
 VirtualDeviceSetup swingStart();

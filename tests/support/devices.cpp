@@ -84,7 +84,7 @@ TauParameters randomDevice(std::uint64_t seed) {
     try {
       const TauModel model = makeModel(device);
       bool regular = true;
-      for (int corner = 0; corner < 8; ++corner) {  // of a cube of 20 mm
+      for (int corner = 0; corner < 8; ++corner) {  // corners of a cube of 20 mm
         const Vec3 position = 0.01 * Vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
         TauConfiguration c;
         regular = regular && inverseKinematics(model, Pose{position, Mat3::Identity()}, c) == Status::ok;
@@ -94,7 +94,7 @@ TauParameters randomDevice(std::uint64_t seed) {
       }
       if (regular) return device;
     } catch (const Error&) {
-      continue;  // this draw cannot close; the next one may
+      continue;  // these lengths cannot close; try the next ones
     }
   }
 }

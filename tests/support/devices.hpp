@@ -1,7 +1,7 @@
-// Devices for the tests: the shipped ones, and random ones with other lengths, elbow signs, asymmetric bases, full
-// inertia tensors, friction, damping and tilted gravity. Random numbers are made here from mt19937_64 (whose bits
-// the standard fixes), so that a seed means the same everywhere. In one expression a compiler draws two numbers in the
-// order it likes: where several are needed, they are drawn here, in braces or in one statement each.
+// Devices for the tests: the shipped ones, and random ones. Random ones vary in lengths, elbow signs, asymmetric bases,
+// full inertia tensors, friction, damping and tilted gravity. Random numbers come from mt19937_64, whose bits the
+// standard defines: a seed has the same meaning everywhere. A compiler may choose the order of two draws in one
+// expression. Several numbers are therefore drawn here, in braces or in separate statements.
 #pragma once
 
 #include <cmath>
@@ -22,14 +22,14 @@ class Random {
   }
   Vec3 vector(double size);
   Vec3 direction();
-  /// 10 to a power between the two.
+  /// Return 10 to a power between the two.
   double power(double low, double high);
-  /// In any direction, of a length between the two.
+  /// Return a vector of random direction, with a length between the two.
   Vec3 ofLength(double low, double high);
-  /// About any axis.
+  /// Return a rotation about any axis.
   Mat3 rotation(double largest);
   Vec6 vector6(double linear, double angular);
-  /// A pose of the paper's workspace: 50 mm cube, +-10 deg about each axis.
+  /// Return a pose in the paper's workspace: 50 mm cube, +-10 deg about each axis.
   Pose workspacePose(double share = 1.0);
 
  private:
@@ -43,10 +43,10 @@ std::string deviceFile(const std::string& name);
 TauParameters nominal();
 TauParameters detailed();
 
-// The inertia of a few random point masses: any such tensor is that of a body.
+// Return the inertia of a few random point masses, which is always physically possible.
 Mat3 randomInertia(Random& random, double mass, double size);
 
-/// A random device that is regular in a neighbourhood of home: varied from the nominal one by about 20 %.
+/// Return a random device that is regular near home: the nominal one, varied by about 20 %.
 TauParameters randomDevice(std::uint64_t seed);
 
 std::vector<TauParameters> someDevices();

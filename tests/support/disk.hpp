@@ -1,4 +1,4 @@
-// A disk in memory with only so much room, for what a Recorder's thread writes.
+// A disk in memory with limited space, for a Recorder's thread.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ class Disk {
  public:
   explicit Disk(std::size_t room) : room_(room) {}
 
-  /// As write(2) where the disk may be full.
+  /// Write as write(2) does on a full disk.
   std::size_t write(const char* bytes, std::size_t size) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const std::size_t now = std::min(size, room_ - content_.size());

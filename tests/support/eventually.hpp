@@ -1,4 +1,4 @@
-// A functional test waits for a state, never for a time.
+// A functional test waits for a state, never for a fixed time.
 #pragma once
 
 #include <chrono>
@@ -6,7 +6,7 @@
 
 namespace enamel::test {
 
-/// True as soon as a condition holds; false after a quarter of an hour, far longer than a loaded machine takes.
+/// Return true as soon as a condition holds; false after 15 min, far longer than a loaded machine needs.
 template <typename Condition>
 bool eventually(const Condition& condition) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(15);

@@ -1,4 +1,4 @@
-// The viewer's experiments as tests begin them, and a tooth that they drill.
+// Experiments of the viewer for tests, and a tooth that they drill.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ Hand handAt(const Vec3& position);
 std::unique_ptr<Experiment> experiment(const SceneFile& scene, RendererSlot slot, const Settings& settings = {},
                                        const ServoedDevice& device = nominal());
 
-// A block of enamel on dentine, and a ball that cuts it.
+// Return a block of enamel on dentine, with a ball that cuts it.
 SceneFile tooth();
 
 std::vector<BrickSamples> samplesOf(const Solid& solid);

@@ -1,4 +1,4 @@
-// Numbers that nobody should send.
+// Invalid numbers.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace enamel::test {
 
-/// An ordinary number, or an extreme one, or any bit pattern.
+/// Return an ordinary number, an extreme one, or any bit pattern.
 double garbage(Random& random);
 
 }  // namespace enamel::test

@@ -117,10 +117,10 @@ void requireGuarded(Renderer& renderer, const Fault& fault, bool echo) {
       REQUIRE((tick.frame().reason == fault.reason || tick.frame().reason == fault.other));
       REQUIRE(tick.guard().fault() == tick.frame().reason);
     }
-    if (seen >= 0 && i >= seen + 2 * ramp) {  // two: what is not known can come to it on the way
+    if (seen >= 0 && i >= seen + 2 * ramp) {  // 2 ramps: the configuration may become unknown during the first
       const bool known = fault.reason != GuardReason::measurement && fault.reason != GuardReason::jump &&
                          fault.reason != GuardReason::frozen;
-      // Encoder counts move gravity's torque by some 1e-5 N m.
+      // Encoder counts change gravity's torque by about 1e-5 N m.
       if (known)
         REQUIRE((torque - gravity).cwiseAbs().maxCoeff() < 1e-3);
       else
@@ -133,12 +133,12 @@ void requireGuarded(Renderer& renderer, const Fault& fault, bool echo) {
   REQUIRE(contacts > kFaultAt / 2);
   REQUIRE(seen >= kFaultAt);
   REQUIRE(seen < kFaultAt + fault.within);
-  // The last ticks are kept, with why.
+  // The guard keeps the last ticks and their reasons.
   REQUIRE(tick.guard().kept() >= static_cast<std::size_t>(kFaultAt));
   REQUIRE(tick.guard().kept() < static_cast<std::size_t>(kFaultAt + 300));
   REQUIRE(tick.guard().tick(0).reason == tick.guard().fault());
   REQUIRE(tick.guard().tick(tick.guard().kept() - 1).reason == GuardReason::none);
-  // Nothing but reset() forgets it; then it begins with gravity's torque, and ramps in.
+  // Only reset() clears the fault. Then the torque starts at gravity's and ramps in.
   tick.reset();
   REQUIRE(tick.guard().fault() == GuardReason::none);
   REQUIRE_FALSE(tick.guard().engaged());

@@ -1,4 +1,4 @@
-// What can go wrong around a renderer, and what the guard must do then: for linked renderers and plugins.
+// Faults around a renderer and the required reactions of the guard, for linked renderers and plugins.
 #pragma once
 
 #include <functional>
@@ -14,10 +14,10 @@
 
 namespace enamel::test {
 
-/// Passes on what another renderer answers, until it spoils it.
+/// Passes on another renderer's output, until it spoils it.
 class Spoiled final : public Renderer {
  public:
-  using Spoil = std::function<Status(int ticks, TickOutput&)>;  // ticks since it began to
+  using Spoil = std::function<Status(int ticks, TickOutput&)>;  // ticks since the start of the fault
   Spoiled(Renderer& inner, int from, Spoil spoil) : inner_(inner), from_(from), spoil_(std::move(spoil)) {}
   bool needsInertia() const noexcept override { return inner_.needsInertia(); }
 
@@ -35,23 +35,23 @@ class Spoiled final : public Renderer {
   Spoil spoil_;
 };
 
-/// One way to fail. At tick kFaultAt the measurement or the answer begins to be spoiled, or ticks are missed.
+/// A fault. From tick kFaultAt on, the measurement or the output is spoiled, or ticks are missed.
 inline constexpr int kFaultAt = 400;
 struct Fault {
   std::string name;
-  GuardReason reason;                                      ///< what the guard must call it
-  int within = 1;                                          ///< ticks in which it must see it
+  GuardReason reason;                                      ///< required reason
+  int within = 1;                                          ///< ticks in which the guard must detect it
   std::function<void(int ticks, Measurement&)> measure{};  ///< ticks since kFaultAt
   Spoiled::Spoil answer{};
-  int missed = 0;                         ///< ticks
-  GuardReason other = GuardReason::none;  ///< what it may call it as well
+  int missed = 0;                         ///< missed ticks
+  GuardReason other = GuardReason::none;  ///< a further permitted reason
 };
 
 std::vector<Fault> guardFaults();
 
-/// Runs a renderer in contact, held by a hand that trembles, through a fault: torque and slew within the limits at
-/// every tick; the fault seen in time, under its name and kept; gravity's torque, or zero where the configuration is
-/// not known, at most the stated ramp later and from then on. `echo`: the device tells what acted.
+/// Run a renderer through a fault, in contact and held by a hand with tremor. Requirements: torque and slew are within
+/// the limits at every tick. The fault is detected in time with its reason, and remains. At most the stated ramp later,
+/// the torque is gravity's, or zero if the configuration is unknown. `echo`: the device reports the torque that acted.
 void requireGuarded(Renderer& renderer, const Fault& fault, bool echo);
 
 }  // namespace enamel::test

@@ -1,17 +1,17 @@
-// One tick of a guard on its own.
+// One tick of a separate guard.
 #pragma once
 
 #include "enamel/render/guard.hpp"
 
 namespace enamel::test {
 
-/// What the motors get.
+/// Command for the motors.
 struct GuardedCommand {
   JointVector effort;  ///< N m or N
   GuardReason reason = GuardReason::none;
 };
 
-/// `surface`: velocity of an obstacle that is touched, W, m/s.
+/// `surface`: velocity of a touched obstacle, W, m/s.
 inline GuardedCommand guardStep(Guard& guard, const Measurement& measurement, const Kinematics& kinematics,
                                 const JointVector& requested, Status status, const Vec3& surface = Vec3::Zero()) {
   TickFrame frame;

@@ -1,4 +1,4 @@
-// JSON for the tests of what commands write. Its templates take seconds of compiler: only these tests include it.
+// JSON for tests of the commands' output. Only these tests include it, because its templates take seconds to compile.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,10 +7,10 @@
 
 namespace enamel::test {
 
-/// Throws where it is not JSON.
+/// Throws if the text is not JSON.
 nlohmann::json parseJson(const std::string& text);
 
-/// A file of data/reference; it is read once and stays.
+/// Return a file of data/reference; it is read once and kept.
 const nlohmann::json& referenceFile(const std::string& name);
 
 Eigen::VectorXd vectorFrom(const nlohmann::json& list);

@@ -1,4 +1,4 @@
-// The shipped devices of every kind, and where each of them can be.
+// The shipped devices of every kind, and their workspaces.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@ namespace enamel::test {
 
 struct Shipped {
   std::string file;
-  double cube;  ///< half width of a cube about home that it reaches with some room for differences, m
-  double turn;  ///< largest angle about any axis, rad; 0: it only translates
+  double cube;  ///< half width of a cube about home within its reach, with room for finite differences, m
+  double turn;  ///< largest angle about any axis, rad; 0: no rotation
 
   DeviceParameters parameters() const { return loadDevice(deviceFile(file)); }
   std::shared_ptr<const Mechanism> mechanism() const { return makeMechanism(parameters()); }
@@ -24,7 +24,7 @@ struct Shipped {
     if (turn > 0.0) pose.rotation = random.rotation(turn);
     return pose;
   }
-  /// Up to 0.5 m/s and 3 rad/s.
+  /// Return a twist of up to 0.5 m/s and 3 rad/s.
   Vec6 twist(Random& random) const { return random.vector6(0.5, turn > 0.0 ? 3.0 : 0.0); }
 };
 

@@ -102,7 +102,7 @@ std::vector<NamedMesh> brokenMeshes() {
     return mesh;
   }());
   {
-    TriangleMesh mesh = wavy;  // collapse edges: triangles without area between sound ones
+    TriangleMesh mesh = wavy;  // collapsed edges: triangles without area between sound ones
     for (std::size_t t = 0; t < mesh.triangles.size(); t += 7) {
       const auto corner = mesh.triangles[t];
       mesh.vertices.push_back(0.5 * (mesh.vertices[corner[0]] + mesh.vertices[corner[1]]));
@@ -192,7 +192,7 @@ double referenceDistance(const Vec3& point, const Vec3& va, const Vec3& vb, cons
     return (p - s - t * along).norm();
   };
   long double distance = std::min({toSegment(a, b), toSegment(b, c), toSegment(c, a)});
-  // Axes at the corner opposite to the longest edge.
+  // Place the axes at the corner opposite the longest edge.
   const long double ab = (b - a).norm(), bc = (c - b).norm(), ca = (a - c).norm();
   const L3& o = ab >= bc && ab >= ca ? c : bc >= ca ? a : b;
   const L3& s = &o == &a ? b : &o == &b ? c : a;

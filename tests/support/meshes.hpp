@@ -1,5 +1,5 @@
-// Meshes for the tests: regular ones, a zoo of broken ones, the large ones where they are installed, and references
-// that share no formula with the library.
+// Meshes for the tests: regular ones, broken ones of many kinds, and large ones if installed. Reference computations
+// use other formulas than the library.
 #pragma once
 
 #include <string>
@@ -13,36 +13,36 @@ namespace enamel::test {
 struct NamedMesh {
   std::string name;
   TriangleMesh mesh;
-  bool closed = false;  // a volume without self-intersection: the sign is promised
+  bool closed = false;  // closed and without self-intersection: the sign is defined
 };
 
 TriangleMesh boxMesh(const Vec3& half);
 
-/// Each triangle becomes four, joined at the middles of its edges.
+/// Divide each triangle into four at the middles of its edges.
 TriangleMesh subdivide(const TriangleMesh& mesh);
 
-/// A sphere of radius 1 whose surface waves by `waves`.
+/// Return a sphere of radius 1 whose surface has waves of amplitude `waves`.
 TriangleMesh ball(int levels, double waves = 0.0);
 
 TriangleMesh transformed(TriangleMesh mesh, double scale, const Vec3& shift);
 
 TriangleMesh joined(TriangleMesh a, const TriangleMesh& b);
 
-/// A closed wedge with an edge of `angle` rad, 1 long.
+/// Return a closed wedge of length 1 with an edge of `angle` rad.
 TriangleMesh wedge(double angle);
 
 std::vector<NamedMesh> brokenMeshes();
 
 std::vector<NamedMesh> soundMeshes();
 
-/// Folder of the large meshes, empty where they are not installed. They are no part of the project.
+/// Return the folder of the large meshes, which are not part of the project; empty if they are not installed.
 std::string largeMeshFolder();
 
-/// Distance from a triangle in long double: the plane's own orthonormal axes, signs of areas in the plane, else the
-/// nearest of the edges.
+/// Return the distance from a triangle in long double: with axes in its plane, signs of areas, and else the nearest
+/// edge.
 double referenceDistance(const Vec3& point, const Vec3& va, const Vec3& vb, const Vec3& vc);
 
-/// The same over all triangles; those whose ball cannot be nearest are skipped.
+/// The same for all triangles. A triangle is skipped if its bounding ball cannot be nearest.
 class ReferenceDistance {
  public:
   explicit ReferenceDistance(const TriangleMesh& mesh);
@@ -55,12 +55,13 @@ class ReferenceDistance {
   std::vector<double> radii_;
 };
 
-/// How often a closed surface goes round the point: solid angles (van Oosterom & Strackee 1983, eq. 8) over 4 pi.
+/// Return how often a closed surface encloses a point: solid angles (van Oosterom & Strackee 1983, eq. 8) divided by 4
+/// pi.
 double windingNumber(const TriangleMesh& mesh, const Vec3& p);
 
 double sizeOf(const TriangleMesh& mesh);
 
-/// Points of every kind: anywhere about the mesh, on its corners, edges and faces, exactly opposite to them, far away.
+/// Return a point of any kind: near the mesh, on its corners, edges and faces, exactly opposite them, or far away.
 Vec3 queryPoint(const TriangleMesh& mesh, double size, Random& random);
 
 }  // namespace enamel::test

@@ -1,5 +1,5 @@
-// A hand presses a tool against a flat wall on the virtual device. After half a second something goes wrong: in a
-// sample of the driver, or in what the host does with the wall. The result describes the motion from then on.
+// A hand presses a tool against a flat wall on the virtual device. After 0.5 s a fault occurs: in a sample of the
+// driver, or in the host's handling of the wall. The result describes the motion from then on.
 #pragma once
 
 #include <algorithm>
@@ -19,11 +19,11 @@ namespace enamel::test {
 struct PressedWall {
   std::string device = "tau-nominal.toml";
   double force = 8.0;      // of the hand, N
-  double period = 1e-3;    // of the samples, s; the controller is made for 1 ms
-  double vibration = 0.0;  // amplitude of a force at 150 Hz, which an effect adds behind the controller, N
+  double period = 1e-3;    // of the samples, s; the controller is designed for 1 ms
+  double vibration = 0.0;  // amplitude of a force of 150 Hz that an effect adds after the controller, N
 
-  // Both count ticks from the fault; earlier ones are negative. `driver` may change a sample or replace its status,
-  // `host` may move the wall.
+  // `tick` counts from the fault and is negative before it. `driver` may change a sample or replace its status; `host`
+  // may move the wall.
   std::function<Status(int tick, Measurement& sample)> driver;
   std::function<void(int tick, Scene& scene)> host;
 };
@@ -36,7 +36,7 @@ struct PressResult {
   double energy = 0.0;                    // largest work of the motors on the tool since the fault, without gravity, J
   double energyAtEnd = 0.0;               // the same work in the last 0.2 s, J
   std::uint64_t ignoredReports = 0;       // of the torque that acted
-  GuardReason guard = GuardReason::none;  // the last one of the list that occurred
+  GuardReason guard = GuardReason::none;  // last one in the list of reasons that occurred
 };
 
 namespace pressed_wall {
@@ -58,7 +58,7 @@ class Driver final : public HapticDevice {
   int tick_;
 };
 
-// A renderer of an application: the controller's torque, and a vibration along the wall's normal.
+// An application's renderer: the controller's torque, and a vibration along the wall's normal.
 class Vibrating final : public Renderer {
  public:
   Vibrating(Renderer& controller, double amplitude) : controller_(controller), amplitude_(amplitude) {}
@@ -82,7 +82,7 @@ class Vibrating final : public Renderer {
 
 }  // namespace pressed_wall
 
-/// One second, with the fault in its middle.
+/// Run for 1 s, with the fault in the middle.
 inline PressResult run(const PressedWall& press) {
   const auto mechanism = makeMechanism(loadDevice(deviceFile(press.device)));
   const int ticks = static_cast<int>(std::lround(1.0 / press.period)), faultTick = ticks / 2;

@@ -1,4 +1,4 @@
-// A program that runs beside a test.
+// A program that runs concurrently with a test.
 #pragma once
 
 #include <signal.h>
@@ -15,7 +15,7 @@
 
 namespace enamel::test {
 
-/// A shell command beside the test. It ends with the test at the latest.
+/// A shell command that runs concurrently with the test, and ends with it at the latest.
 class Process {
  public:
   explicit Process(const std::string& command) : pid_(fork()) {
@@ -36,13 +36,13 @@ class Process {
       status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 256 + WTERMSIG(status);
     return !status_;
   }
-  /// The exit status; 256 and the signal's number where a signal killed it.
+  /// Return the exit status; 256 + the signal's number if a signal killed it.
   int wait() {
     REQUIRE(eventually([this] { return !isRunning(); }));
     return *status_;
   }
   void signal(int number) const { kill(pid_, number); }
-  /// Whether it has a handler for a signal.
+  /// Return whether it has a handler for a signal.
   bool handles(int number) const {
     std::ifstream file("/proc/" + std::to_string(pid_) + "/status");
     for (std::string word; file >> word;)

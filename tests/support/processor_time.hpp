@@ -1,4 +1,4 @@
-// Processor time of this thread: other work on the machine does not count.
+// Processor time of this thread, independent of other work on the machine.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ inline double processorTime() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// Least processor time of `count` runs, s. `prepare` runs before each and does not count.
+/// Return the least processor time of `count` runs, s. `prepare` runs before each of them and does not count.
 template <typename Work, typename Prepare>
 double leastTime(int count, const Work& work, const Prepare& prepare) {
   double least = 1e9;

@@ -1,4 +1,4 @@
-// Renderers and pushes as the tests use them.
+// Renderers and pushes for the tests.
 #pragma once
 
 #include <vector>
@@ -15,28 +15,28 @@
 
 namespace enamel::test {
 
-/// The gain of data/reference/servo-nominal.json: designed for the nominal device at 1 ms.
+/// Return the gain of data/reference/servo-nominal.json: designed for the nominal device at 1 ms.
 ServoGain referenceGain();
 
 HoldRenderer holdRenderer(const HoldOptions& options = {});
 
-/// Position control for a mechanism with a delay of `low` to `high` ticks.
+/// Return position control for a mechanism with a delay of `low` to `high` ticks.
 PositionControlRenderer positionControl(const Mechanism& mechanism, int low = 0, int high = 0);
 
 HoldOptions asInThePaper();
 
-/// The plant of the impedance scenarios: 4 N s/m of mechanical damping on the TCP along z.
+/// Return the plant of the impedance scenarios: 4 N s/m of mechanical damping on the TCP along z.
 TauParameters dampedNominal();
 
-/// The push of one row of data/reference/runs-nominal.json.
+/// Return the push of a row of data/reference/runs-nominal.json.
 PushSetup referenceSetup(const ReferenceRun& run);
 
-/// A hand that draws the TCP to (0, 0, z), m, and keeps the orientation: N/m, N s/m.
+/// Return a hand that pulls the TCP to (0, 0, z), m, and keeps the orientation: N/m, N s/m.
 WrenchFunction handAt(double z, double stiffness, double damping);
 
 std::vector<TickRecord> recordPush(const Mechanism& plant, Renderer& renderer, const PushSetup& setup);
 
-/// An input at a pose that a renderer accepts, with the TCP's contact with the wall z = 0.
+/// Return a valid input of a renderer at a pose, with the TCP's contact with the wall z = 0.
 TickFrame frameAt(const Mechanism& mechanism, const Pose& pose, double time, const Vec6& twist = Vec6::Zero());
 
 Pose poseAtDepth(double depth);

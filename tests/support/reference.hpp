@@ -1,5 +1,5 @@
-// Rows of the reference files in data/reference (computed with two independent multibody engines; see the README
-// there). JSON stays in reference.cpp: its templates take seconds of compiler in every file that sees them.
+// Rows of the reference files in data/reference, computed with two independent multibody engines (see the README
+// there). JSON is included in reference.cpp only, because its templates take seconds to compile in every file.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace enamel::test {
 
-/// A state of a TAU device and what the engines answer: a row of tau-nominal.json or tau-detailed.json.
+/// A state of a TAU device and the engines' results: a row of tau-nominal.json or tau-detailed.json.
 struct ReferenceState {
   Vec3 position, euler, elbow;
   Vec6 q, rates, torque, wrench, gravityTorque, accelerations;
@@ -20,14 +20,14 @@ std::vector<ReferenceState> referenceStates(const std::string& name);
 
 /// A push against the wall: a row of runs-nominal.json.
 struct ReferenceRun {
-  bool servo;  ///< the paper's controller, else impedance
+  bool servo;  ///< the paper's controller; false: impedance
   double force, duration;
-  std::vector<double> z;  ///< of the TCP at the ticks, m
+  std::vector<double> z;  ///< of the TCP at each tick, m
   Vec6 largestTorque;
 };
 const std::vector<ReferenceRun>& referenceRuns();
 
-/// A matrix of servo-nominal.json.
+/// Return a matrix of servo-nominal.json.
 Eigen::MatrixXd referenceServo(const char* key);
 
 }  // namespace enamel::test

@@ -4,7 +4,7 @@
 
 namespace enamel::test {
 
-/// Largest difference over the largest entry of the reference.
+/// Return the largest difference, divided by the largest entry of the reference.
 double relativeError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference);
 
 }  // namespace enamel::test

@@ -1,5 +1,5 @@
-// How much a test does: a short run by default, a tenth of it under a sanitizer (which costs about that factor), the
-// full one with ENAMEL_LONG=1 (`check.sh --long`). ENAMEL_SEED=N draws other random numbers (tests/attack/run.sh).
+// Length of a test: short by default, a tenth under a sanitizer (which is about ten times slower), full with
+// ENAMEL_LONG=1 (`check.sh --long`). ENAMEL_SEED=N gives other random numbers (tests/attack/run.sh).
 #pragma once
 
 #include <algorithm>

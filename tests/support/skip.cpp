@@ -9,10 +9,10 @@ namespace enamel::test {
 
 namespace {
 
-constexpr int kSkipped = 4;  // SKIP_RETURN_CODE in tests/CMakeLists.txt
+constexpr int kSkipped = 4;  // same as SKIP_RETURN_CODE in tests/CMakeLists.txt
 bool skipped = false;
 
-// Catch2 2 has no SKIP(), and ends with the number of failures: four of them are not a skip.
+// Catch2 2 has no SKIP(). Its status is the number of failures: four failures must not count as skipped.
 const int registered = on_exit(
     [](int status, void*) {
       const int told = status == 0 && skipped ? kSkipped : status == kSkipped ? 1 : status;

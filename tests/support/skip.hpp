@@ -1,11 +1,11 @@
-// A test that cannot run here says so: `return skipTest("Xvfb is missing");`.
+// Reports that a test cannot run here: `return skipTest("Xvfb is missing");`.
 #pragma once
 
 #include <string>
 
 namespace enamel::test {
 
-/// Prints the reason; where nothing fails, the runner ends with status 4, which ctest calls skipped.
+/// Print the reason. If nothing fails, the runner ends with status 4, which ctest reports as skipped.
 void skipTest(const std::string& reason);
 
 }  // namespace enamel::test

@@ -1,4 +1,4 @@
-// Parts of texts that commands print.
+// Extracts parts of the commands' output.
 #pragma once
 
 #include <regex>
@@ -13,7 +13,7 @@ inline int occurrences(const std::string& text, const std::string& part) {
   return found;
 }
 
-/// What the group of a pattern matches, every time.
+/// Return every match of a pattern's group.
 inline std::vector<std::string> captures(const std::string& text, const std::string& pattern) {
   const std::regex regex(pattern);
   std::vector<std::string> found;

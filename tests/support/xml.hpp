@@ -1,4 +1,4 @@
-// Whether a text is XML.
+// Checks whether a text is XML.
 #pragma once
 
 #include <cctype>
@@ -9,8 +9,8 @@
 
 namespace enamel::test {
 
-/// What is wrong with a text as XML, or "": tags that nest, attributes in quotes and none twice, entities that every
-/// parser knows. No comments, no CDATA: our pages have none.
+/// Return the first XML error of a text, or "". It checks nesting of tags, quoted and unique attributes, and entities
+/// that every parser knows. Comments and CDATA are not supported, because our pages have none.
 inline std::string xmlProblem(const std::string& text) {
   std::vector<std::string> open;
   std::size_t i = text.rfind("<!DOCTYPE html>\n", 0) == 0 ? std::strlen("<!DOCTYPE html>\n") : 0;

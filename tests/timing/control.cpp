@@ -1,5 +1,5 @@
-// Reports the control module's measurements (the functions behind `enamel bench`). Times are printed, never judged; the
-// errors beside them are.
+// Reports the measurements of the control module (the functions of `enamel bench`). Times are printed only; errors are
+// checked.
 #include <cstdio>
 
 #include "bench/measurement.hpp"
@@ -13,8 +13,9 @@ TEST_CASE("speed against error of the control module", "[timing]") {
   for (const auto& row : rows) {
     INFO(row.name);
     std::printf("%-60s %9.2f us  error %.1e (%s)\n", row.name.c_str(), row.median_us, row.error, row.errorOf.c_str());
-    CHECK(row.median_us > 1e-3);  // less than any of them takes: the compiler has dropped the work
-    // DAREX 14 with rounded data cannot be better than 1e-7 (stated there); all else keeps to the project's bar.
+    CHECK(row.median_us > 1e-3);  // a shorter time means that the compiler removed the work
+    // DAREX 14 with rounded data cannot be better than 1e-7 (explained there); everything else meets the project's
+    // limit.
     CHECK(row.error < (row.name == "Riccati, DAREX 14, tau = 1e8" ? 1e-7 : 1e-12));
   }
 }

@@ -1,4 +1,4 @@
-// Reports how well a loop keeps its deadlines beside a busy core. Times are printed, never judged.
+// Reports how well a loop meets its deadlines beside a busy core. Times are printed only.
 #include <atomic>
 #include <cstdio>
 #include <thread>

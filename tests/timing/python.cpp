@@ -1,4 +1,4 @@
-// What a contact query costs in Python beyond C++: batches of 1000 poses of a tool that slides, by turns in one run.
+// Cost of a contact query in Python compared with C++: batches of 1000 poses of a sliding tool, alternating in one run.
 #include <algorithm>
 #include <chrono>
 #include <sstream>
@@ -14,7 +14,7 @@ namespace enamel::test_python {
 namespace {
 
 struct Cost {
-  double time = 1e9;  // us a pose, best of 30 batches
+  double time = 1e9;  // us per pose, best of 30 batches
   int contacts = 0;
 };
 
@@ -22,7 +22,7 @@ Cost costOf(const std::string& path) {
   const SceneFile file = loadScene(path);
   Pose low;
   low.position = file.start;
-  for (int i = 0; i < 100; ++i)  // down until it is 0.1 mm inside
+  for (int i = 0; i < 100; ++i)  // move down until it is 0.1 mm inside
     low.position.z() -= std::min(1e-3, nearestContact(file.scene, file.tool, low, nullptr).gap + 0.1e-3);
   Cost cost;
   for (int batch = 0; batch < 30; ++batch) {
@@ -58,7 +58,7 @@ TEST_CASE("timing: contact queries from Python beside those from C++", "[python]
       double time = 0.0;
       int contacts = 0;
       REQUIRE(std::istringstream(there.output) >> time >> contacts);
-      CHECK(contacts == cost.contacts);  // the same queries
+      CHECK(contacts == cost.contacts);  // both make the same queries
       CHECK(contacts >= 1000);
       own = std::min(own, cost.time);
       beyond.push_back(time - cost.time);

@@ -1,4 +1,4 @@
-// Reports the tick's measurements (the functions behind `enamel bench`). Times are printed, never judged.
+// Reports the measurements of the tick (the functions of `enamel bench`). Times are printed only.
 #include <cstdio>
 #include <string>
 
@@ -21,7 +21,7 @@ TEST_CASE("speed against error of a tick and of a push", "[timing]") {
                 row.p99_us, row.p999_us, row.error, row.errorOf.c_str());
     CHECK(row.error < 1e-9);
   }
-  // Every tick costs more than looking at the clock: less would be a tick that the compiler has dropped.
+  // Every tick takes longer than reading the clock; otherwise the compiler removed it.
   for (const std::string renderer : {"position-control", "hold", "impedance"})
     CHECK(medianOf("whole tick, " + renderer) > medianOf("nothing (the clock's own cost)"));
   for (const std::string row : {"0 contacts, position-control", "6 contacts, position-control", "0 contacts, impedance",

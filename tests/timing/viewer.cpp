@@ -1,5 +1,5 @@
-// How the viewer's haptic loop keeps time with nothing drawn beside it, and beside a window under Xvfb; in long runs
-// also while it drills, beside a loop that does nothing. Reported, never judged.
+// Timing of the viewer's haptic loop without drawing, and beside a window under Xvfb. Long runs also measure it while
+// it drills, and beside a loop that does nothing. Reported only.
 #include <chrono>
 #include <cstdio>
 #include <thread>
@@ -34,7 +34,7 @@ void report(const std::string& beside, const PeriodicTiming& t) {
 
 void pause(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-// Presses the tool into the scene, with a spinning bur if it has one: without a picture, and in a window.
+// Press the tool into the scene, with a spinning bur if it has one: without pictures, and in a window.
 void measure(const std::string& name) {
   const std::string file = ENAMEL_SOURCE_DIR "/data/scenes/" + name + ".toml";
   {
@@ -77,7 +77,7 @@ void measure(const std::string& name) {
 }  // namespace
 
 TEST_CASE("missed ticks without and with rendering", "[timing]") {
-  if (test::longRun()) {  // what the machine misses by itself
+  if (test::longRun()) {  // the machine's own missed deadlines
     const PeriodicThread nothing(kPeriod, [] {});
     pause(kSeconds);
     report("an empty tick", nothing.timing());

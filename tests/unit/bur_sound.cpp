@@ -1,4 +1,4 @@
-// What a bur sounds like: the tone of its rotation, lower under load, noise of what is cut, no clicks.
+// The sound of a bur: the tone of its rotation, lower under load, the noise of cutting, and no clicks.
 #include "bur_sound.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ std::vector<double> play(BurSound& sound, const BurLoad& load, int count) {
   return {samples.begin(), samples.end()};
 }
 
-// One second, after one in which the speed has settled.
+// Return one second, after one second for the speed to settle.
 std::vector<double> settled(const BurLoad& load) {
   BurSound sound;
   play(sound, load, BurSound::kRate);
@@ -38,11 +38,11 @@ double largestStep(const std::vector<double>& samples) {
   return largest;
 }
 
-// The loudest of the whole frequencies from `low` to `high`, Hz, in a second of samples.
+// Return the loudest integer frequency from `low` to `high`, Hz, in one second of samples.
 int loudest(const std::vector<double>& samples, int low, int high) {
   int best = low;
   double most = -1.0;
-  for (int frequency = low; frequency <= high; ++frequency) {  // by Goertzel's recursion
+  for (int frequency = low; frequency <= high; ++frequency) {  // Goertzel's recursion
     const double c = 2.0 * std::cos(2.0 * M_PI * frequency / BurSound::kRate);
     double a = 0.0, b = 0.0;
     for (const double s : samples) {
@@ -61,12 +61,12 @@ int loudest(const std::vector<double>& samples, int low, int high) {
 TEST_CASE("the tone is the bur's rotation, and falls as a turbine's under load", "[sound]") {
   CHECK(turnsUnder(kRest) == 0.0);
   CHECK(turnsUnder(kFree) == 2000.0);
-  CHECK(turnsUnder({2000.0, 1e-8, 2e9}) == Approx(1000.0));  // 20 W, all that it gives: half of its free speed
+  CHECK(turnsUnder({2000.0, 1e-8, 2e9}) == Approx(1000.0));  // 20 W, the largest power: half of its free speed
   CHECK(turnsUnder({2000.0, 1e-6, 2e9}) == Approx(1000.0));
   CHECK(turnsUnder(kEnamel) < turnsUnder(kDentine));  // 6.8 W, 6 W
   for (const BurLoad& load : {kFree, kEnamel, kDentine}) {
     CAPTURE(load.removal);
-    // Of the speed n and its torque (1 - n / free) times 4 * 20 W / free comes the power that the cut takes.
+    // The power of the cut follows from the speed n and its torque (1 - n / free) times 4 * 20 W / free.
     const double n = turnsUnder(load) / load.turns;
     CHECK(80.0 * n * (1.0 - n) == Approx(load.removal * load.hardness).margin(1e-9));
     CHECK(loudest(settled(load), 1500, 2100) == Approx(turnsUnder(load)).margin(1.0));

@@ -17,7 +17,7 @@ CartesianParameters shipped(int axes) {
   return loadCartesian(test::deviceFile("cartesian-" + std::to_string(axes) + ".toml"));
 }
 
-// A device of 6 axes with a full tensor, damping and weight.
+// Return a device with 6 axes, a full tensor, damping and weight.
 CartesianParameters crooked(std::uint64_t seed) {
   test::Random random(seed);
   CartesianParameters device = shipped(6);
@@ -63,7 +63,7 @@ TEST_CASE("cartesian, 3 axes: position in, force out", "[cartesian]") {
   CHECK(mechanism.limits().encoderStep == Vec3::Constant(5.5e-5));
   CHECK(effectiveMass(k, Vec3::Zero(), Vec3(0.6, 0.0, 0.8)) == Approx(device.mass).epsilon(1e-14));
 
-  // m v' = f + F + m g - D v; a moment is borne by the device.
+  // m v' = f + F + m g - D v; the device supports a moment.
   Vec6 wrench, acceleration;
   wrench << 0.3, 0.4, 0.5, 9.0, 9.0, 9.0;
   REQUIRE(mechanism.accelerate(k.pose, twist, force, wrench, acceleration) == Status::ok);
@@ -112,7 +112,7 @@ TEST_CASE("cartesian, 6 axes: rotation vectors of every size", "[cartesian]") {
   const CartesianMechanism mechanism(crooked(seed));
   test::Random random(seed);
   for (int i = 0; i < test::count(3000, 100000); ++i) {
-    // Angles from 1e-12 to 2.49 rad evenly by their logarithm, so that every branch of the series is met.
+    // Angles from 1e-12 to 2.49 rad, evenly in their logarithm, so that every branch of the series is used.
     const double angle = 2.49 * std::pow(10.0, -random.uniform(0.0, 12.0));
     const Vec3 turn = angle * random.direction();
     const JointVector q = joints(random.vector(0.06), turn);
@@ -120,16 +120,16 @@ TEST_CASE("cartesian, 6 axes: rotation vectors of every size", "[cartesian]") {
     const JointVector rates = joints(velocity, rate);
     Kinematics k;
     REQUIRE(mechanism.track(q, rates, true, k) == Status::ok);
-    CHECK((k.pose.rotation - rotationOf(turn)).cwiseAbs().maxCoeff() < 1e-15);  // a few roundings of numbers up to 1
+    CHECK((k.pose.rotation - rotationOf(turn)).cwiseAbs().maxCoeff() < 1e-15);  // rounding of numbers up to 1
     CHECK((k.pose.rotation * k.pose.rotation.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff() < 2e-15);
     const Mat3 e = k.jacobian.bottomRightCorner<3, 3>(), inverse = k.inverseTransposed.block<3, 3>(3, 3).transpose();
     CHECK((e * inverse - Mat3::Identity()).cwiseAbs().maxCoeff() < 1e-14);  // |E^-1| up to 2
     CHECK(e.determinant() == Approx(std::pow(std::sin(0.5 * angle) / (0.5 * angle), 2)).epsilon(1e-14));
-    CHECK((e * turn - turn).norm() < 1e-15 * (1.0 + angle));  // a turn about its own axis
+    CHECK((e * turn - turn).norm() < 1e-15 * (1.0 + angle));  // a rotation about its own axis
 
     Kinematics back;
     REQUIRE(mechanism.reach(k.pose, k.twist, true, back) == Status::ok);
-    // From a matrix: roundings of numbers of size 1, and sin 2.49 = 0.6.
+    // From a matrix: rounding of numbers of size 1, and sin 2.49 = 0.6.
     for (int j = 0; j < 6; ++j) {
       CHECK(std::abs(back.q[j] - q[j]) < 2e-15);
       CHECK(std::abs(back.rates[j] - rates[j]) < 1e-13);
@@ -273,7 +273,7 @@ TEST_CASE("axes without a motor are sensed and not driven", "[cartesian]") {
   CHECK(stylus.joints() == 6);
   CHECK(stylus.limits().effort == (JointVector(6) << 3.3, 3.3, 3.3, 0.0, 0.0, 0.0).finished());
   const JointVector& limits = stylus.limits().effort;
-  CHECK(largestForce(stylus.home(), limits, Vec3(0.01, 0.0, 0.0), Vec3::UnitZ()) == 3.3);  // beside the tip, too
+  CHECK(largestForce(stylus.home(), limits, Vec3(0.01, 0.0, 0.0), Vec3::UnitZ()) == 3.3);  // also beside the tip
   const auto refuses = [](const std::string& more, const std::string& words) {
     REQUIRE_THROWS_WITH(parseCartesian(stylusFile(more, "mass = 0.1"), "stylus.toml"), test::ContainsSubstring(words));
   };
@@ -295,7 +295,7 @@ TEST_CASE("an apparent mass that depends on the position", "[cartesian]") {
   CHECK(massAt(Vec3::Zero()) == Approx(0.10).epsilon(1e-12));
   CHECK(massAt({-0.08, 0.05, 0.0}) == Approx(0.05).epsilon(1e-12));
   CHECK(massAt({0.04, -0.06, 0.035}) == Approx(0.125).epsilon(1e-12));
-  // Kinetic energy changes by the work of the force alone, also where the mass changes on the way.
+  // Kinetic energy changes by the work of the force only, even if the mass changes along the path.
   Pose pose;
   Vec6 twist = (Vec6() << 0.3, 0.1, -0.05, 0.0, 0.0, 0.0).finished();
   const auto energy = [&] { return 0.5 * massAt(pose.position) * twist.head<3>().squaredNorm(); };

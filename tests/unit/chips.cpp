@@ -1,4 +1,4 @@
-// Chips that a bur throws off: as many as was cut, from its rim, for a while, the same ones every time.
+// Chips of a bur: in proportion to the cut volume, from its rim, for a while, and the same ones every time.
 #include "chips.hpp"
 
 #include <Eigen/Geometry>
@@ -42,7 +42,7 @@ TEST_CASE("as many chips fly as was cut of each layer, until they are old", "[ch
   CHECK(flying(chips, 0) == Approx(20).margin(1));
   CHECK(flying(chips, 1) == 7);
   cut = cutOf(0, 0);
-  cut[1] = 0.7 * Chips::kVolume;  // what was left of the last cut counts
+  cut[1] = 0.7 * Chips::kVolume;  // the remainder of the last cut counts
   advance(chips, kFrame, cut);
   CHECK(flying(chips, 1) == 8);
   advance(chips, Chips::kLife - 2.5 * kFrame);
@@ -62,10 +62,10 @@ TEST_CASE("chips leave the rim of the bur, out of the hole, and fall", "[chips]"
     CHECK((chip.position - kMouth).norm() == Approx(kRadius));
     CHECK(std::abs(kAxis.dot(chip.position - kMouth)) < 1e-12);
     CHECK(kAxis.dot(chip.velocity) >= 0.0);
-    CHECK(kAxis.cross(chip.position - kMouth).dot(chip.velocity) > 0.0);  // with the bur
+    CHECK(kAxis.cross(chip.position - kMouth).dot(chip.velocity) > 0.0);  // in the direction of rotation
     CHECK(chip.age == 0.0);
   }
-  // A parabola, in however many steps.
+  // A parabola, for any number of steps.
   Chips other = at;
   advance(chips, 0.2);
   for (int i = 0; i < 4; ++i) advance(other, 0.05);

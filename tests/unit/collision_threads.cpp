@@ -1,5 +1,5 @@
-// Several threads ask one const scene, each with a cache of its own: the answers are those of one thread without a
-// cache, on every SIMD level. The tsan preset looks for races in the same test.
+// Several threads query one const scene, each with its own cache. The results are those of one thread without a cache,
+// on every SIMD level. The tsan preset searches for races in the same test.
 #include <array>
 #include <thread>
 
@@ -39,7 +39,7 @@ class Work {
     test::Random random(71);
     Pose pose{{0, 0, 0.0115}, Mat3::Identity()};
     Vec3 direction = Vec3::UnitX();
-    for (int i = 0; i < kQueries; ++i) {  // along the surface, turning, now and then somewhere else
+    for (int i = 0; i < kQueries; ++i) {  // along the surface, rotating, sometimes somewhere else
       direction = (direction + 0.1 * random.direction() - 40.0 * (pose.position.norm() - 0.0108) * pose.position / 0.01)
                       .normalized();
       pose.position += 5e-5 * direction;

@@ -1,4 +1,4 @@
-// What the split screen compares: presses, depths, ratios; and that both tools are under one hand.
+// The comparison of the split screen: presses, depths and ratios, with both tools under one hand.
 #include "compare.hpp"
 
 #include <cstring>
@@ -24,7 +24,7 @@ void addFor(Comparison& both, const PairSample& sample, int ticks) {
 
 const PairSample kOut = pairAt(-1e-3, 0.0, -1e-3, 0.0);
 
-// A runner with two tools on the flat wall.
+// Return a runner with two tools on the flat wall.
 std::unique_ptr<Runner> pairRunner(RendererSlot left, RendererSlot right, const Settings& settings = {}) {
   static const ServoedDevice device = loadServoedDevice(test::deviceFile("tau-nominal.toml"));
   const SceneFile scene = loadScene(ENAMEL_SOURCE_DIR "/data/scenes/flat-wall.toml");
@@ -67,11 +67,11 @@ TEST_CASE("a ratio is of the deepest points of one press, and kept until the nex
   CHECK_FALSE(both.ratio()->atLeast);
   CHECK(both.strongest(0) == 8.0);
   CHECK(both.strongest(1) == 12.0);
-  // It bounces out and in again: the same press.
+  // It bounces out and in again: still the same press.
   addFor(both, kOut, Comparison::kApart - 1);
   addFor(both, pairAt(5e-5, 8.0, 1e-3, 4.0), 10);
   CHECK(both.ratio()->times == Approx(40.0));
-  // Out for long, it is kept; the next touch begins anew, here with the left tool the deeper one.
+  // Out for long, the press is kept. The next touch begins a new one, here with the left tool deeper.
   addFor(both, kOut, 5 * Comparison::kApart);
   CHECK(both.ratio()->times == Approx(40.0));
   addFor(both, pairAt(3e-3, 8.0, 1e-3, 4.0), 2);
@@ -83,14 +83,14 @@ TEST_CASE("a ratio is of the deepest points of one press, and kept until the nex
 TEST_CASE("no ratio of a tool that is not pressed; one that does not sink gives a bound", "[compare]") {
   Comparison both;
   addFor(both, pairAt(-1e-3, 0.0, 2e-3, 12.0), 10);
-  CHECK_FALSE(both.ratio());  // the left one is in the air
+  CHECK_FALSE(both.ratio());  // the left tool is in the air
   addFor(both, pairAt(-1e-7, 12.0, 2e-3, 12.0), 10);
   REQUIRE(both.ratio());
   CHECK(both.ratio()->atLeast);
   CHECK(both.ratio()->times == Approx(2e-3 / Comparison::kLeast));
   both.clear();
   addFor(both, pairAt(1e-6, 12.0, 1.5e-6, 12.0), 10);
-  CHECK_FALSE(both.ratio());  // neither depth can be told
+  CHECK_FALSE(both.ratio());  // both depths are too small
   both.clear();
   addFor(both, pairAt(1e-4, 0.9, 2e-3, 12.0), 10);
   CHECK_FALSE(both.ratio());
@@ -113,7 +113,7 @@ TEST_CASE("curves keep a long press whole in a bounded number of points", "[comp
     CHECK(curve.back().depth > (1.0 - 2.0 * step) * end);
     for (std::size_t i = 1; i < curve.size(); ++i) CHECK(curve[i].depth > curve[i - 1].depth);
   }
-  // The last bin over time is complete and has the newest depths.
+  // The last bin is complete and has the newest depths.
   CHECK(both.depth(1, Comparison::History::kBins - 1).high == Approx(2e-3).epsilon(1e-3));
   CHECK(both.depth(1, 0).high < both.depth(1, Comparison::History::kBins - 1).low);
 }
@@ -134,7 +134,7 @@ TEST_CASE("two tools are under one hand, tick for tick, and each has the force o
       const Frame& right = *runner->secondFrame();
       REQUIRE(left.record.tick == right.record.tick);
       REQUIRE(isSame(left.hand, right.hand));
-      // Neither is beyond the reach of the hand by more than the tools move in a tick.
+      // Both tools are within reach of the hand, except for their motion in a tick.
       for (const Frame* frame : {&left, &right}) {
         const Vec3 stretch = frame->hand.target - frame->record.pose.position;
         REQUIRE(stiffnessOf(frame->hand.grip).cwiseProduct(stretch).norm() < kLargestHandForce + 1.5);
@@ -143,11 +143,11 @@ TEST_CASE("two tools are under one hand, tick for tick, and each has the force o
     }
   }
   const Frame &left = runner->frame(), &right = *runner->secondFrame();
-  // At rest: 20 mm of hand at 400 N/m against a wall that does not give way, and one of 6 kN/m.
+  // At rest: 20 mm of the hand at 400 N/m against a rigid wall, and against one of 6 kN/m.
   const double sunk = 0.02 * 400.0 / (400.0 + 6000.0);
   CHECK(-right.record.nearest.gap == Approx(sunk).epsilon(0.02));
   CHECK(std::abs(left.record.nearest.gap) < 2e-5);
-  // The servo answers encoder counts: its force is the hand's on average.
+  // The servo reacts to encoder counts: its mean force is the hand's.
   std::array<double, 2> mean{};
   constexpr int kTicks = 500;
   for (int i = 0; i < kTicks; ++i) {
@@ -172,7 +172,7 @@ TEST_CASE("the left tool of a pair moves as it does alone where the other one do
     alone->period();
     REQUIRE(pair->frame().record.pose.position == alone->frame().record.pose.position);
   }
-  // Two of the same are the same.
+  // Two equal tools move equally.
   CHECK(alone->frame().record.pose.position == alone->secondFrame()->record.pose.position);
 }
 
@@ -194,7 +194,7 @@ TEST_CASE("a test push steps on both in the same tick, also where one needs long
   CHECK(left.verdict == FirstImpactVerdict::measured);
   CHECK(right.verdict == FirstImpactVerdict::measured);
   CHECK(left.stiffness > 20.0 * right.stiffness);
-  // Then it is one hand again.
+  // Then one hand moves both again.
   send(*runner, RunnerCommand::Kind::handBy, {0.001, 0.0, 0.0});
   runner->period();
   const Frame& one = runner->frame();
@@ -214,7 +214,7 @@ TEST_CASE("the tour ends where it begins, at a hand's speed, and shows what it s
   CHECK(Tour::part(0.0) == 0);
   CHECK(Tour::part(Tour::kLength) == Tour::kParts - 1);
   Comparison both;
-  std::array<Vec3, Tour::kParts> low, high;  // of where the tools touched
+  std::array<Vec3, Tour::kParts> low, high;  // positions of contact
   low.fill(Vec3::Constant(1.0));
   high.fill(Vec3::Constant(-1.0));
   std::array<double, Tour::kParts> deepest{};
@@ -235,7 +235,7 @@ TEST_CASE("the tour ends where it begins, at a hand's speed, and shows what it s
     }
     for (PairSample sample; runner->nextPair(sample);) both.add(sample);
   }
-  // It presses in every part, and slides in the second one alone.
+  // It presses in every part, and slides in the second one only.
   for (const double depth : deepest) CHECK(depth > 1e-3);
   CHECK(high[0].x() - low[0].x() < 1e-3);
   CHECK(high[1].x() - low[1].x() > 0.015);
@@ -263,7 +263,7 @@ TEST_CASE("a pair is replaced by one, and one by a pair; the right renderer is c
   runner->period();
   runner->frame();
   CHECK(runner->secondFrame() == nullptr);
-  REQUIRE(runner->send(command));  // of nobody now
+  REQUIRE(runner->send(command));  // the right tool has gone
   runner->period();
   CHECK(runner->frame().selected == RendererSlot::impedance);
 }

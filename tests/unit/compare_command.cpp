@@ -1,4 +1,4 @@
-// `enamel compare` as a user runs it, and the names that it had before.
+// `enamel compare` as a user runs it, and its former names.
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -31,7 +31,7 @@ std::string file(const test::TemporaryFolder& folder, const std::string& name, c
   return test::readFile(folder / (name + "/" + which));
 }
 
-// A file of tuned values, small.
+// Return a small file of tuned parameters.
 std::string tunedValues(const test::TemporaryFolder& folder) {
   const std::string path = folder / "tuned.json";
   test::writeFile(path, R"({"model": "tau", "controllers": [
@@ -80,7 +80,7 @@ TEST_CASE("compare: its tasks are the library's trials, to the last bit", "[comp
                           (folder / "out") + "'");
   INFO(result.output);
   REQUIRE(result.status == 0);
-  CHECK_FALSE(std::filesystem::exists(folder / "out/compare.csv"));  // there was no push
+  CHECK_FALSE(std::filesystem::exists(folder / "out/compare.csv"));  // without a push
   DeviceParameters damped = loadDevice(test::deviceFile("tau-nominal.toml"));
   addDamping(damped, 4.0 * Vec6::Unit(2));
   WallTrialSetup setup;
@@ -186,7 +186,7 @@ TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[co
   std::getline(lines, line);
   double ranks = 0.0;
   while (std::getline(lines, line)) ranks += std::stod(line.substr(line.rfind(',') + 1));
-  CHECK(ranks == Approx(2 * 2 * 15.0));  // 1 + 2 + 3 + 4 + 5 at every plant and delay, whatever is equal
+  CHECK(ranks == Approx(2 * 2 * 15.0));  // 1 + 2 + 3 + 4 + 5 for every plant and delay, even with ties
   for (const char* part :
        {"<svg", "Welch", "Table III", "Table IV", "hold that foresees the delay", "at the edge of eq. 16", "tuned"})
     CHECK_THAT(page, ContainsSubstring(part));
@@ -195,11 +195,11 @@ TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[co
   CHECK(test::xmlProblem(page) == "");
   // Two plants with two figures each: a box or "none" for each of five renderers at two delays.
   CHECK(occurrences(page, "fill-opacity=\"0.35\"") + occurrences(page, ">none</text>") == 2 * 2 * 5 * 2);
-  // Stiffness on one scale for both plants, depth on another.
+  // Stiffness has one scale for both plants, and depth another.
   const auto y = captures(page, "data-y=\"([^\"]*)\"");
   REQUIRE(y.size() == 4);
   CHECK((y[0] == y[2] && y[1] == y[3] && y[0] != y[1]));
-  // Of the plant that costs least.
+  // The fastest plant.
   const std::string fast = "--plants closed-form ";
   REQUIRE(compare("one", fast).status == 0);
   REQUIRE(compare("parts", fast + "--part 2/2").status == 0);
@@ -219,7 +219,7 @@ TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[co
 
 TEST_CASE("the names of version 0.2 do the same, with a warning that has the new ones", "[compare_command]") {
   const test::TemporaryFolder folder;
-  // The first line is the warning; the rest must be what the new names print.
+  // The first line is the warning. The rest must equal the output of the new names.
   const auto same = [](const std::string& old, const std::string& today) {
     INFO(old);
     const auto before = run(old), after = run(today);
@@ -254,7 +254,7 @@ TEST_CASE("the names of version 0.2 do the same, with a warning that has the new
   CHECK_THAT(warned.output, ContainsSubstring("--tuned=") && !ContainsSubstring("--laws"));
   REQUIRE(run(study + output("new") + "--tuned " + values).status == 0);
   CHECK(file(folder, "old", "runs.csv") == file(folder, "new", "runs.csv"));
-  // Where neither name is right, the new one is told.
+  // If neither name is right, the message uses the new one.
   CHECK_THAT(run("trials --filter ramp").output, ContainsSubstring("--device is required"));
 }
 

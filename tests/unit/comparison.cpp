@@ -1,4 +1,4 @@
-// Scores and ranks of renderers that are compared.
+// Scores and ranks of compared renderers.
 #include "enamel/study/comparison.hpp"
 
 #include <cmath>
@@ -42,7 +42,7 @@ TEST_CASE("scores separate scenarios and leave out what was lost") {
   std::vector<StudyResult> runs = {result(0, 1, 1e-3, 5e3), result(0, 1, 3e-3, 0.0), result(0, 2, 9e-3, 0.0),
                                    result(1, 1, 2e-3, 4e3), result(1, 1, 8e-3, 4e3), result(1, 1, 7e-3, 6e3)};
   runs[0].metrics.limitShare = 0.5;
-  runs[0].metrics.work = -1.0;  // takes energy: gives none
+  runs[0].metrics.work = -1.0;  // absorbs energy, so it gives none
   runs[1].metrics.work = 4.0;
   runs[4].status = Status::stopped;
   runs[5].metrics.verdict = FirstImpactVerdict::unstable;
@@ -78,7 +78,7 @@ TEST_CASE("ranks: equal ones share, what is not felt is equal, and lost runs com
   scores[0].chatter = 0.049;  // N m: below what a hand feels
   places();
   CHECK(scores[0].rank == Approx(2.0));
-  scores[0].chatter = 0.06;  // last in one of six: 3 instead of 2
+  scores[0].chatter = 0.06;  // last in one of six: rank 3 instead of 2
   places();
   CHECK(scores[0].rank == Approx(2.0 + 1.0 / 6.0));
   scores[2].share = 0.9;  // more is better

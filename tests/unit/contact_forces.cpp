@@ -1,4 +1,4 @@
-// The quadratic program of the contact forces: against its optimality conditions and a closed form.
+// The quadratic program of the contact forces, checked by its optimality conditions and a closed form.
 #include "render/contact_forces.hpp"
 
 #include <Eigen/Dense>
@@ -13,7 +13,7 @@ namespace enamel::test_contact_forces {
 
 namespace {
 
-// `rank` below `contacts`: dependent contacts, made regular as the servo does.
+// `rank` below `contacts`: dependent contacts, regularised as in the servo.
 ContactProblem randomProblem(test::Random& random, int contacts, int rank) {
   Eigen::MatrixXd N(contacts, rank);
   for (Eigen::Index i = 0; i < N.size(); ++i) N.data()[i] = random.uniform(-1.0, 1.0);
@@ -35,8 +35,9 @@ ContactProblem randomProblem(test::Random& random, int contacts, int rank) {
   return p;
 }
 
-// Worst violation of a bound; and of the optimality conditions, G x - r = sum of multipliers (>= 0) times the normals
-// of the active bounds, found by non-negative least squares (projected Gauss-Seidel on its normal equations).
+// Worst violation of a bound, and of the optimality conditions: G x - r = sum of multipliers (>= 0) times the normals
+// of the active bounds. The multipliers come from non-negative least squares (projected Gauss-Seidel on its normal
+// equations).
 struct Violation {
   double bound = 0.0, optimality = 0.0;
 };
@@ -87,7 +88,7 @@ TEST_CASE("contact forces keep to all bounds and are the best that do", "[contac
     REQUIRE(s.exact);
     const Violation v = violationOf(p, s);
     CHECK(v.bound < 1e-9);
-    CHECK(v.optimality < 1e-5);  // of slopes of some 10; the multipliers' iteration is the less exact of the two
+    CHECK(v.optimality < 1e-5);  // slopes are about 10; the multipliers' iteration is less exact than the solver
     limited += s.limited;
   }
   CHECK(limited > 100);
@@ -99,10 +100,10 @@ TEST_CASE("dependent contacts share, and none is inverted blindly", "[contact_fo
     const int contacts = 2 + i % 5;
     const ContactProblem p = randomProblem(random, contacts, 1 + i % std::min(contacts - 1, 3));
     const ContactSolution s = solveContacts(p);
-    CHECK(violationOf(p, s).bound < 1e-9);  // whether or not the search came to its end
+    CHECK(violationOf(p, s).bound < 1e-9);  // even if the search was cut short
     for (int k = 0; k < contacts; ++k) CHECK((s.force[k] >= 0.0 && s.force[k] <= p.most));
   }
-  // The same contact twice: half each.
+  // The same contact twice: half of the force each.
   ContactProblem p;
   p.contacts = 2;
   for (auto& row : p.G) row[0] = row[1] = 4.0;
@@ -130,7 +131,7 @@ TEST_CASE("a motor's limit makes one force smaller and never turns it", "[contac
   CHECK(solveContacts(p).force[0] == 0.0);
   CHECK_FALSE(solveContacts(p).limited);
   p.r[0] = 100.0;
-  p.most = 4.0;  // below what the motors allow: none of them is at its limit
+  p.most = 4.0;  // below the motors' limits: none of them saturates
   CHECK(solveContacts(p).force[0] == Approx(4.0));
   CHECK_FALSE(solveContacts(p).limited);
 }

@@ -1,4 +1,4 @@
-// Contacts of tools with scenes: analytic cases, meshes against the analytic shapes that they stand for, order,
+// Contacts of tools with scenes: analytic cases, meshes compared with the analytic shapes that they approximate, order,
 // velocities, identity, caches.
 #include "enamel/collision/contacts.hpp"
 
@@ -83,11 +83,11 @@ TEST_CASE("the nearest contact is the first of the contacts, and is found beyond
     ++within;
     REQUIRE(nearest.gap == all.contacts[0].gap);
     REQUIRE(nearest.obstacle == all.contacts[0].obstacle);
-    // One comes from the pseudonormal, the other from the way to the point, both known to 1e-17 m.
+    // One comes from the pseudonormal, the other from the direction to the point; both are known to 1e-17 m.
     REQUIRE((nearest.normal - all.contacts[0].normal).norm() < 1e-9);
   }
   CHECK(within > 500);
-  Scene deep;  // the ends of the part at one depth, its middle deeper
+  Scene deep;  // both ends of the part at one depth, its middle deeper
   deep.add({"ball", Sphere{1.0}, Pose(), Vec6::Zero(), {}});
   tool.parts[0] = {{-0.1, 0.05, 0}, {0.1, 0.05, 0}, 0.01};
   tool.count = 1;
@@ -132,7 +132,7 @@ TEST_CASE("a box of triangles touches like a box", "[unit]") {
 }
 
 TEST_CASE("a sphere in a groove touches both sides, on a flat or a ridge once", "[unit]") {
-  TriangleMesh groove;  // two planes at right angles, many triangles
+  TriangleMesh groove;  // two planes at right angles, with many triangles
   const int n = 20;
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n; ++j) {
@@ -157,7 +157,7 @@ TEST_CASE("a sphere in a groove touches both sides, on a flat or a ridge once", 
     }
     CHECK(two.contacts[0].normal.dot(two.contacts[1].normal) < 1e-9);
     const ContactSnapshot one = contactsOf(scene, sphereTool(r), at({0.006, y, 0.006 + 1.4 * r}), 5e-4);
-    CHECK(one.count == 1);  // on one side
+    CHECK(one.count == 1);  // on one side only
   }
   for (Vec3& v : groove.vertices) v.z() = -v.z();
   Scene ridge;
@@ -200,7 +200,7 @@ TEST_CASE("contacts tell the obstacle, the tool's part, the triangle and its fea
   tool.parts[1] = {{0, 0, 0.002}, {0, 0.001, 0.012}, 0.0005};
   tool.parts[2] = {{0.004, 0, 0}, {0.004, 0, 0}, 0.0};
   tool.count = 3;
-  const double rounding = 1e-15;  // of coordinates of 0.03 m, turned and back
+  const double rounding = 1e-15;  // of coordinates of 0.03 m, rotated and back
   ToolCache cache = makeToolCache(scene, tool);
   int met[3][3] = {}, parts[3] = {}, compared = 0;
   Pose pose;
@@ -220,7 +220,7 @@ TEST_CASE("contacts tell the obstacle, the tool's part, the triangle and its fea
     const Contact nearest = nearestContact(scene, tool, pose, nullptr);
     REQUIRE(test::identityError(scene, tool, pose, nearest) < rounding);
     REQUIRE(test::areEqual(nearest, nearestContact(scene, tool, pose, &cache)));
-    // Brute force over the spheres and the wavy mesh, where no other triangle is about as near.
+    // Brute force over the spheres and the wavy mesh, unless another triangle is about as near.
     if (nearest.obstacle != 0 || nearest.part == 1 || nearest.gap < 0.0 || nearest.feature != Feature::face) continue;
     const TriangleMesh& mesh = std::get<std::shared_ptr<const MeshModel>>(scene.obstacles()[0].shape)->mesh();
     double least = kNoLimit;
@@ -245,7 +245,7 @@ TEST_CASE("contacts tell the obstacle, the tool's part, the triangle and its fea
   for (const auto& obstacle : met)
     for (const int feature : obstacle) CHECK(feature > 20);
   for (const int part : parts) CHECK(part > 50);
-  // What is not a mesh has no triangle, what is round no edges; without a contact nothing is named.
+  // Only a mesh has triangles; round shapes have no edges. Without a contact the feature is missing.
   Scene round;
   round.add({"ball", Sphere{0.01}, Pose(), Vec6::Zero(), {}});
   const Contact onBall = nearestContact(round, tool, at({0, 0, 0.02}), nullptr);
@@ -308,7 +308,7 @@ TEST_CASE("contacts are the same with a cache and move little when the tool move
                           cached = contactsOf(scene, tool, pose, 5e-4, &cache);
     REQUIRE(test::areEqual(plain, cached));
     const double now = plain.count > 0 ? plain.contacts[0].gap : 5e-4;
-    if (i > 0) CHECK(std::abs(now - gap) <= 2e-5 * (1.0 + 1e-9));  // gaps are Lipschitz
+    if (i > 0) CHECK(std::abs(now - gap) <= 2e-5 * (1.0 + 1e-9));  // gaps are Lipschitz continuous
     gap = now;
     seen += plain.count > 0;
   }

@@ -1,4 +1,4 @@
-// Slips of those who call the functions of control and study: sizes, counts and numbers that cannot be.
+// Mistakes in calls of the functions of control and study: impossible sizes, counts and numbers.
 #include "enamel/control/device_plant.hpp"
 #include "enamel/control/discretise.hpp"
 #include "enamel/control/impedance_map.hpp"
@@ -21,7 +21,7 @@ namespace {
 
 const double kNan = std::nan("");
 
-// One joint: a mass of 1 kg under the servo.
+// One joint: a mass of 1 kg with the servo.
 ServoDesign smallDesign() {
   StateSpace plant{MatrixXd::Zero(2, 2), MatrixXd::Zero(2, 1)};
   plant.A(1, 0) = plant.B(0, 0) = 1.0;

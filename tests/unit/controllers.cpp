@@ -1,4 +1,4 @@
-// The rivals: each is a renderer, their values are files, and foreseeing a delay makes a hold survive it.
+// The rivals: each is a renderer, their parameters are in files, and prediction of a delay keeps a hold stable.
 #include "enamel/study/controllers.hpp"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ WallDesignSetup setupFor(int delay) {
 
 TEST_CASE("every rival is a renderer that a wall can be pushed with") {
   WallDesignSetup setup = setupFor(0);
-  setup.lowestForce = setup.ramp = 4.0;  // the search begins with a spring of 1000 N/m, and 20 mm inside is lost
+  setup.lowestForce = setup.ramp = 4.0;  // the search begins with a spring of 1000 N/m, and a run 20 mm inside is lost
   setup.highestForce = 8.0;
   for (const ControllerSpec& spec : rivalSpecs()) {
     INFO(spec.name);
@@ -46,7 +46,7 @@ TEST_CASE("every rival is a renderer that a wall can be pushed with") {
     const WallScore score = evaluateWall(setup, spec.with({tau(), 1e-3, {}}, values), 3, 2);
     CHECK(score.lost == 0);
     CHECK(score.deepest > 0.0);
-    // The impact is that of the trials, on as many runs as the ramp has.
+    // The impact is that of the trials, with as many runs as the ramp has.
     WallTrialSetup impacts;
     impacts.plant = impacts.model = setup.plant;
     impacts.renderer = spec.with({tau(), 1e-3, {}}, values);
@@ -70,7 +70,7 @@ TEST_CASE("a hold that foresees the delay survives one that the same weights do 
   CHECK(blind.lost > 0);
   CHECK(foresees.lost == 0);
   CHECK(foresees.stiffness > 1e3);
-  // Without delay there is nothing to foresee.
+  // Without delay there is nothing to predict.
   const ControllerUse now{setup.plant, setup.period, {}};
   WallDesignSetup without = setupFor(0);
   CHECK(evaluateWall(without, rivalSpec("hold").with(now, paper), 3, 2).stiffness ==
@@ -89,7 +89,7 @@ TEST_CASE("the search makes a spring better, and numbers that no servo has cost 
   CHECK(evaluateWall(setup, spec.with(use, found), 9, 2).value >
         evaluateWall(setup, spec.with(use, start), 9, 2).value);
 
-  // It does not depend on the number of threads.
+  // The result does not depend on the number of threads.
   setup.runs = 1;
   std::vector<std::vector<double>> bests;
   for (const int threads : {1, 3}) {

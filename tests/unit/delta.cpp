@@ -1,4 +1,4 @@
-// The delta: geometry and dynamics against an assembled closed-loop system, the envelope of the shipped device,
+// The delta: geometry and dynamics compared with an assembled closed-loop system, the workspace of the shipped device,
 // singularities, strict files.
 #include <algorithm>
 
@@ -23,14 +23,14 @@ DeltaConfiguration configurationAt(const DeltaModel& model, const Vec3& position
   return c;
 }
 
-// The smallest of the distances from the singularities.
+// Return the smallest of the distances from the singularities.
 double regularity(const DeltaConfiguration& c) {
   double least = c.parallel;
   for (const DeltaLeg& leg : c.leg) least = std::min({least, leg.sinElbow, leg.sin3});
   return least;
 }
 
-// A grid of positions in a cube about home.
+// Visit a grid of positions in a cube about home.
 template <typename Visit>
 void overCube(double halfWidth, Visit visit) {
   constexpr int steps = 11;
@@ -71,7 +71,7 @@ TEST_CASE("delta: forward dynamics equal an assembled system with loop closures"
       Vec6 twist;
       twist << random.vector(1.0), Vec3::Zero();
       const Vec3 torque = random.vector(1.0);
-      // The assembled platform could turn and has a tensor, an eccentric centre of mass and moments upon it.
+      // The assembled platform could turn. It has a tensor, an eccentric centre of mass, and moments act on it.
       const Vec6 wrench = random.vector6(10.0, 0.3);
       const Vec3 com = random.vector(0.03);
       const Mat3 inertia = test::randomInertia(random, device.platform.mass, 0.03);
@@ -82,13 +82,13 @@ TEST_CASE("delta: forward dynamics equal an assembled system with loop closures"
       CHECK(assembled.freedoms() == 3);
       Vec6 acceleration;
       REQUIRE(mechanism.accelerate(pose, twist, torque, wrench, acceleration) == Status::ok);
-      // A null space of 24 x 21 and the condition number of the inertia (10): 1e3 roundings and some more.
+      // A null space of 24 x 21, and a condition number of the inertia of 10: 1e3 rounding errors and some more.
       const double error = relativeError(acceleration.head<3>(), reference.segment<3>(3));
       worst = std::max(worst, error);
       CHECK(error < 1e-11);
       CHECK(acceleration.tail<3>() == Vec3::Zero());
-      CHECK(reference.tail<3>().norm() < 1e-8 * reference.segment<3>(3).norm());  // rad against m
-      // q'' of both: J q'' = v' - J' q', by differences of the rates along the motion.
+      CHECK(reference.tail<3>().norm() < 1e-8 * reference.segment<3>(3).norm());  // rad compared with m
+      // q'' of both: J q'' = v' - J' q', from differences of the rates along the motion.
       const auto ratesAt = [&](double t) {
         Pose moved = pose;
         moved.position += t * twist.head<3>() + 0.5 * t * t * acceleration.head<3>();
@@ -134,7 +134,7 @@ TEST_CASE("delta: three equal legs 120 deg apart make a device of that symmetry"
   const JointVector home = mechanism.home().q;
   for (int i = 0; i < 3; ++i) CHECK(home[i] == Approx(home[0]).epsilon(1e-14));
   test::Random random(814);
-  const Mat3 third = test::rotationAbout(Vec3::UnitZ(), -2.0 * M_PI / 3.0);  // the step from leg to leg
+  const Mat3 third = test::rotationAbout(Vec3::UnitZ(), -2.0 * M_PI / 3.0);  // rotation from leg to leg
   for (int i = 0; i < 100; ++i) {
     Pose pose, turned;
     pose.position = random.vector(0.025);
@@ -189,7 +189,7 @@ TEST_CASE("delta: singularities are approached and refused", "[delta]") {
         (inverseKinematics(model, middle * direction, c) == Status::ok ? good : bad) = middle;
       }
       CHECK(good > cube);
-      // At the edge the pose is still regular by the limit, and what stands beyond it is named.
+      // At the edge the pose is just regular, and outside of the edge the reason is reported.
       CHECK(regularity(configurationAt(model, good * direction)) >= kSmallestDeltaMeasure);
       ++(inverseKinematics(model, bad * direction, c) == Status::singular ? singular : unreachable);
       const DeltaConfiguration edge = configurationAt(model, good * direction);
@@ -198,7 +198,7 @@ TEST_CASE("delta: singularities are approached and refused", "[delta]") {
       CHECK(forwardDynamics(model, edge, Vec3::Ones(), Vec3::Ones(), Vec3::Ones()).allFinite());
     }
     INFO("singular " << singular << ", unreachable " << unreachable);
-    CHECK(singular > 100);  // the edge is a singularity; elsewhere a lower link would lean away from the user
+    CHECK(singular > 100);  // the edge is a singularity; at other places a lower link would lean away from the user
   }
 }
 
@@ -224,14 +224,14 @@ TEST_CASE("delta: joint vectors beyond what closes get a status", "[delta]") {
   const DeltaMechanism mechanism(test::desktopDelta());
   Kinematics k = mechanism.home();
   const JointVector none = JointVector::Zero(3);
-  // Arms straight out, forearms inwards past each other: knees further from the axis than the lower links reach.
+  // Arms straight out and forearms inwards past each other: the knees are too far from the axis for the lower links.
   DeltaParameters wide = test::desktopDelta();
   wide.geometry.r = 0.150;
   const DeltaMechanism other(wide);
   Kinematics wideHome = other.home();
   CHECK(other.track(Vec3(0.0, 0.0, 0.0), none, true, wideHome) == Status::unreachable);
   CHECK(wideHome.q == other.home().q);
-  // Two arms up and in, one down: home's branch has no such pose.
+  // Two arms up and in, one down: the branch of home has no such pose.
   CHECK(mechanism.track(Vec3(-M_PI / 2, -M_PI / 2, M_PI / 2), none, true, k) != Status::ok);
   CHECK(mechanism.track(Vec3(1e300, -1e300, 1e300), none, true, k) != Status::notFinite);
 }

@@ -35,7 +35,7 @@ TEST_CASE("design writes the reference servo, with its poles, margins and requir
     INFO(key);
     REQUIRE(servo.contains(key));
     if (!value.is_array()) continue;
-    // The project's bars: 1e-8 for the model, 1e-9 for the held model, 1e-7 for the gain.
+    // The project's limits: 1e-8 for the model, 1e-9 for the discrete model, 1e-7 for the gain.
     const double bar = key == "Ad" || key == "Bd" ? 1e-9 : key == "K" || key == "P" ? 1e-7 : 1e-8;
     if (value[0].is_array())
       CHECK(test::relativeError(test::matrixFrom(servo[key]), test::matrixFrom(value)) < bar);
@@ -74,7 +74,8 @@ TEST_CASE("design without a file to write prints its report", "[design]") {
         "disk margin: ", "delay: stable up to 1 samples", "first impact, 12 N: ", "q6 ", "Table II", "NOT MET",
         "Position control, expected from 12 simulated pushes", "twice the rate: +", "passive spring"})
     CHECK_THAT(report.output, test::ContainsSubstring(part));
-  // Linear: stiffness is that of any push, its limit falls with the push, and none is held beyond the largest force.
+  // The model is linear: the stiffness is that of any push, its limit falls with the push, and no push may exceed the
+  // motors.
   CHECK_THAT(run(design("--force 50")).output, test::ContainsSubstring("first impact, 50 N: "));
   CHECK_THAT(run(design("--force 100")).output, test::ContainsSubstring("the motors cannot hold it"));
   CHECK(run(design("--device-damping 4")).output != report.output);
@@ -97,7 +98,7 @@ TEST_CASE("design takes other weights, rates and places", "[design]") {
   Eigen::VectorXd q(18);
   q << Eigen::VectorXd::Constant(6, 2.0), Eigen::VectorXd::Constant(6, 500.0), Eigen::VectorXd::Constant(6, 1e6);
   const Eigen::MatrixXd closed = Ad - Bd * K, Q = q.asDiagonal();
-  // The cost of the gain satisfies its Stein equation; rounding of P is amplified by nothing here.
+  // The cost of the gain satisfies its Stein equation, which does not amplify the rounding of P.
   CHECK(test::relativeError(closed.transpose() * P * closed + Q + 4.0 * K.transpose() * K, P) < 1e-12);
 }
 

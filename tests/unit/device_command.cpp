@@ -16,14 +16,14 @@ using test::run;
 
 namespace {
 
-// The number behind a word of what was printed.
+// Return the number after a word in the output.
 long numberAfter(const std::string& text, const std::string& word) {
   const std::size_t at = text.find(word);
   return at == std::string::npos ? -1 : std::atol(text.c_str() + at + word.size());
 }
 
-// What a client of a served device prints, once it has accepted so many measurements: one second is enough, but for a
-// loaded machine, on which the server may not be there yet.
+// Return the output of a client of a served device that has accepted enough measurements. One second is enough, except
+// on a loaded machine, where the server may not be ready yet.
 std::string connectTo(const std::string& port, const std::string& options, long measurements) {
   std::string output;
   int seconds = 1;
@@ -38,7 +38,7 @@ std::string connectTo(const std::string& port, const std::string& options, long 
   return output;
 }
 
-// A port that was free just now.
+// Return a port that was free just now.
 std::string freePort() {
   const int s = socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in address{};
@@ -100,7 +100,7 @@ TEST_CASE("slips in a command line of device are told", "[device_command]") {
 }
 
 TEST_CASE("the example of a vendor's SDK feels a table", "[device_command]") {
-  // On a busy machine ticks come late: then the guard holds the force back and says so.
+  // On a busy machine ticks are late. Then the guard reduces the force and reports it.
   test::CommandResult result;
   const auto late = [&result] { return result.output.find("a tick came late") != std::string::npos; };
   for (const char* seconds : {"1", "4", "16"}) {

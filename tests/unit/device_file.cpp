@@ -1,4 +1,4 @@
-// Strict device files: what is accepted, and the message for everything that is not.
+// Strict device files: the accepted ones, and the message for every error.
 #include "enamel/device/device_file.hpp"
 
 #include <string>
@@ -12,7 +12,7 @@ namespace enamel::test_device_file {
 
 namespace {
 
-// A device file with one piece of text replaced.
+// Return a device file with one piece of text replaced.
 std::string edited(const std::string& from, const std::string& to) {
   std::string text =
       "name = \"test\"\n"
@@ -189,7 +189,7 @@ TEST_CASE("a device file says its kind", "[device_file]") {
   CHECK(std::holds_alternative<DeltaParameters>(load("delta.toml")));
   CHECK(std::get<CartesianParameters>(load("cartesian-3.toml")).axes == 3);
   CHECK(std::get<CartesianParameters>(load("cartesian-6.toml")).axes == 6);
-  // Files from before there were kinds are of a TAU.
+  // Files without a kind describe a TAU.
   CHECK(std::holds_alternative<TauParameters>(parseDevice(edited("", ""), "f")));
   CHECK(std::holds_alternative<TauParameters>(parseDevice(edited("name =", "kind = \"tau\"\nname ="), "f")));
   CHECK_THROWS_WITH(parseDevice(edited("name =", "kind = \"stewart\"\nname ="), "device.toml"),

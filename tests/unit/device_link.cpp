@@ -1,4 +1,4 @@
-// The datagrams and the two ends of a device behind a wire.
+// The datagrams and the two ends of a device link.
 #include "enamel/runtime/device_link.hpp"
 
 #include "enamel/sim/virtual_loop.hpp"
@@ -32,7 +32,7 @@ std::uint64_t dropped(const LinkCounts& counts) {
   return sum;
 }
 
-// A haptic loop on a wired device, in simulated time.
+// A haptic loop on a device behind a wire, in simulated time.
 struct Rig {
   explicit Rig(std::optional<LinkKey> key = {})
       : plant(stylus(), test::swingStart(), test::swingingHand()),
@@ -65,7 +65,7 @@ struct Rig {
   double largest = 0.0;  // N
 };
 
-// What both ends sent last, to change.
+// The last datagrams of both ends, to be changed.
 struct Pair {
   explicit Pair(std::optional<LinkKey> key = {}) : client(options(key), 5), server(options(key), stylus(), 6) {
     const std::size_t size = client.call(now, called);
@@ -84,7 +84,7 @@ struct Pair {
   }
   void measure() { REQUIRE(server.measurement(m, now, measurement) == kMeasurementBytes); }
   void command() { REQUIRE(client.command(JointVector::Constant(3, 1.0), now, torque) == kCommandBytes); }
-  // The server's answer to a changed command.
+  // Return the server's reaction to a changed command.
   bool takes(Datagram d, std::size_t size = kCommandBytes) { return server.receive(d.data(), size, now); }
 
   LinkClient client;
@@ -181,7 +181,7 @@ TEST_CASE("every reason to drop a datagram is found and counted", "[device_link]
   refuses(DropReason::old, older);
   p.now += 11'000'000;
   p.command();
-  CHECK(p.takes(p.torque));  // of the session, but not taken
+  CHECK(p.takes(p.torque));  // it belongs to the session, but is too old
   CHECK(droppedBy(p.server.counts(), DropReason::stale) == 1);
   CHECK(p.server.torque(p.m.q, 1e-3, p.now).isZero(0.0));
 
@@ -190,7 +190,7 @@ TEST_CASE("every reason to drop a datagram is found and counted", "[device_link]
   CHECK(keyed.takes(keyed.torque));
   CHECK_FALSE(keyed.takes(open));
   CHECK(droppedBy(keyed.server.counts(), DropReason::tag) == 1);
-  CHECK_FALSE(p.takes(keyed.torque));  // and the other way round
+  CHECK_FALSE(p.takes(keyed.torque));  // also in the opposite case
 
   // The client's side.
   Pair q;
@@ -230,7 +230,7 @@ TEST_CASE("a forged stamp of long ago is a long time ago", "[device_link]") {
   CHECK(p.client.counts().roundTrip.largest() > 9e9);
   Measurement m;
   CHECK(p.client.measure(m, p.now) == Status::stale);
-  // And one of the future is no fresh one.
+  // A measurement time in the future is not fresh either.
   Pair q;
   Datagram ahead = q.torque;
   ahead[54] = 1;
@@ -253,7 +253,7 @@ TEST_CASE("recorded datagrams of an earlier session do nothing", "[device_link]"
   p.client.receive(p.measurement.data(), kMeasurementBytes, p.now);
   CHECK(droppedBy(p.client.counts(), DropReason::session) == 1);
   CHECK(p.server.torque(p.m.q, 1e-3, p.now).isZero(0.0));
-  // A call opens a session once another one is over; the commands that came after it are of another number.
+  // A call opens a session after another one is over. The commands after the old call have another session number.
   p.now += kSessionTimeout + 1;
   CHECK(p.server.receive(p.called.data(), kCommandBytes, p.now));
   CHECK_FALSE(p.takes(p.torque));
@@ -293,11 +293,11 @@ TEST_CASE("whatever the wire does, commands stay within the limits", "[device_li
   for (const Case& c : cases) {
     INFO(c.name);
     Rig rig(c.keyed ? std::optional<LinkKey>(kKey) : std::nullopt);
-    rig.run(1.3);  // within the wall
+    rig.run(1.3);  // inside the wall
     REQUIRE(rig.body.tick().reason == GuardReason::none);
     REQUIRE(rig.device.motors.effort.norm() > 0.1);
     rig.device.up.faults = rig.device.down.faults = c.faults;
-    double silentAfter = 0.0;  // s, until the motors give nothing
+    double silentAfter = 0.0;  // s, until the motors give no torque
     for (int i = 0; i < 2000; ++i) {
       rig.tick();
       if (rig.device.motors.effort.norm() > 0.0) silentAfter = 1e-3 * (i + 1);
@@ -305,8 +305,8 @@ TEST_CASE("whatever the wire does, commands stay within the limits", "[device_li
     CHECK(rig.within);
     const GuardReason fault = rig.haptics.guard().fault();
     INFO(toString(fault) << ", motors end after " << silentAfter << " s");
-    if (c.keyed) CHECK((fault != GuardReason::none) == c.faultExpected);  // without a key forgeries are believed
-    // 10 ms of silence, 20 ms of ramp, a tick of each end.
+    if (c.keyed) CHECK((fault != GuardReason::none) == c.faultExpected);  // without a key, forgeries are accepted
+    // 10 ms of silence, 20 ms of ramp, one tick of each end.
     if (c.silent) CHECK(silentAfter <= 0.0335);
     if (fault != GuardReason::none) CHECK(rig.device.motors.effort.isZero(0.0));
   }
@@ -322,8 +322,8 @@ TEST_CASE("an unplugged device, and one whose commands alone are lost", "[device
     if (rig.body.tick().command.effort.norm() > 0.0) until = i + 1;
   }
   CHECK(rig.body.tick().reason == GuardReason::late);
-  CHECK(until <= 4 + 20 + 2);  // the longest gap, the ramp
-  // It is back: the fault stays until it is reset, the wall is there again after.
+  CHECK(until <= 4 + 20 + 2);  // the longest gap, then the ramp
+  // After reconnection the fault remains until it is reset; then the wall is back.
   rig.device.plugged = true;
   rig.run(0.5);
   CHECK(rig.body.tick().reason == GuardReason::late);
@@ -356,7 +356,7 @@ TEST_CASE("mutated datagrams never make a command beyond the limits", "[device_l
     p.now += 1'000'000;
     Measurement got;
     (void)p.client.measure(got, p.now);
-    // A forged number ends a session after a while of silence; it begins anew.
+    // A forged number ends a session after a while of silence; then a new one begins.
     Datagram call{};
     if (const std::size_t size = p.client.call(p.now, call); size > 0) (void)p.server.receive(call.data(), size, p.now);
     if (p.server.measurement(p.m, p.now, p.measurement) > 0)
@@ -399,7 +399,7 @@ TEST_CASE("a push through the wire and in the process agree to the delay of a ti
   ImpedanceRenderer atOnce({400.0, 0.0});
   VirtualLoop without(stylus(), atOnce, setup);
   TickRecord record, other;
-  // The plant moved on while the wire was opened.
+  // The plant moved while the link was opened.
   const auto load = test::swingingHand();
   const auto moved = static_cast<std::uint64_t>(wired.plant.device().tick());
   for (std::uint64_t i = 0; i < moved; ++i)
@@ -413,7 +413,7 @@ TEST_CASE("a push through the wire and in the process agree to the delay of a ti
   }
   CHECK(wired.largest > 0.5);
   CHECK(apart == 0.0);
-  CHECK(ofDelay > 1e-7);  // without it they do not
+  CHECK(ofDelay > 1e-7);  // without the delay they differ
 }
 
 }  // namespace enamel::test_device_link

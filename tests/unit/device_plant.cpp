@@ -26,8 +26,8 @@ TauConfiguration configurationAt(const TauModel& model, const Pose& pose) {
   return c;
 }
 
-// The linear model assembled from the mass matrix, the damping and the slope of gravity, without linearise():
-// M q'' = tau - dg/dq (q - q_op) - (J^T D J + c I) q'. Central differences of g with one extrapolation.
+// Assemble the linear model from the mass matrix, the damping and the slope of gravity, without linearise(): M q'' =
+// tau - dg/dq (q - q_op) - (J^T D J + c I) q'. Central differences of g with one extrapolation.
 StateSpace assembled(const TauModel& model, const Pose& pose) {
   const TauConfiguration home = configurationAt(model, pose);
   const Mat6 J = jacobian(model, home), inverse = solve(MatrixXd(massMatrix(model, home)), Mat6::Identity());
@@ -66,9 +66,9 @@ TEST_CASE("the nominal device at home gives the reference model, from the mechan
   const DevicePlant plant = devicePlant(std::make_shared<TauMechanism>(nominal()), Pose{});
   const Linearisation linear = linearised(plant);
   CHECK(linear.error < 1e-10);
-  CHECK(linear.offset.cwiseAbs().maxCoeff() < 1e-10);  // rest: accelerations of 100 m/s^2 cancel to rounding
+  CHECK(linear.offset.cwiseAbs().maxCoeff() < 1e-10);  // rest: accelerations of 100 m/s^2 cancel except for rounding
   const ServoDesign design = designServo(outputsAsStates(linear), 1e-3, ServoWeights{});
-  // The project's bars; measured 1e-11 (the reference's own differences), 2e-12, 1e-13.
+  // The project's limits; measured 1e-11 (the reference's own differences), 2e-12, 1e-13.
   CHECK(relativeError(design.plant.A, reference("A")) < 1e-8);
   CHECK(relativeError(design.plant.B, reference("B")) < 1e-8);
   CHECK(relativeError(design.augmented.A, reference("Ad")) < 1e-9);
@@ -86,7 +86,7 @@ TEST_CASE("the linear model of any device is that of its mass matrix, damping an
     const Linearisation linear = linearised(plant);
     const StateSpace y = outputsAsStates(linear), expected = assembled(model, pose);
     CHECK(linear.error < 1e-8);
-    // The slope of gravity is good to (1 mm / 50 mm)^4 of the stiffness of gravity: 1e-7 with a margin.
+    // The slope of gravity is accurate to (1 mm / 50 mm)^4 of the stiffness of gravity: 1e-7 with a margin.
     CHECK(relativeError(y.A, expected.A) < 1e-6);
     CHECK(relativeError(y.A.leftCols(6), expected.A.leftCols(6)) < 1e-9);
     CHECK(relativeError(y.B, expected.B) < 1e-10);
@@ -107,7 +107,7 @@ TEST_CASE("the linear model of any device is that of its mass matrix, damping an
 }
 
 TEST_CASE("the rotation vector is a coordinate of the orientation") {
-  // Along any motion of x, the twist in x must be that of the pose in x: the joint rates are the derivative of q.
+  // Along any motion of x, the twist in x must be that of the pose in x: joint rates are the derivative of q.
   const DevicePlant plant = devicePlant(std::make_shared<TauMechanism>(nominal()), Pose{});
   Random random(5);
   for (int i = 0; i < 50; ++i) {

@@ -1,4 +1,4 @@
-// Cutting inside the tick: the rate is Archard's, the force the hand's, and contacts and material go together.
+// Cutting inside the tick: the rate is Archard's, the force is the hand's, and contacts match the material.
 #include "enamel/render/drill.hpp"
 
 #include <cmath>
@@ -37,9 +37,9 @@ Tool ball() {
 }
 
 struct Cut {
-  double force, torque;            // mean of the wall's along the push, N; deviation of the noisiest joint, N m
+  double force, torque;            // mean wall force along the push, N; deviation of the noisiest joint, N m
   double volume, depth;            // of the second half, m^3, m
-  double expected;                 // volume by the law, m^3
+  double expected;                 // volume by Archard's law, m^3
   double feedEnamel, feedDentine;  // m/s
 };
 
@@ -112,7 +112,7 @@ TEST_CASE("drill: the hand's force, Archard's rate, and dentine is felt", "[dril
                   << 1e9 * cut.expected << ", feed " << 1e3 * cut.feedEnamel << " and " << 1e3 * cut.feedDentine
                   << " mm/s");
     CHECK(cut.force == Approx(2.0).epsilon(0.05));
-    CHECK(cut.volume == Approx(cut.expected).epsilon(0.2));  // the border's hardness is a mean over 20 ticks
+    CHECK(cut.volume == Approx(cut.expected).epsilon(0.2));  // the hardness at the border is a mean over 20 ticks
     CHECK(cut.depth > 0.2e-3);
     CHECK(cut.torque < 0.05);
   };
@@ -150,7 +150,7 @@ TEST_CASE("drill: contacts and material go together while it cuts", "[drill]") {
   pose.position = Vec3(1e-3, 2e-3, -3e-3);
   scene.add({"tooth", std::shared_ptr<const Solid>(solid), pose, Vec6::Zero(), {}});
   Tool tool = ball();
-  tool.count = 2;  // a shaft that does not cut
+  tool.count = 2;  // the shaft does not cut
   tool.parts[1] = {Vec3(0, 0, 1.5e-3), Vec3(0, 0, 8e-3), 0.3e-3};
   ToolTrack track = makeToolTrack(scene, tool);
   Drill drill(tool, {solid}, {0, 5.0, 2000.0});
@@ -181,18 +181,18 @@ TEST_CASE("drill: contacts and material go together while it cuts", "[drill]") {
     for (int k = 0; k < contacts.count; ++k) {
       const Contact& c = contacts.contacts[k];
       feels = feels || c.gap < 0.0;
-      if (!(c.gap < 0.0 && c.gap > -0.1e-3)) continue;  // with its axis outside
+      if (!(c.gap < 0.0 && c.gap > -0.1e-3)) continue;  // with the axis outside
       ++touches;
-      // Where the contact has the surface there is material, half a cell behind it.
+      // There is material half a cell behind the contact's surface.
       const Vec3 behind = c.point - (c.gap + 0.5 * kCell) * c.normal;
       const Vec3 inside = pose.rotation.transpose() * (behind - pose.position);
       missing = missing ||
                 !(std::abs(signedDistance(*solid, inside, 1e-3).distance) < 2.0 * kCell || isInside(*solid, inside));
     }
-    unfounded += missing && wasMissing;  // a sliver may go in the tick that felt it
+    unfounded += missing && wasMissing;  // a sliver may disappear in the tick that felt it
     wasMissing = missing;
     unfelt += nearest.found && nearest.distance < kRadius - kCell && !feels;
-    // The walls push the tool back, so that nothing is driven through them.
+    // The walls push the tool back, so that it is not driven through them.
     for (int k = 0; k < contacts.count; ++k) {
       const Contact& c = contacts.contacts[k];
       if (c.gap < -2e-5) at.position -= 0.5 * (c.gap + 2e-5) * c.normal;

@@ -57,7 +57,7 @@ TEST_CASE("dynamics agree with independent engines", "[dynamics]") {
       const Vec6 twist = twistFromRates(model, c, row.rates);
       const Vec6 torque = row.torque, wrench = row.wrench;
       const Vec6 acceleration = forwardDynamics(model, c, twist, torque, wrench);
-      // The condition number of the mass matrix (about 20) on top of the engines' own 2e-15.
+      // The condition number of the mass matrix (about 20), in addition to the engines' own 2e-15.
       CHECK(relativeError(jointAccelerations(model, c, twist, acceleration), row.accelerations) < 1e-12);
       CHECK(relativeError(inverseDynamics(model, c, twist, acceleration, wrench), torque) < 1e-12);
     }
@@ -74,7 +74,7 @@ TEST_CASE("forward dynamics equal an assembled system with loop closures", "[dyn
       const Vec6 torque = random.vector6(2.0, 2.0), wrench = random.vector6(10.0, 0.3);
       const bench::TreeAcceleration reference = bench::assembledForwardDynamics(device, state, torque, wrench);
       const Vec6 acceleration = forwardDynamics(model, m.configuration, m.twist, torque, wrench);
-      // Pivoted LU of a 24 x 24 system with entries from 1e-5 to 1: up to 1e4 roundings.
+      // Pivoted LU of a 24 x 24 system with entries from 1e-5 to 1: up to 1e4 rounding errors.
       CHECK(relativeError(acceleration, reference.twist) < 1e-11);
       CHECK(relativeError(jointAccelerations(model, m.configuration, m.twist, acceleration), reference.joints) < 1e-11);
       CHECK(kineticEnergy(model, m.configuration, m.twist) == Approx(reference.kineticEnergy).epsilon(1e-12));
@@ -96,15 +96,15 @@ TEST_CASE("inverse dynamics invert forward dynamics, and split into their parts"
       CHECK(mass == mass.transpose());
       CHECK(mass.llt().info() == Eigen::Success);  // positive definite
       const Vec6 second = jointAccelerations(model, m.configuration, m.twist, acceleration);
-      // Joint form: M q'' + bias + gravity = tau + J^T F, where the bias also holds M times the derivative of the map
-      // from rates to the twist; it vanishes at rest.
+      // Joint form: M q'' + bias + gravity = tau + J^T F. The bias includes M times the derivative of the map from
+      // rates to the twist; it is zero at rest.
       const Vec6 still = forwardDynamics(model, m.configuration, Vec6::Zero(), torque, wrench);
       const Vec6 stillJoints = jointAccelerations(model, m.configuration, Vec6::Zero(), still);
       CHECK(relativeError(mass * stillJoints + gravityTorque(model, m.configuration), torque + j.transpose() * wrench) <
             1e-11);
       CHECK(relativeError(staticTorque(model, m.configuration, wrench),
                           gravityTorque(model, m.configuration) + j.transpose() * wrench) < 1e-12);
-      // The bias torque is what is needed for V' = 0, less gravity.
+      // The bias torque is the torque for V' = 0, without gravity.
       const Vec6 atRestTorque = inverseDynamics(model, m.configuration, m.twist, Vec6::Zero(), Vec6::Zero());
       CHECK(relativeError(biasTorque(model, m.configuration, m.twist) + gravityTorque(model, m.configuration),
                           atRestTorque) < 1e-12);
@@ -124,7 +124,7 @@ TEST_CASE("power balance: the energy changes by the work of torques, wrench, fri
       const double power = torque.dot(m.rates) + wrench.dot(m.twist) -
                            m.twist.dot(device.platform.damping.cwiseProduct(m.twist)) -
                            device.motor.viscousFriction * m.rates.squaredNorm();
-      // dE/dt by fourth-order differences along the motion's second-order expansion. Accelerations of 1e4 rad/s^2
+      // dE/dt by fourth-order differences along the second-order expansion of the motion. Accelerations of 1e4 rad/s^2
       // change the rates by 5 % within h: truncation below 1e-7, rounding 1e-16 E / h = 1e-11.
       const auto energyAt = [&](double t) {
         const Pose& pose = m.configuration.pose;

@@ -1,4 +1,4 @@
-// What position control is expected to do on a device.
+// Expected performance of position control on a device.
 #include "enamel/study/expectation.hpp"
 
 #include <algorithm>
@@ -45,7 +45,7 @@ TEST_CASE("a better device does what was said of it", "[expectation]") {
   std::get<CartesianParameters>(device).positionStep *= 0.5;
   const double gain = gainOf(light()[0], "half the encoder step");
   CHECK(gain > 0.2);
-  // Twelve runs for eight of them.
+  // These means are of twelve runs; the gain was found with eight of them.
   CHECK(expectWall(device, 1e-3, 0, 1)[0].stiffness == Approx((1.0 + gain) * light()[0].stiffness).epsilon(0.15));
   CHECK(gainOf(light()[1], "a tick less of delay") ==
         Approx(light()[0].stiffness / light()[1].stiffness - 1.0).margin(0.15));

@@ -50,11 +50,11 @@ TEST_CASE("the tool stops at the wall, the hand goes on, and the force is the ha
     run(*e, 2000);
     const Frame& frame = e->frame();
     REQUIRE(frame.plant == Status::ok);
-    // At rest the hand's force 400 N/m times its stretch is the wall's.
+    // At rest the hand's force, 400 N/m times its stretch, is the wall's.
     const double depth = -frame.record.nearest.gap;
     const double force = 400.0 * (0.025 - depth);
     CHECK(frame.hand.position.z() == Approx(-0.025).epsilon(1e-3));
-    // Position control answers every count of the encoders: on the average.
+    // Position control reacts to every encoder count: use the mean.
     if (slot != RendererSlot::positionControl) CHECK(-frame.record.handWrench[2] == Approx(force).epsilon(3e-3));
     double mean = 0.0, hand = 0.0;
     for (int i = 0; i < 500; ++i) {
@@ -67,7 +67,7 @@ TEST_CASE("the tool stops at the wall, the hand goes on, and the force is the ha
     if (slot == RendererSlot::impedance)
       CHECK(depth == Approx(force / 6000.0).epsilon(1e-2));
     else
-      CHECK(std::abs(depth) < 3e-5);  // both bring the tool back to the surface
+      CHECK(std::abs(depth) < 3e-5);  // both return the tool to the surface
     CHECK(frame.holding == (slot == RendererSlot::hold));
   }
 }
@@ -80,7 +80,7 @@ TEST_CASE("the hand's force is bounded, and it does not wind up", "[experiment]"
   }
   CHECK(-e->frame().record.handWrench[2] == Approx(kLargestHandForce).epsilon(1e-2));
   CHECK(e->frame().hand.target.z() > -0.05);
-  // A change of grip leaves the force as it is.
+  // A change of grip keeps the force.
   const double before = e->frame().record.handWrench[2];
   e->setGrip(kPaperGrip);
   e->tick();
@@ -89,8 +89,8 @@ TEST_CASE("the hand's force is bounded, and it does not wind up", "[experiment]"
 }
 
 TEST_CASE("a test push measures what the specification says", "[experiment]") {
-  // Without the tool's mechanical damping hold reaches 20 to 30 kN/m; the spring 3 to 4 kN/m with it. Position control
-  // is an order of magnitude beyond hold.
+  // Without the tool's mechanical damping, hold reaches 20 to 30 kN/m. With it, the spring reaches 3 to 4 kN/m.
+  // Position control is an order of magnitude stiffer than hold.
   Settings undamped;
   undamped.toolDamping = 0.0;
   const auto servo = experiment(shipped("flat-wall.toml"), RendererSlot::hold, undamped);
@@ -133,7 +133,7 @@ TEST_CASE("the stiffness shown is that of the continuous motion, also where a de
       e->startTestPush();
       do {
         e->tick();
-        if (e->frame().record.tick == 0) ticks.clear();  // the push begins
+        if (e->frame().record.tick == 0) ticks.clear();  // start of the push
         ticks.push_back(e->frame().record);
       } while (e->frame().testing);
       const TestPush shown = e->frame().tests[indexOf(slot)];
@@ -143,7 +143,7 @@ TEST_CASE("the stiffness shown is that of the continuous motion, also where a de
       double rest = 0.0;
       for (std::size_t i = onset - 100; i <= onset; ++i) rest += ticks[i].nearest.gap / 101.0;
 
-      // The plant again from every tick to the next, in 16 steps, until it has come back by a tenth.
+      // Simulate the plant again from every tick to the next, in 16 steps, until it has returned by a tenth.
       PushSetup setup;
       setup.hand.noise = 0.0;
       SimulatedHand hand(setup);
@@ -166,7 +166,7 @@ TEST_CASE("the stiffness shown is that of the continuous motion, also where a de
       }
       CHECK(shown.depth == Approx(deepest).epsilon(0.01));
       CHECK(shown.stiffness == Approx(force / deepest).epsilon(0.01));
-      // Nor does the chart show anything deeper; less, where the tool turns between two ticks.
+      // The chart shows nothing deeper; it shows less if the tool turns between two ticks.
       double charted = 0.0;
       for (std::size_t i = onset; i < ticks.size(); ++i) charted = std::max(charted, -ticks[i].nearest.gap);
       CHECK(shown.stiffness < 1.01 * force / (charted + rest));
@@ -181,7 +181,7 @@ TEST_CASE("a test push is runPush() on the surface nearest to the hand, bit for 
     const char* scene;
     RendererSlot slot;
     int delay;
-    bool leans;  // on the wall before
+    bool leans;  // on the wall before the push
   };
   for (const Case& c :
        {Case{"flat-wall.toml", RendererSlot::positionControl, 0, false},
@@ -210,7 +210,7 @@ TEST_CASE("a test push is runPush() on the surface nearest to the hand, bit for 
       shown.push_back(e->frame().record);
     } while (e->frame().testing);
     const TestPush test = e->frame().tests[indexOf(c.slot)];
-    if (test.status != Status::ok && test.status != Status::stopped) shown.pop_back();  // the tick that it could not do
+    if (test.status != Status::ok && test.status != Status::stopped) shown.pop_back();  // the tick that failed
 
     const auto plant = makeMechanism(changed(nominal().parameters, settings));
     const auto model = makeMechanism(nominal().parameters);
@@ -264,7 +264,7 @@ TEST_CASE("a test push without a stiffness says why", "[experiment]") {
   CHECK(reason(RendererSlot::impedance, late) == FirstImpactVerdict::unstable);
   Settings creeping;
   creeping.spring.stiffness = 200.0;
-  creeping.toolDamping = 100.0;  // far more than critical: the tool comes to its depth from one side
+  creeping.toolDamping = 100.0;  // far more than critical damping: the tool approaches its depth from one side
   CHECK(reason(RendererSlot::impedance, creeping) == FirstImpactVerdict::noReturn);
 }
 
@@ -289,14 +289,14 @@ TEST_CASE("the limit is that of a step to 12 N from the preload, at the plant's 
   for (const Settings& settings : {Settings{}, heavier}) {
     const auto plant = makeMechanism(changed(nominal().parameters, settings));
     const JointVector& maxTorque = plant->limits().effort;
-    // 0.273 kg is the specification's; a mass at the platform adds to it as it is where the push does not turn it.
+    // 0.273 kg is the specification's. A mass at the platform adds fully, because the push does not turn it.
     const double mass = effectiveMass(plant->home(), Vec3::Zero(), Vec3::UnitZ());
     CHECK(mass == Approx(0.273 + settings.extraMass).epsilon(0.02));
     for (int d = 0; d < 4; ++d) {
       const StiffnessLimit limit = stiffnessLimit(plant->home(), maxTorque, Vec3::UnitZ(), {0, d});
       const double t1 = (d + 1) * kPeriod, most = limit.largestForce;
       CHECK(limit.stiffness == Approx(2.0 * mass * (most - 12.0) / (most - 0.5) / (t1 * t1)));
-      // F_max really is the largest: there, and no further, every motor is within its limit.
+      // F_max is the largest force: up to it, and not above, every motor is within its limit.
       Vec6 push = Vec6::Zero();
       push[2] = most;
       CHECK(staticTorque(plant->home(), push).cwiseAbs().maxCoeff() == Approx(maxTorque[0]).epsilon(1e-12));
@@ -328,7 +328,7 @@ TEST_CASE("one plant under both renderers: damped by the tool's damping, with a 
       free[indexOf(slot)].push_back(e->frame().record.twist);
     }
     REQUIRE(e->frame().record.mode == RenderMode::free);
-    // The hand carries the weight that the renderer does not balance.
+    // The hand carries the weight for which the renderer does not compensate.
     e->moveHandTo({0.0, 0.0, 0.012});
     run(*e, 3000);
     CHECK(e->frame().record.handWrench[1] == Approx(0.2 * 9.81).epsilon(0.01));
@@ -382,12 +382,12 @@ TEST_CASE("a servo's gain from a file", "[experiment]") {
 namespace {
 
 struct Drag {
-  double hand = 0.0, tool = 0.0;  // way along the surface, m
+  double hand = 0.0, tool = 0.0;  // path along the surface, m
   double deepest = 0.0;           // m
   int contact = 0;                // ticks
 };
 
-// Leans on the wall, then drags the hand by `way` in `ticks` and rests.
+// Lean on the wall, drag the hand by `way` in `ticks`, and rest.
 Drag drag(Experiment& e, const Vec3& lean, const Vec3& way, int ticks) {
   for (int i = 0; i < 600; ++i) {
     e.moveHandTo(Vec3(e.frame().hand.target + (lean - e.frame().hand.target) / (600.0 - i)));
@@ -419,9 +419,9 @@ TEST_CASE("a tool under position control is dragged along walls and teeth; the p
   struct Case {
     const char* scene;
     Vec3 lean, way;
-    double least;  // share of the hand's way that the tool must go
+    double least;  // part of the hand's path that the tool must follow
   };
-  // Along the oblique wall: across its normal. Down the corner's edge. On teeth: across the chewing side.
+  // Along the oblique wall: across its normal. Down the corner's edge. On teeth: across the chewing surface.
   const Vec3 normal = Vec3(0.3214, 0.5390, 0.7785).normalized();
   const Vec3 along = Vec3(0.014, -0.008, 0.0) - normal * normal.dot(Vec3(0.014, -0.008, 0.0));
   const Case cases[] = {{"oblique-wall.toml", {0.0, 0.0, -0.012}, along, 0.9},
@@ -448,7 +448,7 @@ TEST_CASE("a tool under position control is dragged along walls and teeth; the p
 
 namespace {
 
-// No motion: only what a chart asks for.
+// Does not move; only provides what a chart needs.
 class SomeJoints final : public Mechanism {
  public:
   SomeJoints(const JointVector& limits, int chains)
@@ -500,7 +500,7 @@ TEST_CASE("charts of any number of joints", "[experiment]") {
   CHECK(strokes(delta) == "abc");
   CHECK_FALSE(delta.shares);
   CHECK(delta.limit == 0.5);
-  // Axes: N and N m cannot share a scale.
+  // Axes: N and N m need different scales.
   const TorqueStyle axes(SomeJoints(JointVector::Constant(6, 5.0), 0));
   CHECK(strokes(axes) == "abca-b-c-");
   CHECK(axes.shares);
@@ -574,12 +574,12 @@ TEST_CASE("a bur drills while it spins, stroke by stroke, and what is undone is 
   run(*e, 20);
   const auto after = samplesOf(solid);
   e->spin(true);
-  e->spin(false);  // a stroke that takes nothing is none
+  e->spin(false);  // an empty stroke does not count
   CHECK(drilled.strokes == 1);
 
   e->spin(true);
   std::vector<double> times;
-  for (int i = 0; i < 300; ++i) {  // not half way through: what comes back pushes the tool out where it is nearest
+  for (int i = 0; i < 300; ++i) {  // not half way through: restored material pushes the tool out to the nearest side
     const auto begin = std::chrono::steady_clock::now();
     e->tick();
     times.push_back(1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
@@ -598,7 +598,7 @@ TEST_CASE("a bur drills while it spins, stroke by stroke, and what is undone is 
   CHECK(drilled.strokes == 0);
   e->undo();
   CHECK(samplesOf(solid) == uncut);
-  run(*e, 300);  // the tool is within what came back
+  run(*e, 300);  // the tool is inside the restored material
   CHECK(e->frame().plant == Status::ok);
   CHECK(e->frame().record.pose.position.z() > -1e-4);
 
@@ -621,7 +621,7 @@ TEST_CASE("a bur drills while it spins, stroke by stroke, and what is undone is 
 TEST_CASE(
     "the force that is shown is what the motors deliver: never beyond what they allow, and negative where they pull",
     "[experiment]") {
-  // A blow on a very stiff spring asks for more than there is.
+  // A blow on a very stiff spring requires more force than available.
   Settings stiff;
   stiff.spring.stiffness = 1e5;
   const auto e = experiment(shipped("flat-wall.toml"), RendererSlot::impedance, stiff);
@@ -639,11 +639,11 @@ TEST_CASE(
     REQUIRE(plant->reach(record.pose, Vec6::Zero(), true, k) == Status::ok);
     const double allowed = stiffnessLimit(k, plant->limits().effort, record.nearest.normal, {}).largestForce;
     CHECK(force.normal < 1.01 * allowed);
-    beyond += record.normalForce > 1.05 * allowed;  // what the renderer says of itself
+    beyond += record.normalForce > 1.05 * allowed;  // the renderer's own value
     if (record.normalForce > 1.05 * allowed) CHECK(e->frame().conditions.saturated);
   }
   CHECK(beyond > 0);
-  // The hold that does not let go pulls back.
+  // A hold without release pulls back.
   Settings sticky;
   sticky.hold.release = false;
   const auto hold = experiment(shipped("flat-wall.toml"), RendererSlot::hold, sticky);
@@ -664,14 +664,14 @@ TEST_CASE("the hand does not wind up beyond a mechanical stop, and is back at on
     e->moveHandTo({0.0, 0.0, 0.02});
     run(*e, 1000);
     for (int i = 0; i < 3000; ++i) {
-      e->moveHandBy({0.0, 0.0, 1e-4});  // a mouse that is dragged on for 300 mm
+      e->moveHandBy({0.0, 0.0, 1e-4});  // a mouse that is dragged 300 mm further
       e->tick();
     }
     const Frame& frame = e->frame();
     CHECK(frame.conditions.edge);
     CHECK(frame.record.pose.position.z() > kStop);
     CHECK(frame.hand.target.z() < kStop + kBeyondStop + 2e-4);
-    // 12 mm back are felt.
+    // 12 mm back have an effect.
     const double at = frame.record.pose.position.z();
     e->moveHandBy({0.0, 0.0, -0.012});
     run(*e, 1000);
@@ -695,7 +695,7 @@ TEST_CASE(
   const auto quiet = experiment(shipped("flat-wall.toml"), RendererSlot::positionControl);
   const double from = quiet->frame().hand.target.z();
   Conditions none;
-  for (int step = 1; step <= 100; ++step) {  // in a second
+  for (int step = 1; step <= 100; ++step) {  // within 1 s
     quiet->moveHandTo({1e-4 * step, 0.0, from + 0.01 * step * (-0.02 - from)});
     const Conditions now = seen(*quiet, step < 100 ? 10 : 1000);
     none = {none.saturated || now.saturated, none.unstable || now.unstable, none.slipped || now.slipped,
@@ -754,7 +754,7 @@ TEST_CASE("a test push that cannot be made says why; a result keeps its conditio
   CHECK(made.settings.extraMass == 0.05);
   CHECK(made.limit > made.stiffness);
   CHECK(made.limit < 1e6);
-  // Elsewhere and later, it is as it was.
+  // Later and at another place, it is unchanged.
   e->moveHandTo({0.02, 0.02, -0.01});
   run(*e, 1000);
   CHECK(e->frame().tests[indexOf(RendererSlot::positionControl)].limit == made.limit);

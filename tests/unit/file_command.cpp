@@ -1,4 +1,4 @@
-// What `enamel` does with files and streams that are not as they should be: one line that says so, and nothing lost.
+// `enamel` with invalid files and streams: one line reports it, and nothing is lost.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -20,7 +20,7 @@ const std::string kTool = "'" ENAMEL_TOOL "' ";
 const std::string kDevice = "--device '" + test::deviceFile("tau-nominal.toml") + "' ";
 const std::string kPush = "push " + kDevice + "--renderer impedance --device-damping 4 --duration 1.1 ";
 
-// A command of the shell that fails with one line of the tool's.
+// Run a shell command that must fail with one line of the tool.
 void refused(const std::string& command, const std::string& reason, int status = 1) {
   const auto result = test::runCommand(command);
   INFO(command << "\n" << result.output.substr(0, 3000));
@@ -57,7 +57,7 @@ TEST_CASE("a full disk is told, and what was there stays", "[file_command]") {
         "design " + kDevice + "--overwrite --impedance-map ",
         std::string("mesh --generate molar --overwrite --output "), kPush + "--overwrite --output "}) {
     test::writeFile(out, "old");
-    // A limit on the size of files stands for the disk.
+    // A limit on the size of files simulates a full disk.
     refused("ulimit -f 1; " + kTool + command + "'" + out + "'", out + ": cannot write the file: File too large");
     CHECK(test::readFile(out) == "old");
     CHECK(filesIn(folder / "out") == 1);
@@ -120,7 +120,7 @@ TEST_CASE("nothing that a file or a command line holds reaches the terminal as i
   refused(kTool + "mesh " + file("d.obj", "v 1 2 " + escape + "\n"), "\\x1b[2J");
   refused(kTool + "mesh " + file("e.ply", "ply\nelement " + std::string(5000000, 'y') + " 5\nend_header\n\n"), "e.ply");
   refused(kTool + "push " + kDevice + "--scene " + file("f.toml", "name = 3\n" + std::string(200000, '[')), "f.toml:2");
-  // A name that is no UTF-8 stands in JSON all the same.
+  // A name that is not UTF-8 must still give valid JSON.
   std::filesystem::copy_file(test::deviceFile("tau-nominal.toml"), folder / "\xff.toml");
   CHECK(test::run("design --device '" + (folder / "\xff.toml") + "' --output '" + (folder / "k.json") + "'").status ==
         0);
@@ -151,7 +151,7 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
   CHECK(runs("noError", "2>&-") == whole);
   CHECK(runs("none", "0<&- 1>&- 2>&-") == whole);
 
-  // Nobody else's file is overwritten, whatever stands beside it.
+  // Files of others are never overwritten.
   const std::string path = folder / "whole/", again = kTool + small + "'" + path + "'";
   const std::string manifest = test::readFile(path + "study.json");
   const std::string exists = "runs.csv: exists; --resume continues it, --overwrite replaces it";
@@ -173,7 +173,7 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
     refused(again + " --resume", "runs.csv:");
     CHECK(test::readFile(path + "runs.csv") == foreign);
   }
-  // A resumed study believes no row that it would not have written.
+  // A resumed study accepts only rows that it would have written.
   const std::size_t end = whole.size() - 1, comma = whole.rfind(',');
   for (const std::string& last : {std::string("-1"), std::string("nan"), std::string("1e300"), std::string("0.5"),
                                   std::string("00"), std::string("0 ")}) {
@@ -194,8 +194,7 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
   refused("timeout 3000 " + again + " --resume", "runs.csv: ");
   std::filesystem::remove(path + "runs.csv");
 
-  // Parts are not put beside the runs that a process without --part has begun; --overwrite removes parts, no other
-  // file.
+  // Parts are rejected beside the runs of a process without --part. --overwrite removes parts, but no other file.
   test::writeFile(path + "runs.csv", whole.substr(0, whole.find('\n', whole.find('\n') + 1) + 1));
   refused(again + " --part 1/2", "runs.csv: has 1 of 4 runs");
   for (const char* name : {"runs-notes.txt", "runs-1-of-2.csv.bak", "runs-1-of-2.csv"})
@@ -205,7 +204,7 @@ TEST_CASE("study: streams that were closed do not become its files", "[file_comm
   CHECK(test::readFile(path + "runs-1-of-2.csv.bak") == "mine");
   CHECK_FALSE(std::filesystem::exists(path + "runs-1-of-2.csv"));
 
-  // One study at a time: this test is the other one.
+  // One study at a time: this test represents the other one.
   test::writeFile(path + "runs.csv", whole);
   const int lock = open(path.c_str(), O_RDONLY | O_DIRECTORY);
   REQUIRE(flock(lock, LOCK_EX) == 0);

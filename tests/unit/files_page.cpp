@@ -1,4 +1,4 @@
-// lib/docs/files.md: what it says of the keys of scene and device files is what the readers do.
+// lib/docs/files.md: its statements about keys of scene and device files match the readers.
 #include <filesystem>
 #include <regex>
 #include <set>
@@ -69,7 +69,7 @@ std::vector<File> files() {
   return result;
 }
 
-// Where the last line of `text` is that begins with `example`, behind spaces; npos.
+// Return the position of the last line of `text` that begins with `example` after spaces, or npos.
 std::size_t lineOf(const std::string& text, const std::string& example) {
   for (std::size_t at = text.rfind(example); at != std::string::npos;
        at = at > 0 ? text.rfind(example, at - 1) : std::string::npos) {
@@ -117,7 +117,7 @@ TEST_CASE("every example of the page of files stands in a file that loads, and o
       const std::size_t at = file.ofDevice == row.ofDevice ? lineOf(file.text, row.example) : std::string::npos;
       if (at == std::string::npos) continue;
       found = true;
-      // Needed by what follows.
+      // Required by the following lines.
       if (row.example[0] == '[' || row.key == "thin" || row.key == "cable_stiffness") break;
       File without = file;
       without.text.erase(at, file.text.find('\n', at) - at);
@@ -127,7 +127,7 @@ TEST_CASE("every example of the page of files stands in a file that loads, and o
         CHECK_NOTHROW(without.load());
       break;
     }
-    // Of a rod that stands in one line.
+    // A rod in one line.
     if (!found && row.key == "radius")
       for (const File& file : all) found = found || file.text.find(row.example) != std::string::npos;
     CHECK(found);

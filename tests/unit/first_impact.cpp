@@ -1,4 +1,4 @@
-// The first impact of a push: its depth between ticks, and why a push has none.
+// The first impact of a push: its depth between ticks, and the reasons for its absence.
 #include "enamel/control/first_impact.hpp"
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 constexpr double kPeriod = 1e-3;
 constexpr double kForce = 12.0, kPreload = 0.5, kRest = -1e-4;  // N, N, m
 
-// A mass on a spring and a damper under a step of force: gap = rest - (F / k) (1 - e^{-d t} (cos w t + d / w sin w t)).
+// A mass on a spring and a damper with a step of force: gap = rest - (F / k) (1 - e^{-d t} (cos w t + d / w sin w t)).
 struct Oscillator {
   double omega, decay;  // rad/s, 1/s
   double depth = 1e-3;  // F / k, m
@@ -50,7 +50,7 @@ TEST_CASE("the deepest point lies between ticks, and counts from the rest; the f
     for (int i = 0; i < 50; ++i) atTicks = std::fmax(atTicks, kRest - oscillator.at(kPeriod * i).gap);
     // The cubic's error is below (w Ts)^4 / 384 of the amplitude: 6e-4 of it at 700 rad/s.
     CHECK(std::abs(impact.depth() - exact) < 1e-3 * exact);
-    if (omega > 500.0) CHECK(exact - atTicks > 5e-3 * exact);  // what a tick sees is less
+    if (omega > 500.0) CHECK(exact - atTicks > 5e-3 * exact);  // the depth at ticks is smaller
     CHECK(impact.force() == Approx(kForce));
     CHECK(impact.preload() == Approx(kPreload));
     CHECK(impact.stiffness() == Approx(kForce / exact).epsilon(1e-3));
@@ -65,7 +65,7 @@ TEST_CASE("the deepest point counts for a tenth of a second, also where nothing 
   CHECK(watch(sinking, 50).deepest() == Approx(0.02 * 0.049));
   CHECK(watch(sinking, 400).deepest() == Approx(0.02 * 0.1));
   CHECK(watch(sinking, 400).verdict() == FirstImpactVerdict::noReturn);
-  // Turns at 12.5 and 62.5 ms: the second, deeper one is in; a third one at 112.5 ms is not.
+  // Turns at 12.5 and 62.5 ms: the second, deeper one counts; a third one at 112.5 ms does not.
   const auto deeper = [](double time) {
     const double w = 2.0 * M_PI / 0.05, size = 1e-3 * (1.0 + 10.0 * time), c = 1e-3 * 10.0;
     return ImpactTick{kRest - size * std::sin(w * time), -c * std::sin(w * time) - size * w * std::cos(w * time),
@@ -76,16 +76,16 @@ TEST_CASE("the deepest point counts for a tenth of a second, also where nothing 
 }
 
 TEST_CASE("a law that turns within two ticks is as deep as it was between them", "[first_impact]") {
-  // At both ticks at rest level, with opposite speeds: the parabola between them is v Ts / 4 deep.
+  // Both ticks are at rest level with opposite speeds: the parabola between them is v Ts / 4 deep.
   FirstImpact impact(0.0);
   REQUIRE(impact.add(0.0, -0.4, 0.0, 0.4, kPeriod));
   CHECK(impact.depth() == Approx(1e-4));
-  CHECK_FALSE(impact.add(0.0, -0.8, 0.0, 0.8, kPeriod));  // only the first
+  CHECK_FALSE(impact.add(0.0, -0.8, 0.0, 0.8, kPeriod));  // only the first one counts
   CHECK(impact.depth() == Approx(1e-4));
 }
 
 TEST_CASE("a halt on the way in is no return, and a turn after the return does not count", "[first_impact]") {
-  // Depths in mm at the turns, by way of cosines of 10 ticks each: 0 1 d 3 e.
+  // Depths in mm at the turns, connected by cosines of 10 ticks each: 0 1 d 3 e.
   const auto staircase = [](double halt, double last) {
     return [halt, last](double time) {
       const double turns[] = {0.0, 1.0, halt, 3.0, 0.0, last, 0.0, 0.0};
@@ -106,7 +106,7 @@ TEST_CASE("no stiffness: never returned, rings, slipped", "[first_impact]") {
   CHECK(watch(creeping, 2000).verdict() == FirstImpactVerdict::noReturn);
 
   const Oscillator ringing{150.0, 0.0};                                  // its depth swings by 0.7 F / k
-  CHECK(watch(ringing, 700).verdict() == FirstImpactVerdict::measured);  // too short to tell
+  CHECK(watch(ringing, 700).verdict() == FirstImpactVerdict::measured);  // too short for a verdict
   CHECK(watch(ringing, 750).verdict() == FirstImpactVerdict::rings);
   const auto saturated = [](double time) {
     ImpactTick tick = Oscillator{150.0, 30.0}.at(time);

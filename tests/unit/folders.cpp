@@ -1,4 +1,4 @@
-// The table of folders in CONTRIBUTING.md and the disk name the same.
+// The table of folders in CONTRIBUTING.md matches the disk.
 #include <filesystem>
 #include <map>
 #include <regex>
@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 const fs::path kSource = ENAMEL_SOURCE_DIR;
 using Names = std::set<std::string>;
 
-// By folder: what the table says is in it. A row begins with its folder; what ends in a slash behind it is in there.
+// Return the table's contents by folder. A row begins with its folder; texts after it that end in a slash are its
+// subfolders.
 std::map<std::string, Names> namedFolders(const std::string& page) {
   std::map<std::string, Names> named;
   const auto add = [&named](const fs::path& folder) {

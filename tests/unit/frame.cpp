@@ -1,4 +1,4 @@
-// The rows and responses of a frame: against the mechanism's own numbers, and without motors on some joints.
+// The rows and responses of a frame, compared with the mechanism's own numbers, and without motors on some joints.
 #include "enamel/render/frame.hpp"
 
 #include <Eigen/Cholesky>
@@ -12,7 +12,7 @@ namespace enamel::test_frame {
 
 namespace {
 
-// A frame at a random pose with `count` random contacts near the TCP.
+// Return a frame at a random pose with `count` random contacts near the TCP.
 TickFrame randomFrame(const test::Shipped& shipped, const Mechanism& mechanism, test::Random& random, int count) {
   TickFrame frame;
   frame.time = 1.0;
@@ -77,9 +77,9 @@ TEST_CASE("a joint without a motor takes part in rows, not in responses", "[fram
   REQUIRE(fillContactRows(frame) == Status::ok);
   const ContactRow& row = frame.rows.row[0];
   CHECK(row.normal[2] == 1.0);
-  CHECK(row.normal[4] == Approx(-0.03).epsilon(1e-12));                      // the moment about y
-  CHECK(row.response[4] == 0.0);                                             // that no motor gives
-  CHECK(row.mass == Approx(frame.kinematics.inertia(2, 2)).epsilon(1e-12));  // all that the motors move is the mass
+  CHECK(row.normal[4] == Approx(-0.03).epsilon(1e-12));                      // moment about y
+  CHECK(row.response[4] == 0.0);                                             // no motor can give it
+  CHECK(row.mass == Approx(frame.kinematics.inertia(2, 2)).epsilon(1e-12));  // mass of everything that the motors move
 }
 
 TEST_CASE("a frame whose inertia is missing or not positive definite has no rows", "[frame]") {

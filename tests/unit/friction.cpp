@@ -1,4 +1,4 @@
-// Friction: sticks below its limit, slides at it, and creates no energy.
+// Friction sticks below its limit, slides at it, and creates no energy.
 #include "enamel/render/friction.hpp"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ Contact rough(double friction, double sliding) {
   return contact;
 }
 
-// Gains as the servo chooses them for a mass: poles at 0.7.
+// Return the servo's gains for a mass: poles at 0.7.
 TangentialGains gainsOf(double mass) {
   constexpr double z = 0.7;
   return {(1.0 - z) * (1.0 - z) * mass / (kPeriod * kPeriod), 0.5 * (1.0 - z) * (3.0 + z) * mass / kPeriod};
@@ -40,14 +40,14 @@ TEST_CASE("friction sticks below its limit and slides at it, against the motion"
     memory.end();
     return force;
   };
-  CHECK(pulled(30e-6).norm() == 0.0);               // of a new contact: it came here without one
+  CHECK(pulled(30e-6).norm() == 0.0);               // new contact: it has no earlier position
   CHECK(pulled(40e-6).isApprox(Vec3(-0.8, 0, 0)));  // a spring
-  CHECK(pulled(-80e-6).isApprox(Vec3(0.8, 0, 0)));  // both ways
+  CHECK(pulled(-80e-6).isApprox(Vec3(0.8, 0, 0)));  // in both directions
   CHECK(
       pulled(100e-6).isApprox(Vec3(-0.8, 0, 0), 1e-12));  // 60 um: 1.2 N would be above mu_s 2 N = 1 N: slides at 0.8 N
-  CHECK(pulled(1e-3).isApprox(Vec3(-0.8, 0, 0)));         // and on
-  CHECK(pulled(-10e-6).isApprox(Vec3(-0.6, 0, 0)));       // a spring again, from where it slid
-  // Lifted off for a tick: forgotten.
+  CHECK(pulled(1e-3).isApprox(Vec3(-0.8, 0, 0)));         // further sliding
+  CHECK(pulled(-10e-6).isApprox(Vec3(-0.6, 0, 0)));       // a spring again, from where it stopped
+  // Lifted off for a tick: the memory is cleared.
   memory.begin();
   memory.end();
   CHECK(pulled(30e-6).norm() == 0.0);
@@ -64,12 +64,12 @@ TEST_CASE("a viscous surface slows a tool that slides, not one that sticks", "[f
     return force;
   };
   (void)pulled(0.0);
-  CHECK(pulled(40e-6).isApprox(Vec3(-0.8, 0, 0)));       // the spring alone
+  CHECK(pulled(40e-6).isApprox(Vec3(-0.8, 0, 0)));       // spring only
   CHECK(pulled(1e-3).isApprox(Vec3(-0.8 - 0.2, 0, 0)));  // mu_d 2 N, and 2 N s/m at 0.1 m/s
 }
 
-// 1 N as 0.1 and 1.9 N in turn, a position in counts of 4 um and the rate that is its difference: a mass under 0.1 N
-// stays, under 0.3 N it goes.
+// A force of 1 N on average that alternates between 0.1 and 1.9 N. Positions are counts of 4 um, and rates their
+// differences. A mass must stay under 0.1 N and move under 0.3 N.
 TEST_CASE("friction holds by the mean of a force that flickers", "[friction]") {
   const double mass = 0.25, count = 4e-6;
   const TangentialGains gains = gainsOf(mass);
@@ -94,8 +94,8 @@ TEST_CASE("friction holds by the mean of a force that flickers", "[friction]") {
   }
 }
 
-// A light tool that hops: 3 N one tick in three. While it is down it is held by what presses it down, but on the whole
-// by no more than Coulomb's share of it.
+// A light tool that hops: 3 N in one tick of three. While it is down, friction uses the present normal force. The mean
+// friction must not exceed Coulomb's limit for the mean force.
 TEST_CASE("friction outlasts hops, and is never more than its share", "[friction]") {
   for (const bool dragged : {false, true}) {
     FrictionMemory memory;
@@ -110,10 +110,10 @@ TEST_CASE("friction outlasts hops, and is never more than its share", "[friction
       REQUIRE(held <= 0.2 * pressed + 1e-9);
     }
     INFO(held << " of " << 0.2 * pressed);
-    CHECK(last == Approx(dragged ? 0.6 : 0.4));  // 20 um of a grip of 20 N/mm, more than the mean force would hold
+    CHECK(last == Approx(dragged ? 0.6 : 0.4));  // 20 um at a grip of 20 N/mm, more than the mean force would hold
     if (dragged) CHECK(held > 0.95 * 0.2 * pressed);
   }
-  // What is lent in weak ticks comes off the strong ones.
+  // Friction in excess of weak ticks is subtracted in strong ones.
   test::Random random(12);
   for (int path = 0; path < test::count(1000, 10000); ++path) {
     FrictionMemory memory;
@@ -146,12 +146,12 @@ TEST_CASE("friction lies in the surface, is forgotten with the contact, and know
   memory.begin();
   const SurfaceMotion none{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   const Vec3 a = memory.force(first, none, kGains, 100.0), b = memory.force(second, none, kGains, 100.0);
-  // Only the second tick has moved a contact that was there before.
+  // Only the second tick has moved an existing contact.
   const Vec3 along = slide.displacement - first.normal.dot(slide.displacement) * first.normal;
   CHECK(a.isApprox(-kGains.stiffness * along));
   CHECK(b.isApprox(-kGains.stiffness * Vec3(10e-6, 20e-6, 0.0)));
   memory.end();
-  // No normal force, no friction or no stiffness: nothing, however far it is stretched and fast it moves.
+  // Without normal force, friction or stiffness the force is zero, whatever the stretch and the speed.
   const auto next = [&](const Contact& contact, const TangentialGains& gains, double normalForce) {
     FrictionMemory copy = memory;
     copy.begin();
@@ -166,7 +166,7 @@ TEST_CASE("friction lies in the surface, is forgotten with the contact, and know
 }
 
 TEST_CASE("friction follows a contact by its key, and by its place where it has none", "[friction]") {
-  // A point in a corner: two contacts of one part at one place, the deepest of them first. Which that is changes.
+  // A point in a corner: two contacts of one part at one place, the deepest first. Their order changes.
   for (const bool keys : {true, false}) {
     FrictionMemory memory;
     Contact floor = rough(1.0, 1.0), side = floor;
@@ -190,9 +190,9 @@ TEST_CASE("friction follows a contact by its key, and by its place where it has 
   }
 }
 
-// A mass on a rough surface under a hand that changes its force at random, the model's mass wrong by up to 30 %. The
-// work that friction does on it may exceed zero only by what a single held tick can bring: a hand that turns inside a
-// tick moves the mass along with a force that cannot know.
+// A mass on a rough surface under a hand whose force changes at random. The model's mass is wrong by up to 30 %. The
+// work of friction on the mass may exceed zero only by what one held tick can contribute. A hand that reverses inside a
+// tick moves the mass along with a force that is not updated.
 TEST_CASE("friction creates no energy on random paths", "[friction]") {
   test::Random random(11);
   const int paths = test::count(10000, 100000);

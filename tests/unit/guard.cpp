@@ -1,4 +1,4 @@
-// The guard: what passes, what is cut and how, what stops it, and that it says so.
+// The guard: what it passes, limits and stops, and that it reports it.
 #include "enamel/render/guard.hpp"
 
 #include <cstring>
@@ -14,7 +14,7 @@ namespace enamel::test_guard {
 
 namespace {
 
-// A guard of the nominal device that is asked at home, at rest, unless told otherwise.
+// A guard of the nominal device, at home and at rest by default.
 struct Bench {
   TauMechanism device{test::nominal()};
   Guard guard;
@@ -98,7 +98,7 @@ TEST_CASE("guard: a force is cut without being turned, gravity stays", "[guard]"
   const Vec6 twisting = (Vec6() << 1.0, 0.0, 0.0, 0.0, 0.0, 0.02).finished();
   CHECK((weak.rendered(weak.ask(twisting)) - 0.5 * twisting).norm() < 1e-9);
 
-  // Less than gravity needs: gravity's torque as a whole becomes smaller.
+  // Below gravity's torque: the whole gravity torque is scaled down.
   Bench tired([](GuardOptions& o) { o.torque *= 0.02; });
   const test::GuardedCommand sinking = tired.ask(Vec6::Zero());
   CHECK(sinking.reason == GuardReason::torque);
@@ -106,7 +106,7 @@ TEST_CASE("guard: a force is cut without being turned, gravity stays", "[guard]"
 }
 
 TEST_CASE("guard: the slew is kept on the straight way to what is asked", "[guard]") {
-  Bench bench([](GuardOptions& o) { o.slew.setConstant(20.0); });  // 0.02 N m a tick
+  Bench bench([](GuardOptions& o) { o.slew.setConstant(20.0); });  // 0.02 N m per tick
   JointVector last = bench.ask(Vec6::Zero()).effort;
   const JointVector goal = staticTorque(bench.k, force(0.0, 0.0, 8.0));
   int ticks = 0;
@@ -139,7 +139,7 @@ TEST_CASE("guard: it engages only where little is demanded, and ramps in", "[gua
     last = rendered;
   }
   CHECK(bench.guard.engaged());
-  CHECK(bench.ask(force(0.0, 0.0, 10.0)).reason == GuardReason::none);  // from now on it may ask for more
+  CHECK(bench.ask(force(0.0, 0.0, 10.0)).reason == GuardReason::none);  // from now on larger requests are allowed
 }
 
 TEST_CASE("guard: a tool that is inside a wall when it is switched on is not kicked", "[guard]") {
@@ -157,7 +157,7 @@ TEST_CASE("guard: a tool that is inside a wall when it is switched on is not kic
       REQUIRE(record.guard == GuardReason::waiting);
     }
     CHECK((record.pose.position - setup.start.position).norm() < 1e-6);
-    // A hand that draws it out, 3 mm in about 0.3 s, finds no force on the way; then there is a wall again.
+    // A hand that pulls it out, 3 mm in about 0.3 s, feels no force on the way; then the wall is back.
     const auto handAt = [](double z) { return test::handAt(z, 100.0, 5.0); };
     double fastest = 0.0;
     for (int i = 0; i < 1000; ++i) {
@@ -209,7 +209,7 @@ TEST_CASE("guard: a brake beyond the speed and the workspace, then a stop", "[gu
   CHECK(moveAt(slow, Vec3::Zero(), 0.95 * aside).reason == GuardReason::none);
   const test::GuardedCommand braked = moveAt(fast, Vec3::Zero(), 1.5 * aside);
   CHECK(braked.reason == GuardReason::brake);
-  // 0.5 m/s too fast; the chord of 1.5 mm against the tangent: a per cent.
+  // 0.5 m/s too fast; the chord of 1.5 mm compared with the tangent: about 1 %.
   const Vec3 brake = fast.rendered(braked).head<3>();
   CHECK((brake + 0.5 * fast.guard.options().brake * aside).norm() < 0.02 * brake.norm());
   CHECK(moveAt(faster, Vec3::Zero(), 3.1 * aside).reason == GuardReason::speed);
@@ -232,7 +232,7 @@ TEST_CASE("guard: damping and the budget of energy are taken from the device's m
     const auto device = makeMechanism(loadDevice(test::deviceFile(name)));
     const GuardOptions options = guardFor(*device, 1e-3);
     CHECK_NOTHROW(Guard(*device, options));
-    double weakest = HUGE_VAL;  // the largest force at home in the direction where it is least
+    double weakest = HUGE_VAL;  // largest force at home in the weakest direction
     for (int axis = 0; axis < 3; ++axis)
       for (const Vec3& way : {Vec3(Vec3::Unit(axis)), Vec3(-Vec3::Unit(axis))})
         weakest = std::min(weakest, largestForce(device->home(), device->limits().effort, Vec3::Zero(), way));
@@ -244,7 +244,7 @@ TEST_CASE("guard: damping and the budget of energy are taken from the device's m
 
 TEST_CASE("guard: energy is held against a renderer, but not against a moving wall or a spring that gives back",
           "[guard]") {
-  // A tool that is moved by y(t) along y, and pushed along y with f(t).
+  // A tool that moves by y(t) along y and is pushed along y with f(t).
   const auto reasonOf = [](auto&& y, auto&& f, const Vec3& surface) {
     Bench bench;
     for (int i = 0; i < 1000; ++i) {
@@ -267,7 +267,7 @@ TEST_CASE("guard: energy is held against a renderer, but not against a moving wa
   const auto stroke = [](double t) { return -5e-3 * (1.0 - std::cos(8.0 * M_PI * t)); };
   CHECK(reasonOf(
             stroke, [&](double t) { return -1000.0 * stroke(t); }, Vec3::Zero()) == GuardReason::none);
-  // The same spring, felt 10 ms later.
+  // The same spring, delayed by 10 ms.
   CHECK(reasonOf(
             stroke, [&](double t) { return -1000.0 * stroke(t - 0.01); }, Vec3::Zero()) == GuardReason::energy);
 }
@@ -330,7 +330,7 @@ TEST_CASE("guard: a fault's ramp never pushes the tool on", "[guard]") {
       if (i < 10) continue;
       REQUIRE(c.reason == GuardReason::renderer);
       const double left = direction > 0.0 ? 0.0 : std::max(0.0, 4.0 * (1.0 - (i - 9) / 20.0));
-      REQUIRE(rendered == Approx(left).margin(0.01));  // the Jacobian is that of the tick
+      REQUIRE(rendered == Approx(left).margin(0.01));  // with the Jacobian of this tick
     }
   }
 }
@@ -399,7 +399,7 @@ TEST_CASE("guard: a copy goes on as the original does; a thousand ticks are kept
     REQUIRE(a.reason == b.reason);
   }
   CHECK(copy.fault() == GuardReason::jump);
-  CHECK(copy.tick(0).time == Approx(bench.time - 0.18).margin(1.5e-3));  // none is added once it has ramped out
+  CHECK(copy.tick(0).time == Approx(bench.time - 0.18).margin(1.5e-3));  // no ticks are added after the ramp
 }
 
 TEST_CASE("guard: limits that are none are refused", "[guard]") {

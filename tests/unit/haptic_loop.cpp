@@ -23,8 +23,8 @@ const CartesianMechanism& stylus() {
 
 void sleepFor(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-// A device that is held 1 mm inside the wall, that counts, and that can be broken from another thread. Its time is that
-// of its measurements, so that a loaded machine misses no deadline.
+// A device 1 mm inside the wall that counts calls and can be broken from another thread. Its time is that of its
+// measurements, so that a loaded machine misses no deadline.
 class Bench final : public HapticDevice {
  public:
   std::atomic<bool> broken{false}, refusesOpen{false};
@@ -56,7 +56,7 @@ class Bench final : public HapticDevice {
   }
 };
 
-// A renderer that pushes with 2 N once the guard lets it: its demand begins small.
+// A renderer that pushes with 2 N after the guard has engaged; its request starts small.
 class Pusher final : public Renderer {
  private:
   void prepare(double) override {}
@@ -150,7 +150,7 @@ TEST_CASE("a loop ends with the motors at rest, whenever and in whatever state",
     CHECK(rig.bench.closed == 1);
     CHECK(rig.bench.last == 0.0);
     CHECK(counter.wrong == 0);
-    if (state == 1) CHECK(rig.bench.steepest <= 2.0 * 1e-3 / 0.02 * (1.0 + 1e-9));  // the guard's ramp out
+    if (state == 1) CHECK(rig.bench.steepest <= 2.0 * 1e-3 / 0.02 * (1.0 + 1e-9));  // the guard's ramp
     const int after = rig.bench.measured;
     sleepFor(5e-3);
     CHECK(rig.bench.measured == after);
@@ -192,7 +192,7 @@ TEST_CASE("a second loop on the same tick begins anew", "[haptic_loop]") {
     HapticLoop loop(rig.bench, rig.haptics, normal());
     CHECK(eventually([&] { return rig.bench.last == 2.0; }));
     CHECK(rig.haptics.guard().fault() == GuardReason::none);
-    rig.bench.measured += 3000;  // three seconds go by
+    rig.bench.measured += 3000;  // 3 s pass
     CHECK(eventually([&] { return (void)loop.refresh(), loop.latest().reason == GuardReason::late; }));
   }
 }
@@ -212,7 +212,7 @@ TEST_CASE("memory is locked as long as a loop lives, where the system allows it"
 
 TEST_CASE("a device that runs on its own clock is asked more often than it ticks", "[haptic_loop]") {
   Rig rig;
-  class Slow final : public HapticDevice {  // something new at every fourth question
+  class Slow final : public HapticDevice {  // a new sample at every fourth call
    public:
     explicit Slow(Bench& bench) : bench_(bench) {}
     Status measure(Measurement& m) noexcept override {
@@ -238,7 +238,7 @@ TEST_CASE("over the loopback: a wall is felt, the end of either side ramps out",
   auto server = std::make_unique<DeviceServer>(plant, stylus(), [] {
     ServeOptions options;
     options.port = 0;
-    options.link.timeout = 0.1;  // threads of a loaded machine
+    options.link.timeout = 0.1;  // for threads of a loaded machine
     return options;
   }());
   LinkOptions link;
@@ -258,7 +258,7 @@ TEST_CASE("over the loopback: a wall is felt, the end of either side ramps out",
     HapticLoop loop(device, haptics, options);
     CHECK(eventually([&] {
       (void)loop.refresh();
-      // Threads that waited too long for a processor are a fault of the guard.
+      // Threads that wait too long for a processor cause a fault of the guard.
       if (isFault(loop.latest().reason)) (void)loop.reset();
       return loop.latest().reason == GuardReason::none && loop.latest().command.effort.norm() > 0.3 &&
              device.counts().accepted > 100 && device.counts().roundTrip.count() > 100;
@@ -276,7 +276,7 @@ TEST_CASE("while a session lasts, what comes from elsewhere does not reach the d
   SimulatedDevice plant(stylus(), test::swingStart(), test::swingingHand());
   ServeOptions options;
   options.port = 0;
-  options.link.timeout = 2.0;  // s, also on a slow machine longer than between two calls of the client
+  options.link.timeout = 2.0;  // s, longer than between two calls of the client, even on a slow machine
   const DeviceServer server(plant, stylus(), options);
   LinkOptions link;
   link.joints = 3;
@@ -285,7 +285,7 @@ TEST_CASE("while a session lasts, what comes from elsewhere does not reach the d
   Measurement m;
   const auto measured = [&] { return device.measure(m) == Status::ok; };
   REQUIRE(eventually(measured));
-  REQUIRE(eventually(measured));  // the server has seen the session
+  REQUIRE(eventually(measured));  // the server knows the session
   const std::uint64_t before = device.counts().accepted;
   for (int i = 0; i < 200; ++i) {
     UdpDevice other("127.0.0.1", server.port(), link);
@@ -295,7 +295,7 @@ TEST_CASE("while a session lasts, what comes from elsewhere does not reach the d
   }
   REQUIRE(eventually([&] { return measured() && device.counts().accepted > before + 20; }));
   for (const auto& reason : server.counts().dropped) CHECK(reason == 0);
-  // Once it is over, anyone can begin one.
+  // After its end, anyone can begin a session.
   UdpDevice next("127.0.0.1", server.port(), link);
   CHECK(eventually([&] { return next.measure(m) == Status::ok; }));
 }

@@ -17,7 +17,8 @@ using Eigen::Vector2d;
 
 namespace {
 
-// Spectral radius of the wall while the tool stays in contact: states [z', z, z one tick ago, forces under way].
+// Return the spectral radius of the wall while the tool stays in contact: states [z', z, z one tick ago, pending
+// forces].
 double contactRadius(const WallDevice& device, const SpringWall& wall) {
   const MatrixXd A = (MatrixXd(2, 2) << -device.damping / device.mass, 0, 1, 0).finished();
   const StateSpace held = zeroOrderHold({A, Vector2d(1.0 / device.mass, 0.0)}, device.period);
@@ -41,7 +42,7 @@ double contactRadius(const WallDevice& device, const SpringWall& wall) {
 }  // namespace
 
 TEST_CASE("simulated stability is that of the eigenvalues in contact") {
-  // Where the contact's own motion decays the tool comes to rest in the wall; where it grows it bounces for ever.
+  // If the motion in contact decays, the tool comes to rest in the wall; if it grows, the tool bounces for ever.
   std::mt19937_64 random(20260201);
   int stable = 0, unstable = 0;
   for (int i = 0; i < (longRun() ? 5000 : 200); ++i) {
@@ -52,7 +53,7 @@ TEST_CASE("simulated stability is that of the eigenvalues in contact") {
     const WallDevice device{draw(0.05, 1.0), draw(1.0, 10.0), 1e-3};
     const SpringWall wall{draw(500.0, 50000.0), draw(0.1, 100.0), static_cast<int>(random() % 4)};
     const double radius = contactRadius(device, wall);
-    // Near the border neither grows nor decays by half within a third of 3 s: radius^1000 = 1/2 at 1 - 7e-4.
+    // Near the border, growth or decay within a third of 3 s is less than a half: radius^1000 = 1/2 at 1 - 7e-4.
     if (std::abs(radius - 1.0) < 3e-3) continue;
     INFO("draw " << i << ": m " << device.mass << " b " << device.damping << " K " << wall.stiffness << " B "
                  << wall.damping << " d " << wall.delay << " radius " << radius);
@@ -80,7 +81,7 @@ TEST_CASE("eq. 16 is kept: a passive wall without delay is stable; the paper's n
     broken += isPassive && entry.wall.delay > 0 && !entry.stable;
   }
   CHECK(passive > 5);
-  CHECK(broken > 0);  // the bound knows nothing of delay
+  CHECK(broken > 0);  // the bound does not consider delay
 }
 
 TEST_CASE("walls and devices that do not exist are refused") {

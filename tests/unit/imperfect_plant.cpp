@@ -1,4 +1,4 @@
-// The plant that is not ideal: what it becomes without imperfections, and each of them against its formula.
+// The imperfect plant: its limit without imperfections, and each imperfection compared with its formula.
 #include "enamel/sim/imperfect_plant.hpp"
 
 #include <cmath>
@@ -22,7 +22,7 @@ const auto spring = [](double time, const Pose& pose, const Vec6& twist) {
 };
 const auto nothing = [](double, const Pose&, const Vec6&) { return Vec6(Vec6::Zero()); };
 
-// After `ticks` under gravity's torque and a bit more.
+// Return the state after `ticks` with slightly more than gravity's torque.
 DeviceState after(Plant& plant, int ticks) {
   REQUIRE(plant.start(Pose()) == Status::ok);
   JointVector torque = plant.mechanism().home().gravity;
@@ -48,7 +48,7 @@ Imperfections cable(double stiffness, double damping = 0.0) {
   return e;
 }
 
-// What the encoders tell now.
+// Return the present reading of the encoders.
 Measurement readOf(const Plant& plant) {
   Kinematics truth;
   REQUIRE(plant.mechanism().reach(plant.state().pose(), plant.state().twist, false, truth) == Status::ok);
@@ -78,7 +78,7 @@ TEST_CASE("imperfect plant: a stiff cable comes to a rigid one as 1 / k", "[impe
   const ImperfectDevice rigid = makeImperfectDevice(with({}), 1);
   ImperfectPlant reference(rigid);
   const DeviceState end = after(reference, 30);
-  // Damped a fifth, so that what rings has gone.
+  // Damped by a fifth of critical, so that the ringing has decayed.
   const auto error = [&](double k) {
     const ImperfectDevice device = makeImperfectDevice(with(cable(k, 0.4 * std::sqrt(k * 1e-4))), 1);
     ImperfectPlant plant(device, 1e-5);
@@ -87,7 +87,7 @@ TEST_CASE("imperfect plant: a stiff cable comes to a rigid one as 1 / k", "[impe
   const double soft = error(1e3), stiff = error(4e3);
   INFO(soft << " " << stiff);
   CHECK(soft < 1e-3);
-  CHECK(soft / stiff == Approx(4.0).epsilon(0.3));  // the next term is of the order of the rest
+  CHECK(soft / stiff == Approx(4.0).epsilon(0.3));  // the next term has the order of the remaining difference
 }
 
 TEST_CASE("imperfect plant: a cable without damping keeps the energy", "[imperfect_plant]") {
@@ -110,7 +110,7 @@ TEST_CASE("imperfect plant: a cable without damping keeps the energy", "[imperfe
   };
   const double before = energy();
   REQUIRE(before > 1e-4);
-  // The stretch does ring: it is no rigid motion.
+  // The stretch rings: the motion is not rigid.
   double turns = 0.0, last = 0.0;
   for (int i = 0; i < 50; ++i) {
     REQUIRE(plant.advance(i * kTick, kTick, none, nothing) == Status::ok);
@@ -144,12 +144,12 @@ TEST_CASE("imperfect plant: friction holds below its limit and takes limit times
     }
     return farthest;
   };
-  // Half of the limit only presses into the presliding of 2e-4 rad; six coupled joints swing farther than one. While
-  // they swing Dahl's law creeps. Without friction they are 10 mrad away after 40 ms.
+  // Half of the limit only moves into the presliding range of 2e-4 rad; six coupled joints swing further than one.
+  // While they swing, Dahl's law creeps. Without friction they would be 10 mrad away after 40 ms.
   CHECK(pushed(0.01, 200) < 1.2e-3);
   CHECK(pushed(0.01, 1000) < 2.4e-3);
   CHECK(pushed(0.03, 20) > 4e-3);
-  // Work of the motors less the friction's is what is moved.
+  // The motors' work minus the friction's is the kinetic energy.
   REQUIRE(plant.start(Pose()) == Status::ok);
   const JointVector torque = JointVector::Constant(6, 0.05);
   JointVector way = JointVector::Zero(6), last = device.mechanism->home().q;
@@ -162,12 +162,12 @@ TEST_CASE("imperfect plant: friction holds below its limit and takes limit times
   Kinematics k;
   REQUIRE(device.mechanism->reach(plant.state().pose(), plant.state().twist, true, k) == Status::ok);
   const double moved = 0.5 * k.rates.dot(k.inertia * k.rates), done = torque.dot(last - device.mechanism->home().q);
-  // Until it slides each joint's friction takes less: up to 0.02 N m times 2e-4 rad.
+  // Before it slides, each joint's friction takes less: up to 0.02 N m times 2e-4 rad.
   CHECK(done - moved == Approx(0.02 * way.sum()).margin(6 * 0.02 * 2e-4 + 1e-3 * done));
 }
 
 TEST_CASE("imperfect plant: amplifier, current loop and cogging", "[imperfect_plant]") {
-  // Behind a cable of no stiffness to speak of the rotor alone turns: J w' = m + a sin N th.
+  // With a cable of almost no stiffness, only the rotor turns: J w' = m + a sin N th.
   Imperfections e = cable(1e-9);
   e.currentBandwidth = 100.0;
   e.torqueStep = 0.01;
@@ -183,7 +183,7 @@ TEST_CASE("imperfect plant: amplifier, current loop and cogging", "[imperfect_pl
   // The current of a step is that at its end: first order in a step of 1 us, 6e-4 of the time constant.
   CHECK(readOf(plant).rates[2] == Approx(expected).epsilon(2e-3));
 
-  // Cogging keeps J w^2 / 2 + (a / N) cos N th.
+  // Cogging conserves J w^2 / 2 + (a / N) cos N th.
   Imperfections cogged = cable(1e-9);
   cogged.cogging = 0.01;
   cogged.periods = 40.0;
@@ -233,7 +233,7 @@ TEST_CASE("imperfect plant: devices differ by their seed within the tolerances",
   CHECK(one.mechanism->home().q != two.mechanism->home().q);
   CHECK(one.rotorInertia == Approx(1.35e-4).epsilon(0.01));
   for (const ImperfectDevice* device : {&one, &two}) {
-    // At rest at home the encoders tell what the file expects there, but for their offsets.
+    // At rest at home the encoders read the file's values, except for their offsets.
     ImperfectPlant plant(*device);
     REQUIRE(plant.start(Pose()) == Status::ok);
     CHECK((readOf(plant).q - nominal->home().q).cwiseAbs().maxCoeff() <= 0.001 + 1e-12);
@@ -303,7 +303,7 @@ TEST_CASE("virtual device: ticks jitter and samples get lost as the setup says",
     REQUIRE(plant.actuate({plant.kinematics().gravity}) == Status::ok);
     REQUIRE(plant.advance(nothing) == Status::ok);
   }
-  CHECK(lost > 140);  // 200 on average, four deviations
+  CHECK(lost > 140);  // 200 on average, four standard deviations
   CHECK(lost < 260);
   CHECK(shortest < 0.9e-3);
   CHECK(longest > 1.1e-3);
@@ -333,7 +333,7 @@ TEST_CASE("plants: a copy of a plant in motion moves on bit for bit", "[imperfec
     };
     const DeviceState before = copy->state();
     drive(*plant);
-    CHECK(copy->state().position == before.position);  // it has a state of its own
+    CHECK(copy->state().position == before.position);  // it has its own state
     CHECK(plant->state().position != before.position);
     drive(*copy);
     CHECK(copy->state().position == plant->state().position);

@@ -1,4 +1,4 @@
-// The integrators of the plant's motion: their orders, and that the default is what it was.
+// The integrators of the plant: their orders, and that the default is unchanged.
 #include "enamel/sim/integrator.hpp"
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace enamel::test_integrator {
 
 namespace {
 
-// The device moves for 20 ms under a torque near gravity's, a spring and a force that changes.
+// Move the device for 20 ms with a torque near gravity's, a spring and a changing force.
 DeviceState after(Integrator integrator, int steps) {
   const TauMechanism device(test::nominal());
   DeviceState state;

@@ -34,7 +34,7 @@ TEST_CASE("Euler angles go to a rotation and back", "[kinematics]") {
     const Mat3 rotation = rotationFromEuler(euler);
     const Mat3 product = test::rotationAbout(Vec3::UnitZ(), euler.z()) * test::rotationAbout(Vec3::UnitY(), euler.y()) *
                          test::rotationAbout(Vec3::UnitX(), euler.x());
-    CHECK((rotation - product).cwiseAbs().maxCoeff() < 1e-15);    // a few roundings of numbers up to 1
+    CHECK((rotation - product).cwiseAbs().maxCoeff() < 1e-15);    // a few rounding errors of numbers up to 1
     CHECK((eulerFromRotation(rotation) - euler).norm() < 1e-14);  // conditioning: cos 1.5 = 0.07
   }
   const Vec3 locked = eulerFromRotation(rotationFromEuler({0.3, M_PI / 2, 0.8}));
@@ -49,7 +49,7 @@ TEST_CASE("kinematics agree with independent engines", "[kinematics]") {
       pose.position = row.position;
       pose.rotation = rotationFromEuler(row.euler);
       const TauConfiguration c = configurationAt(model, pose);
-      // The engines agree among themselves to 2e-15; ours to a few roundings more.
+      // The engines agree to 2e-15; ours has a few more rounding errors.
       CHECK(relativeError(jointAngles(c), row.q) < 1e-14);
       CHECK(relativeError(elbowAngles(c), row.elbow) < 1e-14);
       CHECK(relativeError(jacobian(model, c), row.jacobian) < 5e-14);
@@ -91,8 +91,8 @@ TEST_CASE("the Jacobian is the derivative of the inverse kinematics", "[kinemati
       const Pose pose = random.workspacePose(0.3);
       const TauConfiguration c = configurationAt(model, pose);
       Mat6 differences;
-      // Fourth-order central differences: truncation h^4 / 30 times the fifth derivative (1 / length^5 about 1e6) is
-      // 3e-11 of the entries (about 10), rounding 1e-16 / h = 1e-13.
+      // Fourth-order central differences: truncation is h^4 / 30 times the fifth derivative (1 / length^5, about 1e6),
+      // 3e-11 of the entries (about 10). Rounding is 1e-16 / h = 1e-13.
       const double h = 1e-4;
       for (int k = 0; k < 6; ++k) {
         const auto at = [&](double step) {
@@ -152,12 +152,12 @@ TEST_CASE("singularities are measured and refused", "[kinematics]") {
   CHECK(inverseKinematics(model, far, c) == Status::unreachable);
   CHECK(c.pose.position == home.pose.position);  // unchanged
 
-  // A tip on its yaw axis: lift the platform point of chain 1 above its base.
+  // A tip on its yaw axis: move the platform point of chain 1 above its base.
   Pose above;
   above.position = model.chain[0].base + Vec3(0.0, 0.12, 0.0) - model.chain[0].platform;
   CHECK(inverseKinematics(model, above, c) == Status::singular);
 
-  // A straight elbow: the tip of chain 3 moved out along the line from its base.
+  // A straight elbow: move the tip of chain 3 out along the line from its base.
   const Vec3 reach = model.chain[2].platform - model.chain[2].base;
   Pose straight;
   straight.position = reach.normalized() * (model.chain[2].length1 + model.chain[2].length2) - reach;

@@ -1,4 +1,5 @@
-// The order of layers: every #include of lib, plugins, apps and tests/support points down or to the side by permission.
+// The order of layers: every #include of lib, plugins, apps and tests/support points to a lower layer, or sideways if
+// permitted.
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -17,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kSource = ENAMEL_SOURCE_DIR;
 
-// A module includes those of lower layers, and of its own layer only what kBeside names. Some do not exist yet.
+// A module may include lower layers; within its own layer only the modules in kBeside. Some modules do not exist yet.
 const std::vector<std::vector<std::string>> kLayers = {{"core"},
                                                        {"device", "control", "collision"},
                                                        {"render"},
@@ -27,10 +28,10 @@ const std::vector<std::vector<std::string>> kLayers = {{"core"},
                                                        {"tests"}};
 const std::map<std::string, std::set<std::string>> kBeside = {
     {"control", {"device"}},                                           // the linear plant of a mechanism
-    {"apps/enamel", {"apps/program", "apps/colours", "plugins/fmi"}},  // writes units, and takes them as plants
+    {"apps/enamel", {"apps/program", "apps/colours", "plugins/fmi"}},  // writes units and uses them as plants
     {"apps/viewer", {"apps/program", "apps/colours", "apps/offscreen"}}};
 
-// "sim" of lib/src/sim/push.cpp and lib/include/enamel/sim/push.hpp; "apps/viewer" of apps/viewer/run.cpp.
+// Return "sim" for lib/src/sim/push.cpp and lib/include/enamel/sim/push.hpp; "apps/viewer" for apps/viewer/run.cpp.
 std::string moduleOf(const fs::path& file) {
   std::vector<std::string> parts;
   for (const fs::path& part : file) parts.push_back(part.string());
@@ -49,7 +50,7 @@ std::size_t layerOf(const std::string& module) {
 bool isPublic(const fs::path& file) { return file.string().rfind("lib/include/", 0) == 0; }
 bool isOfLib(const fs::path& file) { return file.string().rfind("lib/", 0) == 0; }
 
-// Why one file may not include another, paths from the root; empty where it may.
+// Return why a file may not include another; empty if it may. Paths are relative to the root.
 std::string refusal(const fs::path& from, const fs::path& to) {
   const std::string above = moduleOf(from), below = moduleOf(to);
   if (layerOf(above) == kLayers.size()) return above + " is not in the order of layers";
@@ -63,7 +64,7 @@ std::string refusal(const fs::path& from, const fs::path& to) {
   return above + " may not include " + below;
 }
 
-// The sources of a tree, paths from its root.
+// Return the sources of a tree, relative to its root.
 std::vector<fs::path> sourcesOf(const fs::path& root) {
   const std::set<std::string> kinds = {".hpp", ".h", ".cpp", ".c", ".inl", ".in"};
   std::vector<fs::path> files;
@@ -76,14 +77,14 @@ std::vector<fs::path> sourcesOf(const fs::path& root) {
   return files;
 }
 
-// The file that an include means; nothing where it is none of the tree's.
+// Return the file of an include; nothing if it is outside of the tree.
 std::optional<fs::path> fileOf(const fs::path& from, const std::string& name, const std::vector<fs::path>& files) {
   const auto isThere = [&](const fs::path& file) { return std::binary_search(files.begin(), files.end(), file); };
   const fs::path module = isOfLib(from) ? fs::path("lib/src") : fs::path(moduleOf(from));
   for (const fs::path& folder : {from.parent_path(), module, fs::path("lib/include"), fs::path("lib/src"),
                                  fs::path("apps"), fs::path("tests"), fs::path()})
     if (const fs::path file = (folder / name).lexically_normal(); isThere(file)) return file;
-  // By a folder of a target that is not named here.
+  // Relative to a folder of a target that is not named here.
   for (const fs::path& file : files)
     if (("/" + file.string()).size() > name.size() && file.string().rfind("/" + name) != std::string::npos &&
         file.string().rfind("/" + name) + name.size() + 1 == file.string().size())
@@ -115,7 +116,7 @@ Arrows arrowsOf(const fs::path& root) {
   return arrows;
 }
 
-// Every one of `texts` on a line of its own.
+// Return each of `texts` on its own line.
 std::string joined(const std::vector<std::string>& texts) {
   std::string all;
   for (const std::string& text : texts) all += text + "\n";
@@ -146,7 +147,7 @@ TEST_CASE("an include that points up is found, and its line is told", "[layers]"
   write("apps/viewer/palette.hpp", "");
   write("plugins/fmi/export.hpp", "");
 
-  // What is allowed.
+  // Allowed includes.
   write("lib/src/control/x.cpp", "#include \"enamel/device/device.hpp\"\n#include \"core/message.hpp\"\n");
   write("lib/src/sim/x.cpp", "#include <enamel/render/render.hpp>\n#include <vector>\n");
   write("apps/enamel/fmu.cpp", "#include \"plants.hpp\"\n#include \"plugins/fmi/export.hpp\"\n");
@@ -179,7 +180,7 @@ TEST_CASE("an include that points up is found, and its line is told", "[layers]"
   }
 }
 
-// "core <- device, control": the layers of which something exists.
+// "core <- device, control": the layers that exist.
 TEST_CASE("CONTRIBUTING states this order", "[layers]") {
   const auto exists = [](const std::string& module) {
     return fs::exists(kSource / "lib/src" / module) || fs::exists(kSource / module);

@@ -61,10 +61,10 @@ TEST_CASE("smooth plants are linearised to rounding, and the estimate tells the 
     MatrixXd A, B;
     plant.jacobians(x, u, A, B);
     const double error = std::max(relativeError(result.model.A, A), relativeError(result.model.B, B));
-    // Rounding in f (1e-16 of values up to e^14 beside slopes of order 1) over steps of about 0.03.
+    // Rounding in f (1e-16 of values up to e^14, with slopes of order 1) over steps of about 0.03.
     CHECK(error < 1e-11);
     CHECK(relativeError(result.C, MatrixXd::Identity(n, n)) < 1e-14);
-    // Ridders' estimate is the size of the last change: honest to a small factor, and not a hundred times too large.
+    // Ridders' estimate is the size of the last change: right to a small factor, and not a hundred times too large.
     CHECK(error < 10.0 * result.error + 1e-15);
     CHECK(result.error < 1e-10);
     CHECK(result.offset == plant(x, u));
@@ -125,7 +125,7 @@ TEST_CASE("outputs as states: eq. 5 keeps the input-output behaviour") {
     l.model = {randomMatrix(random, 6, 6), randomMatrix(random, 6, 2)};
     l.C = randomMatrix(random, 6, 6);
     const StateSpace y = outputsAsStates(l);
-    // Markov parameters C A^k B are those of the new states; the tolerance allows for the condition of C.
+    // The Markov parameters C A^k B must equal those of the new states; the tolerance includes the condition of C.
     MatrixXd old = l.model.B, now = y.B;
     for (int k = 0; k < 5; ++k) {
       CHECK(relativeError(now, l.C * old) < 1e-10);
@@ -139,7 +139,7 @@ TEST_CASE("eq. 5 refuses a singular C, whatever the units, and accepts extreme u
   Linearisation l;
   l.model = {MatrixXd::Identity(3, 3), MatrixXd::Ones(3, 1)};
   l.C = MatrixXd::Identity(3, 3);
-  l.C(0, 0) = 1e-9, l.C(2, 2) = 1e9;  // nanometres beside gigahertz
+  l.C(0, 0) = 1e-9, l.C(2, 2) = 1e9;  // nanometres and gigahertz
   CHECK(relativeError(outputsAsStates(l).A, MatrixXd::Identity(3, 3)) < 1e-15);
   l.C << 1, 2, 3, 2, 4, 6, 0, 0, 1;
   CHECK_THAT(refusal([&] { outputsAsStates(l); }), ContainsSubstring("C is singular"));

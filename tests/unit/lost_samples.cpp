@@ -1,4 +1,4 @@
-// Samples that are lost, late, repeated or stamped twice: the controller predicts, it does not start again.
+// Samples that are lost, late, repeated or have the same time: the controller predicts and does not restart.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -18,7 +18,7 @@ namespace enamel::test_lost_samples {
 namespace {
 
 constexpr double kPeriod = 1e-3;
-constexpr int kFault = 500;  // tick at which something happens to a sample
+constexpr int kFault = 500;  // tick of the first wrong sample
 
 CartesianMechanism lightDevice() {
   CartesianParameters p;
@@ -30,7 +30,7 @@ CartesianMechanism lightDevice() {
   return CartesianMechanism(p);
 }
 
-// What a device does to sample n; a status other than ok: no sample comes.
+// Changes sample n as a device might; a status other than ok means that no sample comes.
 using Fault = std::function<Status(int n, const Measurement& last, Measurement& m)>;
 
 class FaultyDevice final : public HapticDevice {
@@ -55,13 +55,13 @@ class FaultyDevice final : public HapticDevice {
 };
 
 struct Press {
-  double before = 0.0;  // deepest in the 100 ticks before the fault, m
-  double after = 0.0;   // deepest from the fault on, m
-  double step = 0.0;    // largest change of a command from then on, N m or N
+  double before = 0.0;  // largest depth in the 100 ticks before the fault, m
+  double after = 0.0;   // largest depth from the fault on, m
+  double step = 0.0;    // largest change of a command from the fault on, N m or N
   GuardReason worst = GuardReason::none;
 };
 
-// 1 N, then `force` (N) into the wall z = 0; something happens to the samples from kFault on.
+// 1 N, then `force` (N) into the wall z = 0. From kFault on, the samples are wrong.
 Press press(const Mechanism& mechanism, Renderer& renderer, double force, const Fault& fault) {
   VirtualDeviceSetup setup;
   setup.start.position = {0.0, 0.0, 0.002};
@@ -93,7 +93,7 @@ Press press(const Mechanism& mechanism, Renderer& renderer, double force, const 
       result.worst = std::max(result.worst, body.tick().reason);
     }
     last = command;
-    if (isFault(result.worst) && i > kFault + 200) break;  // the hand pushes the tool on
+    if (isFault(result.worst) && i > kFault + 200) break;  // the hand pushes the tool further
     if (plant.advance(hand) != Status::ok) throw Error("the plant was left");
   }
   return result;
@@ -119,7 +119,7 @@ TEST_CASE("a lost sample does not erase what position control knows", "[lost]") 
     INFO(1e6 * p.before << " um, then " << 1e6 * p.after << " um, torque steps " << p.step << " N m, without loss "
                         << whole.step);
     CHECK(p.after < 10e-6);
-    CHECK(p.step < whole.step + 0.15);  // 0.57 N m in a controller that starts again
+    CHECK(p.step < whole.step + 0.15);  // 0.57 N m for a controller that restarts
     CHECK(p.worst == GuardReason::none);
   }
   SECTION("0.1 kg, 10 N") {
@@ -248,7 +248,7 @@ TEST_CASE("every renderer answers a tick without a sample", "[lost]") {
 }
 
 TEST_CASE("an old sample is predicted by its rates", "[lost]") {
-  // A spring in a wall that the tool goes into at 10 mm/s: each period without a sample is 10 um more.
+  // A spring in a wall that the tool enters at 10 mm/s: each period without a sample adds 10 um.
   Pose pose;
   pose.position.z() = -1e-3;
   Vec6 twist = Vec6::Zero();

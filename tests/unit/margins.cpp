@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-// A loop with margins worth measuring: a random plant under its own LQR servo.
+// A loop with useful margins: a random plant with its own LQR servo.
 struct Loop {
   StateSpace loop;
   MatrixXd K;
@@ -34,14 +34,14 @@ std::vector<Loop> servoLoops() {
           servoLoop({0.0, 1e2, 1e5, 1.0})};
 }
 
-// A complex matrix in real numbers: eigenvalues with their conjugates, singular values twice.
+// Return a complex matrix as real numbers: with the eigenvalues and their conjugates, and each singular value twice.
 MatrixXd inReals(const MatrixXd& real, const MatrixXd& imaginary) {
   MatrixXd m(2 * real.rows(), 2 * real.cols());
   m << real, -imaginary, imaginary, real;
   return m;
 }
 
-// Spectral radius when input i is multiplied by a complex factor.
+// Return the spectral radius when input i is multiplied by a complex factor.
 double radiusWith(const Loop& l, Index i, std::complex<double> factor) {
   MatrixXd real = l.K, imaginary = MatrixXd::Zero(l.K.rows(), l.K.cols());
   real.row(i) *= factor.real();
@@ -52,8 +52,8 @@ double radiusWith(const Loop& l, Index i, std::complex<double> factor) {
 }  // namespace
 
 TEST_CASE("an integrator under proportional control has the margins of the textbook") {
-  // x[j+1] = x[j] + u[j], u = -k x: pole 1 - k; L = k / (z - 1); |L| = 1 at 2 sin(w/2) = k with the phase
-  // -pi/2 - w/2; |1 + L| is smallest at z = -1; with a delay of d samples stable for k < 2 sin(pi / (4 d + 2)).
+  // x[j+1] = x[j] + u[j], u = -k x: pole 1 - k; L = k / (z - 1). |L| = 1 at 2 sin(w/2) = k with the phase -pi/2 - w/2;
+  // |1 + L| is smallest at z = -1. With a delay of d samples it is stable for k < 2 sin(pi / (4 d + 2)).
   const StateSpace integrator{MatrixXd::Identity(1, 1), MatrixXd::Identity(1, 1)};
   const double period = 1e-3;
   for (const double k : {0.05, 0.3, 0.7, 1.1, 1.9}) {
@@ -91,7 +91,7 @@ TEST_CASE("every gain and phase margin is where the closed loop becomes unstable
         CHECK(radiusWith(l, i, 0.999 * c.gainDown) > 1.0);
       }
       for (const double sign : {1.0, -1.0}) CHECK(radiusWith(l, i, std::polar(1.0, 0.999 * sign * c.phase)) < 1.0);
-      // One of the two directions is the one that the margin was measured in; the other is its mirror image.
+      // One of the two directions is that of the measured margin; the other is its mirror image.
       CHECK(radiusWith(l, i, std::polar(1.0, -1.001 * c.phase)) > 1.0);
       CHECK(radiusWith(l, i, std::polar(1.0, 1.001 * c.phase)) > 1.0);
     }
@@ -116,7 +116,7 @@ TEST_CASE("the disk margin is the smallest singular value over a fine grid") {
         const MatrixXd F = MatrixXd::Identity(12, 12) + product(late, across);
         smallest = std::min(smallest, std::sqrt(eigenvalues(product(F.transpose(), F)).real().minCoeff()));
       }
-      // The grid is not finer than the minimum is wide: it may lie above by the square of half a grid step.
+      // The grid is not finer than the minimum: it may be above by the square of half a grid step.
       CHECK(margin <= smallest * (1.0 + 1e-9));
       CHECK(margin > smallest * (1.0 - 1e-3));
     }
@@ -149,10 +149,10 @@ TEST_CASE("the reference servo: known numbers") {
   const ServoDesign design = designServo(referencePlant(), 1e-3, {});
   const auto poles = continuousPoles(closedLoop(design.augmented, design.K, 0), 1e-3);
   REQUIRE(poles.size() == 18);
-  CHECK(std::abs(poles[0]) == Approx(1957.0).margin(0.5));  // rad/s: the note of the reference file
+  CHECK(std::abs(poles[0]) == Approx(1957.0).margin(0.5));  // rad/s: from the note of the reference file
   for (const auto& pole : poles) CHECK(pole.real() < 0.0);
   CHECK(toleratedDelay(l.loop, l.K) == 1);
-  CHECK(spectralRadius(closedLoop(l.loop, l.K, 2)) == Approx(1.145).margin(1e-3));  // of an independent prototype
+  CHECK(spectralRadius(closedLoop(l.loop, l.K, 2)) == Approx(1.145).margin(1e-3));  // from an independent prototype
 }
 
 }  // namespace enamel::test_margins

@@ -1,4 +1,4 @@
-// What holds for every mechanism: the shipped devices of all kinds, through the interface alone.
+// Properties of every mechanism: the shipped devices of all kinds, through the interface only.
 #include "enamel/device/mechanism.hpp"
 
 #include "support/catch.hpp"
@@ -11,7 +11,7 @@ using test::relativeError;
 
 namespace {
 
-// Largest of the entries: no reduction of a vector of dynamic size elsewhere, for what is compared bit by bit.
+// Return the largest entry. Everything that is compared bit by bit uses this one reduction of dynamic size.
 double largest(const Eigen::MatrixXd& m) { return m.cwiseAbs().maxCoeff(); }
 
 bool same(const Kinematics& a, const Kinematics& b) {
@@ -38,7 +38,7 @@ void setFriction(TauParameters& p, double friction) { p.motor.viscousFriction = 
 void setFriction(DeltaParameters& p, double friction) { p.motor.viscousFriction = friction; }
 void setFriction(CartesianParameters&, double) {}
 
-// Gravity where a file leaves it to the vendor, no friction: what the balances below assume.
+// Gravity if a file leaves it to the vendor, and no friction: the balances below assume both.
 std::shared_ptr<const Mechanism> frictionless(const test::Shipped& shipped) {
   DeviceParameters parameters = shipped.parameters();
   std::visit(
@@ -72,13 +72,13 @@ TEST_CASE("every mechanism: home is P = W, at rest, with inertia, and limits tha
       CHECK(mechanism->limits().effort[i] > 0.0);
       CHECK(mechanism->limits().encoderStep[i] > 0.0);
     }
-    // A push of the effective mass needs that force: F = m a along the direction.
+    // A push of the effective mass needs this force: F = m a along the direction.
     const double mass = effectiveMass(home, Vec3::Zero(), Vec3::UnitZ());
     Vec6 push = Vec6::Zero(), acceleration;
     push[2] = 2.0;
     REQUIRE(mechanism->accelerate(home.pose, Vec6::Zero(), home.gravity, push, acceleration) == Status::ok);
     CHECK(acceleration[2] == Approx(2.0 / mass).epsilon(1e-12));
-    // The largest force: some motor is at its limit, none beyond, along both ways.
+    // The largest force: one motor is at its limit and none above, in both directions.
     for (const double way : {1.0, -1.0}) {
       const double force = largestForce(home, mechanism->limits().effort, home.pose.position, way * Vec3::UnitZ());
       push.setZero();
@@ -87,7 +87,7 @@ TEST_CASE("every mechanism: home is P = W, at rest, with inertia, and limits tha
       double fullest = 0.0;
       for (int i = 0; i < n; ++i) fullest = std::max(fullest, std::abs(needed[i]) / mechanism->limits().effort[i]);
       CHECK(fullest == Approx(1.0).epsilon(1e-12));
-      if (n < 6) continue;  // a lever is a moment, which needs six joints
+      if (n < 6) continue;  // a lever needs a moment, and therefore six joints
       const Vec3 tip(0.06, 0.0, -0.02);
       const double there =
           largestForce(home, mechanism->limits().effort, home.pose.position + tip, way * Vec3::UnitZ());
@@ -115,8 +115,8 @@ TEST_CASE("every mechanism: track undoes reach", "[mechanism]") {
       CHECK(there.twist == twist);
       Kinematics back = mechanism->home();
       REQUIRE(mechanism->track(there.q, there.rates, true, back) == Status::ok);
-      // The bar for the platform's place is 1e-12 m; angles 1e-11 rad (TAU platforms of 75 mm). All else follows from
-      // the pose with condition numbers below 100 over lengths of 60 mm.
+      // The limit for the platform's position is 1e-12 m; for angles 1e-11 rad (TAU platforms of 75 mm). Everything
+      // else follows from the pose with condition numbers below 100 over lengths of 60 mm.
       CHECK((back.pose.position - pose.position).norm() < 1e-12);
       CHECK(angleBetween(back.pose.rotation, pose.rotation) < 1e-11);
       CHECK(back.q == there.q);
@@ -145,8 +145,9 @@ TEST_CASE("every mechanism: J is the derivative, and its inverse is one", "[mech
     for (int i = 0; i < test::count(300, 5000); ++i) {
       const Pose pose = shipped.pose(random);
       const Kinematics k = reached(*mechanism, pose, Vec6::Zero());
-      // Fourth-order differences as in kinematics.cpp: truncation h^4 / 30 times the fifth derivative (1e-8 of the
-      // entries at h = 0.1 mm in the corners of the delta's cube) falls to 1e-10; rounding 1e-16 / h = 3e-12.
+      // Fourth-order differences as in kinematics.cpp. The truncation, h^4 / 30 times the fifth derivative, is 1e-8 of
+      // the entries at h = 0.1 mm in the corners of the delta's cube; here it falls to 1e-10. Rounding is 1e-16 / h =
+      // 3e-12.
       const double h = 3e-5;
       Eigen::MatrixXd differences(n, n);
       for (int j = 0; j < n; ++j) {
@@ -215,9 +216,9 @@ TEST_CASE("every mechanism: the energy of a free motion changes by the work of t
       const Kinematics k = reached(*mechanism, pose, twist);
       double power = wrench.dot(twist);
       for (int j = 0; j < n; ++j) power += (torque[j] - k.gravity[j]) * k.rates[j];
-      // dT/dt by fourth-order differences along the expansion of the motion to second order, whose error does not reach
-      // the first derivative: truncation (h / 10 ms)^4 of the power at the largest rates, rounding 1e-16 T / h = 1e-12
-      // W.
+      // dT/dt by fourth-order differences along the second-order expansion of the motion, whose error does not affect
+      // the first derivative. Truncation is (h / 10 ms)^4 of the power at the largest rates; rounding is 1e-16 T / h =
+      // 1e-12 W.
       const auto energyAt = [&](double t) {
         const Vec6 by = t * twist + 0.5 * t * t * acceleration;
         const Kinematics there = reached(*mechanism, moved(pose, by), twist + t * acceleration);
@@ -262,7 +263,7 @@ TEST_CASE("every mechanism: damping, friction and mass that are added act where 
     const double push = effectiveMass(before->home(), Vec3::Zero(), Vec3::UnitX());
     addMass(parameters, 0.5);
     const double heavy = effectiveMass(makeMechanism(parameters)->home(), Vec3::Zero(), Vec3::UnitX());
-    CHECK(heavy > push + (n == 3 ? 0.5 - 1e-12 : 0.05));  // a platform that turns gives way
+    CHECK(heavy > push + (n == 3 ? 0.5 - 1e-12 : 0.05));  // a platform that turns yields
   }
 }
 
@@ -349,7 +350,7 @@ TEST_CASE("every mechanism: what it cannot take gets a status and leaves the out
     CHECK(same(k, home));
     CHECK(acceleration == Vec6::Constant(7.0));
 
-    // Where the search begins matters to no answer, even where it is nonsense.
+    // The start of the search, even an invalid one, does not affect the result.
     Kinematics lost = home;
     lost.pose.position = Vec3::Constant(std::nan(""));
     const Status status = mechanism->track(home.q, none, true, lost);

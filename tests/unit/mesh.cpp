@@ -1,4 +1,4 @@
-// The mesh report counts what was put in.
+// The mesh report counts known defects.
 #include "enamel/collision/mesh.hpp"
 
 #include <algorithm>
@@ -70,7 +70,7 @@ TEST_CASE("separate vertices at one place are one place", "[unit]") {
     if (name == "loose vertices") {
       const MeshReport report = inspect(mesh);
       CHECK(report.watertight);
-      CHECK(report.places * 2 - 4 == report.triangles);  // Euler
+      CHECK(report.places * 2 - 4 == report.triangles);  // Euler's formula
     }
 }
 
@@ -95,8 +95,8 @@ TEST_CASE("a mesh has few nodes, and no memory for more", "[unit]") {
     const auto isExact = [](const auto& vector) { return vector.capacity() == vector.size(); };
     CHECK((isExact(data.nodes) && isExact(data.boxes) && isExact(data.nodeParent)));
     CHECK((isExact(data.leaves) && isExact(data.leafParent) && isExact(data.triangles)));
-    // Each node but the first, and each leaf, takes one of a node's kWidth places. What has the least area fills them
-    // to more than half.
+    // Each node but the first, and each leaf, takes one of a node's kWidth places. The tree of least area
+    // fills more than half of them.
     const std::size_t places = kernel::kWidth - 1, least = (data.leaves.size() - 1 + places - 1) / places;
     CHECK(data.nodes.size() <= std::max<std::size_t>(1, 2 * least));
   }
@@ -121,7 +121,7 @@ TEST_CASE("a model says what it is and how its sign is found", "[unit]") {
   CHECK_THAT(said(mesh),
              ContainsSubstring("open (3 boundary edges)") && ContainsSubstring("winding number is above 1/2"));
   CHECK_FALSE(isSound(MeshModel(mesh)));
-  inwards.triangles.pop_back();  // a small hole does not hide which way round it is
+  inwards.triangles.pop_back();  // a small hole does not hide the orientation
   CHECK(signedDistance(MeshModel(inwards), Vec3(0.1, 0.2, 0.0)).distance < 0.0);
 }
 

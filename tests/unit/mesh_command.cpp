@@ -1,4 +1,4 @@
-// `enamel mesh` as a user runs it: the shipped meshes are sound and are what the generator makes.
+// `enamel mesh` as a user runs it: the shipped meshes are sound and equal to the generator's.
 #include <algorithm>
 #include <sstream>
 
@@ -42,7 +42,7 @@ TEST_CASE("a scene says what it is made of and what a tick of it costs, a broken
   const test::CommandResult jaw = test::run("scene " + scenes + "jaw.toml --explain");
   CHECK_THAT(jaw.output, ContainsSubstring("mesh of 79200 triangles") &&
                              ContainsSubstring("2 pairs of part and obstacle, 2 of them"));
-  // The last line: median, p99, p99.9, contacts at once, share of the ticks that touch.
+  // The last line: median, p99, p99.9, simultaneous contacts, share of the ticks with contact.
   std::istringstream last(jaw.output.substr(jaw.output.find("the scene ") + 10));
   double median = 0.0, p99 = 0.0, p999 = 0.0, most = 0.0, touching = 0.0;
   last >> median >> p99 >> p999 >> most >> touching;
@@ -76,8 +76,8 @@ TEST_CASE("bench writes its table as a page, and every program says what it was 
 
 namespace {
 
-// As a scanner gives it: the upper part of the molar with an opening below, holes, a triangle twice, one against the
-// others, and every triangle with vertices of its own.
+// Return a mesh as from a scanner: the upper part of the molar, open below, with separate vertices for every triangle.
+// It has holes, a duplicate triangle, and one with the opposite orientation.
 std::string scanOf(const TriangleMesh& molar) {
   std::ostringstream text;
   text.precision(9);
@@ -114,16 +114,16 @@ TEST_CASE("a scan is made a solid, within the deviation that is allowed", "[unit
     const MeshModel model(made);
     CHECK(isSound(model));
     CHECK(inspect(made).components == 1);
-    CHECK(inspect(made).low.z() < inspect(scan).low.z() - 1e-3);  // the base, across the opening
-    // Where the scan was, measured here by the scan's corners and the made mesh's upper ones.
+    CHECK(inspect(made).low.z() < inspect(scan).low.z() - 1e-3);  // the base across the opening
+    // Where the scan was: measured by the scan's vertices and the upper vertices of the result.
     double back = 0.0;
-    std::size_t lost = 0;  // with triangles that hang by a corner
+    std::size_t lost = 0;  // triangles attached by one vertex only
     for (const Vec3& v : scan.vertices) lost += closestPoint(model, v).distance > 1e-6 * most + 1e-8;
     for (const Vec3& v : made.vertices)
       if (v.z() > 1.3e-3) back = std::max(back, closestPoint(whole, v).distance);
-    const double holes = 20e-6;  // of a triangle's size, that are closed flat
+    const double holes = 20e-6;  // of a triangle's size, closed by flat faces
     CHECK(lost < scan.vertices.size() / 500);
-    // What is printed is what is found here, and more points.
+    // The printed values agree with these, from more points.
     double there = 0.0;
     for (const auto& t : scan.triangles)
       for (std::size_t i = 0; i < 3; ++i) {
@@ -202,7 +202,7 @@ TEST_CASE("the shipped meshes are closed, in mm, and made by the generator", "[u
         0);
     const TriangleMesh made = loadMesh(folder / "made.ply", 1e-3);
     REQUIRE(made.triangles == mesh.triangles);
-    double difference = 0.0;  // sines and powers may differ in their last bit from one C library to the next
+    double difference = 0.0;  // sines and powers may differ in the last bit between C libraries
     for (std::size_t v = 0; v < made.vertices.size(); ++v)
       difference = std::max(difference, (made.vertices[v] - mesh.vertices[v]).norm());
     CHECK(difference < 1e-8);

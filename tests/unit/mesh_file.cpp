@@ -1,4 +1,4 @@
-// Mesh files: what must load loads exactly, what must be refused is refused with file and place, mutations included.
+// Mesh files: valid ones load exactly, invalid ones are refused with file and place, mutations included.
 #include "enamel/collision/mesh_file.hpp"
 
 #include <cstring>
@@ -73,7 +73,7 @@ std::string stlBinary(const TriangleMesh& mesh) {
   return bytes;
 }
 
-// With more properties than positions and indices, and another element between.
+// With further properties besides positions and indices, and another element in between.
 std::string ply(const TriangleMesh& mesh, const std::string& format) {
   std::ostringstream header;
   header << "ply\nformat " << format << " 1.0\ncomment made by a test\nelement vertex " << mesh.vertices.size()
@@ -119,7 +119,7 @@ std::vector<std::pair<std::string, std::string>> allFormats(const TriangleMesh& 
           {"h.ply", ply(mesh, "binary_big_endian")}};
 }
 
-// Multiples of 2^-20: single precision holds them.
+// Round to multiples of 2^-20, which single precision can represent.
 TriangleMesh inSinglePrecision(TriangleMesh mesh) {
   for (Vec3& v : mesh.vertices)
     for (double& x : v) x = std::round(x * 0x1p20) * 0x1p-20;
@@ -136,7 +136,7 @@ void checkRefused(const std::string& bytes, const std::string& path, const std::
 
 TEST_CASE("every format gives the same triangles, in the order of the file", "[unit]") {
   TriangleMesh mesh = inSinglePrecision(test::ball(2, 0.1));
-  mesh.triangles.push_back({3, 3, 5});  // what readers may drop, split or turn
+  mesh.triangles.push_back({3, 3, 5});  // readers may drop, split or turn these
   mesh.triangles.push_back({0, 1, 2});
   mesh.triangles.push_back({0, 1, 2});
   for (const auto& [path, bytes] : allFormats(mesh)) {
@@ -191,7 +191,7 @@ TEST_CASE("unusable files are refused with the file, the place and the reason", 
   checkRefused("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "a.obj", "a.obj:4: a face names vertex 0");
   const TriangleMesh mesh = test::boxMesh({1, 1, 1});
   const std::string binary = stlBinary(mesh);
-  // No longer binary by its size: read as text.
+  // Its size is no longer that of a binary file: it is read as text.
   checkRefused(binary.substr(0, binary.size() - 1), "a.stl", "endsolid is missing");
   std::string bare = binary;
   bare.replace(0, 5, "SOLID");
@@ -211,7 +211,7 @@ TEST_CASE("unusable files are refused with the file, the place and the reason", 
     checkRefused(counts, "a.ply", "promises 4000000000 vertex");
   }
   checkRefused("ply\nformat #1 1.0\nend_header\n0\n", "a.ply",
-               "format is \"#1\"");  // PLY's remarks are lines of their own
+               "format is \"#1\"");  // PLY's remarks are separate lines
   CHECK_THROWS_WITH(loadMesh("/nonexistent/mesh.ply"),
                     ContainsSubstring("/nonexistent/mesh.ply") && ContainsSubstring("cannot open"));
   CHECK_THROWS_AS(parseMesh(off(mesh), "a.off", 0.0), ConfigurationError);

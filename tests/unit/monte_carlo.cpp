@@ -1,4 +1,4 @@
-// The study: which runs, their statistics, the file of runs.
+// The study: its runs, their statistics, the file of runs.
 #include "enamel/study/monte_carlo.hpp"
 
 #include <atomic>
@@ -36,7 +36,7 @@ StudyPlan smallPlan(int grid, int runs) {
   return plan;
 }
 
-// Runs of one point with given compliances.
+// Return runs of one point with given compliances.
 std::vector<StudyResult> runsWith(const std::vector<double>& compliances) {
   std::vector<StudyResult> runs(compliances.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -53,7 +53,7 @@ void withoutFirst(StudyResult& result, FirstImpactVerdict verdict) {
   result.metrics.firstDepth = result.metrics.firstStiffness = result.metrics.limitShare = std::nullopt;
 }
 
-// All results of a plan, without simulation: numbers that depend on the run alone.
+// Return all results of a plan without simulation: numbers that depend only on the run.
 std::vector<StudyResult> invented(const StudyPlan& plan) {
   std::vector<StudyResult> results;
   for (std::size_t i = 0; i < plan.size(); ++i) {
@@ -117,7 +117,7 @@ TEST_CASE("runs: every one once, forces uniform in 8 to 15 N and the same for ev
   CHECK(high < 15.0);
   // Five standard errors of the mean of 4840 uniform numbers.
   CHECK(sum / 4840 == Approx(11.5).margin(5.0 * 7.0 / std::sqrt(12.0 * 4840)));
-  // More runs keep those that were there.
+  // More runs keep the earlier ones.
   CHECK(runAt(smallPlan(11, 30), 30 * 7 + 3).force == runAt(plan, 20 * 7 + 3).force);
 }
 
@@ -135,7 +135,7 @@ TEST_CASE("statistics agree with independent formulas", "[monte_carlo]") {
   CHECK(first.count == 7);
   CHECK(s.of(&PushMetrics::firstDepth).count == 7);
   CHECK(s.of(&PushMetrics::steadyCompliance).count == 8);
-  // Welford's recursion in long double, on another path.
+  // Welford's recursion in long double, in another way.
   long double mean = 0, squares = 0, overRms = 0;
   int n = 0;
   double largest = 0;
@@ -152,7 +152,7 @@ TEST_CASE("statistics agree with independent formulas", "[monte_carlo]") {
   CHECK(first.deviation == Approx(std::sqrt(static_cast<double>(squares) / 6)).epsilon(1e-13));
   CHECK(s.forceOverRms.mean == Approx(static_cast<double>(overRms)).epsilon(1e-14));
   CHECK(s.largestDepth == largest);
-  // Every metric is that of its own member: each run's work is another third of a number.
+  // Every metric comes from its own member: each run's work is another third of a number.
   double work = 0.0;
   for (const int i : {0, 1, 2, 3, 4, 6, 7, 8}) work += runs[static_cast<std::size_t>(i)].metrics.work / 8.0;
   CHECK(s.of(&PushMetrics::work).mean == Approx(work).epsilon(1e-14));
@@ -161,7 +161,7 @@ TEST_CASE("statistics agree with independent formulas", "[monte_carlo]") {
 TEST_CASE("runs without a first impact are counted by the reason", "[monte_carlo]") {
   const StudyPlan plan = smallPlan(2, 3);
   std::vector<StudyResult> results = invented(plan);
-  // Scenario 1, first column: runs 0 to 11, three a point.
+  // Scenario 1, first column: runs 0 to 11, three per point.
   withoutFirst(results[0], FirstImpactVerdict::rings);
   withoutFirst(results[4], FirstImpactVerdict::rings);
   withoutFirst(results[5], FirstImpactVerdict::slips);
@@ -169,7 +169,7 @@ TEST_CASE("runs without a first impact are counted by the reason", "[monte_carlo
   withoutFirst(results[10], FirstImpactVerdict::noReturn);
   withoutFirst(results[11], FirstImpactVerdict::noReturn);
   results[2].status = Status::unreachable;
-  results[2].metrics = {};  // whose verdict is that of a run that never returned
+  results[2].metrics = {};  // the verdict of a run that never returned
   const auto points = pointStatistics(plan, results);
   CHECK(points[0].verdicts == VerdictCounts{1, 0, 0, 1, 0});
   CHECK(points[1].verdicts == VerdictCounts{1, 0, 0, 1, 1});
@@ -192,7 +192,7 @@ TEST_CASE("K_zs is unresolved below two standard errors, and never zero or infin
   CHECK_FALSE(statisticsOf(runsWith({1.99e-6 + 1e-6, 1.99e-6 - 1e-6})).steadyStiffness.has_value());
   CHECK(statisticsOf(runsWith({2.01e-6 + 1e-6, 2.01e-6 - 1e-6})).steadyStiffness.value() ==
         Approx(1.0 / 2.01e-6).epsilon(1e-12));
-  // A tool that is pushed out on the average has a negative compliance.
+  // A tool that is pushed out on average has a negative compliance.
   CHECK(statisticsOf(runsWith({-2e-6, -2.1e-6})).steadyStiffness.value() == Approx(1.0 / 2.05e-6).epsilon(1e-12));
   CHECK_FALSE(statisticsOf(runsWith({0.0, 0.0})).steadyStiffness.has_value());
   CHECK_FALSE(statisticsOf(runsWith({1e-6})).steadyStiffness.has_value());
@@ -269,7 +269,7 @@ TEST_CASE("the order of results does not depend on threads, and stopping leaves 
   CHECK(reached >= 20);
   CHECK(reached < 10000);
   for (std::size_t i = 0; i < order.size(); ++i) CHECK(order[i] == i);
-  // Indices at which it fails are never done; the exception arrives here.
+  // Failing indices never complete; the exception arrives here.
   CHECK_THROWS_WITH(parallelInOrder(
                         0, 100, 2,
                         [](std::size_t i) {
@@ -333,10 +333,10 @@ TEST_CASE("a file of runs survives being torn, and takes nobody else's runs", "[
   const std::vector<StudyResult> read = readRuns(plan, path);
   REQUIRE(read.size() == results.size());
   for (std::size_t i = 0; i < read.size(); ++i) {
-    CHECK(runLine(plan, read[i]) == runLine(plan, results[i]));  // exact, so the same statistics
+    CHECK(runLine(plan, read[i]) == runLine(plan, results[i]));  // exact, so that the statistics are equal
     CHECK(read[i].metrics.firstStiffness.has_value() == (results[i].metrics.firstStiffness.has_value() && i != 4));
   }
-  // Torn anywhere, it goes on from the last whole line to the same bytes.
+  // Torn anywhere, it continues after the last whole line and gives the same bytes.
   for (std::size_t length = 0; length < whole.size(); length += 97) {
     test::writeFile(path, whole.substr(0, length));
     const auto lines =
@@ -346,7 +346,7 @@ TEST_CASE("a file of runs survives being torn, and takes nobody else's runs", "[
     for (std::size_t i = file.finished(); i < results.size(); ++i) file.append(results[i]);
     REQUIRE(test::readFile(path) == whole);
   }
-  // While one process writes, no other does.
+  // While one process writes, no other one does.
   {
     RunFile file(plan, path, true);
     CHECK_THROWS_WITH(RunFile(plan, path, true), test::ContainsSubstring("does another study write it?"));
@@ -400,7 +400,7 @@ TEST_CASE("a column may have shorter ticks: delay and density of the noise stay"
   CHECK(slow.period == plan.setup.period);
   CHECK(fast.period == 0.25e-3);
   CHECK(fast.delay.high == 12);
-  CHECK(fast.hand.noise == 2.0 * slow.hand.noise);  // a quarter of the time a sample, the same power per hertz
+  CHECK(fast.hand.noise == 2.0 * slow.hand.noise);  // a quarter of the time per sample, the same power per hertz
   std::size_t ticks = 0;
   REQUIRE(performRun(plan, run, [&](const TickRecord&) { ++ticks; }).status == Status::ok);
   CHECK(ticks == 5200);
@@ -410,7 +410,7 @@ TEST_CASE("a column may have shorter ticks: delay and density of the noise stay"
 
 TEST_CASE("a run that the guard stops says so and is not measured", "[monte_carlo]") {
   StudyPlan plan = smallPlan(1, 1);
-  plan.setup.delay = {8, 8};  // a stiff spring, late: it gives energy
+  plan.setup.delay = {8, 8};  // a stiff spring with delay gives energy
   plan.columns[1].plant = plan.columns[0].plant;
   plan.columns[1].make = [](std::size_t) { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{5e4, 0.0}); };
   std::size_t ticks = 0;

@@ -1,4 +1,4 @@
-// The plant in Simbody against the closed form: two programs that share nothing but the device file and the geometry of
+// The plant in Simbody compared with the closed form. The two programs share only the device file and the geometry of
 // the start.
 #include <cmath>
 #include <thread>
@@ -44,7 +44,7 @@ TEST_CASE("multibody: accelerations of every shipped device", "[multibody]") {
       worst = std::max(worst, test::relativeError(other, closed));
       closure = std::max(closure, plant.closureError());
     }
-    // Sums of some 30 terms, times the condition number of the inertia (up to 1e3).
+    // Sums of about 30 terms, times the condition number of the inertia (up to 1e3).
     CHECK(worst < 1e-11);
     CHECK(closure < 1e-14);
   }
@@ -57,7 +57,7 @@ TEST_CASE("multibody: linear models of every shipped device", "[multibody]") {
     const auto device = shipped.mechanism();
     MultibodyPlant plant(shipped.parameters());
     const int n = device->joints();
-    // The change of the acceleration with pose, twist and torques about rest at home.
+    // Change of the acceleration with pose, twist and torques, about rest at home.
     const auto model = [&](const auto& accelerate) {
       const auto at = [&](int i, double by) {
         Pose pose;
@@ -95,7 +95,7 @@ TEST_CASE("multibody: the reference runs to 10 nm, closed to 0.1 nm", "[multibod
     HoldRenderer hold = test::holdRenderer(test::asInThePaper());
     ImpedanceRenderer spring({6000.0, 0.0});
     PushSetup setup = test::referenceSetup(run);
-    setup.duration = 1e-3 * test::count(1200, 3000);  // the push comes at 1 s; a second takes Simbody about one
+    setup.duration = 1e-3 * test::count(1200, 3000);  // the push comes at 1 s; Simbody needs about one second for each
     const TauMechanism model(parameters);
     auto plant = std::make_unique<MultibodyPlant>(parameters);
     const MultibodyPlant& simbody = *plant;
@@ -175,7 +175,7 @@ TEST_CASE("multibody: the same bits in two threads, failures change nothing", "[
   CHECK(plant.advance(0.0, 1e-3, gravity.head(3), nothing) == Status::outOfRange);
   CHECK(plant.advance(0.0, 1e-3, std::nan("") * gravity, nothing) == Status::notFinite);
   CHECK(plant.advance(0.0, 1e-3, gravity, nothing) == Status::ok);
-  CHECK((plant.state().position - before.position).norm() < 1e-9);  // it stands still
+  CHECK((plant.state().position - before.position).norm() < 1e-9);  // it does not move
   CHECK_THROWS_WITH(MultibodyPlant(test::nominal(), 1.0), test::ContainsSubstring("accuracy is 1"));
 }
 
@@ -203,12 +203,12 @@ TEST_CASE("multibody: a copy of a plant in motion moves on bit for bit", "[multi
     const auto late = plant.clone();
     CHECK(same(plant, *late));
     drive(plant, 20, 40);
-    CHECK_FALSE(same(plant, *late));  // which has not moved
+    CHECK_FALSE(same(plant, *late));  // it has not moved
     drive(*late, 20, 40);
     CHECK(same(plant, *late));
     drive(*early, 0, 40);
     CHECK(same(plant, *early));
-    // A copy that starts again is no different from the plant that does.
+    // A copy that starts again equals the plant that does.
     REQUIRE(plant.start(Pose{}) == Status::ok);
     REQUIRE(late->start(Pose{}) == Status::ok);
     drive(plant, 0, 20);

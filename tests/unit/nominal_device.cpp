@@ -1,4 +1,4 @@
-// The device that is built in is the shipped file.
+// The built-in device is the shipped file.
 #include "enamel/device/nominal_device.hpp"
 
 #include "enamel/device/device_file.hpp"

@@ -1,4 +1,4 @@
-// The observer's steps: what a rounded reading says, and that all SIMD levels give the same bits.
+// The observer's steps: the information in a rounded reading, and the same bits on all SIMD levels.
 #include "render/observer_steps.hpp"
 
 #include <cmath>
@@ -11,8 +11,8 @@
 namespace enamel::test_observer_steps {
 namespace {
 
-// Mean and variance of x after a reading, and the reading's density, by the trapezoidal rule: x is N(0, P), the reading
-// x + u + g with u uniform over `largest` and g Gaussian with the rest of the variance.
+// Mean and variance of x after a reading, and the reading's density, by the trapezoidal rule. x is N(0, P); the reading
+// is x + u + g with u uniform over `largest` and g Gaussian with the rest of the variance.
 struct Posterior {
   double mean, variance, density;
 };
@@ -41,13 +41,13 @@ void fill(test::Random& random, double* begin, std::size_t count) {
 }  // namespace
 
 TEST_CASE("a rounded reading leaves the moments of the cut Gaussian, and has its likelihood", "[observer_steps]") {
-  for (const double share : {0.0025, 0.2, 0.7, 1.0})  // of the variance, by the largest step
+  for (const double share : {0.0025, 0.2, 0.7, 1.0})  // part of the variance due to the largest step
     for (const double P : {0.03, 0.5, 4.0, 60.0})
       for (const double innovation : {0.0, 0.4, -1.5, 3.0, 6.0}) {
         const double variance = 1.0, largest = std::sqrt(12.0 * share);
         INFO("share " << share << ", expected variance " << P << ", innovation " << innovation);
         const Posterior wanted = posteriorOf(innovation, P, variance, largest);
-        if (!(wanted.density > 1e-12)) continue;  // cannot be
+        if (!(wanted.density > 1e-12)) continue;  // impossible reading
         Lane e, expected, all, precision, step;
         e.fill(innovation);
         expected.fill(P);
@@ -55,7 +55,7 @@ TEST_CASE("a rounded reading leaves the moments of the cut Gaussian, and has its
         precision.fill(1.0 / std::sqrt(variance));
         step.fill(largest);
         Evidence seen;
-        kRigidSteps.weigh(e.data(), expected.data(), all.data(), precision.data(), step.data(), seen);
+        kRigidSteps.weigh(e, expected, all, precision, step, seen);
         const double gain = P / seen.variance[3];
         CHECK(gain * seen.innovation[3] == Approx(wanted.mean).epsilon(2e-3).margin(2e-3 * std::sqrt(P)));
         CHECK(P - gain * P == Approx(wanted.variance).epsilon(5e-3));
@@ -79,12 +79,12 @@ TEST_CASE("the observer's steps give the same bits at every SIMD level", "[obser
   ModeData data{1e-3, 1, {}, 0.3, 20.0, 0.15, 0.0};
   Observer::State begin;
   fill(random, begin.part[0].x[0], sizeof begin / sizeof(double));
-  for (Observer::Hypothesis& h : begin.part) h.age = 0.0;
+  begin.age = Lane{};
   for (int i = 0; i < Observer::kStates; ++i)
     for (double& variance : begin.P[Observer::at(i, i)]) variance = 10.0;  // positive definite
   begin.modes = 6.0;
   begin.count = 3.0;  // an old one, two that end
-  begin.part[1].age = begin.part[2].age = 1.0;
+  begin.age[1] = begin.age[2] = 1.0;
   Observer::States row;
   fill(random, row[0], sizeof row / sizeof(double));
   Lane command, reading;
@@ -95,7 +95,7 @@ TEST_CASE("the observer's steps give the same bits at every SIMD level", "[obser
     steps.predict(data, model, command, s);
     steps.correct(2, reading, s);
     steps.merge(s);
-    steps.carry(model, command.data(), reading.data(), 0.1, s.mean);
+    steps.carry(model, command, reading, 0.1, s.mean);
     return steps.moments(s, row);
   };
   Observer::State wanted, found;

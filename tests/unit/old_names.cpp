@@ -1,4 +1,4 @@
-// Names of the version before: taken by the library, the commands and files, with a warning where a user gave one.
+// Names of the previous version: the library, the commands and files accept them, with a warning if a user gave one.
 #include "enamel/core/old_names.hpp"
 
 #include <nlohmann/json.hpp>
@@ -39,7 +39,7 @@ TEST_CASE("commands take an old name, do the same and warn on standard error", "
   CHECK(stdoutOf(push + "real-stiff") == now);
   CHECK(test::readFile(errors) ==
         "enamel: warning: --plant real-stiff: its name is imperfect-stiff now, the old one ends with version 0.4\n");
-  // Each of a list; both files of the study say the present name.
+  // Each one of a list; both files of the study have the present name.
   const std::string study = "study --device '" + test::deviceFile("tau-detailed.toml") +
                             "' --grid 1 --runs 1 --scenario 1 --renderers position-control --no-convergence --plant ";
   (void)stdoutOf(study + "real --output '" + (folder / "study") + "'");

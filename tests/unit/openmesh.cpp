@@ -1,4 +1,4 @@
-// OpenMesh meshes as obstacles: handles are numbers, edits reach the mesh, the model and the thread that draws alike.
+// OpenMesh meshes as obstacles: handles are numbers, and edits reach the mesh, the model and the drawing thread alike.
 #include "enamel/collision/openmesh.hpp"
 
 #include <atomic>
@@ -25,7 +25,7 @@ using DoubleMesh = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
 using OpenMesh::FaceHandle;
 using OpenMesh::VertexHandle;
 
-// The molar; a ball of its size for the tenth of a run that a sanitizer gets.
+// Return the molar; or a ball of its size for the short run under a sanitizer.
 TriangleMesh molar() {
   if (test::kSlowdown > 1 && !test::longRun()) return test::transformed(test::ball(4, 0.1), 5e-3, Vec3::Zero());
   return loadMesh(ENAMEL_SOURCE_DIR "/data/meshes/molar.ply", 1e-3);
@@ -36,10 +36,10 @@ std::uint64_t mixed(std::uint64_t h, std::uint64_t value) {
   return h ^ h >> 29;
 }
 
-// A mesh as somebody knows it, and a sum over all of it that is kept up as items change.
+// A reader's copy of a mesh, and a sum over all of it that is updated as items change.
 struct Copy {
   std::vector<Vec3> vertices;
-  std::vector<std::array<int, 3>> triangles;  // all -1: not there
+  std::vector<std::array<int, 3>> triangles;  // all -1: missing
   std::uint64_t sum = 0;
 
   explicit Copy(const TriangleMesh& mesh) {
@@ -77,7 +77,7 @@ struct Copy {
   }
 
  private:
-  // 0 of what was never set.
+  // 0 for items that were never set.
   static std::uint64_t hash(std::size_t number, const Vec3& v) {
     std::uint64_t h = 2 * number + 1;
     for (int k = 0; k < 3; ++k) {
@@ -94,13 +94,13 @@ struct Copy {
   }
 };
 
-// Edits as a drill and a finger make them, anywhere on a mesh. A mesh that could not be edited would end the test.
+// Edits as of a drill and a finger, anywhere on a mesh. An edit that fails ends the test.
 template <typename Mesh>
 class Editor {
  public:
   Editor(EditableMesh<Mesh>& mesh, std::uint64_t seed) : mesh_(mesh), random_(seed), known_(mesh.model()->mesh()) {}
 
-  // The sum over the model after it, kept up from what the model says of the items that were touched.
+  // Edit, and return the sum over the model, updated by what the model reports of the touched items.
   std::uint64_t edit() {
     touchedVertices_.clear();
     touchedFaces_.clear();
@@ -183,7 +183,7 @@ class Editor {
     for (const FaceHandle f : faces) holes_.push_back(cornersOf(f));
     remove(faces);
   }
-  void closeHole() {  // a face in a wrong place, amidst others, is refused
+  void closeHole() {  // a face in a wrong place among others is refused
     if (holes_.empty()) return;
     const std::array<VertexHandle, 3> v = holes_.back();
     holes_.pop_back();
@@ -202,14 +202,14 @@ class Editor {
   std::vector<FaceHandle> touchedFaces_;
 };
 
-// The model against OpenMesh's half-edges, and against one built anew.
+// Compare the model with OpenMesh's half-edges, and with a new model.
 template <typename Mesh>
 void compareWithNew(const EditableMesh<Mesh>& edited, test::Random& random, int queries) {
   const MeshModel& model = *edited.model();
   const kernel::MeshData& data = kernel::Inside::of(model);
   std::vector<int> numbers, numberOf(model.mesh().triangles.size(), -1);
   const Mesh& mesh = edited.mesh();
-  for (const FaceHandle f : mesh.faces()) {  // those that are not deleted
+  for (const FaceHandle f : mesh.faces()) {  // all faces that are not deleted
     REQUIRE(isPresent(model, f.idx()));
     numberOf[static_cast<std::size_t>(f.idx())] = static_cast<int>(numbers.size());
     numbers.push_back(f.idx());
@@ -254,7 +254,7 @@ void checkEdits(const TriangleMesh& start, int edits, int rebuilds) {
   std::uint64_t taken = 0;
   for (int i = 1; i <= edits; ++i) {
     const std::uint64_t sum = editor.edit(), revision = mesh.publish();
-    if (i % 7 != 3) {  // a reader that is late now and then
+    if (i % 7 != 3) {  // a reader that is sometimes late
       while (const MeshChange* change = mesh.takeChanges()) {
         drawn.apply(*change);
         taken = change->revision;
@@ -267,14 +267,14 @@ void checkEdits(const TriangleMesh& start, int edits, int rebuilds) {
     compareWithNew(mesh, random, 300);
     if (taken == revision) REQUIRE(drawn == *mesh.model());
   }
-  CHECK(taken > static_cast<std::uint64_t>(edits) * 8 / 10);  // the others found no hole to close
+  CHECK(taken > static_cast<std::uint64_t>(edits) * 8 / 10);  // the other edits found no hole to close
 }
 
 }  // namespace
 
 TEMPLATE_TEST_CASE("handles are numbers, there and back", "[unit]", FloatMesh, DoubleMesh) {
   TriangleMesh mesh = test::ball(2, 0.1);
-  mesh.vertices.push_back(Vec3(3, 0, 0));  // a loose one
+  mesh.vertices.push_back(Vec3(3, 0, 0));  // a loose vertex
   for (Vec3& v : mesh.vertices) v = v.cast<float>().template cast<double>();
   TestType there = toOpenMesh<TestType>(mesh);
   const TriangleMesh back = fromOpenMesh(there);
@@ -365,7 +365,7 @@ TEST_CASE("a thread that draws has the mesh of every revision that it takes", "[
   for (int i = 0; i < edits; ++i) {
     sums[revision + 1] = editor.edit();
     revision = mesh.publish();
-    if (i == edits / 2)  // beside an edit, at least one change has been taken
+    if (i == edits / 2)  // during the edits, at least one change has been taken
       for (; last == 0; mesh.publish()) std::this_thread::sleep_for(std::chrono::microseconds(20));
   }
   for (; last < revision; mesh.publish()) std::this_thread::yield();

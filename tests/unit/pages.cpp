@@ -1,4 +1,4 @@
-// The pages and the examples: links lead somewhere, code that is shown is code that is tested, examples are short.
+// Pages and examples: links have a target, shown code is tested code, examples are short.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kSource = ENAMEL_SOURCE_DIR;
 
-// Every page of the project.
+// Return every page of the project.
 std::vector<fs::path> pages() {
   std::vector<fs::path> result;
   for (const auto& entry : fs::directory_iterator(kSource))
@@ -27,7 +27,7 @@ std::vector<fs::path> pages() {
   return result;
 }
 
-// Lines without the spaces at both ends; empty ones are left out.
+// Return the lines without spaces at both ends; empty ones are left out.
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> result;
   std::istringstream lines(text);
@@ -38,7 +38,7 @@ std::vector<std::string> linesOf(const std::string& text) {
   return result;
 }
 
-// Names of the headings that a link may end in, as hosts of repositories make them.
+// Return the anchors of headings, as hosts of repositories make them.
 std::set<std::string> anchorsOf(const std::string& text) {
   std::set<std::string> result;
   for (const std::string& line : linesOf(text)) {

@@ -1,4 +1,4 @@
-// A wall behind passivity control gives no energy that it did not take, and is the same wall where it takes enough.
+// A wall with passivity control gives no energy that it did not receive, and is the same wall while it receives enough.
 #include "enamel/render/passivity.hpp"
 
 #include <numeric>
@@ -13,7 +13,7 @@ namespace {
 
 struct Outcome {
   Status status = Status::ok;
-  double given = 0.0;  // largest energy that the motors had put into the tool beyond what they took out, J
+  double given = 0.0;  // largest net energy that the motors had put into the tool, J
   double farthest = 0.0;
   PushMetrics metrics;
 };
@@ -53,7 +53,7 @@ TEST_CASE("a spring on a device without damping is made stable, and stays as sti
         INFO(stiffness << " N/m, delay " << delay << ", encoders " << encoders);
         ImpedanceRenderer bare({stiffness, 0.0});
         const Outcome without = push(device, bare, delay, encoders);
-        // Eq. 16 asks for more damping than there is: it bounces higher and higher.
+        // Eq. 16 requires more damping than available: it bounces higher and higher.
         CHECK(without.status != Status::ok);
         for (const PassivityBound bound : {PassivityBound::energy, PassivityBound::memory}) {
           INFO("bound " << static_cast<int>(bound));
@@ -61,11 +61,10 @@ TEST_CASE("a spring on a device without damping is made stable, and stays as sti
           const Outcome with = push(device, passive, delay, encoders);
           REQUIRE(with.status == Status::ok);
           CHECK(with.metrics.verdict == FirstImpactVerdict::measured);
-          // Without delay none. What one tick of delay hides is the wall's force over what a tick moves: 60 N over 0.1
-          // mm.
+          // Zero without delay. One tick of delay hides the wall's force times the motion in a tick: 60 N over 0.1 mm.
           CHECK(with.given <= (delay == 0 ? 1e-6 : 6e-3));
           CHECK(with.farthest < 5e-3);
-          // The way in is untouched.
+          // The motion inwards is unchanged.
           if (!without.metrics.firstStiffness) continue;
           CHECK(*with.metrics.firstStiffness == Approx(*without.metrics.firstStiffness).epsilon(1e-9));
           ++compared;
@@ -112,7 +111,7 @@ TEST_CASE("passivity control makes a force smaller, never larger, and turns none
 }
 
 TEST_CASE("with memory no depth gives more than it has taken, whatever the wall") {
-  // Pushes out with three times the force with which it lets in, as a wall that makes energy does.
+  // Pushes out with three times the force of the way in, as a wall that generates energy does.
   class Thrower final : public Renderer {
     void prepare(double) override {}
     Status render(const TickFrame& input, TickOutput& output) noexcept override {
@@ -131,13 +130,13 @@ TEST_CASE("with memory no depth gives more than it has taken, whatever the wall"
   for (const PassivityBound bound : {PassivityBound::energy, PassivityBound::memory}) {
     PassivityRenderer passive(std::make_unique<Thrower>(), bound);
     passive.activate(1e-3);
-    // In to 2 mm and out again, evenly; a slow way in and a fast way out, and in again half way.
+    // Move in to 2 mm and out again, evenly; slowly in and fast out; and in again half way.
     double z = 0.0, force = 0.0, worst = 0.0;
     std::array<double, 30> taken{};  // by slices of depth, J
     const auto move = [&](double to, double step, int& tick) {
       while (std::abs(to - z) > 0.5 * step) {
         const double next = z + std::copysign(step, to - z), low = std::min(-z, -next), high = std::max(-z, -next);
-        for (std::size_t i = 0; i < taken.size(); ++i) {  // what acted since the last tick
+        for (std::size_t i = 0; i < taken.size(); ++i) {  // since the last tick
           const double from = std::max(low, kSlice * static_cast<double>(i));
           const double way = std::min(high, kSlice * static_cast<double>(i + 1)) - from;
           if (way > 0.0) taken[i] += force * std::copysign(way, z - next);
@@ -165,12 +164,12 @@ TEST_CASE("with memory no depth gives more than it has taken, whatever the wall"
     move(-1.6e-3, 20e-6, tick);
     move(1e-4, 50e-6, tick);
     const double kept = std::accumulate(taken.begin(), taken.end(), 0.0);
-    // Turning about, the force of one tick was for the other direction: 6 N over 50 um.
+    // At a reversal, the force of one tick belonged to the other direction: 6 N over 50 um.
     CHECK(kept > -3e-4);
     if (bound == PassivityBound::memory)
       CHECK(worst > -3.5e-4);
     else
-      CHECK(worst < -1e-3);  // what one depth took another gave
+      CHECK(worst < -1e-3);  // energy received at one depth was returned at another
   }
 }
 
@@ -192,7 +191,7 @@ TEST_CASE("a wall behind passivity control goes on from a copied state") {
   passive.saveState(state.data());
   copy.loadState(state.data());
   for (int i = 40; i < 200; ++i) REQUIRE(step(passive, i) == step(copy, i));
-  // NaN in the wall's last number only, then throughout.
+  // NaN in the wall's last number only, then everywhere.
   const std::vector<unsigned char> good = state;
   for (const std::size_t bytes : {sizeof(double), state.size()}) {
     state = good;
@@ -203,7 +202,7 @@ TEST_CASE("a wall behind passivity control goes on from a copied state") {
     std::vector<unsigned char> fresh(state.size());
     passive.saveState(fresh.data());
     copy.saveState(state.data());
-    CHECK(std::equal(fresh.begin() + sizeof(double), fresh.end(), state.begin() + sizeof(double)));  // all but the time
+    CHECK(std::equal(fresh.begin() + sizeof(double), fresh.end(), state.begin() + sizeof(double)));  // except the time
   }
   passive.reset();
   CHECK(step(copy, 1) == step(passive, 1));

@@ -1,4 +1,4 @@
-// Playing recordings, without a window: the frames are those of the run, whatever the way to them; steps, ends, lost
+// Playing recordings without a window: the frames equal those of the run, however they are reached. Steps, ends, lost
 // ticks, files that were cut or damaged.
 #include "player.hpp"
 
@@ -26,7 +26,7 @@ namespace enamel::viewer::test_player {
 
 namespace {
 
-// A tool on springs that goes in and out of a wall, recorded. What the run saw stands beside it.
+// A recording of a tool on springs that moves in and out of a wall, with the run's own values.
 struct Run {
   explicit Run(const std::string& scene = "flat-wall.toml") {
     header.deviceFile = test::deviceFile("cartesian-6.toml");
@@ -128,7 +128,7 @@ TEST_CASE("player: the frames of a run, bit for bit, forwards, backwards and at 
     }
     CHECK(same == 600);
     CHECK(touching > 50);
-    CHECK(player.position() == 599);  // the last step found no more
+    CHECK(player.position() == 599);  // the last step changed nothing
     same = 0;
     for (int i = 0; i < 100; ++i, player.step(-1)) same += sameFrame(player.frame(), run);
     CHECK(same == 100);
@@ -143,7 +143,7 @@ TEST_CASE("player: the frames of a run, bit for bit, forwards, backwards and at 
       same += sameFrame(player.frame(), run);
     }
     CHECK(same == 50);
-    // Every event found on the way is a touch after a while without one, and the way back leads to the first.
+    // Every event on the way is a touch after a while without one, and the way back leads to the first.
     player.seek(0.0);
     std::size_t events = 0;
     for (; player.jump(true); ++events) {
@@ -159,7 +159,7 @@ TEST_CASE("player: the frames of a run, bit for bit, forwards, backwards and at 
     CHECK(events == 1);
     CHECK(player.position() == player.events()[0].position);
 
-    // The charts' samples are of the same ticks; before the first and behind the last there is nothing.
+    // The charts' samples are those of the same ticks; before the first and after the last they are missing.
     const std::vector<Sample> samples = player.samples(-100, 800);
     REQUIRE(samples.size() == 800);
     CHECK(std::isnan(samples[99].gap));
@@ -185,7 +185,7 @@ TEST_CASE("player: time, speed, steps and both ends", "[player]") {
   CHECK(player.position() == 100);
   CHECK(player.seconds() == Approx(0.1));
   player.setSpeed(0.01);
-  for (int i = 0; i < 60; ++i) player.advance(1.0 / 60.0);  // a second of pictures: 10 ticks, none of them lost
+  for (int i = 0; i < 60; ++i) player.advance(1.0 / 60.0);  // one second of pictures: 10 ticks, none of them skipped
   CHECK(std::abs(player.seconds() - 0.11) < 1e-9);
   player.setSpeed(1000.0);
   CHECK(player.speed() == Player::kFastest);
@@ -198,7 +198,7 @@ TEST_CASE("player: time, speed, steps and both ends", "[player]") {
   player.advance(1.0);
   CHECK(player.position() == 699);
   CHECK_FALSE(player.playing());
-  player.setPlaying(true);  // at the end: anew
+  player.setPlaying(true);  // at the end it starts again
   CHECK(player.position() == 0);
   player.step(100);
   CHECK(player.position() == 100);
@@ -216,7 +216,7 @@ TEST_CASE("player: time, speed, steps and both ends", "[player]") {
 TEST_CASE("player: ticks that were lost and chunks that are damaged are gaps", "[player]") {
   const test::TemporaryFolder folder;
   Run run;
-  // A disk that is full until the recorder has lost ticks.
+  // The disk is full until the recorder has lost ticks.
   test::Disk disk(20000);
   Recorder recorder([&](const char* bytes, std::size_t size) { return disk.write(bytes, size); }, "a disk", run.header,
                     *run.tick);
@@ -238,7 +238,7 @@ TEST_CASE("player: ticks that were lost and chunks that are damaged are gaps", "
     CHECK(player.frame().record.tick == kept - 1);
     player.seek(static_cast<double>(kept));
     CHECK(player.gap() == result.lost);
-    CHECK(player.frame().record.tick == kept - 1);  // what was last seen
+    CHECK(player.frame().record.tick == kept - 1);  // the last tick seen
     CHECK(std::isnan(player.samples(static_cast<std::int64_t>(kept), 1)[0].gap));
     player.step(-1);
     CHECK(player.frame().record.tick == kept - 1);
@@ -248,14 +248,14 @@ TEST_CASE("player: ticks that were lost and chunks that are damaged are gaps", "
     CHECK(sameFrame(player.frame(), run));
     player.step(-1);
     CHECK(player.frame().record.tick == kept - 1);
-    player.setPlaying(true);  // through it, as long as it was
+    player.setPlaying(true);  // through the gap, with its duration
     player.advance(1e-3 * static_cast<double>(result.lost));
     CHECK(player.gap() > 0);
     player.advance(2.5e-3);
     CHECK(player.gap() == 0);
   }
 
-  // The third chunk damaged, and the file cut within its last one.
+  // The third chunk is damaged, and the file is cut within its last one.
   Run other;
   record(other, folder / "cut.rec", 1000);
   std::string bytes = test::readFile(folder / "cut.rec");
@@ -311,7 +311,7 @@ TEST_CASE("player: what is no recording, of another device, without ticks, not f
   player.seek(300.0);
   const Frame& frame = player.frame();
   CHECK(frame.record.status == Status::notFinite);
-  CHECK(frame.record.pose.position == broken.poses[299].position);  // where the tool was last seen
+  CHECK(frame.record.pose.position == broken.poses[299].position);  // the last known position of the tool
   CHECK(std::isfinite(frame.record.normalForce));
   player.seek(0.0);
   while (player.jump(true) && player.position() < 300) continue;
@@ -323,7 +323,7 @@ TEST_CASE("player: what is no recording, of another device, without ticks, not f
   CHECK_THROWS_WITH(player.frame(), test::ContainsSubstring("broken.rec: was changed while it was played"));
 }
 
-// ENAMEL_LONG=1: ten minutes. Times and memory are reported, not judged.
+// ENAMEL_LONG=1: ten minutes. Times and memory are only reported.
 TEST_CASE("player: any place of a long recording", "[player]") {
   const test::TemporaryFolder folder;
   const int ticks = test::count(2000, 600000);

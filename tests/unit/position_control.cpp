@@ -1,4 +1,4 @@
-// The contact-space servo: what it promises in a tick.
+// Position control: its guarantees within a tick.
 #include "enamel/render/position_control.hpp"
 
 #include <cmath>
@@ -55,7 +55,7 @@ struct Hand {
   }
 };
 
-// The same that also keeps the TCP above the origin.
+// The same, but it also keeps the TCP above the origin.
 struct FirmHand {
   double force;
   Vec6 operator()(double, const Pose& pose, const Vec6& twist) const noexcept {
@@ -83,8 +83,8 @@ WallScore evaluate(const WallDesignSetup& setup) {
 
 constexpr double kRamp[] = {25e-6, 60e-6, 120e-6, 220e-6}, kBounce = 0.2e-3;  // m
 
-// The bars of the wall: K_z1, chatter, bounce, ramp. The paper's law has 20 kN/m here without delay and is unstable
-// from 2 ticks on.
+// The limits on the wall: K_z1, chatter, bounce, ramp. The paper's controller has 20 kN/m here without delay and is
+// unstable from 2 ticks on.
 TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[position_control]") {
   const double stiffness[] = {200e3, 70e3, 34e3, 18e3};
   for (int delay = 0; delay <= 3; ++delay)
@@ -95,10 +95,10 @@ TEST_CASE("the servo is stiff at every delay, with every inertia, and quiet", "[
       INFO("delay " << delay << ", inertia wrong by " << error << ": " << s.stiffness << " N/m, chatter " << s.chatter
                     << ", bounce " << s.bounce << ", ramp " << s.ramp);
       CHECK(s.lost == 0);
-      // The bar is 1, of 20 runs a point in a study; the mean of nine at the worst point varies by some percent.
+      // The goal is 1 for 20 runs per point of a study; the mean of nine at the worst point varies by a few per cent.
       CHECK(s.stiffness > (error > 0.0 ? 0.85 : 0.95) * stiffness[delay]);
-      CHECK(s.chatter < 0.1);                   // the bar is 0.05; its largest of a few dozen runs varies that much
-      if (error > 0.0 && delay >= 2) continue;  // below
+      CHECK(s.chatter < 0.1);                   // the goal is 0.05; the largest of a few dozen runs varies
+      if (error > 0.0 && delay >= 2) continue;  // checked below
       CHECK(s.bounce < kBounce);
       CHECK(s.ramp < kRamp[delay]);
     }
@@ -114,7 +114,7 @@ TEST_CASE("a random delay loses no run", "[position_control]") {
     INFO(r.low << " to " << r.high << " ticks: deepest " << s.deepest << ", chatter " << s.chatter << ", ramp "
                << s.ramp);
     CHECK(s.lost == 0);
-    // A law that goes by the mean of the commands that wait hops: 0.15 N m and 0.5 mm.
+    // A controller based on the mean of the pending commands hops: 0.15 N m and 0.5 mm.
     CHECK(s.chatter < 0.08);
     CHECK(s.ramp < r.ramp);
   }
@@ -131,7 +131,7 @@ TEST_CASE(
     CHECK(s.bounce < kBounce);
     CHECK(s.ramp < kRamp[delay]);
   }
-  // The bar for 0 to 3 ticks is 0.8 mm, of 1000 runs; a later command lets the tool go deeper by its square.
+  // The limit for 0 to 3 ticks is 0.8 mm, for 1000 runs; with a later command the depth grows with its square.
   CHECK(evaluate(setupFor(0, 3)).deepest < 0.85e-3);
   CHECK(evaluate(setupFor(1, 2)).deepest < 0.6e-3);
   CHECK(evaluate(setupFor(2, 5)).deepest < 2e-3);
@@ -163,11 +163,11 @@ TEST_CASE("a design's evaluation sees a tool slide off a ball", "[position_contr
   }
 }
 
-// What the renderer has learnt of a plant that is heavier by `factor` than its model, under a hand of 1 N that trembles
-// by 0.5 N.
+// Mass that the renderer has learnt of a plant that is heavier by `factor` than its model. The hand presses with 1 N
+// and a tremor of 0.5 N.
 struct Learnt {
-  double share, mean;  // mass of the model over the plant's: true, and learnt on the average
-  int within, runs;    // runs whose interval of 95 % has the true one
+  double share, mean;  // model's mass / plant's mass: true, and learnt on average
+  int within, runs;    // runs whose 95 % interval contains the true value
 };
 Learnt learn(double factor, int late) {
   const auto model = tau();
@@ -192,12 +192,12 @@ Learnt learn(double factor, int late) {
     const PositionControlState state = servo.state();
     learnt.mean += 1.0 / state.mass / learnt.runs;
     learnt.within += std::abs(std::log(state.mass * learnt.share)) < 1.96 * state.deviation;
-    CHECK(state.deviation < 0.2);  // 0.3 before it has touched anything
+    CHECK(state.deviation < 0.2);  // 0.3 before the first contact
   }
   return learnt;
 }
 
-// Encoder counts, which the servo answers, pass for a lighter device; not what a random delay makes of commands.
+// The servo's reaction to encoder counts looks like a lighter device; the effect of a random delay does not.
 double tolerance(int late) { return late == 0 ? 0.12 : 0.06; }
 
 TEST_CASE("the servo learns how heavy the device is", "[position_control]") {
@@ -223,7 +223,7 @@ TEST_CASE("the servo learns a heavier device (expected failure until the control
   }
 }
 
-// Counts flicker, the servo answers, and nothing else moves: it would pass for the lightest device of the range.
+// Counts flicker, the servo reacts, and nothing else moves: this would look like the lightest possible device.
 TEST_CASE("a tool at rest does not teach the servo a wrong inertia", "[position_control]") {
   const auto device = tau();
   for (const double noise : {0.0, 0.1}) {
@@ -253,12 +253,12 @@ TEST_CASE("the servo never pulls, pushes along the normal only, and lets the too
     TickRecord tick;
     double tangential = 0.0, pressed = 0.0, squares = 0.0, speed = 0.0;
     for (int i = 0; i < 600; ++i) {
-      // Pressed with 10 N and drawn along at up to 0.1 m/s, then drawn off.
+      // Pressed with 10 N and pulled along at up to 0.1 m/s, then pulled off.
       const Vec3 drag = i < 100 ? Vec3::Zero() : Vec3(20.0 * (0.1 - along.dot(tick.twist.head<3>())) * along);
       const Hand hand{i < 500 ? Vec3(-10.0 * std::min(1.0, i / 50.0) * normal + drag) : Vec3(1.0 * normal)};
       REQUIRE(loop.tick(hand, tick) == Status::ok);
       const double force = normal.dot(tick.rendered.head<3>());
-      CHECK(force > -1e-3);  // the gravity of rounded joint angles
+      CHECK(force > -1e-3);  // gravity of rounded joint angles
       if (i >= 200 && i < 500) {
         tangential += (tick.rendered.head<3>() - force * normal).norm();
         pressed += force;
@@ -269,14 +269,14 @@ TEST_CASE("the servo never pulls, pushes along the normal only, and lets the too
     CHECK(tangential < 1e-3 * pressed);
     CHECK(std::sqrt(squares / 300.0) < 10e-6);
     CHECK(speed > 0.05);
-    CHECK(tick.nearest.gap > 1e-3);  // it let go
+    CHECK(tick.nearest.gap > 1e-3);  // it was released
     CHECK(tick.mode == RenderMode::free);
   }
 }
 
 TEST_CASE("friction holds below its limit and drags above it", "[position_control]") {
   const auto device = tau();
-  for (const double pull : {2.0, 4.0}) {  // of 10 N pressed, mu_s = 0.3: sticks, slides
+  for (const double pull : {2.0, 4.0}) {  // pressed with 10 N, mu_s = 0.3: it sticks, then slides
     PositionControlRenderer servo(optionsFor(*device, 0));
     VirtualLoop loop(*device, *device, servo, loopWith(wallOf(HUGE_VAL, 0.3, 0.25), 0));
     TickRecord tick;
@@ -347,7 +347,7 @@ TEST_CASE("a surface that is lowered is followed, one that vanishes has no force
   CHECK(output.torque.isApprox(input.kinematics.gravity));
   input.time += kPeriod;
   input.contacts.count = 0;
-  CHECK(servo.step(input, output) == Status::outOfRange);  // rows of another number of contacts
+  CHECK(servo.step(input, output) == Status::outOfRange);  // the number of rows differs from that of the contacts
   REQUIRE(fillContactRows(input) == Status::ok);
   REQUIRE(servo.step(input, output) == Status::ok);
   CHECK(output.mode == RenderMode::free);
@@ -369,13 +369,13 @@ TEST_CASE("walls that face each other too near by micrometres do not hold the to
   TickRecord tick;
   double largest = 0.0;
   int contact = 0;                 // ticks
-  for (int i = 0; i < 300; ++i) {  // drawn out between the walls with 2 N
+  for (int i = 0; i < 300; ++i) {  // pulled out between the walls with 2 N
     REQUIRE(loop.tick(Hand{{0.0, 0.0, i < 200 ? 0.0 : 2.0}}, tick) == Status::ok);
     largest = std::max(largest, tick.normalForce);
     contact += tick.mode == RenderMode::contact;
   }
   CHECK(contact > 250);
-  CHECK(largest < 10.0);  // it was some 200 N, and the tool stuck
+  CHECK(largest < 10.0);  // it was about 200 N, and the tool stuck
   CHECK(tick.pose.position.z() > 5e-3);
 }
 

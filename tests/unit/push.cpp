@@ -25,7 +25,7 @@ TEST_CASE("the reference runs are reproduced to 1 nm at every tick", "[push]") {
       worst = std::max(worst, std::abs(ticks[i].pose.position.z() - run.z[i]));
       torque = torque.cwiseMax(ticks[i].torque.cwiseAbs());
     }
-    CHECK(worst < 1e-9);  // measured: 7e-12 m (servo), 2e-10 m (impedance; the reference takes four steps a tick)
+    CHECK(worst < 1e-9);  // measured: 7e-12 m (servo), 2e-10 m (impedance; the reference takes four steps per tick)
     CHECK(test::relativeError(Vec6(torque), run.largestTorque) < 1e-6);
   }
 }
@@ -48,7 +48,7 @@ TEST_CASE("the wall's metrics at home are those of the specification", "[push]")
 }
 
 TEST_CASE("an arm brings its push late, and what its own stiffness leaves of it", "[push]") {
-  // Against a tool that does not move, in ticks and in steps a thousandth as long.
+  // Compare ticks with steps a thousandth as long, for a tool that does not move.
   MovingArm arm(kArm), fine(kArm);
   double late = 0.0;
   for (int tick = 0; tick < 3000; ++tick) {
@@ -57,7 +57,7 @@ TEST_CASE("an arm brings its push late, and what its own stiffness leaves of it"
     if (tick == 5) CHECK(arm.push(0.0, 0.0) < 6.0);
     if (tick < 100) late = std::max(late, std::abs(arm.push(0.0, 0.0) - fine.push(0.0, 0.0)));
   }
-  CHECK(late < 0.03 * 12.0);  // half a tick of its fastest turn, 60 rad/s
+  CHECK(late < 0.03 * 12.0);  // half a tick of its fastest mode, 60 rad/s
   const double rest = 12.0 * kArm.grip.stiffness / (kArm.grip.stiffness + kArm.stiffness);
   CHECK(arm.push(0.0, 0.0) == Approx(rest).epsilon(1e-9));
 
@@ -90,7 +90,7 @@ TEST_CASE("scenario 2: the hand arrives where its force is F_c", "[push]") {
     CHECK(velocity == Approx(handMotion(force, t).velocity).margin(1e-9));
     CHECK(acceleration == Approx(t < 1.45 ? -a : t < 1.55 ? 0.0 : a).margin(1e-9));
   }
-  // Against a wall that holds, the spring's force at rest is F_c to within the penetration over 275 mm.
+  // Against a rigid wall, the spring's force at rest is F_c, except for the penetration over 275 mm.
   const TauMechanism device(test::nominal());
   HoldRenderer hold = test::holdRenderer();
   PushSetup setup;
@@ -135,7 +135,7 @@ TEST_CASE("motors: constant delays shift, random ones draw from the queue", "[pu
     REQUIRE(delay <= 3);
     ++seen[delay];
   }
-  for (const int count : seen) CHECK(count == Approx(1000).margin(140));  // 5 standard deviations of a binomial
+  for (const int count : seen) CHECK(count == Approx(1000).margin(140));  // 5 standard deviations (binomial)
 }
 
 TEST_CASE("encoders: rounding, differences, and the low pass settles on the rate", "[push]") {
@@ -186,7 +186,7 @@ TEST_CASE("the same seed gives the same bits, another one does not", "[push]") {
   PushSetup setup;
   setup.duration = 1.2;
   setup.delay = {0, 3};
-  setup.guarded = false;  // it stops this loop
+  setup.guarded = false;  // the guard would stop this loop
   setup.encoders = {true, RateSource::lowPass, 100.0};
   const auto record = [&](std::uint64_t seed, std::uint32_t run) {
     setup.seed = seed;
@@ -203,7 +203,7 @@ TEST_CASE("the same seed gives the same bits, another one does not", "[push]") {
 }
 
 TEST_CASE("a default-length run allows the default integration step", "[push]") {
-  // One Runge-Kutta step a tick against eight: the plant is slow between ticks.
+  // One Runge-Kutta step per tick compared with eight: the plant is slow between ticks.
   const TauMechanism device(test::nominal());
   std::vector<TickRecord> runs[2];
   for (const int substeps : {1, 8}) {
@@ -221,7 +221,7 @@ TEST_CASE("a default-length run allows the default integration step", "[push]") 
 
 namespace {
 
-// A tool that moves along z as told: depth and rate of the gap at each tick.
+// A tool that moves along z as specified: depth and rate of the gap at each tick.
 PushMetrics metricsOf(const PushSetup& setup, const std::function<void(TickRecord&, double t)>& move,
                       double limit = 0.0) {
   MetricsCollector collector(setup, limit);
@@ -244,7 +244,7 @@ PushMetrics metricsOf(const PushSetup& setup, const std::function<void(TickRecor
 TEST_CASE("metrics of a hand-made record", "[push]") {
   PushSetup setup;
   setup.hand.force = 10.0;
-  // From 0.2 mm deep it goes to 1.2 mm within 10.4 ms and back to 0.7 mm, along two half cosines.
+  // From 0.2 mm deep it moves to 1.2 mm within 10.4 ms and back to 0.7 mm, along two half cosines.
   const double turn = 10.4e-3;
   const auto gap = [turn](double t) {
     if (t <= 0.0) return -0.2e-3;
@@ -262,8 +262,8 @@ TEST_CASE("metrics of a hand-made record", "[push]") {
     t.status = t.tick == 7 ? Status::stale : Status::ok;
   };
   const PushMetrics m = metricsOf(setup, move, 40e3);
-  // The turn lies between two ticks, of which the deeper is 2.6e-6 m higher. The acceleration jumps there by a half,
-  // which the cubic does not know of: 1.6e-7 m.
+  // The turn is between two ticks; the deeper one is 2.6e-6 m higher. The acceleration jumps there by a half, which the
+  // cubic does not contain: 1.6e-7 m.
   CHECK(m.verdict == FirstImpactVerdict::measured);
   CHECK(*m.firstDepth == Approx(1e-3).margin(3e-7));
   CHECK(*m.firstStiffness == Approx(10.0 / *m.firstDepth));
@@ -296,7 +296,7 @@ TEST_CASE("a push without a first impact stiffness says why", "[push]") {
     CHECK(m.firstDepth.has_value() == m.firstStiffness.has_value());
     return m.verdict;
   };
-  // A damped oscillation about 1 mm that dies out, or does not.
+  // A damped oscillation about 1 mm that decays, or does not.
   const auto oscillation = [](double decay) {
     return [decay](TickRecord& t, double since) {
       if (since <= 0.0) return;
@@ -319,18 +319,18 @@ TEST_CASE("a push without a first impact stiffness says why", "[push]") {
           oscillation(20.0)(t, since);
           t.saturated = since > 0.0;
         }) == FirstImpactVerdict::unstable);
-  // A bounce above the rest is no return from the wall.
+  // A bounce above the rest position is not a return from the wall.
   const auto bounce = [](TickRecord& t, double since) {
     if (since > 0.0) t.nearest.gap = 1e-3 * (1.2 - std::cos(100.0 * since)), t.gapRate = 0.1 * std::sin(100.0 * since);
   };
   CHECK(verdictOf(bounce) == FirstImpactVerdict::noReturn);
-  CHECK(metricsOf(setup, bounce).bounce == Approx(2.2e-3).epsilon(1e-3));  // the ticks pass its top within 5 mrad
+  CHECK(metricsOf(setup, bounce).bounce == Approx(2.2e-3).epsilon(1e-3));  // ticks are within 5 mrad of its top
   setup.hand.scenario = 2;
   CHECK(verdictOf(oscillation(20.0)) == FirstImpactVerdict::noStep);
 }
 
 TEST_CASE("first impact: exact for the motions between ticks, whatever the phase of the ticks", "[push]") {
-  // Constant acceleration within each tick: the cubic is the motion itself.
+  // Constant acceleration within each tick: the cubic equals the motion.
   for (const double phase : {0.0, 0.1, 0.37, 0.5, 0.83, 0.999}) {
     const double v0 = -0.02, a = 30.0, h = 1e-3;  // turns after 0.67 ms, 6.67 um deep
     const auto z = [&](double t) { return v0 * t + 0.5 * a * t * t; };
@@ -343,16 +343,16 @@ TEST_CASE("first impact: exact for the motions between ticks, whatever the phase
     REQUIRE(turned);
     CHECK(impact.depth() == Approx(0.5 * v0 * v0 / a).epsilon(1e-12));
   }
-  // From its rest: one that turns above is no impact.
+  // Relative to its rest: a turn above it is not an impact.
   FirstImpact above(-1e-3);
   CHECK_FALSE(above.add(-0.5e-3, -0.1, -0.5e-3, 0.1, 1e-3));
   CHECK(above.add(-1.5e-3, -0.1, -1.5e-3, 0.1, 1e-3));
   CHECK(above.depth() > 0.5e-3);
-  CHECK_FALSE(above.add(-9e-3, -0.1, -9e-3, 0.1, 1e-3));  // only the first counts
+  CHECK_FALSE(above.add(-9e-3, -0.1, -9e-3, 0.1, 1e-3));  // only the first one counts
 }
 
 TEST_CASE("first impact on the device agrees with a push of finer steps", "[push]") {
-  // Sixteen integration steps a tick, and the deepest of all of them, against the cubic between the ticks.
+  // The deepest of sixteen integration steps per tick, compared with the cubic between the ticks.
   const TauMechanism device(test::nominal());
   for (const int delay : {0, 1}) {
     PushSetup setup;
@@ -364,7 +364,7 @@ TEST_CASE("first impact on the device agrees with a push of finer steps", "[push
     (void)runPush(device, renderer, setup, [&](const TickRecord& t) { collector.add(t); });
     const double coarse = collector.metrics().firstDepth.value_or(0.0);
 
-    // The same torques and force, tick by tick, on a plant that is looked at 64 times a tick.
+    // The same torques and force, tick by tick, on a plant that is sampled 64 times per tick.
     DeviceState state;
     double deepest = 0.0;
     bool returned = false;  // by a tenth: with a delay of 1 the tool halts on its way in
@@ -427,7 +427,7 @@ TEST_CASE("a tool that is held and touches 60 mm from the TCP", "[push]") {
                 collector.add(t);
                 last = t;
               }).status == Status::ok);
-      // The hand's force is along the normal; its moment about the TCP that of the tip's lever.
+      // The hand's force is along the normal; its moment about the TCP is that of the tip's lever.
       const Vec3 lever = last.pose.rotation * tip,
                  moment = last.handWrench.tail<3>() - lever.cross(last.handWrench.head<3>());
       CHECK(-last.handWrench[2] == Approx(setup.hand.force).margin(1e-9));
@@ -435,14 +435,15 @@ TEST_CASE("a tool that is held and touches 60 mm from the TCP", "[push]") {
       return collector.metrics();
     };
     ImpedanceRenderer spring({3000.0, 30.0});
-    CHECK(metricsOf(spring).steadyDepth == Approx(12.0 / 3000.0).epsilon(0.02));  // the mean over 2 s, the way in too
+    CHECK(metricsOf(spring).steadyDepth == Approx(12.0 / 3000.0).epsilon(0.02));  // a mean over 2 s, with the way in
     PositionControlRenderer servo = test::positionControl(device, 0, 0);
     const PushMetrics metrics = metricsOf(servo);
     CHECK(metrics.verdict == FirstImpactVerdict::measured);
     if (tip.x() < 0.05) CHECK(metrics.largestDepth < 0.2e-3);
     REQUIRE(metrics.limitShare);
     CHECK(*metrics.limitShare > 0.8);
-    // The hand damps turns, with 4 N s/m at the tip, which the limit does not know: some 6 % of 0.03 kg in a tick.
+    // The hand damps rotations, with 4 N s/m at the tip, which the limit does not include: about 6 % of 0.03 kg in a
+    // tick.
     CHECK(*metrics.limitShare < 1.1);
   }
 }

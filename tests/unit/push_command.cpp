@@ -21,12 +21,12 @@ std::string push(const std::string& arguments) {
   return "push --device '" + test::deviceFile("tau-nominal.toml") + "' " + arguments;
 }
 
-// What a push prints on stdout alone; stderr goes into a file.
+// Return the stdout of a push; stderr goes to a file.
 test::CommandResult printed(const std::string& arguments, const std::string& errors = "/dev/null") {
   return test::runCommand("{ '" ENAMEL_TOOL "' " + push(arguments) + " 2>'" + errors + "'; }");
 }
 
-// Pushes with options that push refuses, each with what it must say.
+// Push with options that are refused, each with the required message.
 void refuses(const std::vector<std::pair<std::string, std::string>>& cases) {
   for (const auto& [options, message] : cases) {
     const auto result = run(push(options));
@@ -36,7 +36,7 @@ void refuses(const std::vector<std::pair<std::string, std::string>>& cases) {
   }
 }
 
-// One column of a CSV file by its name.
+// Return a column of a CSV file by its name.
 std::vector<std::string> column(const std::string& text, const std::string& name) {
   std::istringstream lines(text);
   std::string line, cell;
@@ -91,7 +91,7 @@ TEST_CASE("push: plants by name", "[push_command]") {
   CHECK(imperfect == Approx(closed).epsilon(0.2));
   CHECK(stiffness("imperfect --seed 2") != imperfect);
   CHECK(run(device + "ideal").status != 0);
-  // Ticks at which nothing came from the device are none of a recording.
+  // Ticks without a sample of the device are missing in a recording.
   const test::TemporaryFolder folder;
   REQUIRE(run(device + "imperfect --record '" + (folder / "imperfect.rec") + "'").status == 0);
   CHECK_THAT(run("replay '" + (folder / "imperfect.rec") + "'").output, ContainsSubstring("equal, bit for bit"));
@@ -124,7 +124,7 @@ TEST_CASE("push: metrics under one name each as a table and as JSON, all rendere
     for (const Metric& metric : allMetrics()) {
       INFO(renderer << ": " << metric.symbol);
       REQUIRE(of.at(keyOf(metric)).is_number());
-      // The table's row: symbol, unit and both values as they are printed.
+      // The table's row: symbol, unit and both values as printed.
       std::istringstream lines(table.output);
       std::string line, found;
       while (std::getline(lines, line))
@@ -135,7 +135,7 @@ TEST_CASE("push: metrics under one name each as a table and as JSON, all rendere
       CHECK_THAT(found, ContainsSubstring(value));
     }
   }
-  // The paper's figures stand beside the paper's renderers alone.
+  // The paper's values are shown only beside the paper's renderers.
   const std::string row = table.output.substr(table.output.find("\nK_z1"), 170);
   CHECK(row.find("lowest 17.2") > 56 + 34 + 18);
   CHECK(metrics.at("hold").at("K_z1 [N/m]").get<double>() == Approx(27e3).epsilon(0.05));
@@ -246,7 +246,7 @@ TEST_CASE("push: position control, linked and as a plugin, is told of the plant'
   const std::string detailed = "tau-detailed.toml", ideal = plugin + "--set drive=ideal ",
                     rigid = plugin + "--set drive=rigid ";
   CHECK((ticks(detailed, ideal) == ticks(detailed, "")));
-  // Told of cables that the plant does not have, it gives energy.
+  // Configured for cables that the plant does not have, it gives energy.
   CHECK((ticks(detailed, "--guard off " + plugin) != ticks(detailed, "--guard off")));
   CHECK((ticks(detailed, "--plant imperfect-stiff " + rigid) == ticks(detailed, "--plant imperfect-stiff")));
   CHECK((ticks(detailed, "--plant imperfect " + plugin) == ticks(detailed, "--plant imperfect")));
@@ -305,7 +305,7 @@ TEST_CASE("push: a preload, and a step inside its tick", "[push_command]") {
   REQUIRE(plain.size() == 1300);
   CHECK(plain[999] == 0.0);
   CHECK(inside[999] == 0.0);
-  // At the beginning of its tick the step has not come yet; every other number of the person is as without.
+  // At the beginning of its tick the step has not come yet; every other value of the person is unchanged.
   CHECK(inside[1000] == Approx(plain[1000] - 12.0).margin(1e-12));
   for (std::size_t i = 1001; i < plain.size(); ++i) REQUIRE(inside[i] == plain[i]);
   double sum = 0.0;
@@ -321,7 +321,8 @@ TEST_CASE("push and design on other mechanisms: as many columns as joints, in th
            {"cartesian-3.toml", "q1 [m],q2 [m],q3 [m],tau1 [N],tau2 [N],tau3 [N],mode"}}) {
     INFO(file);
     const std::string device = "--device '" + test::deviceFile(file) + "' --force 2 ";
-    // The built-in weights make a wall of some 100 N/m on these: the guard takes what it gives back for energy made.
+    // With the built-in weights these devices have walls of about 100 N/m: the guard counts returned energy as
+    // generated.
     const auto ticks = [&](const std::string& options) {
       const auto result = run("push " + device + "--guard off --duration 1.1 --overwrite --output '" +
                               (folder / "run.csv") + "' " + options);
@@ -364,13 +365,13 @@ TEST_CASE("push: what one renderer reached outlives the failure of another", "[p
     CHECK(metrics.size() == 1);
     CHECK(metrics.contains("hold"));
   }
-  // A run that ends early is a failure too, and says when.
+  // A run that ends early is a failure too, with its time.
   const auto lost = run(push("--renderer impedance,position-control --stiffness 40000 --guard off"));
   INFO(lost.output);
   CHECK(lost.status == 1);
   CHECK_THAT(lost.output,
              ContainsSubstring("impedance: the device left its workspace at ") && ContainsSubstring("K_z1"));
-  // Off a tooth's slope, which a spring does not hold.
+  // It slips off a tooth's slope, which a spring does not hold.
   const auto slid = run(push("--renderer impedance --scene '" ENAMEL_SOURCE_DIR "/data/scenes/molar.toml'"));
   CHECK(slid.status == 1);
   CHECK_THAT(slid.output, ContainsSubstring(" mm from the start at ") &&
@@ -409,7 +410,7 @@ TEST_CASE("push: the same seed gives the same file, eq. 16 is warned about", "[p
     return result.output.find("enamel: warning: ") != std::string::npos;
   };
   CHECK(warned(""));
-  CHECK(warned("--device-damping 3"));  // equal is not enough
+  CHECK(warned("--device-damping 3"));  // equality is not enough
   CHECK_FALSE(warned("--device-damping 4"));
   CHECK(warned("--device-damping 4 --stiffness 9000"));
   CHECK(warned("--device-damping 4 --damping 2"));
@@ -457,7 +458,7 @@ TEST_CASE("push: errors are one line and the status is not 0", "[push_command]")
   CHECK_THAT(run("push --device none.toml").output, ContainsSubstring("enamel: none.toml"));
 }
 
-// Commands that come at random and coarse encoders make the tool hop by 0.1 mm: it must not walk off with the hops.
+// Random delays and coarse encoders make the tool hop by 0.1 mm: the hops must not carry it away.
 TEST_CASE("a tool that hops stays on the tooth", "[push_command]") {
   const std::string molar = " --scene '" ENAMEL_SOURCE_DIR "/data/scenes/molar.toml' --encoders --preload 1";
   const std::string delta =
@@ -470,7 +471,7 @@ TEST_CASE("a tool that hops stays on the tooth", "[push_command]") {
       const std::string name = "drift, across the normal [mm]";
       const std::size_t at = result.output.find(name);
       REQUIRE(at != std::string::npos);
-      // 0.1 to 0.2 mm; with a grip that forgets in every hop 31 to 47.
+      // 0.1 to 0.2 mm; with a grip that is reset by every hop 31 to 47.
       CHECK(std::stod(result.output.substr(at + name.size())) < 1.0);
     }
 }

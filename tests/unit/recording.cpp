@@ -1,5 +1,5 @@
-// Recordings: every field there and back, replay bit for bit from any chunk, disks that are full or slow, files that
-// were cut or changed, processes that were killed. ENAMEL_LONG=1: 1e5 changed files.
+// Recordings: every field survives, replay is exact from any chunk. Disks that are full or slow, files that were cut or
+// changed, processes that were killed. ENAMEL_LONG=1: 1e5 changed files.
 #include "enamel/runtime/recording.hpp"
 
 #include <fcntl.h>
@@ -29,7 +29,7 @@ namespace enamel::test_recording {
 
 namespace {
 
-constexpr std::size_t kHead = 24, kChunkHead = 32, kTick = 320;  // bytes, as the page has them
+constexpr std::size_t kHead = 24, kChunkHead = 32, kTick = 320;  // bytes, as on the page
 
 std::uint32_t wordAt(const std::string& bytes, std::size_t at) {
   std::uint32_t word;
@@ -41,7 +41,7 @@ void setWord(std::string& bytes, std::size_t at, std::uint32_t word) {
   std::memcpy(bytes.data() + at, &word, sizeof(word));
 }
 
-// Of a recording with a state of `state` bytes.
+// Return the size of a chunk whose state has `state` bytes.
 std::size_t chunkSize(std::size_t state) { return kChunkHead + (state + 7) / 8 * 8 + kChunkTicks * kTick; }
 
 // A device, a wall and a spring.
@@ -80,7 +80,7 @@ ReplayResult replayed(const std::string& file, std::uint64_t from = 0) {
   return replay(reader, tick, from);
 }
 
-// A recording of a rig, as bytes.
+// Return a recording of a rig as bytes.
 std::string recorded(const test::TemporaryFolder& folder, int ticks) {
   const std::string file = folder / "made.rec";
   std::filesystem::remove(file);
@@ -134,7 +134,7 @@ TEST_CASE("recording: every field there and back", "[recording]") {
       const bool reset = i == 100;
       if (reset) rig.tick.reset();
       Status status = rig.step();
-      if (i == 40 || i == 200) {  // what no device should tell
+      if (i == 40 || i == 200) {  // values that no device should report
         Measurement& m = rig.measurement;
         m.time += 1e-4;
         m.q = JointVector::Constant(7, -0.0);
@@ -209,7 +209,7 @@ TEST_CASE("recording: every field there and back", "[recording]") {
   }
   CHECK(seen == kept.size());
   CHECK_THROWS_AS(reader.read(3, chunk), Error);
-  // The header has nothing but ASCII of its own; what is no UTF-8 in a path is replaced, and no recording written over.
+  // The header is ASCII; invalid UTF-8 in a path is replaced. No recording is overwritten.
   CHECK_THROWS_WITH(Recorder(file, header, rig.tick),
                     test::ContainsSubstring("a.rec") && test::ContainsSubstring("exists"));
 }
@@ -264,7 +264,7 @@ TEST_CASE("recording: a push replays bit for bit, from every chunk, and another 
   CHECK(run(spring, 1).different > 0);
   CHECK_THROWS_AS(run(servo, chunks), Error);
 
-  // One bit of one measurement: told at its tick.
+  // One bit of one measurement: reported at its tick.
   std::string bytes = test::readFile(file);
   const std::size_t size = chunkSize(RecordingReader(file).header().stateSize), header = wordAt(bytes, 12);
   const std::size_t chunk = kHead + header + 2 * size;
@@ -296,7 +296,7 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
   const std::uint64_t first = recorder.lost();
   CHECK(first > 5000);
   disk.setRoom(std::size_t{1} << 30);
-  REQUIRE(test::eventually([&] {  // that a tick finds room again
+  REQUIRE(test::eventually([&] {  // until a tick finds room again
     rig.run(recorder, 1);
     return recorder.lost() < first + (rig.number - 10000);
   }));
@@ -317,7 +317,7 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
   CHECK(after.different == 0);
   CHECK(after.closed);
 
-  // Full to the end: as far as there was room, and what is missing is told.
+  // Full until the end: it is complete up to there, and missing ticks are reported.
   Rig other;
   test::Disk small(100000);
   Recorder full([&](const char* bytes, std::size_t size) { return small.write(bytes, size); }, "a disk", {},
@@ -331,7 +331,7 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
   const ReplayResult part = replayed(file);
   CHECK(part.ticks == lost.ticks);
   CHECK(part.different == 0);
-  CHECK(part.damaged == 1);  // what was cut off
+  CHECK(part.damaged == 1);  // the incomplete chunk
   CHECK_FALSE(part.closed);
 
   CHECK_THROWS_WITH(Recorder([](const char*, std::size_t) { return std::size_t{0}; }, "a disk", {}, other.tick),
@@ -343,7 +343,7 @@ TEST_CASE("recording: a full disk loses ticks, says so, and the rest replays", "
 TEST_CASE("recording: a loop on a device, with a fault and a reset, replays", "[recording]") {
   const test::TemporaryFolder folder;
   const std::string file = folder / "loop.rec";
-  // Every 300th measurement is missing for six ticks: late, a fault.
+  // Every 300th measurement is missing for six ticks: a fault, late.
   class Missing final : public HapticDevice {
    public:
     explicit Missing(HapticDevice& device) : device_(device) {}
@@ -399,8 +399,8 @@ TEST_CASE("recording: a disk that takes nothing for a while holds up no tick", "
       },
       "slow", {}, rig.tick);
   waits = true;
-  rig.run(recorder, 20000);                            // which ends, while the disk does not
-  CHECK(recorder.lost() == 20000 - 31 * kChunkTicks);  // the ring's room
+  rig.run(recorder, 20000);                            // the recording ends, but the disk still blocks
+  CHECK(recorder.lost() == 20000 - 31 * kChunkTicks);  // capacity of the ring
   waits = false;
   const RecordingResult result = recorder.close();
   CHECK(result.problem.empty());
@@ -518,7 +518,7 @@ TEST_CASE("recording: a changed file is refused or read, within memory and time"
       }
       if (bytes.size() < 8) break;
     }
-    // Half of them with checksums that fit: what a checksum hides.
+    // Half of them with valid checksums, to find errors that a checksum would hide.
     if (pick(2) == 0 && bytes.size() > kHead) {
       if (inHeader) setWord(bytes, 12, static_cast<std::uint32_t>(wordAt(good, 12) + bytes.size() - good.size()));
       const std::size_t text = std::min<std::size_t>(wordAt(bytes, 12), bytes.size() - kHead);

@@ -93,7 +93,7 @@ TEST_CASE("what a recording cannot be, and disks that are full", "[recording]") 
   CHECK(rest.status == 0);
   CHECK_THAT(rest.output,
              test::ContainsSubstring("it was not closed") && test::ContainsSubstring("equal, bit for bit"));
-  // A recording that was to be replaced stays whole; where there is room, it is replaced.
+  // If it cannot be replaced, the old recording remains complete; if there is room, it is replaced.
   const auto kept = test::runCommand("ulimit -f 300; '" ENAMEL_TOOL "' " + push + "'" + file + "' --overwrite");
   CHECK(kept.status == 1);
   CHECK_THAT(kept.output, test::ContainsSubstring("a.rec") && test::ContainsSubstring("File too large"));
@@ -149,7 +149,7 @@ TEST_CASE("a recording as CSV: a line a tick, as many cells as names", "[recordi
     REQUIRE(b < own[0].size());
     for (const std::size_t i : {1u, 700u, 1500u}) CHECK(rows[i][a] == own[i][b]);
   }
-  // The measured pose is the true one to an encoder's count.
+  // The measured pose equals the true one within an encoder count.
   for (const std::size_t i : {1u, 1200u, 1500u})
     CHECK(std::abs(std::stod(rows[i][column(rows, "z [m]")]) - std::stod(own[i][column(own, "z [m]")])) < 5e-5);
   CHECK(rows[0][column(rows, "rate2 [rad/s]")] == "rate2 [rad/s]");

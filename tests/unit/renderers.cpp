@@ -1,4 +1,4 @@
-// The renderers' laws, their states, and what they refuse.
+// The renderers' control laws, their states, and invalid inputs.
 #include <cstring>
 
 #include "enamel/core/error.hpp"
@@ -33,12 +33,12 @@ TEST_CASE("impedance: spring and damper along the normal, never pulling", "[rend
     twist[2] = speed;
     const TickFrame input = frameAt(device, poseAtDepth(depth), time, twist);
     REQUIRE(renderer.step(input, output) == Status::ok);
-    // Of the TAU's own functions, not of those that the renderer uses.
+    // From the TAU's own functions, not from those that the renderer uses.
     TauConfiguration c;
     REQUIRE(inverseKinematics(device.model(), input.kinematics.pose, c) == Status::ok);
     return wrenchFromTorques(device.model(), c, Vec6(output.torque) - gravityTorque(device.model(), c));
   };
-  // Forces pass through J^T and J^-T: a few hundred roundings.
+  // Forces pass through J^T and J^-T: a few hundred rounding errors.
   Vec6 expected = Vec6::Zero();
   expected[2] = 6000.0 * 1e-3 + 2.0 * 0.1;
   CHECK(relativeError(forceAt(1e-3, -0.1, 1.0), expected) < 1e-12);
@@ -92,7 +92,7 @@ TEST_CASE("position control: gravity in free space, the servo law in contact", "
   REQUIRE(inverseKinematics(model, outside.kinematics.pose, c) == Status::ok);
   CHECK(relativeError(Vec6(output.torque), gravityTorque(model, c)) < 1e-14);
 
-  // First touch at 0.1 mm: the measured angles become the reference, so only the rates count.
+  // First touch at 0.1 mm: the measured angles become the reference, so that only the rates count.
   Vec6 twist = Vec6::Zero();
   twist[2] = -0.05;
   const TickFrame touch = frameAt(device, poseAtDepth(1e-4), 1e-3, twist);
@@ -104,7 +104,7 @@ TEST_CASE("position control: gravity in free space, the servo law in contact", "
   CHECK(relativeError(Vec6(output.torque), expected) < 1e-13);
   CHECK(output.normalForce > 0.0);
 
-  // Deeper: the error counts; one tick later its integral too.
+  // Deeper: the error counts; one tick later its integral, too.
   const TickFrame deeper = frameAt(device, poseAtDepth(2e-4), 2e-3);
   const Vec6 error = deeper.kinematics.q - touch.kinematics.q;
   REQUIRE(renderer.step(deeper, output) == Status::ok);
@@ -132,10 +132,10 @@ TEST_CASE("position control: release ends the hold, and the next touch refers to
     return output.mode;
   };
   CHECK(tick(-1e-3, -0.1) == RenderMode::free);
-  // The reference is the touching pose projected to z = 0: at rest at 0.1 mm the wall pushes out.
+  // The reference is the pose of touch, projected to z = 0: at rest at 0.1 mm the wall pushes out.
   CHECK(tick(1e-4, 0.0) == RenderMode::contact);
   CHECK(output.normalForce > 0.5);
-  // Pulled 0.2 mm out, it would pull: released.
+  // Pulled 0.2 mm out, it would pull: it is released.
   CHECK(tick(-2e-4, 0.0) == RenderMode::free);
   CHECK(output.normalForce == 0.0);
   CHECK(tick(-1e-4, 0.0) == RenderMode::free);
@@ -160,7 +160,7 @@ TEST_CASE("position control: anti-windup stops the integrators while a motor sat
       CHECK(output.saturated);
       CHECK(output.torque.cwiseAbs().maxCoeff() <= test::nominal().motor.maxTorque);
     }
-    // Back at the reference only the integral is left.
+    // Back at the reference, only the integral remains.
     REQUIRE(renderer.step(frameAt(device, Pose{}, 0.01), output) == Status::ok);
     const double left = (output.torque - device.home().gravity).norm();
     CHECK((antiWindup ? left < 1e-12 : left > 0.1));
@@ -304,7 +304,7 @@ TEST_CASE("renderers: a bad configuration is refused", "[renderers]") {
 }
 
 TEST_CASE("renderers: a renderer's answer is checked as its input is", "[renderers]") {
-  // Answers what it is told, whatever that is.
+  // Returns what it is told.
   class Parrot final : public Renderer {
    public:
     JointVector torque = JointVector::Zero(6);
@@ -343,7 +343,7 @@ TEST_CASE("renderers: a renderer's answer is checked as its input is", "[rendere
   parrot.normalForce = -1e7;
   answer(Status::outOfRange);
   parrot.normalForce = 0.0;
-  // Beyond a motor's limit the wrench becomes smaller and keeps its direction.
+  // Above a motor's limit the wrench is scaled down and keeps its direction.
   const Kinematics& home = device.home();
   parrot.torque = staticTorque(home, 100.0 * Vec6::Unit(1));
   const TickOutput cut = answer(Status::ok);
@@ -406,7 +406,7 @@ TEST_CASE("renderers: state bytes from elsewhere never become a torque that cann
           std::memcpy(&bytes[at], &value, 8);
         }
       }
-      if (i % 4 < 2) std::memcpy(bytes.data(), fresh.data(), 8);  // the time of the last tick
+      if (i % 4 < 2) std::memcpy(bytes.data(), fresh.data(), 8);  // time of the last tick
       renderer->loadState(bytes.data());
       for (int tick = 0; tick < 3; ++tick) {
         TickOutput output;

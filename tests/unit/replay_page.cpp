@@ -1,4 +1,4 @@
-// enamel replay --html: a tooth that is drilled while it is recorded, run again, and played by a browser.
+// enamel replay --html: a tooth that is drilled during the recording, replayed, and played by a browser.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -38,7 +38,7 @@ cell = 0.0001
 [[obstacle.layer]]
 name = "force"
 hardness = 0.6e9
-)";  // named as another row of the page
+)";  // same name as another row of the page
 
 void writeBlock(const std::string& path) {
   std::ofstream file(path);
@@ -48,7 +48,7 @@ void writeBlock(const std::string& path) {
       << "f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\nf 4 8 6\n";
 }
 
-// The forces on the tool, N, and what was removed, m^3.
+// Forces on the tool, N, and removed volume, m^3.
 struct Run {
   std::vector<double> forces;
   double removed = 0.0;
@@ -123,7 +123,7 @@ TEST_CASE("what a bur has cut while it was recorded is cut again, and a browser 
   REQUIRE(made.status == 0);
   CHECK(std::filesystem::file_size(page) < 3000000);
   const std::string text = test::readFile(page);
-  // Nothing is asked for anywhere else.
+  // The page requests nothing from anywhere.
   CHECK_FALSE(std::regex_search(text, std::regex("<link|<script[^>]+src|@import|<img|<iframe")));
 
   const auto over = test::run("replay '" + recording + "' --html '" + recording + "'");
@@ -156,14 +156,14 @@ TEST_CASE("what a bur has cut while it was recorded is cut again, and a browser 
   CHECK(attribute(still, "time") == "0.8000");
   const auto shown = static_cast<std::size_t>(800 / kEvery * kEvery);
   REQUIRE(run.forces[shown] > 0.1);
-  // Numbers of a page are single precision.
+  // The page's numbers have single precision.
   CHECK(static_cast<float>(std::stod(attribute(still, "forces"))) == static_cast<float>(run.forces[shown]));
   char removed[32];
   std::snprintf(removed, sizeof(removed), "%.2f mm", 1e9 * run.removed);
   const std::string cut = open(page, "#t=1.49");
   CHECK_THAT(cut, test::ContainsSubstring(removed));
   CHECK_THAT(cut, !test::ContainsSubstring("<dd></dd>"));
-  // It plays: Chromium without a window draws as few pictures as it likes, at times none but the first.
+  // It plays: Chromium without a window draws few pictures, sometimes only the first.
   double time = 0.0;
   for (int i = 0; i < 30 && !(time > 0.0); ++i) time = std::stod(attribute(open(page, ""), "time"));
   CHECK(time > 0.0);

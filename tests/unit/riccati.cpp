@@ -22,8 +22,7 @@ struct System {
 };
 
 // Random sizes, Q of any rank, spectral radius up to about 3: stabilisable and detectable with probability one. At most
-// four states for an input: one input for nine unstable states makes P of 1e14, and the solver finds no gain to start
-// from.
+// four states per input: with one input for nine unstable states, P is 1e14, and the solver finds no initial gain.
 System randomSystem(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const Index m = 1 + static_cast<Index>(random() % 4), n = 1 + static_cast<Index>(random() % 4) * m;
@@ -35,7 +34,7 @@ System randomSystem(std::uint64_t seed) {
 
 RiccatiSolution solve(const System& s) { return solveRiccati(s.A, s.B, s.Q, s.R); }
 
-// Cost of u = -K x from x over many steps.
+// Return the cost of u = -K x from x over many steps.
 double costOf(const System& s, const MatrixXd& K, VectorXd x) {
   double cost = 0.0;
   for (int j = 0; j < 100000; ++j) {
@@ -62,13 +61,13 @@ TEST_CASE("random equations: residual, symmetry, P >= 0, stability") {
     const Long M = s.R.cast<long double>() + times(B.transpose(), times(P, B));
     const Long residual =
         times(A.transpose(), PA) - times(N.transpose(), M.ldlt().solve(N)) + s.Q.cast<long double>() - P;
-    // Rounding P by E leaves S^T E S - E with S = A - B K: n eps of these terms. 80 bits add their own 1e-16 or so.
+    // Rounding P by E leaves S^T E S - E with S = A - B K: n eps of these terms. 80 bits add about 1e-16.
     const MatrixXd S = (s.A - s.B * r.K).cwiseAbs();
     const double scale =
         product(product(S.transpose(), MatrixXd(r.P.cwiseAbs())), S).maxCoeff() + r.P.cwiseAbs().maxCoeff();
     CHECK(static_cast<double>(residual.cwiseAbs().maxCoeff()) < 1e-14 * scale);
     CHECK(r.P == r.P.transpose());
-    // Semidefinite but for rounding; the largest eigenvalue is not below any diagonal entry.
+    // Semidefinite except for rounding; the largest eigenvalue is not below any diagonal entry.
     const MatrixXd shift = 1e-13 * r.P.diagonal().maxCoeff() * MatrixXd::Identity(r.P.rows(), r.P.cols());
     CHECK((r.P + shift).llt().info() == Eigen::Success);
     CHECK(spectralRadius(s.A - s.B * r.K) < 1.0);
@@ -111,7 +110,7 @@ TEST_CASE("units of states, inputs and cost do not matter") {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed) + 3000);
     const VectorXd t = (10.0 * randomMatrix(random, s.A.rows(), 1)).array().exp();  // x = diag(t) z: 1e-4 to 1e4
     const VectorXd v = (10.0 * randomMatrix(random, s.B.cols(), 1)).array().exp();  // u = diag(v) w
-    const double c = 1e7;                                                           // cost in other money
+    const double c = 1e7;                                                           // cost in another unit
     const VectorXd ti = t.cwiseInverse(), vi = v.cwiseInverse();
     const System scaled{ti.asDiagonal() * s.A * t.asDiagonal(), ti.asDiagonal() * s.B * v.asDiagonal(),
                         c * (t.asDiagonal() * s.Q * t.asDiagonal()), c * (v.asDiagonal() * s.R * v.asDiagonal())};
@@ -137,7 +136,7 @@ TEST_CASE("the servo's equation agrees with an independent program") {
   VectorXd q(18);
   q << VectorXd::Constant(6, 1.0), VectorXd::Constant(6, 1e3), VectorXd::Constant(6, 1e7);
   const RiccatiSolution r = solveRiccati(reference("Ad"), reference("Bd"), q.asDiagonal(), MatrixXd::Identity(6, 6));
-  // The stored P and K are SciPy's: in quadruple precision they are off by 6e-14 and 8e-14, these by 1e-33 and 5e-16.
+  // The stored P and K are SciPy's. In quadruple precision their errors are 6e-14 and 8e-14; ours are 1e-33 and 5e-16.
   CHECK(relativeError(r.P, reference("P")) < 1e-12);
   CHECK(relativeError(r.K, reference("K")) < 1e-12);
 }

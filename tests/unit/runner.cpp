@@ -1,4 +1,4 @@
-// The viewer's experiment on its haptic thread. Run under the thread sanitizer too (preset tsan).
+// The viewer's experiment on its haptic thread. Also run with the thread sanitizer (preset tsan).
 #include "runner.hpp"
 
 #include <algorithm>
@@ -16,13 +16,13 @@ using namespace fixture;
 
 namespace {
 
-// A haptic thread that goes on for so many periods as it is allowed to, so that neither side runs away from the other
-// where processors are scarce.
+// A haptic thread that runs a permitted number of periods, so that both sides stay together even if processors are
+// scarce.
 class Haptics {
  public:
   explicit Haptics(Runner& runner) : runner_(runner) {}
 
-  /// Allows periods, beside what the caller does now, and awaits the ones before.
+  /// Permit periods concurrent with the caller's work, after waiting for the ones before.
   void allow(std::uint64_t periods) {
     REQUIRE(test::eventually([this] { return done_ == allowed_; }));
     allowed_ += periods;
@@ -76,10 +76,10 @@ TEST_CASE("the runner: pause, single ticks, slow motion, replacement", "[experim
   runner.collect();
   CHECK(runner.frame().selected == RendererSlot::impedance);
   CHECK(runner.frame().record.tick == 9);
-  // A queue that nobody reads fills up and says so; a replacement that found no room is dropped, not leaked.
+  // A queue without a reader fills up and reports it; a replacement without room is dropped, not leaked.
   while (runner.send({RunnerCommand::Kind::pause})) continue;
   runner.replace(experiment(shipped("box.toml"), RendererSlot::impedance));
-  // Samples that nobody reads are dropped and counted.
+  // Samples without a reader are dropped and counted.
   runner.period();
   runner.send({RunnerCommand::Kind::resume});
   for (int i = 0; i < 10000; ++i) runner.period();

@@ -1,4 +1,4 @@
-// Exchange of data between threads, and the periodic thread. Run under the thread sanitizer too (preset tsan).
+// Exchange of data between threads, and the periodic thread. Also run with the thread sanitizer (preset tsan).
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -15,7 +15,7 @@ namespace enamel::test_runtime {
 
 namespace {
 
-// Large enough that a torn copy shows.
+// Large enough that a torn copy is visible.
 struct Message {
   std::uint64_t words[64] = {};
 };
@@ -28,7 +28,7 @@ double secondsNow() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// To the other thread: beside other programs, who sleeps runs sooner again than who yields.
+// Let the other thread run. Beside other programs, a thread that sleeps runs sooner again than one that yields.
 void giveWay() { std::this_thread::sleep_for(std::chrono::microseconds(20)); }
 
 bool whole(const Message& message) {
@@ -128,7 +128,7 @@ TEST_CASE("periodic thread: one call a period, late deadlines skipped and counte
   std::atomic<const PeriodicThread*> self{nullptr};
   struct Call {
     double begin = 0.0;           // s
-    std::uint64_t deadlines = 0;  // that the thread had done with or missed
+    std::uint64_t deadlines = 0;  // deadlines that the thread had met or missed
   } first, last;
   {
     PeriodicThread thread(period, [&] {
@@ -136,7 +136,7 @@ TEST_CASE("periodic thread: one call a period, late deadlines skipped and counte
       if (own == nullptr || calls >= 100) return;
       last = {secondsNow(), own->timing().periods + own->timing().missed};
       if (calls == 0) first = last;
-      // Every 20th call overruns two deadlines.
+      // Every 20th call misses two deadlines.
       if (++calls % 20 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     });
     self = &thread;
@@ -144,8 +144,8 @@ TEST_CASE("periodic thread: one call a period, late deadlines skipped and counte
     REQUIRE(test::eventually([&] { return timing.missed >= 5 * 2 && calls == 100; }));
     CHECK(timing.compute.largest() >= 5e-3);
     CHECK(timing.periods >= 100);
-    // Calls and missed deadlines together make up the time, but for how late the two calls were. In a burst there would
-    // be more calls, and uncounted deadlines would be missing.
+    // Calls and missed deadlines account for the time, except for the lateness of the two calls. A burst would have
+    // more calls, and uncounted deadlines would be missing.
     const double passed = period * static_cast<double>(last.deadlines - first.deadlines);
     const double latest = timing.wakeUp.largest() + timing.compute.largest() + 1e-9;
     CHECK(last.begin - first.begin >= passed - latest);
@@ -163,7 +163,7 @@ TEST_CASE("periodic thread: ended within a long period, it makes no call any mor
   int calls = 0;
   {
     const PeriodicThread thread(period, [&calls] { ++calls; });
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // it sleeps by now
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // it is asleep by now
   }
   const double passed = secondsNow() - begin;
   CHECK(passed < period);  // it ends within 50 ms

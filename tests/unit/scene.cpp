@@ -1,4 +1,4 @@
-// What a scene refuses.
+// Invalid scenes are refused.
 #include "enamel/collision/scene.hpp"
 
 #include "enamel/collision/tool_sweep.hpp"

@@ -1,4 +1,4 @@
-// Scene files: what is read, what is refused, and what the shipped ones hold.
+// Scene files: the accepted ones, the refused ones, and contents of the shipped ones.
 #include "enamel/collision/scene_file.hpp"
 
 #include <cmath>
@@ -70,14 +70,14 @@ TEST_CASE("scene files: what is read", "[scene]") {
   CHECK(obstacles[0].material.friction == 0.0);
   CHECK(std::get<Box>(obstacles[1].shape).half == Vec3(0.01, 0.015, 0.02));
   CHECK(obstacles[1].material.friction == 0.3);
-  // Turned by 90 deg about y, the box is 20 mm high: 1 mm above it and 11 mm above the wall.
+  // Rotated by 90 deg about y, the box is 20 mm high: 1 mm above it and 11 mm above the wall.
   CHECK(nearestTo(file, {0.05, 0.0, 0.011}).gap == Approx(0.001));
   CHECK(nearestTo(file, {0.05, 0.0, 0.011}).material.friction == 0.3);
 }
 
 TEST_CASE("scene files: spheres, capsules, meshes and tools stand where the file says", "[scene]") {
   const test::TemporaryFolder folder;
-  // A tetrahedron with a face in x = 0, in mm, twice as large and turned so that its x axis is W's z.
+  // A tetrahedron with a face in x = 0, in mm, twice as large and rotated so that its x axis is W's z.
   test::writeFile(folder / "corner.off",
                   "OFF 4 4 0\n0 0 0\n0 2 0\n0 0 2\n-1 0 0\n3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n");
   test::writeFile(
@@ -105,9 +105,9 @@ TEST_CASE("scene files: spheres, capsules, meshes and tools stand where the file
   CHECK(tooth.material.slidingFriction == 0.3);
   CHECK(tooth.material.viscosity == 0.5);
 
-  CHECK((tooth.normal - Vec3::UnitZ()).norm() < 1e-7);  // single precision coordinates of the file
+  CHECK((tooth.normal - Vec3::UnitZ()).norm() < 1e-7);  // single-precision coordinates of the file
   CHECK((tooth.point - Vec3(-0.0005, 0.1005, 0.004)).norm() < 1e-9);
-  // Beside the shaft: 1 mm of radius, from 4 mm above the TCP on.
+  // Beside the shaft: radius 1 mm, from 4 mm above the TCP on.
   CHECK(nearestTo(file, {0.113, 0.0, -0.012}).gap == Approx(0.002));
 }
 

@@ -1,4 +1,4 @@
-// Obstacles between the poses that a host sets.
+// Motion of obstacles between the poses that a host sets.
 #include "enamel/render/scene_motion.hpp"
 
 #include "support/catch.hpp"
@@ -15,7 +15,7 @@ Vec6 along(double speed) {
   return twist;
 }
 
-// A wall whose pose a host sets, and what the ticks see of it.
+// A wall whose pose a host sets, as seen by the ticks.
 struct Bench {
   Scene stated = flatWall();
   SceneMotion motion{stated};
@@ -48,7 +48,7 @@ TEST_CASE("scene motion: a twist without a motion is ignored and counted", "[sce
   for (int i = 0; i < 5; ++i) CHECK(bench.next().twist.isZero(0.0));
   CHECK(bench.motion.ignoredTwists() == 5);
   CHECK(bench.motion.ignoredObstacle() == 0);
-  bench.set(0.0, along(0.9e-3));  // no claim
+  bench.set(0.0, along(0.9e-3));  // without a stated velocity
   bench.next();
   CHECK(bench.motion.ignoredTwists() == 5);
 }
@@ -62,7 +62,7 @@ TEST_CASE("scene motion: poses and twists at every tick pass bit for bit", "[sce
     const Vec6 twist = along(0.02 + 1e-4 * i);
     bench.set(height, twist);
     const Obstacle& seen = bench.next();
-    if (i == 0) continue;  // the first pose may be that of a frame
+    if (i == 0) continue;  // the first pose may belong to a frame
     CHECK(seen.pose.position.z() == height);
     CHECK(seen.twist == twist);
   }
@@ -113,7 +113,7 @@ TEST_CASE("scene motion: poses at 60 Hz give a steady motion, whatever velocity 
     CHECK(steady > 200);
     CHECK((bench.motion.ignoredTwists() > 0) == isStated);
     for (int tick = 0; tick < 25; ++tick) bench.next();
-    CHECK(bench.next().pose.position.z() == goal);  // it arrives, and rests
+    CHECK(bench.next().pose.position.z() == goal);  // it arrives and rests
     CHECK(bench.next().twist.isZero(0.0));
   }
 }

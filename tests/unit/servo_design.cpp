@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 TEST_CASE("the servo of the reference plant agrees with an independent program") {
   const ServoDesign design = designServo(referencePlant(), 1e-3, ServoWeights{});
-  // The project's bar; the stored numbers themselves are good to 8e-14 (see the test of riccati).
+  // The project's limit; the stored numbers are accurate to 8e-14 (see the test of riccati).
   CHECK(relativeError(design.augmented.A, reference("Ad")) < 1e-12);
   CHECK(relativeError(design.augmented.B, reference("Bd")) < 1e-12);
   CHECK(relativeError(design.P, reference("P")) < 1e-12);
@@ -24,8 +24,8 @@ TEST_CASE("the servo of the reference plant agrees with an independent program")
 }
 
 TEST_CASE("a servo may be designed in other units of time") {
-  // In milliseconds: t = 1000 s, rates and integrals scale with it, torque stays. q' weighs 1e6 times as much, the
-  // integral 1e-6, and the sum of the cost is the same.
+  // In milliseconds, rates and integrals scale with the unit of time; torque does not. The weight of q' becomes 1e6
+  // times as large, that of the integral 1e-6, and the total cost is unchanged.
   const StateSpace plant = referencePlant();
   const ServoDesign seconds = designServo(plant, 1e-3, ServoWeights{});
   VectorXd toMilliseconds(12);
@@ -63,7 +63,7 @@ TEST_CASE("the servo for a delay is the optimal one of the plant with the comman
     const DelayedServo servo = servoForDelay(design, delay);
     MatrixXd K(1, n);
     K << servo.K, servo.commandGain;
-    CHECK(relativeError(K, optimal) < 1e-9);  // of two solutions of Riccati's equation
+    CHECK(relativeError(K, optimal) < 1e-9);  // of two solutions of the Riccati equation
     CHECK(spectralRadius(A - B * K) < 1.0);
   }
   CHECK(servoForDelay(design, 0).K == design.K);
@@ -93,7 +93,7 @@ TEST_CASE("unusable plants and weights are refused") {
   CHECK_THROWS_AS(designServo(plant, 1e-3, {-1.0, 1e3, 1e7, 1.0}), DesignError);
   CHECK_THROWS_AS(designServo(plant, 1e-3, {1.0, 1e3, NAN, 1.0}), DesignError);
   CHECK_THROWS_AS(designServo(plant, 1e-3, {1.0, 1e3, 1e7, 0.0}), DesignError);
-  // Integrals that cost nothing cannot be stabilised at no cost: their modes stay on the unit circle.
+  // Integrals without cost cannot be stabilised without cost: their modes stay on the unit circle.
   CHECK_THROWS_AS(designServo(plant, 1e-3, {1.0, 1e3, 0.0, 1.0}), DesignError);
   const StateSpace dead{plant.A, 0.0 * plant.B};
   CHECK_THROWS_WITH(designServo(dead, 1e-3, ServoWeights{}), test::ContainsSubstring("not stabilisable"));

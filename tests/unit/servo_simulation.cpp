@@ -35,9 +35,9 @@ ServoExperiment experiment(int ticks, const VectorXd& reference, const VectorXd&
   return e;
 }
 
-// The device itself: Runge-Kutta of order four on f, four steps a period; the wrench enters as J(q)^T F.
+// The device itself: Runge-Kutta of order four on f, four steps per period; the wrench enters as J(q)^T F.
 SampledPlant nonlinearPlant(const Nominal& n) {
-  auto x = std::make_shared<VectorXd>(n.plant.x0);  // the states behind y
+  auto x = std::make_shared<VectorXd>(n.plant.x0);  // states behind y
   return [&n, x](const VectorXd& y, const VectorXd& torque, const VectorXd& wrench) {
     if (y.isZero(0.0)) *x = n.plant.x0;  // every experiment starts from rest
     const auto f = [&](const VectorXd& at) {
@@ -103,16 +103,16 @@ TEST_CASE("encoders are rounded, velocities differenced, torque limited") {
 
 TEST_CASE("first impact: the reference run of the full device") {
   // An independent program's run at home, 12 N: D_z1 = 0.4529325 mm at tick 20 (data of runs-nominal). The linear model
-  // leaves out what 0.5 mm of motion changes in it: about one part in a hundred.
+  // ignores changes over 0.5 mm of motion: about 1 %.
   const Nominal n;
   const ServoExperiment e = experiment(300, VectorXd::Zero(6), -12.0 * VectorXd::Unit(6, 2));
   const double expected = 12.0 / 0.4529325038524778e-3;
   CHECK(firstImpactStiffness(simulateServo(n.design, n.linear, e), n.plant.jacobian.row(2), 12.0, 1e-3) ==
         Approx(expected).epsilon(0.01));
-  // And the nonlinear one, where only J q stands for z.
+  // The nonlinear one differs only by using J q for z.
   CHECK(firstImpactStiffness(simulateServo(n.design, nonlinearPlant(n), e), n.plant.jacobian.row(2), 12.0, 1e-3) ==
         Approx(expected).epsilon(0.01));
-  // A push that never stops has no first impact.
+  // A push that is never stopped has no first impact.
   ServoDesign limp = n.design;
   limp.K.setZero();
   CHECK(std::isnan(firstImpactStiffness(simulateServo(limp, n.linear, e), n.plant.jacobian.row(2), 12.0, 1e-3)));
@@ -123,7 +123,7 @@ TEST_CASE("Table II of the paper's weights, on the linear model and on the devic
   const auto linear = measureRequirements(n.design, n.linear, n.plant.jacobian);
   const auto device = measureRequirements(n.design, nonlinearPlant(n), n.plant.jacobian);
   REQUIRE(linear.size() == 6);
-  // Independently found: a step in q1 overshoots by 3.0 % and settles in 105 ms; 10 N move joints by 6 to 10 mrad.
+  // Found independently: a step in q1 overshoots by 3.0 % and settles in 105 ms; 10 N move joints by 6 to 10 mrad.
   CHECK(linear[0].values[0] == Approx(3.0).margin(0.05));
   CHECK(linear[2].values[0] == Approx(0.105).margin(0.001));
   for (int axis = 0; axis < 3; ++axis) {
@@ -141,7 +141,7 @@ TEST_CASE("Table II of the paper's weights, on the linear model and on the devic
 }
 
 TEST_CASE("a single joint's step response has the textbook's overshoot, rise and settling") {
-  // One joint of unit inertia under K such that the loop is known: compared with a fine continuous simulation.
+  // One joint of unit inertia with K such that the loop is known, compared with a fine continuous simulation.
   const StateSpace plant{(MatrixXd(2, 2) << 0, 0, 1, 0).finished(), (MatrixXd(2, 1) << 1, 0).finished()};
   ServoDesign design = designServo(plant, 1e-4, ServoWeights{});
   // Poles -60 +- 80i and -200: K_c = [a, b], K_i = -c from (s + 200)(s^2 + 120 s + 1e4).

@@ -1,4 +1,4 @@
-// Analytic shapes: signed distances, and what a point lies on.
+// Analytic shapes: signed distances and features.
 #include "enamel/collision/shapes.hpp"
 
 #include "support/catch.hpp"

@@ -1,5 +1,5 @@
-// Slips of those who call the library: refused with the reason, and nothing is read or written that is not there. Run
-// under the address sanitizer too (preset asan).
+// Mistakes in calls of the library: they are refused with a reason, and no invalid memory is read or written. Also run
+// with the address sanitizer (preset asan).
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -71,7 +71,7 @@ TEST_CASE("a tool that is none touches nothing, and says so", "[slips]") {
     tools.emplace_back(toolOf({Vec3::Zero(), Vec3::Zero(), radius}), Status::outOfRange);
   tools.emplace_back(toolOf({{0.0, kNan, 0.0}, Vec3::Zero(), 0.01}), Status::notFinite);
   tools.emplace_back(toolOf({Vec3::Zero(), {kInfinity, 0.0, 0.0}, 0.01}), Status::notFinite);
-  tools.emplace_back(toolOf({Vec3::Zero(), {0.0, 0.0, 22.0}, 0.0}), Status::outOfRange);  // millimetres
+  tools.emplace_back(toolOf({Vec3::Zero(), {0.0, 0.0, 22.0}, 0.0}), Status::outOfRange);  // in millimetres by mistake
   tools.emplace_back(toolOf({{-1e308, 0.0, 0.0}, Vec3::Zero(), 0.0}), Status::outOfRange);
   for (const auto& [tool, status] : tools) {
     INFO(tool.count << ", radius " << tool.parts[0].radius);
@@ -100,7 +100,7 @@ TEST_CASE("the largest tool has a bounded tick", "[slips]") {
   TriangleMesh mesh = test::ball(6, 0.05);
   for (Vec3& v : mesh.vertices) v *= 0.5;
   scene.add({"ball", std::make_shared<const MeshModel>(mesh), {}, Vec6::Zero(), {}, 0.0});
-  // Beside a ball of 1 mm at the same poses, in time of the processor, each tick at its best of five.
+  // Compared with a ball of 1 mm at the same poses, in processor time, with the best of five for each tick.
   const auto timesOf = [&](const Tool& tool) {
     std::vector<double> times(100, HUGE_VAL);
     for (int round = 0; round < 5; ++round) {
@@ -120,7 +120,7 @@ TEST_CASE("the largest tool has a bounded tick", "[slips]") {
   const double small = timesOf(toolOf({Vec3::Zero(), Vec3::Zero(), 1e-3}))[50];
   const double large = timesOf(toolOf({{-kLargestTool, 0.0, 0.0}, {kLargestTool, 0.0, 0.0}, 0.01})).back();
   INFO("its longest tick takes " << large << " s, a usual one of the ball " << small << " s");
-  CHECK(large < 300.0 * small);  // it is 20
+  CHECK(large < 300.0 * small);  // the ratio is about 20
 }
 
 TEST_CASE("an obstacle goes only where an obstacle can be", "[slips]") {
@@ -171,7 +171,7 @@ TEST_CASE("a renderer without activate() has no state, and none after one that f
     CHECK_THROWS_WITH(renderer.activate(period), ContainsSubstring("must be in 1e-05 to 0.1 s"));
   hasNone();
 
-  // A start that is no pose is none: home is taken.
+  // An invalid start pose is replaced by home.
   renderer.activate(1e-3);
   const Scene scene = flatWall();
   for (const Mat3& matrix : {Mat3(Mat3::Zero()), Mat3(-Mat3::Identity()), Mat3(Mat3::Constant(kNan))}) {
@@ -253,7 +253,7 @@ TEST_CASE("a file is written whole or not at all", "[slips]") {
   CHECK(std::filesystem::is_symlink(folder / "link"));
   CHECK(std::filesystem::status(path).permissions() == std::filesystem::perms(0640));
   CHECK(files() == 2);
-  // Links to a file that is not there yet, and links that lead nowhere.
+  // Links to a file that does not exist yet, and links that lead nowhere.
   std::filesystem::create_symlink("middle", folder / "first");
   std::filesystem::create_symlink("later.json", folder / "middle");
   writeFile(folder / "first", "later");
@@ -293,7 +293,7 @@ TEST_CASE("configurations that are too deep or too long", "[slips]") {
   for (const char* text : {"\xcd\x9f = 1\n", "a = 1\xc3\xa9\n", "a = [\xcd\x9f]\n", "a = 0'\xcd\x9f\n",
                            "a = \"\"\"\\\xc5\x9e\"\"\"\n", "a = \"\"\"\\\n  \xc5\x9e\"\"\"\n]\n"})
     refuse(text, "not valid TOML");
-  // Dots in numbers, texts and remarks are no keys.
+  // Dots in numbers, texts and remarks do not nest keys.
   CHECK_NOTHROW(checkNesting("a = [" + repeat("0.1, ", 100) + "]\nb = \"" + dots + "\"\n# " + dots + "\n", ""));
   CHECK_NOTHROW(checkNesting("c = '''\n" + dots + "\n'''\nd.e = 1\n", ""));
   CHECK_THROWS_WITH(checkNesting(repeat("[", 200000), "j.json"), ContainsSubstring("j.json:1: has brackets"));
@@ -309,7 +309,7 @@ TEST_CASE("a plugin file that ends before its head says", "[slips]") {
   };
   std::string library(4096, 0);
   REQUIRE(std::ifstream("/proc/self/exe", std::ios::binary).read(library.data(), 4096));
-  library[16] = 3;  // ET_DYN, whatever the test is
+  library[16] = 3;  // ET_DYN, whatever type the test program has
   refuse("", "no ELF header");
   refuse(library.substr(0, 20), "no ELF header");
   refuse(library.substr(0, 64), "is truncated: it has 64 bytes and promises more");

@@ -1,4 +1,5 @@
-// Solids that can be cut: distances against the exact mesh, volumes against Monte Carlo, nothing lost that was not cut.
+// Solids that can be cut: distances compared with the exact mesh, volumes with Monte Carlo, and only cut material is
+// lost.
 #include "enamel/collision/solid.hpp"
 
 #include <algorithm>
@@ -31,7 +32,7 @@ std::vector<BrickSamples> samplesOf(const Solid& solid) {
 
 Solid block(const Vec3& half) { return Solid(MeshModel(test::boxMesh(half)), kTooth, {kCell}); }
 
-// Cuts along a way in steps of a tick.
+// Cut along a path in steps of a tick.
 double cutAlong(Solid& solid, const Vec3& from, const Vec3& to, double radius, int steps) {
   double removed = sum(solid.cut({from, from}, {from, from}, radius));
   for (int i = 0; i < steps; ++i) {
@@ -47,12 +48,12 @@ TEST_CASE("solid: distances against the exact mesh", "[solid]") {
   struct Case {
     std::string name;
     TriangleMesh mesh;
-    double most;  // error of half the points, of 999 in 1000, cells
+    double most;  // error of half the points, and of 999 in 1000, cells
     double mostOfAll;
     double cell;
   };
-  // A ball of 3 mm: h^2 / (4 R) is 0.008 cells, normals and corners of its triangles are of that order. The molar's
-  // fissures and corners are rounded by its cells.
+  // A ball of 3 mm: h^2 / (4 R) is 0.008 cells; normals and vertices of its triangles have this accuracy. The cells
+  // round the molar's fissures and corners.
   const TriangleMesh molar = loadMesh(ENAMEL_SOURCE_DIR "/data/meshes/molar.ply", 1e-3);
   std::vector<Case> cases = {{"ball", test::transformed(test::ball(5), 3e-3, Vec3::Zero()), 0.01, 0.05, kCell},
                              {"molar", molar, 0.01, 0.2, kCell}};
@@ -210,7 +211,7 @@ TEST_CASE("solid: a bur fits into what it has cut", "[solid]") {
     pose.position.z() += 0.05e-3;                      // lifted, it touches the walls no more than before
     REQUIRE(findContacts(scene, bur, pose, 1e-3, nullptr, contacts) == Status::ok);
     CHECK(contacts.contacts[0].gap > -6e-6);
-    pose.position.z() -= 0.10e-3;  // deeper than it was
+    pose.position.z() -= 0.10e-3;  // deeper than before
     REQUIRE(findContacts(scene, bur, pose, 1e-3, nullptr, contacts) == Status::ok);
     CHECK(contacts.contacts[0].gap == Approx(-0.05e-3).margin(6e-6));
     CHECK(contacts.contacts[0].normal.z() > 0.98);
@@ -252,7 +253,7 @@ TEST_CASE("solid: layers, their contacts' material, undo and restore", "[solid]"
   for (int k = 0; k < 3; ++k) CHECK(solid.volume()[k] == Approx(before[k]).epsilon(1e-9));
   CHECK_FALSE(solid.undo());
 
-  // A stroke that needs more room than there is cannot be undone, later ones can.
+  // A stroke that needs more room than available cannot be undone; later ones can.
   solid.mark();
   cutAlong(solid, Vec3(-3e-3, -2e-3, 1.4e-3), Vec3(3e-3, 2e-3, -1.4e-3), 0.5e-3, 100);
   solid.mark();
@@ -266,7 +267,7 @@ TEST_CASE("solid: layers, their contacts' material, undo and restore", "[solid]"
   CHECK(samplesOf(solid) == whole);
   CHECK(solid.volume() == before);
 
-  // Contacts carry the material of the layer that they lie on.
+  // Contacts have the material of their layer.
   cutAlong(solid, Vec3(0, 0, 2e-3), Vec3(0, 0, 0.9e-3), 0.5e-3, 10);  // 1.1 mm deep
   Scene scene;
   scene.add({"tooth", std::make_shared<const Solid>(solid), Pose(), Vec6::Zero(), {}});
@@ -317,7 +318,7 @@ TEST_CASE("solid: what is refused, what finds nothing", "[solid]") {
   CHECK(sum(solid.cut({zero, zero}, {zero, Vec3(0, 0, 0.1)}, 1e-3)) == 0.0);
   CHECK(sum(solid.cut({Vec3(9, 9, 9), Vec3(9, 9, 9)}, {Vec3(9, 9, 9), Vec3(9, 9, 9)}, 1e-3)) == 0.0);
   CHECK(samplesOf(solid) == whole);
-  // All of it can go.
+  // All of it can be removed.
   for (double x = -1e-3; x <= 1.01e-3; x += 0.5e-3)
     for (double y = -1e-3; y <= 1.01e-3; y += 0.5e-3) cutAlong(solid, Vec3(x, y, -1e-3), Vec3(x, y, 1e-3), 0.5e-3, 40);
   CHECK(sum(solid.volume()) == Approx(0.0).margin(1e-15));

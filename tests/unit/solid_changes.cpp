@@ -1,4 +1,4 @@
-// A thread that draws a solid has every brick as it was at some moment, and at the end as it is.
+// A drawing thread receives every brick as it was at some time, and in the end as it is.
 #include "enamel/collision/solid_changes.hpp"
 
 #include <atomic>
@@ -75,7 +75,7 @@ TEST_CASE("solid changes: every brick that another thread takes was there, and n
       hashes[bricks * static_cast<std::size_t>(tick) + b] = hashOf(solid.samples(static_cast<int>(b)));
     CHECK(changes.publish(solid) == static_cast<std::uint64_t>(tick));
     while (tick == 100 && takes == 0)
-      std::this_thread::sleep_for(std::chrono::microseconds(20));  // however late the reader is, it takes part
+      std::this_thread::sleep_for(std::chrono::microseconds(20));  // the reader takes part, however late it is
   }
   for (std::size_t i = 0; i < bricks; ++i) changes.publish(solid), std::this_thread::yield();
   isOver = true;

@@ -1,4 +1,4 @@
-// The surface of a solid as triangles: closed, at the samples' zero, after any cut; bricks fit to each other.
+// The surface of a solid as triangles: closed, at the samples' zero, after any cut; neighbouring bricks match.
 #include "enamel/collision/solid_surface.hpp"
 
 #include <Eigen/Geometry>
@@ -18,8 +18,8 @@ namespace {
 constexpr double kCell = 1e-4;
 const std::vector<SolidLayer> kTooth = {{"enamel", {}, 3.4e9, 0.0, nullptr}, {"dentine", {}, 0.6e9, 1e-3, nullptr}};
 
-// In cells, of points of the mesh from the surface that queries find: its corners and, where edges are sharp, the
-// middles of its triangles.
+// Check the distance of mesh points from the surface that queries find, in cells: vertices and, at sharp edges, the
+// centres of triangles.
 void check(const Solid& solid, double accuracy) {
   const TriangleMesh mesh = surfaceOf(solid);
   const MeshReport report = inspect(mesh);
@@ -53,7 +53,7 @@ void cutAnyhow(Solid& solid, const Vec3& half, int cuts) {
 }  // namespace
 
 TEST_CASE("the surface of a solid is closed and where the samples are zero", "[unit]") {
-  // A ball; a box with a side exactly at samples; the same with nothing left but crumbs.
+  // A ball; a box with a side exactly at samples; the same after cutting all but crumbs.
   check(Solid(MeshModel(test::transformed(test::ball(4, 0.1), 2e-3, Vec3::Zero())), kTooth, {kCell}), 5e-3);
   const Vec3 half(1.025e-3, 0.8e-3, 0.6125e-3);
   Solid solid(MeshModel(test::boxMesh(half)), kTooth, {kCell});
@@ -61,7 +61,7 @@ TEST_CASE("the surface of a solid is closed and where the samples are zero", "[u
   for (const int cuts : {3, 30}) {
     INFO(cuts << " cuts");
     cutAnyhow(solid, half, cuts);
-    check(solid, cuts < 10 ? 5e-3 : 0.05);  // of crumbs of a few cells volume() is not as sure
+    check(solid, cuts < 10 ? 5e-3 : 0.05);  // volume() is less accurate for crumbs of a few cells
   }
   solid.cut({Vec3::Zero(), Vec3::Zero()}, {Vec3::Zero(), Vec3::Zero()}, 3e-3);
   CHECK(surfaceOf(solid).triangles.empty());

@@ -1,5 +1,4 @@
-// Sound through OpenAL where there is no sound card: its devices that play to nowhere, into a file, and into a full
-// disk.
+// Sound through OpenAL without a sound card: with its devices that play to nowhere, into a file, and into a full disk.
 #include "sound_output.hpp"
 
 #include <sys/wait.h>
@@ -28,7 +27,7 @@ std::string troubleOf(const SoundOutput& output) {
   return test::eventually([&] { return output.trouble() != nullptr; }) ? output.trouble() : "";
 }
 
-// Of a frequency that is a multiple of 50 Hz, in the window of 20 ms that begins there.
+// For a frequency that is a multiple of 50 Hz, in the window of 20 ms that begins there.
 constexpr std::size_t kWindow = BurSound::kRate / 50;
 double powerOf(const std::int16_t* samples, double frequency) {
   double c = 0.0, d = 0.0;
@@ -40,7 +39,7 @@ double powerOf(const std::int16_t* samples, double frequency) {
   return c * c + d * d;
 }
 
-// OpenAL chooses its driver once in a process.
+// OpenAL selects its driver once per process.
 template <typename Function>
 bool inChild(const std::string& configuration, const Function& passes) {
   const test::TemporaryFolder folder;
@@ -88,7 +87,7 @@ TEST_CASE("a bur is heard where there is a device; without one, or when it goes 
   std::vector<std::int16_t> samples((wave.size() - data - 8) / 2);
   std::memcpy(samples.data(), wave.data() + data + 8, 2 * samples.size());
   REQUIRE(samples.size() > BurSound::kRate);
-  // It is the tone of the rotation, and nothing beside it, but for gaps where a loaded machine was late.
+  // Only the tone of the rotation, except for gaps when a loaded machine was late.
   int pure = 0;
   for (std::size_t at = 0; at + kWindow <= samples.size(); at += kWindow) {
     const std::int16_t* const window = samples.data() + at;

@@ -15,10 +15,10 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kSource = ENAMEL_SOURCE_DIR;
 
-// The rows of `covered_by`, and the names that enamel_add_test() and foreach() lists mention.
+// The rows of `covered_by`, and the names in enamel_add_test() and foreach() lists.
 struct Tests {
-  std::map<std::string, std::string> covers;  // by source, below lib/src without its suffix: "unit/x"
-  std::set<std::string> words;                // of the page without comments and those rows
+  std::map<std::string, std::string> covers;  // by source, relative to lib/src without suffix: "unit/x"
+  std::set<std::string> words;                // of the file without comments and those rows
 };
 
 Tests testsOf(const std::string& page) {
@@ -38,7 +38,7 @@ Tests testsOf(const std::string& page) {
   return tests;
 }
 
-// What is wrong in the tree at `root`, one line each.
+// Return the faults in the tree at `root`, one line each.
 std::vector<std::string> faultsOf(const fs::path& root) {
   const Tests tests = testsOf(test::readFile((root / "tests/CMakeLists.txt").string()));
   const auto exists = [&](const fs::path& test) {
@@ -88,7 +88,7 @@ TEST_CASE("a source without a test, a row without a source and a row without a t
   write("lib/src/core/own.hpp", "");
   CHECK(page("").empty());
 
-  write("lib/src/core/seen.cpp", "");  // its file exists, but is no test: nothing adds it
+  write("lib/src/core/seen.cpp", "");  // its file exists, but is not added as a test
   CHECK(page("") == std::vector<std::string>{begin + "seen.cpp has no test of its name and no row in covered_by"});
   CHECK(page("  core/seen unit/own\n").empty());
   CHECK(page("  core/seen hard/seen") == std::vector<std::string>{"covered_by: tests/hard/seen.cpp is no test"});
@@ -97,7 +97,7 @@ TEST_CASE("a source without a test, a row without a source and a row without a t
   CHECK(page("  core/seen unit/own core/own unit/own") ==
         std::vector<std::string>{begin + "own.cpp has a test of its name and a row in covered_by"});
 
-  write("lib/src/core/deep/own.cpp", "");  // two of one name: which is it that tests/unit/own.cpp covers?
+  write("lib/src/core/deep/own.cpp", "");  // two sources of one name: which one does tests/unit/own.cpp cover?
   CHECK(page("  core/seen unit/own").size() == 2);
   CHECK(page("  core/seen unit/own core/own unit/own core/deep/own unit/own").empty());
 }

@@ -38,7 +38,7 @@ std::string file(const test::TemporaryFolder& folder, const std::string& name, c
   return test::readFile(folder / (name + "/" + which));
 }
 
-// A study of everything, in the folder's "all": run once.
+// A complete study in the folder's "all": run once.
 struct WholeStudy {
   test::TemporaryFolder folder;
   test::CommandResult result = run(convergingStudy(folder, "all", kLong ? "--grid 11 --runs 20" : "--grid 3 --runs 3"));
@@ -55,17 +55,17 @@ std::vector<std::string> split(const std::string& line) {
   return cells;
 }
 
-// A page as one reads it: spaces are spaces, indices are "_".
+// Return a page as one reads it: spaces are spaces, subscripts are "_".
 std::string readable(std::string page) {
   page = std::regex_replace(page, std::regex("<sub>([a-z0-9]*)</sub>"), "_$1");
   return std::regex_replace(page, std::regex("\u00a0"), " ");
 }
 
-// Small, but with more runs than are under way at once.
+// Small, but with more runs than run concurrently.
 const std::string kSmall =
     "--renderers position-control --scenario 1 --grid 2 --runs 8 --preload 2 --inside-tick --encoders ";
 
-// Runs it and sends a signal once runs.csv has more than `bytes`.
+// Run it, and send a signal when runs.csv has more than `bytes`.
 test::CommandResult interrupted(const std::string& arguments, const std::string& csv, int bytes, const char* signal) {
   return test::runCommand("('" ENAMEL_TOOL "' " + arguments + " & tool=$!; while kill -0 $tool 2>/dev/null; do " +
                           "size=$(cat '" + csv + "' 2>/dev/null | wc -c); if [ $size -gt " + std::to_string(bytes) +
@@ -113,24 +113,24 @@ TEST_CASE("study: the same bytes with one thread and two, interrupted and killed
       CHECK(cut.output.find("--resume") != std::string::npos);
       CHECK(left.back() == '\n');
     }
-    // Forgetting --resume throws nothing away.
+    // Without --resume, nothing is discarded.
     const auto forgotten = run(study(folder, name, longer));
     CHECK(forgotten.status == 1);
     CHECK(forgotten.output.find("runs.csv: exists; --resume continues it, --overwrite replaces it") !=
           std::string::npos);
     CHECK(file(folder, name, "runs.csv") == left);
-    // Nor does another study go on in its place.
+    // Another study cannot continue in its place.
     const auto mixed = run(study(folder, name, longer + " --resume --seed 9"));
     CHECK(mixed.status == 1);
     CHECK(mixed.output.find("holds another study: its seed is 1, here it is 9") != std::string::npos);
     CHECK(file(folder, name, "runs.csv") == left);
-    // A torn line is cut off.
+    // A torn line is removed.
     test::writeFile(folder / (name + "/runs.csv"), left + "1,position-con");
     REQUIRE(run(study(folder, name, longer + " --resume --threads 1")).status == 0);
     CHECK(file(folder, name, "runs.csv") == whole);
     CHECK(std::filesystem::exists(folder / (name + "/report.html")));
   }
-  // A finished one may be resumed, or done again on request.
+  // A finished study can be resumed, or repeated on request.
   REQUIRE(run(study(folder, "two", kSmall + "--resume")).status == 0);
   same("two");
   REQUIRE(run(study(folder, "two", kSmall + "--overwrite")).status == 0);
@@ -155,7 +155,7 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
     CHECK(wall.at("runs without K_z1") ==
           nlohmann::json(
               {{"rings", 0}, {"slipped", 0}, {"never returned", 0}, {"began off the wall", 0}, {"unstable", 0}}));
-    // The paper's baseline, and nothing else, has 4 N s/m.
+    // Only the paper's baseline has 4 N s/m.
     CHECK(wall.at("plant's damping along z [N s/m]") == (wall.at("renderer") == "impedance" ? 4.0 : 0.0));
     if (wall.at("renderer") == "impedance") {
       CHECK(wall.at("points with K_zs unresolved") == 0);
@@ -167,7 +167,7 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
     CHECK(text.find("inf") == std::string::npos);
     CHECK(text.find("nan") == std::string::npos);
   }
-  // The report stands alone.
+  // The report is self-contained.
   const std::string report = readable(file(folder, "all", "report.html"));
   CHECK(std::regex_replace(report, std::regex("xmlns=\"[^\"]*\""), "").find("http") == std::string::npos);
   CHECK(report.find("17 174") != std::string::npos);
@@ -180,7 +180,7 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
   CHECK(
       report.find("<th>here, as in the paper (hold, impedance)</th><th>here, position control in contact space</th>") !=
       std::string::npos);
-  // One name for a metric everywhere.
+  // A metric has the same name everywhere.
   const std::string runs = file(folder, "all", "runs.csv"), points = file(folder, "all", "points.csv");
   const std::string runHead = runs.substr(0, runs.find('\n')), pointHead = points.substr(0, points.find('\n'));
   for (const Metric& metric : allMetrics()) {
@@ -234,21 +234,21 @@ TEST_CASE("study: damping is the plant's, whatever the renderer", "[study_comman
   CHECK(lines("all", "position-control") != lines("default", "position-control"));
   CHECK(dampings(both("other", "--device-damping position-control=2.5,impedance=6")) == std::vector<double>{2.5, 6.0});
   CHECK(file(folder, "other", "report.html").find("<td>2.5</td>") != std::string::npos);
-  // Without it the wall breaks eq. 16: said on the terminal and in the report.
+  // Without it the wall violates eq. 16: the terminal and the report say so.
   const auto none = run(study(folder, "none", tiny + "impedance --device-damping 0"));
   CHECK(none.status == 0);
   CHECK(none.output.find("need more than 3 N s/m of device damping") != std::string::npos);
   CHECK(lines("none", "impedance") != lines("default", "impedance"));
   CHECK_THAT(readable(file(folder, "none", "report.html")),
              ContainsSubstring("needs more than 3 N s/m (eq. 16); its plant has 0 N s/m"));
-  // The default's name may be missing from --renderers, a given one may not.
+  // The default's name may be missing in --renderers; a given name may not.
   CHECK(run(study(folder, "alone", tiny + "position-control")).status == 0);
 }
 
 TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
   const test::TemporaryFolder folder;
   const std::string tiny = "--scenario 1 --grid 1 --runs 2 --renderers hold ";
-  // The reference design has another author than ours and agrees with it to 1e-9 and better.
+  // The reference design is from another author and agrees with ours to 1e-9 or better.
   auto servo = test::parseJson(test::readFile(ENAMEL_SOURCE_DIR "/data/reference/servo-nominal.json"));
   const auto firstStiffness = [&](const std::string& name, const std::string& arguments) {
     const auto result = run(study(folder, name, tiny + arguments));
@@ -273,7 +273,7 @@ TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
     for (auto& k : row) k = 0.5 * k.get<double>();
   CHECK(firstStiffness("half", gainFile("half.json")) < 0.8 * designed);
   CHECK(file(folder, "half", "study.json") != file(folder, "same", "study.json"));
-  // Another gain is another study.
+  // Another gain makes another study.
   const auto mixed = run(study(folder, "half", tiny + gainFile("half.json") + " --resume --seed 1"));
   CHECK(mixed.status == 0);
   CHECK(run(study(folder, "half", tiny + "--resume")).output.find("holds another study") != std::string::npos);
@@ -329,7 +329,7 @@ TEST_CASE("study: a plugin is called a plugin, and does what the linked renderer
   }
   REQUIRE_FALSE(linked.empty());
   CHECK(plugged == linked);
-  // Alone, even one that calls itself "position-control" is none.
+  // A plugin is never a linked renderer, even if it has the name "position-control".
   const std::string servo = ENAMEL_PLUGINS "/enamel_position_control.so";
   REQUIRE(run(study(folder, "servo", tiny + "'" + servo + "'")).status == 0);
   const std::string report = file(folder, "servo", "report.html");
@@ -337,7 +337,7 @@ TEST_CASE("study: a plugin is called a plugin, and does what the linked renderer
   CHECK(report.find("position control<") == std::string::npos);
   CHECK(report.find("here, as in the paper") == std::string::npos);
   CHECK(test::parseJson(file(folder, "servo", "summary.json")).at("claims").empty());
-  // One value a --set: the next argument is not eaten.
+  // One value per --set: it does not consume the next argument.
   CHECK(run(study(folder, "set", tiny + "'" + plugin + "' --set stiffness=6000 --set damping=1")).status == 0);
   const auto eaten = run(study(folder, "eaten", tiny + "'" + plugin + "' --set stiffness=6000 damping=1"));
   CHECK(eaten.status == 2);
@@ -389,7 +389,7 @@ TEST_CASE("study: runs that the plant cannot finish are lost, not numbers", "[st
   REQUIRE(result.status == 0);
   const auto summary = test::parseJson(file(folder, "late", "summary.json"));
   for (const auto& claim : summary.at("claims")) CHECK_FALSE(claim.at("holds").get<bool>());
-  // What no run could measure is not zero.
+  // Values that no run could measure are not zero.
   for (const auto& wall : summary.at("walls"))
     if (wall.at("runs that left the workspace") == 2) {
       CHECK(wall.at("largest depth [m]").is_null());
@@ -451,7 +451,7 @@ TEST_CASE("study: errors are one line, before any run", "[study_command]") {
 TEST_CASE("study: a full disk ends it with one line, and it can go on", "[study_command]") {
   const test::TemporaryFolder folder;
   REQUIRE(run(study(folder, "whole", kSmall)).status == 0);
-  // A limit on the size of files stands for the disk: 8 blocks of 512 bytes, or of 1024 where sh is bash.
+  // A limit on the size of files simulates a full disk: 8 blocks of 512 bytes, or of 1024 if sh is bash.
   const auto full = test::runCommand("ulimit -f 8; '" ENAMEL_TOOL "' " + study(folder, "full", kSmall));
   INFO(full.output);
   CHECK(full.status == 1);
@@ -487,7 +487,7 @@ TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_comma
   CHECK_THAT(report,
              ContainsSubstring("Figure 10. ") && !ContainsSubstring("Figure 11. ") && !ContainsSubstring("<img"));
 
-  // The query points; a tick a point; a mark a method whose error is finite.
+  // The query points; one tick per point; one mark per method with a finite error.
   CHECK(occurrences(figure("fig06-device"), "r=\"2.2\"") == 9);
   for (const char* name : {"fig08-response-1", "fig09-response-2"}) {
     INFO(name);
@@ -497,7 +497,7 @@ TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_comma
       sizes.push_back(occurrences(svg.substr(at, svg.find("\" ", at + 9) - at), ","));
     // The force, each renderer, and each again close up: 0.9 s to 3 s at 1 kHz.
     CHECK(sizes == std::vector<int>(7, 2100));
-    // Position control, hold and impedance on one scale; at the step close up, too.
+    // Position control, hold and impedance have one scale, also in the close-up of the step.
     const auto y = captures(svg, "data-y=\"([^\"]*)\"");
     REQUIRE(y.size() == 5);
     CHECK(y[1] == y[2]);
@@ -512,7 +512,7 @@ TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_comma
   CHECK(finite > 6);
   CHECK(occurrences(figure("convergence"), "<circle") == 2 * finite);
 
-  // Maps: every point's mean and interval, as points.csv has them; equal axes for what is compared.
+  // Maps: every point's mean and interval as in points.csv; equal axes for compared values.
   std::istringstream points(file(folder, "all", "points.csv"));
   std::string line;
   std::getline(points, line);
@@ -532,7 +532,7 @@ TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_comma
     REQUIRE(std::sscanf(titles[i].c_str(), "(%lf, %lf) mm: %lf ± %lf kN/m", &x, &y, &mean, &half) == 4);
     CHECK(x == Approx(1e3 * std::stod(first[i][column("x [m]")])).margin(1e-9));
     CHECK(y == Approx(1e3 * std::stod(first[i][column("y [m]")])).margin(1e-9));
-    // Student's t of two degrees of freedom.
+    // Student's t for two degrees of freedom.
     const double exact = 1e-3 * 4.30265 / std::sqrt(3.0) * std::stod(first[i][column("deviation K_z1 [N/m]")]);
     CHECK(half == Approx(exact).epsilon(0.05));
     CHECK(mean == Approx(1e-3 * std::stod(first[i][column("mean K_z1 [N/m]")])).margin(0.05 * half));
@@ -551,7 +551,7 @@ TEST_CASE("study: figures are drawn from the data, on equal axes", "[study_comma
   for (const auto& row : second) unresolved += row[column("K_zs [N/m]")] == "unresolved";
   CHECK(occurrences(figure("fig13-steady-2"), "#bdbdbd") == unresolved);
 
-  // Of one point there is no row along y; of three joints there are all the figures.
+  // One point has no row along y; three joints have all figures.
   REQUIRE(run(study(folder, "point", "--renderers position-control --scenario 1 --grid 1 --runs 2")).status == 0);
   CHECK_FALSE(std::filesystem::exists(folder / "point/figures/along-y.svg"));
   CHECK(test::xmlProblem(file(folder, "point", "report.html")) == "");
@@ -574,7 +574,7 @@ TEST_CASE("study: numbers of the report are rounded to their intervals, and no l
     CHECK(digits.find_first_not_of('0', 2) == std::string::npos);
   }
   CHECK(pairs > 20);
-  // Outside of tags and settings, a breaking space is nowhere between digits, or before a unit, or by a sign.
+  // Outside of tags and settings, breaking spaces are not allowed between digits, before a unit or beside a sign.
   std::string text;
   bool tag = false;
   const std::size_t body = report.find("<body>");
@@ -592,7 +592,7 @@ TEST_CASE("study: numbers of the report are rounded to their intervals, and no l
               : ""));
     CHECK_FALSE(has);
   }
-  // Terms stand before their first use.
+  // Terms are defined before their first use.
   for (const auto& [term, use] : {std::pair("<dt>First impact", "<figure>"), std::pair("<dt>Scenario 2", "Figure 1."),
                                   std::pair("query points</b>", "<table>")})
     CHECK(report.find(term) < report.find(use));
@@ -621,7 +621,7 @@ TEST_CASE("study: parts in any order, also interrupted, give the bytes of the wh
     CHECK_THAT(result.output, ContainsSubstring("part " + std::to_string(part) + " of 3 is done"));
     CHECK_FALSE(std::filesystem::exists(folder / "parts/runs.csv"));
   }
-  // What a killed process leaves: a part of a line.
+  // A killed process leaves a part of a line.
   const std::string first = folder / "parts/runs-1-of-3.csv";
   const std::string lines = test::readFile(first);
   test::writeFile(first, lines.substr(0, lines.size() / 2));
@@ -635,7 +635,7 @@ TEST_CASE("study: parts in any order, also interrupted, give the bytes of the wh
   CHECK_THAT(run(study(folder, "parts", small + "--seed 2 --part 1/3")).output, ContainsSubstring("another study"));
   for (const char* bad : {"0/3", "4/3", "1", "1/3x"})
     CHECK_THAT(run(study(folder, "bad", small + "--part " + bad)).output, ContainsSubstring("--part"));
-  // Under Open MPI a process takes the part of its rank.
+  // Under Open MPI a process performs the part of its rank.
   const auto ranked = test::runCommand("OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=1 '" ENAMEL_TOOL "' " +
                                        study(folder, "ranked", small));
   CHECK_THAT(ranked.output, ContainsSubstring("part 2 of 2 is done"));

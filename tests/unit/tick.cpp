@@ -1,4 +1,4 @@
-// A haptic tick stage by stage: each fills its own part of the frame, and none computes what another has computed.
+// A haptic tick stage by stage: each fills its own part of the frame, and nothing is computed twice.
 #include "enamel/render/tick.hpp"
 
 #include "enamel/collision/solid.hpp"
@@ -17,7 +17,7 @@ const TauMechanism& tau() {
   return mechanism;
 }
 
-// Asks for what it is told to, and keeps what it was given.
+// Requests what it is told to, and keeps its input.
 class Recorder final : public Renderer {
  public:
   explicit Recorder(bool inertia) : inertia_(inertia) {}
@@ -79,7 +79,7 @@ TEST_CASE("sense: pose, twist and gravity of the sample; the inertia only where 
     CHECK(tick.frame().command == command.effort);
     Measurement lost = m;
     lost.time += kPeriod;
-    lost.age = 1;  // nothing came: what acted before the last sample is not told again
+    lost.age = 1;  // no sample: the torque that acted before the last sample is not reported again
     REQUIRE(tick(lost, command) == Status::ok);
     CHECK(frame.kinematics.q == m.q);
     CHECK_FALSE(frame.applied);
@@ -100,7 +100,7 @@ TEST_CASE("find contacts: at the pose of the tick, and where obstacles are now",
   REQUIRE(tick(sampleAt(test::poseAtDepth(2e-4), 2.0 * kPeriod), command) == Status::ok);
   REQUIRE(renderer.seen.contacts.count == 1);
   CHECK(renderer.seen.contacts.contacts[0].gap == Approx(-2e-4 + 5e-4 / 120.0).epsilon(1e-9));  // it begins to glide
-  moved.position.z() -= 5e-3;  // new at every tick: it is where its pose is
+  moved.position.z() -= 5e-3;  // new at every tick: it is at its pose
   REQUIRE(scene.move(0, moved, Vec6::Zero()) == Status::ok);
   REQUIRE(tick(sampleAt(test::poseAtDepth(2e-4), 3.0 * kPeriod), command) == Status::ok);
   CHECK(renderer.seen.contacts.count == 0);
@@ -160,21 +160,21 @@ TEST_CASE("cut: the last stage, with the force of the tick", "[tick]") {
     REQUIRE(tick(sampleAt(pose, time += kPeriod), command) == Status::ok);
     return drill.removed()[0];
   };
-  CHECK(next() == 0.0);  // in contact, and not pressed
+  CHECK(next() == 0.0);  // in contact, but not pressed
   renderer.push = 2.0;
   double removed = 0.0;
   for (int i = 0; i < 20; ++i) removed += next();
   volume = solid->volume()[0];
   CHECK(removed > 0.0);
-  CHECK(1e9 * (whole - volume) == Approx(1e9 * removed).epsilon(0.2));  // mm^3; some ten samples
+  CHECK(1e9 * (whole - volume) == Approx(1e9 * removed).epsilon(0.2));  // mm^3; about ten samples
   Measurement lost = sampleAt(pose, time += kPeriod);
   lost.age = 1;
   REQUIRE(tick(lost, command) == Status::ok);
-  CHECK(solid->volume()[0] == volume);  // nothing is cut where the tool is not known
+  CHECK(solid->volume()[0] == volume);  // nothing is cut while the tool's position is unknown
 }
 
 TEST_CASE("guard: only obstacles that carry the force excuse its work", "[tick]") {
-  // The tool is pushed up with 5 N while it moves up by 20 mm/s, between a wall below and one above it.
+  // The tool is pushed up with 5 N while it moves up at 20 mm/s, between a wall below and one above.
   const auto reason = [](const Vec3& below, const Vec3& above) {
     Guard guard(tau(), guardFor(tau(), kPeriod));
     for (int i = 0; i < 1000; ++i) {

@@ -39,14 +39,14 @@ TEST_CASE("a swept tool tells what of it touches what", "[unit]") {
     ++met[hit.contact.obstacle][static_cast<int>(hit.contact.feature)];
     ++parts[hit.contact.part];
     if (hit.time == 0.0) continue;
-    // The ends of the part move straight: its axis is a radius away from the point.
+    // The ends of the part move straight: its axis is one radius away from the point.
     const ToolPart& part = tool.parts[hit.contact.part];
     const auto there = [&](const Vec3& p) {
       const Vec3 first = from.rotation * p + from.position, last = to.rotation * p + to.position;
       return Vec3(first + hit.time * (last - first));
     };
     const Vec3 a = there(part.a), b = there(part.b);
-    // The time is exact to 1e-12 of the path where the surface is met at an angle, to 1e-6 where it is grazed.
+    // The time is exact to 1e-12 of the path if the surface is hit at an angle, and to 1e-6 if it is grazed.
     REQUIRE(std::abs(test::referenceDistance(hit.contact.point, a, b, b) - part.radius) < 1e-6 * 0.06);
   }
   for (const auto& obstacle : met)
@@ -69,7 +69,7 @@ TEST_CASE("a swept tool stops at the first obstacle", "[unit]") {
   REQUIRE(wall.hit);
   CHECK(wall.contact.material.stiffness == 7.0);
   CHECK(wall.time == Approx(0.029 / 0.04).epsilon(1e-12));
-  // A shaft that turns into the wall: its far end touches.
+  // A shaft that rotates into the wall: its far end touches.
   tool.parts[0] = {{0, 0, 0}, {0.02, 0, 0}, 0.0};
   Pose turned = at({0.2, 0, 0.0});
   turned.rotation = test::rotationAbout(Vec3::UnitY(), 1.2);
@@ -94,7 +94,7 @@ TEST_CASE("close along a solid, a swept tool takes 64 looks at most and then cou
     const Pose from = at({-1e-3, 1e-4, half.z() + radius + gap}), to = at(from.position + path * Vec3::UnitX());
     const ToolSweep sweep = sweepTool(scene, sphereTool(radius), from, to, nullptr);
     REQUIRE(sweep.status == Status::ok);
-    // Each look frees as much of the path as there is room; the last one decides.
+    // Each query clears as much of the path as there is room; the last one decides.
     REQUIRE(sweep.hit == (63.0 * gap < path));
     if (sweep.hit) CHECK(sweep.time == Approx(63.0 * gap / path).epsilon(1e-6));
   }

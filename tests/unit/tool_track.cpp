@@ -1,4 +1,4 @@
-// A tool that moves keeps the side from which it came, however thin the wall and fast the tool.
+// A moving tool keeps the side from which it came, however thin the wall and however fast the tool.
 #include <Eigen/Geometry>
 #include <utility>
 
@@ -38,7 +38,7 @@ ContactSnapshot follow(const Scene& scene, const Tool& tool, const Pose& pose, T
   return contacts;
 }
 
-// A square of 20 mm at z = 0, `n` x `n` squares of two triangles, seen from above.
+// A square of 20 mm at z = 0, with `n` x `n` squares of two triangles, seen from above.
 TriangleMesh sheet(int n) {
   TriangleMesh mesh;
   for (int i = 0; i <= n; ++i)
@@ -60,7 +60,7 @@ TEST_CASE("nothing goes through a plate of 0.1 mm at 0.5 m/s", "[unit]") {
                         capsuleTool({-4e-3, 0, 0}, {4e-3, 1e-3, 0}, 0.15e-3),
                         capsuleTool({0, 0, 0}, {0, 0, 8e-3}, 0.3e-3)};
   const Shape shapes[] = {Box{half}, meshShape(test::boxMesh(half)), meshShape(sheet(7)), meshShape(sheet(1))};
-  int popped = 0;  // what the place alone would tell
+  int popped = 0;  // pops if only the position counted
   for (const Shape& shape : shapes)
     for (const Tool& tool : tools) {
       const Scene scene = sceneOf(shape);
@@ -92,7 +92,7 @@ TEST_CASE("nothing goes through a plate of 0.1 mm at 0.5 m/s", "[unit]") {
 }
 
 TEST_CASE("a walk round an open border is a walk outside: its gap is the distance from the sheet", "[unit]") {
-  TriangleMesh bowl = sheet(12);  // and what is concave, or convex, seen from above
+  TriangleMesh bowl = sheet(12);  // and concave or convex shapes, seen from above
   for (const double bend : {0.0, 30.0, -30.0}) {
     for (Vec3& v : bowl.vertices) v.z() = bend * (v.x() * v.x() + v.y() * v.y());
     const Scene scene = sceneOf(meshShape(bowl));
@@ -104,7 +104,7 @@ TEST_CASE("a walk round an open border is a walk outside: its gap is the distanc
       const double away = random.uniform(0.4e-3, 3e-3), y = random.uniform(-8e-3, 8e-3);
       const Vec3 border(0.01, y, bend * (1e-4 + y * y));
       double before = 0.0;
-      for (int i = 0; i <= 2000; ++i) {  // above, round the border, below, and back
+      for (int i = 0; i <= 2000; ++i) {  // above, around the border, below, and back
         const double turn = M_PI * (1.0 - std::cos(2.0 * M_PI * i / 2000)) / 2.0;
         const Vec3 p = border + away * Vec3(std::cos(turn - 0.5 * M_PI), 0, -std::sin(turn - 0.5 * M_PI));
         const ContactSnapshot contacts = follow(scene, tool, at(p), track, 5e-3);
@@ -137,7 +137,7 @@ TEST_CASE("a held part lets go at the border and on its way back, and nowhere el
   CHECK(gone.contacts[0].gap > 0.0);
   for (x = 0.0099; x > 0.0; x -= kTick / 10) (void)follow(scene, tool, at({x, 0, z}), track);
   CHECK(follow(scene, tool, at({x, 0, z}), track).contacts[0].normal.z() < -0.999);  // now it is below
-  // A copy goes on where it was made.
+  // A copy continues from its own state.
   CHECK(follow(scene, tool, at({0.0098, 0, z}), copy).contacts[0].normal.z() > 0.999);
   for (; z < 0.3e-3; z += kTick / 10) {
     const ContactSnapshot back = follow(scene, tool, at({0.0098, 0, z}), copy);
@@ -177,8 +177,8 @@ TEST_CASE("fast walks into blades, wedges, teeth of a comb and soups never chang
           }
           if (contacts.count != 1 || !(contacts.contacts[0].gap < -radius) || tool.parts[0].a != tool.parts[0].b)
             continue;
-          // Where it is held: at the surface, in the open. Sheets of a soup cross each other: held by two in the corner
-          // between them, its one contact lies on neither.
+          // If the tool is held, the held place is at the surface, outside. In a soup, sheets cross each other: held by
+          // two in the corner between them, the single contact is on neither.
           const Contact& contact = contacts.contacts[0];
           const Vec3 place = p - (contact.gap + radius - 2e-6) * contact.normal;
           const bool isOnIt = closestPoint(model, place).distance < 3e-6;
@@ -220,13 +220,13 @@ TEST_CASE("a sheet has two sides, a thickness and no inside", "[unit]") {
       ToolTrack track = makeToolTrack(scene, tool);
       REQUIRE(std::abs(follow(scene, tool, at(p), track, 0.02).contacts[0].gap - gap) < 1e-12);
     }
-    ToolTrack track = makeToolTrack(scene, Tool());  // from within, or from below
+    ToolTrack track = makeToolTrack(scene, Tool());  // from inside, or from below
     const double side = isBall ? 0.01 : 0.0;
     for (double z = side - 3e-3; z < side + 3e-3; z += kTick) {
       const ContactSnapshot contacts = follow(scene, Tool(), at({0, 0, z}), track, 5e-3);
       REQUIRE(contacts.count >= 1);
       REQUIRE(contacts.contacts[0].normal.z() < -0.99);
-      REQUIRE(std::abs(contacts.contacts[0].gap - (side - z - 0.5 * thick)) < 1e-5);  // the ball has faces
+      REQUIRE(std::abs(contacts.contacts[0].gap - (side - z - 0.5 * thick)) < 1e-5);  // the ball has flat faces
     }
   }
   Scene scene;

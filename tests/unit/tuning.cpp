@@ -18,9 +18,9 @@ TEST_CASE("the paper's weights, evaluated") {
   const TuneProblem problem = nominalProblem();
   const auto exact = evaluateServo(problem, 0, ServoWeights{});
   REQUIRE(exact);
-  CHECK(exact->stiffness == Approx(12.0 / 0.4529325e-3).epsilon(0.01));  // an independent program's run
+  CHECK(exact->stiffness == Approx(12.0 / 0.4529325e-3).epsilon(0.01));  // from an independent program
   CHECK(exact->toleratedDelay == 1);
-  // Found independently: with velocities differenced from encoders they chatter at 1.6 N m at a delay of 1.
+  // Found independently: with velocities from encoder differences they chatter with 1.6 N m at a delay of 1.
   const auto late = evaluateServo(problem, 1, ServoWeights{});
   REQUIRE(late);
   CHECK(late->chatter == Approx(1.6).margin(0.1));
@@ -33,7 +33,7 @@ TEST_CASE("the limit of the first impact, at home for 15 N") {
   const auto limit = [&plant](int delay) {
     return firstImpactLimit(plant.effectiveMass, 1e-3, delay, 15.0, plant.largestForce);
   };
-  // Found independently: 420, 106, 47 and 26 kN/m, F_max between 58 and 70 N over the wall.
+  // Found independently: 420, 106, 47 and 26 kN/m; F_max between 58 and 70 N over the wall.
   CHECK(plant.largestForce > 58.0);
   CHECK(plant.largestForce < 70.0);
   CHECK(limit(0) == Approx(420e3).epsilon(0.01));
@@ -42,10 +42,10 @@ TEST_CASE("the limit of the first impact, at home for 15 N") {
   CHECK(limit(3) == Approx(26e3).epsilon(0.02));
   CHECK(firstImpactLimit(0.3, 1e-3, 0, 15.0, 10.0) == 0.0);
   CHECK(firstImpactLimit(0.3, 1e-3, 0, 5.0, 10.0, 12.0) == 0.0);
-  // A preload that was held before the step leaves less to be answered.
+  // A preload before the step leaves a smaller step.
   CHECK(firstImpactLimit(0.3, 1e-3, 0, 15.0, 50.0, 1.0) ==
         Approx(firstImpactLimit(0.3, 1e-3, 0, 15.0, 50.0) * 50.0 / 49.0).epsilon(1e-14));
-  // It is what bang-bang control reaches: free for t1, then braked by F_max - F.
+  // Bang-bang control reaches it: free for t1, then braked by F_max - F.
   const double m = 0.3, F = 15.0, brake = 50.0 - F, t1 = 2e-3, v = F / m * t1;
   const double depth = 0.5 * F / m * t1 * t1 + 0.5 * m * v * v / brake;
   CHECK(firstImpactLimit(m, 1e-3, 1, F, 50.0) == Approx(F / depth));

@@ -30,12 +30,12 @@ TEST_CASE("a rotation vector turns about itself by its length, and comes back", 
     const Mat3 rotation = rotationFromVector(vector);
     INFO(angle);
     CHECK(isRotation(rotation));
-    // 1e-15: a few roundings of numbers up to 1.
+    // 1e-15: a few rounding errors of numbers up to 1.
     CHECK((rotation * axis - axis).norm() < 1e-15);
-    // 4e-15: three rows of six roundings each, 1.2e-15; the vector's length, known to 4 roundings of 3 rad, 1.3e-15; those
-    // of the right side, 1e-15.
+    // 4e-15: three rows of six rounding errors each, 1.2e-15; the vector's length, 4 rounding errors of 3 rad, 1.3e-15;
+    // those of the right side, 1e-15.
     CHECK((rotation * across - (std::cos(angle) * across + std::sin(angle) * axis.cross(across))).norm() < 4e-15);
-    // The angle comes from a trace near 1 + 2 cos(angle): to a few roundings, not more, below 3 rad.
+    // The angle comes from a trace near 1 + 2 cos(angle): below 3 rad it has only a few rounding errors.
     CHECK((rotationVector(rotation) - vector).norm() < 1e-14 + 1e-15 * angle);
     CHECK(std::abs(angleBetween(Mat3::Identity(), rotation) - angle) < 1e-14);
   }
@@ -49,7 +49,7 @@ TEST_CASE("the angle between two orientations does not depend on the frame", "[t
     const double angle = kPi * i / 199.0;
     const Mat3 base = rotationFromVector(randomVector(engine, 2.0));
     const Mat3 turn = rotationFromVector(randomVector(engine, angle));
-    // At pi the sine is a rounding of the matrix.
+    // At pi the sine is a rounding error of the matrix.
     CHECK(std::abs(angleBetween(base, base * turn) - angle) < 5e-15);
     CHECK(std::abs(angleBetween(base * turn, base) - angle) < 5e-15);
   }

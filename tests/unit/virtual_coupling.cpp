@@ -1,4 +1,4 @@
-// The virtual coupling: what the device feels is its spring and damper, whatever the wall.
+// The virtual coupling: the device feels its spring and damper, whatever the wall.
 #include "enamel/render/virtual_coupling.hpp"
 
 #include <limits>
@@ -13,7 +13,7 @@ namespace enamel::test_virtual_coupling {
 
 namespace {
 
-// Where a device rests that is pressed with `force` along -z, m, and what the wall's force is then, N.
+// Rest depth of a device that is pressed with `force` along -z, m, and the wall's force there, N.
 struct Rest {
   double depth, force;
 };
@@ -44,10 +44,10 @@ TEST_CASE("a pressed device rests where the coupling carries the force") {
   for (const double stiffness : {1000.0, 5000.0}) {
     VirtualCouplingRenderer renderer({stiffness, 2.0, 0.02});
     const Rest rest = restOn(flatWall(), renderer, 6.0);
-    CHECK(rest.depth == Approx(6.0 / stiffness).epsilon(1e-3));  // what is left of the swing
+    CHECK(rest.depth == Approx(6.0 / stiffness).epsilon(1e-3));  // the rest of the oscillation
     CHECK(rest.force == Approx(6.0).epsilon(1e-3));
   }
-  // A soft surface gives way in series with it; in a corner both walls carry.
+  // A soft surface acts in series with it; in a corner both walls carry the load.
   Obstacle soft = flatWall().obstacles()[0];
   soft.material.stiffness = 2000.0;
   Scene scene;
@@ -57,7 +57,7 @@ TEST_CASE("a pressed device rests where the coupling carries the force") {
   Scene corner;
   for (const double side : {-1.0, 1.0})
     corner.add(halfSpace("side " + std::to_string(side), Vec3::Zero(), Vec3(side, 0.0, 1.0).normalized()));
-  // The offset is 6 N / K along z, and each wall sees its part along the normal.
+  // The offset is 6 N / K along z; each wall sees its component along the normal.
   CHECK(restOn(corner, renderer, 6.0).depth == Approx(6.0 / 3000.0 * std::sqrt(0.5)).epsilon(1e-3));
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("a light virtual tool is the spring and damper of the impedance wall w
   const TauMechanism device(test::dampedNominal());
   PushSetup setup;
   setup.hand.noise = 0.0;
-  setup.hand.preload = 2.0;  // both stay in contact
+  setup.hand.preload = 2.0;  // both remain in contact
   setup.guarded = false;
   std::vector<double> depths[2];
   VirtualCouplingRenderer coupling({3000.0, 1.0, 1e-9});
@@ -82,7 +82,7 @@ TEST_CASE("a light virtual tool is the spring and damper of the impedance wall w
     largest = std::max(largest, depths[1][i]);
   }
   CHECK(largest > 3e-3);
-  CHECK(worst < 1e-4 * largest);  // the mass of 1 mg and the regularisation of 1e-6 are what differs
+  CHECK(worst < 1e-4 * largest);  // the mass of 1 mg and the regularisation of 1e-6 make the difference
 }
 
 TEST_CASE("in the air one feels the virtual tool's mass, and nothing once it has caught up") {
@@ -103,7 +103,7 @@ TEST_CASE("in the air one feels the virtual tool's mass, and nothing once it has
     const double drag = wrenchOf(input.kinematics, output.torque - input.kinematics.gravity)[2];
     if (i == 1) first = drag;
   }
-  CHECK(first < -0.01);  // the tool is behind and draws back
+  CHECK(first < -0.01);  // the tool is behind and pulls back
   CHECK(std::abs(wrenchOf(input.kinematics, output.torque - input.kinematics.gravity)[2]) < 1e-9);
 }
 

@@ -54,8 +54,8 @@ TEST_CASE("a spring without damping is told from a servo by every trial", "[wall
     INFO(trial << ": " << name);
     CHECK(figure(servo, trial, name) < 0.5 * figure(spring, trial, name));
   }
-  // A spring pushes from the surface on: its depth under a ramp to 11 N is the force over its stiffness, and what it
-  // swings beyond that.
+  // A spring pushes from the surface on: its depth under a ramp to 11 N is the force divided by its stiffness, plus its
+  // oscillation.
   CHECK(figure(spring, "ramp", "depth") > 1e6 * 10.0 / ImpedanceOptions{}.stiffness);
   for (const WallFigure& f : servo) CHECK(f.lost == 0);
 }
@@ -106,9 +106,9 @@ TEST_CASE("in a corner a spring goes as deep as its stiffness says, a servo does
   const auto servo = runWallTrials(setup, "corner", 2);
   setup.renderer = [] { return std::make_unique<ImpedanceRenderer>(ImpedanceOptions{5000.0, 50.0}); };
   const auto spring = runWallTrials(setup, "corner", 2);
-  // Two walls at 45 deg carry 10 N: sqrt(1/2) of it each, and each is as deep as its force over its stiffness.
+  // Two walls at 45 deg carry 10 N: each carries sqrt(1/2) of it, and its depth is its force divided by its stiffness.
   CHECK(figure(spring, "corner", "depth") ==
-        Approx(1e6 * 10.0 * std::sqrt(0.5) / 5000.0).epsilon(0.2));  // and the noise
+        Approx(1e6 * 10.0 * std::sqrt(0.5) / 5000.0).epsilon(0.2));  // plus the noise
   CHECK(figure(servo, "corner", "depth") < 100.0);
   for (const WallFigure& f : servo) CHECK(f.lost == 0);
 }
@@ -121,7 +121,7 @@ std::vector<WallFigure> impacts(int delay) {
   return runWallTrials(setup, "impact", 2);
 }
 
-// Before the age of a jump was asked for beyond 1.5 ticks, one impact in a hundred was thrown back by up to 1 mm with 3
+// When ages of a jump above 1.5 ticks were not considered, one impact in a hundred was thrown back by up to 1 mm with 3
 // ticks of delay.
 TEST_CASE("no impact is thrown back", "[wall_trials]") {
   for (const int delay : {0, 3})

@@ -1,4 +1,4 @@
-// Welch's test against tables and against itself.
+// Welch's test compared with tables and by simulation.
 #include "enamel/study/welch.hpp"
 
 #include <cmath>
@@ -12,7 +12,8 @@ TEST_CASE("Student's distribution: tables and closed forms") {
   // Two-sided 5 % points (Fisher and Yates), to the table's three decimals: d p / d t is about 0.05 there.
   for (const auto& [freedom, t] : {std::pair{1.0, 12.706}, {2.0, 4.303}, {10.0, 2.228}, {30.0, 2.042}, {120.0, 1.980}})
     CHECK(studentBeyond(t, freedom) == Approx(0.05).margin(6e-5));
-  // One and two degrees of freedom have closed forms, also far out; a million are as good as a normal distribution.
+  // One and two degrees of freedom have closed forms, also for extreme values; a million are equivalent to a normal
+  // distribution.
   for (const double t : {1e-6, 0.3, 1.0, 7.0, 1e3, 1e6}) {
     CHECK(studentBeyond(t, 1.0) == Approx(2.0 / M_PI * std::atan(1.0 / t)).epsilon(1e-10));
     CHECK(studentBeyond(t, 2.0) == Approx(2.0 / (2.0 + t * t) / (1.0 + t / std::sqrt(2.0 + t * t))).epsilon(1e-10));

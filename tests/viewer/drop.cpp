@@ -1,6 +1,6 @@
-// Drops a file on a window as a file manager would: drop WINDOW FILE. The protocol is XDND version 5; GLFW is the other
-// side. Exits with 1 where the window does not take it. (GLFW
-// 3.3.8 answers with the length of what it took, where the protocol has one bit.)
+// Drops a file on a window as a file manager would: drop WINDOW FILE. It uses XDND version 5 towards GLFW. Exits with 1
+// if the window does not accept the file. (GLFW 3.3.8 answers with the length of the data instead of the protocol's one
+// bit.)
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
 
@@ -46,7 +46,7 @@ struct Source {
     XFlush(display);
   }
 
-  // Serves the selection until a message of that type has come; its answer: l[1].
+  // Serve the selection until a message of that type arrives. Return its answer, l[1].
   bool waitFor(const char* type, long& answer) const {
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(15);
     while (std::chrono::steady_clock::now() < end) {

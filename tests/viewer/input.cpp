@@ -46,14 +46,14 @@ TEST_CASE("every key of the help acts, once a press", "[viewer]") {
   std::set<std::pair<int, bool>> keys;
   for (const ActionRow& row : actionRows()) {
     INFO(row.keys);
-    CHECK(keys.insert({row.key, row.control}).second);  // no key means two things
+    CHECK(keys.insert({row.key, row.control}).second);  // every key has one meaning
     Recorder recorder;
     Input input(recorder);
     const int modifiers = row.control ? GLFW_MOD_CONTROL : 0;
     input.key(row.key, GLFW_PRESS, modifiers);
     input.key(row.key, GLFW_REPEAT, modifiers);
     input.key(row.key, GLFW_RELEASE, modifiers);
-    // Only single ticks go on while their key is held.
+    // Only single ticks repeat while their key is held.
     const bool ticks = row.action == Action::step || row.action == Action::stepBack;
     REQUIRE(recorder.actions.size() == (ticks ? 2 : 1));
     CHECK(&actionRows()[static_cast<std::size_t>(row.action)] == &row);
@@ -84,7 +84,7 @@ TEST_CASE("a left drag moves the hand as far as the cursor goes at the tool", "[
     const glm::dvec2 to = from + glm::dvec2{random.uniform(-80.0, 80.0), random.uniform(-80.0, 80.0)};
     input.cursor(from);
     input.cursor(to);
-    CHECK(recorder.moves == 0);  // no button
+    CHECK(recorder.moves == 0);  // no button is pressed
     input.cursor(from);
     input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_PRESS);
     input.cursor(glm::mix(from, to, 0.3));
@@ -92,7 +92,7 @@ TEST_CASE("a left drag moves the hand as far as the cursor goes at the tool", "[
     input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE);
     input.cursor(from);
     CHECK(recorder.moves == 2);
-    // Where the cursor is now, the tool would be seen: 1e-6 of a pixel is far beyond rounding.
+    // The tool would be seen at the cursor; 1e-6 of a pixel is far above rounding.
     const glm::dvec2 seen = corner + glm::dvec2(project(before, size, recorder.tool() + recorder.hand));
     CHECK(glm::distance(seen, to) < 1e-6);
     CHECK(recorder.view.azimuth == before.azimuth);
@@ -120,7 +120,7 @@ TEST_CASE(
     input.cursor(to);
     input.button(GLFW_MOUSE_BUTTON_LEFT, GLFW_RELEASE);
     CHECK(std::abs(glm::dot(recorder.hand, recorder.wall)) < 1e-9);  // mm
-    CHECK(glm::length(recorder.hand) < 200.0);                       // also where it is seen from the side
+    CHECK(glm::length(recorder.hand) < 200.0);                       // also if it is seen edge-on
     const glm::dvec3 ray = glm::normalize(recorder.tool() - camera.eye());
     if (std::abs(glm::dot(ray, recorder.wall)) < 0.5) continue;
     ++under;
@@ -177,7 +177,7 @@ TEST_CASE("zooming keeps what is under the cursor where it is", "[viewer]") {
   const Camera before = recorder.view;
   const glm::dvec3 point = unproject(before, size, cursor - corner, recorder.tool());
   input.cursor(cursor);
-  for (const double notches : {3.0, -1.0, 200.0}) {  // the last one as near as it goes
+  for (const double notches : {3.0, -1.0, 200.0}) {  // the last one is limited by the smallest distance
     input.wheel(notches, true);
     CHECK(glm::distance(corner + glm::dvec2(project(recorder.view, size, point)), cursor) < 1e-6);  // pixels
   }
@@ -217,7 +217,7 @@ TEST_CASE("the right button turns the view, the middle one shifts it, and the ha
   input.cursor({690.0, 310.0});
   input.button(GLFW_MOUSE_BUTTON_MIDDLE, GLFW_RELEASE);
   CHECK(recorder.view.azimuth == turned.azimuth);
-  // What was at the tool's distance went with the cursor.
+  // The point at the tool's distance has moved with the cursor.
   const glm::dvec2 shift = glm::dvec2(project(recorder.view, size, recorder.tool())) - seenBefore;
   CHECK(glm::distance(shift, glm::dvec2(30.0, -20.0)) < 1e-6);
   CHECK(recorder.moves == 0);
@@ -250,7 +250,7 @@ TEST_CASE("a click on the time bar and a drag from it seek, whatever the button 
     CHECK(recorder.moves == 0);
     CHECK(recorder.view.azimuth == before.azimuth);
   }
-  // Beside it, and where there is none, the hand moves.
+  // Beside the bar, or without one, the hand moves.
   for (const int renderers : {0, 4}) {
     recorder.place = layOut({1280, 720}, 1.0f, true, true, renderers);
     recorder.shares.clear();

@@ -1,5 +1,5 @@
-// A person at the viewer: real keys, clicks, drags and files dropped on a window under Xvfb, through GLFW's callbacks.
-// What was shown then stands in the viewer's report.
+// A person at the viewer: real keys, clicks, drags and dropped files in a window under Xvfb, through GLFW's callbacks.
+// The viewer's report lists what was shown.
 #include <algorithm>
 #include <fstream>
 #include <sstream>
@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-// Somebody at a viewer in its window. Whatever they do, the viewer has seen it, and drawn it, when a function returns.
+// A person at a viewer in its window. Each function returns after the viewer has processed and drawn its effect.
 class Person {
  public:
   Person(const test::TemporaryFolder& folder, const std::string& arguments, const std::string& environment = "")
@@ -32,7 +32,7 @@ class Person {
     viewer_.untilDrawn(2);
   }
 
-  // A shell command that knows $window.
+  // Run a shell command; $window is the window.
   void does(const std::string& command) const {
     const auto result = test::runCommand("export " + environment_ + "; " + command);
     INFO(command << ": " << result.output);
@@ -52,16 +52,16 @@ class Person {
     does("xdotool mousemove --window $window " + std::to_string(x) + " " + std::to_string(y));
     viewer_.untilDrawn(1);
   }
-  // On a control that the report names.
+  // Move to a control named in the report.
   void at(const json& place) { at(place[0].get<int>(), place[1].get<int>()); }
   void click() {
     does("xdotool click 1");
     viewer_.untilDrawn(2);
   }
-  // Notches of the wheel: into the wall, out of it.
+  // Turn the wheel by notches into the wall; release() turns it back.
   void press(int notches) { turn(4, notches); }
   void release(int notches) { turn(5, notches); }
-  // Eight steps with the button down.
+  // Drag with the button down, in eight steps.
   void drag(int x, int y) {
     const std::string step = " mousemove_relative -- " + std::to_string(x) + " " + std::to_string(y);
     does("xdotool mousedown 1");
@@ -78,7 +78,7 @@ class Person {
   }
 
   test::RunningViewer& viewer() { return viewer_; }
-  // Ends the viewer, with its last report.
+  // End the viewer and return its last report.
   json quits() {
     does("xdotool key --window 0 ctrl+q");
     status_ = viewer_.wait();
@@ -100,7 +100,7 @@ class Person {
 
 bool isAmong(const json& list, const std::string& text) { return test::RunningViewer::isAmong(list, text); }
 
-// A home in which the viewer was started before: no tour.
+// Make a home in which the viewer has been started before: no tour.
 void leaveMark(const test::TemporaryFolder& folder) {
   std::filesystem::create_directories(folder / "state/enamel");
   test::writeFile(folder / "state/enamel/viewer-was-started", "");
@@ -119,7 +119,7 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
   Person person(folder, "");
   test::RunningViewer& viewer = person.viewer();
 
-  // The first start's tour, unless it is over, then one tool.
+  // Wait for the first start's tour, end it if it is running, then show one tool.
   viewer.until("the tour", [](const json& report) {
     return report.at("touring").get<bool>() || isAmong(report.at("shown").at("notices"), "The hand is yours");
   });
@@ -133,7 +133,7 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
   viewer.untilShown("renderers", "position-control");
   const json controls = viewer.untilShown("renderers", "impedance").at("controls");
 
-  // A value that the spring takes, and one that it does not.
+  // Type a valid and an invalid stiffness.
   const auto typeStiffness = [&](const char* value) {
     person.at(controls.at("stiffness"));
     person.click();
@@ -146,7 +146,7 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
   typeStiffness("99999");
   viewer.untilShown("notices", "stiffness: 99999 is outside of 200 to 20000 N/m");
 
-  // Late, it rings.
+  // With delay, it rings.
   person.at(controls.at("3"));
   viewer.untilShown("tips", "Between a measurement and the torque that answers it");
   person.click();
@@ -156,7 +156,7 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
   viewer.untilShown("badges", "unstable");
   viewer.until("a press", [](const json& report) { return report.at("shown").at("deepest [m]") > 0.8e-3; });
 
-  // Backspace also puts the settings back.
+  // Backspace also resets the settings.
   person.key({"BackSpace"});
   const json start = viewer.untilShown("notices", "are as at the start").at("shown");
   CHECK(start.at("delay [ticks]") == 0);
@@ -191,14 +191,14 @@ TEST_CASE("a person takes the tour, presses, swaps, types, slides, drops a scan 
   viewer.untilShown("badges", "edge of workspace");
   person.does("xdotool keyup d");
   person.key({"h", "Escape"});
-  viewer.untilShown("notices", "Ctrl+Q ends the viewer");  // which Esc does not
+  viewer.untilShown("notices", "Ctrl+Q ends the viewer");  // Esc does not end it
   person.key({"ctrl+p"});
   viewer.untilSaid("./enamel-001.png\n");
   viewer.until("no contact", [](const json& report) { return !report.at("contact").get<bool>(); });
   const json report = person.quits();
   WARN("it took " << report.at("seconds") << " s, " << report.at("frames_per_second") << " pictures a second");
   CHECK(person.status() == 0);
-  CHECK(viewer.said() == "./enamel-001.png\n");  // nothing went wrong
+  CHECK(viewer.said() == "./enamel-001.png\n");  // without errors
   CHECK(report.at("opengl_errors") == 0);
   CHECK(test::Pixels(folder / "enamel-001.png").size() == glm::ivec2(640, 480));
 }
@@ -207,7 +207,7 @@ TEST_CASE("a person presses with a plugin, records it, makes a clip and plays th
   if (!havePerson()) return test::skipTest("Xvfb or xdotool is missing");
   const test::TemporaryFolder folder;
   leaveMark(folder);
-  // Stands for ffmpeg: writes what it was asked for.
+  // Replaces ffmpeg: writes its arguments.
   std::filesystem::create_directories(folder / "bin");
   test::writeFile(folder / "bin/ffmpeg", "#!/bin/sh\nfor last; do :; done\necho \"$*\" > \"$last\"\n");
   std::filesystem::permissions(folder / "bin/ffmpeg", std::filesystem::perms::owner_all);
@@ -245,25 +245,25 @@ TEST_CASE("a person presses with a plugin, records it, makes a clip and plays th
     CHECK(report["test_pushes"][0].at("renderer") == "template");
     CHECK(report["test_pushes"][0].at("first impact") == "measured");
     CHECK(report.at("opengl_errors") == 0);
-    // The second recording was under way at the end: it is whole as well.
+    // The second recording was running at the end: it is complete as well.
     CHECK(viewer.said().find("./enamel-002.rec: ") != std::string::npos);
   }
-  // The clip is as long as it took, whatever the pictures a second.
+  // The clip lasts as long as the scene, whatever the frame rate.
   const std::string asked = test::readFile(folder / "clip-001.mp4");
   CHECK(asked.find("-framerate 25 -i ./clip-001/%05d.png") != std::string::npos);
   for (int i = 0; i < 9; ++i)
     CHECK(test::Pixels(folder / ("clip-001/0000" + std::to_string(i) + ".png")).size() == glm::ivec2(1280, 720));
-  // Two histograms in the card at the left of the scene: dark on white, over half its width at most.
+  // Two histograms in the card at the left of the scene: dark on white, with at most half its width.
   const test::Pixels picture(folder / "enamel-001.png");
   int bars = 0;
   for (int x = 270; x < 560; ++x)
     for (int y = 100; y < 260; ++y) bars += picture.at(x, y) == glm::ivec3(0x3D, 0x49, 0x57);
   CHECK(bars > 100);
 
-  // The press, as often as it takes to see it, without the test push that came after it.
+  // Play the press until it is seen, without the later test push.
   Person person(folder, "--play '" + folder / "enamel-001.rec'");
   person.viewer().until("the press", [&](const json& report) {
-    if (report.at("paused").get<bool>()) person.key({"space"});  // from the start
+    if (report.at("paused").get<bool>()) person.key({"space"});  // start again from the beginning
     return report.at("shown").at("deepest [m]") > 0.7e-3;
   });
   person.key({"ctrl+Left", "Right", "Right", "F3"});
@@ -299,7 +299,7 @@ TEST_CASE("a person plays a recording, drags its bar and steps", "[viewer]") {
 
 namespace {
 
-// What somebody does who only plays about, for so many seconds, as shell commands.
+// Return random actions of a person, for `seconds`, as shell commands.
 std::string playing(test::Random& random, double seconds) {
   const auto pick = [&random](int count) { return static_cast<int>(random.uniform(0.0, count)); };
   const char* const keys[] = {"Tab",   "v",           "p",      "g",      "h",      "n",         "space",
@@ -345,9 +345,9 @@ TEST_CASE("whatever somebody plays with, memory stays level", "[viewer]") {
   test::Random random(seed);
   const test::TemporaryFolder folder;
   leaveMark(folder);
-  Person person(folder, "", "LP_NUM_THREADS=0");  // in one thread, as in soak.cpp
+  Person person(folder, "", "LP_NUM_THREADS=0");  // one thread, as in soak.cpp
   test::RunningViewer& viewer = person.viewer();
-  // The memory in one state: in the wall, so that the tool that shines through is drawn both times.
+  // Compare memory in one state: in the wall, where the transparent tool is drawn both times.
   const auto level = [&] {
     person.does("xdotool mouseup 1 mouseup 3 windowsize $window 1280 720");
     viewer.until("the first size", [](const json& report) { return report.at("size") == json{1280, 720}; });

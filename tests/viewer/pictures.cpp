@@ -1,4 +1,4 @@
-// What the viewer draws, in software GL without any X server, and in a window under Xvfb.
+// Pictures of the viewer, in software GL without an X server, and in a window under Xvfb.
 #include "camera.hpp"
 #include "colours/palette.hpp"
 #include "enamel/study/metrics.hpp"
@@ -20,13 +20,13 @@ const char* const kScript =
     "1.5 picture moved\n"
     "1.6 hand 0 0 -20 over 0.5\n"
     "3.2 picture contact\n"
-    "3.2 swap\n"  // after the picture, also in a window, whose haptic loop goes on meanwhile
+    "3.2 swap\n"  // after the picture, also in a window whose haptic loop continues meanwhile
     "4.2 picture swapped\n"
     "4.3 home\n"
     "5.6 picture after\n"
     "5.7 end\n";
 
-// Where a point of the platform is in the picture of the first view, pixels.
+// Return where a point of the platform is in the picture of the first view, pixels.
 glm::dvec2 seen(const Pose& pose, const Vec3& inPlatform, const Layout& layout) {
   const Vec3 p = 1e3 * (pose.position + pose.rotation * inPlatform);
   const glm::dvec3 at =
@@ -47,7 +47,7 @@ int distinctColours(const Pixels& pixels, const Rect& area) {
   return count;
 }
 
-// The force arrow, near the tool and away from the words above.
+// Count pixels of the force arrow near the tool, away from the text above.
 int arrowPixels(const Pixels& pixels, const Layout& layout) {
   const glm::dvec2 tool = seen(Pose{}, Vec3(0.0, 0.0, 0.02), layout);
   const int reach = static_cast<int>(80.0f * layout.scale);
@@ -59,15 +59,15 @@ void checkPictures(const std::string& folder, const Layout& layout, bool exactPo
       swapped(folder + "/swapped.png"), after(folder + "/after.png");
   REQUIRE(before.size() == layout.size);
 
-  // Not blank: a lit scene has hundreds of tones, a cleared one has one.
+  // Not blank: a lit scene has hundreds of tones, an empty one has one.
   for (const Pixels* picture : {&before, &contact}) {
     CHECK(distinctColours(*picture, layout.scene) > 100);
     CHECK(distinctColours(*picture, layout.charts) > 20);
     CHECK(distinctColours(*picture, layout.panel) > 20);
   }
 
-  // The tool is where the kinematics says: the handle's middle has the handle's colour there, and nowhere near it once
-  // the tool has gone.
+  // The tool is where the kinematics says: the handle's middle has the handle's colour there, and no longer after the
+  // tool has moved away.
   Pose start, aside;
   start.position = {0.0, 0.0, 0.008};
   aside.position = {0.0, 0.018, 0.008};
@@ -86,13 +86,13 @@ void checkPictures(const std::string& folder, const Layout& layout, bool exactPo
     CHECK(handleAt(moved, start) < 0.2);
   }
 
-  // The arrow appears on contact, with either renderer, and goes.
+  // The arrow appears on contact with either renderer, and disappears.
   CHECK(arrowPixels(before, layout) == 0);
   CHECK(arrowPixels(contact, layout) > 100);
   CHECK(arrowPixels(swapped, layout) > 100);
   CHECK(arrowPixels(after, layout) == 0);
 
-  // The charts move: the force's line stands at the bottom, then higher.
+  // The charts move: the force's line is at the bottom, then higher.
   const auto forceLine = [&](const Pixels& picture) {
     const Rect& a = layout.chart[1];
     const float s = layout.scale;
@@ -140,7 +140,7 @@ TEST_CASE("a window under Xvfb shows the same", "[viewer]") {
       test::kXvfb);
   INFO(result.output);
   REQUIRE(result.status == 0);
-  // In real time a loaded machine may be late: the tool on its way is not looked at.
+  // In real time a loaded machine may be late: do not check the tool in motion.
   checkPictures(out, layOut({1280, 720}, 1.0f, true, true), false);
   const auto report = nlohmann::json::parse(test::readFile(out + ".json"));
   CHECK(report.at("opengl_errors") == 0);
@@ -181,7 +181,7 @@ TEST_CASE("every device that is shipped is drawn, and touches", "[viewer]") {
     ++devices;
     INFO(entry.path());
     const std::string out = folder / entry.path().stem().string();
-    // The spring: at any tick it pushes, where the servo's force comes and goes with the counts of coarse encoders.
+    // The spring pushes at every tick; the servo's force varies with the counts of coarse encoders.
     const auto result =
         test::viewer("--device '" + entry.path().string() + "' --renderer impedance --headless --script '" +
                      folder / "script.txt" + "' --record '" + out + "'");
@@ -200,7 +200,7 @@ TEST_CASE("every device that is shipped is drawn, and touches", "[viewer]") {
 
 namespace {
 
-// Runs a script of test pushes and returns what the report says of them.
+// Run a script of test pushes and return the report's entry.
 nlohmann::json testPushes(const test::TemporaryFolder& folder, const std::string& script,
                           const std::string& arguments) {
   test::writeFile(folder / "push.txt", script);
@@ -228,13 +228,13 @@ TEST_CASE("test pushes are reported by their renderers' names, with the study's 
   CHECK(both[1].at("renderer") == "impedance");
   for (const auto& push : both) {
     CHECK(push.at("first impact") == "measured");
-    // The step, from the preload on.
+    // The step above the preload.
     CHECK(push.at(stiffness).get<double>() * push.at(depth).get<double>() == Approx(11.5).epsilon(1e-9));
   }
   CHECK(both[0].at(stiffness) > 150e3);
   CHECK(both[1].at(stiffness) < 6e3);
 
-  // The gauge's dots stand at their places from 1 kN/m to 1 MN/m.
+  // The gauge's dots are at their positions between 1 kN/m and 1 MN/m.
   const Layout layout = layOut({1280, 720}, 1.0f, true, true);
   const Rect& gauge = layout.gauge;
   const Pixels picture(folder / "push/gauge.png");
@@ -258,10 +258,10 @@ TEST_CASE("test pushes are reported by their renderers' names, with the study's 
       testPushes(folder, "0 picture title\n0.1 push\n4.2 end\n", "--renderer template --set stiffness=3000");
   const Pixels pluginTitle(folder / "push/title.png");
   REQUIRE(plugin.size() == 1);
-  CHECK(plugin[0].at("renderer") == "template");  // beside the linked ones
+  CHECK(plugin[0].at("renderer") == "template");  // in addition to the linked ones
   CHECK(plugin[0].at("first impact") == "measured");
   CHECK(plugin[0].at(stiffness) < 4e3);
-  // Nothing else of the header differs.
+  // Nothing else in the header differs.
   int differing = 0;
   for (int y = 46; y < 66; ++y)
     for (int x = static_cast<int>(layout.scene.x) + 30; x < static_cast<int>(layout.scene.x) + 130; ++x)
@@ -285,14 +285,14 @@ TEST_CASE(
   };
   const Pixels plain = leanOn("plain", "set stiffness 6000"), soft = leanOn("soft", "set stiffness 1000"),
                late = leanOn("late", "set delay 3");
-  // Of the force's line, and how high it stands: 7.5 N on the stiff spring, 5.7 N on the soft one, on one scale.
+  // Pixels of the force's line and its height: 7.5 N on the stiff spring, 5.7 N on the soft one, with the same scale.
   const auto force = [&](const Pixels& picture) {
     const Rect& a = layout.chart[1];
     return patchOf(picture, kVermilion, glm::ivec2(glm::vec2(a.x + a.width / 2, a.y + kChartTitle)),
                    glm::ivec2(glm::vec2(a.x + a.width, a.y + a.height)));
   };
   CHECK(force(soft).count < 2 * force(plain).count);
-  // The soft one is left behind: 20 mm of hand at 400 N/m against 1000 N/m are 5.7 mm, at 6000 N/m 1.3 mm.
+  // The soft wall yields: 20 mm of the hand at 400 N/m give 5.7 mm against 1000 N/m, and 1.3 mm against 6000 N/m.
   const auto contact = [&](const Pixels& picture) {
     const glm::dvec2 at = seen(Pose{}, Vec3::Zero(), layout);
     return patchOf(picture, kVermilion, glm::ivec2(at) - 100, glm::ivec2(at) + 100).centre;
@@ -302,7 +302,7 @@ TEST_CASE(
   const glm::dvec2 expected = seen(in, Vec3::Zero(), layout) - seen(Pose{}, Vec3::Zero(), layout);
   const glm::dvec2 moved = contact(soft) - contact(plain);
   CHECK(glm::dot(moved, expected) > 0.3 * glm::dot(expected, expected));
-  CHECK(glm::dot(contact(late) - contact(plain), expected) > 2.0 * glm::dot(expected, expected));  // all the 20 mm
+  CHECK(glm::dot(contact(late) - contact(plain), expected) > 2.0 * glm::dot(expected, expected));  // the full 20 mm
 }
 
 TEST_CASE("a recording is drawn as the run was, at any time, and played", "[viewer]") {
@@ -327,8 +327,8 @@ TEST_CASE("a recording is drawn as the run was, at any time, and played", "[view
   CHECK(arrowPixels(before, layout) == 0);
   CHECK(arrowPixels(contact, layout) > 100);
   CHECK(test::readFile(folder / "out/contact.png") == test::readFile(folder / "out/again.png"));
-  // The bar: contact in its right part, and where the place is: at 0.9 s, 2 s, and after a second at half the speed at
-  // 1 s, of 2.999 s.
+  // The time bar has contacts in its right part. Its position is at 0.9 s and 2 s, and at 1 s after one second at half
+  // speed, of 2.999 s in all.
   const auto onBar = [&](const Pixels& pixels, unsigned colour, double from, double to) {
     const Rect& bar = layout.bar;
     return patchOf(pixels, colour, glm::ivec2(bar.x + from * bar.width, bar.y),
@@ -342,7 +342,7 @@ TEST_CASE("a recording is drawn as the run was, at any time, and played", "[view
   CHECK(placeOn(before) == Approx(0.9).margin(0.01));
   CHECK(placeOn(contact) == Approx(2.0).margin(0.01));
   CHECK(placeOn(picture("played")) == Approx(1.0).margin(0.02));
-  // An event: the wall's force begins there, where the charts have their middle.
+  // An event: the wall's force begins there, in the middle of the charts.
   const Rect& force = layout.chart[1];
   const Pixels event = picture("event");
   const auto line = [&](float from, float to) {
@@ -365,15 +365,15 @@ TEST_CASE("camera: unproject inverts project", "[viewer]") {
     const glm::dvec2 size{random.uniform(200.0, 2000.0), random.uniform(200.0, 2000.0)};
     const Vec3 v = random.vector(30.0);
     const glm::dvec3 point(v.x(), v.y(), v.z()), seenAt = project(camera, size, point);
-    // The depth of a picture from 10 mm to 4 m keeps 1e-16 * 4000 / 10 of a point's distance.
+    // A depth range from 10 mm to 4 m keeps 1e-16 * 4000 / 10 of a point's distance.
     CHECK(glm::distance(unproject(camera, size, glm::dvec2(seenAt), point), point) < 1e-9);
   }
 }
 
 namespace {
 
-// The split screen's tools, which have their sides' colours there, or the arrow of the force at their tips: how far the
-// lowest point is below the wall's line, at the magnification's 46 units a millimetre.
+// Return how far the lowest point of a tool is below the wall's line, at the inset's 46 units per mm. Tools have the
+// colour of their side in the split screen, or the force arrow at their tips.
 double depthOf(const Pixels& pixels, const Rect& inset, unsigned colour, float scale) {
   const int wall = static_cast<int>(inset.y + 0.45f * inset.height);
   int lowest = wall;
@@ -404,15 +404,15 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
     const auto picture = [&out](const char* name) { return Pixels(out + "/" + name + ".png"); };
     const Pixels before = picture("before"), pressed = picture("pressed"), swapped = picture("swapped"),
                  kept = picture("kept"), single = picture("single");
-    // Both panes have the scene.
+    // Both panes show the scene.
     for (const Rect* pane : {&layout.scene, &layout.right}) CHECK(distinctColours(before, *pane) > 100);
-    // 26 mm of hand at 400 N/m against 6 kN/m; position control does not give way. Then they change sides.
+    // 26 mm of the hand at 400 N/m against 6 kN/m; position control does not yield. Then the tools change sides.
     const double sunk = 26.0 * 400.0 / (400.0 + 6000.0);
     CHECK(depthOf(pressed, layout.rightInset, kPurple, s) == Approx(sunk).margin(0.06));
     CHECK(depthOf(pressed, layout.inset, kBlue, s) < 0.06);
     CHECK(depthOf(swapped, layout.inset, kBlue, s) == Approx(sunk).margin(0.06));
     CHECK(depthOf(swapped, layout.rightInset, kPurple, s) < 0.06);
-    // Curves of both: none before, and kept after the hand has gone.
+    // Curves of both tools: absent before, and kept after the hand has gone.
     const auto curves = [&](const Pixels& pixels, unsigned colour) {
       const Rect& a = layout.compare;
       return patchOf(pixels, colour, glm::ivec2(a.x + 0.4f * a.width, a.y + 30 * s),
@@ -425,7 +425,7 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
       CHECK(curves(kept, kBlue) > 100);
       CHECK(curves(kept, kPurple) > 30);
     }
-    // The ratio: large dark figures where there were none.
+    // The ratio: large dark digits, absent before.
     const auto figures = [&](const Pixels& pixels) {
       const Rect& a = layout.compare;
       int dark = 0;
@@ -438,7 +438,7 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
     CHECK(figures(before) < 150);
     CHECK(figures(pressed) > 600);
     CHECK(figures(kept) > 600);
-    // Shown again, both panes have the same light: at the same poses they differ in their heads alone.
+    // Shown again, both panes have the same light: at the same poses only their titles differ.
     const Pixels again = picture("again");
     int differing = 0, all = 0;
     for (int y = static_cast<int>(60 * s); y < static_cast<int>(layout.scene.height); ++y)
@@ -448,7 +448,7 @@ TEST_CASE("the split screen shows two tools under one hand: depths at one scale,
         differing += glm::distance(glm::dvec3(left), glm::dvec3(right)) > 24.0;
       }
     CHECK(differing < 0.02 * all);
-    // And back: the single view with its charts.
+    // Back in the single view with its charts.
     if (size.x >= 1280) CHECK(distinctColours(single, layOut(size, s, true, true).charts) > 20);
   }
 }
@@ -463,7 +463,7 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   INFO(result.output);
   REQUIRE(result.status == 0);
   const Layout layout = layOutSplit({1280, 720}, 1.0f, true);
-  // The sentence stands in white on a dark ground over the border between the panes.
+  // The sentence is white on a dark ground, over the border between the panes.
   const glm::ivec2 middle(layout.right.x, layout.inset.y + layout.inset.height - 38 - 76);
   const auto sentenceBox = [&](const std::string& name) {
     const Pixels pixels(folder / ("out/" + name + ".png"));
@@ -484,7 +484,7 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   CHECK(slide != letGo);
   CHECK(sentenceBox("end").empty());
   CHECK(sentenceBox("skipped").empty());
-  // A scene that is more than a wall has none.
+  // A scene with more than a wall has no tour.
   test::writeFile(folder / "other.txt", "0 tour\n0.5 end\n");
   for (const auto& [scene, tours] :
        {std::pair{"oblique-wall.toml", true}, {"corner.toml", false}, {"jaw.toml", false}}) {
@@ -494,7 +494,7 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
                 .status == 0);
     CHECK(nlohmann::json::parse(test::readFile(folder / "other.json")).at("touring").get<bool>() == tours);
   }
-  // Pressed in the first two; after the end, and a second after it was skipped, the hand is back.
+  // Pressed in the first two parts. After the end, and 1 s after skipping, the hand is back.
   const auto depth = [&](const std::string& name) {
     return depthOf(Pixels(folder / ("out/" + name + ".png")), layout.rightInset, kPurple, 1.0f);
   };
@@ -503,8 +503,8 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
   CHECK(depth("end") < 0.06);
   CHECK(depth("home") < 0.06);
   if (!test::haveXvfb()) return test::skipTest("Xvfb is missing");
-  // Without a script, in a home of its own: the mark is left, and a person who closes the window meanwhile is not told
-  // of the wall. Where it was started before, nothing is.
+  // Without a script in a new home: the start is remembered, and a person who closes the window during the tour gets no
+  // warning. A second start has no tour.
   const auto tours = [&] {
     const test::XServer server(folder);
     test::RunningViewer viewer(folder, test::kFewPictures,
@@ -514,7 +514,7 @@ TEST_CASE("the tour says three sentences, can be skipped, and runs by itself at 
     CHECK(viewer.wait() == 128 + SIGINT);
     CHECK(viewer.said().empty());
     return report.at("touring").get<bool>() ||
-           viewer.isAmong(report.at("shown").at("notices"), "The hand is yours");  // it is over, on a slow machine
+           viewer.isAmong(report.at("shown").at("notices"), "The hand is yours");  // already over on a slow machine
   };
   std::filesystem::create_directory(folder / "home");
   CHECK(tours());
@@ -530,15 +530,15 @@ TEST_CASE("the followed contact is in the middle, and links that hide it shine t
   const auto result = test::viewer("--headless --script '" + folder / "script.txt" + "' --record '" + folder / "out'");
   INFO(result.output);
   REQUIRE(result.status == 0);
-  // At the start, from where the person looks, an arm of bluish steel stands 26 to 44 pixels above the tool's tip. One
-  // sees the warm wall through it.
+  // In the first view, an arm of bluish steel is 26 to 44 pixels above the tool's tip. The warm wall must be visible
+  // through it.
   const glm::ivec2 tip(project(cameraPresets()[0].camera, {1280, 720}, {0.0, 0.0, 8.0}));
   int steel = 0, all = 0;
   const Pixels first(folder / "out/first.png");
   for (int y = tip.y - 44; y < tip.y - 26; ++y)
     for (int x = tip.x; x < tip.x + 13; ++x, ++all) steel += first.at(x, y).z > first.at(x, y).x + 5;
   CHECK(steel < 0.1 * all);
-  // The contact's mark and the arrow's foot are in the middle, wherever the tool is.
+  // The contact's mark and the foot of the arrow are in the middle, wherever the tool is.
   const auto marked = [&](const std::string& name) {
     return patchOf(Pixels(folder / ("out/" + name + ".png")), kVermilion, {600, 320}, {680, 400}).count;
   };
@@ -556,7 +556,7 @@ TEST_CASE("teeth are ivory with dark fissures, in pink gum; the tool slides over
     REQUIRE(result.status == 0);
     return nlohmann::json::parse(test::readFile(folder / "report.json"));
   };
-  // Of the scene between its words and the magnification.
+  // Count pixels of the scene between its text and the inset.
   const auto count = [&](const std::string& name, unsigned colour) {
     return patchOf(Pixels(folder / ("out/" + name + ".png")), colour, {480, 80}, {900, 460}, 0.025).count;
   };
@@ -567,7 +567,7 @@ TEST_CASE("teeth are ivory with dark fissures, in pink gum; the tool slides over
   CHECK(count("explore-cusp", kEnamel) > 8000);
   CHECK(count("explore-cusp", kGum) > 20000);
   CHECK(count("explore-cusp", fissure) > 300);
-  // The wall of flat-wall has neither.
+  // The wall of flat-wall has neither colour.
   test::writeFile(folder / "flat.txt", "0 follow\n1 picture flat\n1 end\n");
   run("flat-wall.toml", folder / "flat.txt");
   CHECK(count("flat", kGum) < 200);
@@ -626,7 +626,7 @@ TEST_CASE("a script records ticks and makes a clip; without ffmpeg its pictures 
   run("0 seek 0.9\n0.1 picture there\n0.1 end\n", "--play '" + out + "enamel-001.rec'" + size);
   CHECK(shown().at("scenes") == nlohmann::json{"flat wall"});
   CHECK(shown().at("deepest [m]").get<double>() <= deepest);
-  // What cannot be recorded is refused.
+  // A recording that is impossible is refused.
   run("0 split\n0.1 record\n0.2 end\n", size);
   CHECK(shown().at("notices") == nlohmann::json{"Two tools are not recorded: V shows one."});
   run("0 scene " ENAMEL_SOURCE_DIR "/data/meshes/molar.ply\n0.1 record\n0.2 end\n", size);
@@ -643,7 +643,7 @@ TEST_CASE("two tools do not share a bur", "[viewer]") {
   REQUIRE(result.status == 0);
   const Pixels before(folder / "out/before.png"), after(folder / "out/after.png");
   const Rect scene = layOut({1280, 720}, 1.0f, true, true).scene;
-  // A word of why, on a dark ground; the panel is as it was.
+  // The reason is shown on a dark ground; the panel is unchanged.
   const int x = static_cast<int>(scene.x + 0.5f * scene.width);
   int dark = 0;
   for (int y = 78; y < 102; ++y) dark += after.at(x, y).g < 90 && before.at(x, y).g >= 90;
@@ -676,7 +676,7 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
     INFO(result.output);
     REQUIRE(result.status == 0);
   }
-  // Within the tooth: beside the box on the left, whose key has the colours too, and the numbers.
+  // Inside the tooth: beside the box on the left, whose legend has the colours too, and the numbers.
   const auto count = [&](const std::string& name, unsigned colour) {
     return patchOf(Pixels(folder / ("out/" + name + ".png")), colour, {240, 60}, {480, 340}, 0.04).count;
   };
@@ -684,13 +684,13 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
   CHECK(count("before", dentine) < 20);
   CHECK(count("drilled", dentine) > count("before", dentine) + 60);
   CHECK(count("open", dentine) > count("drilled", dentine) + 500);
-  // Chips of dentine: the same ones every time, and they stand still in the air while time does.
+  // Chips of dentine: the same ones every time, and at rest in the air while time is paused.
   CHECK(count("flying", dentine) > count("whole", dentine) + 60);
   CHECK(count("paused", dentine) == count("flying", dentine));
   CHECK(test::readFile(folder / "out/flying.png") == test::readFile(folder / "again/flying.png"));
   CHECK(count("undone", dentine) < 20);
   CHECK(count("undone", layerColour(0)) > 1000);
-  // A refusal stands on a dark ground in the middle.
+  // A refusal is shown on a dark ground in the middle.
   const auto isRefused = [&](const std::string& name) {
     const Pixels pixels(folder / ("out/" + name + ".png"));
     int dark = 0;
@@ -706,7 +706,7 @@ TEST_CASE("a drilled tooth shows its layers, an undone stroke does not; other sc
   CHECK_FALSE(isRefused("quiet"));
   CHECK(isRefused("refused"));
   if (!test::haveXvfb()) return test::skipTest("Xvfb is missing");
-  // A script is silent unless it asks for sound; without a device that is said once.
+  // A script is silent unless it requests sound; a missing device is reported once.
   const std::string silence = "ALSOFT_DRIVERS=none ";
   test::writeFile(folder / "script.txt", "0.1 spin on\n0.8 end\n");
   const auto silent = test::viewer("'" + folder / "tooth.toml' --script '" + folder / "script.txt'" + test::kByPictures,

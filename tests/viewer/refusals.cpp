@@ -1,4 +1,4 @@
-// Bad input: one clear line and a status that is not zero.
+// Invalid input: one clear line and a status other than zero.
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -94,7 +94,7 @@ TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
   test::writeFile(folder / "good.txt", "0 end\n");
   const std::string headless = "--headless --script '" + folder / "good.txt" + "' ";
   requireRefused(test::viewer(headless + "--set stiffness=1"), 1, "--set is for plugins, and --renderer names none");
-  // A parameter does not take the argument behind it.
+  // A parameter does not consume the following argument.
   requireRefused(test::viewer(headless + "--renderer template --set stiffness=3000 /no/such/scene.toml"), 1,
                  "/no/such/scene.toml: cannot open the file");
   requireRefused(test::viewer(headless + "--renderer template --set stiffness"), 1, "must be KEY=VALUE");
@@ -107,7 +107,7 @@ TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
   test::writeFile(folder / "surface.json", "{\"kind\": \"surface\"}");
   requireRefused(test::viewer(headless + "--gain '" + folder / "surface.json'"), 1,
                  "surface.json: kind: is \"surface\", of position control");
-  // A plugin stands beside the linked renderers, or in the place of the one of its name.
+  // A plugin is added to the linked renderers, or replaces the one with its name.
   test::writeFile(folder / "own.txt", "0 renderer position-control\n0 renderer hold\n0 renderer template\n0 end\n");
   CHECK(test::viewer("--headless --renderer template --script '" + folder / "own.txt'").status == 0);
   requireRefused(test::viewer("--headless --script '" + folder / "own.txt'"), 1,

@@ -1,4 +1,4 @@
-// A viewer that runs beside the test. The test asks for its report and waits for what it shows.
+// A viewer that runs concurrently with the test. The test requests reports and waits for states.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace enamel::test {
 
-/// A viewer that was started with a report; in `folder` it leaves report.json and, of what it prints, said.txt. After
-/// `before`: environment.
+/// A viewer started with a report. It leaves report.json in `folder`, and its output in said.txt. `before`:
+/// environment.
 class RunningViewer {
  public:
   RunningViewer(const TemporaryFolder& folder, const std::string& arguments, const std::string& before)
@@ -24,7 +24,7 @@ class RunningViewer {
 
   std::string said() const { return readFile(said_); }
 
-  /// The report of a picture that has seen every event until now.
+  /// Return the report of a picture that includes every event until now.
   nlohmann::json report() {
     std::filesystem::remove(report_);
     viewer_.signal(SIGUSR1);
@@ -35,7 +35,7 @@ class RunningViewer {
     return nlohmann::json::parse(readFile(report_));
   }
 
-  /// Waits for a state, and returns the report of it.
+  /// Wait for a state and return its report.
   template <typename Condition>
   nlohmann::json until(const std::string& what, const Condition& condition) {
     nlohmann::json last;
@@ -44,27 +44,27 @@ class RunningViewer {
     REQUIRE(reached);
     return last;
   }
-  /// Waits until a list of what was shown has an entry with this text.
+  /// Wait until a list of shown texts has an entry with this text.
   nlohmann::json untilShown(const char* list, const std::string& text) {
     return until(std::string(list) + " with " + text,
                  [&](const nlohmann::json& report) { return isAmong(report.at("shown").at(list), text); });
   }
-  /// Waits until it has printed something.
+  /// Wait until it has printed a text.
   void untilSaid(const std::string& text) {
     const bool has = eventually([&] { return said().find(text) != std::string::npos || !viewer_.isRunning(); });
     INFO("waited for " << text << "; the viewer has printed: " << said());
     REQUIRE(has);
     REQUIRE(viewer_.isRunning());
   }
-  /// Waits for pictures that have seen every event until now.
+  /// Wait for pictures that include every event until now.
   void untilDrawn(int pictures) {
     for (int i = 0; i < pictures; ++i) report();
   }
 
   void signal(int number) const { viewer_.signal(number); }
-  /// Waits for the end; the exit status.
+  /// Wait for the end; return the exit status.
   int wait() { return viewer_.wait(); }
-  /// After the end.
+  /// Return the last report after the end.
   nlohmann::json lastReport() const { return nlohmann::json::parse(readFile(report_)); }
 
   static bool isAmong(const nlohmann::json& list, const std::string& text) {
@@ -78,7 +78,7 @@ class RunningViewer {
   Process viewer_;
 };
 
-/// An X server of its own for a window.
+/// A separate X server for a window.
 class XServer {
  public:
   explicit XServer(const TemporaryFolder& folder)
@@ -86,7 +86,7 @@ class XServer {
         server_("exec Xvfb -displayfd 3 -screen 0 1280x720x24 -nolisten tcp 3>'" + number_ + "' >/dev/null 2>&1") {
     REQUIRE(eventually([this] { return readFile(number_).find('\n') != std::string::npos; }));
   }
-  /// For a command's environment.
+  /// Return the environment for a command.
   std::string environment() const {
     const std::string number = readFile(number_);
     return "DISPLAY=:" + number.substr(0, number.find('\n')) + " ";

@@ -1,5 +1,5 @@
-// A window under Xvfb, driven by a random script whose time goes on with the pictures: no crash, no OpenGL error,
-// memory flat.
+// A window under Xvfb, driven by a random script whose time advances with the pictures: no crash, no OpenGL error,
+// constant memory.
 #include <algorithm>
 #include <map>
 #include <sstream>
@@ -12,11 +12,11 @@ namespace enamel::test_soak {
 
 namespace {
 
-constexpr double kFrom = 0.40, kTo = 0.50, kLast = 0.90;  // shares of the run in which memory is compared
+constexpr double kFrom = 0.40, kTo = 0.50, kLast = 0.90;  // fractions of the run between which memory is compared
 
-// Software GL that draws in threads (Mesa's llvmpipe) keeps a slot for every picture that was ever under way at once,
-// up to 64, and each slot the buffers of the size it last drew until it is used again: what it holds then comes and
-// goes by tens of MB with the load of the machine. In one thread it has one slot, and what grows is ours or VTK's.
+// Mesa's llvmpipe draws in threads. It keeps a slot for every picture that was in progress at the same time, up to 64.
+// Each slot keeps buffers of its last size. Its memory therefore varies by tens of MB with the load of the machine.
+// With one thread it has one slot, and growth comes from us or VTK.
 const std::string kOneThread = "env LP_NUM_THREADS=0 ";
 
 std::string randomScript(std::uint64_t seed, double seconds) {
@@ -53,11 +53,11 @@ std::string randomScript(std::uint64_t seed, double seconds) {
                               {"tool-damping", 0, 20}, {"tremor", 0, 2},        {"delay", 0, 3},
                               {"encoders", 0, 1},      {"rates", 0, 2}};
   std::ostringstream script;
-  std::map<std::string, bool> switches;  // that are not as at the start
+  std::map<std::string, bool> switches;  // switches that differ from the start
   const std::string scene = ENAMEL_SOURCE_DIR "/data/scenes/flat-wall.toml";
   double time = 0.0;
   const auto pick = [&random](double count) { return static_cast<int>(random.uniform(0.0, count)); };
-  // Twice, at the middle and at the end, the window has one size, so that its memory can be compared.
+  // At the middle and at the end the window has the same size, so that memory can be compared.
   const auto measured = [seconds](double t) {
     return (t > kFrom * seconds && t < kTo * seconds) || t > kLast * seconds;
   };
@@ -67,14 +67,14 @@ std::string randomScript(std::uint64_t seed, double seconds) {
     script << time << ' ';
     const double draw = random.uniform(0.0, 1.0);
     if (measured(time) && !measured(before)) {
-      // The same state both times: every switch back, one scene, one wall, one size.
+      // The same state both times: all switches reset, one scene, one wall, one size.
       for (const auto& [name, on] : switches)
         if (on) script << name << '\n' << time << ' ';
       switches.clear();
       script << "slow 1\n" << time << " renderer impedance\n" << time << " scene " << scene << '\n';
       script << time << " camera-user\n" << time << " size 1280x720\n";
-      // In the wall, long enough to be drawn: the tool that shines through has buffers of its own, of the size that it
-      // was last drawn at (15 MB here), and none before it is first drawn.
+      // In the wall, long enough to be drawn. The transparent tool has its own buffers of the last drawn size (15 MB
+      // here), and none before it is first drawn.
       script << time << " hand 0 0 -30 over 0.2";
       time += 1.0;
     } else if (draw < 0.45 || measured(time)) {
@@ -98,7 +98,7 @@ std::string randomScript(std::uint64_t seed, double seconds) {
     }
     script << '\n';
   }
-  // Leave no pause or slow motion behind, so that the run can be seen to go on.
+  // End without pause or slow motion, so that the run visibly continues.
   script << time << " slow 1\n" << time << " home\n" << time + 1.0 << " end\n";
   return script.str();
 }
@@ -121,11 +121,11 @@ TEST_CASE("soak", "[viewer]") {
   const auto report = nlohmann::json::parse(test::readFile(folder / "report.json"));
   CHECK(report.at("opengl_errors") == 0);
   CHECK(report.at("size") == nlohmann::json{1280, 720});            // as measured in the middle
-  CHECK(report.at("frames").get<double>() >= 12.0 * seconds);       // to the script's end
-  CHECK(report.at("haptics").at("periods") > report.at("frames"));  // which nobody waits for
-  // Flat: in the same state of the viewer, the medians at the end are those in the middle. In nine measurements, some
-  // beside a compiler, the heap kept its level to 1.1 MB where the same buffers were held. How much freed memory the
-  // C library keeps varied by 54 MB beside a level heap.
+  CHECK(report.at("frames").get<double>() >= 12.0 * seconds);       // until the script's end
+  CHECK(report.at("haptics").at("periods") > report.at("frames"));  // the haptic loop does not wait for pictures
+  // Constant memory: in the same state, the medians at the end are those in the middle. In nine measurements, some
+  // beside a compiler, the heap stayed within 1.1 MB for the same buffers. The freed memory that the C library keeps
+  // varied by 54 MB with a constant heap.
   const auto levels = [&report, seconds](const char* key) {
     const auto memory = report.at(key).get<std::vector<double>>();
     REQUIRE(static_cast<double>(memory.size()) > 0.9 * seconds);
@@ -133,7 +133,8 @@ TEST_CASE("soak", "[viewer]") {
       const auto at = [&](double share) {
         return memory.begin() + std::llround(share * static_cast<double>(memory.size()));
       };
-      // Without the first, whose memory is still of what was before: the last part is a sample or two of a short run.
+      // Without the first sample, which still has the memory of the state before: a short run has only one or two
+      // samples here.
       std::vector<double> part(std::min(at(from) + 1, at(to) - 1), at(to));
       std::sort(part.begin(), part.end());
       return part.at(part.size() / 2);

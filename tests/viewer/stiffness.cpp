@@ -1,5 +1,5 @@
-// The stiffness that the viewer shows is that of `enamel push` and of `enamel study`, for the same push; where there is
-// none, all three say the same reason.
+// The viewer, `enamel push` and `enamel study` show the same stiffness for the same push, or the same reason for its
+// absence.
 #include <cstdlib>
 #include <map>
 #include <optional>
@@ -15,7 +15,7 @@ namespace {
 
 const std::vector<std::string> kRenderers = {"position-control", "impedance", "hold", "passivity"};
 
-// What one way says of a push: a status where the device was lost, else a verdict, with the stiffness where it is one.
+// Result of a push: a status if the device was lost, otherwise a verdict, with the stiffness if it was measured.
 struct Said {
   std::string status, verdict;
   std::optional<double> stiffness;  // N/m
@@ -31,7 +31,7 @@ std::string joined() {
 struct Push {
   std::string scene;
   int delay;
-  bool encoders;  // whole counts, and their differences as rates
+  bool encoders;  // encoder counts, and their differences as rates
 };
 
 std::string optionsOf(const Push& push) {
@@ -61,7 +61,7 @@ Answers viewerSays(const test::TemporaryFolder& folder, const std::string& devic
     said.status = test.at("status");
     if (!test.at("first impact").is_null()) said.verdict = test.at("first impact");
     if (!test.at("K_z1 [N/m]").is_null()) said.stiffness = test.at("K_z1 [N/m]");
-    // What a person reads: the number, or the same words.
+    // Text for a person: the number, or the same words.
     const std::string shown = test.at("shown");
     if (said.stiffness) {
       const double unit = shown.find("MN/m") != std::string::npos ? 1e6 : 1e3;
@@ -80,7 +80,7 @@ Answers commandSays(const std::string& device, const Push& push) {
         test::runCommand("'" ENAMEL_TOOL "' push --json --force 12 --preload 0.5 --device '" + device + "' --scene " +
                          test::shippedScene(push.scene) + " --renderer " + renderer + optionsOf(push));
     Said& said = answers[renderer];
-    const std::size_t begin = result.output.find('{'), end = result.output.rfind('}');  // before and behind: messages
+    const std::size_t begin = result.output.find('{'), end = result.output.rfind('}');  // between messages
     if (begin == std::string::npos) {
       CHECK(result.status != 0);
       continue;
@@ -125,7 +125,7 @@ Answers studySays(const test::TemporaryFolder& folder, const std::string& device
 
 TEST_CASE("viewer, command and study show one stiffness to 1 %, or one reason", "[viewer]") {
   const test::TemporaryFolder folder;
-  // Damped along every axis, as the viewer damps the tool; the command's own damping is along z.
+  // Damped along every axis, as the viewer damps the tool; the option of the command damps z only.
   std::string text = test::readFile(test::deviceFile("tau-nominal.toml"));
   const std::string head = "[platform] ";
   const std::size_t at = text.find(head);

@@ -1,4 +1,4 @@
-// Runs the built viewer as a user would, and looks at its pictures.
+// Runs the built viewer as a user would, and examines its pictures.
 #pragma once
 
 #include <vtkImageData.h>
@@ -16,7 +16,7 @@
 
 namespace enamel::test {
 
-/// A picture with its first row on top.
+/// A picture whose first row is at the top.
 class Pixels {
  public:
   explicit Pixels(const std::string& path) {
@@ -36,14 +36,14 @@ class Pixels {
   mutable vtkNew<vtkImageData> image_;
 };
 
-/// Whether a lit pixel has a colour's hue: its shares of red, green and blue, whatever the brightness.
+/// Return whether a lit pixel has a colour's hue: the same proportions of red, green and blue, at any brightness.
 inline bool hasHue(const glm::ivec3& pixel, unsigned rgb, double tolerance = 0.06) {
   const glm::dvec3 p(pixel), c(rgb >> 16 & 255, rgb >> 8 & 255, rgb & 255);
   const double sum = p.x + p.y + p.z;
   return sum > 60.0 && glm::distance(p / sum, c / (c.x + c.y + c.z)) < tolerance;
 }
 
-/// Pixels of a hue in a rectangle: how many, and where they are on the average.
+/// Pixels of a hue in a rectangle: their number and mean position.
 struct Patch {
   int count = 0;
   glm::dvec2 centre{0.0};
@@ -62,22 +62,22 @@ inline Patch patchOf(const Pixels& pixels, unsigned rgb, glm::ivec2 from, glm::i
   return patch;
 }
 
-/// Runs enamel-viewer, after `before` (environment, X server). The limit only ends a viewer that hangs.
+/// Run enamel-viewer after `before` (environment, X server). The time limit only ends a viewer that hangs.
 inline CommandResult viewer(const std::string& arguments,
                             const std::string& before = "env -u DISPLAY -u WAYLAND_DISPLAY") {
   return runCommand("timeout 3000 " + before + " '" + ENAMEL_VIEWER + "' " + arguments);
 }
 
-/// Runs what follows under an X server of its own.
+/// Run a command under a separate X server.
 inline std::string underXvfb(const std::string& server) {
   return "sh '" ENAMEL_SOURCE_DIR "/tests/viewer/under_xvfb.sh' '" + server + "' ";
 }
 inline const std::string kXvfb = underXvfb("-screen 0 1280x720x24");
 
-/// For windows of which no test counts the pictures: OpenGL in software takes all that it gets.
+/// For windows whose pictures are not counted: OpenGL in software takes all available time.
 inline const std::string kFewPictures = " --frame-rate 12 ";
 
-/// For scripts in a window: their time goes on with the pictures, so that they mean the same on a slow machine.
+/// For scripts in a window: their time advances with the pictures, so that they mean the same on a slow machine.
 inline const std::string kByPictures = kFewPictures + "--fixed-step ";
 
 inline bool haveXvfb() { return runCommand("command -v Xvfb").status == 0; }

@@ -1,8 +1,8 @@
 #!/bin/sh
-# Runs a command under an X server of its own, and ends with its status.
+# Runs a command under a separate X server, and ends with its status.
 #
 #   sh tests/viewer/under_xvfb.sh "SERVER OPTIONS" COMMAND...
-# The server chooses a free display and says its number once it takes connections: nothing waits for a time.
+# The server selects a free display and reports its number when it accepts connections: no fixed waiting time.
 set -eu
 folder=$(mktemp -d)
 server=

@@ -7,10 +7,10 @@
 namespace enamel::bench {
 namespace {
 
-constexpr int kCoordinates = 15;  // three joints a chain, then the platform's twist
-constexpr int kClosures = 9;      // three equations a ball joint
+constexpr int kCoordinates = 15;  // three joints per chain, then the platform's twist
+constexpr int kClosures = 9;      // three equations per ball joint
 
-// Places, axes and velocities along one chain.
+// Positions, axes and velocities along one chain.
 struct ChainFrames {
   std::array<Vec3, 3> axis;    // yaw, lift, elbow in W
   std::array<Vec3, 3> origin;  // of each joint in W
@@ -30,7 +30,7 @@ ChainFrames framesOf(const ChainParameters& chain, const Vec3& angles) {
   return f;
 }
 
-// Columns of the velocity of a point that moves with the first `joints` joints.
+// Return the columns that map the rates of the first `joints` joints to the velocity of a point.
 Mat3 pointJacobian(const ChainFrames& f, const Vec3& point, int joints) {
   Mat3 j = Mat3::Zero();
   for (int k = 0; k < joints; ++k) j.col(k) = f.axis[k].cross(point - f.origin[k]);

@@ -1,6 +1,6 @@
-// The TAU's dynamics the conventional way: a tree of six links and a free platform, three ball joints closed by
-// Lagrange multipliers, everything assembled into one KKT system. Independent of the closed form in lib/device
-// (body by body, from joint axes), so it serves the tests as a reference and the benchmark as the thing to beat.
+// The TAU's dynamics in the conventional way: a tree of six links and a free platform. Lagrange multipliers close three
+// ball joints, and everything is assembled into one KKT system. It shares no code with the closed form in lib/device:
+// it works body by body from the joint axes. The tests use it as the reference, and the benchmark as the rival.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace enamel::bench {
 
-/// State of the tree: relative joint angles (yaw, lift, elbow) a chain, the platform's pose, and their rates. The
+/// State of the tree: relative joint angles (yaw, lift, elbow) of each chain, the platform's pose, and their rates. The
 /// rates must satisfy the loop closures.
 struct TreeState {
   std::array<Vec3, 3> angles;  ///< rad
@@ -24,7 +24,7 @@ struct TreeAcceleration {
   double kineticEnergy;  ///< J
 };
 
-/// Rates of the passive and driven joints that go with a twist, from the differentiated loop closures.
+/// Compute the rates of passive and driven joints from a twist, with the differentiated loop closures.
 void setRates(const TauParameters& device, TreeState& state);
 
 /// Forward dynamics from the KKT system of 15 coordinates and 9 loop closures, solved by pivoted LU.

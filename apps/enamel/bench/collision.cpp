@@ -28,7 +28,7 @@ namespace {
 constexpr double kTick = 50e-6;  // m: 50 mm/s at 1 kHz
 constexpr double kTurn = 0.02;   // rad: 20 rad/s at 1 kHz
 
-// A walk along the surface, 0.5 mm inside to 2 mm outside of it, one tick's way from point to point.
+// Return a random walk along the surface, from 0.5 mm inside to 2 mm outside, with one tick between its points.
 std::vector<Vec3> hapticPath(const MeshModel& model, int count) {
   Numbers numbers;
   std::vector<Vec3> path;
@@ -64,7 +64,8 @@ double largestError(const TriangleMesh& mesh, const std::vector<Vec3>& points, c
 }
 
 #ifdef ENAMEL_BENCH_EMBREE
-// Embree's point query as its users write it: the caller computes the distance of each triangle it is shown, in float.
+// Embree's point query in its usual form: the caller computes the distance to each triangle that Embree offers, in
+// float.
 class EmbreeMesh {
  public:
   explicit EmbreeMesh(const TriangleMesh& mesh) : device_(rtcNewDevice("")), scene_(rtcNewScene(device_)) {
@@ -91,7 +92,7 @@ class EmbreeMesh {
   EmbreeMesh(const EmbreeMesh&) = delete;
   EmbreeMesh& operator=(const EmbreeMesh&) = delete;
 
-  /// With a hint the search starts from the distance of the triangle that was nearest the last time.
+  /// With `hint`, the search starts from the distance to the triangle that was nearest in the last call.
   double distance(const Vec3& p, bool hint) {
     point_ = p.cast<float>();
     RTCPointQuery query;
@@ -116,7 +117,7 @@ class EmbreeMesh {
     return true;
   }
 
-  Eigen::Vector3f nearestOn(unsigned triangle) const {  // by regions (Ericson, Real-Time Collision Detection, 5.1.5)
+  Eigen::Vector3f nearestOn(unsigned triangle) const {  // regions: Ericson, Real-Time Collision Detection, 5.1.5
     const auto& t = triangles_[triangle];
     const Eigen::Vector3f &a = vertices_[t[0]], &b = vertices_[t[1]], &c = vertices_[t[2]];
     const Eigen::Vector3f ab = b - a, ac = c - a, ap = point_ - a, bp = point_ - b, cp = point_ - c;
@@ -143,7 +144,7 @@ class EmbreeMesh {
 #endif
 
 #ifdef ENAMEL_BENCH_FCL
-// FCL knows no points: a ball of 1 nm stands for one.
+// FCL has no points: a sphere with a radius of 1 nm represents one.
 class FclMesh {
  public:
   explicit FclMesh(const TriangleMesh& mesh) : model_(std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>()) {
@@ -176,8 +177,7 @@ struct Workload {
   std::vector<Vec3> path, random;
 };
 
-// Graphics and physics run between two ticks of a simulator: what they leave of the caches is what 8 MB leave that are
-// walked through.
+// In a simulator, graphics and physics run between two ticks and displace cached data. Touching 8 MB imitates them.
 class OtherWork {
  public:
   void operator()() {
@@ -189,8 +189,8 @@ class OtherWork {
   std::vector<char> memory_ = std::vector<char>(std::size_t{8} << 20, '\0');
 };
 
-// The nearest point, searched from the root no farther away than the last answer is: all that a cache knows but its
-// list.
+// Searches the nearest point from the root of the tree, within the distance to the last answer: a ProximityCache
+// without its list of triangles.
 class Followed {
  public:
   explicit Followed(const MeshModel& model) : model_(model) {}
@@ -293,7 +293,7 @@ void measureSweep(const Workload& work, std::vector<Measurement>& rows) {
          error, "m, gap at the touch");
 }
 
-// The same mesh with holes: the sign is the winding number's, and the reference is the distance without it.
+// The same mesh with holes. The sign comes from the winding number; the reference is the unsigned distance.
 void measureOpen(const Workload& work, std::vector<Measurement>& rows) {
   Numbers numbers;
   TriangleMesh open = work.model->mesh();
@@ -364,7 +364,7 @@ void measureUpdates(const Workload& work, std::vector<Measurement>& rows) {
 }
 
 void measureContacts(const Workload& work, std::vector<Measurement>& rows) {
-  Tool bur;  // a ball, its neck and its shaft
+  Tool bur;  // three parts: sphere, neck and shaft
   bur.parts[0].radius = 0.5e-3;
   bur.parts[1] = {{0, 0, 1e-3}, {0, 0, 5e-3}, 0.3e-3};
   bur.parts[2] = {{0, 0, 5e-3}, {0, 0, 15e-3}, 0.8e-3};
@@ -378,16 +378,16 @@ void measureContacts(const Workload& work, std::vector<Measurement>& rows) {
       scene.add({"jaw", std::shared_ptr<const MeshModel>(work.model), Pose(), Vec6::Zero(), {}});
     }
     ToolCache cache = makeToolCache(scene, bur);
-    std::vector<Pose> poses;  // the shaft follows the surface's normal, as fast as a hand turns
+    std::vector<Pose> poses;  // the shaft follows the surface's normal at the speed of a hand
     Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
     for (const Vec3& p : work.path) {
-      const Vec3 n = signedDistance(*work.model, p).normal;  // z turned to it by the shortest way
+      const Vec3 n = signedDistance(*work.model, p).normal;  // target of the z axis, reached by the shortest rotation
       const Eigen::Quaterniond wanted = Eigen::Quaterniond(1.0 + n.z(), -n.y(), n.x(), 1e-9).normalized();
       const double angle = turned.angularDistance(wanted);
       turned = angle > kTurn && !poses.empty() ? turned.slerp(kTurn / angle, wanted) : wanted;
       poses.push_back({p, turned.toRotationMatrix()});
     }
-    // What interrupts a call is not its work: the least of three runs over the same way counts.
+    // Interruptions of a call must not count: take the minimum of three runs along the same path.
     std::vector<double> times_us(poses.size(), 1e9), followed_us = times_us;
     const auto timeTick = [](double& least_us, const auto& call) { least_us = std::min(least_us, timeOnce(call)); };
     for (int run = 0; run < 3; ++run) {
@@ -403,7 +403,7 @@ void measureContacts(const Workload& work, std::vector<Measurement>& rows) {
     double error = 0.0;
     for (std::size_t i = 0; i < poses.size(); i += poses.size() / 20) {
       if (findContacts(scene, bur, poses[i], 1e-4, &cache, contacts) != Status::ok) error = 1.0;
-      for (int k = 0; k < contacts.count; ++k) {  // outside, the tool's point lies as far away as the gap says
+      for (int k = 0; k < contacts.count; ++k) {  // outside, the gap is the distance of the contact point
         const Contact& contact = contacts.contacts[k];
         const double distance = wall ? contact.point.z() : closestPoint(*work.model, contact.point).distance;
         if (contact.gap > 0.0) error = std::max(error, std::abs(contact.gap - distance));

@@ -17,7 +17,8 @@ using Eigen::MatrixXd;
 
 constexpr double kRiccatiGoal_us = 250.0;
 
-// Doubling without balancing or refinement, in 80 bits: a reference for the servo's equation.
+// Solve the Riccati equation by doubling in 80 bits, without balancing or refinement: a reference for the servo's
+// design.
 MatrixXd longDoubling(const MatrixXd& A0, const MatrixXd& B0, const MatrixXd& Q, const MatrixXd& R) {
   const LongMatrix B = B0.cast<long double>(), I = LongMatrix::Identity(A0.rows(), A0.rows());
   LongMatrix A = A0.cast<long double>(), H = Q.cast<long double>();
@@ -32,7 +33,7 @@ MatrixXd longDoubling(const MatrixXd& A0, const MatrixXd& B0, const MatrixXd& Q,
   return H.cast<double>();
 }
 
-// e^A by its series, in 80 bits, for small A.
+// Return e^A from its series in 80 bits, for small A.
 MatrixXd longExponential(const MatrixXd& A) {
   const LongMatrix scaled = A.cast<long double>() / 1024.0L;
   LongMatrix term = LongMatrix::Identity(A.rows(), A.cols()), sum = term;

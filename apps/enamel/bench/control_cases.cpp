@@ -11,7 +11,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kTight = 1e-12;  // the forward error that the project asks for
+constexpr double kTight = 1e-12;  // largest forward error that the project allows
 
 MatrixXd matrix(int rows, int columns, std::initializer_list<double> rowMajor) {
   MatrixXd M(rows, columns);
@@ -29,7 +29,7 @@ std::string named(const char* format, double value) {
   return text;
 }
 
-// Case 14 has an eigenvalue at 1 - 1e-8. The solution is that of alpha and beta as given, long double or rounded.
+// Case 14 has an eigenvalue at 1 - 1e-8. The solution X uses alpha and beta as given: exact in long double, or rounded.
 RiccatiCase case14(std::string name, long double alpha, long double beta, double bound) {
   RiccatiCase c{std::move(name),
                 MatrixXd::Zero(4, 4),
@@ -71,8 +71,8 @@ std::vector<RiccatiCase> riccatiCases() {
   {
     const double tau = 1e8, alpha = 1.0 - 1.0 / tau, beta = 1.0 / tau;
     cases.push_back(case14("DAREX 14, tau = 1e8", 1.0L - 1.0L / 1e8L, 1.0L / 1e8L, 1e-7));
-    // The same with alpha and beta as the computer holds them: 1e-7 is the error of rounding the data, not the
-    // solver's.
+    // The same case with alpha and beta as rounded to double: the error of 1e-7 above comes from rounding the data, not
+    // from the solver.
     cases.push_back(case14("DAREX 14, rounded data", alpha, beta, kTight));
   }
   {
@@ -88,13 +88,13 @@ std::vector<RiccatiCase> riccatiCases() {
                      0.5 * (e * e + std::sqrt(e * e * e * e + 4 * e * e)) * I1, kTight});
   cases.push_back({"shift of two, B = e2", matrix(2, 2, {0, 1, 0, 0}), matrix(2, 1, {0, 1}), I2, I1,
                    matrix(2, 2, {1, 0, 0, 2}), kTight});
-  // Q = 0 and an unstable A: X = 0 solves the equation too, but does not stabilise. x = a^2 x / (1 + x) gives a^2 - 1.
+  // For Q = 0 and an unstable A, X = 0 is a solution that does not stabilise. x = a^2 x / (1 + x) gives x = a^2 - 1.
   cases.push_back({"scalar, a = 2, q = 0", 2 * I1, I1, 0 * I1, I1, 3 * I1, kTight});
   return cases;
 }
 
 std::vector<ExponentialCase> exponentialCases() {
-  // Half a unit in the last place of data and result, amplified by a few operations: 1e-13 where well-conditioned.
+  // Bounds: rounding of data and result to 0.5 ulp, amplified by a few operations. 1e-13 for well-conditioned cases.
   std::vector<ExponentialCase> cases;
   for (const double b : {1.0, 1e6})
     cases.push_back({named("[1 b; 0 -1], b = %g", b), matrix(2, 2, {1, b, 0, -1}),

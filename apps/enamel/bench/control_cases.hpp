@@ -1,5 +1,5 @@
-// Numerically hard problems with known solutions: the benchmark shows error beside time, the hard tests check the
-// error.
+// Numerically hard problems with known solutions. The benchmark prints their errors beside the times, and the hard
+// tests check the errors.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,13 +8,13 @@
 
 namespace enamel::bench {
 
-/// A discrete Riccati equation and its stabilising solution X. All but the last group: Benner, Laub and Mehrmann,
-/// "DAREX".
+/// A discrete Riccati equation and its stabilising solution X. All but the last group are from Benner, Laub and
+/// Mehrmann, "DAREX".
 struct RiccatiCase {
   std::string name;
   Eigen::MatrixXd A, B, Q, R;
-  Eigen::MatrixXd X;  ///< exact, as rounded
-  double bound;       ///< forward error allowed, relative to the largest entry of X
+  Eigen::MatrixXd X;  ///< exact solution, rounded to double
+  double bound;       ///< allowed forward error, relative to the largest entry of X
 };
 
 std::vector<RiccatiCase> riccatiCases();
@@ -23,12 +23,13 @@ std::vector<RiccatiCase> riccatiCases();
 struct ExponentialCase {
   std::string name;
   Eigen::MatrixXd A, exponential;
-  double bound;  ///< error allowed, entry by entry, relative to the entry
+  double bound;  ///< allowed error of each entry, relative to the entry
 };
 
 std::vector<ExponentialCase> exponentialCases();
 
-/// Largest |value - reference| / |reference| over the entries; an entry that must be zero counts absolutely.
+/// Return the largest |value - reference| / |reference| over the entries; the absolute error if the reference entry is
+/// zero.
 double entrywiseError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference);
 
 }  // namespace enamel::bench

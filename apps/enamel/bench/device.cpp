@@ -15,7 +15,7 @@
 namespace enamel::bench {
 namespace {
 
-constexpr int kSamples = 1024;  // a power of two: inputs are picked with a mask
+constexpr int kSamples = 1024;  // a power of two, because a bit mask selects the inputs
 
 struct Sample {
   TauConfiguration configuration;
@@ -57,7 +57,7 @@ std::vector<Sample> randomSamples(const TauModel& model) {
   return samples;
 }
 
-// 1 kHz samples of a closed path through the workspace at up to 0.18 m/s and 1 rad/s.
+// Return samples at 1 kHz of a closed path through the workspace, at up to 0.18 m/s and 1 rad/s.
 std::vector<Sample> pathSamples(const TauModel& model) {
   std::vector<Sample> samples;
   for (int i = 0; i < kSamples; ++i) {
@@ -84,7 +84,7 @@ TreeState treeState(const TauParameters& device, const Sample& s) {
   return state;
 }
 
-// The measurements, and what all of them need.
+// The measurements and their common inputs.
 struct DeviceBench {
   TauParameters device;
   TauModel model;
@@ -248,8 +248,8 @@ void addMechanism(DeviceBench& bench) {
     const auto at = static_cast<std::size_t>(i & (kSamples - 1));
     return mechanism.reach(bench.path[at].configuration.pose, bench.samples[at].twist, true, k);
   };
-  // Everything that a tick gets, each against another way to it: V = J q' against the twist that the rates came from,
-  // gravity and inertia against the functions of a pose.
+  // Check everything that a tick receives against an independent computation. The reference for V = J q' is the twist
+  // from which the rates were computed; for gravity and inertia, the functions of a pose.
   const auto errorOf = [&](int i, const Kinematics& k) {
     const Sample& s = pick(bench.path, i);
     double error = poseError(k.pose, s.configuration.pose);

@@ -1,4 +1,5 @@
-// References in 80 bits, in one file: one more kind of number costs Eigen seconds of compiling.
+// Reference computations in 80 bits. They are in one file because each further number type costs Eigen seconds of
+// compile time.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +10,7 @@ using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
 LongMatrix times(const LongMatrix& A, const LongMatrix& B);
 
-/// A^-1 B; A is square and regular.
+/// Return A^-1 B; A must be square and regular.
 LongMatrix solved(const LongMatrix& A, const LongMatrix& B);
 
 }  // namespace enamel::bench

@@ -12,7 +12,7 @@ double percentile(const std::vector<double>& times_us, double part) {
   const double rank = part * static_cast<double>(times_us.size() - 1);
   const double time_us = times_us[static_cast<std::size_t>(rank)];
   const auto [first, last] = std::equal_range(times_us.begin(), times_us.end(), time_us);
-  // Within half of the way to the next values on either side, so that a larger part never gives less.
+  // Interpolate between the midpoints to the neighbouring values, so that a larger part never gives a smaller time.
   const double low_us = first == times_us.begin() ? time_us : 0.5 * (*std::prev(first) + time_us),
                high_us = last == times_us.end() ? time_us : 0.5 * (time_us + *last);
   const double place = (rank - static_cast<double>(first - times_us.begin()) + 0.5) / static_cast<double>(last - first);
@@ -93,7 +93,8 @@ std::vector<Measurement> measureAll(const std::string& filter, double scale) {
       {"device", &measureDevice},       {"control", &measureControl}, {"tick", &measureTick},
       {"collision", &measureCollision}, {"scene", &measureScene},     {"solid", &measureSolid},
       {"plant", &measurePlant}};
-  // A text that begins with the name of a group measures only that one; any other measures all. Both keep what fits.
+  // A filter that begins with the name of a group runs only that group. Any other filter runs all groups; rows are
+  // filtered afterwards in both cases.
   const std::string first = filter.substr(0, filter.find(' '));
   const bool isGroup =
       std::any_of(std::begin(groups), std::end(groups), [&](const auto& g) { return g.first == first; });

@@ -1,5 +1,5 @@
-// The one registry of measurements: `enamel bench` prints it, the timing tests check it. Every row has the error
-// beside the time, because a fast wrong answer is worth nothing.
+// The registry of all measurements: `enamel bench` prints it, and the timing tests check it. Every row has an error
+// beside its time, so that a fast but wrong result shows.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,20 +12,20 @@
 
 namespace enamel::bench {
 
-/// Measurement::goal_us of a row without one.
+/// Value of Measurement::goal_us in a row without a goal.
 inline constexpr double kNoGoal = std::numeric_limits<double>::quiet_NaN();
 
-/// One row of the table. Times are per call; NaN stands for "does not apply".
+/// One row of the table. Times are per call; NaN means "does not apply".
 struct Measurement {
   std::string group;                                               ///< module, for example "device"
-  std::string name;                                                ///< what was done
+  std::string name;                                                ///< operation that is measured
   double median_us = 0.0;                                          ///< over batches of calls, or over single calls
   double p99_us = 0.0;                                             ///< likewise
-  double error = 0.0;                                              ///< largest error seen
-  std::string errorOf;                                             ///< what the error is, its unit, and against what
-  double goal_us = std::numeric_limits<double>::quiet_NaN();       ///< stated goal
-  double reference_us = std::numeric_limits<double>::quiet_NaN();  ///< the same job done conventionally, same run
-  double p999_us = std::numeric_limits<double>::quiet_NaN();       ///< where every call was timed on its own
+  double error = 0.0;                                              ///< largest error of all calls
+  std::string errorOf;                                             ///< quantity, unit and reference of the error
+  double goal_us = std::numeric_limits<double>::quiet_NaN();       ///< goal
+  double reference_us = std::numeric_limits<double>::quiet_NaN();  ///< same result in the conventional way, same run
+  double p999_us = std::numeric_limits<double>::quiet_NaN();       ///< only if every call was timed alone
 };
 
 struct Timing {
@@ -33,27 +33,27 @@ struct Timing {
   double p99_us;
 };
 
-/// Of sorted times. A clock that goes in steps, of 10 ns on some machines, gives many equal ones: they are taken as
-/// spread evenly over the step.
+/// Return a percentile of sorted times. Clocks with coarse steps (10 ns on some machines) give many equal times; they
+/// count as spread evenly over the step.
 double percentile(const std::vector<double>& times_us, double part);
 
-/// A row for single calls that were timed each: its median, p99 and p99.9.
+/// Make a row from the times of single calls: median, p99 and p99.9.
 Measurement rowOf(const std::string& name, std::vector<double> times_us, double error, const std::string& errorOf);
 
-/// Times batches of calls: `run(first, count)` makes `count` calls, numbered from `first`. One warm-up batch first.
+/// Time batches of calls: `run(first, count)` makes `count` calls, numbered from `first`. The first batch is a warm-up.
 Timing timeCalls(int batches, int callsPerBatch, const std::function<void(int first, int count)>& run);
 
-/// Times single calls, for work whose cost varies from call to call: `run(i)` makes call i. What reading the clock
-/// costs is subtracted. The calls before `first` only warm up.
+/// Time single calls, for work whose cost varies from call to call: `run(i)` makes call i. The time to read the clock
+/// is subtracted. The calls before `first` only warm up.
 Timing timeEachCall(int calls, int first, const std::function<void(int i)>& run);
 
-/// The same for several that are to be compared: they take turns of 1000 calls, five times from the first to the last
-/// one, so that all see the same machine. The first 20 calls of a turn, which find the other ones' data in the caches,
-/// do not count. `between` is done before every call and not timed.
+/// Time several functions for a comparison. They take turns of 1000 calls and repeat the whole series five times, so
+/// that all see the same state of the machine. The first 20 calls of a turn do not count, because the caches then hold
+/// the data of the other functions. `between` runs before every call and is not timed.
 std::vector<Timing> timeInTurns(int calls, int first, const std::vector<std::function<void(int i)>>& runs,
                                 const std::function<void()>& between = {});
 
-/// Time of one call, the clock included (0.03 us), us.
+/// Return the time of one call in us, including the clock (0.03 us).
 template <typename Call>
 double timeOnce(const Call& call) {
   const auto start = std::chrono::steady_clock::now();
@@ -61,7 +61,7 @@ double timeOnce(const Call& call) {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The same random numbers at every run.
+/// Random numbers that are the same in every run.
 class Numbers {
  public:
   explicit Numbers(std::uint64_t seed = 7) : engine_(seed) {}
@@ -77,16 +77,16 @@ class Numbers {
   std::mt19937_64 engine_;
 };
 
-/// Keeps the compiler from dropping a result that is not used otherwise.
+/// Keep the compiler from removing an unused result.
 template <typename T>
 inline void keep(const T& value) {
   asm volatile("" : : "r"(&value) : "memory");
 }
 
-/// Largest |value - reference| over the largest |reference|; absolute where the reference is zero.
+/// Return the largest |value - reference|, divided by the largest |reference|; the absolute error if that is zero.
 double relativeError(const Eigen::MatrixXd& value, const Eigen::MatrixXd& reference);
 
-/// Runs every measurement whose group or name contains `filter`. `scale` multiplies the number of batches or calls.
+/// Run every measurement whose group or name contains `filter`. `scale` multiplies the number of batches or calls.
 std::vector<Measurement> measureAll(const std::string& filter, double scale);
 
 std::vector<Measurement> measureDevice(double scale);

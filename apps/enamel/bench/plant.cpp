@@ -1,4 +1,4 @@
-// What a simulated second costs on each plant.
+// Measures the time that each plant needs for one simulated second.
 #include <stdexcept>
 
 #include "bench/measurement.hpp"
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPlantPeriod = 1e-3;  // s
 
-// Where a second of 1 kHz ticks ends, on a spring in the workspace.
+// Simulate one second of 1 kHz ticks on a spring inside the workspace and return the final state.
 DeviceState secondOf(Plant& plant) {
   const auto spring = [](double, const Pose& pose, const Vec6& twist) {
     Vec6 wrench = Vec6::Zero();

@@ -1,5 +1,5 @@
-// What a scene costs: one row a kind of obstacle, the contacts of a ball of 1 mm that slides over it; then what a servo
-// makes of one contact and of six.
+// Measures scenes. One row for each kind of obstacle has the contacts of a ball of 1 mm that slides over it. Then come
+// a servo with one contact and with six.
 #include <fmt/core.h>
 
 #include <Eigen/Geometry>
@@ -45,13 +45,13 @@ Scene pit() {
   return scene;
 }
 
-// `distance` of a point from the obstacle outside of it, m; it is taken for the reference where it is slow.
+// `distance`: distance of an outside point from the obstacle, m. Its time is the reference if `isReference`.
 Measurement measure(const std::string& name, Scene& scene, const Vec3& start, int ticks, double reach,
                     const std::function<double(const Vec3&)>& distance, bool isReference, bool moves = false) {
   const Tool tool = ballTool();
   std::vector<Pose> poses = slideOver(scene, tool, start, ticks, reach);
   std::vector<Pose> frames(moves ? poses.size() : 0);
-  for (std::size_t i = 0; i < frames.size(); ++i) {  // the obstacle is shaken, and the tool with it
+  for (std::size_t i = 0; i < frames.size(); ++i) {  // the obstacle moves, and the tool with it
     const double t = kTickPeriod * static_cast<double>(i);
     frames[i].position = {1e-3 * std::sin(5.0 * t), 2e-3 * std::sin(3.0 * t), 0.0};
     frames[i].rotation = Eigen::AngleAxisd(0.1 * std::sin(4.0 * t), Vec3::UnitZ()).toRotationMatrix();
@@ -85,12 +85,12 @@ Measurement measure(const std::string& name, Scene& scene, const Vec3& start, in
   return row;
 }
 
-// A whole tick of position control on the TAU, pressed into the scene.
+// Measure a whole tick of position control on the TAU, pressed into the scene.
 Measurement measureServo(const std::string& name, const Scene& scene, int ticks) {
   const TauMechanism mechanism(nominalDevice());
   PositionControlRenderer servo(positionControlFor(mechanism, kTickPeriod, 0, 0));
   GuardOptions guard = guardFor(mechanism, kTickPeriod);
-  guard.energy = guard.oscillation = kUnlimited;  // the way goes on whatever the torques do
+  guard.energy = guard.oscillation = kUnlimited;  // the path does not depend on the torques
   HapticTick tick(mechanism, scene, ballTool(), servo, guard);
   Kinematics k;
   Command command;
@@ -202,7 +202,7 @@ std::vector<Measurement> measureScene(double scale) {
     rows.push_back(measure(fmt::format("molar of {} triangles", size), scene, aboveMolar, ticks, kReach, exact, true));
     if (levels != 6) continue;
     rows.push_back(measure("the same, moving", scene, aboveMolar, ticks, kReach, exact, true, true));
-    TriangleMesh scan = mesh;  // without its floor, as a scan is
+    TriangleMesh scan = mesh;  // a scan has no floor
     scan.triangles.erase(std::remove_if(scan.triangles.begin(), scan.triangles.end(),
                                         [&](const auto& t) { return scan.vertices[t[0]].z() < 1e-3; }),
                          scan.triangles.end());

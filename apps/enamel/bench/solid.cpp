@@ -1,4 +1,4 @@
-// A solid that is cut: a molar at cells of 0.1 mm, a ball of 1 mm.
+// Measures a solid that is cut: a molar with cells of 0.1 mm, and a ball of 1 mm.
 #include <fmt/core.h>
 
 #include <Eigen/Geometry>
@@ -27,8 +27,8 @@ Tool ball() {
   return tool;
 }
 
-// Whether the surface curves by radii above 1 mm about a place: the height of the mesh over the tangent plane, so far
-// away to all sides, is that of a parabola or less.
+// Return whether the radii of curvature at a place exceed 1 mm. Test: in all directions the height of the mesh above
+// the tangent plane is at most that of a parabola.
 bool isGentle(const MeshModel& mesh, const SurfacePoint& place) {
   constexpr double kAside = 0.3e-3, kRadiusOfCurvature = 1e-3;  // m
   const Vec3 u = place.normal.unitOrthogonal(), v = place.normal.cross(u);
@@ -41,7 +41,7 @@ bool isGentle(const MeshModel& mesh, const SurfacePoint& place) {
   return true;
 }
 
-// A ball that goes round on the molar, up to 0.3 mm above it.
+// Measure a ball that moves around on the molar, up to 0.3 mm above it.
 void measureQueries(const MeshModel& mesh, const std::shared_ptr<Solid>& solid, int calls,
                     std::vector<Measurement>& rows) {
   Scene scene;
@@ -77,7 +77,7 @@ void measureQueries(const MeshModel& mesh, const std::shared_ptr<Solid>& solid, 
                        "m, gap against the mesh where it curves by radii above 1 mm"));
 }
 
-// The ball is pressed with 2 N and goes to and fro; walls push it back.
+// Measure a ball that is pressed with 2 N and moves to random goals; contacts push it out of the solid.
 void measureCutting(const std::shared_ptr<Solid>& solid, int calls, std::vector<Measurement>& rows) {
   Scene scene;
   scene.add({"molar", std::shared_ptr<const Solid>(solid), Pose(), Vec6::Zero(), {}});

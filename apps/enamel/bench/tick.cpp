@@ -33,7 +33,7 @@ Percentiles percentilesOf(std::vector<double> times_us) {
   return {percentile(times_us, 0.5), percentile(times_us, 0.99), percentile(times_us, 0.999)};
 }
 
-// Times every call on its own, each after a preparation; the clock's own cost (about 20 ns) is inside.
+// Time every call alone, each after a preparation. The times include the clock (about 20 ns).
 template <typename Prepare, typename Call>
 Percentiles timeEach(int calls, const Prepare& prepare, const Call& call) {
   using Clock = std::chrono::steady_clock;
@@ -53,13 +53,13 @@ Percentiles timeEach(int calls, const Call& call) {
       calls, [](int) {}, call);
 }
 
-// A tool that goes in and out of the wall at 1 kHz, as measured.
+// A tool that moves in and out of the wall, as measured at 1 kHz.
 struct Path {
   std::vector<enamel::Measurement> measured;
   std::vector<Pose> poses;
 };
 
-// `sideways`: how far it also slides along the wall, m. `height`: of its mean above the wall, m.
+// `sideways`: amplitude along the wall, m. `height`: mean height above the wall, m.
 Path pathThroughTheWall(const Mechanism& mechanism, int ticks, double sideways = 0.01, double height = 0.0) {
   Path path;
   for (int i = 0; i < ticks; ++i) {
@@ -81,8 +81,8 @@ Path pathThroughTheWall(const Mechanism& mechanism, int ticks, double sideways =
   return path;
 }
 
-// The linked renderer and its plugin in turns, a hundred ticks each, so that what else the machine does meets both;
-// per tick, over the turns. Adds the ticks that were not ok to `faults`.
+// Time the linked renderer and its plugin in turns of 100 ticks, so that other load on the machine affects both. Return
+// the times per tick over the turns. Add the ticks with a status other than ok to `faults`.
 std::pair<Percentiles, Percentiles> timeLinkedAndPlugin(const std::vector<TickFrame>& inputs, Renderer& linked,
                                                         Renderer* plugin, int& faults) {
   using Clock = std::chrono::steady_clock;
@@ -90,7 +90,7 @@ std::pair<Percentiles, Percentiles> timeLinkedAndPlugin(const std::vector<TickFr
   std::vector<double> times_us[2];
   for (std::size_t first = 0; first + kTurn <= inputs.size(); first += kTurn)
     for (const std::size_t order : {0u, 1u}) {
-      const std::size_t which = (order + first / kTurn) % 2;  // each comes first every other time
+      const std::size_t which = (order + first / kTurn) % 2;  // alternate which one is first
       Renderer* renderer = which == 0 ? &linked : plugin;
       if (renderer == nullptr) continue;
       TickOutput output;
@@ -101,7 +101,7 @@ std::pair<Percentiles, Percentiles> timeLinkedAndPlugin(const std::vector<TickFr
   return {percentilesOf(times_us[0]), plugin == nullptr ? Percentiles{} : percentilesOf(times_us[1])};
 }
 
-// A plate on three balls, each between two pins: six contacts, whose normals hold all six axes (Maxwell's coupling).
+// A plate on three balls, each between two pins: six contacts whose normals hold all six axes (Maxwell's coupling).
 struct Coupling {
   Scene pins;
   Tool plate;
@@ -127,7 +127,7 @@ Coupling plateOnSixPins() {
   return coupling;
 }
 
-// Whole ticks on `path`; `error`: those that were not ok or saw another number of contacts than `contacts`.
+// Time whole ticks on `path`. `error`: ticks that are not ok or whose number of contacts is not `contacts`.
 Measurement timeTicks(const std::string& name, const Path& path, int contacts, HapticTick& tick) {
   using Clock = std::chrono::steady_clock;
   std::vector<double> times_us;
@@ -142,7 +142,7 @@ Measurement timeTicks(const std::string& name, const Path& path, int contacts, H
   return rowOf(name, std::move(times_us), wrong, "ticks not ok, or with more or fewer contacts");
 }
 
-// What contacts cost: the same renderer in the air and with six of them.
+// Compare the same renderer without contacts and with six.
 void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOptions& guarded,
                           const std::vector<std::pair<const char*, Renderer*>>& renderers,
                           std::vector<Measurement>& rows) {
@@ -159,7 +159,7 @@ void addNumbersOfContacts(const Mechanism& mechanism, int ticks, const GuardOpti
   }
 }
 
-// The measurements, and what all of them need.
+// The measurements and their common inputs.
 struct TickBench {
   std::shared_ptr<const TauMechanism> mechanism;
   Path path;
@@ -181,7 +181,7 @@ struct TickBench {
   }
 };
 
-// A renderer of the bench; `plugin`: the file and the parameters of the same one as a plugin.
+// A renderer of the bench. `plugin`: file of the plugin with the same renderer, with its parameters.
 struct BenchRenderer {
   const char* name;
   Renderer* renderer;
@@ -208,7 +208,7 @@ void addTrack(TickBench& bench) {
   bench.add("its track", p, error, "position, m");
 }
 
-// Adds the ticks that were not ok to `faults`.
+// Add the ticks with a status other than ok to `faults`.
 Percentiles timeWhole(const TickBench& bench, Renderer& renderer, const GuardOptions& guard, int& faults) {
   HapticTick tick(*bench.mechanism, bench.wall, Tool{}, renderer, guard);
   Command command;
@@ -217,8 +217,8 @@ Percentiles timeWhole(const TickBench& bench, Renderer& renderer, const GuardOpt
   });
 }
 
-// The guard alone, on what it saw, in the frame that the other stages have just written, as in a tick; `error`:
-// requests that it changed.
+// Time the guard alone. As in a tick, the other stages have just written its frame. `error`: ticks whose request it
+// changed.
 void addGuard(TickBench& bench, const BenchRenderer& one, const std::vector<TickFrame>& frames) {
   Guard guard(*bench.mechanism, bench.guarded);
   int changed = 0;
@@ -232,7 +232,7 @@ void addGuard(TickBench& bench, const BenchRenderer& one, const std::vector<Tick
   bench.add(std::string("its guard, ") + one.name, alone, changed, "ticks that it touched", 0.5);
 }
 
-// The renderer alone, beside itself as a plugin where that is built.
+// Time the renderer alone, and the same renderer as a plugin if that was built.
 void addStep(TickBench& bench, const BenchRenderer& one, const std::vector<TickFrame>& frames, int& faults) {
   one.renderer->reset();
   const std::string file = app::pluginFolder() + one.plugin;
@@ -278,7 +278,7 @@ void addRenderer(TickBench& bench, const BenchRenderer& one) {
   addStep(bench, one, frames, faults);
 }
 
-// Between whole ticks, the file's side on a thread of its own that writes nowhere; `error`: ticks that were lost.
+// Time recording between whole ticks. The file's thread discards the data. `error`: lost ticks.
 void addRecording(TickBench& bench, Renderer& renderer) {
   using Clock = std::chrono::steady_clock;
   HapticTick tick(*bench.mechanism, bench.wall, Tool{}, renderer, bench.guarded);
@@ -318,7 +318,7 @@ std::vector<Measurement> measureTick(double scale) {
   bench.mechanism = std::make_shared<TauMechanism>(nominalDevice());
   const int ticks = std::max(2000, static_cast<int>(50000 * scale));
   bench.path = pathThroughTheWall(*bench.mechanism, ticks);
-  // The path goes on whatever the torques do: energy and oscillation mean nothing on it.
+  // The path does not depend on the torques: checks of energy and oscillation would be meaningless.
   bench.guarded = guardFor(*bench.mechanism, kPeriod);
   bench.guarded.energy = bench.guarded.oscillation = kUnlimited;
   HoldRenderer hold(designServo(bench.mechanism, Pose{}, kPeriod).K, kPeriod, {});

@@ -20,12 +20,12 @@ bool hasPushes(const CompareOptions& options) {
   return std::count(options.tasks.begin(), options.tasks.end(), kPush) > 0;
 }
 
-// A study with its columns, for a plant and a delay.
+// Prepare a study with its columns for one plant and one delay.
 Condition conditionOf(const CompareOptions& options, const std::string& plant, const std::string& delay) {
   StudyOptions one = options.study;
   one.plant = plant;
   one.delay = delay;
-  if (!hasPushes(options)) one.grid = 1;  // no query point but home need be within reach
+  if (!hasPushes(options)) one.grid = 1;  // trials need only home within reach
   std::string name = plant + '-' + delay;
   std::replace(name.begin(), name.end(), ':', '-');
   one.output += '/' + name;
@@ -48,7 +48,7 @@ std::vector<Condition> conditionsOf(const CompareOptions& options) {
   return conditions;
 }
 
-// False: other parts of the runs are not done.
+// Return false if other parts of the runs are missing.
 bool completePushes(const std::vector<Condition>& conditions) {
   bool complete = true;
   for (const Condition& c : conditions) {
@@ -67,10 +67,10 @@ void readPushes(Condition& c) {
   writeFile(c.study.path("summary.json"), summaryOf(c.study, c.walls, {}));
 }
 
-// Without the HTML.
+// Convert HTML to plain text.
 std::string plain(std::string text) {
   constexpr std::pair<const char*, const char*> kEntities[] = {
-      {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}};  // the last one makes no new ones
+      {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}};  // last: it must make no new entities
   for (const auto& [entity, character] : kEntities)
     for (std::size_t at = 0; (at = text.find(entity, at)) != std::string::npos; ++at)
       text.replace(at, std::strlen(entity), character);

@@ -1,4 +1,4 @@
-// The plants and delays of a comparison, and their numbers as files and on the terminal.
+// Plants and delays of a comparison, and their results for files and the terminal.
 #pragma once
 
 #include <string>
@@ -15,19 +15,20 @@ struct Condition {
   Study study;
   std::vector<PointStatistics> points;
   std::vector<WallSummary> walls;
-  std::vector<RendererScore> scores;  ///< by column
+  std::vector<RendererScore> scores;  ///< one for each column
 
   const std::string& title(std::size_t column) const { return study.labels[column].title; }
 };
 
-/// The wall trials that --tasks names. Throws Error: a text that no task has.
+/// Return the wall trials that --tasks selects. Throws Error: a text that matches no task.
 std::vector<std::string> wallTasksOf(const std::vector<std::string>& tasks);
 
-/// compare.csv: a line a plant, delay and renderer; tasks.csv: a line each of their figures too.
+/// Return the text of compare.csv, with one line for each plant, delay and renderer. tasks.csv (next function) has one
+/// line for each of their figures as well.
 std::string comparisonTable(const std::vector<Condition>& conditions);
 std::string tasksTable(const std::vector<Condition>& conditions);
 
-/// The figures of the wall trials on the terminal, a column a renderer.
+/// Print the figures of the wall trials, one column for each renderer.
 void printTasks(const Condition& condition);
 
 }  // namespace enamel::app

@@ -57,7 +57,7 @@ void addFeel(Page& page, const Condition& condition) {
   page.table(head, rows);
 }
 
-// `all`: what has the same axes.
+// `all`: the conditions that share the same axes.
 void addBoxes(Page& page, const std::vector<const Condition*>& conditions, const std::vector<Condition>& all) {
   const Condition& any = *conditions.front();
   BoxPlot stiffness, depth;
@@ -114,7 +114,7 @@ void addTests(Page& page, const std::vector<const Condition*>& conditions) {
              rows);
 }
 
-// What people do to a wall besides the push, every figure; a table a condition.
+// Add every figure of the tasks besides the push: one table for each condition.
 void addTasks(Page& page, const std::vector<Condition>& conditions) {
   if (conditions.front().scores.front().trials.empty()) return;
   page.heading("Every other task");
@@ -212,7 +212,7 @@ std::vector<const Condition*> onPlant(const std::vector<Condition>& conditions, 
   return found;
 }
 
-// For a reader in a hurry: computed from the ranks, the stiffnesses and their tests.
+// Summary in one sentence, from the ranks, the stiffnesses and their tests.
 std::string sentenceOf(const std::vector<const Condition*>& conditions) {
   std::map<std::string, int> firsts;
   for (const Condition* c : conditions) ++firsts[escape(c->title(bestOf(c->scores)))];

@@ -1,4 +1,4 @@
-// compare.html: the comparison in one file that needs nothing else.
+// compare.html: the comparison as one self-contained file.
 #pragma once
 
 #include "compare/compare.hpp"
@@ -6,10 +6,11 @@
 
 namespace enamel::app {
 
-/// The conditions of a plant, in their order.
+/// Return the conditions of a plant in their order.
 std::vector<const Condition*> onPlant(const std::vector<Condition>& conditions, const std::string& plant);
 
-/// Who ranks first on a plant, and by how much position control is stiffer than its rivals; HTML. Needs kPush.
+/// Return which renderer ranks first on a plant, and by how much position control is stiffer than its rivals; HTML.
+/// Needs kPush.
 std::string sentenceOf(const std::vector<const Condition*>& conditions);
 
 std::string pageOf(const CompareOptions& options, const std::vector<Condition>& conditions);

@@ -1,4 +1,4 @@
-// What the files of compare.html share.
+// Shared by the files of compare.html.
 #pragma once
 
 #include "compare/page.hpp"
@@ -6,23 +6,23 @@
 
 namespace enamel::app {
 
-inline constexpr double kTooDeep = 1e-3;  ///< m: what the paper allows
+inline constexpr double kTooDeep = 1e-3;  ///< m: limit of the paper's Table II
 
-/// A plant in words.
+/// Return the title of a plant.
 const std::string& plantTitle(const std::string& plant);
 
 inline double meanOf(const std::vector<double>& values) { return spreadOf(values).mean; }
 
-/// "lost" for what is infinite.
+/// Return "lost" for an infinite value.
 std::string scoreText(double value);
 
-/// A probability; "–" where there is none.
+/// Return a probability as text; "–" for a missing value.
 std::string pText(double p);
 
-/// Hold and position control: what the paper's comparison sets against its spring.
+/// Return true for hold and position control, which the paper's comparison sets against its spring.
 bool isPositionBased(ColumnKind kind);
 
-/// The paper's claims, each with its verdict; the form of its Table III and Table IV.
+/// Add the paper's claims with their verdicts, and tables in the form of its Tables III and IV.
 void addPaper(Page& page, const std::vector<Condition>& conditions);
 
 }  // namespace enamel::app

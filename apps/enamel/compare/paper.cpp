@@ -17,7 +17,7 @@ double deepestOf(const std::vector<double>& depths) {
   return most;
 }
 
-// The paper's Table III: the largest penetration of the runs, with a random delay in brackets.
+// The paper's Table III: largest penetration of the runs; values with a random delay are in brackets.
 void addTableThree(Page& page, const std::vector<Condition>& conditions) {
   std::vector<std::vector<std::string>> rows;
   const auto isDelayed = [](const Condition& c) { return c.delay.rfind("random", 0) == 0; };
@@ -54,7 +54,7 @@ void addTableThree(Page& page, const std::vector<Condition>& conditions) {
              rows);
 }
 
-// The paper's Table IV: lowest of the servo against highest of the baseline.
+// The paper's Table IV: lowest value of the servo against highest of the baseline.
 void addTableFour(Page& page, const std::vector<Condition>& conditions) {
   std::vector<std::vector<std::string>> rows;
   const auto extreme = [](const std::optional<Extreme>& e) { return e ? scoreText(e->value) : std::string("–"); };
@@ -87,7 +87,7 @@ void addTableFour(Page& page, const std::vector<Condition>& conditions) {
              rows);
 }
 
-// The claim about a random delay, of one condition.
+// Check the paper's claim about a random delay for one condition.
 std::string delayClaim(const Condition& c, const RendererScore& s) {
   const auto deep = std::count_if(s.depth.begin(), s.depth.end(), [](double depth) { return depth > kTooDeep; });
   const double most = deepestOf(s.depth);

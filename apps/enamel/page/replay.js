@@ -1,5 +1,5 @@
-// Plays what replay_page.cpp has written: lengths in mm, times in s, forces in N. Everything is a function of the time
-// that is shown; show() draws it.
+// Plays the data of replay_page.cpp: lengths in mm, times in s, forces in N. Everything is a function of the shown
+// time, and show() draws it.
 'use strict';
 const $ = id => document.getElementById(id);
 
@@ -20,7 +20,7 @@ async function load() {
   const size = new DataView(bytes).getUint32(0, true);
   const page = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, size)));
   const types = {f32: Float32Array, u32: Uint32Array, u16: Uint16Array, i8: Int8Array, u8: Uint8Array};
-  const open = node => {  // arrays in the place of what names them
+  const open = node => {  // replace references by arrays
     if (node === null || typeof node !== 'object') return node;
     if ('at' in node && 'type' in node) return new types[node.type](bytes, 4 + size + node.at, node.count);
     for (const key in node) node[key] = open(node[key]);
@@ -29,7 +29,7 @@ async function load() {
   return open(page);
 }
 
-// The last index whose time is at most t; times do not decrease.
+// Return the last index whose time is at most t. Times must not decrease.
 function before(times, t) {
   let low = 0, high = times.length;
   while (high - low > 1) {
@@ -56,7 +56,7 @@ function geometryOf(mesh) {
 const finish = options => new THREE.MeshPhongMaterial(Object.assign({shininess: 40, specular: 0x1c1c1c}, options));
 const tooth = () => finish({vertexColors: THREE.VertexColors, side: THREE.DoubleSide});
 
-// A capsule from a to b: a rod and two balls.
+// A capsule from a to b: a rod and two spheres.
 function capsule(a, b, radius, material) {
   const group = new THREE.Group(), from = new THREE.Vector3(...a), to = new THREE.Vector3(...b);
   const length = from.distanceTo(to), r = Math.max(radius, 0.15);
@@ -74,7 +74,7 @@ function capsule(a, b, radius, material) {
   return group;
 }
 
-// A half space as a disc below the place where the tool begins.
+// A half space as a disc below the start of the tool.
 function plane(obstacle, side, reach) {
   const group = new THREE.Group(), normal = new THREE.Vector3(0, 0, 1);
   const turn = new THREE.Quaternion(...obstacle.turn);
@@ -101,7 +101,7 @@ function plane(obstacle, side, reach) {
 
 class Arrow {
   constructor(colour) {
-    const material = finish({color: colour, depthTest: false, transparent: true, opacity: 0.92});  // before the tool
+    const material = finish({color: colour, depthTest: false, transparent: true, opacity: 0.92});  // over the tool
     this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.35, 0.35, 1, 20), material);
     this.head = new THREE.Mesh(new THREE.ConeGeometry(0.95, 2.2, 24), material);
     this.object = new THREE.Group();
@@ -119,7 +119,8 @@ class Arrow {
   }
 }
 
-// One half of the stage; without poses, what a law answers to the first side's motion, and no half.
+// One half of the stage. A side without poses has no half: it shows another controller's output for the first side's
+// motion.
 class Side {
   constructor(data, number, first) {
     Object.assign(this, {data, number, layers: data.poses ? undefined : first.layers});
@@ -136,7 +137,7 @@ class Side {
       this.scene.add(light);
     }
     this.bounds = new THREE.Box3();
-    this.bricks = [];  // of solids: what each brick is from when on
+    this.bricks = [];  // states of each brick of the solids, with their start times
     for (const obstacle of data.obstacles) this.addObstacle(obstacle);
     if (this.bounds.isEmpty()) this.bounds.setFromCenterAndSize(new THREE.Vector3(...data.start),
       new THREE.Vector3(40, 40, 20));
@@ -216,7 +217,7 @@ class Side {
     half.append(panel);
     $('sides').append(half);
   }
-  // The pose is between that of the last picture at or before t and of the next one.
+  // Interpolate the pose between the last picture at or before t and the next one.
   move(t) {
     const m = this.data, i = before(m.times, t), j = Math.min(i + 1, m.times.length - 1);
     const span = m.times[j] - m.times[i], share = span > 0 ? Math.min(1, Math.max(0, (t - m.times[i]) / span)) : 0;
@@ -237,7 +238,7 @@ class Side {
       this.arrow.place(new THREE.Vector3(c[0], c[1], c[2]), new THREE.Vector3(c[3], c[4], c[5]).normalize(),
         1.2 * m.forces[i]);
   }
-  // What is known at t: of the last picture at or before it.
+  // Show the values at t: those of the last picture at or before t.
   show(t) {
     if (this.scene) this.move(t);
     const k = before(this.data.times, t);
@@ -251,7 +252,7 @@ class Side {
   }
 }
 
-// Steps of 1, 2 or 5 times a power of ten, about `count` of them.
+// Return a step of 1, 2 or 5 times a power of ten that gives about `count` steps.
 function stepOf(span, count) {
   const raw = span / count, power = Math.pow(10, Math.floor(Math.log10(raw)));
   return [1, 2, 5, 10].map(x => x * power).find(x => x >= raw);
@@ -317,7 +318,7 @@ class Chart {
       c.fillStyle = c.strokeStyle = sideColour(side.number);
       c.lineWidth = 1.3;
       c.lineJoin = 'round';
-      // A column of pixels is as high as what lies in it.
+      // Draw the range of all values in each column of pixels.
       const columns = Math.max(1, Math.round((width - this.left - this.right) * ratio));
       c.beginPath();
       for (let column = 0; column < columns; ++column) {
@@ -340,7 +341,7 @@ class Chart {
   }
 }
 
-// The camera: about a point, at a distance; z is up.
+// A camera that orbits a point at a distance; z is up.
 class Orbit {
   constructor(canvas, changed) {
     this.camera = new THREE.PerspectiveCamera(32, 1, 1, 3000);
@@ -448,7 +449,7 @@ load().then(page => {
     document.body.dataset.forces = sides.map(side => side.force).join(' ');
   }
   const orbit = new Orbit($('view'), show);
-  // Where the tool works: the middle of its contacts, else where it begins.
+  // Focus: the mean of the tool's contacts, or its start without contacts.
   const home = () => {
     const focus = new THREE.Vector3();
     let count = 0;
@@ -462,7 +463,7 @@ load().then(page => {
 
   function tick(now) {
     if (!playing) return;
-    // A picture's time may lie before the click that began it; a hidden page has no pictures.
+    // A picture's time may be before the click that started playing. A hidden page draws no pictures.
     time = Math.min(end, time + speed * Math.min(0.25, Math.max(0, now - last) / 1000));
     last = Math.max(last, now);
     if (time >= end) playing = false;

@@ -12,7 +12,7 @@ namespace {
 constexpr std::array<const char*, 10> kColours = {kBlue, kVermilion, kGreen, kPurple, kOrange,
                                                  kSky,  kBrown,     kMuted, kInk,    kRed};
 
-// A share of the way from one order statistic to the next.
+// Return a quantile, interpolated linearly between order statistics.
 double quantile(const std::vector<double>& sorted, double share) {
   const double at = share * static_cast<double>(sorted.size() - 1);
   const auto low = static_cast<std::size_t>(at);

@@ -35,7 +35,7 @@ std::vector<Claim> claimsOf(const Study& study, const std::vector<PointStatistic
                            pointText(study, wall.highestFirst->point)),
                servo.lowestFirst->value > wall.highestFirst->value && servo.withoutFirst() == 0 && servo.stable()});
         std::size_t below = 0, worst = 0, lost = 0;
-        double worstRatio = -1.0, half = 0.0;  // half: of the ratio's 95 % interval, to first order
+        double worstRatio = -1.0, half = 0.0;  // half: half of the ratio's 95 % interval, to first order
         for (std::size_t p = 0; p < count; ++p) {
           const Spread &ours = pointAt(s, column, p).of(&PushMetrics::steadyCompliance),
                        &theirs = pointAt(s, spring, p).of(&PushMetrics::steadyCompliance);

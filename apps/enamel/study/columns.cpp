@@ -22,7 +22,7 @@
 namespace enamel::app {
 namespace {
 
-// --device-damping: B for every column, or NAME=B for some and 0 for the others.
+// --device-damping: B for every column, or NAME=B for some columns and 0 for the others.
 class DampingOption {
  public:
   explicit DampingOption(const std::vector<std::string>& texts) {
@@ -49,18 +49,18 @@ class DampingOption {
     return found == values_.end() ? 0.0 : found->second;
   }
 
-  /// A name that no renderer has; empty where all were found.
+  /// Return a name that matches no renderer; empty if all names match.
   std::string unused() const { return unused_.empty() ? "" : unused_.begin()->first; }
 
  private:
   std::map<std::string, double> values_, unused_;
 };
 
-// What a name of --renderers means.
+// Meaning of a name in --renderers.
 struct RendererChoice {
   ColumnKind kind = ColumnKind::plugin;
   std::string name, title;
-  std::string servo;  // its file; empty: as the study has it
+  std::string servo;  // servo file; empty: the study's servo
   std::shared_ptr<const PluginLibrary> plugin;
 };
 
@@ -82,7 +82,7 @@ RendererChoice choiceOf(const std::string& text) {
   return {ColumnKind::positionControl, text, "position control", "", nullptr};
 }
 
-// Makes the renderers of plugins, each with those parameters of --set that it has.
+// Makes the renderers of plugins. Each receives those parameters of --set that it has.
 class Plugins {
  public:
   explicit Plugins(const StudyOptions& options) : parameters_(parseParameters(options.set)), unused_(parameters_) {
@@ -111,7 +111,7 @@ class Plugins {
   PluginSetup setup_;
 };
 
-// The values that a file has for a rival and a delay.
+// Return the values of a rival at a delay from a file.
 std::vector<double> valuesFor(const std::string& path, const std::string& rival, const Delay& delay) {
   if (path.empty())
     throw Error(std::string(kTuned) + rival +
@@ -121,7 +121,7 @@ std::vector<double> valuesFor(const std::string& path, const std::string& rival,
   throw Error(fmt::format("{}: has no {} for a delay of {} to {} ticks", path, rival, delay.low, delay.high));
 }
 
-// What makes the renderer of a column, by the query point.
+// Makes the renderer of a column for a query point.
 using Make = std::function<std::unique_ptr<Renderer>(std::size_t point)>;
 
 Make impedance(const ImpedanceOptions& wall, bool passive) {
@@ -153,7 +153,7 @@ Make positionControl(const Study& study) {
   const PushSetup& setup = study.plan.setup;
   const PositionControlOptions servo =
       positionControlFor(*study.mechanism, setup.period, setup.delay.low, setup.delay.high);
-  PositionControlRenderer{servo};  // refuses here what a run would refuse
+  PositionControlRenderer{servo};  // fail now rather than in a run
   return [servo](std::size_t) { return std::make_unique<PositionControlRenderer>(servo); };
 }
 
@@ -193,7 +193,7 @@ Make linked(const Study& study, std::size_t c, double& period, ColumnRecords& re
   return study.plan.columns[c].make;
 }
 
-// The servo of hold at home, where a column needs it.
+// Design the servo of hold at home if a column needs it.
 void designHome(Study& study) {
   const bool needed = std::any_of(study.labels.begin(), study.labels.end(), [](const ColumnLabel& label) {
     return label.kind == ColumnKind::scheduled || (label.kind == ColumnKind::hold && label.servo.empty());
@@ -225,7 +225,7 @@ void addColumns(Study& study, ColumnRecords& records) {
     column.plant = more > 0.0 ? makeMechanism(modelFor(options.plant, damped)) : study.mechanism;
     if (options.inertia != 1.0) column.model = withInertia(column.plant, options.inertia);
     column.makePlant = makerOf(options.plant, damped, plan.setup);
-    // To the nanonewton: what is left of the file's zero is rounding.
+    // Round to 1 nN s/m: a damping of zero in the file leaves rounding errors.
     const double whole =
         1e-9 * std::nearbyint(1e9 * dampingAlong(*column.plant, plan.setup.start, plan.setup.hand.normal));
     records.dampings[choice.name] = more;
@@ -234,7 +234,7 @@ void addColumns(Study& study, ColumnRecords& records) {
     study.labels.push_back({choice.kind, choice.title, whole, choice.servo});
   }
   plugins.requireAllUsed();
-  // The default may name a renderer that is not asked for.
+  // The default may name a renderer that this study does not have.
   if (!damping.unused().empty() && options.deviceDamping != StudyOptions().deviceDamping)
     throw Error("--device-damping names " + damping.unused() + ", which --renderers does not");
 }

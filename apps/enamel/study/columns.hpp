@@ -1,4 +1,4 @@
-// The columns of a study: a renderer of --renderers each, on a plant of its own.
+// The columns of a study: one renderer of --renderers each, on its own plant.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,19 +7,18 @@
 
 namespace enamel::app {
 
-/// What the columns add to a study's manifest, by their names.
+/// Entries that the columns add to a study's manifest, by column name.
 struct ColumnRecords {
   nlohmann::ordered_json plugins = nlohmann::ordered_json::object();   ///< version and parameters
   nlohmann::ordered_json dampings = nlohmann::ordered_json::object();  ///< --device-damping, N s/m
-  nlohmann::ordered_json servos = nlohmann::ordered_json::object();  ///< hashes of what the linked ones were made with
+  nlohmann::ordered_json servos = nlohmann::ordered_json::object();    ///< hashes of the linked renderers' servos
 };
 
 /// Fill the plan's columns and their labels: names, plants, and the renderers of plugins. Needs the device, the plan's
-/// setup and the options. Throws Error: a renderer that there is not, or twice; a damping or parameter for none of
-/// them.
+/// setup and the options. Throws Error: an unknown or repeated renderer; a damping or parameter that no renderer uses.
 void addColumns(Study& study, ColumnRecords& records);
 
-/// Design the linked renderers of the columns. Needs a plan that checkStudy() has passed. Throws Error: a servo file or
+/// Design the linked renderers of the columns. Needs a plan that has passed checkStudy(). Throws Error: a servo file or
 /// a tuned value that does not fit; as designServo().
 void makeRenderers(Study& study, ColumnRecords& records);
 

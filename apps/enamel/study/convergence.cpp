@@ -20,7 +20,7 @@ constexpr IntegrationMethod kMethods[] = {
 
 using MetricValues = std::array<double, kMetrics>;
 
-// NaN where the run has no such metric.
+// Return the metrics of a run; NaN for a missing one.
 MetricValues valuesOf(const StudyResult& result) {
   MetricValues v;
   v.fill(std::nan(""));
@@ -30,12 +30,12 @@ MetricValues valuesOf(const StudyResult& result) {
   return v;
 }
 
-// Below this, in SI, a metric is rounding: the impedance wall has no tangential force at all.
+// Smaller values (SI) are rounding errors: for example, the impedance wall has no tangential force.
 constexpr double kSmallest = 1e-9;
 
 struct RunRecord {
   StudyResult result;
-  double seconds = 0.0;  // of the processor, a simulated second
+  double seconds = 0.0;  // processor time for a simulated second
   std::vector<Vec3> positions;
 };
 
@@ -50,7 +50,7 @@ RunRecord recordRun(const StudyPlan& study, const StudyRun& run, const Integrati
   plan.setup.integrator = method.integrator;
   plan.setup.substeps = method.substeps;
   plan.setup.jitter = plan.setup.lostSamples = 0.0;
-  for (StudyColumn& column : plan.columns) column.makePlant = {};  // it is the closed form's
+  for (StudyColumn& column : plan.columns) column.makePlant = {};  // use the closed form
   RunRecord record;
   const double begun = processorSeconds();
   record.result = performRun(plan, run, [&](const TickRecord& t) { record.positions.push_back(t.pose.position); });
@@ -58,7 +58,7 @@ RunRecord recordRun(const StudyPlan& study, const StudyRun& run, const Integrati
   return record;
 }
 
-// Middle and two opposite corners of the wall, the first run of each.
+// Return the first run at the middle and at two opposite corners of the wall.
 std::vector<StudyRun> runsOf(const StudyPlan& plan) {
   const std::size_t last = plan.points() - 1;
   const std::size_t points[] = {0, last / 2, last};
@@ -89,7 +89,7 @@ MethodError compare(const std::vector<StudyRun>& runs, const std::vector<RunReco
           if (value > scale) scale = value;
         }
       const double difference = std::abs(ours[m] - theirs[m]);
-      const double relative = difference == 0.0 ? 0.0 : difference / scale;  // infinite where only we have something
+      const double relative = difference == 0.0 ? 0.0 : difference / scale;  // NaN if one of both is missing
       error.metrics[m] = std::isnan(relative) ? HUGE_VAL : std::max(error.metrics[m], relative);
     }
   }
@@ -130,7 +130,7 @@ Convergence measureConvergence(const Study& study) {
   convergence.cheapest = methods.size();
   for (std::size_t i = 0; i < methods.size(); ++i) {
     if (!(methods[i].worst < convergence.allowed)) continue;
-    // More steps always cost more, whatever a noisy clock says.
+    // More steps always cost more: do not let a noisy clock decide.
     if (i > 0 && methods[i - 1].method.integrator == methods[i].method.integrator &&
         methods[i - 1].worst < convergence.allowed)
       continue;

@@ -1,4 +1,4 @@
-// Speed against error of the integration between ticks.
+// Speed and error of the integration between ticks.
 #pragma once
 
 #include "study/study.hpp"
@@ -11,24 +11,24 @@ struct IntegrationMethod {
 };
 std::string nameOf(Integrator integrator);
 
-/// How a method compares with the reference over a set of runs: every renderer and scenario of the study, at the middle
-/// and at two opposite corners of the wall, with noise.
+/// A method compared with the reference over a set of runs with noise. The runs cover every renderer and scenario of
+/// the study, at the middle and at two opposite corners of the wall.
 struct MethodError {
   IntegrationMethod method;
-  double trajectory = 0.0;        ///< largest distance of the TCP from the reference's at a tick, m
+  double trajectory = 0.0;        ///< largest distance between the TCP and the reference TCP at a tick, m
   std::vector<double> metrics;    ///< largest error of each metric, relative to the largest value of that metric
                                   ///< in the reference runs of the same renderer and scenario
-  double worst = 0.0;             ///< largest of `metrics`; infinite where a run lacks what the reference has
-  double secondsPerSecond = 0.0;  ///< processor time a simulated second, whole loop
+  double worst = 0.0;             ///< largest of `metrics`; infinite if only one of run and reference has a metric
+  double secondsPerSecond = 0.0;  ///< processor time for a simulated second of the whole loop
 };
 
 struct Convergence {
   IntegrationMethod reference{Integrator::rungeKutta4, 16};
-  double referenceError = 0.0;  ///< worst metric of half as many substeps against the reference
-  double allowed = 1e-3;        ///< error of every metric
+  double referenceError = 0.0;  ///< worst metric error of half as many substeps, compared with the reference
+  double allowed = 1e-3;        ///< largest allowed error of every metric
   std::vector<std::string> metrics;
   std::vector<MethodError> methods;
-  std::size_t cheapest = 0;  ///< of those whose errors are allowed; methods.size() where there is none
+  std::size_t cheapest = 0;  ///< cheapest method with allowed errors; methods.size() if all errors are too large
 };
 
 Convergence measureConvergence(const Study& study);

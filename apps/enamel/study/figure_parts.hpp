@@ -1,4 +1,4 @@
-// What the files of figures share, and the figures that each draws.
+// Shared by the files of figures: helpers, and the figures that each file draws.
 #pragma once
 
 #include "study/figures.hpp"
@@ -6,20 +6,20 @@
 
 namespace enamel::app {
 
-/// Of a renderer in every figure.
+/// Return the colour of a renderer, the same in every figure.
 std::string colourOf(const Study& study, std::size_t column);
 
 std::string join(const std::vector<std::string>& parts, const std::string& between);
 
-/// Ends of the wall along x and y, mm.
+/// Return the half width of the wall along x and y, mm.
 inline double edgeOf(const Study& study) { return 1e3 * study.plan.halfWidth; }
 
-// push_figures.cpp: the device and what pushes do.
+// push_figures.cpp: the device, and responses to pushes.
 Figure deviceFigure(const Study& study);
 Figure responseFigure(const Study& study, int scenario);
 Figure torqueFigure(const Study& study);
 
-// wall_figures.cpp: how figures run over the wall.
+// wall_figures.cpp: values over the wall.
 Figure firstImpactMap(const Study& study, const Findings& findings);
 Figure steadyMap(const Study& study, const Findings& findings, int scenario);
 Figure alongYFigure(const Study& study, const Findings& findings);

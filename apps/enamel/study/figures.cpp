@@ -18,7 +18,7 @@ Figure stabilityFigure(const Study& study) {
   constexpr int kColumns = 62, kRows = 40, kDelays = 4;
   constexpr const char *kStable = "#9cc9e6", *kUnstable = "#f0b27a";
   Axis kAxis{"rendered stiffness K (kN/m)", 0.5, 100.0, true}, bAxis{"rendered damping B (N s/m)", 0.1, 100.0, true};
-  // From edge to edge, a cell to every two.
+  // Return the edges and centres of `count` cells, alternating.
   const auto edges = [](const Axis& axis, int count) {
     std::vector<double> at;
     for (int i = 0; i <= 2 * count; ++i) at.push_back(axis.low * std::pow(axis.high / axis.low, 0.5 * i / count));
@@ -47,7 +47,7 @@ Figure stabilityFigure(const Study& study) {
     svg.box(corner, kWide, kHigh, kUnstable, "", fmt::format("stroke=\"{}\"", kMuted));
     svg.openGroup("shape-rendering=\"crispEdges\"");
     int i = 0;
-    double begin = 0.0, most = 0.0;  // of what is stable: where it begins along a row; the largest K
+    double begin = 0.0, most = 0.0;  // of the stable cells: start of the current run in a row; largest K
     for (const WallStability& w : map) {
       if (w.wall.delay != delay) continue;
       const int k = i % kColumns, b = i / kColumns;
@@ -65,7 +65,7 @@ Figure stabilityFigure(const Study& study) {
     }
     svg.closeGroup();
     stiffest.push_back(most > 0.0 ? numberText(most, 2) : "none");
-    // b = K Ts / 2 + B.
+    // Bound of eq. 16: b = K Ts / 2 + B.
     std::vector<double> ks, bs;
     for (int s = 0; s <= 200; ++s) {
       const double b = bAxis.low * std::pow(device.damping / bAxis.low, s / 200.0);

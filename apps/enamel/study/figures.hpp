@@ -10,14 +10,14 @@
 
 namespace enamel::app {
 
-/// Everything that the report tells, beside the study itself.
+/// All results in the report besides the study itself.
 struct Findings {
   std::vector<PointStatistics> points;
   std::vector<WallSummary> walls;
   std::vector<Claim> claims;
   Survey survey;
   std::optional<Convergence> convergence;
-  bool whole = true;  ///< false: the convergence alone
+  bool whole = true;  ///< false: only the convergence
 };
 
 struct Figure {
@@ -25,7 +25,7 @@ struct Figure {
   std::string caption;  ///< HTML
 };
 
-/// The plant of the impedance column as its wall feels it; of the first column without such a column.
+/// Return the impedance column's plant as an impedance wall sees it. Without such a column, use the first column.
 WallDevice wallDeviceOf(const Study& study);
 
 std::vector<Figure> figuresOf(const Study& study, const Findings& findings);

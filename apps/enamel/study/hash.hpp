@@ -1,4 +1,4 @@
-// Hashes that tell devices, scenes and designs apart in a study's manifest.
+// Hashes that identify devices, scenes and designs in a study's manifest.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace enamel::app {
 
-/// FNV-1a, 64 bits, as 16 hexadecimal digits (Fowler, Noll, Vo 1991).
+/// Return the 64-bit FNV-1a hash as 16 hexadecimal digits (Fowler, Noll, Vo 1991).
 std::string hashOf(const std::string& text);
 std::string hashOf(const std::vector<double>& values);
 std::string hashOf(const std::vector<ServoGain>& gains);

@@ -11,9 +11,9 @@
 namespace enamel::app {
 namespace {
 
-constexpr double kNothing = 1e-9;  // in the units of tables: the rounding of a simulation
+constexpr double kNothing = 1e-9;  // in the units of tables: rounding errors of a simulation
 
-// The place of the last of so many digits.
+// Return the decimal place of the last of `digits` significant digits.
 int placeOf(double value, int digits) {
   const std::string text = fmt::format("{:.{}e}", value, digits - 1);
   return std::stoi(text.substr(text.find('e') + 1)) - digits + 1;
@@ -27,7 +27,7 @@ std::string powerText(int power) {
   return text;
 }
 
-// Others are written with a power of ten.
+// All other numbers are written with a power of ten.
 bool isPlain(int power) { return power >= -4 && power < 6; }
 
 }  // namespace
@@ -53,7 +53,7 @@ std::string givenText(double value) { return fmt::format("{:.6g}", value); }
 
 double halfInterval(const Spread& spread) {
   if (spread.count < 2) return std::nan("");
-  double low = 0.0, high = 100.0;  // of t; one degree of freedom needs 12.7
+  double low = 0.0, high = 100.0;  // bisection for Student's t; one degree of freedom needs 12.7
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     (studentBeyond(middle, spread.count - 1) > 0.05 ? low : high) = middle;

@@ -1,4 +1,4 @@
-// Numbers as people read them: rounded to what is known of them.
+// Formats numbers for people, rounded to their significant digits.
 #pragma once
 
 #include <string>
@@ -7,26 +7,26 @@
 
 namespace enamel::app {
 
-/// Rounded to a power of ten, with a true minus and groups of three.
+/// Round to a power of ten; with a typographic minus and groups of three digits.
 std::string placedText(double value, int place);
 
-/// To so many digits, 1.2 × 10⁻⁵ where it is far from 1; "–" for what is not finite.
+/// Format with `digits` significant digits; 1.2 × 10⁻⁵ if far from 1; "–" if not finite.
 std::string numberText(double value, int digits = 3);
 
-/// A number that is given, not measured.
+/// Format a given (not measured) number.
 std::string givenText(double value);
 
-/// Half of the 95 % interval of a mean, by Student's t. NaN: fewer than two values.
+/// Return half of the 95 % confidence interval of a mean (Student's t). NaN: fewer than two values.
 double halfInterval(const Spread& spread);
 
-/// "18 240 ± 130": the half interval to two digits, the mean to the same place; without an interval to three digits;
-/// "0" below 1e-9.
+/// "18 240 ± 130": half interval with two digits, mean rounded to the same place. Without an interval: three digits.
+/// "0" if below 1e-9.
 std::string meanText(double mean, double half);
-/// A mean and its 95 % interval, times `scale`.
+/// Format a mean and its 95 % interval, times `scale`.
 std::string meanText(const Spread& spread, double scale = 1.0);
 
-/// K_zs = 1 / |mean C_zs| and the 95 % interval that the compliance's becomes, "92 400 (89 100 to 95 900)", times
-/// `scale`.
+/// Format K_zs = 1 / |mean C_zs| with the 95 % interval that follows from the compliance's, times `scale`: "92 400 (89
+/// 100 to 95 900)".
 std::string steadyText(const Spread& compliance, double scale = 1.0);
 
 }  // namespace enamel::app

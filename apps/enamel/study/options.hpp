@@ -1,4 +1,4 @@
-// What `enamel study` and `enamel compare` have in common: what a study is made of, and its options.
+// Settings and options that `enamel study` and `enamel compare` share.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,16 @@ class App;
 
 namespace enamel::app {
 
-/// Hold with a servo designed at every query point instead of once at home (gain scheduling).
+/// Name of hold with a servo designed at every query point instead of once at home (gain scheduling).
 inline constexpr const char* kScheduled = "hold-scheduled";
-/// A spring whose ticks are a quarter as long, as stiff as eq. 16 allows: K = 0.95 * 2 b / T for a device damping b.
+/// Name of a spring with ticks of a quarter period, nearly as stiff as eq. 16 allows: K = 0.95 * 2 b / T for a device
+/// damping b.
 inline constexpr const char* kEdge = "impedance-edge";
-/// "tuned:NAME": a rival (rivalSpecs()) with the values that --tuned has for the delay.
+/// "tuned:NAME": a rival (rivalSpecs()) with the parameters that --tuned has for the delay.
 inline constexpr const char* kTuned = "tuned:";
 
 struct StudyOptions {
-  std::string scene;  ///< or empty: the wall z = 0
+  std::string scene;  ///< empty: the wall z = 0
   std::string device, designDevice, gain, tuned, output, delay = "none", plant = kClosedForm;
   std::vector<std::string> set;                              ///< parameters of plugins
   std::vector<std::string> deviceDamping = {"impedance=4"};  ///< B, or NAME=B ...; the paper's baseline has 4 N s/m
@@ -35,25 +36,25 @@ struct StudyOptions {
   std::vector<double> tip_mm{0.0, 0.0, 0.0};
   double preload = 0.0;                     ///< N
   double noise = HandModel().noise;         ///< standard deviation of the person's force, N
-  double inertia = 1.0;                     ///< of the renderers' model, as a share of the plant's
-  std::vector<double> force = {8.0, 15.0};  ///< F_c is uniform between, N
+  double inertia = 1.0;                     ///< inertia of the renderers' model, relative to the plant's
+  std::vector<double> force = {8.0, 15.0};  ///< range of the uniformly distributed F_c, N
   ImpedanceOptions impedance;               ///< of the renderers impedance and passivity
   bool arm = false;                         ///< scenario 1 pushes through an arm
-  bool insideTick = false;                  ///< the step comes at a random instant of its tick
+  bool insideTick = false;                  ///< the step comes at a random instant within its tick
   bool encoders = false, resume = false, overwrite = false;
-  int part = 1, parts = 1;                ///< which of how many parts of the runs
-  bool convergence = true, whole = true;  ///< what is done: speed against error of the integration, all else
-  bool guard = true;                      ///< in the loop
-  bool release = false;                   ///< the hold ends when the wall would pull; the paper's never does
+  int part = 1, parts = 1;                ///< this process performs part `part` of `parts` of the runs
+  bool convergence = true, whole = true;  ///< perform the convergence study; everything else
+  bool guard = true;                      ///< run the guard in the loop
+  bool release = false;                   ///< the hold ends when the wall would pull; the paper's hold never ends
 };
 
-/// Adds the options that both commands have; defaults are what `options` holds.
+/// Add the options that both commands have; their defaults are the values of `options`.
 void addStudyOptions(CLI::App& command, const std::shared_ptr<StudyOptions>& options);
 
-/// Take the part of the rank where Open MPI started the process and --part is not given.
+/// Derive the part from the rank if Open MPI started the process and --part is not given.
 void takeRank(const CLI::App& command, StudyOptions& options);
 
-/// Performs the study and writes its folder. Throws Error, Exit where a signal ended it.
+/// Perform the study and write its folder. Throws Error, and Exit after a signal.
 void runStudy(StudyOptions options);
 
 }  // namespace enamel::app

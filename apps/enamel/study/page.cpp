@@ -26,7 +26,7 @@ p.note, li.note { color: #4a535e; font-size: 0.92rem; }
 bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 bool isWord(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 
-// Whether a space before `rest` and after `before` stands inside a number, or between it and its unit.
+// Return whether the space between `before` and `rest` is inside a number, or between a number and its unit.
 bool sticks(const std::string& before, const std::string& rest) {
   static const char* const kUnits[] = {"N",  "N/m", "kN/m", "m",  "mm", "mm/N", "µm",  "µm/N", "m/N", "s",     "ms",
                                        "kg", "%",   "rad",  "Hz", "J",  "mJ",   "m/s", "kHz",  "deg", "ticks", "tick"};

@@ -1,4 +1,4 @@
-// A page of HTML that needs nothing else: headings, tables, figures. Well-formed XML, too.
+// A self-contained page of HTML with headings, tables and figures. It is also well-formed XML.
 #pragma once
 
 #include <string>
@@ -9,20 +9,20 @@
 
 namespace enamel::app {
 
-/// Texts are HTML in which "K_z1" becomes a K with an index, a minus before a digit is a true one, and no line breaks
-/// inside a number or between a number and its unit.
+/// Texts are HTML. "K_z1" becomes K with a subscript, and a minus before a digit becomes a typographic minus. Lines do
+/// not break inside a number or between a number and its unit.
 class Page {
  public:
   void heading(const std::string& text) { html_ += "<h2>" + text + "</h2>\n"; }
   void paragraph(const std::string& text) { html_ += "<p>" + text + "</p>\n"; }
   void note(const std::string& text) { html_ += "<p class=\"note\">" + text + "</p>\n"; }
   void list(const std::vector<std::string>& items);
-  /// Terms and what they are.
+  /// Add a list of terms and their meanings.
   void terms(const std::vector<std::pair<std::string, std::string>>& items);
-  /// Cells "met", "holds" and their contraries get a colour. With a caption the table is numbered.
+  /// Add a table. Cells "met" and "holds" and their opposites are coloured. A table with a caption is numbered.
   void table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows,
              const std::string& caption = "");
-  /// Numbered.
+  /// Add a numbered figure.
   void figure(const std::string& svg, const std::string& caption);
   std::string whole(const std::string& title, const std::string& under) const;
 

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kRateNames[] = {"exact", "difference", "lowPass"};
 constexpr const char* kIntegratorNames[] = {"rungeKutta4", "midpoint", "semiImplicitEuler"};
 
-// Texts of the files that a study reads.
+// Contents of the files that a study reads.
 struct SourceTexts {
   std::string device, designDevice, scene;
 };
@@ -42,7 +42,7 @@ void loadDevices(Study& study, SourceTexts& texts) {
   if (options.inertia != 1.0) study.design = withInertia(study.design, options.inertia);
 }
 
-// Where the tool is pushed: in a scene, or beside its TCP.
+// Set where the tool is pushed: in a scene, or at a point beside its TCP.
 void placePush(Study& study, SourceTexts& texts) {
   const StudyOptions& options = study.options;
   StudyPlan& plan = study.plan;

@@ -23,10 +23,10 @@ struct Curve {
 
 // One run of every renderer at a query point, mm.
 struct Responses {
-  StudyRun run;  // the last one
+  StudyRun run;  // the last run
   Curve force{"", kInk, {}, {}, {}};
   std::vector<Curve> depths;
-  Extent all;  // of the depths
+  Extent all;  // range of all depths
 };
 
 Responses responsesAt(const Study& study, int scenario, std::size_t point) {
@@ -58,7 +58,7 @@ Responses responsesAt(const Study& study, int scenario, std::size_t point) {
 
 Axis depthAxis(const Responses& r) { return r.all.axis("z (mm)", 0.06); }
 
-// A panel for the force and for each renderer. Returns where they end.
+// Add a panel for the force and one for each renderer. Return their lower end.
 double addResponses(Svg& svg, double top, const Responses& r, double to) {
   Axis time{"time (s)", kShownFrom, to, false, false};
   const auto add = [&](const std::string& title, const Curve& curve, const Axis& y) {
@@ -81,7 +81,7 @@ const Curve& stillestOf(const std::vector<Curve>& depths) {
   });
 }
 
-// The first impact where there is one; else what the stillest of them does, in um.
+// Show the first impact in scenario 1. In scenario 2, magnify all curves to the range of the calmest one, in um.
 void addCloseUp(Svg& svg, double top, bool step, const Responses& r, double to) {
   const Curve& stillest = stillestOf(r.depths);
   Extent still;
@@ -106,11 +106,11 @@ void addCloseUp(Svg& svg, double top, bool step, const Responses& r, double to) 
 
 Figure deviceFigure(const Study& study) {
   const std::vector<Bar> bars = study.mechanism->bars(Pose{});
-  const Vec3 handle(0.0, 0.0, 0.062);  // drawn so long; the device file has no handle
+  const Vec3 handle(0.0, 0.0, 0.062);  // length for the drawing only; the device file has no handle
   const double pane = study.plan.halfWidth + 0.004;
   Eigen::AlignedBox<double, 3> box(Vec3(-pane, -pane, 0.0), Vec3(pane, pane, handle.z()));
   for (const Bar& bar : bars) box.extend(bar.from).extend(bar.to);
-  constexpr double kLeft = 62.0, kTop = 26.0, kGap = 22.0, kMargin = 12.0;  // of the axes: mm
+  constexpr double kLeft = 62.0, kTop = 26.0, kGap = 22.0, kMargin = 12.0;  // margins of the axes: mm
   const Vec3 low = 1e3 * box.min() - Vec3::Constant(kMargin), high = 1e3 * box.max() + Vec3::Constant(kMargin),
              size = high - low;
   const double scale = std::min((Svg::kWidth - kLeft - kGap - 6.0) / (size.x() + size.z()), 460.0 / size.y());
@@ -145,11 +145,11 @@ Figure deviceFigure(const Study& study) {
     ball(bar.to, 4.0, kInk);
     if (link > 0) continue;
     ball(bar.from, 6.0, kInk);
-    // Joints go to the chains in turn.
+    // Assume that each chain has the same number of consecutive joints.
     std::string text = fmt::format("chain {}:", bar.chain + 1);
     const int each = study.mechanism->joints() / chains;
     for (int j = 0; j < each; ++j) text += fmt::format("{} q_{}", j > 0 ? "," : "", bar.chain * each + j + 1);
-    // Where nothing else is: in front of the wall stand the points.
+    // Place the label where it hides no query points.
     const bool aside = std::abs(bar.from.x()) > study.plan.halfWidth;
     const Place at =
         aside ? front.at(1e3 * bar.from.x(), 1e3 * bar.from.y()) : side.at(1e3 * bar.from.z(), 1e3 * bar.from.y());
@@ -161,7 +161,7 @@ Figure deviceFigure(const Study& study) {
     const Vec3 at = 1e3 * queryPoint(study.plan, p);
     svg.disc(front.at(at.x(), at.y()), std::min(2.2, 18.0 / study.plan.grid), kVermilion);
   }
-  svg.openGroup("paint-order=\"stroke\" stroke=\"#fff\" stroke-width=\"3\"");  // readable over anything
+  svg.openGroup("paint-order=\"stroke\" stroke=\"#fff\" stroke-width=\"3\"");  // a white outline keeps labels readable
   for (const auto& [at, text, anchor] : labels) svg.text(at, text, anchor, kMuted);
   svg.closeGroup();
   return {"fig06-device", svg.whole("the device and the query points", kTop + scale * size.y() + 46.0),
@@ -177,7 +177,7 @@ Figure deviceFigure(const Study& study) {
 Figure responseFigure(const Study& study, int scenario) {
   const StudyPlan& plan = study.plan;
   const bool step = scenario == 1;
-  // Away from home, where nothing is special.
+  // A point away from home, which would be a special case.
   const auto side = static_cast<std::size_t>(plan.grid), middle = (7 * side / 10) * side + side / 4;
   const Responses r = responsesAt(study, scenario, middle);
   Svg svg;

@@ -13,7 +13,7 @@
 namespace enamel::app {
 namespace {
 
-// The figures whose names begin so.
+// Add the figures whose names begin with `prefix`.
 void addFigures(Page& page, const std::vector<Figure>& figures, const std::string& prefix) {
   for (const Figure& f : figures)
     if (f.name.rfind(prefix, 0) == 0) page.figure(f.svg, f.caption);
@@ -109,7 +109,7 @@ void addSettings(Page& page, const Study& study) {
   page.table({"setting", "value"}, cells, "Everything that the numbers depend on.");
 }
 
-// All but the convergence.
+// All sections except the convergence.
 void addFindings(Page& page, const Study& study, const Findings& findings, const std::vector<Figure>& figures) {
   addTerms(page, study);
   addFigures(page, figures, "fig06");
@@ -145,7 +145,7 @@ const PointStatistics& pointOf(const Findings& findings, const WallSummary& wall
   const auto found = std::find_if(findings.points.begin(), findings.points.end(), [&](const PointStatistics& p) {
     return p.scenario == wall.scenario && p.column == wall.column && p.point == point;
   });
-  return *found;  // every wall has all of its points
+  return *found;  // always found: every wall has all of its points
 }
 
 std::string percent(double share) { return numberText(100.0 * share) + " %"; }

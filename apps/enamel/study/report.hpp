@@ -1,4 +1,4 @@
-// report.html: the study in one file that needs nothing else.
+// report.html: the study as one self-contained file.
 #pragma once
 
 #include "study/figures.hpp"

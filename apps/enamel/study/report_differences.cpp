@@ -11,13 +11,13 @@ namespace {
 
 double stiffnessOf(const SurveyPoint& p) { return p.stiffness; }
 
-// Means over x at each y, of a column.
+// Return the means over x at each y for a column.
 template <typename Value>
 std::vector<double> row(const Study& study, const Findings& findings, std::size_t column, const Value& value) {
   return rowMeans(study, over(findings.survey[column], value));
 }
 
-// How a value runs over a wall, lowest y against highest.
+// Describe how a value changes over a wall, from the lowest y to the highest.
 std::string trend(double low, double high) {
   return fmt::format("{} by {}", high > low ? "rises" : "falls", percent(std::abs(high / low - 1.0)));
 }
@@ -61,7 +61,7 @@ std::string saturation(const Study& study, const std::vector<SurveyPoint>& point
       100.0 * unlimitedDifference, unlimitedDifference < 0.01 ? "is not" : "is part of");
 }
 
-// A correlation says which way, not why: the reason is given where the numbers are those that it predicts.
+// A correlation is not a reason: name the reason only if both correlations are as strong as it predicts.
 std::string reason(const Study& study, const Findings& findings, std::size_t hold, const std::vector<double>& k) {
   const std::vector<SurveyPoint>& points = findings.survey[hold];
   const std::vector<double> values = over(points, stiffnessOf);

@@ -78,7 +78,7 @@ void addMeasures(Page& page, const Study& study, const Findings& findings) {
       for (const WallSummary* w : walls) cells.push_back(anyFinished(study, *w) ? cell(*w) : "–");
       rows.push_back(cells);
     };
-    // The worst of the points' means, of a spread that a point has.
+    // Return the worst of the points' means.
     const auto worst = [&](const auto& spread, bool lowest, double scale) {
       return [&findings, spread, lowest, scale](const WallSummary& w) {
         Spread found;

@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 
 std::atomic<int> interrupted{0};  // the signal, or 0
 
-// While one stands, the first Ctrl-C asks to stop and the second ends the process at once.
+// While it exists, the first Ctrl-C requests a stop, and the second ends the process at once.
 class InterruptGuard {
  public:
   InterruptGuard() {
@@ -58,7 +58,7 @@ std::string durationText(double seconds) {
                         : fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60.0), std::fmod(seconds, 60.0));
 }
 
-// On a terminal one line that renews itself; otherwise a line at every tenth.
+// Shows the progress: on a terminal as one line that is overwritten, otherwise as a line for every tenth.
 class Progress {
  public:
   Progress(std::size_t first, std::size_t count)
@@ -89,10 +89,10 @@ class Progress {
 
 // ---- the folder --------------------------------------------------------------------------------------------------
 
-// Keeps other studies out of a folder while it lives.
+// Keeps other studies out of a folder while it exists.
 class FolderLock {
  public:
-  /// `waits`: until they are done with it; otherwise that is an error.
+  /// `waits`: wait for other studies to finish; otherwise their presence is an error.
   FolderLock(const std::string& folder, bool waits)
       : number_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
     if (number_ < 0) throw Error(folder + ": cannot open the folder: " + std::strerror(errno));
@@ -107,7 +107,7 @@ class FolderLock {
   int number_;
 };
 
-// Makes the folder and says now what would go wrong later: no permission, no room.
+// Create the folder, and report problems before the runs: missing permission or too little space.
 void prepareFolder(const Study& study) {
   const std::string& folder = study.options.output;
   std::error_code error;
@@ -117,13 +117,13 @@ void prepareFolder(const Study& study) {
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     throw Error(folder + ": cannot write into the folder: " + std::strerror(errno));
   const std::filesystem::space_info space = std::filesystem::space(folder, error);
-  const double needed = 350.0 * static_cast<double>(study.plan.size()) + 8e6;  // a line a run; figures, report
+  const double needed = 350.0 * static_cast<double>(study.plan.size()) + 8e6;  // lines of runs; figures, report
   if (!error && static_cast<double>(space.available) < needed)
     throw Error(fmt::format("{}: {:.1f} MB are free, the study needs about {:.1f} MB", folder,
                             1e-6 * static_cast<double>(space.available), 1e-6 * needed));
 }
 
-// The first setting in which another study differs from this one.
+// Return the first setting that differs between two studies.
 std::string differenceOf(const Json& there, const Json& here) {
   for (const auto& [key, value] : here.items())
     if (!there.contains(key) || there.at(key) != value)
@@ -132,7 +132,7 @@ std::string differenceOf(const Json& there, const Json& here) {
   return "it has other settings";
 }
 
-// What is written into the folder, without the figures.
+// Return the files that the study writes into the folder, except figures.
 std::vector<std::string> resultsOf(const StudyOptions& options) {
   std::vector<std::string> names;
   if (options.whole) names = {"runs.csv", "points.csv", "summary.json", "report.html"};
@@ -150,21 +150,21 @@ void requireSame(const Study& study) {
   if (there != here) throw Error(fmt::format("{}: holds another study: {}", path, differenceOf(there, here)));
 }
 
-// Whether a file is one that runsPath() names: a part of a study's runs.
+// Return whether runsPath() could have made this name: the file holds a part of a study's runs.
 bool isPartOfRuns(const std::string& name) {
   int part = 0, parts = 0, length = -1;
   return std::sscanf(name.c_str(), "runs-%9d-of-%9d.csv%n", &part, &parts, &length) == 2 &&
          length == static_cast<int>(name.size());
 }
 
-// Removes the results of another study, and its unfinished parts: these would be joined to this one's.
+// Remove the results of another study and its unfinished parts, which would otherwise be joined to this study's runs.
 void removeResults(const Study& study) {
   for (const std::string& name : resultsOf(study.options)) std::filesystem::remove(study.path(name));
   for (const auto& entry : std::filesystem::directory_iterator(study.options.output))
     if (isPartOfRuns(entry.path().filename().string())) std::filesystem::remove(entry.path());
 }
 
-// study.json says what the runs depend on: only the same study continues what is in the folder.
+// Write study.json, which identifies the study: only the same study may continue the runs in the folder.
 void claimFolder(const Study& study) {
   const StudyOptions& options = study.options;
   const std::string path = study.path("study.json"), runs = study.path("runs.csv");
@@ -212,10 +212,10 @@ void perform(const Study& study) {
   }
 }
 
-// Joins the parts to runs.csv, where all are there; false: some are not.
+// Join the parts to runs.csv. Return false if some parts are missing.
 bool joinParts(const Study& study) {
   const std::string path = study.path("runs.csv");
-  if (std::filesystem::exists(path)) {  // joined, or left by a process that had no --part
+  if (std::filesystem::exists(path)) {  // already joined, or left by a process without --part
     const std::size_t there = readRuns(study.plan, path).size();
     if (there == study.plan.size()) return true;
     throw Error(fmt::format("{}: has {} of {} runs, of a process without --part: continue it with --resume", path,
@@ -320,7 +320,7 @@ void runStudy(StudyOptions options) {
       return;
     }
     if (!lock) lock.emplace(options.output, true);
-    // From the file, so that an interrupted study ends with the same bytes.
+    // Read the file, so that an interrupted study gives the same bytes.
     findings.points = pointStatistics(study.plan, readRuns(study.plan, study.path("runs.csv")));
     findings.walls = summarise(study.plan, findings.points);
     findings.claims = claimsOf(study, findings.points, findings.walls);

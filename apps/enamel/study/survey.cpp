@@ -8,7 +8,7 @@
 namespace enamel::app {
 namespace {
 
-constexpr double kDuration = 1.15;     // s: the step comes at 1 s, the first impact ends within 50 ms
+constexpr double kDuration = 1.15;     // s: the step comes at 1 s, and the first impact ends within 50 ms
 constexpr double kNeverReached = 1e6;  // N m or N
 
 // A mechanism with motors that never saturate.
@@ -70,7 +70,7 @@ Survey surveyWall(const Study& study) {
       s.cutTicks += (tick.torque.array().abs() >= limit.array()).cast<double>().matrix();
     });
     Kinematics there;
-    (void)column.plant->reach(setup.start, Vec6::Zero(), true, there);  // checkStudy() has seen that it can
+    (void)column.plant->reach(setup.start, Vec6::Zero(), true, there);  // cannot fail: see checkStudy()
     s.gravity = there.gravity;
     s.mass = effectiveMass(there, setup.start.position, Vec3::UnitZ());
     s.lever = there.jacobian.row(2).norm();

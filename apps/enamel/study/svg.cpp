@@ -20,7 +20,7 @@ std::string dash(const Style& style) {
 
 bool isFinite(Place p) { return std::isfinite(p.x) && std::isfinite(p.y); }
 
-// "K_z1" with its index lower.
+// Return the text with the subscript in "K_z1" lowered.
 std::string withIndices(const std::string& text) {
   const std::size_t mark = text.find('_');
   if (mark == std::string::npos) return escape(text);
@@ -35,7 +35,7 @@ double niceStep(double span, int count) {
   return raw < 1.5 * power ? power : raw < 3.5 * power ? 2.0 * power : raw < 7.5 * power ? 5.0 * power : 10.0 * power;
 }
 
-// Texts of ticks: alike in their decimals where they are evenly spaced, else as short as each can be.
+// Return the labels of ticks: with the same decimals if they are evenly spaced, else each as short as possible.
 std::vector<std::string> textsOf(const std::vector<double>& ticks) {
   std::vector<std::string> texts;
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 0.0;
@@ -52,7 +52,7 @@ std::vector<std::string> textsOf(const std::vector<double>& ticks) {
 
 struct Character {
   std::size_t bytes;
-  bool isXml;  // false: XML cannot hold it, or it is no UTF-8
+  bool isXml;  // false: not UTF-8, or not allowed in XML
 };
 
 Character characterAt(const std::string& text, std::size_t at) {
@@ -151,7 +151,7 @@ void Svg::text(Place at, const std::string& text, Anchor anchor, const std::stri
 }
 
 void Svg::openWindow(Place corner, double width, double height) {
-  // A drawing in a drawing is cut off at its edge.
+  // An inner svg element clips its contents.
   body_ += fmt::format(
       "<svg x=\"{0:.2f}\" y=\"{1:.2f}\" width=\"{2:.2f}\" height=\"{3:.2f}\" viewBox=\"{0:.2f} {1:.2f} {2:.2f} "
       "{3:.2f}\">\n",
@@ -179,7 +179,7 @@ std::string Svg::whole(const std::string& label, double height) const {
 
 double widthOf(const std::string& text) {
   double characters = 0.0;
-  for (const char c : text) characters += (static_cast<unsigned char>(c) & 0xC0) != 0x80;  // UTF-8
+  for (const char c : text) characters += (static_cast<unsigned char>(c) & 0xC0) != 0x80;  // UTF-8 lead bytes
   return 0.55 * kFontSize * characters;
 }
 
@@ -295,7 +295,7 @@ void Panel::band(const std::vector<double>& xs, const std::vector<double>& lows,
 void addColourBar(Svg& svg, Place corner, double height, const Axis& axis) {
   constexpr int kSteps = 64;
   constexpr double kWidth = 14.0;
-  // Each reaches a little under the next: no seams.
+  // Each box overlaps the next one, so that no gaps show.
   for (int i = 0; i < kSteps; ++i)
     svg.box({corner.x, corner.y + height * i / kSteps}, kWidth, height * (i + 1 < kSteps ? 1.5 : 1.0) / kSteps,
             viridis(1.0 - (i + 0.5) / kSteps));

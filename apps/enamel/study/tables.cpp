@@ -10,10 +10,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A null where a number does not exist: neither 0 nor infinite.
+// Return null for a value that does not exist, rather than 0 or infinity.
 Json numberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-// "rms depth [N/m]": a force over this depth.
+// Return the label of a stiffness: the force divided by this depth, as "rms depth [N/m]".
 std::string perForce(const MetricMember& depth) { return fmt::format("{} [N/m]", allMetrics()[indexOf(depth)].symbol); }
 
 std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }

@@ -11,14 +11,14 @@ namespace {
 
 // ---- maps over the wall --------------------------------------------------------------------------------------------
 
-// One quantity: a value and a text for every column and point.
+// A quantity with a value and a text for every column and point.
 struct Map {
   std::vector<std::vector<double>> values;
   std::vector<std::vector<std::string>> texts;  // empty: no texts
   Axis bar;
 };
 
-// A panel a column, one colour scale for all. Returns where it ends.
+// Add one panel for each column, with a common colour scale. Return their lower end.
 double addMaps(Svg& svg, double top, const Study& study, const Map& map) {
   const std::size_t count = study.labels.size(), perLine = std::min<std::size_t>(count, 4);
   constexpr double kLeft = 60.0, kGap = 18.0, kBar = 106.0;
@@ -48,7 +48,7 @@ double addMaps(Svg& svg, double top, const Study& study, const Map& map) {
   return top + side + 46.0;
 }
 
-// The statistics of a column's points, in their order.
+// Return the statistics of a column's points in their order.
 std::vector<const PointStatistics*> pointsOf(const Findings& findings, int scenario, std::size_t column) {
   std::vector<const PointStatistics*> points;
   for (const PointStatistics& p : findings.points)
@@ -65,7 +65,7 @@ std::string rangeText(const std::vector<double>& values, const std::string& unit
 
 // ---- along y --------------------------------------------------------------------------------------------------------
 
-// Means over x at each y, with the lowest and the highest of them.
+// Mean, lowest and highest value over x at each y.
 struct Row {
   std::string name;
   Style style;
@@ -85,7 +85,7 @@ Row rowOf(const Study& study, const std::vector<double>& values) {
   return row;
 }
 
-// K_z1 of every renderer, in % from its mean.
+// Return K_z1 of every renderer, in % deviation from its mean.
 std::vector<Row> stiffnessRows(const Study& study, const Findings& findings, Extent& percents) {
   std::vector<Row> rows;
   for (std::size_t c = 0; c < study.labels.size(); ++c) {
@@ -99,7 +99,7 @@ std::vector<Row> stiffnessRows(const Study& study, const Findings& findings, Ext
   return rows;
 }
 
-// Largest torque of every joint; joints that work alike, as mirror images do, share a row.
+// Return the largest torque of every joint. Joints with equal torques, such as mirror images, share a row.
 std::vector<Row> torqueRows(const Study& study, const std::vector<SurveyPoint>& points, Extent& torques) {
   const char* const colours[] = {kBlue, kOrange, kGreen, kVermilion};
   std::vector<Row> rows;

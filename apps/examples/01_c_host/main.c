@@ -1,7 +1,7 @@
-/* A host in plain C: loads a renderer plugin and pushes a free mass of 0.3 kg against the wall z = 0 with 12 N, at 1
- * kHz. The contact, the motion and the loop are here; the wall is the plugin's. The device is Cartesian: its three
- * joints are x, y and z, their torques are forces, so that the Jacobian is the identity. A real host measures and sends
- * its own.
+/* A host in plain C. It loads a renderer plugin and pushes a free mass of 0.3 kg against the wall z = 0 with 12 N, at
+ * 1 kHz. The host computes contact, motion and loop; the plugin renders the wall. The device is Cartesian: its three
+ * joints are x, y and z, and their torques are forces. Its Jacobian is therefore the identity. A real host measures
+ * and sends its own values.
  *
  *   c_host PLUGIN.so cartesian-3.toml
  */

@@ -1,5 +1,5 @@
-// The kinematics of your device: where its workspace is, how exactly it comes back, how heavy the tool feels and how
-// hard the motors can push, place by place.
+// The kinematics of your device, place by place: extent of the workspace, accuracy from pose to joints and back,
+// effective mass of the tool, and largest force of the motors.
 //
 //   kinematics tau-nominal.toml [half width of the cube, mm]
 #include <algorithm>
@@ -20,11 +20,11 @@ int main(int argc, char** argv) {
     std::printf("    x     y     z [mm]   mass along x     y     z [kg]   force along x     y     z [N]\n");
     double worst = 0.0;
     int outside = 0;
-    Kinematics solved = device->home();  // what forward kinematics goes on from: the last tick's answer
+    Kinematics solved = device->home();  // start of the iteration: the last tick's solution
     for (int i = 0; i < 27; ++i) {
       Pose pose;
       pose.position = reach * Vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-      // Pose to joints, then joints to pose: what a simulation and what a tick do.
+      // From pose to joints as in a simulation, and back as in a tick.
       Kinematics wanted;
       if (device->reach(pose, Vec6::Zero(), true, wanted) != Status::ok) {
         ++outside;
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
       worst = std::max(worst, (solved.pose.position - pose.position).norm());
       std::printf("%5.0f %5.0f %5.0f      ", 1e3 * pose.position.x(), 1e3 * pose.position.y(), 1e3 * pose.position.z());
       const Vec3& there = solved.pose.position;
-      for (int k = 0; k < 3; ++k)  // an effective mass: what a push there has to move, joints and motors included
+      for (int k = 0; k < 3; ++k)  // effective mass of the tool, with joints and motors
         std::printf("%6.3f", effectiveMass(solved, there, Vec3::Unit(k)));
       std::printf("          ");
       for (int k = 0; k < 3; ++k)  // the weaker of the two directions

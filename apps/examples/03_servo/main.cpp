@@ -1,5 +1,5 @@
-// Design a servo for a device and use it: the paper's chain from the device file to a gain, how far the loop is from
-// instability, and how deep a push of 12 N then goes into the wall; beside it a spring and the servo in contact space.
+// Design a servo for a device and use it. The paper's way leads from the device file to a gain, the loop's stability
+// margin, and the depth of a push of 12 N into the wall. For comparison: a spring, and the servo in contact space.
 //
 //   servo tau-nominal.toml
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kPeriod = 1e-3;  // s
 
-// Deepest point of a push against the wall z = 0, m.
+// Return the deepest point of a push against the wall z = 0, m.
 double depthOf(const Mechanism& device, Renderer& renderer, const char* name) {
   PushSetup push;  // a step of 12 N at 1 s
   push.period = kPeriod;
@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
     std::printf("weight  disk margin  bears a delay of\n");
     double softest = 0.0, stiffest = 0.0;
     for (const double weight : {1e2, 1e4, 1e6}) {
-      ServoWeights weights;  // the paper's, but for one
+      ServoWeights weights;  // the paper's weights except for the position
       weights.position = weight;
       const ServoDesign design = designServo(device, Pose{}, kPeriod, weights);
       const Margins margins = measureMargins(runningLoop(design), design.K, kPeriod);

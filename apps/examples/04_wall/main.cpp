@@ -1,5 +1,5 @@
-// A wall in a loop of your own: you measure, ask for a tick, and actuate. The stylus here is ten lines of physics in
-// the place of your driver: a mass that a hand presses against the wall, slides along it and lets go.
+// A wall in your own loop: measure, compute a tick, actuate. Ten lines of physics take the place of your driver: a hand
+// presses a mass against the wall, slides it along the wall and releases it.
 //
 //   wall cartesian-3.toml
 #include <algorithm>
@@ -20,10 +20,10 @@ int main(int argc, char** argv) {
     const auto device = makeMechanism(idealOf(loadDevice(argv[1])));
     if (device->joints() != 3) throw Error("this example moves a device of 3 axes");
     Scene scene;
-    Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());  // a point of it (m), outward normal
+    Obstacle wall = halfSpace("wall", Vec3::Zero(), Vec3::UnitZ());  // a point of the wall (m), outward normal
     wall.material.friction = wall.material.slidingFriction = 0.2;
     scene.add(wall);
-    Tool tool;  // a ball of 1 mm; as it comes, a point
+    Tool tool;  // a ball of 1 mm; the default is a point
     tool.parts[0].radius = 0.5e-3;
     PositionControlRenderer servo(positionControlFor(*device, kPeriod, 0, 0));
     Vec3 position(0.0, 0.0, 0.003), speed = Vec3::Zero();  // m, m/s
@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
       const Status status = tick(measurement, command);  // no allocation, no lock, no exception; see `command` always
       if (status != Status::ok) throw Error(std::string("the guard stopped: ") + toString(tick.frame().reason));
 
-      // Your device, in place of this: 45 g under the hand and the motors, in steps of 0.1 ms.
+      // Replace this by your device: 45 g, moved by hand and motors in steps of 0.1 ms.
       const double pressed = 0.002 * std::sin(1e-3 * M_PI * i), along = 0.01 * std::sin(4e-3 * M_PI * i);  // m
       for (int step = 0; step < 10; ++step) {
         const Vec3 hand = 600.0 * (Vec3(along, 0.0, 0.0015 - 2.0 * pressed) - position) - 8.0 * speed;

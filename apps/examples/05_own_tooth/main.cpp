@@ -1,5 +1,5 @@
-// Touch your own tooth: a a mesh file in, contacts out. A bur comes down on it at 21 places along x, until it touches;
-// a line for each, with what touches there.
+// Touch your own tooth: a mesh file in, contacts out. At 21 places along x a bur moves down until it touches. The
+// program prints one line with the contact for each place.
 //
 //   own_tooth molar.ply [mm per unit of the file]
 #include <algorithm>
@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   try {
     const auto tooth =
         std::make_shared<const MeshModel>(loadMesh(argv[1], 1e-3 * (argc > 2 ? std::atof(argv[2]) : 1.0)));
-    std::printf("%s\n", describe(*tooth).c_str());  // whether it has an inside, and why not
+    std::printf("%s\n", describe(*tooth).c_str());  // whether the mesh has an inside, or why not
     Vec3 low = tooth->mesh().vertices[0], high = low;
     for (const Vec3& v : tooth->mesh().vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
     std::printf("%.2f x %.2f x %.2f mm\n", 1e3 * (high - low).x(), 1e3 * (high - low).y(), 1e3 * (high - low).z());
@@ -32,8 +32,8 @@ int main(int argc, char** argv) {
     bur.parts[0] = {{0.0, 0.0, 0.6e-3}, {0.0, 0.0, 0.6e-3}, 0.6e-3};
     bur.parts[1] = {{0.0, 0.0, 1.2e-3}, {0.0, 0.0, 20e-3}, 0.4e-3};
 
-    // Place by place; a tool that moves asks followContacts() instead, which lets it through no wall, however thin:
-    // HapticTick does. Both take a cache or track of the last tick, which makes them fast.
+    // These are separate places. A moving tool uses followContacts(), as HapticTick does: it cannot tunnel through thin
+    // walls. Both functions are fast because they keep a cache or a track from the last tick.
     ToolCache cache = makeToolCache(scene, bur);
     ContactSnapshot contacts;
     const double half = 0.5 * (high - low).x();
@@ -42,10 +42,10 @@ int main(int argc, char** argv) {
     for (int i = 0; i <= 20; ++i) {
       Pose pose;
       pose.position = {half * (0.1 * i - 1.0), 0.0, 0.5 * (high - low).z() + 1e-3};
-      for (int k = 0; k < 100; ++k)  // down by what is certainly free, until it is 10 um inside
+      for (int k = 0; k < 100; ++k)  // steps that are certainly free, until 10 um inside
         pose.position.z() -= std::min(1e-3, nearestContact(scene, bur, pose, &cache).gap + 10e-6);
       if (findContacts(scene, bur, pose, 50e-6, &cache, contacts) != Status::ok) return 1;  // gaps of 50 um at most
-      const Contact& deepest = contacts.contacts[0];                                        // it comes first
+      const Contact& deepest = contacts.contacts[0];                                        // sorted by gap
       if (contacts.count == 0 || deepest.gap >= 0.0) continue;
       ++touching;
       std::printf("%8.2f  %8.3f  %8d  %8.4f  %5.2f %5.2f %5.2f  %8d, %d  %*c\n", 1e3 * pose.position.x(),

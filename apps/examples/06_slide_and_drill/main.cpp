@@ -1,5 +1,5 @@
-// Slide over a tooth, then drill it: a hand presses a bur of 1 mm against a molar and goes to and fro; after a second
-// the bur spins. Another thread has the triangles of what changed.
+// Slide over a tooth, then drill it. A hand presses a bur of 1 mm against a molar and moves to and fro; after 1 s the
+// bur spins. Another thread makes triangles of the changed bricks.
 //
 //   slide_and_drill molar.ply cartesian-3.toml
 #include <atomic>
@@ -21,7 +21,7 @@ using namespace enamel;
 int main(int argc, char** argv) {
   if (argc != 3) return std::fprintf(stderr, "usage: slide_and_drill MESH (closed, in mm) DEVICE\n"), 2;
   try {
-    const Material slippery{kUnlimited, 0.1, 0.1, 0.0};  // rigid; friction at rest and sliding
+    const Material slippery{kUnlimited, 0.1, 0.1, 0.0};  // rigid; static and sliding friction
     const auto tooth = std::make_shared<Solid>(          // layers: hardness (Pa), depth where they begin (m)
         MeshModel(loadMesh(argv[1], 1e-3)), std::vector<SolidLayer>{{"enamel", slippery, 3.4e9, 0.0, nullptr},
                                                                     {"dentine", slippery, 0.6e9, 0.4e-3, nullptr}});
@@ -35,10 +35,10 @@ int main(int argc, char** argv) {
     const auto device = makeMechanism(idealOf(loadDevice(argv[2])));
     PositionControlRenderer servo(positionControlFor(*device, setup.period, 0, 0));
     VirtualLoop loop(*device, servo, setup);
-    Drill drill(setup.tool, {tooth}, {0, 0.1, 2000.0});  // part of the tool, wear, turns a second
+    Drill drill(setup.tool, {tooth}, {0, 0.1, 2000.0});  // part of the tool, wear, revolutions per second
     loop.attach(&drill);
 
-    // The graphics: copies of bricks that changed, made triangles on their own thread.
+    // The graphics thread: receives copies of changed bricks and triangulates them.
     SolidChanges changes;
     std::atomic<bool> isOver{false};
     int redrawn = 0;
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
 
     RemovedVolume removed{};
     TickRecord tick;
-    for (int i = 0; i < 3000; ++i) {  // three seconds of ticks, as fast as they go
+    for (int i = 0; i < 3000; ++i) {  // 3000 ticks, as fast as possible
       drill.spin(i >= 1000);          // the pedal
       Pose guide = setup.start;
       guide.position.x() += 1e-3 * std::sin(0.006 * i);

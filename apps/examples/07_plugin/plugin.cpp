@@ -1,5 +1,5 @@
-// A renderer of your own as a plugin: a spring whose force is smoothed over half a millisecond. Its lag makes energy,
-// stiffness times (smoothing + half a period) of negative damping: with 2 ms the guard stops it.
+// A renderer plugin: a spring whose force is smoothed over 0.5 ms. The lag generates energy, like a negative damping of
+// stiffness times (smoothing + half a period). With a smoothing of 2 ms the guard stops it.
 //
 //   enamel check-plugin ./smooth_wall.so
 //   enamel push --device tau-nominal.toml --device-damping 4 --renderer ./smooth_wall.so --set stiffness=5000
@@ -12,12 +12,12 @@ class SmoothWall final : public enamel::Renderer {
   SmoothWall(double stiffness, double smoothing) : stiffness_(stiffness), smoothing_(smoothing) {}
 
  private:
-  void prepare(double period) override {  // not in the tick: may allocate, throw enamel::Error
+  void prepare(double period) override {  // not in the tick: may allocate and throw enamel::Error
     share_ = -std::expm1(-period / smoothing_);
   }
 
   enamel::Status render(const enamel::TickFrame& in, enamel::TickOutput& out) noexcept override {
-    const bool inside = in.contacts.count > 0 && in.contacts.contacts[0].gap < 0.0;  // the deepest comes first
+    const bool inside = in.contacts.count > 0 && in.contacts.contacts[0].gap < 0.0;  // contacts are sorted by gap
     const enamel::Contact& contact = in.contacts.contacts[0];
     const double spring = inside ? -stiffness_ * contact.gap : 0.0;
     force_ = inside ? force_ + share_ * (spring - force_) : 0.0;
@@ -33,7 +33,7 @@ class SmoothWall final : public enamel::Renderer {
   }
 
   void resetState() noexcept override { force_ = 0.0; }
-  StateBlock stateBlock() noexcept override { return {&force_, sizeof force_}; }  // all that lasts from tick to tick
+  StateBlock stateBlock() noexcept override { return {&force_, sizeof force_}; }  // all state between ticks
 
   double stiffness_, smoothing_, share_ = 0.0;
   double force_ = 0.0;
@@ -48,7 +48,7 @@ class SmoothWallPlugin {
                                                   2};
     return description;
   }
-  explicit SmoothWallPlugin(const enamel::PluginConfiguration& given)  // throws enamel::Error to refuse
+  explicit SmoothWallPlugin(const enamel::PluginConfiguration& given)  // throws enamel::Error for invalid parameters
       : stiffness_(given.number("stiffness", 0.0, 1e5, "N/m")), smoothing_(given.number("smoothing", 1e-4, 0.1, "s")) {}
   std::unique_ptr<enamel::Renderer> activate(double) const {
     return std::make_unique<SmoothWall>(stiffness_, smoothing_);

@@ -1,5 +1,6 @@
-// Graphics beside the loop: the haptic thread runs at 1 kHz, this one draws 30 pictures a second. Neither waits for the
-// other: the loop's newest tick comes by refresh() and latest(), the mouse goes to the loop's thread by a TripleBuffer.
+// Graphics beside the loop: the haptic thread runs at 1 kHz, this thread draws 30 pictures a second, and neither waits
+// for the other. refresh() and latest() give the loop's newest tick. A TripleBuffer sends the mouse to the loop's
+// thread.
 //
 //   graphics tau-nominal.toml molar-scene.toml [seconds]
 #include <algorithm>
@@ -26,8 +27,8 @@ int main(int argc, char** argv) {
     const auto mechanism = makeMechanism(idealOf(loadDevice(argv[1])));
     const SceneFile file = loadScene(argv[2]);
 
-    // The device in the computer, held by a spring to where the mouse is. Your driver is a HapticDevice like it.
-    TripleBuffer<Vec3> mouse;  // this thread writes, the loop's reads
+    // A simulated device; a spring pulls it to the mouse. Your driver is another HapticDevice.
+    TripleBuffer<Vec3> mouse;  // this thread writes, the loop's thread reads
     mouse.next() = file.start;
     mouse.publish();
     VirtualDeviceSetup setup;
@@ -49,17 +50,17 @@ int main(int argc, char** argv) {
 
     double most = 0.0;
     int pictures = 0, faults = 0;
-    // A busy machine gets the time that it needs to feel the tooth once.
+    // Until the tooth has been touched, a busy machine gets up to 100 times as long.
     const auto goesOn = [&] { return pictures < 30.0 * seconds * (most > 0.0 ? 1.0 : 100.0); };
     for (auto next = std::chrono::steady_clock::now(); goesOn(); ++pictures) {
       next += std::chrono::microseconds(33333);
-      std::this_thread::sleep_until(next);  // a renderer waits for the display here
+      std::this_thread::sleep_until(next);  // a real program waits for the display here
       mouse.next() = file.start - Vec3(0.0, 0.0, 0.014 * std::pow(std::sin(0.1 * pictures), 2));
       mouse.publish();
       (void)loop.refresh();
       const LoopTick& tick = loop.latest();  // whole and of one instant, and nobody writes to it
       most = std::max(most, tick.normalForce);
-      if (isFault(tick.reason)) ++faults, (void)loop.reset();  // on a busy machine: a tick came late. Ask the user!
+      if (isFault(tick.reason)) ++faults, (void)loop.reset();  // on a busy machine: a late tick; a real program asks
       const double z = 1e3 * tick.pose.position.z();
       std::string line(56, ' ');
       line[static_cast<std::size_t>(std::clamp(std::lround(20.0 + 4.0 * z), 0L, 55L))] = 'o';

@@ -15,21 +15,21 @@
 
 using namespace enamel;
 
-// The driver: units, axes, rates and errors of the SDK become those of a HapticDevice.
+// The driver: converts units, axes, rates and errors of the SDK to those of a HapticDevice.
 class VendorDevice final : public HapticDevice {
  public:
   void open() override {
     if (sdk_open() != 0) throw Error("the stylus cannot be opened: is another program using it?");
-    sdk_sleep(0.01);  // until it has a position
+    sdk_sleep(0.01);  // until the SDK has a position
   }
-  void close() noexcept override { sdk_close(); }  // with the motors off
+  void close() noexcept override { sdk_close(); }  // switches the motors off
   Status measure(Measurement& m) noexcept override {
     double mm[3];
     int grip = 0;
-    if (sdk_position(mm, &grip) != 0) return Status::stale;  // nothing new
+    if (sdk_position(mm, &grip) != 0) return Status::stale;  // no new sample
     const double time = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
     const Vec3 position(1e-3 * mm[0], 1e-3 * mm[1], -1e-3 * mm[2]);
-    if (time_ > 0.0)  // The SDK has no rates: the difference of the positions through a low pass of 100 Hz.
+    if (time_ > 0.0)  // The SDK has no rates: differentiate the positions and low-pass the result at 100 Hz.
       rates_ += -std::expm1(-2.0 * M_PI * 100.0 * (time - time_)) * ((position - last_) / (time - time_) - rates_);
     time_ = m.time = time;
     m.q = last_ = position;
@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
     PositionControlRenderer servo(positionControlFor(*stylus, 1e-3, 0, 1));
     HapticTick haptics(*stylus, table, Tool(), servo, 1e-3);  // 1 kHz
     VendorDevice device;
-    HapticLoop loop(device, haptics);  // the wall is there from here to the end of this function
+    HapticLoop loop(device, haptics);  // the wall exists from here to the end of this function
     double largest = 0.0;
     for (int line = 1; 0.05 * line <= seconds; ++line) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
       largest = std::max(largest, force);
       std::printf("%5.2f s %7.3f mm over the table %6.2f N %s\n", 0.05 * line, z_mm, force,
                   t.reason == GuardReason::none ? "" : toString(t.reason));
-      if (isFault(t.reason)) (void)loop.reset();  // it stays (a tick came late) until somebody says go on: here at once
+      if (isFault(t.reason)) (void)loop.reset();  // a fault (a late tick) remains until it is reset; here at once
     }
     std::printf("99 %% of the commands were younger than %.0f us; largest force on a line: %.2f N\n",
                 1e6 * loop.age().quantile(0.99), largest);

@@ -1,4 +1,4 @@
-/* Behind the stand-in: a stylus of 45 g, moved by a hand that presses on the table twice a second, in real time. */
+/* Simulates the stand-in in real time: a hand presses a stylus of 45 g on the table twice a second. */
 #define _POSIX_C_SOURCE 199309L
 #include "sdk.h"
 
@@ -24,7 +24,7 @@ static double now(void) {
   return (double)(t.tv_sec - device.begin.tv_sec) + 1e-9 * (double)(t.tv_nsec - device.begin.tv_nsec);
 }
 
-/* Moves the stylus on to `time`; after a pause of more than 0.1 s, from there. */
+/* Advance the stylus to `time`. After a pause of more than 0.1 s, simulate only the last 0.1 s. */
 static void advance(double time) {
   if (time - device.time > 0.1) device.time = time - 0.1;
   for (; device.time < time; device.time += STEP) {

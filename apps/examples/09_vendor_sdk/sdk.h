@@ -1,4 +1,4 @@
-/* A stand-in for a vendor's SDK, as many of them are: one device, millimetres, z away from the user, no rates. */
+/* A stand-in for a typical vendor's SDK: one device, millimetres, z away from the user, no rates. */
 #pragma once
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
-// Record a loop and replay it: the same renderer gives the same bits, another one shows how it would have answered.
+// Record a loop and replay it: the same renderer gives the same bits, and another one shows its own answer.
 //
-//   record tau-nominal.toml out.rec         (there must be no such file yet)
+//   record tau-nominal.toml out.rec         (the file must not exist)
 #include <cstdio>
 #include <enamel/core/error.hpp>
 #include <enamel/core/file.hpp>
@@ -28,11 +28,11 @@ int main(int argc, char** argv) {
     PositionControlRenderer servo(options);
     HapticTick tick(*mechanism, scene, Tool(), servo, kPeriod, setup.start);
 
-    RecordingHeader header;  // so that `enamel replay` and the viewer can build the tick again
+    RecordingHeader header;  // lets `enamel replay` and the viewer build the tick again
     header.deviceFile = argv[1];
     header.deviceText = readFile(argv[1]);
     header.renderer = "position-control";
-    header.parameters = {{"drive", "ideal"}};  // as that of this virtual device is
+    header.parameters = {{"drive", "ideal"}};  // this virtual device has ideal drives
     header.start = setup.start;
     Recorder recorder(argv[2], header, tick);  // in a HapticLoop: HapticLoopOptions::sink
 
@@ -47,14 +47,14 @@ int main(int argc, char** argv) {
       if (device.measure(measurement) != Status::ok) return 1;
       const Status status = tick(measurement, command);
       recorder.add(i, measurement, tick, command, status);
-      recorder.makeRoom();  // a simulation can wait for the disk; a loop with a person never does
+      recorder.makeRoom();  // a simulation can wait for the disk; a loop with a person must not
       if (device.actuate(command) != Status::ok || device.advance(hand) != Status::ok) return 1;
     }
     const RecordingResult written = recorder.close();
     std::printf("%s: %llu ticks, %llu lost\n", argv[2], static_cast<unsigned long long>(written.ticks),
                 static_cast<unsigned long long>(written.lost));
 
-    // Again, from the file alone: the device of the header, a new instance of the same servo.
+    // Replay from the file alone: the device of the header and a new instance of the same servo.
     RecordingReader reader(argv[2]);
     const auto recorded = makeMechanism(parseDevice(reader.header().deviceText, reader.header().deviceFile));
     PositionControlRenderer same(options);

@@ -1,5 +1,5 @@
-// A study of your renderer: many pushes with noise over a wall, beside renderers that you know, on the same random
-// numbers. The renderer is a spring with a damper; put yours in its place.
+// A study of your renderer: many noisy pushes against a wall, compared with known renderers on the same random numbers.
+// The renderer is a spring with a damper: replace it by yours.
 //
 //   study tau-nominal.toml
 #include <algorithm>
@@ -16,7 +16,7 @@ using namespace enamel;
 
 namespace {
 
-// All that a wall needs: a renderer without memory. One with memory: 07_plugin.
+// A renderer without state. 07_plugin shows one with state.
 class MyWall final : public Renderer {
   void prepare(double) override {}
   void resetState() noexcept override {}
@@ -51,14 +51,14 @@ int main(int argc, char** argv) {
     plan.columns = {
         {"mine", device, [](std::size_t) { return std::make_unique<MyWall>(); }},
         {"position control", device, [&](std::size_t) { return std::make_unique<PositionControlRenderer>(options); }}};
-    plan.grid = 3;  // query points along x and y
-    plan.runs = 4;  // at each
+    plan.grid = 3;  // query points along x, and along y
+    plan.runs = 4;  // runs at each query point
     plan.insideTick = true;
     plan.setup.encoders = {true, RateSource::difference};
     plan.setup.hand.preload = 1.0;  // N
     checkStudy(plan);
 
-    std::vector<StudyResult> results(plan.size());  // the same whatever the number of threads
+    std::vector<StudyResult> results(plan.size());  // the results do not depend on the number of threads
     parallelFor(plan.size(), availableThreads(), [&](std::size_t i) { results[i] = performRun(plan, runAt(plan, i)); });
 
     std::printf("%zu runs on %s      K_z1 [kN/m]   deepest [mm]   chatter [N m]   lost or unstable\n", plan.size(),

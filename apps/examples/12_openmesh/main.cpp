@@ -1,5 +1,5 @@
-// A drill in an OpenMesh mesh: the mesh of the application, the obstacle that the tool touches and the copy of the
-// thread that draws stay the same, edit by edit.
+// A drill in an OpenMesh mesh. Three copies stay equal, edit by edit: the application's mesh, the obstacle that the
+// tool touches, and the copy of the graphics thread.
 //
 //   openmesh_drill molar.ply
 #include <array>
@@ -18,10 +18,10 @@ int main(int argc, char** argv) {
   try {
     constexpr int kTicks = 200;
     enamel::EditableMesh<Mesh> tooth(enamel::toOpenMesh<Mesh>(enamel::loadMesh(argv[1], 1e-3)), {kTicks, 3 * kTicks});
-    enamel::Scene scene;  // what HapticTick would be given
+    enamel::Scene scene;  // the scene of a HapticTick
     scene.add({"tooth", tooth.model(), enamel::Pose(), enamel::Vec6::Zero(), {}});
 
-    // What the graphics card would be given: only what changed.
+    // The graphics thread receives changed triangles only.
     std::atomic<bool> isOver{false};
     std::size_t told = 0;
     std::thread graphics([&] {
@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
       }
     });
 
-    // Between two ticks: where the bur is, a vertex sinks in, or the face gives way to three that are deeper.
+    // Edits between two ticks: lower a vertex at the bur, or replace a face by three deeper ones.
     for (int tick = 0; tick < kTicks; ++tick) {
       const enamel::Vec3 bur(1e-5 * tick, 0.0, 0.01);
       const enamel::SurfacePoint touched = closestPoint(*tooth.model(), bur);
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
     }
     isOver = true;
     graphics.join();
-    tooth.publish();  // what waited for the graphics to come by
+    tooth.publish();  // changes that waited for the graphics thread
     for (const enamel::MeshChange* rest; (rest = tooth.takeChanges()) != nullptr; tooth.publish())
       told += rest->triangles.size();
     std::printf("%zu faces, %zu told to the graphics; %s\n", tooth.mesh().n_faces(), told,

@@ -7,12 +7,12 @@
 namespace enamel::kernel {
 namespace {
 
-constexpr double kMuchSmaller = 0.8;  // of the area: a box along the mesh's axes gives up the cone of normals
+constexpr double kMuchSmaller = 0.8;  // of the area: if smaller, the box along the mesh's axes is used, without a cone
 
 float below(double x) { return std::nextafterf(std::nextafterf(static_cast<float>(x), -kEmptyBox), -kEmptyBox); }
 float above(double x) { return std::nextafterf(std::nextafterf(static_cast<float>(x), kEmptyBox), kEmptyBox); }
 
-// The mean normal, and the direction in which the corners spread most across it.
+// The mean normal, and the direction across it in which the corners spread most.
 Mat3 axesAlong(const std::vector<Vec3>& corners, const Vec3& mean, const Vec3& normal) {
   Mat3 axes;
   axes.row(2) = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());

@@ -1,4 +1,4 @@
-// The boxes of the hierarchy, in local coordinates.
+// Boxes of the hierarchy in local coordinates.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@ namespace enamel::kernel {
 
 inline constexpr float kEmptyBox = 3e38f;  ///< its square is infinite
 
-/// Along the axes.
+/// Box along the axes of the mesh.
 struct FloatBox {
   Eigen::Vector3f low = Eigen::Vector3f::Constant(kEmptyBox), high = Eigen::Vector3f::Constant(-kEmptyBox);
   void add(const FloatBox& other) {
@@ -23,7 +23,7 @@ struct FloatBox {
   }
 };
 
-/// Corners of a box in double, rounded outwards once at the end.
+/// Bounds of a box in double, rounded outwards once at the end.
 struct Extent {
   Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
   void add(const Vec3& q) {
@@ -33,35 +33,34 @@ struct Extent {
   FloatBox box() const;
 };
 
-/// Along axes of its own: |axes q + offset| <= half.
+/// Box along axes of its own: |axes q + offset| <= half.
 struct Oriented {
   Mat3 axes = Mat3::Zero();
   Vec3 offset = Vec3::Constant(static_cast<double>(kFarAway)), half = Vec3::Zero();
   double halfArea() const { return half.x() * half.y() + half.y() * half.z() + half.z() * half.x(); }
 };
 
-/// Local coordinates of p.
+/// Return the local coordinates of p.
 inline Vec3 local(const Mesh& view, const Vec3& p) {
   return (p - Vec3(view.centre[0], view.centre[1], view.centre[2])) * view.scale;
 }
 
-/// Of a child of a node.
+/// Write the box of a child of a node.
 void writeBox(MeshData& data, Parent at, const FloatBox& box);
 
-/// Around all children of a node.
+/// Return the box around all children of a node.
 FloatBox boxOfNode(const AlignedBoxes& boxes);
 
 Oriented readOriented(const MeshData& data, Parent at);
 void writeOriented(MeshData& data, Parent at, const Oriented& box);
 
-/// Appends the corners of these triangles, local.
+/// Append the corners of these triangles in local coordinates.
 void gatherCorners(const MeshData& data, const std::int32_t* triangles, int count, std::vector<Vec3>& corners);
 
-/// The box of these points along these axes.
+/// Return the box of these points along these axes.
 Oriented boxAlong(const Mat3& axes, const std::vector<Vec3>& points);
 
-/// The box of triangles with these corners. Its axes follow the surface, or are those of the mesh where that is
-/// smaller.
+/// Return the box of triangles with these corners. Its axes follow the surface or the mesh, whichever box is smaller.
 Oriented orientedBox(const std::vector<Vec3>& corners);
 
 }  // namespace enamel::kernel

@@ -11,7 +11,7 @@ namespace {
 
 double angleBetween(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
 double angleOfCone(float cone) { return std::acos(std::sqrt(static_cast<double>(cone))); }
-float coneOfCosine(double cosine) {  // a little wider
+float coneOfCosine(double cosine) {  // rounded to a slightly wider cone
   const double least = 0.99999 * std::max(cosine, 0.0);
   return static_cast<float>(least * least);
 }
@@ -20,15 +20,15 @@ float coneOfAngle(double angle) {
   return static_cast<float>(0.999 * cosine * cosine);
 }
 
-// Cosines of the widest angles between a triangle's normal and the directions from its edges and corners to the points
-// that they are nearest to, in front of it and behind it.
+// Cosines of the widest angles between a triangle's normal and the directions from its edges and corners. Only
+// directions to points whose nearest point is on this edge or corner count, in front of the triangle and behind it.
 struct Widest {
   double front = 1.0, back = 1.0;
   void add(double cosine, bool isBehind) { (isBehind ? back : front) = std::min(isBehind ? back : front, cosine); }
 };
 
-// The directions to the points that a corner is nearest to, among all that is near it: none of its edges comes nearer.
-// They are a cone; `directions` are those at its edges, none at a saddle. False: it has too many edges.
+// Find the cone of directions to the points that have a corner as their nearest point. No edge at the corner may be
+// nearer. `directions` are its rays along the edges; a saddle has none. Returns false if the corner has too many edges.
 bool findDirections(const MeshData& data, int place, std::vector<Vec3>& directions) {
   constexpr std::size_t kMostEdges = 12;
   constexpr double kRounding = 1e-3;  // rad
@@ -53,8 +53,8 @@ bool findDirections(const MeshData& data, int place, std::vector<Vec3>& directio
   return true;
 }
 
-// Whether one walk round a corner meets all triangles there. Of several surfaces that meet in it, each has contacts of
-// its own, also where another one comes nearer: no cone knows them.
+// Whether a single walk round a corner meets all its triangles. If several surfaces meet there, each has contacts of
+// its own, also where another one is nearer. No cone describes that.
 bool isOneFan(const MeshData& data, int place) {
   const std::int32_t first = data.firstCorner[place];
   int count = 0, met = 0;
@@ -69,12 +69,12 @@ bool isOneFan(const MeshData& data, int place) {
   return t == first / 3 && met == count;
 }
 
-// At a local minimum of the distance the offset to the point is a sum of the normals around it, with weights that are
-// not negative, and no edge there comes nearer. 0, no restriction, where the surface is open.
+// At a local minimum of the distance, the offset to the point is a combination of the surrounding normals with
+// non-negative weights, and no edge there is nearer. An open surface gets 0, no restriction.
 void writeTriangleCones(MeshData& data, const std::vector<Vec3>& normal, const std::vector<char>& isOpen) {
   const TriangleMesh& mesh = data.mesh;
   std::vector<Widest> widest(mesh.triangles.size());
-  std::vector<double> around(mesh.triangles.size(), 1.0);  // of all normals
+  std::vector<double> around(mesh.triangles.size(), 1.0);  // cosine of the angle to the farthest normal
   std::vector<Vec3> directions;
   for (std::size_t place = 0; place < isOpen.size(); ++place) {
     const std::int32_t first = data.firstCorner[place];
@@ -106,7 +106,7 @@ void writeTriangleCones(MeshData& data, const std::vector<Vec3>& normal, const s
       const std::int32_t other = data.neighbour[t][i];
       if (other < 0) continue;
       const Vec3 &a = mesh.vertices[mesh.triangles[t][i]], &b = mesh.vertices[mesh.triangles[t][(i + 1) % 3]];
-      // Of the other triangle's third corner: where it is in front, the edge is a ridge from behind.
+      // Height of the other triangle's third corner. If it is in front, the edge is a ridge as seen from behind.
       double height = 0.0;
       for (const int v : mesh.triangles[other]) height += normal[t].dot(mesh.vertices[v] - a);
       const double flat = 1e-9 * (b - a).norm(), cosine = normal[t].dot(normal[other]);
@@ -121,7 +121,7 @@ void writeTriangleCones(MeshData& data, const std::vector<Vec3>& normal, const s
   }
 }
 
-// The cone of a leaf, about the third axis of its box, holds those of its triangles.
+// The cone of a leaf, about the third axis of its box, contains the cones of its triangles.
 void writeLeafCone(MeshData& data, std::int32_t leaf, const std::vector<Vec3>& normal) {
   const Parent at = data.leafParent[leaf];
   const Vec3 axis = readOriented(data, at).axes.row(2);
@@ -136,7 +136,7 @@ void writeLeafCone(MeshData& data, std::int32_t leaf, const std::vector<Vec3>& n
   data.nodes[at.node].cone[at.lane] = coneOfAngle(widest);
 }
 
-// That of a node holds those of its children.
+// The cone of a node contains those of its children.
 void writeNodeCone(MeshData& data, std::int32_t number) {
   const Parent at = data.nodeParent[number];
   if (at.node < 0) return;
@@ -150,7 +150,7 @@ void writeNodeCone(MeshData& data, std::int32_t number) {
   data.nodes[at.node].cone[at.lane] = coneOfAngle(widest);
 }
 
-// Places where a surface ends, or where not all normals are known.
+// Places where the surface has a border or an unknown normal.
 std::vector<char> openPlaces(const MeshData& data, const std::vector<EdgeUse>& edges, const std::vector<Vec3>& normal) {
   std::vector<char> isOpen(data.firstCorner.size(), 0);
   for (std::size_t t = 0; t < normal.size(); ++t)

@@ -1,4 +1,4 @@
-// The contacts of a tool that moves: on which side of a surface it is, which contact goes on, its state.
+// Contacts of a moving tool: its side of a surface, the identity of contacts from tick to tick, and its saved state.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kSameContact = 0.7071067811865476;  // cos 45 deg
 
-// A contact of the last tick goes on where one of the same obstacle and part has about its normal, and no other one
-// more so. `last` holds contacts in the frames of their obstacles.
+// A contact keeps its key if obstacle and part match and its normal is the closest. `last` holds contacts in the frames
+// of their obstacles.
 void nameContacts(const Scene& scene, ContactSnapshot& last, std::uint32_t& lastKey, ContactSnapshot& contacts) {
   std::array<Vec3, kMaxContacts> points, normals;  // in the frames of the obstacles
   for (int k = 0; k < contacts.count; ++k) {
@@ -69,7 +69,7 @@ ToolTrack makeToolTrack(const Scene& scene, const Tool& tool) {
 
 namespace {
 
-constexpr std::size_t kPartState = 8;     // its axis, its clearance, whether it is known
+constexpr std::size_t kPartState = 8;     // axis, clearance, whether it is known
 constexpr std::size_t kContactState = 9;  // point, normal, obstacle, part, key
 constexpr double kLargestPlace = 1e3;     // m
 
@@ -91,7 +91,7 @@ void ToolTrack::saveState(const Scene& scene, double* state) const noexcept {
   const std::size_t obstacles = scene.obstacles().size();
   for (std::size_t i = 0; i < parts_.size(); ++i, state += kPartState) {
     const kernel::PartTrack& part = parts_[i];
-    // A part of a mesh that was changed starts again.
+    // After a change of the mesh, the part starts again.
     const bool isKnown = part.isKnown && part.revision == revisionOf(scene.obstacles()[i * obstacles / parts_.size()]);
     std::copy_n(part.axis.a.data(), 3, state);
     std::copy_n(part.axis.b.data(), 3, state + 3);
@@ -139,7 +139,7 @@ void ToolTrack::loadState(const Scene& scene, const double* state) noexcept {
                            isWhole(state[8], UINT32_MAX);
     c.obstacle = isContact ? static_cast<int>(state[6]) : 0;
     c.part = isContact ? static_cast<int>(state[7]) : 0;
-    c.key = isContact ? static_cast<std::uint32_t>(state[8]) : 0;  // 0: none goes on from it
+    c.key = isContact ? static_cast<std::uint32_t>(state[8]) : 0;  // 0: no contact continues it
   }
 }
 

@@ -1,9 +1,9 @@
-// The two ways through the hierarchy: nearest child first, for what the best answer so far rules out, and in any order.
+// Two traversals of the hierarchy: nearest child first, with pruning by the best answer so far, and in any order.
 #pragma once
 
 #include "lanes.inl"
 
-// To the second cache: the first one has no room for all that may be asked for.
+// Prefetch to the second-level cache. The first level is too small for all requests.
 inline void fetch(const void* address, int bytes) {
   constexpr int kLine = 64;
   for (int at = 0; at < bytes; at += kLine) __builtin_prefetch(static_cast<const char*>(address) + at, 0, 2);
@@ -19,7 +19,7 @@ inline void fetchChild(const Mesh& mesh, int32_t child, int bytesOfLeaf = sizeof
   }
 }
 
-// Nodes and leaves that have yet to be looked at, and no nearer than their bounds.
+// Nodes and leaves that are still to be visited, with lower bounds of their distances.
 template <typename Number>
 struct Stack {
   int top = 0;
@@ -27,7 +27,7 @@ struct Stack {
   int32_t child[kStackSize + kWidth];
 };
 
-// Of the children in the mask the nearest one comes next, at once; the others wait.
+// Visit the nearest child of the mask next; push the others.
 template <typename Bounds, typename Number>
 inline int32_t goDown(const Mesh& mesh, const Bounds& bounds, const int32_t* child, unsigned mask,
                       Stack<Number>& stack) {
@@ -44,8 +44,7 @@ inline int32_t goDown(const Mesh& mesh, const Bounds& bounds, const int32_t* chi
   return child[nearest];
 }
 
-// Depth first through what lies within `limit`, which atLeaf(leaf) and boundsOf(node), the children's bounds, may
-// lower.
+// Depth first through everything within `limit`. atLeaf(leaf) and boundsOf(node), the children's bounds, may lower it.
 template <typename Number, typename BoundsOf, typename AtLeaf>
 inline void nearestFirst(const Mesh& mesh, const Number& limit, const BoundsOf& boundsOf, const AtLeaf& atLeaf) {
   Stack<Number> stack;
@@ -70,7 +69,7 @@ inline void nearestFirst(const Mesh& mesh, const Number& limit, const BoundsOf& 
   }
 }
 
-// Through all children in the masks that nearOf(node) answers.
+// Visit all children in the masks that nearOf(node) returns.
 template <typename NearOf, typename AtLeaf>
 inline void anyOrder(const Mesh& mesh, const NearOf& nearOf, const AtLeaf& atLeaf) {
   int32_t stack[kStackSize + kWidth];

@@ -1,5 +1,5 @@
-// The closest point of a triangle in double: the one place where answered distances come from. Plain functions of
-// internal linkage, included by every kernel file and compiled without contraction, so that all agree bit for bit.
+// The closest point of a triangle in double: the only source of returned distances. Plain functions of internal
+// linkage, included by every kernel file and compiled without contraction, so that all levels agree bit for bit.
 
 static inline bool isThin(const Triangle* t) { return t->cone < 0.0f; }
 
@@ -23,7 +23,7 @@ static inline double squaredDistance(const double* a, const double* b) {
   return dot(d, d);
 }
 
-// Where on a triangle the nearest point is: on edge 0, 1 or 2 at u of its length, or as a + u ab + v ac on the face.
+// Location of the nearest point on a triangle: on edge 0, 1 or 2 at u of its length, or a + u ab + v ac on the face.
 enum Part : int32_t { kPart01, kPart12, kPart20, kPartFace };
 
 static inline void placeOn(const Triangle* t, int32_t part, double u, double v, Candidate* best) {
@@ -45,7 +45,7 @@ static inline void placeOn(const Triangle* t, int32_t part, double u, double v, 
   }
 }
 
-// Squared distance from the edge e, seen from its start.
+// Squared distance from the edge e. `fromStart` is the offset from its start.
 static inline double nearEdge(const double* fromStart, const double* e, double* at) {
   double d[3];
   const double along = dot(fromStart, e) / dot(e, e);
@@ -55,7 +55,7 @@ static inline double nearEdge(const double* fromStart, const double* e, double* 
   return dot(d, d);
 }
 
-// What a point asks of a triangle: its edges, and the offsets of the point from where they start.
+// The edges of a triangle, and the offsets of a point from their starts.
 static inline void edgesOf(const Triangle* t, const double* p, double (*e)[3], double (*from)[3]) {
   for (int i = 0; i < 3; ++i) {
     subtract(t->corner[(i + 1) % 3], t->corner[i], e[i]);
@@ -63,8 +63,8 @@ static inline void edgesOf(const Triangle* t, const double* p, double (*e)[3], d
   }
 }
 
-// Against the edges that the point lies outside of. `part` is where `best` is: kPartFace, or kPart01 where it has no
-// place.
+// Try the edges with the point on their outer side. `part` is the present location of `best`: kPartFace, or kPart01 if
+// it has no location yet.
 static inline void tryEdges(const Triangle* t, const double (*e)[3], const double (*from)[3], const double* weight,
                             int32_t part, Candidate* best) {
   double u = 0.0;
@@ -80,9 +80,9 @@ static inline void tryEdges(const Triangle* t, const double (*e)[3], const doubl
   if (part != kPartFace) placeOn(t, part, u, 0.0, best);
 }
 
-// A long or flat triangle: its plane's foot point by iterative refinement (each pass works on the remaining
-// difference, so that the error shrinks by 1e-16 length / height), against the edges. All candidates lie on the
-// triangle, so a wrong decision between them can only cost what they differ by.
+// A long or flat triangle. The foot point on its plane is found by iterative refinement: each pass works on the
+// remaining difference, so the error shrinks by 1e-16 length / height. Then the edges are compared. All candidates lie
+// on the triangle, so a wrong choice costs no more than the difference of their distances.
 static inline void closestOnThin(const Triangle* t, const double* p, Candidate* best) {
   double length[3];  // of the edge opposite to the corner
   for (int i = 0; i < 3; ++i) length[i] = squaredDistance(t->corner[(i + 1) % 3], t->corner[(i + 2) % 3]);
@@ -119,7 +119,7 @@ static inline void closestOnThin(const Triangle* t, const double* p, Candidate* 
   tryEdges(t, e, from, outside, part, best);
 }
 
-// The foot point on the plane where it lies inside, else the nearest point of the edges that it lies outside of.
+// The foot point on the plane if inside; otherwise the nearest point of the edges with the point on their outer side.
 static inline void closestOnTriangle(const Triangle* t, const double* p, Candidate* best) {
   best->overPlane = best->normalSquared = 0.0;
   if (isThin(t)) {
@@ -156,10 +156,10 @@ static inline double within01(double x) {
   return after < 1.0 ? after : 1.0;
 }
 
-// A segment with what every triangle asks of it.
+// A segment with the data that every triangle needs.
 struct Axis {
   double a[3], b[3], span[3];  // span: from a to b
-  double squared, perSquared;  // length^2, its inverse or 0
+  double squared, perSquared;  // length^2, and its inverse or 0
 };
 
 static inline Axis axisBetween(const double* a, const double* b) {
@@ -174,7 +174,7 @@ static inline Axis axisBetween(const double* a, const double* b) {
   return axis;
 }
 
-// Parameter of the crossing of a segment and a triangle (Moeller & Trumbore 1997, borders included); -1: none.
+// Parameter at which a segment crosses a triangle, borders included (Moeller & Trumbore 1997); -1 if it does not.
 static inline double crossing(const Triangle* t, const Axis* axis) {
   double e1[3], e2[3], h[3], o[3], q[3];
   subtract(t->corner[1], t->corner[0], e1);
@@ -190,16 +190,16 @@ static inline double crossing(const Triangle* t, const Axis* axis) {
   return crosses != 0 ? at : -1.0;
 }
 
-// Where a segment and a triangle are nearest to each other.
+// The nearest points of a segment and a triangle.
 struct SegmentCandidate {
   double squared;
   double parameter;  // of the segment
   double point[3];   // on the triangle
-  int32_t feature;   // there
+  int32_t feature;   // of the triangle at the point
 };
 
-// Where the segment lies almost in the plane, or the triangle is a needle, the crossing may be rounding alone: it
-// counts if its point lies on the triangle.
+// If the segment lies almost in the plane, or the triangle is a needle, the crossing may be a rounding error. It counts
+// only if its point lies on the triangle.
 static inline int crossesAxis(const Triangle* t, const Axis* axis, SegmentCandidate* best) {
   const double at = crossing(t, axis);
   if (!(at >= 0.0)) return 0;
@@ -218,16 +218,16 @@ static inline int crossesAxis(const Triangle* t, const Axis* axis, SegmentCandid
   return 1;
 }
 
-// Of sin^2 of the angle between lines.
+// sin^2 of the angle between lines
 static const double kNearlyParallel = 1e-3;
 
-// The shortest distance so far, from the segment's point to a place of the triangle, as placeOn().
+// The shortest distance so far, from a point of the segment to a location on the triangle, as in placeOn().
 struct Shortest {
   double squared, parameter, u, v;
   int32_t part;
 };
 
-// From an end to the face.
+// From an end of the segment to the face.
 static inline void tryFace(const Triangle* t, const double (*e)[3], const double (*from)[3], double parameter,
                            Shortest* best) {
   double ac[3], n[3], m[3], weight[3], d[3];
@@ -245,7 +245,7 @@ static inline void tryFace(const Triangle* t, const double (*e)[3], const double
   if (squared < best->squared) *best = {squared, parameter, u, v, kPartFace};
 }
 
-// Between a place of the segment and one of an edge e; `from` leads from its start to the segment's.
+// Between a point of the segment and a point of an edge e. `from` leads from the start of e to that of the segment.
 static inline void tryPair(const Axis* axis, const double* from, const double* e, double parameter, double u,
                            int32_t part, Shortest* best) {
   double d[3];
@@ -254,8 +254,8 @@ static inline void tryPair(const Axis* axis, const double* from, const double* e
   if (squared < best->squared) *best = {squared, parameter, u, 0.0, part};
 }
 
-// Edge i: from the ends, to its start, and where the lines are nearest to each other, if that is inside both. The small
-// determinant of nearly parallel lines costs digits, cross products do not.
+// Edge i: from both ends of the segment, to the start of the edge, and between the interiors where the lines are
+// nearest. For nearly parallel lines the small determinant would lose digits; cross products do not.
 static inline void tryEdgeOnAxis(const Axis* axis, const double* from, const double* e, int32_t i, Shortest* best) {
   const double length = dot(e, e), perLength = inverseOf(length), along = dot(axis->span, e);
   const double alongEdge = dot(e, from), across = dot(axis->span, from);
@@ -287,9 +287,9 @@ static inline void finishOnAxis(const Triangle* t, const Shortest* found, Segmen
   best->feature = place.feature;
 }
 
-// The shortest line is between an end and the face, or between the segment and an edge: from an end, to a corner, or
-// between the insides of both (Lumelsky 1985). Where they cross its length is zero. All candidates are points of both, so what
-// is lost by rounding can only cost what they differ by.
+// The shortest line connects an end and the face, or the segment and an edge (Lumelsky 1985). An edge has three cases:
+// an end of the segment, a corner, or the interiors of both. If they cross, the length is zero. All candidates are
+// points of both, so rounding costs no more than the difference of their distances.
 static inline void closestToAxis(const Triangle* t, const Axis* axis, SegmentCandidate* best) {
   if (crossesAxis(t, axis, best) != 0) return;
   Shortest found = {1e308, 0.0, 0.0, 0.0, kPart01};

@@ -1,5 +1,5 @@
-// closestOnTriangle() for four triangles at once on AVX2: the same operations in the same order in each lane, so that
-// the answers agree bit for bit. Included by the kernel files whose machines have AVX2.
+// closestOnTriangle() for four triangles at once on AVX2. Each lane does the same operations in the same order, so the
+// results agree bit for bit. Included by the kernel files for machines with AVX2.
 
 #include "exact.inl"
 
@@ -22,7 +22,8 @@ static inline void subtract4(const __m256d* a, const __m256d* b, __m256d* c) {
 static inline void loadCorners4(const Triangle* const* t, __m256d* v) {
   for (int i = 0; i < 8; i += 4) {
     __m256d row[4];
-    for (int lane = 0; lane < 4; ++lane) row[lane] = _mm256_loadu_pd(reinterpret_cast<const double*>(t[lane]->corner) + i);
+    for (int lane = 0; lane < 4; ++lane)
+      row[lane] = _mm256_loadu_pd(reinterpret_cast<const double*>(t[lane]->corner) + i);
     const __m256d low01 = _mm256_unpacklo_pd(row[0], row[1]), high01 = _mm256_unpackhi_pd(row[0], row[1]);
     const __m256d low23 = _mm256_unpacklo_pd(row[2], row[3]), high23 = _mm256_unpackhi_pd(row[2], row[3]);
     v[i] = _mm256_permute2f128_pd(low01, low23, 0x20);
@@ -40,7 +41,7 @@ static inline int smallestIndex(const Triangle* const* t, unsigned lanes) {
   return lane;
 }
 
-// The lane of the smallest number; of equal ones that of the triangle of smallest index.
+// The lane of the smallest number; of equal ones, the triangle with the smallest index.
 static inline int nearestLane(const Triangle* const* t, __m256d squared) {
   const __m256d pairs = _mm256_min_pd(squared, _mm256_permute2f128_pd(squared, squared, 1));
   const __m256d least = _mm256_min_pd(pairs, _mm256_permute_pd(pairs, 5));
@@ -48,7 +49,7 @@ static inline int nearestLane(const Triangle* const* t, __m256d squared) {
   return smallestIndex(t, static_cast<unsigned>(equal));
 }
 
-// Which of four triangles is nearest; of equally near ones the one of smallest index. None of them is thin.
+// Find the nearest of four triangles; of equally near ones, that with the smallest index. None may be thin.
 static inline int closestOfFour(const Triangle* const* t, const double* point, Candidate* nearest) {
   const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0);
   __m256d v[9], p[3], e[3][3], ac[3], from[3][3], n[3], s[3], d[3], weight[3], outside[3];
@@ -76,7 +77,7 @@ static inline int closestOfFour(const Triangle* const* t, const double* point, C
     squared = _mm256_blendv_pd(squared, _mm256_set1_pd(1e308), onEdge);
     for (int i = 0; i < 3; ++i) {
       const __m256d along = _mm256_div_pd(dot4(from[i], e[i]), dot4(e[i], e[i]));
-      const __m256d at = _mm256_min_pd(_mm256_max_pd(along, zero), one);  // as the scalar code also for NaN
+      const __m256d at = _mm256_min_pd(_mm256_max_pd(along, zero), one);  // like the scalar code, also for NaN
       for (int k = 0; k < 3; ++k) d[k] = _mm256_sub_pd(from[i][k], _mm256_mul_pd(at, e[i][k]));
       const __m256d here = dot4(d, d);
       const __m256d nearer = _mm256_and_pd(outside[i], _mm256_cmp_pd(here, squared, _CMP_LT_OQ));
@@ -100,11 +101,11 @@ static inline int closestOfFour(const Triangle* const* t, const double* point, C
   return lane;
 }
 
-static inline __m256d within01Of4(__m256d x) {  // as the scalar code also for NaN
+static inline __m256d within01Of4(__m256d x) {  // like the scalar code, also for NaN
   return _mm256_min_pd(_mm256_max_pd(x, _mm256_setzero_pd()), _mm256_set1_pd(1.0));
 }
 
-// The shortest distances known so far, as Shortest.
+// The shortest distances so far, as in Shortest.
 struct Shortest4 {
   __m256d squared, parameter, u, v, part;
 };
@@ -119,7 +120,7 @@ static inline void take4(__m256d valid, __m256d squared, __m256d parameter, __m2
   best->part = _mm256_blendv_pd(best->part, _mm256_set1_pd(part), nearer);
 }
 
-// Four triangles and an axis, seen from its ends.
+// Four triangles and an axis, relative to the ends of the axis.
 struct AxisAndFour {
   __m256d span[3], e[3][3], ac[3], fromA[3][3], fromB[3][3];
 };
@@ -140,7 +141,7 @@ static inline void seeFour(const Triangle* const* t, const Axis* axis, AxisAndFo
   subtract4(v + 6, v, s->ac);
 }
 
-// A bit for each triangle that the axis seems to cross: crossesAxis() decides.
+// A bit for each triangle that the axis may cross; crossesAxis() decides.
 static inline unsigned mayCross4(const AxisAndFour* s) {
   const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0), sign = _mm256_set1_pd(-0.0);
   __m256d h[3], q[3];
@@ -159,7 +160,7 @@ static inline unsigned mayCross4(const AxisAndFour* s) {
   return static_cast<unsigned>(_mm256_movemask_pd(crosses));
 }
 
-// The ends of the axis and the faces.
+// The ends of the axis against the faces.
 static inline void takeFaces4(const AxisAndFour* s, Shortest4* best) {
   const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0);
   __m256d n[3], m[3][3];
@@ -181,7 +182,7 @@ static inline void takeFaces4(const AxisAndFour* s, Shortest4* best) {
   }
 }
 
-// The axis and edge i, each with its ends.
+// The axis and edge i, with the ends of both.
 static inline void takeEdge4(const AxisAndFour* s, const Axis* axis, int i, Shortest4* best) {
   const __m256d zero = _mm256_setzero_pd(), one = _mm256_set1_pd(1.0), sign = _mm256_set1_pd(-0.0);
   const __m256d all = _mm256_cmp_pd(zero, zero, _CMP_EQ_OQ);
@@ -198,10 +199,10 @@ static inline void takeEdge4(const AxisAndFour* s, const Axis* axis, int i, Shor
   tryPair4(zero, within01Of4(_mm256_mul_pd(alongEdge, perLength)));
   tryPair4(one, within01Of4(_mm256_mul_pd(_mm256_add_pd(alongEdge, along), perLength)));
   tryPair4(within01Of4(_mm256_mul_pd(_mm256_xor_pd(across, sign), perSpan)), zero);
-  // As tryEdgeOnAxis().
+  // As in tryEdgeOnAxis().
   const __m256d both = _mm256_mul_pd(spanSquared, length), lines = _mm256_sub_pd(both, _mm256_mul_pd(along, along));
-  __m256d parameter = within01Of4(
-      _mm256_div_pd(_mm256_sub_pd(_mm256_mul_pd(along, alongEdge), _mm256_mul_pd(length, across)), lines));
+  __m256d parameter =
+      within01Of4(_mm256_div_pd(_mm256_sub_pd(_mm256_mul_pd(along, alongEdge), _mm256_mul_pd(length, across)), lines));
   const __m256d isApart = _mm256_cmp_pd(lines, _mm256_mul_pd(_mm256_set1_pd(kNearlyParallel), both), _CMP_GT_OQ);
   if (_mm256_movemask_pd(isApart) != 15) {
     __m256d common[3], moment[3];
@@ -217,8 +218,7 @@ static inline void takeEdge4(const AxisAndFour* s, const Axis* axis, int i, Shor
   tryPair4(parameter, u);
 }
 
-// closestToAxis() for four triangles of which none is thin: the nearest one; of equally near ones that of smallest
-// index.
+// closestToAxis() for four triangles, none of them thin: the nearest; of equal ones, that with the smallest index.
 static inline int closestToAxisOfFour(const Triangle* const* t, const Axis* axis, SegmentCandidate* nearest) {
   constexpr double kCrossed = kPartFace + 1;
   const __m256d zero = _mm256_setzero_pd();

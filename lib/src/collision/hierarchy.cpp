@@ -1,5 +1,5 @@
-// A binary tree by the surface area heuristic (Goldsmith & Salmon 1987; binned as by Wald 2007) whose leaves are full
-// wherever possible, folded into nodes of up to 16 children.
+// A binary tree by the surface area heuristic (Goldsmith & Salmon 1987; binned as in Wald 2007). Its leaves are as full
+// as possible. It is then folded into nodes of up to 16 children.
 #include "hierarchy.hpp"
 
 #include <Eigen/Geometry>
@@ -14,9 +14,9 @@ namespace enamel::kernel {
 namespace {
 
 constexpr int kBins = 16;
-constexpr int kDepthOfHalving = 14;     // from here on pieces are halved, so that the depth stays bounded
-constexpr double kThin = 1e-3;          // height over longest edge, below which the careful path is taken
-constexpr double kEdgesOnly = 0x1p-20;  // local height below which the float bound uses the edges alone
+constexpr int kDepthOfHalving = 14;     // deeper pieces are halved, so that the depth stays bounded
+constexpr double kThin = 1e-3;          // height over longest edge: smaller triangles need the careful path
+constexpr double kEdgesOnly = 0x1p-20;  // local height: float bounds of smaller triangles use the edges alone
 
 FloatBox boxOf(const MeshData& data, std::int32_t triangle) {
   Extent extent;
@@ -44,7 +44,7 @@ class Builder {
   void run() {
     const int root = split(0, static_cast<int>(order_.size()), 0);
     weighFolds();
-    // As much memory as is needed: the leaves and triangles are most of it.
+    // Allocate exactly: leaves and triangles take most of the memory.
     const auto leaves = std::count_if(tree_.begin(), tree_.end(), [](const Binary& part) { return part.left < 0; });
     data_.leaves.reserve(leaves);
     data_.leafParent.reserve(leaves);
@@ -100,7 +100,7 @@ class Builder {
     return static_cast<float>(number);
   }
 
-  // The axis and number of triangles on the left that cost least: area times number of leaves, summed.
+  // Choose the axis and the number of triangles on the left with the least cost: sum of area times number of leaves.
   void chooseCut(int first, int count, const FloatBox& centres, int& axis, int& cut) const {
     float least = kEmptyBox;
     for (int k = 0; k < 3; ++k) {
@@ -139,11 +139,11 @@ class Builder {
     }
   }
 
-  // Which parts of the binary tree become nodes: those that have the least area in all, by dynamic programming from the
+  // Choose the parts of the binary tree that become nodes, with the least total area. Dynamic programming from the
   // leaves up (Ylitie, Karras & Laine 2017).
   void weighFolds() {
     areas_.resize(tree_.size());
-    for (int i = static_cast<int>(tree_.size()) - 1; i >= 0; --i) {  // the parts of a part come after it
+    for (int i = static_cast<int>(tree_.size()) - 1; i >= 0; --i) {  // parts come after their parent
       if (tree_[i].left < 0) continue;
       const float asNode = tree_[i].box.halfArea() + areaOf(i, kWidth);
       areas_[i][0] = asNode;
@@ -151,8 +151,8 @@ class Builder {
     }
   }
 
-  // Of all nodes below a part that takes up to `places` of a node's children, and is none itself; areas_ knows the
-  // least where it may be one.
+  // Total area of all nodes below a part that takes up to `places` children of a node and is not a node itself. areas_
+  // has the smaller of this and its area as a node.
   float areaOf(int binary, int places) const {
     const int ofLeft = placesOfLeft(binary, places);
     return areas_[tree_[binary].left][ofLeft - 1] + areas_[tree_[binary].right][places - ofLeft - 1];
@@ -196,7 +196,7 @@ class Builder {
     }
     std::array<int, kWidth> child;
     int count = 0;
-    if (top.left < 0) {  // the root is a node also above a single leaf
+    if (top.left < 0) {  // the root is always a node, even above a single leaf
       child[count++] = binary;
     } else {
       const int ofLeft = placesOfLeft(binary, kWidth);
@@ -248,7 +248,7 @@ void writeSlot(MeshData& data, std::int32_t slot, std::int32_t number) {
     q[i] = local(data.view, v[i]);
     for (int k = 0; k < 3; ++k) triangle.corner[i][k] = v[i][k];
   }
-  // Frame: the longest edge from a to b, the third corner c on the side of v.
+  // Frame: the longest edge runs from a to b, and the third corner c is on the side of v.
   int first = 0;
   double longest = 0.0;
   for (int i = 0; i < 3; ++i) {
@@ -264,7 +264,7 @@ void writeSlot(MeshData& data, std::int32_t slot, std::int32_t number) {
   const Vec3 u = axes.row(0);
   const Vec3 up = (c - a) - u * u.dot(c - a);
   const double height = up.norm();
-  axes.row(1) = height > 1e-10 * longest ? Vec3(up / height) : Vec3(u.unitOrthogonal());  // else only rounding
+  axes.row(1) = height > 1e-10 * longest ? Vec3(up / height) : Vec3(u.unitOrthogonal());  // otherwise rounding
   axes.row(1) = (Vec3(axes.row(1)) - u * u.dot(Vec3(axes.row(1)))).normalized();
   axes.row(2) = u.cross(Vec3(axes.row(1)));
   const Vec3 toB = axes * (b - a), toC = axes * (c - a);
@@ -328,7 +328,7 @@ void buildHierarchy(MeshData& data, int spare) {
   data.triangles.clear();
   data.nodeParent.clear();
   data.leafParent.clear();
-  // Copies of triangles hold the places of those to come.
+  // Reserve slots: copies of triangles hold the places of future ones.
   std::vector<std::array<int, 3>>& all = data.mesh.triangles;
   const std::size_t count = all.size(), most = count + static_cast<std::size_t>(spare);
   all.reserve(most);

@@ -5,19 +5,19 @@
 
 namespace enamel::kernel {
 
-/// Builds the hierarchy over all triangles of data.mesh, with room for `spare` others, close to all of them alike.
+/// Build the hierarchy over all triangles of data.mesh, with room for `spare` others, spread evenly among them.
 void buildHierarchy(MeshData& data, int spare);
 
-/// Writes one slot of a leaf from the mesh's vertices.
+/// Write one slot of a leaf from the vertices of the mesh.
 void writeSlot(MeshData& data, std::int32_t slot, std::int32_t triangle);
 
-/// Marks a slot as unused.
+/// Mark a slot as unused.
 void clearSlot(MeshData& data, std::int32_t slot);
 
-/// A leaf has so many free slots more.
+/// Change the number of free slots of a leaf.
 void countFree(MeshData& data, std::int32_t leaf, int change) noexcept;
 
-/// A number that no other state of any mesh has.
+/// Return a number that no other state of any mesh has.
 std::uint64_t nextRevision() noexcept;
 
 }  // namespace enamel::kernel

@@ -1,5 +1,4 @@
-// Memory for arrays that queries jump about in: on pages of 2 MB, where the system grants them, a jump seldom has to
-// look up its page first.
+// Memory for arrays with random access. Pages of 2 MB, if the system grants them, reduce TLB misses.
 #pragma once
 
 #include <sys/mman.h>
@@ -11,7 +10,7 @@
 
 namespace enamel {
 
-/// An allocator for std::vector. Small arrays come from the heap as usual.
+/// Allocator for std::vector. Small arrays come from the heap.
 template <typename T>
 struct HugePages {
   using value_type = T;
@@ -27,7 +26,7 @@ struct HugePages {
     const std::size_t size = (count * sizeof(T) + alignment - 1) / alignment * alignment;
     void* memory = std::aligned_alloc(alignment, size);
     if (memory == nullptr) throw std::bad_alloc();
-    if (alignment == kPage) (void)madvise(memory, size, MADV_HUGEPAGE);  // a wish: without it all is the same, slower
+    if (alignment == kPage) (void)madvise(memory, size, MADV_HUGEPAGE);  // a hint; without it only slower
     return static_cast<T*>(memory);
   }
   void deallocate(T* memory, std::size_t) noexcept { std::free(memory); }

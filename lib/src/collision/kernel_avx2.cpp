@@ -1,4 +1,4 @@
-// The query loops for AVX2 and FMA. Fused products only enter the float bounds, never an answer.
+// The query loops for AVX2 and FMA. Fused products are used in float bounds only, never in a result.
 #include <immintrin.h>
 
 #include "kernel.hpp"
@@ -9,7 +9,7 @@ namespace {
 #include "vector_avx2.inl"
 
 struct LaneTable {
-  uint8_t lane[256][8];  // by mask: its lanes
+  uint8_t lane[256][8];  // the lanes of each mask
 };
 constexpr LaneTable makeLaneTable() {
   LaneTable table{};
@@ -20,7 +20,7 @@ constexpr LaneTable makeLaneTable() {
 }
 constexpr LaneTable kLanesOf = makeLaneTable();
 struct Chosen {
-  __m256i a, b;  // lanes of the halves
+  __m256i a, b;  // lanes of the two halves
   int inA;
 };
 inline __m256i lanesOfHalf(unsigned mask) {

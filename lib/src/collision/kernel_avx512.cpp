@@ -1,4 +1,4 @@
-// The query loops for AVX-512. Fused products only enter the float bounds, never an answer.
+// The query loops for AVX-512. Fused products are used in float bounds only, never in a result.
 #include <immintrin.h>
 
 #include "kernel.hpp"

@@ -77,7 +77,7 @@ inline void compressNumbers(int32_t first, Chosen mask, int32_t* p) {
 
 #include "exact.inl"
 
-// The nearest of four; of equally near ones that of smallest index.
+// The nearest of four; of equally near ones, that with the smallest index.
 template <typename Found, typename Closest>
 int nearestOfFour(const Triangle* const* t, const Closest& closest, Found* nearest) {
   int lane = 0;

@@ -1,15 +1,17 @@
-// Numbers for 16 triangles or boxes at once. The including file defines the vector V of 16 floats with load, store,
-// set,
-// + - * /, mad (x * y + z, fused where the machine can), root, inverseRoot (to 2^-11), maximum, minimum, smallest,
-// lessOrEqualMask, selectGreater, compress and compressNumbers (the lanes that choose() made of a mask to consecutive
-// places; up to 16 are written). A line of operators is the same instructions on every machine; what is fused says mad.
+// Numbers for 16 triangles or boxes at once. The including file defines the vector V of 16 floats with:
+// - load, store, set, + - * /, maximum, minimum, smallest, lessOrEqualMask, selectGreater;
+// - root, and inverseRoot (to 2^-11);
+// - mad: x * y + z, fused if the machine can;
+// - compress and compressNumbers: move the lanes that choose() made of a mask to consecutive places, writing up to 16.
+//
+// Operators compile to the same instructions on every machine. Only mad may be fused.
 #pragma once
 
-// Error of the float distances, with room to spare: at most 20 roundings of numbers not larger than |q|_1 + 2 extent
-// enter, 2^-24 each, and a triangle that is represented by its edges alone is lower than 2^-20.
+// Error of the float distances, with margin. At most 20 roundings of 2^-24 enter, of numbers up to |q|_1 + 2 extent. A
+// triangle that is represented by its edges alone is lower than 2^-20.
 constexpr double kBoundError = 0x1p-19;
-// Beyond this many mesh sizes float boxes no longer tell triangles apart (their error, 64 * 2^-19, is that of a leaf of
-// a mesh of 1e6); doubles take over.
+// Mesh sizes. Farther away float boxes cannot separate triangles, and doubles take over. The float error there is 64 *
+// 2^-19, the size of a leaf of a mesh of 1e6 triangles.
 constexpr double kFar = 64.0;
 constexpr double kHuge = 1e300;
 
@@ -36,7 +38,7 @@ inline V3 setAll(const double* p) {
   return {{set(static_cast<float>(p[0])), set(static_cast<float>(p[1])), set(static_cast<float>(p[2]))}};
 }
 
-// 16 frames, of the triangles of a leaf or the boxes of a node: both begin with three axes and an offset.
+// 16 frames of the triangles of a leaf or of the boxes of a node. Both begin with three axes and an offset.
 struct Lanes {
   const float (*rows)[kWidth];
   V row(int i) const { return load(rows[i]); }
@@ -53,9 +55,9 @@ struct Lanes {
 inline Lanes lanesOf(const Leaf& leaf) { return {leaf.row}; }
 inline Lanes lanesOf(const Node& node) { return {node.row}; }
 
-// Squared distances of triangles from points f in their frames: to the plane where the point lies over the triangle,
-// else to the nearest edge (along the edge beyond its ends, across it in the plane, and the height over the plane).
-// `from`: the offsets from the nearest points of the triangles.
+// Squared distances of triangles from points f in their frames. Over the triangle it is the distance to the plane;
+// elsewhere the distance to the nearest edge. The latter has three parts: along the edge past its ends, across it in
+// the plane, and the height over the plane. `from`: the offsets from the nearest points of the triangles.
 __attribute__((always_inline)) inline V frameDistances(const Lanes& frames, const V3& f, V3* from = nullptr) {
   const V zero = set(0.0f), u = f[0], v = f[1], h = f[2];
   const V3 length = frames.rows3(kLength);
@@ -90,18 +92,18 @@ __attribute__((always_inline)) inline V frameDistances(const Lanes& frames, cons
 
 inline V triangleDistances(const Lanes& frames, const V3& q) { return frameDistances(frames, frames.place(q)); }
 
-// How far points lie from the middles of boxes, along their axes.
+// Distances of points from the centres of boxes, along their axes.
 inline V3 fromMiddles(const Lanes& boxes, const V3& q) {
   const V3 f = boxes.place(q);
   return {{absolute(f[0]), absolute(f[1]), absolute(f[2])}};
 }
 
-// What lies beyond the faces of the boxes.
+// Distances of points outside the faces of the boxes; 0 inside.
 inline V3 beyondBoxes(const Lanes& boxes, const V3& f) {
   return {{positive(f[0] - boxes.half(0)), positive(f[1] - boxes.half(1)), positive(f[2] - boxes.half(2))}};
 }
 
-// Floats not smaller than a double, and than the square of a distance whose float error is `slack`.
+// Round up to float: a double, and the square of a distance whose float error is `slack`.
 inline float upward(double value) { return value < 3e38 ? static_cast<float>(value) * 1.000001f + 1e-37f : 3.4e38f; }
 
 inline float limitOf(double distance, double slack) {

@@ -39,7 +39,7 @@ Place placeOf(const Vec3& v) {
   return p;
 }
 
-// Sets that grow together.
+// Disjoint sets with union and find.
 class Partition {
  public:
   explicit Partition(std::size_t count) {
@@ -141,7 +141,7 @@ MeshReport inspect(const TriangleMesh& mesh) {
 
   report.watertight = balanced;
   if (balanced) {
-    const Vec3 centre = 0.5 * (report.low + report.high);  // any point; near ones round least
+    const Vec3 centre = 0.5 * (report.low + report.high);  // any point is correct; a near one rounds least
     for (const auto& t : mesh.triangles) {
       const Vec3 a = mesh.vertices[t[0]] - centre, b = mesh.vertices[t[1]] - centre, c = mesh.vertices[t[2]] - centre;
       report.volume += a.dot(b.cross(c)) / 6.0;

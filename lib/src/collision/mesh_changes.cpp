@@ -5,7 +5,7 @@
 namespace enamel {
 namespace {
 
-// Puts a value behind a number; a number that is there already gets the new one.
+// Set the value of a number, and replace an earlier one.
 template <typename Value>
 void put(int number, const Value& value, std::vector<int>& place, std::vector<int>& numbers,
          std::vector<Value>& values) noexcept {
@@ -15,7 +15,7 @@ void put(int number, const Value& value, std::vector<int>& place, std::vector<in
     return;
   }
   at = static_cast<int>(numbers.size());
-  numbers.push_back(number);  // within what is reserved: each number once
+  numbers.push_back(number);  // within the reserved size: each number is stored once
   values.push_back(value);
 }
 

@@ -9,7 +9,7 @@
 namespace enamel {
 namespace {
 
-// Scalars of PLY, in text or in bytes of either order.
+// Scalar types of PLY, in text or in bytes of either order.
 enum class Scalar { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 struct Property {

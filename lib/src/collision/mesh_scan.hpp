@@ -1,6 +1,6 @@
-// What the scans of all formats of mesh files share: words of a text, and the mesh that they build. Files are scanned
-// strictly: what a report must count is kept (faces with repeated corners, vertices that are not manifold), what cannot
-// be meant is refused (a "nan", a truncated file, a header that promises too much).
+// Shared by the scanners of all mesh formats: words of a text, and the mesh that they build. Scanning is strict.
+// Defects that a report counts are kept: faces with repeated corners, vertices that are not manifold. Invalid files are
+// rejected: a "nan", a truncated file, a header that promises too much.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace enamel {
 
 inline constexpr std::int64_t kMostCorners = 255;  // of a face
 
-/// Takes what a scan finds, in the order of the file.
+/// Collects the vertices and faces of a file in their order.
 class MeshBuilder {
  public:
   MeshBuilder(const std::string& path, std::size_t bytes, double scale)
@@ -35,7 +35,7 @@ class MeshBuilder {
     mesh_.vertices.push_back(v);
   }
 
-  /// Followed by so many calls of corner().
+  /// Begin a face; exactly `corners` calls of corner() must follow.
   void beginFace(std::int64_t corners) {
     if (corners < 3 || corners > kMostCorners)
       fail("face " + std::to_string(faces_) + " has " + std::to_string(corners) + " corners, must have 3 to 255");
@@ -63,7 +63,7 @@ class MeshBuilder {
 
   std::int64_t vertices() const { return static_cast<std::int64_t>(mesh_.vertices.size()); }
 
-  /// To be called once, at the end.
+  /// Return the mesh. Call once, at the end.
   TriangleMesh mesh() {
     if (faces_ == 0) fail("has no faces");
     if (largest_ >= vertices()) outOfRange(faceOfLargest_, largest_);
@@ -82,14 +82,14 @@ class MeshBuilder {
   }
 
   static constexpr std::size_t kLeastBytes =
-      6;  // of a file a triangle: the vertices alone of a closed mesh take as many
+      6;  // of a file per triangle: the vertices of a closed mesh alone take as many
 
   std::string path_;
   double scale_;
   std::size_t mostTriangles_;
   TriangleMesh mesh_;
   std::int64_t faces_ = 0, largest_ = -1, faceOfLargest_ = 0;
-  int corners_ = 0, first_ = 0, last_ = 0;  // of the face begun last
+  int corners_ = 0, first_ = 0, last_ = 0;  // of the last begun face
 };
 
 /// Words and lines of a text.
@@ -102,7 +102,7 @@ class Words {
   int line() const { return line_; }
   std::string_view rest() const { return text_.substr(at_); }
 
-  /// The next word of this line, empty at its end. Comments start at '#' where `comments` is set.
+  /// Return the next word of this line, empty at its end. If `comments` is set, a comment starts at '#'.
   std::string_view wordOfLine(bool comments = true) {
     while (at_ < text_.size() && text_[at_] != '\n' && isSpace(text_[at_])) ++at_;
     if (comments && at_ < text_.size() && text_[at_] == '#') skipLine();
@@ -115,7 +115,7 @@ class Words {
     while (at_ < text_.size() && text_[at_] != '\n') ++at_;
   }
 
-  /// Goes to the next line; false at the end of the text.
+  /// Go to the next line. Returns false at the end of the text.
   bool nextLine() {
     skipLine();
     if (at_ == text_.size()) return false;
@@ -124,7 +124,7 @@ class Words {
     return at_ < text_.size();
   }
 
-  /// The next word, on whatever line.
+  /// Return the next word of any line.
   std::string_view word(const char* what) {
     for (;;) {
       const std::string_view found = wordOfLine();
@@ -138,7 +138,7 @@ class Words {
     const char* start = word.data() + (!word.empty() && word.front() == '+' ? 1 : 0);
     const auto result = std::from_chars(start, word.data() + word.size(), value);
     if (result.ec == std::errc::result_out_of_range && result.ptr == word.data() + word.size()) {
-      long double wide = HUGE_VAL;  // tells which end of the range it is
+      long double wide = HUGE_VAL;  // decides between underflow and overflow
       std::from_chars(start, word.data() + word.size(), wide);
       return std::abs(wide) < 1.0L ? 0.0 : HUGE_VAL;
     }
@@ -167,7 +167,7 @@ class Words {
   int line_ = 1;
 };
 
-/// A count of a header, checked against the least number of bytes that each item takes.
+/// Check a count of a header against the least number of bytes per item.
 inline std::int64_t checkedCount(std::int64_t count, std::size_t leastBytes, std::size_t remaining, const char* items,
                                  const MeshBuilder& out) {
   if (count < 0) out.fail(std::string("promises ") + std::to_string(count) + " " + items);
@@ -177,7 +177,7 @@ inline std::int64_t checkedCount(std::int64_t count, std::size_t leastBytes, std
   return count;
 }
 
-/// PLY, as text or as bytes of either order.
+/// Scan PLY in text or in bytes of either order.
 void scanPly(std::string_view bytes, MeshBuilder& out);
 
 }  // namespace enamel

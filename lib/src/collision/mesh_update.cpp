@@ -1,5 +1,5 @@
-// Triangles keep their slots. Boxes only ever have to hold what is in them, so removing needs no work there. The sums
-// of normals around a change are not repaired but marked: signs there are judged from the triangles themselves.
+// Triangles keep their slots. Boxes must only contain their triangles, so removing one needs no work on them. The sums
+// of normals around a change are not repaired but marked. Signs there are computed from the triangles themselves.
 #include "enamel/collision/mesh_update.hpp"
 
 #include <algorithm>
@@ -16,9 +16,9 @@ namespace {
 
 using namespace kernel;
 
-constexpr double kLargestExtent = 8.0;  // local; the mesh at its building reaches from -1 to 1
+constexpr double kLargestExtent = 8.0;  // local; the mesh as built reaches from -1 to 1
 
-// To be done at the end: all corners at the places of these vertices, and the edges that meet there.
+// Mark the places of these vertices. At the end all corners and edges there are tainted.
 void taint(MeshData& data, const std::array<int, 3>& corners) {
   for (const int v : corners) {
     const int place = data.place[v];
@@ -57,14 +57,14 @@ int trianglesOf(const MeshData& data, std::int32_t leaf, std::array<std::int32_t
   return count;
 }
 
-// Makes the boxes of a leaf and of all nodes above hold what is in it.
+// Refit the boxes of a leaf, and of all nodes above, to its content.
 void refitLeaf(MeshData& data, std::int32_t leaf) {
   Parent at = data.leafParent[leaf];
   std::array<std::int32_t, kWidth> triangles{};
   data.scratch.clear();
   gatherCorners(data, triangles.data(), trianglesOf(data, leaf, triangles), data.scratch);
   if (data.scratch.empty()) return;
-  // The axes stay, and with them the cone; the oriented boxes above only grow.
+  // The axes and the cone stay. The oriented boxes above only grow.
   const Oriented oriented = boxAlong(readOriented(data, at).axes, data.scratch);
   writeOriented(data, at, oriented);
   const Vec3 middle = -(oriented.axes.transpose() * oriented.offset);
@@ -105,7 +105,7 @@ bool areTriangles(const MeshData& data, const int* triangles, int count) {
 
 double extentOf(const MeshData& data, const Vec3& p) { return local(data.view, p).cwiseAbs().maxCoeff(); }
 
-// The mesh will reach to p.
+// Extend the bounds of the mesh to p.
 void enlarge(MeshData& data, const Vec3& p) {
   data.view.extent = std::max(data.view.extent, extentOf(data, p));
   data.low = data.low.cwiseMin(p);
@@ -120,7 +120,7 @@ Status checkPositions(const MeshData& data, const Vec3* positions, int count) {
   return Status::ok;
 }
 
-// Vertices may be unused, and far away, as long as no triangle comes to them.
+// Unused vertices may be far away until a triangle uses them.
 Status checkCorners(const MeshData& data, const std::array<int, 3>* corners, int count) {
   const int most = static_cast<int>(data.mesh.vertices.size());
   for (int i = 0; i < count; ++i)
@@ -135,8 +135,8 @@ std::int32_t freeSlotOf(const MeshData& data, std::int32_t leaf) {
   return slot;
 }
 
-// A free slot close to where triangle t will be: in a leaf of its neighbours, else as far down the hierarchy as there
-// is one. There are as many slots as triangles can be.
+// Choose a free slot near the future place of triangle t: in a leaf of its neighbours, or as deep in the hierarchy as
+// possible. There are as many slots as possible triangles.
 std::int32_t chooseSlot(const MeshData& data, std::int32_t t) {
   std::int32_t leaf = data.slotOf[t] / kWidth;
   for (const int v : data.mesh.triangles[t])

@@ -18,7 +18,7 @@ void keepMinimum(const Minimum& minimum, Minima& minima) {
   int first = place;
   for (; first > 0 && minimum.distance == minima.all[first - 1].distance; --first) {
     const Minimum& known = minima.all[first - 1];
-    if (known.point != minimum.point) continue;  // else a corner or edge, seen from another triangle
+    if (known.point != minimum.point) continue;  // otherwise the same corner or edge, seen from another triangle
     if (known.triangle <= minimum.triangle) return;
     std::copy(minima.all.begin() + first, minima.all.begin() + minima.count, minima.all.begin() + first - 1);
     --minima.count;
@@ -31,7 +31,7 @@ void keepMinimum(const Minimum& minimum, Minima& minima) {
   minima.all[place] = minimum;
 }
 
-// The minima about a point, and the nearest point of all.
+// The minima around a point, and the nearest point of all.
 struct MinimaSearch {
   const MeshData* data;
   Vec3 p;
@@ -45,14 +45,14 @@ bool hasNearer(const MinimaSearch& s, const Triangle& triangle, double squared) 
   return c.squared < squared * (1.0 - 1e-12);
 }
 
-// Which corner of a triangle lies at x; -1: none.
+// Index of the corner of a triangle at x; -1 if it has none there.
 int cornerAt(const Triangle& triangle, const double* x) {
   for (int i = 0; i < 3; ++i)
     if (std::equal(x, x + 3, triangle.corner[i])) return i;
   return -1;
 }
 
-// A point on an edge or corner is a local minimum if no other triangle there comes nearer.
+// A point on an edge or corner is a local minimum if no other triangle there is nearer.
 bool isMinimum(const MinimaSearch& s, const Triangle& triangle, const Candidate& c) {
   if (c.feature == kFace) return true;
   const auto& neighbour = s.data->neighbour;
@@ -63,7 +63,7 @@ bool isMinimum(const MinimaSearch& s, const Triangle& triangle, const Candidate&
     const std::int32_t other = neighbour[triangle.index][c.feature - kEdge01];
     return other < 0 || !hasNearer(s, triangleOf(other), c.squared);
   }
-  for (const int turn : {2, 0}) {  // round the corner one way, and the other way where a border stops the walk
+  for (const int turn : {2, 0}) {  // walk round the corner one way, and the other way if a border stops the walk
     std::int32_t at = triangle.index;
     int corner = c.feature;
     for (int step = 0; step < kMostFanSteps && corner >= 0; ++step) {

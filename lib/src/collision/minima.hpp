@@ -1,4 +1,4 @@
-// The local minima of the distance from a point to a mesh.
+// Local minima of the distance from a point to a mesh.
 #pragma once
 
 #include <array>
@@ -16,14 +16,15 @@ struct Minimum {
   int featureIndex;
 };
 
-/// The nearest minima, whatever the order in which they are found: by distance, then by triangle.
+/// The nearest minima, sorted by distance, then by triangle, so that the order of the search does not matter.
 struct Minima {
   static constexpr int kMost = 64;
   std::array<Minimum, kMost> all;
   int count = 0;
 };
 
-/// All minima about p within `reach`, m. Answers the nearest point of all triangles within reach, as Loops::closest.
+/// Find all minima around p within `reach`, m. Returns the nearest point of all triangles within reach, as
+/// Loops::closest does.
 Answer findMinima(const MeshData& data, const Vec3& p, double reach, Minima& minima) noexcept;
 
 }  // namespace enamel::kernel

@@ -1,12 +1,12 @@
-// Triangles that may hold a local minimum of the distance from a point, by the cones of their normals.
+// Triangles that may hold a local minimum of the distance from a point, selected by the cones of their normals.
 #pragma once
 
 #include "segment_search.inl"
 
 constexpr int kMostWaiting = 64;
 
-// Children within the limit whose cones allow one: the line from one of their points to the point in question is
-// nowhere steeper to the third axis than the sides of the box allow.
+// Children within the limit whose cones permit a minimum. The line from a point of the box to the query point has a
+// bounded angle to the third axis. The sides of the box give the bound.
 inline unsigned childrenWithMinima(const Node& node, const V3& q, V limit, V slack) {
   const Lanes boxes = lanesOf(node);
   const V3 f = fromMiddles(boxes, q);
@@ -36,7 +36,7 @@ void visitMinima(const Mesh& mesh, const double point[3], double reach, Visit vi
     const Leaf& leaf = mesh.leaves[number];
     const V3 f = lanesOf(leaf).place(q);
     const V d = frameDistances(lanesOf(leaf), f), height = f[2];
-    const V high = absolute(height) + slack;  // and what both may err by
+    const V high = absolute(height) + slack;  // plus the possible error of both
     const V front = load(leaf.front), back = load(leaf.back);
     const V either = selectGreater(-height, slack, back, minimum(front, back));
     const V least = selectGreater(height, slack, front, either) * d;

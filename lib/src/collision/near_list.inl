@@ -1,40 +1,42 @@
-// The lists of near triangles: for a tool that moves little from query to query, every triangle that can be nearest
-// within a ball about where it is going, so that most queries go through no hierarchy. Four functions are the
-// interface: forget(), listAt(), listedWithin() and workAhead().
+// Lists of near triangles, for a tool that moves little from query to query. A list holds every triangle that can be
+// nearest within a ball around the predicted place. So most queries skip the hierarchy. The interface is forget(),
+// listAt(), listedWithin() and workAhead().
 #pragma once
 
 #include "descent.inl"
 
-// The numbers below were measured with closestPoint() and a cache along the haptic path of
-// `enamel bench --filter collision`, AVX2, the least time of each call in 12 runs of each of 22 variants in turns.
-// Ratios are of another value's time to the middle one of all variants, on 100 k and 1 M triangles; 10 % are noise.
+// The numbers below were measured along the haptic path of `enamel bench --filter collision`: closestPoint() with a
+// cache, AVX2. Each time is the least of each call in 12 runs of each of 22 variants in turn. Ratios compare the time
+// with another value to that of the median variant, on 100 k and 1 M triangles. 10 % are noise.
 
-// A list is begun when the tool, going on as it does, leaves the last one within this many queries. 1: p99.9 1.5
-// and 1.9 times, as lists are not ready in time; 6: no difference.
+// A list is begun if the tool, at its present motion, leaves the last one within this many queries. With 1 the p99.9 is
+// 1.5 and 1.9 times as long, as lists are not ready in time. 6 makes no difference.
 constexpr double kAhead = 3.0;
-// Its ball is at least so many queries wide. 1.5: median 1.25 and 1.2 times; 6: p99 1.3 and 0.85 times.
+// The ball is at least this many queries wide. With 1.5 the median is 1.25 and 1.2 times as long; with 6 the p99 is 1.3
+// and 0.85 times as long.
 constexpr double kLeastReach = 3.0;
-// It lies so many radii ahead of the place where it is needed first. 0.5: p99 1.1 times on 100 k, p99.9 1.2 on 1 M;
-// 0.75: no difference.
+// The ball is centred this many radii ahead of the place where it is first needed. With 0.5 the p99 is 1.1 times as
+// long on 100 k, and the p99.9 1.2 times on 1 M. 0.75 makes no difference.
 constexpr double kLead = 0.9;
-// What a node and a leaf cost, and what one query spends on the next list at most, unless it needs that at once.
-// 8: median 1.5 times on 100 k, p99 1.3 and p99.9 1.6 times on 1 M; 32: p99 1.3 times on 100 k, median 0.9.
+// Cost of a node and of a leaf, and the largest cost per query for the next list, unless it is needed at once. With 8
+// the median is 1.5 times as long on 100 k, and on 1 M the p99 1.3 and the p99.9 1.6 times. With 32, on 100 k, the p99
+// is 1.3 and the median 0.9 times as long.
 enum { kNodeWork = 2, kLeafWork = 3, kWorkPerQuery = 16 };
-// A list that took less was too small, one that took more too large. Two thirds of both: no difference; one and a
-// half times: p99 1.1 times on 100 k.
+// A list that cost less was too small; one that cost more was too large. Two thirds of both make no difference. With
+// one and a half times both, the p99 is 1.1 times as long on 100 k.
 enum { kLeastWork = 18, kMostWork = 25 };
-// By how much the next one is then larger or smaller, how much smaller after one that was given up, and the first one's
-// radius in mesh sizes. Not measured: they only say how soon the size is right, which kLeastWork and kMostWork decide.
+// Factors for the size of the next list: larger, smaller, and smaller after an abandoned list. Last the radius of the
+// first one in mesh sizes. Not measured: they set how soon the size is right. kLeastWork and kMostWork set the size.
 constexpr double kLarger = 1.08, kSmaller = 0.92, kMuchSmaller = 0.6, kFirstRadius = 1.0 / 512.0;
-// Beyond this work a list is given up. 40: p99 0.9 times on 1 M; 100: no difference.
+// A list that costs more is abandoned. With 40 the p99 is 0.9 times as long on 1 M. 100 makes no difference.
 constexpr int kNoList = 64;
-// No other is begun then for kPause queries, twice as many each time up to kLongPause: what making lists in vain may
-// cost far from the surface. 8 and 128: no difference along the path.
+// After an abandoned list, none is begun for kPause queries, doubled each time up to kLongPause. This limits the cost
+// of useless lists far from the surface. 8 and 128 make no difference along the path.
 enum { kPause = 32, kLongPause = 1024 };
 
 inline void drop(NearLists& lists) { lists.firstNode = lists.nodes = lists.firstLeaf = lists.leaves = 0; }
 
-// Nothing is known: another mesh, or an edit.
+// Forget everything: another mesh, or an edit.
 inline void forget(NearLists& lists) {
   lists.list[0].radius = lists.list[1].radius = -1.0;
   drop(lists);
@@ -62,7 +64,7 @@ inline V boundsOf(const NearList& list, int first, const V3& e) {
   return bound;
 }
 
-// Writes the slots of those that may lie within `most` of q, answers how many; room for kListed + kSpare.
+// Write the slots of the triangles that may lie within `most` of q, and return their number. Room: kListed + kSpare.
 inline int listedWithin(const NearList& list, const double* q, float most, int32_t* slot) {
   const V3 e = fromOrigin(list, q);
   int count = 0;
@@ -74,9 +76,9 @@ inline int listedWithin(const NearList& list, const double* q, float most, int32
   return count;
 }
 
-// Each triangle lies behind a plane across the line to its nearest point; from a point e farther on it is no nearer
-// than height + normal.e. That holds for any normal not longer than 1, as the height is taken over the corners: a point
-// close to the nearest one does.
+// Each triangle lies behind a plane across the line to its nearest point. From a point at offset e the distance is at
+// least height + normal.e. The height is taken over the corners, so this holds for any normal of length up to 1. A
+// point close to the nearest one therefore suffices.
 struct Planes {
   V3 normal;
   V height;
@@ -87,7 +89,7 @@ inline Planes planesBefore(const Lanes& frames, const V3& at) {
   const V c1 = frames.row(kCosine), s1 = frames.row(kSine), c2 = frames.row(kCosine + 1), s2 = frames.row(kSine + 1);
   const V length0 = frames.row(kLength), length2 = frames.row(kLength + 2);
   const V3 q = frames.place(at);
-  // Into the triangle: back over one edge, then over the other, then into its box.
+  // Project into the triangle: over one edge, then over the other, then into its bounding box.
   const V over1 = positive(s1 * (q[0] - length0) - c1 * q[1]);
   const V u1 = q[0] - s1 * over1, v1 = mad(c1, over1, q[1]);
   const V over2 = positive(c2 * v1 - s2 * u1);
@@ -103,9 +105,8 @@ inline Planes planesBefore(const Lanes& frames, const V3& at) {
 }
 
 // Which convex bodies can be nearest within r of the origin o. Let x be a point of the mesh, D its distance from o and
-// m its direction: at o + e it is at most D + m.e + r^2 / 2D away, and a body behind a plane of normal n and height f
-// is at least f + n.e away. Hence only bodies with f - D <= r |m - n| + r^2 / 2D matter, besides the plain
-// f - D <= 2 r.
+// m the direction. At o + e, x is at most D + m.e + r^2 / 2D away. A body behind a plane of normal n and height f is at
+// least f + n.e away. So only bodies with f - D <= r |m - n| + r^2 / 2D matter, besides the plain f - D <= 2 r.
 struct Reach {
   V plain;   // D + 2 r
   V square;  // its square
@@ -136,7 +137,7 @@ inline unsigned planesWithin(const Reach& reach, const Planes& planes) {
   return lessOrEqualMask(planes.height, reach.plain) & lessOrEqualMask(more * more, reach.turn * squared);
 }
 
-// The plane of a box is as far away as its nearest point.
+// The plane of a box is at its nearest point.
 inline unsigned boxesWithin(const Reach& reach, const Lanes& boxes, const V3& q) {
   V squared = set(0.0f), ahead = squared;
   for (int i = 0; i < 3; ++i) {
@@ -152,7 +153,7 @@ inline unsigned boxesWithin(const Reach& reach, const Lanes& boxes, const V3& q)
   return lessOrEqualMask(squared, reach.square) & lessOrEqualMask(more * more * f, reach.turn * turn);
 }
 
-// The witness moves to the triangle that seems nearest to the origin, if that is nearer.
+// Move the witness to the triangle that seems nearest to the origin, if that is nearer.
 inline void improveWitness(const Mesh& mesh, const NearList& list, const double* origin, double* witness) {
   const V3 e = fromOrigin(list, origin);
   float least = 3.4e38f;
@@ -174,7 +175,7 @@ inline void improveWitness(const Mesh& mesh, const NearList& list, const double*
   for (int k = 0; k < 3; ++k) witness[k] = x[k];
 }
 
-// For a tool that goes on by `motion` a query, was answered `surface`, and needs the list from `start` on.
+// Begin a list for a tool that moves by `motion` per query, had the answer `surface`, and needs the list from `start`.
 inline void begin(const Mesh& mesh, const double* start, const double* motion, const double* surface,
                   NearLists& lists) {
   NearList& list = lists.list[1 - lists.active];
@@ -197,7 +198,7 @@ inline void begin(const Mesh& mesh, const double* start, const double* motion, c
   lists.nodes = 1;
 }
 
-// The ball may be larger than the margin where the tool has jumped: that is no reason for larger ones from now on.
+// After a jump of the tool the ball may be larger than the margin. This must not enlarge later balls.
 inline void lowerMargin(NearLists& lists, double margin) {
   if (margin < lists.margin) lists.margin = margin;
 }
@@ -209,8 +210,8 @@ inline void giveUp(NearLists& lists) {
   if (lists.pause < kLongPause) lists.pause *= 2;
 }
 
-// Goes on with the list until it is complete or the work is done: the nodes first, level by level, so that memory has
-// time to bring them, then the leaves.
+// Extend the list until it is complete or the work is used up. Nodes come first, level by level, so that prefetching
+// has time; then the leaves.
 inline void extend(const Mesh& mesh, int work, NearLists& lists) {
   NearList& list = lists.list[1 - lists.active];
   const Reach reach = reachOf(list.origin, lists.witness, lists.ball, slackOf(mesh, list.origin));
@@ -260,7 +261,7 @@ inline void extend(const Mesh& mesh, int work, NearLists& lists) {
   if (lists.work > kMostWork) lowerMargin(lists, kSmaller * lists.ball);
 }
 
-// The list that answers at q, made complete if it is the one being made; null: none does.
+// Return the list that holds at q, or null. Completes the list in progress if it holds there.
 inline const NearList* listAt(const Mesh& mesh, const double* q, NearLists& lists) {
   if (!holds(lists.list[lists.active], q)) {
     const NearList& next = lists.list[1 - lists.active];
@@ -272,7 +273,7 @@ inline const NearList* listAt(const Mesh& mesh, const double* q, NearLists& list
   return &lists.list[lists.active];
 }
 
-// A list is made before it is needed, over some queries, so that none of them takes long.
+// Build the next list before it is needed, spread over several queries, so that none of them takes long.
 inline void workAhead(const Mesh& mesh, const double* q, const double* motion, const double* surface,
                       NearLists& lists) {
   if (!isOpen(lists)) {
@@ -282,7 +283,7 @@ inline void workAhead(const Mesh& mesh, const double* q, const double* motion, c
     }
     double start[3];
     for (int k = 0; k < 3; ++k) start[k] = q[k] + kAhead * motion[k];
-    if (isFar(start)) return;  // a jump, not the tool's motion
+    if (isFar(start)) return;  // a jump, not motion of the tool
     if (holds(lists.list[0], start) || holds(lists.list[1], start)) return;
     begin(mesh, start, motion, surface, lists);
   }

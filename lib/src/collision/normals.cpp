@@ -7,14 +7,14 @@
 namespace enamel::kernel {
 namespace {
 
-constexpr double kFlat = 1e-12;  // height over longest edge of a triangle that counts as without area
+constexpr double kFlat = 1e-12;  // height over longest edge: a flatter triangle has no normal
 
 }  // namespace
 
 Vec3 unitNormal(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
   const Vec3 ab = b - a, bc = c - b, ca = a - c;
   const double longest = std::max({ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()});
-  // At the corner where the two shorter edges meet, the product loses least.
+  // The product at the corner of the two shorter edges loses least.
   Vec3 n = longest == bc.squaredNorm() ? ca.cross(ab) : longest == ca.squaredNorm() ? ab.cross(bc) : bc.cross(ca);
   const double length = n.norm();
   if (!(length > kFlat * longest)) return Vec3::Zero();

@@ -1,4 +1,4 @@
-// Normals of triangles, and their sums around edges and corners, which tell the sign of a distance.
+// Normals of triangles, and their sums around edges and corners, which give the sign of a distance.
 #pragma once
 
 #include <vector>
@@ -7,21 +7,21 @@
 
 namespace enamel::kernel {
 
-/// Unit normal of a triangle, or zero if it is lower than 1e-12 of its longest edge.
+/// Return the unit normal of a triangle, or zero if its height is below 1e-12 of its longest edge.
 Vec3 unitNormal(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
-/// Angle at corner a between the directions to b and c, rad; 0 where one of them has no length.
+/// Return the angle at corner a between the directions to b and c, rad; 0 if one of them has no length.
 double cornerAngle(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
-/// unitNormal() of all triangles.
+/// Return unitNormal() of all triangles.
 std::vector<Vec3> unitNormals(const TriangleMesh& mesh);
 
-/// Sum of the unit normals of all triangles at an edge of this one, or around a corner, each there times its angle
-/// (Baerentzen & Aanaes 2005). Made when it is asked for, which is seldom: cones decide most signs, and 52 bytes a
-/// triangle would be what all sums take. Realtime: yes.
+/// Return the sum of the unit normals of all triangles at an edge of this one, or around a corner. Around a corner each
+/// counts by its angle (Baerentzen & Aanaes 2005). Computed on demand: cones decide most signs, and storing all sums
+/// would take 52 bytes per triangle. Realtime: yes.
 Vec3 normalAround(const MeshData& data, std::int32_t triangle, std::int32_t feature) noexcept;
 
-/// Marks the edges and corners where a triangle has no normal, for which these sums do not tell the side.
+/// Mark the edges and corners at a triangle without a normal, where these sums do not give the side.
 void markWithoutNormal(MeshData& data, const std::vector<EdgeUse>& edges, const std::vector<Vec3>& normal);
 
 }  // namespace enamel::kernel

@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kSameDirection = 0.9659258262890683;  // cos 15 deg
 constexpr double kClearlyNearer = 1e-9;                // m
-constexpr double kSolidNear = 2e-4;                    // m, of a solid's gaps: beyond, one place is enough
-constexpr double kClear = 1e-6;     // of the size: where the offset from the surface gives the normal
-constexpr double kSurely = 1e-12;   // of the size: a distance that is more than rounding
-constexpr double kNearly = 1e-6;    // of the reach: more than what is rounded
-constexpr double kLookAhead = 2.0;  // times a part's reach: how far its clearance is looked for
-constexpr double kRounded = 1e-12;  // of the reach
+constexpr double kSolidNear = 2e-4;                    // m, of a solid's gaps: at larger gaps one contact is enough
+constexpr double kClear = 1e-6;                        // of the size: larger offsets from the surface give the normal
+constexpr double kSurely = 1e-12;                      // of the size: larger distances are not rounding errors
+constexpr double kNearly = 1e-6;                       // of the reach: larger than rounding errors
+constexpr double kLookAhead = 2.0;                     // times the reach of a part: search limit of its clearance
+constexpr double kRounded = 1e-12;                     // of the reach
 
 }  // namespace
 
@@ -49,10 +49,10 @@ namespace {
 
 // Contacts of one part with a mesh.
 //
-// Outside of a closed surface, or where only the way of the tool tells the side, it cannot change before the surface is
-// met: an axis that starts outside and keeps away from every triangle lies outside, and it still does after a move
-// shorter than its clearance. Most ticks of most parts end there. So does an end that was outside, if no triangle is as
-// near as it came from: what is out of reach then need not be known.
+// If the surface is closed, or only the path of the tool determines the side, the side cannot change before the surface
+// is met. An axis that starts outside and keeps away from every triangle lies outside. It still does after a move
+// shorter than its clearance. Most parts are decided by this in most ticks. The same holds for an end that was outside,
+// if no triangle is within the distance that it moved. Geometry out of reach is then irrelevant.
 class PartOnMesh {
  public:
   PartOnMesh(const MeshModel& mesh, const Segment& axis, double radius, PartCache* cache, Collector& out)
@@ -70,7 +70,7 @@ class PartOnMesh {
   void addContacts() {
     recall();
     if (clear_ > reach_) return;
-    const bool wasOutside = clear_ > 0.0 && !isSphere_;  // the axis is then asked first: the ends may not be needed
+    const bool wasOutside = clear_ > 0.0 && !isSphere_;  // query the axis first: the ends may not be needed
     chooseA();
     if (!wasOutside) findEnds();
     findClearance(wasOutside);
@@ -85,10 +85,10 @@ class PartOnMesh {
 
  private:
   double justBeyond() const { return reach_ * (1.0 + kRounded); }
-  // What is hidden beyond that cannot make a place between the ends look less near.
+  // Limit that is large enough to rank a place between the ends correctly.
   double beyond(double radius) const { return out_.reachOf(radius) * (1.0 + kRounded) + 2.0 * kClearlyNearer; }
 
-  // What an earlier tick tells of this one.
+  // Reuse the result of an earlier tick.
   void recall() {
     if (cache_ == nullptr || cache_->revision != data_.view.revision) return;
     const double moveOfA = (axis_.a - cache_->axis.a).norm(), moveOfB = (axis_.b - cache_->axis.b).norm();
@@ -99,7 +99,7 @@ class PartOnMesh {
     hint_ = cache_->nearest;
   }
 
-  // The end of the last part, if this one begins there and enough is known of it.
+  // Use the end of the last part if this one begins there and it is sufficiently known.
   void chooseA() {
     limitA_ = isNearA_ ? beyond(radius_) : isSphere_ && clear_ > 0.0 ? kLookAhead * reach_ : kNoLimit;
     const End& last = *out_.last;
@@ -115,7 +115,7 @@ class PartOnMesh {
     std::swap(out_.last, out_.next);
   }
 
-  // Where the surface is likely to be in reach, the nearest point is one of the minima, which are asked for anyway.
+  // If the surface is likely to be in reach, take the nearest point from the minima, which are needed anyway.
   void findEnd(const Vec3& p, bool isNear, double limit, Cache* cache, End& end) const {
     end.point = p;
     end.limit = limit;
@@ -152,7 +152,7 @@ class PartOnMesh {
     cache_->nearest = between_.triangle;
   }
 
-  // Of the minima, from the nearest on, one for each direction counts.
+  // Of the minima, nearest first, one for each direction counts.
   void addSphere(End& end) const {
     const SurfacePoint& nearest = end.nearest;
     if (nearest.triangle < 0 || nearest.distance > radius_ + out_.margin) return;
@@ -180,7 +180,7 @@ class PartOnMesh {
     if (count == 0) out_.add(end.point, nearest, radius_);
   }
 
-  // Where an end lies behind the surface, no place between is nearer to the outside than both.
+  // If an end lies behind the surface, no place between the ends is nearer to the outside than both.
   void addBetween() const {
     const double ends =
         std::min({justBeyond(), a_->nearest.distance - kClearlyNearer, b_->nearest.distance - kClearlyNearer});
@@ -212,9 +212,9 @@ class PartOnMesh {
   Collector& out_;
   const double reach_;
   const bool isSphere_;
-  const bool staysOutside_;                 // off the surface
-  bool isNearA_ = false, isNearB_ = false;  // or hidden, and outside
-  double clear_ = -1.0;                     // the axis keeps at least so far away from the mesh, outside
+  const bool staysOutside_;                 // the side changes only at the surface
+  bool isNearA_ = false, isNearB_ = false;  // surface likely in reach; otherwise the end is outside
+  double clear_ = -1.0;                     // lower bound of the distance of the axis from the mesh, outside
   int hint_ = -1;                           // triangle that is likely to be nearest to the axis
   double limitA_ = kNoLimit;
   SegmentPoint between_;
@@ -228,7 +228,7 @@ void addPart(const MeshModel& mesh, const Segment& axis, double radius, PartCach
   PartOnMesh(mesh, axis, radius, cache, out).addContacts();
 }
 
-// Between the ends only what is nearer than both counts, as for a mesh.
+// A place between the ends counts only if it is nearer than both, as for a mesh.
 void addPart(const Solid& solid, const Segment& axis, double radius, PartCache*, Collector& out) {
   const double reach = out.reachOf(radius);
   const auto addSphere = [&](const Vec3& p, bool isBehind) {
@@ -267,7 +267,7 @@ void addPart(const Analytic& shape, const Segment& axis, double radius, PartCach
   const double atA = addSphere(shape, axis.a, radius, out);
   if (axis.a == axis.b) return;
   const double atB = addSphere(shape, axis.b, radius, out);
-  // Distances change by no more than the path: between the ends they are at least (a + b - length) / 2.
+  // Distances change at most by the path length, so between the ends they are at least (a + b - length) / 2.
   if (atA + atB - (axis.b - axis.a).norm() > 2.0 * out.reachOf(radius)) return;
   const double t = nearestOnAxis(shape, axis);
   if (!(t > 0.0 && t < 1.0)) return;
@@ -303,7 +303,7 @@ void addNearest(const ShapeType& shape, const Segment& axis, double radius, Part
   if (axis.a == axis.b) return;
   const auto atB = nearestOf(shape, axis.b, pointOf(cache, 1), out.isOutside);
   out.add(axis.b, atB, radius);
-  // Only what is nearer than both ends counts, and distances change by no more than the path.
+  // Only a place nearer than both ends counts, and distances change at most by the path length.
   const double ends = std::min(atA.distance, atB.distance);
   if (std::abs(atA.distance - atB.distance) >= (axis.b - axis.a).norm()) return;
   const double t = nearestOnAxis(shape, axis, std::max(ends, 0.0));

@@ -1,4 +1,4 @@
-// The contacts of one part of a tool with one obstacle, while those of a tick are collected.
+// Contacts of one part of a tool with one obstacle, and the collection of a tick's contacts.
 #pragma once
 
 #include <algorithm>
@@ -9,44 +9,44 @@
 
 namespace enamel::kernel {
 
-/// A place on an axis, an end mostly, and what is known of it. The next part often begins where the last one ended.
+/// A place on an axis, usually an end, and its query results. The next part often begins where the last one ended.
 struct End {
   Vec3 point = Vec3::Zero();
-  double limit = -1.0;   ///< as far as the nearest point was looked for
+  double limit = -1.0;   ///< search limit of the nearest point
   SurfacePoint nearest;  ///< signed
-  double reach = -1.0;   ///< as far as the minima of the distance were looked for
+  double reach = -1.0;   ///< search limit of the minima of the distance
   Minima minima;
 
   bool isAhead() const { return nearest.distance > 0.0; }
 };
 
-/// Contacts of one tick while they are collected; the deepest first.
+/// Collects the contacts of one tick, deepest first.
 struct Collector {
   ContactSnapshot* contacts;
   double margin;
   Pair pair;
-  End* last;                                         ///< of the part before
-  End* next;                                         ///< to become that
+  End* last;                                         ///< of the previous part
+  End* next;                                         ///< becomes `last`
   double nextRadius;                                 ///< of the part that begins where this one ends, or 0
   bool isOutside = false;                            ///< the axis is known to be outside
   double pad = 0.0;                                  ///< of a sheet: half its thickness, added to all radii
-  const Segment *from = nullptr, *actual = nullptr;  ///< the axis that is asked stands for another one
+  const Segment *from = nullptr, *actual = nullptr;  ///< if set: the queried axis `from` replaces the axis `actual`
 
   double reachOf(double radius) const { return radius + std::max(margin, 0.0); }
 
-  /// `asked` and what is found there, in the obstacle's frame.
+  /// Add a contact. `asked` and `found` are in the obstacle's frame.
   template <typename Found>
   void add(const Vec3& asked, const Found& found, double radius);
 };
 
-/// Adds the contacts of a part whose axis is given in the obstacle's frame. Realtime: yes.
+/// Add the contacts of a part whose axis is given in the obstacle's frame. Realtime: yes.
 void addPart(const Obstacle& obstacle, const Segment& axis, double radius, PartCache* cache, Collector& out) noexcept;
 
-/// Adds the nearest place of a part, under the rules of addPart(). Realtime: yes.
+/// Add the nearest place of a part, under the rules of addPart(). Realtime: yes.
 void addNearest(const Obstacle& obstacle, const Segment& axis, double radius, PartCache* cache,
                 Collector& out) noexcept;
 
-/// Calls visit(obstacle, axis, radius, cache, collector) for every part and obstacle; without contacts where it cannot.
+/// Call visit(obstacle, axis, radius, cache, collector) for every part and obstacle. An error leaves no contacts.
 template <typename Visit>
 Status forEachPart(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                    ContactSnapshot& contacts, const Visit& visit) {

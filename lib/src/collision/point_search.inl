@@ -7,17 +7,17 @@ constexpr int kMostCandidates = 64;
 
 struct Search {
   Search(const Mesh& of, const double* p, double limitSquared);
-  V3 q() const { return {{set(rounded[0]), set(rounded[1]), set(rounded[2])}}; }  // the point, in one register a number
+  V3 q() const { return {{set(rounded[0]), set(rounded[1]), set(rounded[2])}}; }  // the point, one register per number
 
   const Mesh& mesh;
   const double* point;  // original coordinates
   double local[3];
   float rounded[3];       // local
   double slack;           // absolute error of a float distance
-  float slackUp;          // the same, not smaller
+  float slackUp;          // the same, rounded up
   float least = 3.4e38f;  // smallest squared float distance so far
   float limit = 3.4e38f;  // largest squared float distance that may still matter
-  // Triangles whose exact distance has yet to be looked at.
+  // Triangles whose exact distance is still to be computed.
   int candidates = 0;
   int32_t candidate[kMostCandidates];
   float candidateBound[kMostCandidates];
@@ -32,8 +32,8 @@ inline void lowerLimit(Search& s, float limit) {
   if (limit < s.limit) s.limit = limit;
 }
 
-// No triangle whose float distance is above the limit can be nearest: within `slack` of their float distances, the
-// nearest so far lies below it.
+// Lower the limit: the nearest triangle so far is within `slack` of its float distance. Triangles above the limit
+// cannot be nearest.
 inline void tightenToFloat(Search& s, float least) {
   s.least = least;
   const float d = __builtin_sqrtf(least) + 2.0f * s.slackUp;
@@ -42,7 +42,7 @@ inline void tightenToFloat(Search& s, float least) {
 
 inline void tightenToExact(Search& s) { lowerLimit(s, limitOf(__builtin_sqrt(s.squared) * s.mesh.scale, s.slack)); }
 
-// Every box holds a triangle, which is no farther than the farthest corner of the box.
+// Every box holds a triangle, and the triangle is at most as far as the farthest corner of the box.
 inline void tightenToBoxes(Search& s, const Lanes& boxes) {
   V3 far = fromMiddles(boxes, s.q());
   for (int i = 0; i < 3; ++i) far[i] = far[i] + boxes.half(i);
@@ -59,7 +59,7 @@ inline Search::Search(const Mesh& of, const double* p, double limitSquared) : me
   if (limitSquared < kHuge) tightenToExact(*this);
 }
 
-// Smaller distance wins; at the same distance the smaller index.
+// The smaller distance wins; at equal distance the smaller index.
 inline void keepNearer(Search& s, const Triangle* t, const Candidate& c) {
   if (!(c.squared < s.squared || (c.squared == s.squared && t->index < s.index))) return;
   s.squared = c.squared;
@@ -96,7 +96,7 @@ inline void tryTriangles(Search& s, const int32_t* slot, int all) {
   }
 }
 
-// Forgets the candidates that are ruled out by now.
+// Drop candidates that are ruled out.
 inline void sift(Search& s) {
   int kept = 0;
   for (int i = 0; i < s.candidates; ++i) {
@@ -107,15 +107,14 @@ inline void sift(Search& s) {
   s.candidates = kept;
 }
 
-// Looks at the exact distances of the candidates and forgets them. They are few: all lie within the error of the float
-// distances.
+// Compute the exact distances of the candidates. They are few: all lie within the error of the float distances.
 inline void settle(Search& s) {
   sift(s);
   tryTriangles(s, s.candidate, s.candidates);
   s.candidates = 0;
 }
 
-// Rare, and apart so that the loop over nodes stays small.
+// Rare, and not inlined, so that the loop over nodes stays small.
 __attribute__((noinline)) void makeRoom(Search& s) {
   sift(s);
   if (s.candidates <= kMostCandidates / 2) return;
@@ -147,19 +146,19 @@ inline void searchLeaf(Search& s, int32_t leaf) {
   }
 }
 
-// `cold`: nothing is known of where the answer lies, and every box holds a triangle.
+// `cold`: nothing is known about the answer, and every box holds a triangle.
 inline void searchTree(Search& s, bool cold) {
   const auto boundsOf = [&s, cold](const Node& node) {
     const Lanes boxes = lanesOf(node);
     const V bounds = squaredLength(beyondBoxes(boxes, fromMiddles(boxes, s.q())));
-    // Behind the bounds: before them it would make the compiler load all rows at once, more than there are registers.
+    // After the bounds: before them, the compiler would load all rows at once, which are more than the registers.
     if (cold && s.least > 3e38f) tightenToBoxes(s, boxes);
     return bounds;
   };
   nearestFirst(s.mesh, s.limit, boundsOf, [&s](int32_t leaf) { searchLeaf(s, leaf); });
 }
 
-// Far away: the same with bounds in double, of the boxes along the axes.
+// Far away: bounds in double, of the axis-aligned boxes.
 struct FarBounds {
   double lane[kWidth];
 };
@@ -203,8 +202,8 @@ inline void searchFar(Search& s) {
   });
 }
 
-// The previous answer is on the mesh, so its distance bounds the new one. Where a list holds, it answers; else the tree
-// is searched.
+// The previous answer is on the mesh, so its distance bounds the new one. If a list holds, it gives the answer;
+// otherwise the tree is searched.
 inline void searchWithCache(Search& s, Cache& cache) {
   const float surface = __builtin_sqrtf(static_cast<float>(squaredDistance(s.local, cache.surface))) * 1.000001f;
   const NearList* list = listAt(s.mesh, s.local, cache.near);
@@ -212,7 +211,7 @@ inline void searchWithCache(Search& s, Cache& cache) {
     lowerLimit(s, (surface + s.slackUp) * (surface + s.slackUp) * 1.000002f);
     return searchTree(s, false);
   }
-  // The planes of the list are as exact as numbers of the size of its origin, which may be farther out than the point.
+  // The planes of the list have the rounding error of its origin, which may be farther out than the point.
   const float slack = s.slackUp > list->slack ? s.slackUp : list->slack;
   float most = surface + 3.0f * slack;
   if (s.limit < most * most) most = __builtin_sqrtf(s.limit) * 1.000001f + 2.0f * slack;

@@ -35,7 +35,7 @@ SimdLevel bestLevel() noexcept {
   return SimdLevel::baseline;
 }
 
-// Relaxed is enough: all levels answer the same.
+// Relaxed is enough: all levels give the same answers.
 std::atomic<SimdLevel>& chosenLevel() noexcept {
   static std::atomic<SimdLevel> level{bestLevel()};
   return level;
@@ -43,9 +43,8 @@ std::atomic<SimdLevel>& chosenLevel() noexcept {
 
 Vec3 cornerOf(const Triangle& t, int i) { return {t.corner[i][0], t.corner[i][1], t.corner[i][2]}; }
 
-// Where triangles without area meet, their neighbours' normals do not add up along the edges of the mesh. Here all
-// triangles that pass through the point x count instead, whatever their connections: faces with 2 pi, edges with
-// pi, corners with their angle.
+// Where triangles without area meet, the normals of their neighbours do not add up along the edges of the mesh. Then
+// all triangles through the point x count, connected or not: faces with 2 pi, edges with pi, corners with their angle.
 struct NormalSum {
   const MeshData* data;
   double p[3];
@@ -80,7 +79,7 @@ Vec3 gatheredNormal(const MeshData& data, const Vec3& p, const Vec3& x, double d
 
 Vec3 normalOf(const Triangle& t) { return (cornerOf(t, 1) - cornerOf(t, 0)).cross(cornerOf(t, 2) - cornerOf(t, 0)); }
 
-// Of the place where the nearest point lies, not normalised.
+// Pseudonormal at the location of the nearest point, not normalised.
 Vec3 pseudonormal(const MeshData& data, const Vec3& p, const Vec3& x, double distance, std::int32_t slot,
                   std::int32_t feature) {
   const Triangle& t = data.triangles[slot];
@@ -199,10 +198,10 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
   const Candidate& nearest = found.nearest;
   const double distance = answer.distance;
   const Vec3 away = p - answer.point;
-  // All normals around a triangle lie within its cone, and so do the sums of them: where the offset to the point lies
-  // clearly on one side of the cone, the triangle's own normal tells the side.
+  // All normals around a triangle lie within its cone, and so do their sums. If the offset to the point is clearly on
+  // one side of the cone, the triangle's own normal gives the side.
   Vec3 n = Vec3::Zero();
-  double side = nearest.overPlane;  // like n.n 0 for a long or flat triangle: not told
+  double side = nearest.overPlane;  // 0 for a long or flat triangle, like n.n: unknown
   const double beyondCone = 1.0 - static_cast<double>(data.triangles[found.slot].cone);
   const bool isApart = distance > 1e-9 * data.size;
   bool inside = false;
@@ -216,8 +215,8 @@ SurfacePoint kernel::signedSurfacePoint(const MeshData& data, const Vec3& p, con
     inside = (side < 0.0) != data.inwards;
   }
   if (isApart) {
-    // 1 / d as d / d^2: the division need not wait for the root. Close to the surface the rounding of the point shows
-    // in the length.
+    // Compute 1 / d as d / d^2, so that the division need not wait for the root. Close to the surface the point's
+    // rounding affects the length.
     const bool isClear = std::abs(away.squaredNorm() - nearest.squared) <= 1e-10 * nearest.squared;
     const double inverse = isClear ? distance * (1.0 / nearest.squared) : 1.0 / away.norm();
     answer.normal = away * (inside ? -inverse : inverse);
@@ -274,7 +273,7 @@ struct Within {
   int capacity, found;
 };
 
-// The written ones are a heap, the largest number first.
+// The stored triangles are a heap with the largest number first.
 double keepTriangle(void* context, std::int32_t slot, double reach) {
   auto& s = *static_cast<Within*>(context);
   const kernel::Triangle& triangle = s.data->triangles[slot];

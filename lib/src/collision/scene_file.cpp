@@ -17,7 +17,7 @@ namespace {
 constexpr double kLargestPosition = 1.0;  // m
 constexpr double kSmallestSize = 1e-4, kLargestSize = 2.0;
 constexpr double kLargestToolRadius = 0.05;
-constexpr double kSmallestTooth = 1e-3, kLargestTooth = 1.0;  // m: other sizes are probably another unit
+constexpr double kSmallestTooth = 1e-3, kLargestTooth = 1.0;  // m: other sizes are probably in another unit
 constexpr double kLeastHardness = 1e3, kMostHardness = 1e12;  // Pa
 constexpr double kLeastThickness = 1e-6, kMostThickness = 0.01;
 constexpr int kMaxObstacles = 64;
@@ -91,7 +91,7 @@ Obstacle readCapsule(TomlTable& table) {
   return capsule;
 }
 
-// What a mesh file's coordinates are multiplied by.
+// Factor for the coordinates of a mesh file.
 double readScale(TomlTable& table) {
   const std::string unit = table.text("unit");
   const double scale = unit == "m" ? 1.0 : unit == "mm" ? 1e-3 : unit == "um" ? 1e-6 : 0.0;
@@ -129,7 +129,7 @@ Obstacle readMesh(TomlTable& table, const std::string& sceneFile, SpareCapacity 
   return mesh;
 }
 
-// Every key for itself: the default is a rigid surface without friction.
+// Every key is optional. The default is a rigid surface without friction.
 void readMaterial(TomlTable& table, Material& material) {
   const auto read = [&table](const char* key, double low, double high, const std::string& unit, double& value) {
     if (!table.has(key)) return;
@@ -205,8 +205,7 @@ Obstacle readObstacle(TomlTable& table, const std::string& sceneFile, SpareCapac
   return obstacle;
 }
 
-// Adds a note for a mesh whose inside is not certain, a size that looks like another unit, and cells larger than the
-// tool.
+// Note three problems: a mesh without a certain inside, a size that suggests another unit, cells larger than the tool.
 void addNotes(const Obstacle& obstacle, const Tool& tool, std::vector<std::string>& notes) {
   const std::string name = "obstacle \"" + obstacle.name + "\": ";
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
@@ -331,7 +330,7 @@ SceneFile loadScene(const std::string& path, SpareCapacity spare) { return parse
 
 PackedScene packScene(const std::string& path) {
   PackedScene packed{readFile(path), {}};
-  (void)parseScene(packed.text, path);  // with its own messages
+  (void)parseScene(packed.text, path);  // check it first, with its own messages
   toml::table scene = toml::parse(packed.text, path);
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   struct Name {

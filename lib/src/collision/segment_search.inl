@@ -3,13 +3,13 @@
 
 #include "descent.inl"
 
-// Measured as near_list.inl says, with segments of 5 mm from the points of the path outwards.
+// Measured as described in near_list.inl, with segments of 5 mm from the points of the path outwards.
 
-// Of the clearance of a segment beyond its reach this much is worth knowing: by it a followed tool skips queries. 0 and
-// 1: no difference in the query itself.
+// Share of the clearance above a segment's reach that is worth computing; a tracked tool skips queries by it. 0 and 1
+// make no difference in the query itself.
 constexpr float kEnough = 0.5f;
-// More triangles of a leaf than these that may be nearest are worth better bounds: that of the line, then of a second
-// plane. 6 and 12: 1.2 times on 100 k; 0, 3 and 3, none at all: no difference on these segments.
+// If more triangles of a leaf may be nearest, better bounds pay off: first that of the line, then a second plane. With
+// 6 and 12 the time is 1.2 times on 100 k. Other trials made no difference on these segments: 0, 3 and 3, none at all.
 enum { kFewOfLeaf = 3, kManyOfLeaf = 6 };
 
 // In local coordinates: start, unit direction, length.
@@ -41,7 +41,7 @@ inline LocalSegment toLocal(const Mesh& mesh, const double* from, const double* 
 
 inline bool isFar(const LocalSegment& segment) { return isFar(segment.from) || isFar(segment.to); }
 
-// Boxes against the box of the segment, grown by the reach: floats for the choice, the visitor decides exactly.
+// Test boxes against the box of the segment, enlarged by the reach. Floats select; the visitor decides exactly.
 void visit(const Mesh& mesh, const double from[3], const double to[3], double reach, Visit visitor, void* context) {
   const LocalSegment segment = toLocal(mesh, from, to);
   double low[3], high[3], middle[3], extent[3];
@@ -65,7 +65,7 @@ void visit(const Mesh& mesh, const double from[3], const double to[3], double re
     return lessOrEqualMask(squaredLength(d), limitOf(reach * mesh.scale, segment.slack));
   };
   anyOrder(mesh, nearOf, [&](int32_t leaf) {
-    // Within reach of the segment is within reach of its middle, half its length added.
+    // A point within reach of the segment is within reach plus half the length of its middle.
     unsigned near = 0xffffu;
     if (!isFar(middle))
       near = lessOrEqualMask(triangleDistances(lanesOf(mesh.leaves[leaf]), centre),
@@ -77,9 +77,9 @@ void visit(const Mesh& mesh, const double from[3], const double to[3], double re
   });
 }
 
-// Squared distances of the boxes of a node from a segment, from below. Only the feet of a box on the segment can be
-// nearest to it. The plane across the line from the middle of the feet to the box keeps the box away; along the segment
-// the height over it falls by no more than its slope.
+// Lower bounds of the squared distances of the boxes of a node from a segment. Only the feet of a box on the segment
+// can be nearest to it. The plane across the line from the middle of the feet to the box separates them. Along the
+// segment the height over the plane decreases at most by its slope.
 __attribute__((always_inline)) inline V segmentBounds(const Lanes& boxes, const LocalSegment& segment) {
   const V zero = set(0.0f), oneHalf = set(0.5f);
   const V3 start = boxes.place(segment.start), direction = boxes.turn(segment.direction);
@@ -102,8 +102,7 @@ __attribute__((always_inline)) inline V segmentBounds(const Lanes& boxes, const 
   return height * height / maximum(squared, set(1e-30f));
 }
 
-// A segment as the frames of the triangles of a leaf see it, and their feet on it: `halfLength` to both sides of the
-// middle.
+// A segment in the frames of the triangles of a leaf, and their feet on it: `halfLength` to both sides of the middle.
 struct Feet {
   V3 start, direction;
   V middle, halfLength;
@@ -126,9 +125,9 @@ inline Feet feetOn(const Lanes& frames, const LocalSegment& segment) {
   return feet;
 }
 
-// Squared distances of the triangles from places of the segment, and planes that the triangles lie behind: so far are
-// the places in front of them, and so much more, for each step along the segment, are others. Any normal does that is
-// not longer than 1; that of the offset from the nearest point is the best.
+// Squared distances of the triangles from places of the segment, and separating planes. `height` is the height of the
+// place over the plane, `slope` its change per step along the segment. Any normal of length up to 1 is valid. The best
+// is the offset from the nearest point.
 struct InFront {
   V squared, height, slope;
 };
@@ -148,8 +147,9 @@ inline InFront inFrontAt(const Lanes& frames, const Feet& feet, V at) {
 
 inline V boundOf(const InFront& front, V halfLength) { return front.height - halfLength * absolute(front.slope); }
 
-// From where the line meets the plane, going d along it brings it nearer to the triangle by d cos of the angle between
-// them and away from the plane by d sin: it comes no nearer than the distance in the plane times that sine.
+// Start at the point where the line meets the plane. A step d along the line approaches the triangle by at most d times
+// the cosine of the angle between them, and leaves the plane by d times its sine. So the distance is at least the
+// distance in the plane times that sine.
 inline V lineBound(const Lanes& frames, const Feet& feet, float error) {
   const V sine = absolute(feet.direction[2]), flat = set(1e-6f);
   const V at = -feet.start[2] / selectGreater(sine, flat, feet.direction[2], flat);
@@ -158,8 +158,7 @@ inline V lineBound(const Lanes& frames, const Feet& feet, float error) {
   return root(frameDistances(frames, p)) * (sine * set(0.99999f)) - set(2.0f * error);
 }
 
-// With a second plane, at the end of the feet to which the first one comes down: the bound lies where the two meet, or
-// in the middle.
+// Add a second plane at the end of the feet where the first is lowest. The bound is where both meet, or in the middle.
 inline V betterBound(const Lanes& frames, const Feet& feet, const InFront& first, float error) {
   const V zero = set(0.0f), w = feet.halfLength;
   const V end = selectGreater(first.slope, zero, feet.middle - w, feet.middle + w);
@@ -192,14 +191,14 @@ void visitSegment(const Mesh& mesh, const double from[3], const double to[3], do
   });
 }
 
-// Triangles are collected and looked at in fours.
+// Triangles are collected and computed in fours.
 struct AxisSearch {
   const Mesh& mesh;
   Axis axis;
   SegmentAnswer& answer;
   int waiting;
   int32_t slot[4];
-  double beyond;  // squared, of the nearest one that was looked at
+  double beyond;  // squared, of the nearest computed triangle
 };
 
 inline void keepNearer(AxisSearch& s, const Triangle* triangle, const SegmentCandidate& c) {
@@ -239,14 +238,14 @@ inline double collectForAxis(void* context, int32_t slot, double reach) {
   AxisSearch& s = *static_cast<AxisSearch*>(context);
   const Triangle* all = s.mesh.triangles;
   const int32_t best = s.answer.slot;
-  if (best >= 0 && s.answer.squared == 0.0 && all[slot].index > all[best].index) return reach;  // at best as near
+  if (best >= 0 && s.answer.squared == 0.0 && all[slot].index > all[best].index) return reach;  // at most equally near
   s.slot[s.waiting++] = slot;
   if (s.waiting < 4) return reach;
   tryWaiting(s);
   return __builtin_sqrt(s.answer.squared);
 }
 
-// The triangles that may lie within reach are looked at exactly; of the others the bounds are enough.
+// Compute triangles that may lie within reach exactly. Bounds are enough for the others.
 inline void searchAxis(AxisSearch& s, const LocalSegment& segment, double reach, double far, int32_t hint) {
   const Mesh& mesh = s.mesh;
   const float error = 2.0f * static_cast<float>(segment.slack);
@@ -254,7 +253,7 @@ inline void searchAxis(AxisSearch& s, const LocalSegment& segment, double reach,
   float exactly = rootUp(limitOf(reach * mesh.scale, segment.slack));
   float clear = 3.4e38f;
   const int32_t hinted = hint >= 0 ? hint / kWidth : -1;
-  bool isDone = false;  // the hinted one
+  bool isDone = false;  // the hinted leaf
   const auto atLeaf = [&](int32_t leaf) {
     if (isDone && leaf == hinted) return;
     const Lanes frames = lanesOf(mesh.leaves[leaf]);

@@ -16,7 +16,7 @@ ShapePoint aroundPoint(const Vec3& centre, double radius, const Vec3& p, const V
   return result;
 }
 
-// Of a box: a vector out of it has parts along the axes on whose sides it begins.
+// Feature of a box: a vector that leaves it has components along the axes of the sides from which it starts.
 void setFeature(const Vec3& outwards, ShapePoint& result) {
   int sides = 0;
   result.featureIndex = 0;

@@ -12,11 +12,11 @@ namespace {
 
 #include "exact.inl"
 
-constexpr double kCoarse = 2.0, kFine = 8.0;              // windingNumber's `accept`
-constexpr double kCoarseError = 0.05, kFineError = 1e-3;  // of it, with a margin
+constexpr double kCoarse = 2.0, kFine = 8.0;              // `accept` of windingNumber()
+constexpr double kCoarseError = 0.05, kFineError = 1e-3;  // errors of the winding number at these, with a margin
 constexpr double kThreshold = 0.5;
-// Gradient of the winding number times the distance from the mesh: 1 / (2 pi) beside a straight border, 1/2 in the
-// middle of a round hole; as a harmonic function that stays in 0 to 1 it has 3/4 at most.
+// Bound of the gradient of the winding number times the distance from the mesh. It is 1 / (2 pi) beside a straight
+// border and 1/2 in the middle of a round hole. A harmonic function between 0 and 1 has at most 3/4.
 constexpr double kSlope = 0.75;
 
 struct Crossing {
@@ -38,9 +38,9 @@ double tryCrossing(void* context, std::int32_t slot, double reach) {
   return reach;
 }
 
-// Two triangles cross where an edge of one passes through the other.
+// Two triangles cross if an edge of one passes through the other.
 bool crossesItself(const MeshData& data, const std::vector<EdgeUse>& edges) {
-  std::vector<const EdgeUse*> byLeaf;  // those close to each other in turn
+  std::vector<const EdgeUse*> byLeaf;  // sorted so that near edges follow each other
   forEachEdge(edges, [&](const EdgeUse* first, const EdgeUse*) { byLeaf.push_back(first); });
   std::sort(byLeaf.begin(), byLeaf.end(),
             [&](const EdgeUse* a, const EdgeUse* b) { return data.slotOf[a->triangle] < data.slotOf[b->triangle]; });
@@ -54,8 +54,8 @@ bool crossesItself(const MeshData& data, const std::vector<EdgeUse>& edges) {
   return false;
 }
 
-// Whether the volume is negative however the open edges, of length l in all, are closed: of all loops the circle has
-// the largest area, l^2 / (4 pi), and no cone over it reaches farther than the mesh.
+// Whether the volume is negative for every closing of the open edges of total length l. The circle has the largest area
+// of all loops, l^2 / (4 pi). No cone over it reaches farther than the mesh.
 bool isInwards(const MeshData& data, const std::vector<EdgeUse>& edges) {
   const auto vertex = [&](int v) { return local(data.view, data.mesh.vertices[v]); };
   double volume = 0.0, open = 0.0;

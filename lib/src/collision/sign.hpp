@@ -1,4 +1,4 @@
-// On which side of a mesh a point lies.
+// The side of a mesh on which a point lies.
 #pragma once
 
 #include <vector>
@@ -7,10 +7,10 @@
 
 namespace enamel::kernel {
 
-/// Finds out how the sign of distances is told: `edges` as buildTopology() answers them.
+/// Choose how the sign of distances is determined. `edges` as returned by buildTopology().
 void chooseSign(MeshData& data, const std::vector<EdgeUse>& edges);
 
-/// Whether p, `distance` away from the mesh, is inside by the winding number. `cache` may be null.
+/// Whether p, at `distance` from the mesh, is inside by the winding number. `cache` may be null.
 bool isInside(const MeshData& data, const Vec3& p, double distance, Cache* cache) noexcept;
 
 }  // namespace enamel::kernel

@@ -18,11 +18,11 @@ constexpr double kBorder = Solid::kBand + 1.0;                      // cells aro
 constexpr double kHalfDiagonal = 0.8660254037844386 * kBrickCells;  // of a brick, cells
 constexpr double kMostBytes = 1e9, kMostPlaces = 1 << 22;
 constexpr double kLongestMove = 0.02, kLongestAxis = 0.1;  // m
-constexpr int kMostBricks = 4096;                          // that a cut looks at before it leaves the rest
-constexpr double kSubstep = 0.5;                           // cells that an end moves between two places of a capsule
+constexpr int kMostBricks = 4096;                          // limit of a cut; the rest is left
+constexpr double kSubstep = 0.5;                           // cells that an end moves between two positions of a capsule
 constexpr int kSlice = kBrickSamples * kBrickSamples;
 
-// A row of nine samples as whole vectors: the last four repeat three.
+// A row of nine samples as whole vectors: the last four lanes repeat three samples.
 constexpr int kLanes = 12;
 using Row = Eigen::Array<float, kLanes, 1>;
 int sampleOf(int lane) { return lane < kBrickCells ? lane : lane - 3; }
@@ -30,10 +30,10 @@ int sampleOf(int lane) { return lane < kBrickCells ? lane : lane - 3; }
 int sampleAt(int x, int y, int z) { return z * kSlice + y * kBrickSamples + x; }
 int cellAt(int x, int y, int z) { return (z * kBrickCells + y) * kBrickCells + x; }
 
-// The share of a cell's volume below a plane so far from its centre.
+// Share of a cell's volume below a plane at this distance from its centre.
 double shareOf(float value) { return std::clamp(0.5 - static_cast<double>(value), 0.0, 1.0); }
 
-// Visits the samples of a brick in a path along which neighbours follow each other.
+// Visit the samples of a brick along a path on which neighbours follow each other.
 template <typename Visit>
 void forEachAlongPath(int size, const Visit& visit) {
   for (int z = 0; z < size; ++z)
@@ -152,7 +152,7 @@ std::size_t Solid::bytes() const noexcept {
          changed_.size() * sizeof(changed_[0]);
 }
 
-// A cell by its mean: for a curved surface what that and the rounding are off cancels out.
+// Each cell counts by its mean value. For a curved surface the errors of mean and rounding cancel out.
 RemovedVolume Solid::volume() const {
   RemovedVolume volume{};
   constexpr int up = kSlice, back = kBrickSamples;
@@ -214,12 +214,12 @@ RemovedVolume Solid::cut(const Segment& from, const Segment& to, double radius, 
   return removed;
 }
 
-// Returns how many bricks it looked at.
+// Returns the number of bricks that it visited.
 int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed) noexcept {
   const Vec3 a = (axis.a - origin_) / cell_, b = (axis.b - origin_) / cell_;
   const double r = radius / cell_, volume = cell_ * cell_ * cell_;
-  // On average the interpolation of a distance that curves lies above it by a twelfth of its Laplacian: 1 / r along the
-  // way of a bur. The grid cannot resolve the curvature of a bur smaller than a cell.
+  // The interpolation of a curved distance lies above it by a twelfth of its Laplacian on average. Along the path of a
+  // bur the Laplacian is 1 / r. The grid cannot resolve the curvature of a bur smaller than a cell.
   const float reach = static_cast<float>(r + (r > 1.0 ? 1.0 / (12.0 * r) : r / 12.0));
   const float inner = std::max(reach - kBand, 0.0f), most = (reach + kBand) * (reach + kBand);
   const double around = static_cast<double>(reach) + kBand;
@@ -234,7 +234,7 @@ int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed
   }
   const auto firstBrick = [&](int i) { return std::max((first[i] - 1) / kBrickCells, 0); };
   const auto lastBrick = [&](int i) { return std::min(last[i] / kBrickCells, count_[i] - 1); };
-  // A brick whose middle is farther than this is out of reach.
+  // A brick whose centre is farther away is out of reach.
   const float farthest = static_cast<float>(around + kHalfDiagonal) + 1e-3f;
   int bricks = 0;
   for (int bz = firstBrick(2); bz <= lastBrick(2); ++bz)
@@ -242,7 +242,7 @@ int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed
       for (int bx = firstBrick(0); bx <= lastBrick(0); ++bx) {
         const std::int32_t number = brickAt(bx, by, bz);
         if (number < 0) continue;
-        if (perLength != 0.0f) {  // a long axis across: most bricks of its box are out of reach
+        if (perLength != 0.0f) {  // a long diagonal axis: most bricks of its box are out of reach
           const Eigen::Vector3f middle = (kBrickCells * (Vec3(bx, by, bz).array() + 0.5) - a.array()).cast<float>();
           const float t = std::clamp(middle.dot(span) * perLength, 0.0f, 1.0f);
           if ((middle - t * span).squaredNorm() > farthest * farthest) continue;
@@ -250,12 +250,12 @@ int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed
         ++bricks;
         Brick& brick = bricks_[static_cast<std::size_t>(number)];
         const std::array<int, 3> corner = {kBrickCells * bx, kBrickCells * by, kBrickCells * bz};
-        std::array<int, 3> i0, i1;  // what is out of reach has values below -kBand
+        std::array<int, 3> i0, i1;  // samples out of reach have values below -kBand
         for (int i = 0; i < 3; ++i) {
           i0[i] = std::max(first[i] - corner[i], 0);
           i1[i] = std::min(last[i] - corner[i], kBrickCells);
         }
-        // Of the samples from a: the same bits in every brick that has them.
+        // Offsets of the samples from a, with the same bits in every brick that has them.
         const auto away = [&](int i, int k) { return static_cast<float>(corner[i] + k - a[i]); };
         Row dx;
         for (int k = 0; k < kLanes; ++k) dx[k] = away(0, sampleOf(k));
@@ -276,7 +276,7 @@ int Solid::cutCapsule(const Segment& axis, double radius, RemovedVolume& removed
             Row before;
             before.head<8>() = Eigen::Map<const Eigen::Array<float, 8, 1>>(row);
             before.tail<4>() = Eigen::Map<const Eigen::Array<float, 4, 1>>(row + sampleOf(8));
-            // Is reach - distance above any sample, of those that are not at the band's end?
+            // Is reach - distance above any sample, except those at the end of the band?
             if (!(((reach - before).max(0.0f).square() - squared.max(inner * inner)).maxCoeff() > 0.0f)) continue;
             if (!std::exchange(isCut, true)) keep(brick);
             for (int x = 0; x < kBrickSamples; ++x) {

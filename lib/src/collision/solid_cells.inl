@@ -1,5 +1,5 @@
-// The cells of a solid that may hold what is looked for, told by the tangent planes at their centres: in float, to
-// choose by, many in one go. Included by solid_query.cpp.
+// Selects the cells of a solid that may hold the result, by the tangent planes at their centres. In float, as it only
+// selects, and many cells at once. Included by solid_query.cpp.
 #pragma once
 
 #include <algorithm>
@@ -12,15 +12,15 @@ namespace enamel::kernel {
 namespace {
 
 constexpr double kHalfCell = 0.8660254037844386;  // half its diagonal
-constexpr int kMostSeen = 1000;                   // no power of two: its arrays would share lines of the cache
+constexpr int kMostSeen = 1000;                   // not a power of two: its arrays would share cache lines
 constexpr float kSmooth = 0.1f;
 
-// The tangent plane at the centre of a cell, seen from q, which is given from there. In float: to choose by.
+// The tangent plane at the centre of a cell, as seen from q, which is relative to the centre. Float suffices to select.
 struct Plane {
-  float distance;  // of q, not negative
-  float flatness;  // no place of the patch is farther from the plane; normals turn by about four times as much
-  float outside;   // from the centre to the plane's place nearest to q, the largest coordinate
-  float gx, gy, gz, perNorm;  // gradient, one over its length
+  float distance;             // of q, not negative
+  float flatness;             // largest distance of the patch from the plane; normals turn by about four times as much
+  float outside;              // from the centre to the plane's point nearest to q, the largest coordinate
+  float gx, gy, gz, perNorm;  // gradient, and one over its length
 
   // The corners of the cell, x fastest.
   Plane(float s0, float s1, float s2, float s3, float s4, float s5, float s6, float s7, float qx, float qy, float qz) {
@@ -38,11 +38,11 @@ struct Plane {
     flatness = 0.125f * (xy + xz + std::abs(y1 - y0) + std::abs((x11 - x01) - (x10 - x00))) * perNorm;
   }
 
-  // Nothing of the patch is nearer, but for a smooth one by some hundredths of a cell: in a pit that fits the bur all
-  // places are about as near. Where q may be elsewhere: nearer to the plane by `rise`, its place on it by `slide`.
+  // Lower bound of the distance of the patch. A smooth patch may be nearer by some hundredths of a cell: in a pit that
+  // fits the bur, all places are about equally near. q may move by `rise` to the plane, and its foot by `slide`.
   float least(float rise, float slide) const {
     const float ahead = std::max(distance - rise - (flatness < kSmooth ? 0.1f * flatness : flatness), 0.0f);
-    const float aside = std::max(outside - slide - 0.5f - flatness, 0.0f);  // so far beside it the cell begins
+    const float aside = std::max(outside - slide - 0.5f - flatness, 0.0f);  // from the plane's point to the cell
     return std::sqrt(ahead * ahead + aside * aside);
   }
 };
@@ -53,7 +53,7 @@ Plane planeOf(const float* s, const Vec3& q) {
   return {s[s0], s[s1], s[s2], s[s3], s[s4], s[s5], s[s6], s[s7], f.x(), f.y(), f.z()};
 }
 
-// Cells of a slice whose centres may be so near: those in the square about the circle.
+// Cells of a slice whose centres may be within `most`: those in the square around the circle.
 std::uint64_t cellsAbout(const Vec3& seen, int z, double most) {
   const double squared = most * most - (seen.z() - z) * (seen.z() - z);
   if (!(squared >= 0.0)) return 0;
@@ -70,14 +70,14 @@ std::uint64_t cellsAbout(const Vec3& seen, int z, double most) {
   return cells;
 }
 
-// Cells as seen from the point, number by number, so that several are looked at in one go.
+// Cells relative to the point, stored by component, so that several are computed at once.
 struct SeenCells {
   int count = 0;
   std::array<const float*, kMostSeen> samples;
   std::array<Eigen::Vector3f, kMostSeen> low;
   float toCentre[3][kMostSeen], corners[8][kMostSeen];
-  float distance[kMostSeen], flatness[kMostSeen], outside[kMostSeen];  // as of Plane
-  float least[kMostSeen];                                              // nothing of the patch is nearer
+  float distance[kMostSeen], flatness[kMostSeen], outside[kMostSeen];  // as in Plane
+  float least[kMostSeen];                                              // lower bound of the distance of the patch
 
   void add(const float* s, const Vec3& corner, const Vec3& q) {
     samples[count] = s;
@@ -101,7 +101,7 @@ struct SeenCells {
   }
 };
 
-// Numbers of the cells by the shares of the reach that nothing of them is nearer than, the least first.
+// Cells sorted by their lower bounds, as shares of the reach, least first.
 struct Order {
   static constexpr int kShares = 256;
   std::array<std::int16_t, kMostSeen> cells;

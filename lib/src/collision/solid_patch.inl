@@ -1,5 +1,5 @@
 // The surface of a solid in one cell: the zeros of a trilinear interpolation, and the nearest of them to a point.
-// Lengths in cells, places from the cell's corner. Included by solid_query.cpp.
+// Lengths are in cells, places are relative to the cell's corner. Included by solid_query.cpp.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ constexpr int kSteps = 2, kReturns = 3;
 constexpr double kShortest = 0.1;     // share of a step
 constexpr double kNoGradient = 1e-6;  // squared
 
-// The samples at the corners of a cell, x fastest, from the first of them.
+// Offsets of the samples at the corners of a cell, x fastest, from the first of them.
 constexpr int kBack = kBrickSamples, kUp = kBrickSamples * kBrickSamples;
 constexpr int kCorners[8] = {0, 1, kBack, kBack + 1, kUp, kUp + 1, kUp + kBack, kUp + kBack + 1};
 
@@ -44,8 +44,8 @@ struct Touch {
   Vec3 point, gradient;  // point in the cell
 };
 
-// From a place of the cell with this value towards the surface, and `length` of `way` beside it; at the border along
-// it. `along`: what of the way lies along the surface.
+// Step from a place of the cell with this value towards the surface, and along it by `length` of `way`. A step stays on
+// the border of the cell. `along`: the part of `way` along the surface.
 bool step(Vec3 way, double length, double value, Vec3 gradient, Vec3& u, Vec3& along) {
   Vec3 next;
   for (bool isOut = true; isOut;) {
@@ -65,9 +65,9 @@ bool step(Vec3 way, double length, double value, Vec3 gradient, Vec3& u, Vec3& a
   return true;
 }
 
-// Goes to the place of the patch nearest to q. Of the way to q what lies along the surface, in steps as long as the
-// last one was right (Barzilai and Borwein 1988): where the surface curves by more than 1 over the distance, whole
-// ones diverge. False: it came to a corner off the surface.
+// Move to the place of the patch nearest to q. Only the part of the way along the surface counts. The step length is
+// the one that was right for the last step (Barzilai and Borwein 1988). Whole steps diverge where the surface curves by
+// more than 1 over the distance. Returns false if it ends in a corner off the surface.
 bool approach(const Patch& patch, const Vec3& q, Touch& touch) {
   Vec3 &u = touch.point, &g = touch.gradient;
   Vec3 move = Vec3::Zero(), along = Vec3::Zero();
@@ -94,7 +94,7 @@ bool approach(const Patch& patch, const Vec3& q, Touch& touch) {
 bool nearestOn(const Patch& patch, const Vec3& q, Touch& touch) {
   touch.point = inCell(q);
   if (approach(patch, q, touch)) return true;
-  // Again from where the surface meets an edge of the cell.
+  // Try again from where the surface meets an edge of the cell.
   double least = kNoLimit;
   for (int corner = 0; corner < 8; ++corner)
     for (int axis = 0; axis < 3; ++axis) {

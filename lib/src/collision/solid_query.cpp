@@ -13,12 +13,12 @@ using namespace kernel;
 
 namespace {
 
-constexpr double kFarthest = 1.0;  // above half its diagonal: a cell with surface has a place within that
+constexpr double kFarthest = 1.0;  // above half a diagonal: a cell with surface has a place so near its centre
 constexpr double kClose = 2.0 * kBrickCells;
 constexpr int kRounds = 8;    // of an axis and a patch
-constexpr double kFew = 4.0;  // steps so short leave most of the way
+constexpr double kFew = 4.0;  // a first step shorter than 1 / kFew of the range goes to its end instead
 constexpr double kSameMinimum = 0.02;
-constexpr double kClear = 0.5;                         // where the way to the surface gives its normal
+constexpr double kClear = 0.5;                         // farther away the offset from the surface gives its normal
 constexpr double kAligned = 0.9396926207859084;        // cos 20 deg
 constexpr double kSameDirection = 0.8660254037844386;  // cos 30 deg
 
@@ -31,13 +31,13 @@ struct Nearest {
 
 }  // namespace
 
-// The cells of a solid about an axis. Lengths in cells, places from the corner of the solid's box.
+// The cells of a solid around an axis. Lengths are in cells, places are relative to the corner of the solid's box.
 struct SolidQuery {
   using Brick = Solid::Brick;
 
   const Solid& solid;
   Vec3 a, span;
-  double perLength, perSpan;  // one over the span's length squared, and over it; 0 for a point
+  double perLength, perSpan;  // one over the span's length squared, and one over the length; 0 for a point
 
   SolidQuery(const Solid& of, const Vec3& from, const Vec3& to)
       : solid(of), a((from - of.origin_) / of.cell_), span((to - from) / of.cell_) {
@@ -50,7 +50,7 @@ struct SolidQuery {
   Vec3 axisAt(double t) const { return a + t * span; }
   const Brick& brickOf(std::int32_t number) const { return solid.bricks_[static_cast<std::size_t>(number)]; }
 
-  // Visits the bricks with surface that may have a place within `reach()` of the axis.
+  // Visit the bricks with surface that may have a place within `reach()` of the axis.
   template <typename Reach, typename Visit>
   void forEachBrick(const Reach& reach, const Visit& visit) const {
     const Vec3 low = a.cwiseMin(a + span), high = a.cwiseMax(a + span);
@@ -76,8 +76,8 @@ struct SolidQuery {
         }
   }
 
-  // Visits the cells of a brick with surface within `reach()` of the axis: samples, corner, centre of the cell seen
-  // from the axis, place of the axis.
+  // Visit the cells of a brick with surface within `reach()` of the axis. Arguments: samples, corner, centre of the
+  // cell relative to the axis, place of the axis.
   template <typename Reach, typename Visit>
   void forEachCell(const Brick& brick, const Reach& reach, const Visit& visit) const {
     const Vec3 corner = cornerOf(brick), seen = a - corner - Vec3::Constant(0.5);
@@ -105,7 +105,7 @@ struct SolidQuery {
     return kBrickCells * Vec3(brick.place[0], brick.place[1], brick.place[2]);
   }
 
-  // Hands on the cells that may have a place within reach of the point, as many as fit at a time.
+  // Pass on the cells that may have a place within reach of the point, as many as fit at a time.
   template <typename Visit>
   void forEachSeen(double reach, const Visit& visit) const {
     SeenCells cells;
@@ -182,7 +182,7 @@ struct NearestSearch : SolidQuery {
     else
       searchAll(best);
     if (best.found || best.distance == limit) return best;
-    Nearest any{limit};  // where all of those cells have none
+    Nearest any{limit};  // for the case that all of those cells have none
     searchAll(any);
     return any;
   }
@@ -191,9 +191,9 @@ struct NearestSearch : SolidQuery {
     forEachBrick([&] { return best.distance; }, [&](std::int32_t, const Brick& brick, double) { search(brick, best); });
   }
 
-  // Where the axis is nearest, the way from the patch's nearest place is square to it: a root of t minus the axis'
-  // place nearest to the patch's, which rises where the patch is flat. First to that place, or where that is no way at
-  // all as far as it may be, then regula falsi (Illinois).
+  // At the nearest place of the axis, the way from the patch's nearest place is perpendicular to it. This is a root of
+  // t minus the parameter nearest to the patch's nearest place. The function increases where the patch is flat. The
+  // first step goes to that parameter, or to the end of the range if it hardly moves. Then regula falsi (Illinois).
   void search(const Vec3& low, const float* samples, double t, Nearest& best) const {
     const Patch patch(samples);
     Touch touch;
@@ -212,7 +212,7 @@ struct NearestSearch : SolidQuery {
       (side < 0 ? before : beyond) = t;
       (side < 0 ? atBefore : atBeyond) = ahead;
       const double end = side < 0 ? beyond : before, left = std::abs(end - t);
-      const double gain = std::abs(ahead) / (perLength * std::max(distance, kSettled));  // cells, over all of the axis
+      const double gain = std::abs(ahead) / (perLength * std::max(distance, kSettled));  // cells, over the whole axis
       if (!(gain * left > kSettled && distance - gain * left < best.distance)) return;
       if (atBefore < 0.0 && atBeyond > 0.0)
         t = before + (beyond - before) * atBefore / (atBefore - atBeyond);
@@ -226,7 +226,7 @@ struct NearestSearch : SolidQuery {
     const auto reach = [&] { return best.distance; };
     forEachCell(brick, reach, [&](const float* samples, const Vec3& low, const Vec3& q, double t) {
       const Plane plane = planeOf(samples, q);
-      // The axis may be nearest elsewhere, half a diagonal ahead or back at most.
+      // The axis may be nearest elsewhere, at most half a diagonal ahead or back.
       const float rise = plane.perNorm * (plane.gx * step.x() + plane.gy * step.y() + plane.gz * step.z());
       const float alongX = step.x() - rise * plane.gx * plane.perNorm,
                   alongY = step.y() - rise * plane.gy * plane.perNorm,
@@ -245,7 +245,7 @@ struct NearestSearch : SolidQuery {
     }
   }
 
-  // The cell whose centre is nearest: what is found there makes the rest short.
+  // Search the cell with the nearest centre first; its result shortens the rest.
   void searchMiddle(const Brick& brick, Nearest& best) const {
     double least = kNoLimit, parameter = 0.0;
     Vec3 corner = Vec3::Zero();
@@ -261,16 +261,16 @@ struct NearestSearch : SolidQuery {
     });
     if (chosen == nullptr) return;
     search(corner, chosen, parameter, best);
-    best.distance = std::min(best.distance, least + kFarthest);  // whether it found its place or not
+    best.distance = std::min(best.distance, least + kFarthest);  // also if it found no place
   }
 };
 
-// The minima of the distance from a point that were found; of each direction the nearest.
+// The minima of the distance from a point; of each direction the nearest.
 struct Collected {
   std::array<Nearest, kMaxSolidMinima> all;
   int count = 0;
 
-  // One in about the direction of `way` that is not farther than `distance`.
+  // Whether there is one in about the direction of `way` that is not farther than `distance`.
   bool has(const Vec3& p, const Vec3& way, double length, double distance) const {
     for (int i = 0; i < count; ++i)
       if (all[i].distance <= distance && way.dot(p - all[i].point) > kSameDirection * all[i].distance * length)
@@ -301,13 +301,13 @@ struct MinimaSearch : SolidQuery {
     Nearest best{reach};
     Collected found;
     forEachSeen(reach, [&](const SeenCells& cells) { collect(cells, reach, best, found); });
-    if (best.found) found.add(a, best);  // counts also where the surface has no normal that points to p
+    if (best.found) found.add(a, best);  // also counts if the surface has no normal there that points to p
     for (int i = 0; i < found.count; ++i) minima.all[i] = answer(found.all[i], 1.0);
     minima.count = found.count;
   }
 
  private:
-  // The likely nearest first, so that those in the same direction need no closer look.
+  // The likely nearest first, so that others in the same direction need no closer look.
   void collect(const SeenCells& cells, double reach, Nearest& best, Collected& found) const {
     const Order order(cells, reach);
     for (int i = 0; i < cells.count; ++i) {

@@ -1,4 +1,4 @@
-// What other parts of the module ask of a solid beside its public queries.
+// Queries of a solid for other parts of the module, besides the public ones.
 #pragma once
 
 #include <array>
@@ -10,16 +10,16 @@ namespace enamel::kernel {
 
 inline constexpr int kMaxSolidMinima = 8;
 
-/// Local minima of the distance from a point, of minima within 30 deg the nearest one; the nearest first.
+/// Local minima of the distance from a point, nearest first. Of minima within 30 deg only the nearest is kept.
 struct SolidMinima {
   std::array<SolidPoint, kMaxSolidMinima> all;
   int count = 0;
 };
 
-/// Those nearer than `reach` to a point outside of the solid. Realtime: yes.
+/// Find the minima nearer than `reach` to a point outside of the solid. Realtime: yes.
 void findMinima(const Solid& solid, const Vec3& p, double reach, SolidMinima& minima) noexcept;
 
-/// Cells of a brick with corners on both sides: bit x + 8 y of entry z. Realtime: yes.
+/// Return the cells of a brick with corners on both sides: bit x + 8 y of entry z. Realtime: yes.
 std::array<std::uint64_t, kBrickCells> surfaceCells(const BrickSamples& samples) noexcept;
 
 }  // namespace enamel::kernel

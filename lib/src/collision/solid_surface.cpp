@@ -11,10 +11,10 @@
 namespace enamel {
 namespace {
 
-constexpr double kEnd = 0.01;      // share of an edge that no vertex is nearer to its ends
+constexpr double kEnd = 0.01;      // share of an edge: least distance of a vertex from its ends
 constexpr double kSettled = 1e-3;  // cells
-constexpr double kOff = 0.25;      // cells: a triangle's middle that is farther from the surface is moved there
-constexpr double kWithin = 0.05;   // share of the triangle that each of the three parts has at least
+constexpr double kOff = 0.25;      // cells: a triangle's centre that is farther from the surface is moved there
+constexpr double kWithin = 0.05;   // least share of the triangle for each of the three parts
 constexpr int kRounds = 8;
 constexpr int kCornersOfCube = 8;  // bits x, y, z
 
@@ -37,8 +37,8 @@ int strideTo(int corner) {
 
 int sampleAt(const std::array<int, 3>& p) { return (p[2] * kBrickSamples + p[1]) * kBrickSamples + p[0]; }
 
-// Where a brick touches neighbours of twice its step: its samples there become those that the neighbour's triangles
-// have, and its vertices the neighbour's.
+// Fit a brick to neighbours of twice its step. On the common border its samples become those of the neighbour's
+// triangles, and its vertices the neighbour's.
 class Fit {
  public:
   Fit(std::uint32_t coarser, int step) : step_(step) {
@@ -62,7 +62,7 @@ class Fit {
     return touches_[static_cast<std::size_t>(border)];
   }
 
-  // The neighbour splits its squares along the same diagonal: on its edges, half way.
+  // The neighbour splits its squares along the same diagonal. This brick's samples are in the middle of its edges.
   BrickSamples samples(const BrickSamples& samples) const {
     BrickSamples fitted = samples;
     std::array<int, 3> p;
@@ -77,15 +77,15 @@ class Fit {
     return fitted;
   }
 
-  // The neighbour's edge that has the vertex of this one: along the same line, or of the neighbour's triangle around it
-  // one that crosses the surface, always the same.
+  // Find the neighbour's edge that has the vertex of this one. It is on the same line, or an edge of the neighbour's
+  // surrounding triangle that crosses the surface, always the same.
   void move(const BrickSamples& samples, std::array<int, 3>& from, int& way) const {
     const std::array<int, 3> low = around(from).first;
     int ahead = 0;
     for (std::size_t i = 0; i < 3; ++i) ahead |= from[i] != low[i] ? 1 << i : 0;
     from = low;
     if (ahead == 0 || ahead == way) return;
-    // The triangle's corners: low, from there along one axis, along both.
+    // Corners of the triangle: low, from there along one axis, along both.
     const int both = ahead | way, first = ahead == both ? way : ahead;
     const auto isInside = [&](int corner) {
       std::array<int, 3> at = low;
@@ -204,8 +204,8 @@ class Extraction {
     return vertex;
   }
 
-  // Where the trilinear interpolation is 0 on the way from a sample to an opposite corner of its edge, face or cell:
-  // sum of the corners weighted with (1-t)^(n-k) t^k, k of the n axes ahead. Regula falsi (Illinois).
+  // Zero of the trilinear interpolation on the line from a sample to an opposite corner of its edge, face or cell. The
+  // polynomial is the sum of the corners weighted with (1-t)^(n-k) t^k, k of the n axes ahead. Regula falsi (Illinois).
   double zeroBetween(std::size_t a, int way, int step) const {
     std::array<double, 4> c{};  // by k
     int axes = 0;
@@ -232,7 +232,7 @@ class Extraction {
     return t;
   }
 
-  // Differences of second order, at the border to one side.
+  // Differences of second order, one-sided at the border.
   Vec3 gradientAt(const Vec3& sample) const {
     const Eigen::Vector3i at = sample.cast<int>();
     const std::array<int, 3> strides = {1, kBrickSamples, kBrickSamples * kBrickSamples};
@@ -262,8 +262,8 @@ class Extraction {
   std::array<std::int32_t, std::tuple_size<BrickSamples>::value * kCornersOfCube> vertices_;  // by edge
 };
 
-// A triangle across a sharp edge leaves the surface between its corners: it gets a corner where the surface is, over
-// its middle, so that its edges stay and the mesh closed.
+// A triangle across a sharp edge leaves the surface between its corners. It gets a new corner on the surface over its
+// middle, so that its edges stay and the mesh stays closed.
 void splitWhereOff(const Solid& solid, TriangleMesh& mesh) {
   const std::size_t count = mesh.triangles.size();
   for (std::size_t i = 0; i < count; ++i) {

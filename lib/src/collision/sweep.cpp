@@ -48,7 +48,7 @@ struct SphereSweep {
   SweepHit best;
 };
 
-// Earlier wins; at the same time the smaller triangle number.
+// The earlier touch wins; at the same time, the smaller triangle number.
 bool isBetter(const SweepHit& best, double time, int triangle) {
   if (!best.hit || time < best.time) return true;
   return time == best.time && triangle < best.triangle;
@@ -65,7 +65,7 @@ void setTouch(double time, const Near& near, const Vec3& normal, SweepHit& hit) 
   hit.featureIndex = near.featureIndex;
 }
 
-// From the touched point to the tool; where they coincide, the triangle's normal against the motion.
+// Direction from the touched point to the tool; if they coincide, the triangle's normal against the motion.
 Vec3 touchNormal(const MeshData& data, const Vec3& apart, double distance, int triangle, const Vec3& motion) {
   if (distance > 1e-9 * data.size) return apart / distance;
   const Triangle& t = data.triangles[data.slotOf[triangle]];
@@ -88,7 +88,7 @@ double sweepTriangle(void* context, std::int32_t slot, double reach) {
     const double closing = near.distance > 0.0 ? -apart.dot(s.motion) / near.distance : s.speed;
     const bool touches = gap <= s.tolerance;
     if (!touches) {
-      if (!(closing > 0.0)) return reach;  // convex: it only grows from here
+      if (!(closing > 0.0)) return reach;  // convex: the gap only grows from here
       const double next = time + gap / closing;
       if (!(next <= latest)) return reach;
       if (next > time + 1e-15 && step + 1 < kMostNewtonSteps) {
@@ -127,16 +127,16 @@ struct CapsuleSweep {
   Segment from;
   Vec3 motionA, motionB;
   double radius, speed, tolerance;
-  double start, end;  // times of the window that is searched
+  double start, end;  // times of the searched window
   int advances;       // a triangle that takes more counts as touched
   SweepHit best;
 
   Segment at(double time) const { return {from.a + time * motionA, from.b + time * motionB}; }
 };
 
-// How long a piece of the axis takes at least until it touches the triangle. The plane across the shortest line between
-// them keeps them apart; the triangle rests and the ends move straight, so that no touch can come before an end has
-// used up its height over that plane.
+// Least time until a piece of the axis touches the triangle. The plane across their shortest line separates them. The
+// triangle rests and the ends move straight. So the first touch cannot come before an end has covered its height over
+// that plane.
 double waitOfPiece(const CapsuleSweep& s, const Triangle& triangle, double time, double first, double last) {
   const auto on = [](const Vec3& a, const Vec3& b, double t) { return Vec3(a + t * (b - a)); };
   const Segment axis = s.at(time);
@@ -152,8 +152,8 @@ double waitOfPiece(const CapsuleSweep& s, const Triangle& triangle, double time,
   return std::min(waitOf(piece.a, on(s.motionA, s.motionB, first)), waitOf(piece.b, on(s.motionA, s.motionB, last)));
 }
 
-// Where the far ends of a turning axis hold the steps up, the place that is nearest gets a short piece of its own, and
-// the others grow with their distance from it.
+// If far ends of a rotating axis limit the steps, the nearest place gets a short piece of its own. The other pieces
+// grow with their distance from it.
 double waitOfAxis(const CapsuleSweep& s, const Triangle& triangle, double time, double nearest) {
   double wait = kNoLimit, inner = 0x1p-26;
   const auto consider = [&](double first, double last) {
@@ -251,7 +251,7 @@ SegmentPoint closestToSegment(const MeshModel& model, const Segment& segment, do
   }
   const MeshData& data = Inside::of(model);
   const Vec3 centre = vec(data.view.centre);
-  // Far away the boxes say little: points of the segment bound the distance, to and fro between it and the mesh.
+  // Far away the boxes are too inexact. Bound the distance by projecting to and fro between the segment and the mesh.
   double reach = limit;
   if (std::max((segment.a - centre).norm(), (segment.b - centre).norm()) > kFarSizes * data.size) {
     const Axis axis = axisOf(segment);
@@ -292,8 +292,7 @@ SweepHit kernel::sweepCapsule(const MeshModel& model, const Segment& from, const
   s.speed = std::max(s.motionA.norm(), s.motionB.norm());
   s.tolerance = 1e-15 * (s.data->size + radius + s.speed + (from.b - from.a).norm());
   const double shortest = std::max(s.speed, s.data->size) / kMostWindows;
-  // As far as the distance allows while that is far, then from window to window: in each, all triangles are asked that
-  // can be reached.
+  // Advance by the distance while it is large, then window by window. A window tests all triangles that can be reached.
   while (s.start <= 1.0) {
     const Segment now = s.at(s.start);
     const SegmentPoint near = closestToSegment(model, now, radius + s.speed * (1.0 - s.start) + s.tolerance);

@@ -1,4 +1,4 @@
-// What the queries of whole tools share: parts seen from an obstacle, what is remembered of them, contacts.
+// Shared by the queries of whole tools: parts in the frame of an obstacle, their caches, contacts.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,17 +12,17 @@
 
 namespace enamel::kernel {
 
-/// What is known of one part of a tool and one obstacle from an earlier tick.
+/// Knowledge about one part of a tool and one obstacle from an earlier tick.
 struct PartCache {
   std::array<Cache, 3> points;  ///< both ends and the place between them
   std::uint64_t revision = 0;   ///< of the mesh that the rest belongs to
   Segment axis;                 ///< in the obstacle's frame
-  double clear = -1.0;          ///< the axis lay outside of the obstacle, at least so far from it
-  bool isAheadA = false;        ///< its ends lay outside
+  double clear = -1.0;          ///< the axis was outside of the obstacle, at least this far away
+  bool isAheadA = false;        ///< its ends were outside
   bool isAheadB = false;
   int nearest = -1;  ///< triangle that was nearest to the axis
 
-  /// Null where there is none.
+  /// Return the cache of a part, or null if it is missing.
   static PartCache* of(ToolCache* cache, std::size_t obstacle, int part) noexcept {
     if (cache == nullptr || obstacle >= cache->first_.size() || cache->first_[obstacle] < 0) return nullptr;
     const auto i = static_cast<std::size_t>(cache->first_[obstacle] + part);
@@ -30,21 +30,21 @@ struct PartCache {
   }
 };
 
-/// Where the axis of one part of a tool is in the open, in one obstacle's frame.
+/// The place of a part's axis outside the surface, in the frame of one obstacle: a god object.
 struct PartTrack {
-  Segment axis;                ///< it goes where the part's axis goes, but never through the surface
-  double clear = -1.0;         ///< its distance from the surface at least
+  Segment axis;                ///< follows the part's axis, but never through the surface
+  double clear = -1.0;         ///< lower bound of its distance from the surface
   std::uint64_t revision = 0;  ///< of the mesh
-  bool isKnown = false;        ///< else the part began inside and has not left yet
+  bool isKnown = false;        ///< false: the part began inside and has not left yet
 
   enum class State { unknown, open, held };
 
-  /// Follows the part's axis to `goal`. held: it is on the other side of the surface.
+  /// Follow the part's axis to `goal`. held: the goal is on the other side of the surface.
   State follow(const Obstacle& obstacle, const Segment& goal, PartCache* cache) noexcept;
 };
 
-/// First touch of a part with an obstacle, in the obstacle's frame. `advances`: as far as sweepCapsule() goes on with a
-/// triangle before it calls it touched.
+/// Return the first touch of a part with an obstacle, in the obstacle's frame. `advances`: steps of sweepCapsule() on a
+/// triangle before it counts as touched.
 SweepHit sweepPart(const Obstacle& obstacle, const Segment& from, const Segment& to, double radius, int advances,
                    PartCache* cache) noexcept;
 
@@ -54,13 +54,13 @@ inline Cache* pointOf(PartCache* cache, std::size_t i) noexcept {
 
 inline bool isFinite(const Pose& pose) noexcept { return pose.position.allFinite() && pose.rotation.allFinite(); }
 
-/// Whether a tool can be there: ok; notFinite; outOfRange farther than kFarthestTool.
+/// Return whether a tool can be there: ok, notFinite, or outOfRange if it is farther away than kFarthestTool.
 inline Status checkPlace(const Pose& pose) noexcept {
   if (!isFinite(pose)) return Status::notFinite;
   return pose.position.squaredNorm() <= kFarthestTool * kFarthestTool ? Status::ok : Status::outOfRange;
 }
 
-/// Axis of a part in the obstacle's frame.
+/// Return the axis of a part in the obstacle's frame.
 inline Segment axisOf(const ToolPart& part, const Pose& pose, const Obstacle& obstacle) noexcept {
   const auto toObstacle = [&](const Vec3& p_P) {
     return Vec3(obstacle.pose.rotation.transpose() * (pose.rotation * p_P + pose.position - obstacle.pose.position));
@@ -74,7 +74,7 @@ template <typename Analytic>
 const Analytic& shapeOf(const Analytic& shape) noexcept {
   return shape;
 }
-/// Calls `work` with an obstacle's shape, as std::visit does, which a compiler must take for one that may throw.
+/// Call `work` with an obstacle's shape. Unlike std::visit, compilers see that this cannot throw.
 template <std::size_t I = 0, typename Work>
 decltype(auto) onShape(const Obstacle& obstacle, const Work& work) noexcept {
   if constexpr (I + 1 < std::variant_size_v<Shape>)
@@ -82,8 +82,8 @@ decltype(auto) onShape(const Obstacle& obstacle, const Work& work) noexcept {
   return work(shapeOf(*std::get_if<I>(&obstacle.shape)));
 }
 
-/// Place on the axis of the smallest signed distance, 0 to 1; -1: one of the ends. The signed distance of a convex
-/// shape is convex along the axis: halve by its slope, which the normal gives.
+/// Return the place on the axis with the smallest signed distance, 0 to 1, or -1 for one of the ends. The signed
+/// distance of a convex shape is convex along the axis, so bisect by its slope, which the normal gives.
 inline double nearestOnAxis(const HalfSpace&, const Segment&) noexcept { return -1.0; }
 
 template <typename Analytic>
@@ -124,7 +124,7 @@ struct Pair {
   int part;
 };
 
-/// What the pair and the surface's place `found` tell of the contact at contact.point.
+/// Fill the contact at contact.point from the pair and the place `found` on the surface.
 template <typename Found>
 void complete(const Pair& pair, const Found& found, Contact& contact) noexcept {
   const Obstacle& obstacle = *pair.obstacle;

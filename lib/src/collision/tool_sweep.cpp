@@ -12,7 +12,7 @@ namespace {
 using namespace kernel;
 
 // Analytic shapes: the signed distance of the sphere's centre is convex in time, so Newton's steps from the left never
-// pass its first root. A capsule advances until one of its ends meets the plane that keeps it from the shape.
+// pass its first root. A capsule advances until one of its ends meets the separating plane.
 template <typename Analytic>
 SweepHit sweepShape(const Analytic& shape, const Segment& from, const Segment& to, double radius, int, PartCache*) {
   SweepHit result;
@@ -48,7 +48,7 @@ SweepHit sweepShape(const Analytic& shape, const Segment& from, const Segment& t
   return result;
 }
 
-// Advances by the distance that is there, which no point of the axis can cover sooner.
+// Advance by the present distance: no point of the axis can cover it sooner.
 SweepHit sweepShape(const Solid& solid, const Segment& from, const Segment& to, double radius, int, PartCache*) {
   constexpr int kMostSteps = 64;
   SweepHit result;

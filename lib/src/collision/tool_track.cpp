@@ -1,4 +1,4 @@
-// The way of a tool's axis in the open: a god-object for the whole segment.
+// The path of a tool's axis outside surfaces: a god object for the whole segment.
 #include <algorithm>
 #include <cmath>
 
@@ -7,14 +7,14 @@
 namespace enamel::kernel {
 namespace {
 
-constexpr double kSkin = 1e-5;                          // of a mesh's size: how near the axis comes to the surface
+constexpr double kSkin = 1e-5;                          // of a mesh's size: least distance of the axis from the surface
 constexpr double kAnalyticSkin = 1e-6;                  // m
 constexpr double kSolidSkin = 0.2, kSolidStuck = 0.01;  // cells
-constexpr double kMovesAhead = 8.0;                     // that one look shall be enough for
-constexpr double kSolidReach = 2e-3;                    // m: as far as the surface of a solid is looked for
-constexpr double kShrink = 0.9;                         // of the room there is: what a sweep begins with
+constexpr double kMovesAhead = 8.0;                     // moves that one search shall cover
+constexpr double kSolidReach = 2e-3;                    // m: search limit for the surface of a solid
+constexpr double kShrink = 0.9;                         // of the available room: start radius of a sweep
 constexpr int kMostSteps = 12, kMostSegmentSteps = 4;   // sweeps of a tick
-constexpr int kAdvances = 6;  // what is not decided by then is in the way: it is asked again at the next step
+constexpr int kAdvances = 6;  // an undecided triangle then counts as an obstacle; the next step tests it again
 constexpr int kMostPlanes = 6;
 constexpr int kProjections = 16;
 constexpr double kSettled = 1e-10;  // m
@@ -36,14 +36,14 @@ double skinOf(const Analytic&) noexcept {
   return kAnalyticSkin;
 }
 
-// An axis as near as this has met what its sweeps should have kept it from: of a sampled surface they know no better.
+// An axis nearer than this has met the surface in spite of its sweeps, which are inexact for a sampled surface.
 double stuckOf(const Solid& solid) noexcept { return kSolidStuck * solid.cell(); }
 template <typename Analytic>
 double stuckOf(const Analytic&) noexcept {
   return -1.0;
 }
 
-// Of an axis that crosses no surface.
+// Distance of an axis that crosses no surface.
 double distanceOf(const MeshModel& mesh, const Segment& axis, PartCache* cache) noexcept {
   if (axis.a == axis.b) return closestPoint(Inside::of(mesh), axis.a, pointOf(cache, 0), kNoLimit).distance;
   return closestToSegment(mesh, axis, kNoLimit, cache == nullptr ? -1 : cache->nearest).distance;
@@ -60,7 +60,7 @@ double distanceOf(const Analytic& shape, const Segment& axis, PartCache*) noexce
   return t < 0.0 ? ends : std::min(ends, signedDistance(shape, placeOn(axis, t)).distance);
 }
 
-// At least so far away is an axis; solids far off are not looked for.
+// Lower bound of the distance of an axis. Distant solids are not searched.
 double clearOf(const Solid& solid, const Segment& axis, PartCache* cache, double move) noexcept {
   return distanceOf(solid, axis, cache, std::min(kMovesAhead * move + 1e-4, kSolidReach));
 }
@@ -83,7 +83,7 @@ ShapePoint nearestOf(const Analytic& shape, const Vec3& p, PartCache*, int, bool
   return signedDistance(shape, p);
 }
 
-// Where the axis is in the open when it is first seen; a point on the surface stands just before it.
+// Find the axis outside the surface when it is first seen. A point on the surface is placed just before it.
 template <typename ShapeType>
 bool findOpen(const ShapeType& shape, const Segment& goal, PartCache* cache, bool isSheet, Segment& axis) noexcept {
   const double skin = skinOf(shape);
@@ -98,19 +98,19 @@ bool findOpen(const ShapeType& shape, const Segment& goal, PartCache* cache, boo
 }
 
 std::uint64_t revisionOf(const MeshModel& mesh) noexcept { return Inside::of(mesh).view.revision; }
-std::uint64_t revisionOf(const Solid& solid) noexcept { return solid.restorations(); }  // a cut leaves all ways open
+std::uint64_t revisionOf(const Solid& solid) noexcept { return solid.restorations(); }  // a cut does not close any path
 template <typename Analytic>
 std::uint64_t revisionOf(const Analytic&) noexcept {
   return 1;
 }
 
-// The place of the axis at `t` stays in front of a plane.
+// The place of the axis at `t` must stay in front of a plane.
 struct Plane {
   Vec3 normal;
   double height, t;
 };
 
-// The axis nearest to `goal`, by its ends, that stays in front of all planes (Gauss & Seidel, projected).
+// The axis nearest to `goal`, by its ends, in front of all planes (projected Gauss-Seidel).
 Segment nearestInFront(const Segment& goal, const Plane* planes, int count) noexcept {
   std::array<double, kMostPlanes> push{};
   Segment axis = goal;
@@ -146,7 +146,7 @@ PartTrack::State followOn(const ShapeType& shape, const Obstacle& obstacle, cons
   if (move < track.clear) return arrive(track.clear - move);
   if (const double clear = clearOf(shape, goal, cache, move); move < clear) return arrive(clear);
 
-  // Go until something is in the way, then along it; where the way along leads off a convex surface, down again.
+  // Move until a triangle is in the way, then along it. If the way along it leaves a convex surface, move down again.
   const double skin = skinOf(shape);
   const bool isPoint = goal.a == goal.b && track.axis.a == track.axis.b;
   std::array<Plane, kMostPlanes> planes;
@@ -171,7 +171,7 @@ PartTrack::State followOn(const ShapeType& shape, const Obstacle& obstacle, cons
     axis = onWay(axis, target, hit.time);
     const Vec3 span = axis.b - axis.a;
     const double t = isPoint ? 0.0 : std::clamp((hit.point - axis.a).dot(span) / span.squaredNorm(), 0.0, 1.0);
-    const Vec3 away = std::min(skin - radius, 0.5 * radius) * hit.normal;  // all is at least `radius` away
+    const Vec3 away = std::min(skin - radius, 0.5 * radius) * hit.normal;  // everything is at least `radius` away
     axis.a += away;
     axis.b += away;
     if (count == kMostPlanes) break;

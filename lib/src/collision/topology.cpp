@@ -25,12 +25,12 @@ void eraseCorners(MeshData& data, std::int32_t triangle) {
   }
 }
 
-// How many triangles use an edge, and how many more in its direction than against it.
+// Number of triangles at an edge, and the difference between those in its direction and those against it.
 struct EdgeState {
   int uses = 0, balance = 0;
 };
 
-// Neighbours across the edge from one place to another: those of exactly two triangles.
+// Link the neighbours across the edge between two places, if it has exactly two triangles.
 EdgeState relinkEdge(MeshData& data, int a, int b) {
   EdgeState state;
   std::int32_t user[2] = {-1, -1}, edge[2] = {0, 0};
@@ -61,14 +61,14 @@ void countEdge(MeshData& data, const EdgeState& edge, int change) {
   if (edge.uses > 2) data.crowdedEdges += change;
 }
 
-// After a triangle was taken out (change -1) or put in (1).
+// Update after a triangle was removed (change -1) or inserted (1).
 void relink(MeshData& data, const std::array<int, 3>& corners, int change) {
   const auto placeOf = [&](int i) { return data.place[corners[i % 3]]; };
   for (int i = 0; i < 3; ++i) {
     const int a = placeOf(i), b = placeOf(i + 1);
     const EdgeState after = relinkEdge(data, a, b);
     EdgeState before = after;
-    bool isKnown = a == b;  // no edge, or one that a flat triangle runs along twice
+    bool isKnown = a == b;  // no edge, or an edge that a flat triangle uses twice
     for (int k = 0; k < 3; ++k) {
       const bool isSame = placeOf(k) == a && placeOf(k + 1) == b, isBack = placeOf(k) == b && placeOf(k + 1) == a;
       if (!isSame && !isBack) continue;

@@ -1,4 +1,4 @@
-// Which triangles of a mesh meet where. Vertices at one place count as one.
+// Which triangles of a mesh meet where. Vertices at the same place count as one.
 #pragma once
 
 #include <vector>
@@ -7,18 +7,18 @@
 
 namespace enamel::kernel {
 
-/// One triangle at an edge between two different places.
+/// A triangle at an edge between two different places.
 struct EdgeUse {
   std::int32_t low, high;  // places, low < high
   std::int32_t triangle;
-  std::int8_t edge;  // 0: corners 0 and 1, and so on round
+  std::int8_t edge;  // 0: between corners 0 and 1, and so on
   bool forward;      // the triangle runs from low to high
 };
 
-/// All edges of all triangles, those between the same places side by side.
+/// Return all edges of all triangles, sorted so that those between the same places are adjacent.
 std::vector<EdgeUse> sortedEdges(const TriangleMesh& mesh, const std::vector<int>& place);
 
-/// Calls visit(first, last) for the uses of every edge.
+/// Call visit(first, last) for the uses of every edge.
 template <typename Visit>
 void forEachEdge(const std::vector<EdgeUse>& edges, const Visit& visit) {
   const EdgeUse* const end = edges.data() + edges.size();
@@ -28,20 +28,20 @@ void forEachEdge(const std::vector<EdgeUse>& edges, const Visit& visit) {
   }
 }
 
-/// How many more uses of an edge run from low to high than back.
+/// Return how many more uses of an edge run from low to high than back.
 inline int balanceOf(const EdgeUse* first, const EdgeUse* last) {
   int balance = 0;
   for (; first != last; ++first) balance += first->forward ? 1 : -1;
   return balance;
 }
 
-/// Finds places, neighbours and the triangles at each place; answers the edges.
+/// Find places, neighbours and the triangles at each place. Returns the edges.
 std::vector<EdgeUse> buildTopology(MeshData& data);
 
-/// Takes a triangle out of the lists of its places and from its neighbours.
+/// Remove a triangle from the lists of its places and from its neighbours.
 void unlinkTriangle(MeshData& data, std::int32_t triangle);
 
-/// Gives a triangle that is in no list its corners, and links it.
+/// Set the corners of a triangle that is in no list, and link it.
 void linkTriangle(MeshData& data, std::int32_t triangle, const std::array<int, 3>& corners);
 
 }  // namespace enamel::kernel

@@ -1,4 +1,4 @@
-// 16 floats on AVX2: what lanes.inl asks of a vector, but for choosing lanes.
+// 16 floats on AVX2: the operations that lanes.inl needs, except the choice of lanes.
 
 struct V {
   __m256 a, b;

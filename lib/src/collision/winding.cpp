@@ -9,8 +9,8 @@
 namespace enamel::kernel {
 namespace {
 
-// Of some triangles, in local coordinates: with the area vectors a n and the centroids x, sum of a n and, about the
-// centre, of a n (x - centre)^T, made symmetric.
+// Moments of some triangles in local coordinates, with area vectors a n and centroids x. They are the sum of a n and,
+// about the centre, the sum of a n (x - centre)^T, made symmetric.
 struct Moment {
   Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
   double radius = 0.0, area = 0.0;
@@ -50,7 +50,7 @@ void write(MeshData& data, Parent at, const Moment& m) {
   set(kSpread + 5, m.spread(1, 2));
 }
 
-// As it is stored: the moments are about the rounded place.
+// As stored: the moments are about the rounded place.
 Vec3 rounded(const Vec3& v) { return v.cast<float>().cast<double>(); }
 
 Moment ofLeaf(const MeshData& data, std::int32_t leaf) {
@@ -89,7 +89,7 @@ double farthestCorner(const AlignedBoxes& boxes, int lane, const Vec3& p) {
   return far.norm();
 }
 
-// Of a node whose own lanes are right; `at` is where it hangs.
+// Moment of a node whose own lanes are valid. `at` is its parent.
 Moment ofNode(const MeshData& data, std::int32_t node, Parent at) {
   const unsigned lanes = data.nodes[node].lanes;
   std::array<Moment, kWidth> parts;
@@ -112,8 +112,8 @@ Moment ofNode(const MeshData& data, std::int32_t node, Parent at) {
   return m;
 }
 
-// The solid angles of a leaf's triangles over 2 pi, twice w: each is the argument of a complex number (van Oosterom &
-// Strackee 1983, eq. 8), their sum that of the product, whose turns are counted.
+// The solid angles of a leaf's triangles over 2 pi, which is twice w. Each is the argument of a complex number (van
+// Oosterom & Strackee 1983, eq. 8). Their sum is the argument of the product, with its turns counted.
 double ofTriangles(const MeshData& data, std::int32_t leaf, const Vec3& p) {
   double re = 1.0, im = 0.0;
   int turns = 0;

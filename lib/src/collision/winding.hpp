@@ -1,24 +1,24 @@
-// The generalised winding number: how often a mesh, closed or not, goes round a point.
+// The generalised winding number: how often a mesh, closed or not, encloses a point.
 #pragma once
 
 #include "mesh_data.hpp"
 
 namespace enamel::kernel {
 
-/// Sums over all triangles, from nothing but the hierarchy and its boxes.
+/// Compute the sums over all triangles from the hierarchy and its boxes alone.
 void buildWinding(MeshData& data);
 
-/// The sums over a leaf are no longer right.
+/// Mark the sums over a leaf as invalid.
 void markStale(MeshData& data, std::int32_t leaf) noexcept;
 
-/// Makes the sums right again where leaves were marked; boxes and neighbours must be right already.
+/// Recompute the sums of marked leaves. Boxes and neighbours must be up to date.
 void refitWinding(MeshData& data) noexcept;
 
-/// w = 1 / (4 pi) of the solid angles of all triangles (Jacobson, Kavan & Sorkine-Hornung, "Robust inside-outside
-/// segmentation using generalized winding numbers", 2013): how often a closed surface, counterclockwise seen from
-/// outside, goes round p. Triangles that are farther away than `accept` times the radius of their cluster count by its
-/// dipole and the first moments of its normals (Barill et al., "Fast winding numbers for soups and clouds", 2018), the
-/// others exactly. Largest error seen: 0.033 at 2, 5e-4 at 8. Realtime: yes.
+/// Return the winding number w = 1 / (4 pi) times the solid angles of all triangles: how often a surface encloses p.
+/// The triangles must be counterclockwise as seen from outside. Source: Jacobson, Kavan & Sorkine-Hornung, "Robust
+/// inside-outside segmentation using generalized winding numbers", 2013. A cluster farther away than `accept` times its
+/// radius counts by its dipole and the first moments of its normals. Source: Barill et al., "Fast winding numbers for
+/// soups and clouds", 2018. Others are exact. Largest error seen: 0.033 at 2, 5e-4 at 8. Realtime: yes.
 double windingNumber(const MeshData& data, const Vec3& p, double accept) noexcept;
 
 }  // namespace enamel::kernel

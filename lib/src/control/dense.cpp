@@ -34,7 +34,7 @@ Eigen::VectorXcd eigenvalues(const MatrixXd& A) {
 }
 
 Eigen::VectorXd singularValues(const MatrixXcd& M) {
-  // Rows or columns of zeros make it square: that needs no QR decomposition, which compiles for half a minute.
+  // Pad with zeros to a square matrix. This avoids a QR decomposition, which compiles for half a minute.
   const Eigen::Index size = std::max(M.rows(), M.cols());
   MatrixXcd square = MatrixXcd::Zero(size, size);
   square.topLeftCorner(M.rows(), M.cols()) = M;

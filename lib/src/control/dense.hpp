@@ -1,4 +1,4 @@
-// Dense linear algebra, compiled once: Eigen's templates take a second of compiler for every shape of expression.
+// Dense linear algebra, compiled once: each shape of expression costs a second of compile time in Eigen.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,14 +8,14 @@ namespace enamel {
 Eigen::MatrixXd product(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 Eigen::MatrixXcd product(const Eigen::MatrixXcd& A, const Eigen::MatrixXcd& B);
 
-/// A^-1 B by LU with partial pivoting, and 1 / cond(A) in the norm of column sums, estimated.
+/// Return A^-1 B by LU with partial pivoting, and an estimate of 1 / cond(A) in the norm of column sums.
 Eigen::MatrixXd solve(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double* reciprocalCondition = nullptr);
 Eigen::MatrixXcd solve(const Eigen::MatrixXcd& A, const Eigen::MatrixXcd& B);
 
-/// Throws DesignError where the iteration does not converge.
+/// Return the eigenvalues. Throws DesignError if the iteration does not converge.
 Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& A);
 
-/// From the largest to the smallest.
+/// Return the singular values from the largest to the smallest.
 Eigen::VectorXd singularValues(const Eigen::MatrixXcd& M);
 
 }  // namespace enamel

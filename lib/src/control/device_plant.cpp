@@ -12,8 +12,9 @@ namespace {
 
 constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
 
-// Derivative of the rotation vector v of R = exp(v) R0 at the angular velocity w (world axes):
-// v' = w - v x w / 2 + (1 - (a/2) cot(a/2)) / a^2 v x (v x w), a = |v| (Bortz 1971).
+// Derivative of the rotation vector v of R = exp(v) R0 at the angular velocity w (world axes). Source: Bortz 1971.
+//
+//   v' = w - v x w / 2 + (1 - (a/2) cot(a/2)) / a^2 v x (v x w),  a = |v|
 Vec3 rotationVectorRate(const Vec3& v, const Vec3& w) {
   const double a = v.norm(), half = 0.5 * a;
   const double c =
@@ -70,7 +71,7 @@ DevicePlant devicePlant(const std::shared_ptr<const Mechanism>& mechanism, const
     Kinematics k;
     if (mechanism->reach(m.pose, m.twist, false, k) != Status::ok)
       return Eigen::VectorXd(Eigen::VectorXd::Constant(2 * n, kUndefined));
-    const Eigen::VectorXd moved = k.q - origin;  // angles come in (-pi, pi]; no joint in metres moves so far
+    const Eigen::VectorXd moved = k.q - origin;  // angles are in (-pi, pi]; no joint in metres moves so far
     Eigen::VectorXd y(2 * n);
     y << k.rates, moved.unaryExpr([](double way) { return std::remainder(way, 2.0 * M_PI); });
     return y;

@@ -15,8 +15,8 @@ using Eigen::MatrixXd;
 
 double norm1(const MatrixXd& A) { return A.cwiseAbs().colwise().sum().maxCoeff(); }
 
-// Halvings s for which the Pade approximant of degree 13 of 2^-s A is exact to rounding (Al-Mohy and Higham 2009,
-// eq. 3.6 and algorithm 5.1).
+// Number of halvings s for which the Pade approximant of degree 13 of 2^-s A is exact to rounding (Al-Mohy and Higham
+// 2009, eq. 3.6 and algorithm 5.1).
 int halvingsFor(const MatrixXd& A, const MatrixXd& A4, const MatrixXd& A6) {
   constexpr double kTheta13 = 4.25;
   const double d6 = std::pow(norm1(A6), 1.0 / 6.0);
@@ -24,7 +24,7 @@ int halvingsFor(const MatrixXd& A, const MatrixXd& A4, const MatrixXd& A6) {
   const double d10 = std::pow(norm1(product(A4, A6)), 1.0 / 10.0);
   const double alpha = std::min(std::max(d6, d8), std::max(d8, d10));
   int halvings = alpha > kTheta13 ? static_cast<int>(std::ceil(std::log2(alpha / kTheta13))) : 0;
-  // Cancellation among powers may hide rounding errors: bound them by the powers of |A|, eq. 3.11.
+  // Cancellation among powers may hide rounding errors. Bound them by the powers of |A|, eq. 3.11.
   constexpr double kInverseCoefficient = 113250775606021113483283660800000000.0;  // 1 / |c_27|
   const double norm = norm1(A);
   if (norm == 0.0) return halvings;
@@ -54,7 +54,7 @@ MatrixXd matrixExponential(const MatrixXd& input) {
   if (n == 0) return input;
   const double size = norm1(input);
   if (!std::isfinite(size)) throw DesignError("matrix exponential: the sum of a column overflows");
-  // Far beyond any use, but its powers must not overflow.
+  // Far outside practical use, but the powers must not overflow.
   const int before = std::max(0, std::ilogb(std::max(size, 1.0)) - 60);
   MatrixXd A = std::ldexp(1.0, -before) * input;
   MatrixXd A2 = product(A, A), A4 = product(A2, A2), A6 = product(A4, A2);

@@ -6,19 +6,20 @@
 namespace enamel {
 namespace {
 
-constexpr double kSettling = 0.5, kJudged = 0.25;  // s after the onset that do not count, and that at least must
+// s after the onset: time that does not count, and least time that must count.
+constexpr double kSettling = 0.5, kJudged = 0.25;
 constexpr double kRinging = 0.25, kReturned = 0.1, kFlight = 0.1;  // of D_z1
 constexpr double kBlock = 0.125;                                   // s
-constexpr double kGrows = 10.0, kChatters = 0.25;                  // of the first block's deviation, of a motor's limit
+constexpr double kGrows = 10.0, kChatters = 0.25;                  // of the first block's deviation; of a motor's limit
 
 std::uint64_t ticksIn(double time, double period) noexcept {
   return static_cast<std::uint64_t>(std::llround(time / period));
 }
 
-// Lowest gap between two ticks: of the cubic that the values and rates at both ends determine.
+// Lowest gap between two ticks, from the cubic that the values and rates at both ends determine.
 double lowestGap(double gap, double rate, double nextGap, double nextRate, double period) noexcept {
   if (!(rate < 0.0 && nextRate >= 0.0)) return std::fmin(gap, nextGap);
-  // The cubic's slope on s in [0, 1] is a s^2 + b s + c: negative at 0, not negative at 1, one root between.
+  // The cubic's slope for s in [0, 1] is a s^2 + b s + c: negative at 0, not negative at 1, and with one root between.
   const double before = rate * period, after = nextRate * period, way = nextGap - gap;
   const double a = 3.0 * (before + after) - 6.0 * way, b = 6.0 * way - 4.0 * before - 2.0 * after, c = before;
   const double root = std::sqrt(std::fmax(0.0, b * b - 4.0 * a * c));

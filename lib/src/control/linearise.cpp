@@ -34,7 +34,7 @@ Derivative differentiate(const Function& function, const VectorXd& at, Eigen::In
     VectorXd above = at, below = at;
     above[variable] += step;
     below[variable] -= step;
-    const double width = above[variable] - below[variable];  // as rounded, not as intended
+    const double width = above[variable] - below[variable];  // after rounding
     if (width == 0.0) break;
     const VectorXd high = function(above), low = function(below);
     if (!high.allFinite() || !low.allFinite()) {
@@ -42,8 +42,8 @@ Derivative differentiate(const Function& function, const VectorXd& at, Eigen::In
       continue;
     }
     std::vector<ArrayXd> row{(high - low).array() / width};
-    // Rounding of the values and, inside f, of the variable: it grows as the step shrinks, and ends the search once it
-    // is the larger part of the error.
+    // Rounding errors of the values and, inside f, of the variable. They grow as the step shrinks. The search ends when
+    // they dominate the error.
     const ArrayXd floor = std::numeric_limits<double>::epsilon() / width *
                           (high.array().abs().max(low.array().abs()) + scale * row[0].abs());
     if ((floor >= best.error).all()) break;
@@ -51,7 +51,8 @@ Derivative differentiate(const Function& function, const VectorXd& at, Eigen::In
     for (std::size_t order = 1; order <= previous.size() && order < kOrders; ++order) {
       power *= 4.0;
       row.push_back(row[order - 1] + (row[order - 1] - previous[order - 1]) / (power - 1.0));
-      // After Ridders: the largest distance to the neighbours in the table, so that luck does not pass for accuracy.
+      // After Ridders: the largest distance to the neighbours in the table, so that a lucky value does not count as
+      // accurate.
       ArrayXd error = (row[order] - row[order - 1]).abs().max((row[order] - previous[order - 1]).abs()).max(floor);
       if (order < previous.size()) error = error.max((row[order] - previous[order]).abs());
       const auto better = (error < best.error).eval();
@@ -105,7 +106,7 @@ StateSpace outputsAsStates(const Linearisation& linearisation) {
       C.rows() != linearisation.model.A.cols() || C.rows() != linearisation.model.B.rows())
     throw DesignError("eq. 5: C is " + std::to_string(C.rows()) + " x " + std::to_string(C.cols()) + " for " +
                       std::to_string(linearisation.model.A.rows()) + " states; it must be square");
-  // Units must not decide what is singular: every row and column is first brought to a largest entry of about 1.
+  // The units must not decide whether C is singular. Scale every row and column to a largest entry of about 1.
   VectorXd rowScale(C.rows()), columnScale(C.cols());
   for (Eigen::Index i = 0; i < C.rows(); ++i) {
     const double largest = C.row(i).cwiseAbs().maxCoeff();

@@ -47,13 +47,13 @@ class FrequencyResponse {
     const Eigen::VectorXd values = singularValues(returnDifference(w));
     return values[values.size() - 1];
   }
-  // Every input's loop with the others closed.
+  // The loop of each input with the others closed.
   VectorXcd loops(double w) const {
     const MatrixXcd M = returnDifference(w);
     return solve(M, MatrixXcd::Identity(M.rows(), M.cols())).diagonal().cwiseInverse().array() - 1.0;
   }
 
-  // From 2^-20 of the Nyquist frequency up to it, 20 points an octave.
+  // From 2^-20 of the Nyquist frequency up to it, 20 points per octave.
   std::vector<double> frequencies() const {
     std::vector<double> w;
     for (int i = 20 * 20; i >= 0; --i) w.push_back(M_PI / period_ * std::exp2(-i / 20.0));
@@ -66,8 +66,8 @@ class FrequencyResponse {
   int delay_;
 };
 
-// Minimum of a function over the grid, then by golden section between the neighbours of the best point. The grid is
-// walked downwards, and the first value below `enough` ends it: loops have their peaks near the Nyquist frequency.
+// Minimum of a function over the grid, refined by golden section between the neighbours of the best point. The grid is
+// searched downwards, because loops peak near the Nyquist frequency. The first value below `enough` ends the search.
 template <typename Function>
 std::pair<double, double> minimise(const Function& f, const std::vector<double>& grid, double enough = -kInfinity) {
   std::vector<double> values(grid.size());
@@ -90,7 +90,7 @@ std::pair<double, double> minimise(const Function& f, const std::vector<double>&
   return refined.second < values[best] ? refined : std::pair{grid[best], values[best]};
 }
 
-// Where a function changes sign between two frequencies.
+// Frequency between two others at which a function changes its sign.
 template <typename Function>
 double bisect(const Function& f, double low, double high) {
   const bool rising = f(low) < 0.0;
@@ -101,7 +101,7 @@ double bisect(const Function& f, double low, double high) {
   return 0.5 * (low + high);
 }
 
-// Margins of input i; row k of `loops` holds all loops at grid[k].
+// Margins of input i. Row k of `loops` holds all loops at grid[k].
 ChannelMargins channelMargins(const FrequencyResponse& response, Index i, const std::vector<double>& grid,
                               const MatrixXcd& loops) {
   ChannelMargins margins{kInfinity, 0.0, kInfinity};

@@ -21,13 +21,13 @@ using Eigen::VectorXd;
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr int kMaxDoublings = 60;
-constexpr int kMaxSquarings = 48;  // the power 2^48 of a closed loop: beyond it rounding decides
+constexpr int kMaxSquarings = 48;  // the power 2^48 of a closed loop; at higher powers rounding decides
 constexpr int kMaxCorrections = 60;
 
 double largest(const MatrixXd& M) { return M.cwiseAbs().maxCoeff(); }
 MatrixXd symmetric(const MatrixXd& M) { return 0.5 * (M + M.transpose()); }
 MatrixXd solvePositive(const MatrixXd& R, const MatrixXd& B) { return R.llt().solve(B); }  // R^-1 B, R > 0
-// S^T M S, which need not be symmetric.
+// S^T M S; it need not be symmetric.
 MatrixXd transformed(const MatrixXd& M, const MatrixXd& S) { return product(product(S.transpose(), M), S); }
 
 struct Problem {
@@ -88,8 +88,8 @@ bool isStabilisable(const Problem& p) {
 
 // --- balancing ----------------------------------------------------------------------------------------------------
 
-// Powers of two t, x = diag(t) z, that even out rows and columns of [A G; Q A^T] under diag(t, 1/t) (after the
-// symplectic balancing of Benner 2001).
+// Powers of two t, x = diag(t) z, that balance rows and columns of [A G; Q A^T] under diag(t, 1/t). Source: symplectic
+// balancing of Benner 2001.
 VectorXd balance(const MatrixXd& A, const MatrixXd& G, const MatrixXd& Q) {
   const Eigen::Index n = A.rows();
   VectorXd t = VectorXd::Ones(n);
@@ -158,7 +158,7 @@ Extended multiply(const MatrixXd& a, const Extended& b) {
   return c;
 }
 
-// a += b, the rounding error kept (Knuth 1969, two-sum).
+// a += b, keeping the rounding error (Knuth 1969, two-sum).
 void accumulate(Extended& a, const MatrixXd& hi) {
   const MatrixXd sum = a.hi + hi, t = sum - a.hi;
   a.lo += (a.hi - (sum - t)) + (hi - t);
@@ -177,10 +177,10 @@ MatrixXd gainOf(const Problem& p, const MatrixXd& X) {
   return solvePositive(p.R + product(XBt, p.B), product(XBt, p.A));
 }
 
-// What a step makes of X and K, formed in twice the working precision.
+// Residuals of X and K, computed in twice the working precision.
 struct Residuals {
-  // Cost of one step under K beyond X: Q - X + A^T X A + K^T ((R + B^T X B) K - 2 B^T X A), made symmetric. At the gain
-  // of X it is the residual of the Riccati equation, and an error of K enters in second order only.
+  // Cost of one step under K minus X, made symmetric: Q - X + A^T X A + K^T ((R + B^T X B) K - 2 B^T X A). At the gain
+  // of X it is the residual of the Riccati equation. An error of K enters only in second order.
   MatrixXd cost;
   MatrixXd gain;  // B^T X A - (R + B^T X B) K
 };
@@ -206,8 +206,8 @@ Residuals residualsOf(const Problem& p, const MatrixXd& X, const MatrixXd& K) {
 
 // --- doubling -----------------------------------------------------------------------------------------------------
 
-// Structure-preserving doubling (Chu, Fan, Lin and Wang 2004, eq. 2.13) from A, G = B R^-1 B^T, H = Q: H -> X, with an
-// error that squares at every step. Empty where it overflows or does not settle.
+// Structure-preserving doubling (Chu, Fan, Lin and Wang 2004, eq. 2.13) from A, G = B R^-1 B^T, H = Q. H converges to
+// X; every step squares the error. Returns nullopt if it overflows or does not settle.
 std::optional<MatrixXd> doubling(const Problem& p, int& steps) {
   const Eigen::Index n = p.A.rows();
   MatrixXd A = p.A, H = p.Q, G = product(p.B, solvePositive(p.R, p.B.transpose()));
@@ -219,7 +219,7 @@ std::optional<MatrixXd> doubling(const Problem& p, int& steps) {
     const MatrixXd increment = symmetric(product(At, product(H, WA)));
     H += increment;
     if (!H.allFinite()) return std::nullopt;
-    if (largest(increment) <= 1e-7 * largest(H)) return H;  // what is left is about its square: for Newton
+    if (largest(increment) <= 1e-7 * largest(H)) return H;  // the rest, about its square, is for Newton
     G += symmetric(transformed(WG, At));
     A = product(A, WA);
     if (!G.allFinite() || !A.allFinite()) return std::nullopt;
@@ -229,7 +229,7 @@ std::optional<MatrixXd> doubling(const Problem& p, int& steps) {
 
 // --- Newton -------------------------------------------------------------------------------------------------------
 
-// Powers S, S^2, S^4, ... up to the first with a norm below 1e-8; none if no power shows that S is stable.
+// Powers S, S^2, S^4, ... up to the first with a norm below 1e-8. Empty if no power shows that S is stable.
 std::vector<MatrixXd> squarings(const MatrixXd& S) {
   std::vector<MatrixXd> powers{S};
   while (!(powers.back().cwiseAbs().rowwise().sum().maxCoeff() < 1e-8)) {
@@ -239,13 +239,13 @@ std::vector<MatrixXd> squarings(const MatrixXd& S) {
   return powers;
 }
 
-// D = S^T D S + W by Smith's doubling (1968).
+// Solve D = S^T D S + W by Smith's doubling (1968).
 MatrixXd solveStein(const std::vector<MatrixXd>& powers, MatrixXd W) {
   for (const MatrixXd& S : powers) W += symmetric(transformed(W, S));
   return W;
 }
 
-// Newton from X, whose gain must stabilise. False where it cannot start or does not settle.
+// Newton's method from X, whose gain must stabilise. Returns false if it cannot start or does not settle.
 bool refine(const Problem& p, MatrixXd& X, int& corrections) {
   for (corrections = 1; corrections <= kMaxCorrections; ++corrections) {
     const MatrixXd K = gainOf(p, X);
@@ -254,7 +254,7 @@ bool refine(const Problem& p, MatrixXd& X, int& corrections) {
     if (powers.empty()) return false;
     const MatrixXd D = solveStein(powers, residualsOf(p, X, K).cost);
     X = symmetric(X + D);
-    // What is left: Newton's second-order term, and the error of D, which was made in working precision.
+    // Two errors remain: the second-order term of Newton's method, and the error of D, computed in working precision.
     const double step = largest(D) / largest(X), amplification = std::ldexp(1.0, static_cast<int>(powers.size()));
     if (step == 0.0 || step * std::max(step, 100.0 * kEpsilon) * amplification < 0.1 * kEpsilon) return true;
     if (!std::isfinite(step)) return largest(X) == 0.0;
@@ -264,8 +264,8 @@ bool refine(const Problem& p, MatrixXd& X, int& corrections) {
 
 std::optional<MatrixXd> solveBalanced(const Problem& p, int& doublings, int& corrections) {
   if (std::optional<MatrixXd> X = doubling(p, doublings); X && refine(p, *X, corrections)) return X;
-  // Doubling from Q finds the smallest solution; where Q does not see every unstable mode that is not the stabilising
-  // one. Newton from any stabilising gain ends there, and weighting every state gives such a gain.
+  // Doubling from Q finds the smallest solution. That is not the stabilising one if Q misses an unstable mode. Newton
+  // from any stabilising gain converges to it, and weighting every state gives such a gain.
   Problem seen = p;
   seen.Q.diagonal().array() += std::max(largest(p.Q), 1.0);
   if (std::optional<MatrixXd> X = doubling(seen, doublings); X && refine(p, *X, corrections)) return X;
@@ -297,11 +297,11 @@ RiccatiSolution solveRiccati(const MatrixXd& A, const MatrixXd& B, const MatrixX
   const std::vector<MatrixXd> powers = squarings(S);
   if (powers.empty()) throw DesignError("Riccati: no stabilising solution: the closed loop is not stable");
   const Residuals residuals = residualsOf(p, *X, K);
-  // Rounding X by E leaves S^T E S - E, a few units in the last place of these terms, no more.
+  // Rounding X by E leaves S^T E S - E: at most a few units in the last place of these terms.
   const double magnitude = std::max(largest(transformed(X->cwiseAbs(), S.cwiseAbs())), largest(*X));
   if (magnitude > 0.0) solution.residual = largest(residuals.cost) / magnitude;
   if (!(solution.residual < 1e-13)) throw DesignError("Riccati: the residual is too large");
-  // The gain of the solution itself: the digits of X that rounding cut off, D, may matter to it.
+  // The gain of the exact solution: D, the digits of X that rounding cut off, may matter to it.
   const MatrixXd D = solveStein(powers, residuals.cost);
   K += solvePositive(p.R + transformed(*X, p.B), residuals.gain + product(product(p.B.transpose(), D), S));
   if (!isPositiveSemidefinite(*X, 1e-10)) throw DesignError("Riccati: the solution is not positive semidefinite");

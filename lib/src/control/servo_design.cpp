@@ -61,7 +61,7 @@ StateSpace runningLoop(const ServoDesign& design) {
   if (n == 0 || design.K.cols() != 3 * n || design.augmented.A.rows() != 3 * n || design.augmented.A.cols() != 3 * n ||
       design.augmented.B.rows() != 3 * n || design.augmented.B.cols() != n)
     throw DesignError("servo design: the augmented model must have 3n states and the gain's n inputs");
-  StateSpace loop = design.augmented;  // the integrators feed nothing back: the plant's own block is exact as it is
+  StateSpace loop = design.augmented;  // the integrators feed nothing back, so the plant's own block is exact
   loop.A.bottomRows(n).setZero();
   loop.A.bottomRightCorner(n, n).setIdentity();
   loop.A.block(2 * n, n, n, n) = -design.period * MatrixXd::Identity(n, n);

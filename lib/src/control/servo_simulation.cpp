@@ -26,7 +26,7 @@ int runTicks(double seconds, double period) {
   return static_cast<int>(std::lround(ticks));
 }
 
-// n x 3n of a plant with n inputs and 2n states.
+// K must be n x 3n for a plant with n inputs and 2n states.
 void requireGain(const ServoDesign& design) {
   const Index n = design.K.rows();
   if (n == 0 || design.K.cols() != 3 * n)
@@ -120,7 +120,7 @@ constexpr double kMoment = 0.1;    // N m
 constexpr double kDuration = 1.0;  // s
 constexpr double kRiseLow = 0.1, kRiseHigh = 0.9, kSettled = 0.02;
 
-// Time at which a response (1 = reached) first passes `level`, between ticks by interpolation; infinite if never.
+// Time at which a response (1 = reached) first passes `level`, interpolated between ticks. Infinite if it never does.
 double passes(const Eigen::RowVectorXd& response, double level, double period) {
   for (Index j = 1; j < response.size(); ++j)
     if (response[j] >= level)
@@ -128,7 +128,7 @@ double passes(const Eigen::RowVectorXd& response, double level, double period) {
   return HUGE_VAL;
 }
 
-// Time after which a response stays within +-band of 1; infinite if it never does.
+// Time after which a response stays within +-band of 1. Infinite if it never does.
 double settles(const Eigen::RowVectorXd& response, double band, double period) {
   Index j = response.size() - 1;
   if (!(std::abs(response[j] - 1.0) <= band)) return HUGE_VAL;

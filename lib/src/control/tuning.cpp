@@ -11,8 +11,8 @@
 namespace enamel {
 namespace {
 
-constexpr double kImpactSeconds = 0.2;   // the first impact is over long before
-constexpr double kChatterSeconds = 1.5;  // of which the last second counts
+constexpr double kImpactSeconds = 0.2;   // the first impact is over much earlier
+constexpr double kChatterSeconds = 1.5;  // only the last second counts
 
 using LogWeights = std::array<double, 3>;  // log10 of velocity, position, integral
 
@@ -29,8 +29,8 @@ bool keepsTo(const TuneProblem& problem, const TuneRequirements& requirements, c
   return std::all_of(rows.begin(), rows.begin() + 3, [](const Requirement& row) { return row.met(); });
 }
 
-// As evaluateServo; empty also where the stiffness is not above `toBeat` or the disk margin below `leastMargin`, which
-// are known long before the rest.
+// As evaluateServo(). Also empty if the stiffness is not above `toBeat`, or the disk margin is below `leastMargin`.
+// Both are known long before the rest.
 std::optional<TunedServo> evaluate(const TuneProblem& problem, int delay, const ServoWeights& weights, double toBeat,
                                    double leastMargin) {
   requirePeriod(problem.period, "servo: ");
@@ -38,7 +38,7 @@ std::optional<TunedServo> evaluate(const TuneProblem& problem, int delay, const 
   try {
     servo.design = designServo(problem.plant, problem.period, weights);
   } catch (const DesignError&) {
-    return std::nullopt;  // weights that leave no stabilising solution
+    return std::nullopt;  // these weights have no stabilising solution
   }
   const SampledPlant plant = linearPlant(servo.design, problem.jacobian);
   ServoExperiment experiment;

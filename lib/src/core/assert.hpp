@@ -1,4 +1,4 @@
-// ENAMEL_ASSERT: a developer's assumption, armed in Debug and in the CI preset (wherever NDEBUG is not set).
+// ENAMEL_ASSERT checks an assumption of the developer. It is active without NDEBUG: in Debug and in the CI preset.
 #pragma once
 
 #include <cassert>

@@ -20,7 +20,7 @@ std::string readFile(const std::string& path, std::size_t most) {
     const int number;
     ~Descriptor() { close(number); }
   };
-  // A pipe would wait for someone to write.
+  // Without O_NONBLOCK a pipe would wait for a writer.
   const Descriptor file{open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)};
   if (file.number < 0) refuse(std::string("cannot open the file: ") + std::strerror(errno));
   struct stat status {};
@@ -38,15 +38,14 @@ std::string readFile(const std::string& path, std::size_t most) {
     if (got == 0) break;
     size += static_cast<std::size_t>(got);
   }
-  if (size != text.size() ||
-      (size == 0 && read(file.number, &status, 1) > 0))  // files of /proc say that they are empty
+  if (size != text.size() || (size == 0 && read(file.number, &status, 1) > 0))  // files of /proc report a size of 0
     refuse("is not as long as it says: is it being written?");
   return text;
 }
 
 void checkNesting(std::string_view text, const std::string& file) {
   constexpr int kDeepest = 32;
-  constexpr std::size_t kManyValues = 1000, kLeastBytes = 4;  // a value's: it takes 16 to 64 bytes of memory
+  constexpr std::size_t kManyValues = 1000, kLeastBytes = 4;  // bytes of a value, which takes 16 to 64 in memory
   std::size_t values = 0;
   int depth = 0, dots = 0, line = 1;
   const auto refuse = [&](const std::string& problem) {
@@ -55,7 +54,7 @@ void checkNesting(std::string_view text, const std::string& file) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (c == '#') i = std::min(text.find('\n', i), text.size()) - 1;
-    if (c == '"' || c == '\'') {  // to the end of the string: three quotes end what three have begun, else a line does
+    if (c == '"' || c == '\'') {  // skip a string: three quotes end one that three began; a line end ends others
       const std::string_view three = text.substr(i, 3);
       const bool isLong = three.size() == 3 && three[1] == c && three[2] == c;
       for (i += isLong ? 3 : 1; i < text.size(); ++i) {
@@ -92,7 +91,7 @@ std::string readJson(const std::string& path) {
 FileWriter::FileWriter(const std::string& path) : path_(path), target_(path), file_(nullptr, &std::fclose) {
   struct stat there {};
   const bool exists = stat(path.c_str(), &there) == 0;
-  if (path == "/dev/stdout") {  // goes on where the standard output is
+  if (path == "/dev/stdout") {  // continue at the present position of the standard output
     std::fflush(stdout);
     file_.reset(fdopen(dup(STDOUT_FILENO), "wb"));
   } else if (exists && !S_ISREG(there.st_mode)) {
@@ -103,12 +102,12 @@ FileWriter::FileWriter(const std::string& path) : path_(path), target_(path), fi
     std::error_code ignored;
     if (exists && access(path.c_str(), W_OK) != 0) fail();
     if (exists) target_ = std::filesystem::canonical(path, ignored).string();
-    while (!exists && std::filesystem::is_symlink(target_, ignored)) {  // to a file that is not there yet
+    while (!exists && std::filesystem::is_symlink(target_, ignored)) {  // to a file that does not exist yet
       const std::filesystem::path link(target_);
       target_ = (link.parent_path() / std::filesystem::read_symlink(link, ignored)).string();
     }
     int number = -1;
-    do {  // a process that was killed may have had the same number: in a container it is the rule
+    do {  // a killed process may have had the same number, typically in a container
       beside_ = target_ + "." + std::to_string(getpid()) + "-" + std::to_string(count++) + ".part";
       number = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     } while (number < 0 && errno == EEXIST);

@@ -7,7 +7,7 @@ namespace {
 
 struct OldName {
   std::string_view kind, old, present;
-  std::string_view ends;  // the version that no longer takes it
+  std::string_view ends;  // first version that rejects it
 };
 
 constexpr std::array<OldName, 2> kOldNames = {{

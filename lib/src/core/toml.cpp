@@ -22,10 +22,9 @@ std::string nameOfType(const toml::node& node) {
   }
 }
 
-constexpr std::size_t kLargestToml = std::size_t{1} << 18;  // bytes: each may cost 100 of memory
+constexpr std::size_t kLargestToml = std::size_t{1} << 18;  // bytes: each may take 100 bytes of memory
 
-// Whether a key differs from what was meant by a letter that is missing, too much or another one, or by two that are
-// swapped.
+// Whether a key is one typing error away: a missing, additional or wrong letter, or two swapped letters.
 bool isAlmost(std::string_view meant, std::string_view found) {
   const std::size_t shorter = std::min(meant.size(), found.size()), longer = std::max(meant.size(), found.size());
   std::size_t front = 0, back = 0;
@@ -54,7 +53,7 @@ TomlTable parseToml(std::string_view text, const std::string& file) {
   } catch (const toml::parse_error& error) {
     throw ConfigurationError(file, static_cast<int>(error.source().begin.line), "",
                              "not valid TOML: " + std::string(error.description()));
-  } catch (const Error& error) {  // of refuseToml()
+  } catch (const Error& error) {  // from refuseToml()
     throw ConfigurationError(file, 0, "", error.what());
   }
 }

@@ -1,4 +1,4 @@
-// Sines and cosines of several angles at once: what forward kinematics spends half of its time on.
+// Sines and cosines of several angles at once. Forward kinematics spends half of its time here.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,14 +6,14 @@
 
 namespace enamel {
 
-/// Sine and cosine of each angle, rad, to one unit in the last place. The angle less its multiple of pi/2 (in three parts of
-/// 33 bits: Cody and Waite 1980), then Taylor's series to the 17th power, whose rest is below 1e-18 on +-pi/4. Element by
-/// element, no table: the same bits on every machine. Finite angles only. Realtime: yes.
+/// Compute sine and cosine of each angle, rad, within 1 ulp. The multiple of pi/2 is subtracted in three parts of 33
+/// bits (Cody and Waite 1980). Taylor's series to the 17th power follows; its remainder is below 1e-18 on +-pi/4. It
+/// works element by element without a table, so all machines give the same bits. Finite angles only. Realtime: yes.
 template <int n>
 void sinCos(const Eigen::Array<double, n, 1>& angle, Eigen::Array<double, n, 1>& sine,
             Eigen::Array<double, n, 1>& cosine) noexcept {
   using Array = Eigen::Array<double, n, 1>;
-  constexpr double kLargest = 1e5;  // beyond, the multiple has too many digits
+  constexpr double kLargest = 1e5;  // larger multiples have too many digits
   if (!(angle.abs() <= kLargest).all()) {
     for (int i = 0; i < n; ++i) sine[i] = std::sin(angle[i]), cosine[i] = std::cos(angle[i]);
     return;

@@ -1,5 +1,5 @@
-// Mass matrices. Eigen's decompositions compile for 2 s a file: small factors in plain loops, eigenvalues compiled
-// once.
+// Mass matrices: small factors in plain loops, and eigenvalues compiled once. Eigen's decompositions would cost 2 s of
+// compile time per file.
 #pragma once
 
 #include "enamel/core/cholesky.hpp"
@@ -7,7 +7,7 @@
 
 namespace enamel {
 
-/// False where the mass matrix is not positive definite. Realtime: yes.
+/// Factor the mass matrix. Returns false if it is not positive definite. Realtime: yes.
 inline bool factorInertia(const JointMatrix& inertia, Cholesky<kMaxJoints>& factor) noexcept {
   double A[kMaxJoints][kMaxJoints];
   const int n = static_cast<int>(inertia.rows());
@@ -16,7 +16,7 @@ inline bool factorInertia(const JointMatrix& inertia, Cholesky<kMaxJoints>& fact
   return factor.factor(A, n);
 }
 
-/// Of a symmetric matrix, ascending.
+/// Return the eigenvalues of a symmetric matrix in ascending order.
 Vec3 eigenvaluesOf(const Mat3& matrix) noexcept;
 
 }  // namespace enamel

@@ -1,4 +1,4 @@
-// What the mechanisms whose joints have the same motors share.
+// Limits of mechanisms whose joints all have the same motor.
 #pragma once
 
 #include <cmath>
@@ -9,8 +9,8 @@
 
 namespace enamel {
 
-/// Drive of a motor with what a real one has. Friction and cogging are known to a third of their amplitude: their
-/// deviation where they change sign every few ticks.
+/// Return the drive of a real motor. Friction and cogging count with a third of their amplitude: their standard
+/// deviation if they change sign every few ticks.
 inline Drive driveOf(const MotorParameters& motor, const Imperfections& real) {
   Drive drive;
   drive.bandwidth = real.currentBandwidth;
@@ -21,7 +21,7 @@ inline Drive driveOf(const MotorParameters& motor, const Imperfections& real) {
   return drive;
 }
 
-/// Limits of `joints` joints with the same motor and encoder.
+/// Return the limits of `joints` joints with the same motor and encoder.
 inline JointLimits limitsOf(const MotorParameters& motor, const Imperfections& real, int joints) {
   return {JointVector::Constant(joints, motor.maxTorque),
           JointVector::Constant(joints, 2.0 * M_PI / motor.encoderCounts), driveOf(motor, real)};

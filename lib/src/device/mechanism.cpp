@@ -12,7 +12,7 @@
 
 namespace enamel {
 
-// Column by column: no order of summation depends on where a vector lies in memory.
+// Sum column by column, so that the order of summation does not depend on the alignment of a vector.
 
 Vec6 twistOf(const Jacobian& jacobian, const JointVector& rates) noexcept {
   Vec6 twist = Vec6::Zero();

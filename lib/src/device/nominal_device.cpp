@@ -4,7 +4,7 @@ namespace enamel {
 namespace {
 
 constexpr char kText[] =
-#include <nominal_device.inl>  // the file as a raw string, written when the build is configured
+#include <nominal_device.inl>  // the file as a raw string, generated when the build is configured
     ;
 
 }  // namespace

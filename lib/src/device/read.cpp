@@ -60,7 +60,7 @@ namespace {
 
 constexpr double kMostError = 0.2;  // relative
 
-// The table's keys, with the largest value that has a meaning.
+// Keys of the table, with their largest meaningful value.
 struct Imperfection {
   const char* key;
   const char* unit;

@@ -1,4 +1,4 @@
-// What the mechanisms that only translate share.
+// Checks of mechanisms that only translate.
 #pragma once
 
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace enamel {
 
-/// Refuses what a platform that keeps the axes of W cannot do: a turned pose, a turning twist. The tolerance (1e-9, rad
-/// and rad/s) lets through the roundings of whoever made them. Statuses: notFinite, unreachable. Realtime: yes.
+/// Reject a rotated pose or a twist with rotation: the platform keeps the axes of W. The tolerance (1e-9, rad and
+/// rad/s) covers rounding errors. Statuses: notFinite, unreachable. Realtime: yes.
 [[nodiscard]] inline Status requireTranslation(const Pose& pose, const Vec6& twist) noexcept {
   constexpr double tolerance = 1e-9;
   if (!pose.position.allFinite() || !pose.rotation.allFinite() || !twist.allFinite()) return Status::notFinite;

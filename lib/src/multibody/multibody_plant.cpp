@@ -20,7 +20,7 @@ SimTK::Rotation rotationOf(const Mat3& m) {
   return SimTK::Rotation(SimTK::Mat33(m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)),
                          true);
 }
-// Linear before angular here, after it there.
+// Enamel's vectors have linear before angular parts, Simbody's the reverse.
 SimTK::SpatialVec spatial(const Vec6& v) { return {toSim(v.tail<3>()), toSim(v.head<3>())}; }
 Vec6 fromSpatial(const SimTK::SpatialVec& v) {
   Vec6 result;
@@ -34,16 +34,16 @@ Mat3 fromSim(const SimTK::Rotation& r) {
   return m;
 }
 
-// About the body's origin.
+// Mass properties about the origin of the body.
 SimTK::MassProperties massOf(double mass, const Vec3& com, const Mat3& aboutCom) {
   const Mat3 I = aboutCom + mass * (com.squaredNorm() * Mat3::Identity() - com * com.transpose());
   return {mass, toSim(com), SimTK::Inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2))};
 }
 SimTK::MassProperties pointMass(double mass, const Vec3& at) { return massOf(mass, at, Mat3::Zero()); }
-// A thin disc. What has inertia about its axis alone is no body for Simbody: half of it is about every other axis too.
+// A thin disc. Simbody rejects an inertia about one axis alone: a disc has half of it about every perpendicular axis.
 Mat3 disc(const Vec3& axis, double inertia) { return 0.5 * inertia * (Mat3::Identity() + axis * axis.transpose()); }
 
-// A hinge about an axis of the parent, whose axes the child has at angle 0; the child's origin is on it.
+// A hinge about an axis of the parent. At angle 0 the child has the parent's axes. The child's origin is on the hinge.
 MobilizedBody::Pin hinge(MobilizedBody& parent, const SimTK::Rotation& turn, const Vec3& at, const Vec3& axis,
                          const SimTK::MassProperties& mass) {
   const SimTK::Rotation toAxis(SimTK::UnitVec3(toSim(axis)), SimTK::ZAxis);
@@ -51,17 +51,17 @@ MobilizedBody::Pin hinge(MobilizedBody& parent, const SimTK::Rotation& turn, con
                             SimTK::Transform(toAxis));
 }
 
-// What acts: motors less friction, the load less damping.
+// Acting forces: motors minus friction, load minus damping.
 struct Acting {
   std::vector<MobilizedBody> driven;  // hinges with motors
   MobilizedBody platform;
   double friction = 0.0;
   Vec6 damping = Vec6::Zero();
-  const Mechanism* cartesian = nullptr;  // where the motors act on the platform itself
+  const Mechanism* cartesian = nullptr;  // set if the motors act on the platform itself
 
   JointVector torque;
   const ExternalWrench* load = nullptr;
-  double timeAhead = 0.0;  // the caller's time less the state's
+  double timeAhead = 0.0;  // the caller's time minus that of the state
 };
 
 class ActingForce final : public SimTK::Force::Custom::Implementation {
@@ -106,14 +106,14 @@ struct MultibodyPlant::Model {
   std::vector<MobilizedBody> hinges;  // of all chains in turn, from the base
   std::unique_ptr<SimTK::RungeKuttaMersonIntegrator> integrator;
   SimTK::State state;
-  bool goesOn = false;  // the integrator has this state and need not be initialised again
+  bool goesOn = false;  // the integrator has this state and needs no initialisation
 
   Model(const DeviceParameters& given, double relative)
       : parameters(given), accuracy(relative), mechanism(makeMechanism(given)) {
     require(accuracy >= 1e-13 && accuracy <= 1e-2,
             "accuracy is " + formatNumber(accuracy) + ", must be in 1e-13 to 1e-2");
     std::visit([this](const auto& device) { build(device); }, parameters);
-    const SimTK::Force::Custom acts(forces, new ActingForce(acting));  // which owns it
+    const SimTK::Force::Custom acts(forces, new ActingForce(acting));  // Simbody owns it
     state = system.realizeTopology();
     system.realizeModel(state);
     integrator = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(system);
@@ -134,8 +134,8 @@ struct MultibodyPlant::Model {
     for (const ChainParameters& chain : device.chain) {
       const double rotor = device.motor.rotorInertia;
       const LinkParameters &l1 = chain.link1, &l2 = chain.link2;
-      // The lift's rotor turns with the yaw as well, with half of its inertia: of the yaw's the other half is left. Its
-      // mass does not move; without one Simbody drops the inertia.
+      // The lift's rotor also turns with the yaw, with half of its inertia. So the yaw's disc has only the other half.
+      // The mass of 1 kg does not move; without a mass Simbody drops the inertia.
       MobilizedBody yaw = hinge(matter.Ground(), none, chain.base, Vec3::UnitY(),
                                 massOf(1.0, Vec3::Zero(), disc(Vec3::UnitY(), 0.5 * rotor)));
       MobilizedBody lift = hinge(yaw, none, Vec3::Zero(), -Vec3::UnitX(),
@@ -143,7 +143,7 @@ struct MultibodyPlant::Model {
       MobilizedBody elbow =
           hinge(lift, none, Vec3(0.0, 0.0, l1.length), -Vec3::UnitX(), massOf(l2.mass, l2.com, l2.inertia));
       const SimTK::Vec3 tip(0.0, 0.0, l2.length);
-      if (hinges.empty())  // the first chain carries the platform, the others are closed
+      if (hinges.empty())  // the first chain carries the platform; constraints close the others
         acting.platform =
             MobilizedBody::Ball(elbow, SimTK::Transform(tip), body, SimTK::Transform(toSim(chain.platform)));
       else
@@ -162,7 +162,7 @@ struct MultibodyPlant::Model {
     acting.platform = platform;
     const DeltaGeometry& g = device.geometry;
     const double bars = 2.0 * device.bar.mass;
-    const Vec3 across = -Vec3::UnitY();  // axis of what turns towards the user
+    const Vec3 across = -Vec3::UnitY();  // axis of a rotation towards the user
     for (const double phi : g.phi) {
       const SimTK::Rotation leg(phi, SimTK::ZAxis), none;
       const Mat3 turn = fromSim(leg);
@@ -170,7 +170,7 @@ struct MultibodyPlant::Model {
       MobilizedBody upper =
           hinge(matter.Ground(), leg, turn * Vec3(g.r, g.s, 0.0) - device.homeDistance * Vec3::UnitZ(), across,
                 massOf(u.mass, u.com * Vec3::UnitX(), disc(across, u.inertia + device.motor.rotorInertia)));
-      // A uniform rod moves as a sixth of its mass at each end and the rest in the middle.
+      // A uniform rod moves like a sixth of its mass at each end and the rest in the middle.
       MobilizedBody near = hinge(upper, none, g.a * Vec3::UnitX(), across, pointMass(bars / 6.0, g.e * Vec3::UnitX()));
       MobilizedBody bar =
           hinge(near, none, g.e * Vec3::UnitX(), Vec3::UnitZ(), pointMass(bars * 2.0 / 3.0, 0.5 * g.b * Vec3::UnitX()));
@@ -200,7 +200,7 @@ struct MultibodyPlant::Model {
           MobilizedBody::Translation(matter.Ground(), SimTK::Body::Rigid(pointMass(device.mass, Vec3::Zero())));
   }
 
-  // Angles and rates of the hinges, chain by chain.
+  // Set angles and rates of the hinges, chain by chain.
   void setHinges(const TauParameters& device, const Kinematics& k) {
     for (std::size_t i = 0; i < 3; ++i) {
       const ChainParameters& chain = device.chain[i];
@@ -248,7 +248,7 @@ struct MultibodyPlant::Model {
     goesOn = false;
     state.setTime(0.0);
     std::visit([&](const auto& device) { setHinges(device, k); }, parameters);
-    // The platform's joint: from frame F of its parent to frame M of its own.
+    // The platform's joint: from frame F of its parent to its own frame M.
     const MobilizedBody &platform = acting.platform, &parent = platform.getParentMobilizedBody();
     const SimTK::Transform body(rotationOf(k.pose.rotation), toSim(k.pose.position));
     const SimTK::Transform M = body * platform.getOutboardFrame(state);
@@ -262,7 +262,7 @@ struct MultibodyPlant::Model {
     platform.setUToFitVelocity(state, SimTK::SpatialVec(~F.R() * turn, ~F.R() * way));
   }
 
-  // Continues the motion of another model of the same device, with the step size that its integrator would take next.
+  // Continue the motion of another model of the same device, with the next step size of its integrator.
   void takeMotion(const Model& from) {
     state.updQ() = from.state.getQ();
     state.updU() = from.state.getU();
@@ -320,12 +320,12 @@ Status MultibodyPlant::advance(double time, double duration, const JointVector& 
   m.acting.load = &load;
   try {
     if (!m.goesOn) m.integrator->initialize(m.state);
-    m.goesOn = false;  // until the tick is done
+    m.goesOn = false;  // until the tick is finished
     const double end = m.integrator->getTime() + duration;
     m.acting.timeAhead = time - m.integrator->getTime();
-    m.integrator->updAdvancedState().invalidateAllCacheAtOrAbove(SimTK::Stage::Dynamics);  // another torque and load
+    m.integrator->updAdvancedState().invalidateAllCacheAtOrAbove(SimTK::Stage::Dynamics);  // new torque and load
     m.integrator->reinitialize(SimTK::Stage::Dynamics, false);
-    while (m.integrator->getTime() < end)  // never beyond the tick, whose torque it knows
+    while (m.integrator->getTime() < end)  // stop at the end of the tick: the next torque is unknown
       if (m.integrator->stepTo(end, end) == SimTK::Integrator::EndOfSimulation) return Status::notConverged;
     const SimTK::State& moved = m.integrator->getAdvancedState();
     const DeviceState now = m.platformOf(moved);
@@ -335,7 +335,7 @@ Status MultibodyPlant::advance(double time, double duration, const JointVector& 
     m.state.setTime(moved.getTime());
     m.goesOn = true;
     state_ = now;
-  } catch (...) {  // Simbody's own exceptions, of steps that became too short
+  } catch (...) {  // Simbody throws if steps become too short
     return Status::notConverged;
   }
   return Status::ok;

@@ -116,7 +116,7 @@ int32_t PluginInstance::step(const EnamelTickInput& input, EnamelTickOutput& out
   Status status = Status::inactive;
   if (renderer_ && input.joint_count >= 1 && input.joint_count <= kMaxJoints) {
     fromPlain(input, needsInertia_, frame_);
-    if (needsInertia_) (void)fillContactRows(frame_);  // what a bad frame lacks, step() refuses
+    if (needsInertia_) (void)fillContactRows(frame_);  // step() rejects an incomplete frame
     status = renderer_->step(frame_, answer);
   } else if (renderer_) {
     status = Status::outOfRange;

@@ -5,15 +5,15 @@
 
 namespace enamel::conformance {
 
-/// Offers an instance bad inputs in place of a good one. It must answer each with a defined output, and leave its state
-/// unchanged where it refuses. Every function throws Failure.
+/// Gives an instance bad inputs in place of a good one. It must answer each with a defined output. If it rejects one,
+/// its state must not change. Every function throws Failure.
 class BadInputs {
  public:
   BadInputs(Instance& instance, const EnamelTickInput& good)
       : instance_(instance), good_(good), before_(instance.save()) {}
 
   void offer(const std::string& what, const EnamelTickInput& bad, bool mustRefuse);
-  /// Every number of the input in turn; what a renderer does not use it may accept.
+  /// Replace every number of the input in turn. A renderer may accept bad numbers that it does not use.
   void offerNumbers();
   void offerSurfaces();
   void offerCounts();

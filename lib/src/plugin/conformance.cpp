@@ -17,7 +17,7 @@ namespace enamel {
 namespace conformance {
 namespace {
 
-// Into the wall z = 0 and out again, three times, swaying; as a device at rest in every tick would measure it.
+// A path into the wall z = 0 and out again, three times, with a sideways motion. The motors hold the device's weight.
 std::vector<EnamelTickInput> pathThroughWall(const Mechanism& mechanism, const ConformanceOptions& options) {
   std::vector<EnamelTickInput> path(static_cast<std::size_t>(options.ticks));
   const Scene wall = flatWall();
@@ -45,7 +45,7 @@ std::vector<EnamelTickInput> pathThroughWall(const Mechanism& mechanism, const C
 
 std::string tick(std::size_t i) { return "tick " + std::to_string(i); }
 
-// What a plugin is asked. Each check returns a detail to report, or throws Failure.
+// The checks of a plugin. Each returns a detail to report, or throws Failure.
 class Checks {
  public:
   Checks(const std::shared_ptr<const PluginLibrary>& library, const PluginSetup& setup, const Mechanism& mechanism,
@@ -159,7 +159,7 @@ class Checks {
     instance.prepare(setup_, options_.period);
     const std::vector<unsigned char> fresh = instance.save();
     (void)runPath(instance);
-    for (const std::size_t stop : {path_.size() / 6, path_.size() / 3}) {  // from inside the wall as well
+    for (const std::size_t stop : {path_.size() / 6, path_.size() / 3}) {  // also from inside the wall
       instance.reset();
       demand(instance.save() == fresh, "the state after reset() is not the state after activate()");
       for (std::size_t i = 0; i < stop; ++i) {
@@ -250,7 +250,7 @@ class Checks {
   }
 
  private:
-  // The outputs of the whole path from a fresh reset, for comparison.
+  // Run the whole path, without a reset, and return its outputs for comparison.
   std::vector<EnamelTickOutput> runPath(Instance& instance) {
     std::vector<EnamelTickOutput> outputs;
     for (std::size_t i = 0; i < path_.size(); ++i) {
@@ -267,7 +267,7 @@ class Checks {
   const PluginSetup& setup_;
   const ConformanceOptions& options_;
   const std::vector<EnamelTickInput> path_;
-  std::vector<EnamelTickOutput> expected_;  // of the path, by answersPath()
+  std::vector<EnamelTickOutput> expected_;  // of the path, set by answersPath()
 };
 
 struct Check {
@@ -275,7 +275,7 @@ struct Check {
   std::string (Checks::*run)();
 };
 
-// Without the first ones nothing else can be judged.
+// The other checks need these to pass.
 constexpr Check kBasics[] = {
     {"describes itself the same way every time", &Checks::describesItself},
     {"refuses calls out of order", &Checks::refusesWrongOrder},

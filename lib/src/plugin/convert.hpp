@@ -1,4 +1,4 @@
-// Between the plain structs of the boundary and the C++ contract: every number is copied as it is.
+// Conversion between the plain structs of the C interface and the C++ contract. Every number is copied unchanged.
 #pragma once
 
 #include <algorithm>
@@ -115,7 +115,7 @@ inline void toPlain(const TickOutput& in, EnamelTickOutput& out) noexcept {
   out.saturated = in.saturated ? 1 : 0;
 }
 
-/// A setup as a plugin is given it; `setup` must outlive it.
+/// A setup in the form that a plugin receives. `setup` must outlive it.
 class PlainSetup {
  public:
   explicit PlainSetup(const PluginSetup& setup) {

@@ -36,7 +36,7 @@ std::string machineName(int machine) {
   }
 }
 
-// The head of the file says more than the loader's message does.
+// The file's header permits a better message than the loader's.
 void checkFile(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) throw PluginError(path + ": no such file");
@@ -54,7 +54,7 @@ void checkFile(const std::string& path) {
                       machineName(kMachine));
   if (head.e_type != ET_DYN || head.e_ident[EI_CLASS] != ELFCLASS64 || head.e_phentsize != sizeof(Elf64_Phdr))
     throw PluginError(path + ": is no shared library");
-  // The loader maps what the head promises; beyond the end of the file that is a bus error.
+  // The loader maps what the header promises. Past the end of the file that is a bus error.
   for (std::uint64_t i = 0; i < head.e_phnum; ++i) {
     Elf64_Phdr part{};
     const std::uint64_t at = head.e_phoff + i * sizeof part;
@@ -98,7 +98,7 @@ void checkDescription(const std::string& path, const EnamelDescription* d) {
       throw PluginError(path + ": parameter " + std::to_string(i) + " lacks a key, default or meaning of one line");
 }
 
-// The contract forbids exceptions; one that comes all the same is the plugin's, not this program's end.
+// The contract forbids exceptions. If a plugin throws one, report it instead of ending this program.
 template <typename Result>
 Result guarded(const std::string& path, const std::string& what, Result (*function)()) {
   try {
@@ -148,7 +148,7 @@ class PluginRenderer final : public Renderer {
   Status render(const TickFrame& input, TickOutput& output) noexcept override {
     toPlain(input, input_);
     const std::int32_t result = table_.step(self_.get(), &input_, &output_);
-    if (result < ENAMEL_OK || result > ENAMEL_INACTIVE) return Status::inactive;  // no status that a tick can have
+    if (result < ENAMEL_OK || result > ENAMEL_INACTIVE) return Status::inactive;  // not a status of a tick
     if (result != ENAMEL_OK) return static_cast<Status>(result);
     if (output_.answer == ENAMEL_WRENCH)
       output.torque = staticTorque(input.kinematics, Eigen::Map<const Vec6>(output_.wrench));

@@ -37,7 +37,7 @@ void requireDefined(const EnamelTickOutput& output, const EnamelTickInput& input
 }
 
 bool same(const EnamelTickOutput& a, const EnamelTickOutput& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): to the bit
+  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): bit by bit
 }
 
 }  // namespace enamel::conformance

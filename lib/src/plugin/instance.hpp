@@ -1,4 +1,4 @@
-// An instance of a plugin under test, called as a host calls it, and what its answers must be.
+// An instance of a plugin under test, called as a host calls it, and the requirements on its answers.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace enamel::conformance {
 
-/// What a check throws to fail.
+/// Thrown by a failing check.
 struct Failure {
   std::string reason;
 };
@@ -19,7 +19,7 @@ inline void demand(bool condition, const std::string& reason) {
   if (!condition) throw Failure{reason};
 }
 
-/// The name of a result of the C interface.
+/// Return the name of a result of the C interface.
 std::string nameOf(std::int32_t result);
 
 class Instance {
@@ -37,7 +37,7 @@ class Instance {
   }
   std::int32_t activate(double period) { return table_.activate(self_, period, message()); }
   std::int32_t step(const EnamelTickInput& input) {
-    std::memset(&output, 0x7f, sizeof output);  // what a plugin does not write shows
+    std::memset(&output, 0x7f, sizeof output);  // reveals what a plugin does not write
     return table_.step(self_, &input, &output);
   }
   void reset() { table_.reset(self_); }
@@ -72,10 +72,10 @@ class Instance {
   std::array<char, 512> text_{};
 };
 
-/// Demands that an output is finite, and a torque within the limits of `input`; zero where it `failed`.
+/// Require that an output is finite and its torque within the limits of `input`; if it `failed`, zero.
 void requireDefined(const EnamelTickOutput& output, const EnamelTickInput& input, bool failed, const std::string& when);
 
-/// Whether two outputs are the same to the bit.
+/// Whether two outputs are equal bit by bit.
 bool same(const EnamelTickOutput& a, const EnamelTickOutput& b);
 
 }  // namespace enamel::conformance

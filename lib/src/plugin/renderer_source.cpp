@@ -37,7 +37,7 @@ class LinkedParameters {
     return found == values_.end() ? otherwise : found->second;
   }
 
-  // Leaves `value` where the parameter is not given.
+  // Leave `value` unchanged if the parameter is missing.
   template <typename Number>
   void read(const char* key, Number& value) const {
     const auto found = values_.find(key);

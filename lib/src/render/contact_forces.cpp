@@ -46,7 +46,7 @@ Constraint constraint(const ContactProblem& p, int number) noexcept {
   return c;
 }
 
-// The most violated constraint, by its distance; -1 where all are kept to rounding.
+// Return the constraint that is violated by the largest distance, or -1 if all hold within rounding.
 int mostViolated(const ContactProblem& p, const Vector& x) noexcept {
   int worst = -1;
   double distance = 0.0;
@@ -77,7 +77,7 @@ ContactSolution solveOne(const ContactProblem& p) noexcept {
   return solution;
 }
 
-// Forces back into their bounds: each cut, then all made smaller together.
+// Clamp each force to its bounds, then scale all forces by a common factor until the motor limits hold.
 void makeFeasible(const ContactProblem& p, Vector& x) noexcept {
   for (int k = 0; k < p.contacts; ++k) x[k] = std::max(0.0, std::min(x[k], p.most));
   double share = 1.0;
@@ -89,7 +89,7 @@ void makeFeasible(const ContactProblem& p, Vector& x) noexcept {
   for (int k = 0; k < p.contacts; ++k) x[k] *= share;
 }
 
-// The constraints that hold with equality, with their multipliers.
+// The constraints that hold with equality, and their multipliers.
 struct ActiveSet {
   int count = 0;
   int number[kN];
@@ -108,7 +108,7 @@ struct ActiveSet {
   }
 };
 
-// Goldfarb and Idnani, algorithm 1. False: out of steps.
+// Algorithm 1 of Goldfarb and Idnani (1983). Returns false if it runs out of steps.
 bool descend(const ContactProblem& p, const Cholesky<kN>& G, Vector& x, ActiveSet& active) noexcept {
   const int n = p.contacts;
   int steps = 0;
@@ -120,7 +120,7 @@ bool descend(const ContactProblem& p, const Cholesky<kN>& G, Vector& x, ActiveSe
     double added = 0.0;
     for (bool full = false; !full;) {
       if (++steps > kMostSteps) return false;
-      // How x and the multipliers change when this constraint's multiplier grows.
+      // Derivatives of x and of the multipliers by the multiplier of this constraint.
       Vector z, change = {};
       std::copy(whole, whole + kN, z);
       if (active.count > 0) {
@@ -135,7 +135,7 @@ bool descend(const ContactProblem& p, const Cholesky<kN>& G, Vector& x, ActiveSe
         for (int i = 0; i < active.count; ++i)
           for (int k = 0; k < n; ++k) z[k] -= change[i] * active.step[i][k];
       }
-      // As far as a multiplier reaches zero, or the constraint holds.
+      // Step until a multiplier reaches zero or the constraint holds.
       double partialStep = kInfinity;
       int dropped = -1;
       for (int i = 0; i < active.count; ++i)
@@ -148,7 +148,7 @@ bool descend(const ContactProblem& p, const Cholesky<kN>& G, Vector& x, ActiveSe
       const double fullStep = canMove ? (c.bound - dot(c.normal, x, n)) / slope : kInfinity;
       full = fullStep <= partialStep;
       const double step = std::min(fullStep, partialStep);
-      if (step == kInfinity) return false;  // no force keeps to all bounds: not with low <= 0 <= high
+      if (step == kInfinity) return false;  // infeasible; cannot happen while low <= 0 <= high
       if (canMove)
         for (int k = 0; k < n; ++k) x[k] += step * z[k];
       for (int i = 0; i < active.count; ++i) active.multiplier[i] -= step * change[i];
@@ -181,7 +181,7 @@ ContactSolution solveContacts(const ContactProblem& p) noexcept {
   solution.exact = descend(p, G, solution.force, active);
   solution.limited = !solution.exact;
   for (int i = 0; i < active.count; ++i) solution.limited = solution.limited || isMotor(p, active.number[i]);
-  makeFeasible(p, solution.force);  // what rounding has left, and what a search cut short has
+  makeFeasible(p, solution.force);  // removes rounding errors, and violations that an aborted search leaves
   return solution;
 }
 

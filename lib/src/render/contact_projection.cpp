@@ -6,15 +6,15 @@
 namespace enamel {
 namespace {
 
-constexpr int kMostRows = 10;  // of independent rows: more than any device has joints
+constexpr int kMostRows = 10;  // independent rows; no device has more joints
 
-// Cholesky factors of the passive rows of G, in the order in which they came.
+// Cholesky factors of the passive rows of G, in the order of insertion.
 struct Passive {
   int count = 0;
   int row[kMostRows];
   double L[kMostRows][kMostRows];
 
-  // False: depends on the others.
+  // Returns false if row k depends on the other rows.
   bool add(const double (&G)[kMaxWalls][kMaxWalls], int k) noexcept {
     if (count == kMostRows) return false;
     double left = G[k][k];
@@ -68,7 +68,7 @@ bool solveNonNegative(const double (&G)[kMaxWalls][kMaxWalls], const double* h, 
       continue;
     }
     passive.solve(h, z);
-    if (!(z[passive.count - 1] > 0.0)) {  // rounding
+    if (!(z[passive.count - 1] > 0.0)) {  // rounding error
       --passive.count;
       barred[best] = true;
       continue;

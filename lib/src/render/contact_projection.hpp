@@ -1,12 +1,13 @@
-// The nearest point of the free space: min |y|^2 with g_k . y >= h_k, by its dual, min over lambda >= 0.
+// Projection onto the free space: min |y|^2 with g_k . y >= h_k, solved by its dual over lambda >= 0.
 #pragma once
 
 namespace enamel {
 
-inline constexpr int kMaxWalls = 24;  ///< of one problem
+inline constexpr int kMaxWalls = 24;  ///< most walls in a problem
 
-/// min 1/2 l^T G l - h^T l over l >= 0, with G = g g^T positive semidefinite, n <= kMaxWalls (Lawson and Hanson's
-/// active set). The answer uses independent rows only. Returns false where it was cut short. Realtime: yes.
+/// Minimise 1/2 l^T G l - h^T l over l >= 0 with the active-set method of Lawson and Hanson. G = g g^T is positive
+/// semidefinite and n <= kMaxWalls. The solution uses independent rows only. Returns false if the iteration limit is
+/// reached. Realtime: yes.
 bool solveNonNegative(const double (&G)[kMaxWalls][kMaxWalls], const double* h, int n, double* l) noexcept;
 
 }  // namespace enamel

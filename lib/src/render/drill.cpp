@@ -12,12 +12,12 @@ namespace enamel {
 namespace {
 
 constexpr double kMostTurns = 1e4;
-constexpr double kFollow = 0.05;    // share of a tick in the means of force, hardness and feed
+constexpr double kFollow = 0.05;    // filter gain per tick for force, hardness and feed
 constexpr double kMostFeed = 0.02;  // m/s
 constexpr double kMostOwed = 4.0;
 constexpr double kFacing = 0.1, kAhead = 0.7, kSide = 0.9;  // cosines
-// What a spinning bur leans on beside the force gives way. A servo that holds it there as stiffly as ahead holds it in
-// three directions, and encoders chatter in each.
+// Contacts beside the direction of the force are soft. A servo that is as stiff sideways as ahead holds a spinning bur
+// in three directions, and encoder noise makes it chatter in each.
 constexpr double kSideStiffness = 2e4;  // N/m
 
 }  // namespace
@@ -49,7 +49,7 @@ void Drill::correct(ContactSnapshot& contacts) noexcept {
     double back = rough_;
     if (along < kSide) c.material.stiffness = std::min(c.material.stiffness, kSideStiffness);
     if (along > kFacing) {
-      back = std::max(back, advance_ * along);  // what this tick will remove
+      back = std::max(back, advance_ * along);  // material that this tick will remove
       c.obstacleVelocity -= feed * along * c.normal;
     }
     c.gap = std::max(c.gap, std::min(c.gap + back, 0.0));
@@ -89,7 +89,7 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
   const double asked = removal_ * pressed / hardness_ * elapsed + owed_;
   advance_ = std::clamp(asked / area_, 0.0, kMostFeed * elapsed + rough_);
 
-  // So far back is the bur that is nowhere deeper than that.
+  // Retract the bur until no contact is deeper than this tick's advance.
   double back = -rough_;
   for (const Contact* c = deepest; c != end; ++c) {
     const double gap = gaps_[static_cast<std::size_t>(c - first)];
@@ -108,12 +108,12 @@ void Drill::cut(const Scene& scene, const Pose& pose, const Vec3& force, double 
     hardness_ += kFollow * (weighted / volume - hardness_);
   }
   owed_ = std::clamp(asked - volume, -kMostOwed * area_ * rough_, kMostOwed * area_ * rough_);
-  // While it cuts, the tool moves with the surface.
+  // While the bur cuts, the tool moves with the surface.
   const Vec3 moved = obstacle.pose.rotation * (axis.a - last_.a);
   if (obstacle_ == number) feed_ += kFollow * (-way_.dot(moved) / elapsed - feed_);
   obstacle_ = number;
   last_ = axis;
-  if (reached > 0.0 && reached < 1.0)  // the rest is for the next tick
+  if (reached > 0.0 && reached < 1.0)  // the next tick cuts the rest
     last_ = {from.a + reached * (axis.a - from.a), from.b + reached * (axis.b - from.b)};
 }
 

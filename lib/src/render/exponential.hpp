@@ -1,4 +1,4 @@
-// e^A of small matrices.
+// Exponential e^A of small matrices.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@ namespace enamel {
 template <int kRows, int kColumns = kRows>
 using Matrix = Eigen::Matrix<double, kRows, kColumns>;
 
-// e^A by scaling and squaring of its Taylor series. lazyProduct: Eigen's product for large matrices takes ten times as
-// long with these.
+// Compute e^A by scaling and squaring of its Taylor series. lazyProduct() is ten times as fast here as Eigen's product
+// for large matrices.
 template <int kSize>
 Matrix<kSize> exponential(const Matrix<kSize>& A) {
   const double size = A.cwiseAbs().rowwise().sum().maxCoeff();

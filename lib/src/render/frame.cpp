@@ -9,9 +9,9 @@
 namespace enamel {
 namespace {
 
-constexpr double kLeastInertia = 1e-12, kMostInertia = 1e6;  // of a joint, kg m^2 or kg
+constexpr double kLeastInertia = 1e-12, kMostInertia = 1e6;  // limits of a joint's inertia, kg m^2 or kg
 
-// J^T [force; r x force], and M^-1 D of it.
+// torque = J^T [force; arm x force]. response = M^-1 D torque, where D removes the joints without a motor.
 void fillRow(const TickFrame& frame, const Vec3& arm, const Vec3& force, JointRow& torque,
              JointRow& response) noexcept {
   Vec6 wrench;

@@ -6,13 +6,13 @@
 namespace enamel {
 namespace {
 
-constexpr double kLoadFollows = 0.1;  // a tick: the load is the mean of some ten
+constexpr double kLoadFollows = 0.1;  // filter gain per tick: the load is a mean over about ten ticks
 
 Vec3 vector(const std::array<double, 3>& a) noexcept { return {a[0], a[1], a[2]}; }
 
 Vec3 along(const Vec3& normal, const Vec3& v) noexcept { return v - normal.dot(v) * normal; }
 
-// `v`, shortened to `length`.
+// Shorten `v` to `length` if it is longer.
 Vec3 shortened(const Vec3& v, double length) noexcept {
   const double size = v.norm();
   return size > length ? Vec3(v * (length / size)) : v;
@@ -31,7 +31,7 @@ Vec3 FrictionMemory::force(const Contact& contact, const SurfaceMotion& slide, c
   const int slot = static_cast<int>(count_);
   if (!(material.friction > 0.0 && gains.stiffness > 0.0) || slot >= kMaxFrictionPoints) return Vec3::Zero();
 
-  // The same contact at the last tick; without a key the nearest of its obstacle and part. It is taken over once only.
+  // Find the last tick's contact with the same obstacle, part and key, nearest in position. Each is used only once.
   FrictionPoint* before = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
   for (FrictionPoint& point : last_) {
@@ -61,9 +61,9 @@ Vec3 FrictionMemory::force(const Contact& contact, const SurfaceMotion& slide, c
   const double stiffness = soft * gains.stiffness, damping = soft * gains.damping;
 
   const Vec3 lead = along(n, slide.predicted), velocity = along(n, slide.velocity);
-  // What the mean lends in a weak tick was saved in strong ones. A tool that hops keeps its grip until it comes down.
+  // Strong ticks save budget for weak ones, so that a hopping tool keeps its grip until it lands.
   const double holds = normalForce > 0.0 ? std::min(std::max(load, normalForce), budget) : budget;
-  // The spring says whether it slides; the damper, which feels every count of an encoder, does not.
+  // The spring decides whether the contact slides. The damper must not: it reacts to every encoder count.
   slides = stiffness * (stretch + lead).norm() > (slides ? material.slidingFriction : material.friction) * holds;
   const double most = (slides ? material.slidingFriction : material.friction) * holds;
   if (slides) stretch = shortened(stretch + lead, most / std::max(stiffness, 1e-12)) - lead;

@@ -15,20 +15,21 @@ constexpr double kOscillationTime = 0.1;
 constexpr double kForgottenMisses = 0.01;
 constexpr double kIntervalTime = 0.1, kShortest = 0.5;  // s, periods
 constexpr double kRounding = 1.0 + 1e-9;
-constexpr double kTouching = 1e-4;  // m: contacts farther away carry no force
-// A reading is frozen that has not changed by a bit for so many ticks, though the joint went on evenly by as many
-// counts a tick before, or its rate tells of as many counts since (of the second half: a filter's rate comes late).
+constexpr double kTouching = 1e-4;  // m: contacts with a larger gap carry no force
+// A reading is frozen if it repeats for kStillTicks ticks although the joint should move. One sign is steady motion
+// before: at least kPace counts a tick. The other: the measured rate adds up to kClaimed counts. The sum covers the
+// second half of these ticks only, because a filtered rate lags.
 constexpr int kStillTicks = 50;
 constexpr double kPace = 10.0, kEven = 0.3, kClaimed = 5.0;
 
 bool isSize(const JointVector& v, int n) noexcept { return v.size() == n; }
 
-// False for NaN as well.
+// False for NaN too.
 bool eachWithin(const JointVector& v, double limit) noexcept { return (v.array().abs() <= limit).all(); }
 
-// Velocity of what the tool touches, W: that of each obstacle by how much of the commanded force is along its normal.
-// `turn`: angular velocity of the tool that the joints do not measure, W, rad/s. It is the hand's, and moves the tool
-// over the obstacle as if the obstacle moved.
+// Mean velocity of the touched obstacles in W, each weighted by the commanded force along its normal. `turn`: angular
+// velocity of the tool that the joints do not measure, W, rad/s. The hand causes it, and it moves the tool over the
+// obstacle as if the obstacle moved.
 Vec3 surfaceVelocity(const TickFrame& frame, const Vec3& turn) noexcept {
   const ContactSnapshot& contacts = frame.contacts;
   const auto velocityOf = [&](const Contact& c) {
@@ -145,7 +146,7 @@ void Guard::loadState(const double* state) noexcept {
     reset();
 }
 
-// Finite numbers, jumps, frozen encoders, the clock.
+// Check for invalid numbers, jumps, frozen encoders and clock errors.
 GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   State& s = state_;
   if (!isSize(m.q, n_) || !isSize(m.rates, n_) || !m.q.allFinite() || !m.rates.allFinite() || !std::isfinite(m.time) ||
@@ -179,7 +180,7 @@ GuardReason Guard::measured(const Measurement& m, double elapsed) noexcept {
   return elapsed > longest ? GuardReason::late : GuardReason::none;
 }
 
-// Whether what is asked for oscillates.
+// Check whether the requested torque oscillates.
 GuardReason Guard::asked(const JointVector& requested, const Kinematics& k) noexcept {
   State& s = state_;
   const double share = std::min(1.0, options_.period / kOscillationTime);
@@ -196,7 +197,7 @@ GuardReason Guard::asked(const JointVector& requested, const Kinematics& k) noex
   return oscillates ? GuardReason::oscillation : GuardReason::none;
 }
 
-// Gravity's torque; less of all of it where a motor cannot give it.
+// Gravity torque, scaled down if a motor cannot produce it.
 Guard::Row Guard::bounded(const JointVector& gravity) const noexcept {
   double scale = 1.0;
   for (int i = 0; i < n_; ++i)
@@ -207,7 +208,7 @@ Guard::Row Guard::bounded(const JointVector& gravity) const noexcept {
   return row;
 }
 
-// On the straight way from the last torque, as far as the slew lets it.
+// Move from the last torque towards the new one in a straight line, as far as the slew limit permits.
 bool Guard::limitSlew(double elapsed, JointVector& torque) const noexcept {
   const double time = std::clamp(elapsed, 0.0, options_.period);
   double scale = 1.0;
@@ -220,7 +221,7 @@ bool Guard::limitSlew(double elapsed, JointVector& torque) const noexcept {
   return true;
 }
 
-// Whether what is rendered may begin at once.
+// Whether the rendered torque is small enough to engage.
 bool Guard::isSmall() const noexcept {
   bool small = true;
   for (int i = 0; i < n_; ++i)
@@ -228,7 +229,7 @@ bool Guard::isSmall() const noexcept {
   return small;
 }
 
-// What a request without a fault becomes.
+// Limit a request that has no fault.
 GuardReason Guard::shape(const Measurement& m, const Kinematics& k, const JointVector& requested, double elapsed,
                          JointVector& torque) noexcept {
   State& s = state_;
@@ -292,23 +293,24 @@ GuardReason Guard::shape(const Measurement& m, const Kinematics& k, const JointV
       torque[i] = gravity[i] + fits * rendered[i];
       if (isDriven(i)) torque[i] = std::clamp(torque[i], -o.torque[i], o.torque[i]);
     }
-    if (reason == GuardReason::none) reason = GuardReason::torque;  // gravity alone is beyond the limit
+    if (reason == GuardReason::none) reason = GuardReason::torque;  // gravity alone exceeds the limit
   }
   if (s.acted && limitSlew(s.started ? elapsed : o.period, torque) && reason == GuardReason::none)
     reason = GuardReason::slew;
   return reason;
 }
 
-// A fault's way to gravity's torque, or to zero. The rendered part goes at once where it would push the tool on.
+// After a fault, ramp to the gravity torque, or to zero if gravity is unknown. The rendered part is dropped at once if
+// the tool moves in its direction.
 void Guard::ramp(const Measurement& m, bool known, JointVector& torque) noexcept {
   State& s = state_;
   const GuardOptions& o = options_;
-  if (s.known && !known && s.rampTicks > 0) {  // from here to zero
+  if (s.known && !known && s.rampTicks > 0) {  // ramp from the present torque to zero
     s.from = s.torque;
     s.rampTicks = 0;
   }
   s.known = s.known && known;
-  if (s.rampTicks < std::numeric_limits<int>::max()) ++s.rampTicks;  // a fault may stand for months
+  if (s.rampTicks < std::numeric_limits<int>::max()) ++s.rampTicks;  // do not overflow: a fault may last for months
   double left = std::max(0.0, 1.0 - s.rampTicks * o.period / std::max(o.rampOut, o.period));
   if (left < 1e-9) left = 0.0;
   double pushed = 0.0;
@@ -322,7 +324,7 @@ void Guard::ramp(const Measurement& m, bool known, JointVector& torque) noexcept
   }
 }
 
-// What is wrong with a tick whose measurement can be read.
+// Judge a tick with a readable measurement.
 GuardReason Guard::judged(const Measurement& m, Status status, bool known, double elapsed,
                           const TickFrame& frame) noexcept {
   State& s = state_;
@@ -347,7 +349,7 @@ GuardReason Guard::judged(const Measurement& m, Status status, bool known, doubl
   return asked(requested, frame.kinematics);
 }
 
-// The measurement, for the ticks to come.
+// Keep the measurement for the next ticks.
 void Guard::remember(const Measurement& m) noexcept {
   State& s = state_;
   s.time = m.time;
@@ -365,7 +367,7 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
   JointVector& torque = frame.command;
   torque.setZero(n_);
   frame.reason = GuardReason::none;
-  if (m.age > 0 && !s.started) {  // no sample yet since reset(): as before
+  if (m.age > 0 && !s.started) {  // no sample since reset(): repeat the last torque
     for (int i = 0; i < n_; ++i) torque[i] = s.torque[i];
     frame.reason = GuardReason::waiting;
     return;
@@ -398,11 +400,11 @@ void Guard::step(const Measurement& m, Status status, TickFrame& frame) noexcept
   }
 
   if (believed || read == GuardReason::jump || read == GuardReason::frozen) remember(m);
-  s.ticks = std::min(s.ticks + 1.0, options_.longestGap + 2.0);  // a fault may last for months
+  s.ticks = std::min(s.ticks + 1.0, options_.longestGap + 2.0);  // do not grow forever: a fault may last for months
   for (int i = 0; i < n_; ++i) {
-    if (!std::isfinite(torque[i])) torque[i] = 0.0;  // a Jacobian of 1e308
+    if (!std::isfinite(torque[i])) torque[i] = 0.0;  // e.g. from a Jacobian of 1e308
     s.torque[i] = torque[i];
-    if (options_.on && !isDriven(i)) torque[i] = 0.0;  // the wall's share in it is no work that the renderer gave
+    if (options_.on && !isDriven(i)) torque[i] = 0.0;  // its share of the wall's force is not work of the renderer
     s.acting[i] = s.ticks == 1.0 ? s.torque[i] : s.acting[i] + (s.torque[i] - s.acting[i]) / s.ticks;
   }
   std::copy_backward(s.sent.begin(), s.sent.end() - 1, s.sent.end());

@@ -1,4 +1,4 @@
-// The guard's energy accounts: by its own commands, and by the torque that the device reports.
+// Energy accounts of the guard: one from its own commands, one from the torque that the device reports.
 #include <algorithm>
 #include <cmath>
 
@@ -9,12 +9,12 @@
 namespace enamel {
 namespace {
 
-constexpr double kForgets = 0.2;        // s, of the largest force of late
-constexpr double kLeastForce = 1e-3;    // N, below which nothing is rendered
+constexpr double kForgets = 0.2;        // s, decay time of the largest recent force
+constexpr double kLeastForce = 1e-3;    // N; smaller forces count as zero
 constexpr double kLargestEnergy = 1e6;  // J
-constexpr double kLinkError = 0.2;      // of the energy of rotors and cables
-constexpr double kLever = 0.05;         // m at which a moment counts as a force
-// Of reported torque: time constant, s; share of the commands, and of the motor's limit.
+constexpr double kLinkError = 0.2;      // share of the energy of rotors and cables
+constexpr double kLever = 0.05;         // m, lever that converts a moment to a force
+// Reported torque: filter time, s; least share of the commands' power; noise and maximum, of the motor's limit.
 constexpr double kReportTime = 0.01, kReportShare = 0.75, kReportNoise = 0.03, kLargestReport = 1.5;
 
 }  // namespace
@@ -35,12 +35,12 @@ void Guard::describeTransmission() {
       t.command[i] = step(i, 3);
     }
     t.share = 1.0 / (1.0 + J / L);
-    // A step of all torque stretches the cable twice as far as the torque at rest.
+    // A full torque step stretches the cable twice as far as the same torque at rest.
     mostHeld_ += 2.0 * options_.torque[joint] * options_.torque[joint] / d.stiffness;
   }
 }
 
-// Returns the first joint whose report is not plausible, or -1.
+// Returns the first joint with an implausible report, or -1.
 int Guard::unlikelyJoint(const JointVector& applied) const noexcept {
   for (int i = 0; i < n_; ++i) {
     const double noise = kReportNoise * most_[i];
@@ -53,8 +53,7 @@ int Guard::unlikelyJoint(const JointVector& applied) const noexcept {
 
 bool Guard::believes(const JointVector& applied) const noexcept { return unlikelyJoint(applied) < 0; }
 
-// Compares a report with the commands. The power is that of the oldest command: a late report must not look like a
-// missing one.
+// Compare a report with the commands. The power is that of the oldest command: a late report is not a missing one.
 void Guard::compareReport(const JointVector& applied, const Row& command, double elapsed) noexcept {
   State& s = state_;
   const double share = std::min(1.0, elapsed / kReportTime);
@@ -65,7 +64,7 @@ void Guard::compareReport(const JointVector& applied, const Row& command, double
   }
 }
 
-// Returns the recent command that is most similar to the report. The delay may change from tick to tick.
+// Returns the recent command that is closest to the report. The delay may change from tick to tick.
 const Guard::Row& Guard::nearestCommand(const JointVector& applied) const noexcept {
   const Row* best = nullptr;
   double least = kUnlimited;
@@ -83,8 +82,8 @@ double Guard::energy() const noexcept {
   return state_.reports ? std::max(state_.commanded.energy, state_.reported.energy) : state_.commanded.energy;
 }
 
-// Of a motor's torque and the way of its encoder: what reaches the link. The rest turns the rotor and stretches the
-// cable. Without it a single strong command counts as energy of the tool: it winds the cable up.
+// Convert a motor's torque and its encoder's motion to the torque and motion of the link. The rest turns the rotor and
+// stretches the cable. Without this, a single strong command that winds up the cable would count as energy of the tool.
 void Guard::reachLink(int joint, double elapsed, Account& s, double& torque, double& way) const noexcept {
   const Transmission& t = transmission_[joint];
   const double command = torque, before = s.stretch[joint], rateBefore = s.stretchRate[joint],
@@ -101,13 +100,13 @@ void Guard::reachLink(int joint, double elapsed, Account& s, double& torque, dou
     s.stretch[joint] = next[1];
     s.stretchRate[joint] = next[2];
   }
-  // The mean over the time, by the balance of momentum of motor and rotor; the link moves by itself.
+  // Mean over the elapsed time, from the momentum balance of motor and rotor. The link moves independently.
   const double time = ticks * options_.period, motor = command - (s.lagged[joint] - lagBefore) / (lag_ * time);
   torque = t.share * (motor - options_.drive.rotorInertia * (s.stretchRate[joint] - rateBefore) / time);
   if (!options_.drive.encoderOnLink) way -= s.stretch[joint] - before;
 }
 
-// Adds the work of a torque since the last sample to its account. Returns the force of the torque at the TCP, N.
+// Add the work of a torque since the last sample to its account. Returns the force of the torque at the TCP, N.
 double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque, Account& account) const noexcept {
   const State& s = state_;
   const GuardOptions& o = options_;
@@ -123,12 +122,12 @@ double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque,
               0.5 * o.drive.rotorInertia * account.stretchRate[i] * account.stretchRate[i];
     }
     wrench += k.inverseTransposed.col(i) * beyond;
-    // Rounding to counts can feign half a count times the torque's change, summed by parts: the energy is a lower
-    // bound.
+    // Rounding to counts can feign at most half a count times the change of torque (summation by parts). Subtract it,
+    // so that the energy is a lower bound.
     work += beyond * step - 0.5 * o.encoderStep[i] * std::abs(beyond - account.beyond[i]);
     account.beyond[i] = beyond;
   }
-  // What rotors and cables exchange with the links is known only as well as the inertia of the links here.
+  // The energy that rotors and cables exchange with the links is only as accurate as the links' inertia.
   held = std::min(held, mostHeld_);
   work -= kLinkError * std::abs(held - account.held);
   account.held = held;
@@ -141,11 +140,11 @@ double Guard::book(const Measurement& m, const Kinematics& k, const Row& torque,
   }
   if (account.energy > 0.0) account.energy = std::max(0.0, account.energy - o.power * elapsed);
   account.energy = std::max(account.energy, -0.5 * peak * peak / o.softest);
-  if (!(std::abs(account.energy) <= kLargestEnergy)) account.energy = kLargestEnergy;  // numbers that mean nothing
+  if (!(std::abs(account.energy) <= kLargestEnergy)) account.energy = kLargestEnergy;  // meaningless numbers
   return force;
 }
 
-// Workspace, speed and energy of the motion since the last sample; its twist.
+// Check workspace, speed and energy of the motion since the last sample, and store its twist.
 GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   State& s = state_;
   const GuardOptions& o = options_;
@@ -157,7 +156,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   s.peak *= std::max(0.0, 1.0 - elapsed / kForgets);
   if (m.applied && !s.reports) s.reported = s.commanded;
   s.reports = s.reports || m.applied.has_value();
-  // A report covers one tick. After lost samples the mean of the commands counts instead.
+  // A report covers one tick. After lost samples the mean of the commands is used instead.
   Row commanded = s.ticks == 1.0 ? s.sent[o.delay] : s.acting, reported = commanded;
   if (m.applied && s.ticks == 1.0) {
     const int unlikely = unlikelyJoint(*m.applied);
@@ -175,7 +174,7 @@ GuardReason Guard::moved(const Measurement& m, const Kinematics& k) noexcept {
   double force = book(m, k, commanded, s.commanded);
   if (s.reports) force = std::max(force, book(m, k, reported, s.reported));
   s.peak = std::max(s.peak, force);
-  if (!(s.peak <= kLargestEnergy)) s.peak = 0.0;  // numbers that mean nothing
+  if (!(s.peak <= kLargestEnergy)) s.peak = 0.0;  // meaningless numbers
 
   for (int i = 0; i < 3; ++i)
     if (!(std::abs(k.pose.position[i]) <= o.workspace[i] + o.margin)) return GuardReason::workspace;

@@ -13,8 +13,7 @@ void requireLimit(double value, const char* name, const char* unit) {
   require(value >= 0.0, std::string("guard: ") + name + " is " + formatNumber(value) + ", must be at least 0 " + unit);
 }
 
-// The part of the forces that a motion and its opposite do not have in common: gravity and centrifugal forces are even
-// in the twist.
+// Gravity and centrifugal forces are even in the twist, so the odd part of the force is the damping.
 Mat6 dampingOf(const Mechanism& device) {
   const Kinematics& home = device.home();
   const Jacobian back = home.inverseTransposed;
@@ -95,7 +94,7 @@ GuardOptions guardFor(const Mechanism& device, double period) {
     inertia.solve(acceleration.data());
     inverseInertia.col(i) = twistOf(home.jacobian, acceleration);
   }
-  // The largest eigenvalues: 1 over the least mass, 1 over the least moment of inertia.
+  // The largest eigenvalues: 1 / least mass, and 1 / least moment of inertia.
   o.brake = 0.05 / (period * eigenvaluesOf(inverseInertia.topLeftCorner<3, 3>())[2]);
   const double turning = eigenvaluesOf(inverseInertia.bottomRightCorner<3, 3>())[2];
   o.brakeTurn = turning > 0.0 ? 0.05 / (period * turning) : 0.0;

@@ -5,7 +5,7 @@
 
 namespace enamel {
 
-/// Return the options, checked. Throws Error: as Guard's constructor.
+/// Check the options and return them. Throws Error as Guard's constructor does.
 const GuardOptions& checked(const Mechanism& device, const GuardOptions& options);
 
 }  // namespace enamel

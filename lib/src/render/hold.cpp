@@ -89,7 +89,7 @@ void HoldRenderer::updatePhase(const TickFrame& frame) noexcept {
     hold(frame);
 }
 
-// With the obstacle, and on to the surface.
+// Move the reference with the obstacle and on towards the surface.
 void HoldRenderer::moveReference(const TickFrame& frame) noexcept {
   const double step = std::min(state_.left, kReferenceSpeed * period_);
   state_.left -= step;
@@ -104,7 +104,7 @@ void HoldRenderer::moveReference(const TickFrame& frame) noexcept {
   if (!way.isZero(0.0)) state_.reference.head(joints_) += torqueOf(frame.kinematics.inverseTransposed, way);
 }
 
-// Takes the reference: the joint pose at first touch or, with release, that pose moved back to the surface.
+// Store the reference: the joint pose at first touch or, with release, that pose moved back to the surface.
 void HoldRenderer::hold(const TickFrame& frame) noexcept {
   const Kinematics& k = frame.kinematics;
   const Contact& contact = frame.contacts.contacts[0];
@@ -120,7 +120,7 @@ void HoldRenderer::hold(const TickFrame& frame) noexcept {
     const double step = std::min(-contact.gap, kMaxReferenceStep);
     state_.left = -contact.gap - step;
     back.head<3>() = step * contact.normal;
-    state_.reference.head(n) += torqueOf(k.inverseTransposed, back);  // J^-1 times the way back
+    state_.reference.head(n) += torqueOf(k.inverseTransposed, back);  // J^-1 times the motion back
   }
 }
 

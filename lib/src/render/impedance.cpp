@@ -56,15 +56,15 @@ Status ImpedanceRenderer::render(const TickFrame& frame, TickOutput& output) noe
                               frame.age * period_ * velocity, velocity};
     const TangentialGains gains{options_.stiffness, options_.damping};
     if (!(gap < 0.0)) {
-      (void)state_.friction.force(contact, slide, gains, 0.0);  // it may touch again at once
+      (void)state_.friction.force(contact, slide, gains, 0.0);  // keeps its friction state: it may touch again at once
       continue;
     }
-    const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // 1/0 = infinite: no force
+    const double compliance = 1.0 / options_.stiffness + 1.0 / contact.material.stiffness;  // stiffness 0: no force
     const double force = std::max(0.0, -gap / compliance - options_.damping * contact.normal.dot(velocity));
     const Vec3 both = force * contact.normal + state_.friction.force(contact, slide, gains, force);
     wrench.head<3>() += both;
     wrench.tail<3>() += arm.cross(both);
-    if (output.mode == RenderMode::free) output.normalForce = force;  // of the deepest
+    if (output.mode == RenderMode::free) output.normalForce = force;  // of the deepest contact
     output.mode = RenderMode::contact;
   }
   state_.friction.end();

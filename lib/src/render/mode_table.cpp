@@ -12,9 +12,9 @@
 namespace enamel {
 namespace {
 
-constexpr int kSubsteps = 16;  // of a tick: integrals, and the middles of the bins
+constexpr int kSubsteps = 16;  // of a tick: for integrals and for the middles of the bins
 
-// x' = A x + B [u, force on the rotor, force on the link] of a mode, with the inputs held as further states.
+// x' = A x + B [u, force on the rotor, force on the link] of a mode. The held inputs are extra states.
 template <int kMech>
 Matrix<kMech + 6> continuous(const ModeData& d, double inertia) {
   constexpr int lag = kMech, push = kMech + 1, growth = kMech + 2, inputs = kMech + 3;
@@ -38,8 +38,8 @@ Matrix<kMech + 6> continuous(const ModeData& d, double inertia) {
   return A;
 }
 
-// Gains by the recursion of the Riccati equation. `cost`: its matrix for a neighbour, from which it has converged soon.
-// A command that acts by chance costs more, by the variance of what it does.
+// Gains by iterating the Riccati recursion. `cost` starts at the solution for the neighbouring inertia, so it converges
+// soon. The variance of the number of ticks in which a command acts increases the cost of commands.
 template <int n>
 void designGains(const Matrix<n>& a, const Matrix<n, 1>& b, const Matrix<n + 1>& H, double chance, Matrix<n>& cost,
                  double* gain) {
@@ -65,7 +65,7 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix<kMech + 1>& c
                      step = middle.lazyProduct(middle);
   ModeModel<kMech> m = {};
   Matrix<kAll> power = Matrix<kAll>::Identity();
-  // Sums over the substeps of a tick: what is left of the growth's wandering, of an onset, and the link's way.
+  // Sums over the substeps: remaining growth noise, effect of an onset, cost of the link's motion.
   Matrix<kMech + 3> wander = Matrix<kMech + 3>::Zero();
   Matrix<kMech + 2> H = Matrix<kMech + 2>::Zero();
   const double perSubstep = 2.0 / kGrowthTime * d.period / kSubsteps, perBin = static_cast<double>(kBins) / kSubsteps;
@@ -80,8 +80,7 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix<kMech + 1>& c
     H += way * way.transpose() / kSubsteps;
   }
   const double reaction = (d.delay + 1) * d.period, whole = inertia + (kMech == 4 ? d.drive.rotorInertia : 0.0);
-  const double depth =
-      0.5 * d.pushShare / (1.0 - d.pushShare) * reaction * reaction / whole;  // of a unit largest force
+  const double depth = 0.5 * d.pushShare / (1.0 - d.pushShare) * reaction * reaction / whole;  // per unit largest force
   H /= depth * depth;
   H(kMech + 1, kMech + 1) += d.forceCost;
   for (int i = 0; i < kMech; ++i) {
@@ -90,7 +89,7 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix<kMech + 1>& c
     m.rotor[i] = power(i, inputs + 1);
     m.link[i] = power(i, inputs + 2);
   }
-  const auto place = [](int i) { return i < kMech ? i : i + 1; };  // the lag does not wander
+  const auto place = [](int i) { return i < kMech ? i : i + 1; };  // the lag has no noise
   for (int i = 0, n = 0; i < kMech + 2; ++i)
     for (int j = 0; j <= i; ++j) m.wander[n++] = wander(place(i), place(j));
   designGains<kMech + 1>(power.template topLeftCorner<kMech + 1, kMech + 1>(),
@@ -99,7 +98,7 @@ ModeModel<kMech> modelAt(const ModeData& d, double inertia, Matrix<kMech + 1>& c
 }
 
 const double kLowest = std::log(1e-7), kStep = 0.05;
-constexpr int kEntries = 415;  // to 1e2
+constexpr int kEntries = 415;  // up to 1e2
 
 }  // namespace
 
@@ -116,7 +115,7 @@ template <int kMech>
 void ModeTable<kMech>::read(double logInertia, int lane, double (*value)[kLanes],
                             double (*slope)[kLanes]) const noexcept {
   const double last = static_cast<double>(entries_.size() - 1);
-  const double place = std::max(0.0, std::min((logInertia - kLowest) / kStep, last));  // of NaN: 0
+  const double place = std::max(0.0, std::min((logInertia - kLowest) / kStep, last));  // NaN becomes 0
   const std::size_t i = std::min(static_cast<std::size_t>(place), entries_.size() - 2);
   const double share = place - static_cast<double>(i);
   double a[kNumbers], b[kNumbers];
@@ -129,9 +128,9 @@ void ModeTable<kMech>::read(double logInertia, int lane, double (*value)[kLanes]
 template <int kMech>
 std::shared_ptr<const ModeTable<kMech>> modeTableOf(const ModeData& data) {
   constexpr std::size_t kKept = 8;
-  using Key = std::array<double, 9>;  // all that a table depends on
+  using Key = std::array<double, 9>;  // everything that determines a table
   static std::mutex mutex;
-  static std::vector<std::pair<Key, std::shared_ptr<const ModeTable<kMech>>>> kept;  // the last used is the last
+  static std::vector<std::pair<Key, std::shared_ptr<const ModeTable<kMech>>>> kept;  // most recently used last
   const Drive& drive = data.drive;
   const Key key = {data.period,     static_cast<double>(data.delay),
                    drive.bandwidth, drive.rotorInertia,

@@ -1,12 +1,12 @@
-// The steps of PushObserver in which the time goes, compiled for more than one SIMD level.
+// Hot loops of PushObserver, compiled for several SIMD levels.
 #pragma once
 
 #include "render/push_observer.hpp"
 
 namespace enamel {
 
-/// What a rounded reading says, as one with Gaussian noise that leaves the same mean and variance. Its likelihood is
-/// exp(-square / 2) / volume, over that of a Gaussian reading of the same variance that was expected exactly.
+/// Gaussian equivalent of a rounded reading: it leaves the same mean and variance. The likelihood is exp(-square / 2) /
+/// volume, relative to a Gaussian reading of the same variance without innovation.
 struct Evidence {
   Lane innovation, variance, square, volume;
 };
@@ -18,10 +18,10 @@ struct ObserverSteps {
   using State = typename Observer::State;
   using States = typename Observer::States;
 
-  void (*carry)(const Model& model, const double* command, const double* matters, double scale, States& x) noexcept;
+  void (*carry)(const Model& model, const Lane& command, const Lane& matters, double scale, States& x) noexcept;
   void (*predict)(const ModeData& data, const Model& model, const Lane& command, State& s) noexcept;
-  void (*weigh)(const double* innovation, const double* expected, const double* variance, const double* precision,
-                const double* largest, Evidence& seen) noexcept;
+  void (*weigh)(const Lane& innovation, const Lane& expected, const Lane& variance, const Lane& precision,
+                const Lane& largest, Evidence& seen) noexcept;
   void (*correct)(int read, const Lane& reading, State& s) noexcept;
   void (*merge)(State& s) noexcept;
   typename Observer::Moments (*moments)(const State& s, const States& row) noexcept;

@@ -1,35 +1,55 @@
-// The steps of PushObserver in which the time goes, over all modes side by side. Included once for each SIMD level, in
-// an anonymous namespace. No product is fused with a sum: all levels give the same bits.
+// Hot loops of PushObserver over all modes in parallel. Included once for each SIMD level, in an anonymous namespace.
+// No product is fused with a sum, so that all levels give the same bits.
 
-constexpr double kJumpRate = 1.0;                           // steps of the hand a second
-constexpr double kLeastForce = 0.1;                         // of a step: the model lacks its share of at least that
-constexpr double kScaleWander = 0.03;                       // of ln(mass), in a root second
-constexpr double kMostScale = 0.5;                          // of ln(mass)
-constexpr double kForgotten = 4e-18, kLeastWeight = 1e-26;  // of hypotheses; of the first
+constexpr double kJumpRate = 1.0;                           // steps of the hand per second
+constexpr double kLeastForce = 0.1;                         // share of a step: smallest force for the model error
+constexpr double kScaleWander = 0.03;                       // deviation of ln(mass) per root second
+constexpr double kMostScale = 0.5;                          // limit of ln(mass)
+constexpr double kForgotten = 4e-18, kLeastWeight = 1e-26;  // smallest weights: of a hypothesis, of the first one
 
-// Deviation of the growth of a push that begins with a step.
-inline double growthOf(double step) noexcept { return 0.7 / kGrowthTime * step; }
+// One number a mode, as a vector. GCC unrolls loops over so few numbers before it sees that they are a vector.
+using Wide = double __attribute__((vector_size(sizeof(Lane))));
+using Bits = std::uint64_t __attribute__((vector_size(sizeof(Lane))));
+// The same in memory.
+using Stored = double __attribute__((vector_size(sizeof(Lane)), aligned(sizeof(double)), may_alias));
 
-// e^x for x <= 0, to 1e-9: 2^n and a polynomial.
-inline double exponentialOf(double x) noexcept {
-  constexpr double kRound = 6755399441055744.0, kLn2 = 0.69314718055994531;  // 1.5 2^52: the last bits become n
-  const double shifted = std::max(x, -700.0) * (1.0 / kLn2) + kRound;
-  const double f = std::max(x, -700.0) - (shifted - kRound) * kLn2;
-  std::int64_t bits;
+inline Stored& wide(double* lane) noexcept { return *reinterpret_cast<Stored*>(lane); }
+inline const Stored& wide(const double* lane) noexcept { return *reinterpret_cast<const Stored*>(lane); }
+inline Wide wide(const Lane& lane) noexcept { return wide(lane.data()); }
+
+inline Wide larger(Wide a, Wide b) noexcept { return a > b ? a : b; }
+inline Wide smaller(Wide a, Wide b) noexcept { return a < b ? a : b; }
+inline Wide sizeOf(Wide a) noexcept { return a < 0.0 ? -a : a; }
+inline Wide rootOf(Wide a) noexcept {
+  double roots[kLanes];
+  std::memcpy(roots, &a, sizeof a);
+  for (double& root : roots) root = std::sqrt(root);
+  return wide(roots);
+}
+
+// Standard deviation of the growth of a push that begins with a step.
+inline Wide growthOf(Wide step) noexcept { return 0.7 / kGrowthTime * step; }
+
+// Return e^x for x <= 0, accurate to 1e-9, as 2^n times a polynomial.
+inline Wide exponentialOf(Wide x) noexcept {
+  constexpr double kRound = 6755399441055744.0, kLn2 = 0.69314718055994531;  // 1.5 2^52 moves n into the last bits
+  x = larger(x, x - x - 700.0);
+  const Wide shifted = x * (1.0 / kLn2) + kRound, f = x - (shifted - kRound) * kLn2;
+  Bits bits;
   std::memcpy(&bits, &shifted, sizeof bits);
-  bits = static_cast<std::int64_t>((static_cast<std::uint64_t>(bits) + 1023u) << 52);
-  double power;
+  bits = (bits + 1023u) << 52;
+  Wide power;
   std::memcpy(&power, &bits, sizeof power);
-  const double p =
+  const Wide p =
       1.0 +
       f * (1.0 + f / 2.0 * (1.0 + f / 3.0 * (1.0 + f / 4.0 * (1.0 + f / 5.0 * (1.0 + f / 6.0 * (1.0 + f / 7.0))))));
   return power * p;
 }
 
-// The normal distribution's tail over its density (Mills' ratio) for t >= 0, to 4e-8: a rational function fitted to it.
-inline double tailOverDensity(double t) noexcept {
-  const double above = 92.2835971468 + t * (86.6668246159 + t * (38.2572925158 + t * (9.04015486331 + t)));
-  const double below =
+// Tail of the normal distribution over its density (Mills' ratio) for t >= 0: a fitted rational function, good to 4e-8.
+inline Wide tailOverDensity(Wide t) noexcept {
+  const Wide above = 92.2835971468 + t * (86.6668246159 + t * (38.2572925158 + t * (9.04015486331 + t)));
+  const Wide below =
       73.6316549559 + t * (127.899835069 + t * (95.7568419035 + t * (39.2552261967 + t * (9.04018809296 + t))));
   return above / below;
 }
@@ -49,327 +69,308 @@ struct Steps {
                        kMost = Observer::kMost;
   static constexpr int at(int i, int j) { return Observer::at(i, j); }
 
-  // How the mechanical states after a tick change with ln(mass), where it `matters` (1, else 0).
-  static void slopes(const Model& m, const double* command, const double* matters, const States& x,
-                     double (&slope)[kMech][kLanes]) noexcept {
+  // Derivatives of the mechanical states after a tick by ln(mass), in the modes where it `matters` (1, else 0).
+  static void slopes(const Model& m, const Lane& command, const Lane& matters, const States& x,
+                     Wide (&slope)[kMech]) noexcept {
     for (int i = 0; i < kMech; ++i) {
-      for (int k = 0; k < kLanes; ++k) slope[i][k] = m.slope[Table::kCommandAt + i][k] * command[k];
-      for (int j = 0; j <= kLag; ++j)
-        for (int k = 0; k < kLanes; ++k) slope[i][k] += m.slope[i * kFree + j][k] * x[j][k];
-      for (int k = 0; k < kLanes; ++k) slope[i][k] *= matters[k];
+      slope[i] = wide(m.slope[Table::kCommandAt + i]) * wide(command);
+      for (int j = 0; j <= kLag; ++j) slope[i] += wide(m.slope[i * kFree + j]) * wide(x[j]);
+      slope[i] *= wide(matters);
     }
   }
 
-  // States after a tick, ln(mass) off the model's by x[kScale] - scale.
-  static void carry(const Model& m, const double* command, const double* matters, double scale, States& x) noexcept {
-    double slope[kMech][kLanes];
+  // States after a tick. Their ln(mass) differs from the model's by x[kScale] - scale.
+  static void carry(const Model& m, const Lane& command, const Lane& matters, double scale, States& x) noexcept {
+    Wide slope[kMech];
     slopes(m, command, matters, x, slope);
     move(m, command, slope, scale, x);
   }
-  static void move(const Model& m, const double* command, const double (&slope)[kMech][kLanes], double scale,
-                   States& x) noexcept {
-    double moved[kMech][kLanes];
-    for (int i = 0; i < kMech; ++i) {
-      for (int k = 0; k < kLanes; ++k)
-        moved[i][k] = m.value[Table::kCommandAt + i][k] * command[k] + slope[i][k] * (x[kScale][k] - scale);
-      for (int j = 0; j < kFree; ++j)
-        for (int k = 0; k < kLanes; ++k) moved[i][k] += m.value[i * kFree + j][k] * x[j][k];
-    }
+  static void move(const Model& m, const Lane& command, const Wide (&slope)[kMech], double scale, States& x) noexcept {
+    Wide forced[kMech];
     for (int i = 0; i < kMech; ++i)
-      for (int k = 0; k < kLanes; ++k) x[i][k] = moved[i][k];
-    for (int k = 0; k < kLanes; ++k) {
-      x[kLag][k] = m.lagKept * x[kLag][k] + (1.0 - m.lagKept) * command[k];
-      x[kPush][k] += m.growthSum * x[kGrowth][k];
-      x[kGrowth][k] *= m.growthKept;
+      forced[i] = wide(m.value[Table::kCommandAt + i]) * wide(command) + slope[i] * (wide(x[kScale]) - scale);
+    const Wide lag = (1.0 - m.lagKept) * wide(command);
+    advance(m, x);
+    for (int i = 0; i < kMech; ++i) wide(x[i]) += forced[i];
+    wide(x[kLag]) += lag;
+  }
+  // The same without a command, at the model's mass.
+  static void advance(const Model& m, States& x) noexcept {
+    Wide moved[kMech];
+    for (int i = 0; i < kMech; ++i) {
+      moved[i] = wide(m.value[i * kFree]) * wide(x[0]);
+      for (int j = 1; j < kFree; ++j) moved[i] += wide(m.value[i * kFree + j]) * wide(x[j]);
     }
+    for (int i = 0; i < kMech; ++i) wide(x[i]) = moved[i];
+    wide(x[kLag]) *= m.lagKept;
+    wide(x[kPush]) += m.growthSum * wide(x[kGrowth]);
+    wide(x[kGrowth]) *= m.growthKept;
   }
 
-  // x and P after a tick: P is G P G^T + Q with G the transition, its column of ln(mass) by the slopes.
-  static void propagate(const Model& m, const double* command, const double* matters, double scale, const Pairs& Q,
-                        States& x, Pairs& P) noexcept {
+  // x and P after a tick: P becomes G P G^T + Q with the transition G. Its column for ln(mass) is given by the slopes.
+  static void propagate(const Model& m, const Lane& command, const Lane& matters, double scale,
+                        const Wide (&Q)[Observer::kPairs], States& x, Pairs& P) noexcept {
     const double em = m.lagKept, eg = m.growthKept, cg = m.growthSum;
-    double slope[kMech][kLanes], half[kMech][kStates][kLanes];
+    const auto p = [&P](int i, int j) -> Stored& { return wide(P[at(i, j)]); };
+    Wide slope[kMech], half[kMech][kStates];
     slopes(m, command, matters, x, slope);
     for (int i = 0; i < kMech; ++i)
       for (int j = 0; j < kStates; ++j) {
-        for (int k = 0; k < kLanes; ++k) half[i][j][k] = slope[i][k] * P[at(kScale, j)][k];
-        for (int l = 0; l < kFree; ++l)
-          for (int k = 0; k < kLanes; ++k) half[i][j][k] += m.value[i * kFree + l][k] * P[at(l, j)][k];
+        half[i][j] = slope[i] * p(kScale, j);
+        for (int l = 0; l < kFree; ++l) half[i][j] += wide(m.value[i * kFree + l]) * p(l, j);
       }
     for (int i = 0; i < kMech; ++i)
       for (int j = 0; j <= i; ++j) {
-        double* p = P[at(i, j)];
-        for (int k = 0; k < kLanes; ++k) p[k] = half[i][kScale][k] * slope[j][k] + Q[at(i, j)][k];
-        for (int l = 0; l < kFree; ++l)
-          for (int k = 0; k < kLanes; ++k) p[k] += half[i][l][k] * m.value[j * kFree + l][k];
+        Wide sum = half[i][kScale] * slope[j] + Q[at(i, j)];
+        for (int l = 0; l < kFree; ++l) sum += half[i][l] * wide(m.value[j * kFree + l]);
+        p(i, j) = sum;
       }
-    for (int i = 0; i < kMech; ++i)
-      for (int k = 0; k < kLanes; ++k) {
-        P[at(kLag, i)][k] = em * half[i][kLag][k];
-        P[at(kPush, i)][k] = half[i][kPush][k] + cg * half[i][kGrowth][k] + Q[at(kPush, i)][k];
-        P[at(kGrowth, i)][k] = eg * half[i][kGrowth][k] + Q[at(kGrowth, i)][k];
-        P[at(kScale, i)][k] = half[i][kScale][k];
-      }
-    for (int k = 0; k < kLanes; ++k) {
-      const double ml = P[at(kPush, kLag)][k], gl = P[at(kGrowth, kLag)][k], pp = P[at(kPush, kPush)][k],
-                   gp = P[at(kGrowth, kPush)][k], gg = P[at(kGrowth, kGrowth)][k], sl = P[at(kScale, kLag)][k],
-                   sp = P[at(kScale, kPush)][k], sg = P[at(kScale, kGrowth)][k];
-      P[at(kLag, kLag)][k] *= em * em;
-      P[at(kPush, kLag)][k] = em * (ml + cg * gl);
-      P[at(kGrowth, kLag)][k] = em * eg * gl;
-      P[at(kPush, kPush)][k] = pp + cg * (2.0 * gp + cg * gg) + Q[at(kPush, kPush)][k];
-      P[at(kGrowth, kPush)][k] = eg * (gp + cg * gg) + Q[at(kGrowth, kPush)][k];
-      P[at(kGrowth, kGrowth)][k] = eg * eg * gg + Q[at(kGrowth, kGrowth)][k];
-      P[at(kScale, kLag)][k] = em * sl;
-      P[at(kScale, kPush)][k] = sp + cg * sg;
-      P[at(kScale, kGrowth)][k] = eg * sg;
-      P[at(kScale, kScale)][k] += Q[at(kScale, kScale)][k];
+    for (int i = 0; i < kMech; ++i) {
+      p(kLag, i) = em * half[i][kLag];
+      p(kPush, i) = half[i][kPush] + cg * half[i][kGrowth] + Q[at(kPush, i)];
+      p(kGrowth, i) = eg * half[i][kGrowth] + Q[at(kGrowth, i)];
+      p(kScale, i) = half[i][kScale];
     }
+    const Wide gl = p(kGrowth, kLag), gp = p(kGrowth, kPush), gg = p(kGrowth, kGrowth), sg = p(kScale, kGrowth);
+    p(kLag, kLag) *= em * em;
+    p(kPush, kLag) = em * (p(kPush, kLag) + cg * gl);
+    p(kGrowth, kLag) = em * eg * gl;
+    p(kPush, kPush) += cg * (2.0 * gp + cg * gg) + Q[at(kPush, kPush)];
+    p(kGrowth, kPush) = eg * (gp + cg * gg) + Q[at(kGrowth, kPush)];
+    p(kGrowth, kGrowth) = eg * eg * gg + Q[at(kGrowth, kGrowth)];
+    p(kScale, kLag) *= em;
+    p(kScale, kPush) += cg * sg;
+    p(kScale, kGrowth) *= eg;
+    p(kScale, kScale) += Q[at(kScale, kScale)];
     move(m, command, slope, scale, x);
   }
 
-  // What a reading says that differs by `innovation` from what was expected with the variance `expected`. With
-  // z = (true - expected) / d, d^2 the variance of all that is Gaussian, z is within [l, u]: the moments of a truncated
-  // Gaussian, from the side on which its mean is. `precision`: 1 / the root of the reading's variance.
-  static void weigh(const double* innovation, const double* expected, const double* variance, const double* precision,
-                    const double* largest, Evidence& seen) noexcept {
+  // Weigh a reading that differs from its prediction by `innovation`; the prediction has the variance `expected`. d^2
+  // is the variance of all Gaussian parts, and z = (true - expected) / d is within [l, u]. The result has the moments
+  // of this truncated Gaussian, computed from the end that is nearer to the Gaussian's mean. `precision` is 1 / the
+  // reading's standard deviation.
+  static void weigh(const Lane& innovation, const Lane& expected, const Lane& variance, const Lane& precision,
+                    const Lane& largest, Evidence& seen) noexcept {
     constexpr double kNarrow = 0.1, kFar = 30.0, kPerRootTwoPi = 0.3989422804014327, kUniform = 1.0 / 12.0;
-    for (int k = 0; k < kLanes; ++k) {
-      const double all = expected[k] + variance[k], gaussian = all - kUniform * largest[k] * largest[k];
-      const double perD = 1.0 / std::sqrt(gaussian), width = largest[k] * perD;
-      const double centre = std::abs(innovation[k]) * perD, l = centre - 0.5 * width, u = centre + 0.5 * width;
-      const double atL = exponentialOf(-0.5 * l * l) * kPerRootTwoPi, ratio = exponentialOf(-centre * width);
-      const double tailL = tailOverDensity(std::abs(l)), tailU = ratio * tailOverDensity(std::abs(u));
-      const double inside = l > 0.0 ? tailL - tailU : 1.0 - atL * (tailL + tailU);  // its share, over the density at l
-      const double perInside = 1.0 / inside, density = (l > 0.0 ? 1.0 : atL) * perInside;
-      const double mean = density * (1.0 - ratio), shrinks = mean * mean - density * (l - u * ratio);
-      const double as = gaussian / std::min(std::max(shrinks, 1e-9), 1.0);
-      const bool cut = width > kNarrow && l < kFar;
-      seen.innovation[k] = cut ? std::copysign(mean, innovation[k]) * as * perD : innovation[k];
-      seen.variance[k] = cut ? as : all;
-      seen.square[k] = cut ? (l > 0.0 ? l * l : 0.0) : innovation[k] * innovation[k] / all;
-      const double wide = largest[k] * precision[k] * perInside;
-      seen.volume[k] = cut ? (l > 0.0 ? wide : wide * kPerRootTwoPi) : std::sqrt(all) * precision[k];
+    const Wide e = wide(innovation), step = wide(largest), all = wide(expected) + wide(variance);
+    const Wide gaussian = all - kUniform * step * step, perD = 1.0 / rootOf(gaussian), width = step * perD;
+    const Wide centre = sizeOf(e) * perD, l = centre - 0.5 * width, u = centre + 0.5 * width;
+    const Wide atL = exponentialOf(-0.5 * l * l) * kPerRootTwoPi, ratio = exponentialOf(-centre * width);
+    const Wide tailL = tailOverDensity(sizeOf(l)), tailU = ratio * tailOverDensity(sizeOf(u));
+    const Wide one = e - e + 1.0;
+    const Wide inside = l > 0.0 ? tailL - tailU : 1.0 - atL * (tailL + tailU);  // share inside / density at l
+    const Wide perInside = 1.0 / inside, density = (l > 0.0 ? one : atL) * perInside;
+    const Wide mean = density * (1.0 - ratio), shrinks = mean * mean - density * (l - u * ratio);
+    const Wide as = gaussian / smaller(larger(shrinks, 1e-9 * one), one);
+    const auto cut = (width > kNarrow) & (l < kFar);
+    wide(seen.innovation.data()) = cut ? (e < 0.0 ? -mean : mean) * as * perD : e;
+    wide(seen.variance.data()) = cut ? as : all;
+    wide(seen.square.data()) = cut ? (l > 0.0 ? l * l : 0.0 * one) : e * e / all;
+    const Wide volume = step * wide(precision) * perInside;
+    wide(seen.volume.data()) = cut ? (l > 0.0 ? volume : volume * kPerRootTwoPi) : rootOf(all) * wide(precision);
+  }
+
+  // Gains of a reading of state `read` by 1 / its variance, its column of P before, and P after. Readings also correct
+  // the mass.
+  static void correctCovariance(Wide inverse, int read, Pairs& P, Wide (&column)[kStates],
+                                Wide (&gain)[kStates]) noexcept {
+    for (int i = 0; i < kStates; ++i) {
+      column[i] = wide(P[at(i, read)]);
+      gain[i] = column[i] * inverse;
+    }
+    for (int i = 0; i < kStates; ++i)
+      for (int j = 0; j <= i; ++j) wide(P[at(i, j)]) -= gain[i] * column[j];
+  }
+
+  // Add to P the share of a hypothesis with states x around the mean, and of its jump along g with size variance v.
+  static void gather(const Hypothesis& h, const Wide (&mean)[kStates], double share, Pairs& P) noexcept {
+    Wide away[kStates], jump[kStates];
+    const Wide size = share * wide(h.v);
+    for (int i = 0; i < kStates; ++i) {
+      away[i] = wide(h.x[i]) - mean[i];
+      jump[i] = wide(h.g[i]);
+    }
+    for (int i = 0; i < kStates; ++i) {
+      const Wide a = share * away[i], b = size * jump[i];
+      for (int j = 0; j <= i; ++j) wide(P[at(i, j)]) += a * away[j] + b * jump[j];
     }
   }
 
-  // The gains of a reading of state `read` by 1 / its variance, its column of P before, and P after. They teach of the
-  // mass as well.
-  static void correctCovariance(const Lane& inverse, int read, Pairs& P, States& column, States& gain) noexcept {
-    for (int i = 0; i < kStates; ++i)
-      for (int k = 0; k < kLanes; ++k) {
-        column[i][k] = P[at(i, read)][k];
-        gain[i][k] = column[i][k] * inverse[k];
-      }
-    for (int i = 0; i < kStates; ++i)
-      for (int j = 0; j <= i; ++j)
-        for (int k = 0; k < kLanes; ++k) P[at(i, j)][k] -= gain[i][k] * column[j][k];
-  }
-
-  // Adds to P the share of a hypothesis with states x about the mean, and a jump along g whose size has the variance v.
-  static void gather(const States& x, const States& g, const Lane& v, const States& mean, double share,
-                     Pairs& P) noexcept {
-    double away[kStates][kLanes], jump[kStates][kLanes], size[kLanes];
-    const double root = std::sqrt(share);
-    for (int k = 0; k < kLanes; ++k) size[k] = std::sqrt(share * v[k]);
-    for (int i = 0; i < kStates; ++i)
-      for (int k = 0; k < kLanes; ++k) {
-        away[i][k] = root * (x[i][k] - mean[i][k]);
-        jump[i][k] = size[k] * g[i][k];
-      }
-    for (int i = 0; i < kStates; ++i)
-      for (int j = 0; j <= i; ++j)
-        for (int k = 0; k < kLanes; ++k) P[at(i, j)][k] += away[i][k] * away[j][k] + jump[i][k] * jump[j][k];
-  }
-
-  // A tick under a command, with the hypotheses that branch off in it.
+  // A tick under a command, and new hypotheses of a jump within it.
   static void predict(const ModeData& data, const Model& m, const Lane& command, State& s) noexcept {
-    const auto& value = m.value;
-    const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
-    // Process noise. What the model lacks scales with what accelerates the device; where it also stretches cables, with
-    // the force itself: that keeps the margin of the controller to a wrong resonance (loop transfer recovery).
-    Lane rotor{}, link{}, growth{}, matters{};
-    for (int k = 0; k < modes; ++k) {
-      const double push = s.mean[kPush][k], net = std::abs(command[k] + push);
-      double force = std::max(net, kLeastForce * s.step[k]);
-      // The rounding of encoders is not a noise that many readings average out: where what is not known of the mass
-      // moves a mode by less than the rounding in a tick, the mass is taken as known.
-      const double moves = 0.5 * net * data.period * data.period / (s.used[k] + data.drive.rotorInertia);
-      matters[k] = moves * moves * s.scaleVariance > s.readingVariance[k] ? 1.0 : 0.0;
-      if (kMech == 4) force = std::max(force, std::max(std::abs(command[k]), std::abs(push)));
-      const double lacks = data.modelError * force, disturbance = data.drive.disturbance;
-      rotor[k] = lacks * lacks + disturbance * disturbance;
-      link[k] = s.tremor[k] * s.tremor[k] + (kMech == 4 ? lacks * lacks : 0.0);
-      // A hand can take away half of its push in the time of a step's growth.
-      growth[k] = kGrowthOfStep * kGrowthOfStep * std::max(s.step[k] * s.step[k], 0.25 * push * push);
-    }
-    Pairs Q = {};
+    const int count = static_cast<int>(s.count);
+    // Process noise. The model error scales with the force that accelerates the device. With cables it also scales with
+    // the force itself, which keeps the controller's margin to a wrong resonance (loop transfer recovery).
+    const Wide push = wide(s.mean[kPush]), step = wide(s.step), net = sizeOf(wide(command) + push);
+    Wide force = larger(net, kLeastForce * step);
+    // Averaging readings does not remove the rounding of encoders. So the mass counts as known if its uncertainty moves
+    // the mode by less than the rounding in a tick.
+    const Wide moves = 0.5 * data.period * data.period * net / (wide(s.used) + data.drive.rotorInertia);
+    Lane matters;
+    const Wide one = step - step + 1.0;
+    wide(matters.data()) = moves * moves * s.scaleVariance > wide(s.readingVariance) ? one : 0.0 * one;
+    if (kMech == 4) force = larger(force, larger(sizeOf(wide(command)), sizeOf(push)));
+    const double lack2 = data.modelError * data.modelError, disturbance = data.drive.disturbance;
+    const Wide lacks = lack2 * force * force, rotor = lacks + disturbance * disturbance;
+    const Wide tremor = wide(s.tremor) * wide(s.tremor), link = kMech == 4 ? tremor + lacks : tremor;
+    // A hand can take away half of its push in the time of a step's growth.
+    const Wide growth = kGrowthOfStep * kGrowthOfStep * larger(step * step, 0.25 * push * push);
+    Wide Q[Observer::kPairs] = {};
     for (int i = 0, n = 0; i < kMech + 2; ++i)
       for (int j = 0; j <= i; ++j, ++n)
-        for (int k = 0; k < kLanes; ++k)
-          Q[at(i < kMech ? i : i + 1, j < kMech ? j : j + 1)][k] = growth[k] * value[Table::kWanderAt + n][k];
+        Q[at(i < kMech ? i : i + 1, j < kMech ? j : j + 1)] = growth * wide(m.value[Table::kWanderAt + n]);
     for (int i = 0; i < kMech; ++i)
       for (int j = 0; j <= i; ++j)
-        for (int k = 0; k < kLanes; ++k)
-          Q[at(i, j)][k] += rotor[k] * value[Table::kRotorAt + i][k] * value[Table::kRotorAt + j][k] +
-                            link[k] * value[Table::kLinkAt + i][k] * value[Table::kLinkAt + j][k];
-    for (int k = 0; k < kLanes; ++k) Q[at(kScale, kScale)][k] = kScaleWander * kScaleWander * data.period;
+        Q[at(i, j)] += rotor * wide(m.value[Table::kRotorAt + i]) * wide(m.value[Table::kRotorAt + j]) +
+                       link * wide(m.value[Table::kLinkAt + i]) * wide(m.value[Table::kLinkAt + j]);
+    Q[at(kScale, kScale)] += kScaleWander * kScaleWander * data.period;
 
-    propagate(m, command.data(), matters.data(), s.scale, Q, s.part[0].x, s.P);
+    propagate(m, command, matters, s.scale, Q, s.part[0].x, s.P);
     for (int p = 1; p < count; ++p) {
-      Hypothesis& h = s.part[p];
-      carry(m, command.data(), matters.data(), s.scale, h.x);
-      carry(m, Lane{}.data(), Lane{}.data(), 0.0, h.g);
-      h.age += 1.0;
+      carry(m, command, matters, s.scale, s.part[p].x);
+      advance(m, s.part[p].g);
+      s.age[p] += 1.0;
     }
     for (int b = 0; b < kBins; ++b) {
       Hypothesis& h = s.part[count + b];
       h = s.part[0];
-      h.weight *= kJumpRate * 1e-3 / kBins;
-      std::memcpy(h.g, value + Table::kOnsetAt + b * kMech, kMech * sizeof h.g[0]);
-      for (int k = 0; k < kLanes; ++k) {
-        h.g[kPush][k] = 1.0;
-        h.v[k] = s.step[k] * s.step[k];
-      }
+      s.weight[count + b] = kJumpRate * 1e-3 / kBins * s.weight[0];
+      s.age[count + b] = 0.0;
+      std::memcpy(h.g, m.value + Table::kOnsetAt + b * kMech, kMech * sizeof h.g[0]);
+      wide(h.g[kPush]) = one;
+      wide(h.v.data()) = step * step;
     }
-    s.part[0].weight *= 1.0 - kJumpRate * 1e-3;
+    s.weight[0] *= 1.0 - kJumpRate * 1e-3;
     s.count = count + kBins;
   }
 
-  // Every hypothesis and its weight by a reading of state `read`.
+  // Correct every hypothesis and its weight by a reading of state `read`.
   static void correct(int read, const Lane& reading, State& s) noexcept {
+    static_assert(kMost <= kLanes, "a number a hypothesis is a vector, too");
     const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
-    States column, gain;
-    double square[kMost], volume[kMost], least = 1e300;
+    Wide column[kStates], gain[kStates];
+    double square[kLanes] = {}, volume[kLanes], least = 1e300;
+    for (double& one : volume) one = 1.0;
     for (int p = 0; p < count; ++p) {
       Hypothesis& h = s.part[p];
-      Lane e{}, expected, jumped;
-      for (int k = 0; k < kLanes; ++k) {
-        jumped[k] = h.v[k] * h.g[read][k];  // none of the first
-        expected[k] = (p == 0 ? s.P[at(read, read)][k] : column[read][k]) + jumped[k] * h.g[read][k];
-      }
+      const Wide jumped = wide(h.v) * wide(h.g[read]);  // zero in the first hypothesis
+      Lane e{}, expected;
+      wide(expected.data()) = (p == 0 ? Wide(wide(s.P[at(read, read)])) : column[read]) + jumped * wide(h.g[read]);
       for (int k = 0; k < modes; ++k) e[k] = reading[k] - h.x[read][k];
       Evidence seen;
-      weigh(e.data(), expected.data(), s.readingVariance.data(), s.readingPrecision.data(), s.largestStep.data(), seen);
-      square[p] = 0.0;
-      volume[p] = 1.0;
+      weigh(e, expected, s.readingVariance, s.readingPrecision, s.largestStep, seen);
       for (int k = 0; k < modes; ++k) {
         square[p] += seen.square[k];
         volume[p] *= seen.volume[k];
       }
       least = std::min(least, square[p]);
-      Lane inverse;
-      for (int k = 0; k < kLanes; ++k) inverse[k] = 1.0 / seen.variance[k];
+      const Wide inverse = 1.0 / wide(seen.variance);
       if (p == 0) {
         correctCovariance(inverse, read, s.P, column, gain);
-        for (int i = 0; i < kStates; ++i)
-          for (int k = 0; k < kLanes; ++k) h.x[i][k] += gain[i][k] * seen.innovation[k];
-        for (int k = 0; k < kLanes; ++k) h.x[kScale][k] = std::min(std::max(h.x[kScale][k], -kMostScale), kMostScale);
+        for (int i = 0; i < kStates; ++i) wide(h.x[i]) += gain[i] * wide(seen.innovation);
+        for (double& scale : h.x[kScale]) scale = std::min(std::max(scale, -kMostScale), kMostScale);
         continue;
       }
-      double per[kLanes], seenJump[kLanes];
-      for (int k = 0; k < kLanes; ++k) {
-        per[k] = seen.innovation[k] * inverse[k];
-        h.v[k] -= jumped[k] * jumped[k] * inverse[k];
-        seenJump[k] = h.g[read][k];
+      const Wide per = wide(seen.innovation) * inverse, seenJump = wide(h.g[read]);
+      wide(h.v.data()) -= jumped * jumped * inverse;
+      for (int i = 0; i < kScale; ++i) {
+        wide(h.x[i]) += (column[i] + jumped * wide(h.g[i])) * per;
+        wide(h.g[i]) -= gain[i] * seenJump;
       }
-      for (int i = 0; i < kScale; ++i)
-        for (int k = 0; k < kLanes; ++k) {
-          h.x[i][k] += (column[i][k] + jumped[k] * h.g[i][k]) * per[k];
-          h.g[i][k] -= gain[i][k] * seenJump[k];
-        }
     }
+    const Wide likelihood = exponentialOf(0.5 * (least - wide(square))) / wide(volume);
     double sum = 0.0;
-    for (int p = 0; p < count; ++p) {
-      s.part[p].weight *= exponentialOf(0.5 * (least - square[p])) / volume[p];
-      sum += s.part[p].weight;
-    }
-    for (int p = 0; p < count; ++p) s.part[p].weight /= sum;
+    for (int p = 0; p < count; ++p) sum += s.weight[p] *= likelihood[p];
+    for (int p = 0; p < count; ++p) s.weight[p] /= sum;
   }
 
-  // Ends hypotheses that are old, and sums up: mean, weights, scale.
+  // End old hypotheses, and sum up: mean, weights, scale.
   static void merge(State& s) noexcept {
     const int count = static_cast<int>(s.count);
-    const auto ends = [&](int p) { return p == 0 || s.part[p].age >= 1.0; };
+    const auto ends = [&](int p) { return p == 0 || s.age[p] >= 1.0; };
     double total = 0.0;
     int ending = 0;
     for (int p = 0; p < count; ++p) {
       if (!ends(p)) continue;
-      total += s.part[p].weight;
+      total += s.weight[p];
       ++ending;
     }
     if (ending > 1 && total > 0.0) {
-      States x = {};
-      for (int p = 0; p < count; ++p) {
-        const double share = s.part[p].weight / total;
-        for (int i = 0; ends(p) && i < kStates; ++i)
-          for (int k = 0; k < kLanes; ++k) x[i][k] += share * s.part[p].x[i][k];
-      }
+      Wide x[kStates] = {};
+      for (int p = 0; p < count; ++p)
+        for (int i = 0; ends(p) && i < kStates; ++i) x[i] += s.weight[p] / total * wide(s.part[p].x[i]);
+      const Wide growth = growthOf(wide(s.step));
       for (int p = 0; p < count; ++p) {
         if (!ends(p)) continue;
-        const double share = s.part[p].weight / total, jumped = p > 0 ? share : 0.0;
-        gather(s.part[p].x, s.part[p].g, s.part[p].v, x, share, s.P);
-        for (int k = 0; k < kLanes; ++k)
-          s.P[at(kGrowth, kGrowth)][k] += jumped * growthOf(s.step[k]) * growthOf(s.step[k]);
+        const double share = s.weight[p] / total;
+        gather(s.part[p], x, share, s.P);
+        if (p > 0) wide(s.P[at(kGrowth, kGrowth)]) += share * growth * growth;
       }
-      std::memcpy(s.part[0].x, x, sizeof x);
+      for (int i = 0; i < kStates; ++i) wide(s.part[0].x[i]) = x[i];
     }
-    s.part[0].weight = std::max(total, kLeastWeight);
+    s.weight[0] = std::max(total, kLeastWeight);
     int kept = 1;
     for (int p = 1; p < count; ++p) {
-      if (ends(p) || !(s.part[p].weight > kForgotten)) continue;
-      if (p != kept) s.part[kept] = s.part[p];
+      if (ends(p) || !(s.weight[p] > kForgotten)) continue;
+      if (p != kept) {
+        s.part[kept] = s.part[p];
+        s.weight[kept] = s.weight[p];
+        s.age[kept] = s.age[p];
+      }
       ++kept;
     }
     s.count = kept;
-    std::memset(s.mean, 0, sizeof s.mean);
+    Wide mean[kStates] = {};
     for (int p = 0; p < kept; ++p)
-      for (int i = 0; i < kStates; ++i)
-        for (int k = 0; k < kLanes; ++k) s.mean[i][k] += s.part[p].weight * s.part[p].x[i][k];
-    // One mass for all modes, by what each knows of it beyond the prior. The same unknown force of the hand disturbs
-    // all of them, so they are not independent: their information is averaged (Julier and Uhlmann 1997).
+      for (int i = 0; i < kStates; ++i) mean[i] += s.weight[p] * wide(s.part[p].x[i]);
+    for (int i = 0; i < kStates; ++i) wide(s.mean[i]) = mean[i];
+    // One mass for all modes, weighted by the information that each gained over the prior. The same unknown force of
+    // the hand disturbs all modes. So they are not independent, and their information is averaged (Julier and Uhlmann
+    // 1997).
     constexpr double kPrior = 1.0 / (Observer::kScalePrior * Observer::kScalePrior);
+    Wide variance = {};
+    for (int p = 0; p < kept; ++p) {
+      const Wide e = wide(s.part[p].x[kScale]) - mean[kScale];
+      variance += s.weight[p] * (wide(s.P[at(kScale, kScale)]) + e * e);
+    }
+    const Wide information = 1.0 / variance - kPrior;
     double sum = 0.0, squares = 0.0, weighted = 0.0;
     for (int k = 0; k < static_cast<int>(s.modes); ++k) {
-      double variance = 0.0;
-      for (int p = 0; p < kept; ++p) {
-        const double e = s.part[p].x[kScale][k] - s.mean[kScale][k];
-        variance += s.part[p].weight * (s.P[at(kScale, kScale)][k] + e * e);
-      }
-      const double gained = std::max(0.0, 1.0 / variance - kPrior);
+      const double gained = std::max(0.0, information[k]);
       sum += gained;
       squares += gained * gained;
       weighted += gained * s.mean[kScale][k];
     }
     const double gained = sum > 0.0 ? squares / sum : 0.0;
     s.scaleVariance = 1.0 / (kPrior + gained);
-    s.scale = sum > 0.0 ? std::clamp(weighted / sum * gained * s.scaleVariance, -kMostScale, kMostScale) : 0.0;
+    s.scale = sum > 0.0 ? weighted / sum * gained * s.scaleVariance : 0.0;
+    s.scale = std::min(std::max(s.scale, -kMostScale), kMostScale);
   }
 
-  // Mean and deviation of a linear function of the states.
+  // Mean and standard deviation of a linear function of the states.
   static Moments moments(const State& s, const States& row) noexcept {
-    Lane common{};
+    Wide common = {};
     for (int i = 0; i < kScale; ++i) {
-      for (int k = 0; k < kLanes; ++k) common[k] += row[i][k] * row[i][k] * s.P[at(i, i)][k];
-      for (int j = 0; j < i; ++j)
-        for (int k = 0; k < kLanes; ++k) common[k] += 2.0 * row[i][k] * row[j][k] * s.P[at(i, j)][k];
+      Wide sum = 0.5 * wide(row[i]) * wide(s.P[at(i, i)]);
+      for (int j = 0; j < i; ++j) sum += wide(row[j]) * wide(s.P[at(i, j)]);
+      common += 2.0 * wide(row[i]) * sum;
     }
     double first = 0.0, second = 0.0;
     for (int p = 0; p < static_cast<int>(s.count); ++p) {
       const Hypothesis& h = s.part[p];
-      Lane mean{}, jump{};
-      for (int i = 0; i < kScale; ++i)
-        for (int k = 0; k < kLanes; ++k) {
-          mean[k] += row[i][k] * h.x[i][k];
-          jump[k] += row[i][k] * h.g[i][k];
-        }
+      Wide mean = {}, jump = {};
+      for (int i = 0; i < kScale; ++i) {
+        mean += wide(row[i]) * wide(h.x[i]);
+        jump += wide(row[i]) * wide(h.g[i]);
+      }
+      const Wide variance = common + jump * jump * wide(h.v);
       double m = 0.0, v = 0.0;
       for (int k = 0; k < static_cast<int>(s.modes); ++k) {
         m += mean[k];
-        v += common[k] + jump[k] * jump[k] * h.v[k];
+        v += variance[k];
       }
-      first += s.part[p].weight * m;
-      second += s.part[p].weight * (v + m * m);
+      first += s.weight[p] * m;
+      second += s.weight[p] * (v + m * m);
     }
     return {first, std::sqrt(std::max(0.0, second - first * first))};
   }

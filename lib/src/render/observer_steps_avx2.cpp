@@ -1,4 +1,4 @@
-// For AVX2; without fused products, as the baseline.
+// Compiled for AVX2, without fused products, like the baseline.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -14,21 +14,21 @@ namespace {
 constexpr std::size_t kLayers = 128;
 constexpr double kThickness = 40e-6;  // m: a few counts of an encoder
 
-// Doubles only.
+// Doubles only, so that it has no padding.
 struct Port {
-  std::array<double, kLayers> energy{};  // J; all of it in the first one where there is no memory
+  std::array<double, kLayers> energy{};  // J; without memory all of it is in the first layer
   double depth = 0.0;                    // m
   double started = 0.0;
   std::array<double, kMaxJoints> q{};       // of the last sample
-  std::array<double, kMaxJoints> torque{};  // beyond gravity, the mean since then
-  double ticks = 0.0;                       // since then
+  std::array<double, kMaxJoints> torque{};  // without gravity, mean since the last sample
+  double ticks = 0.0;                       // since the last sample
 };
 
 std::size_t layerAt(double depth) noexcept {
   return static_cast<std::size_t>(std::clamp(depth / kThickness, 0.0, kLayers - 1.0));
 }
 
-// Calls each(layer, share) for the layers between two depths, with their share of the way.
+// Call each(layer, share) for the layers between two depths, with the share of the distance in each.
 template <typename Each>
 void alongLayers(double from, double to, const Each& each) noexcept {
   const double low = std::min(from, to), high = std::max(from, to);
@@ -77,7 +77,7 @@ void PassivityRenderer::resetState() noexcept {
 void PassivityRenderer::stateLoaded() noexcept {
   unsigned char* const wall = state_.data() + sizeof(Port);
   wall_->loadState(wall);
-  wall_->saveState(loaded_.data());  // that after reset(), where no wall has such bytes
+  wall_->saveState(loaded_.data());  // differs if the wall rejects these bytes
   if (!isFinite({state_.data(), sizeof(Port)}) || std::memcmp(loaded_.data(), wall, loaded_.size()) != 0) resetState();
 }
 
@@ -87,9 +87,9 @@ Status PassivityRenderer::render(const TickFrame& frame, TickOutput& output) noe
   const Status status = wall_->step(frame, output);
   if (status != Status::ok) return status;
   Port port = portOf(state_);
-  // The motion at the deepest contact that is the obstacle's is no work of the wall.
+  // Motion with the obstacle at the deepest contact is not work of the wall.
   Vec6 carried = Vec6::Zero();
-  double depth = 0.0, inward = 0.0;  // m, m/s; without memory all is one layer
+  double depth = 0.0, inward = 0.0;  // m, m/s; without memory everything is one layer
   if (frame.contacts.count > 0) {
     const Contact& deepest = frame.contacts.contacts[0];
     carried.head<3>() = deepest.obstacleVelocity;
@@ -99,7 +99,7 @@ Status PassivityRenderer::render(const TickFrame& frame, TickOutput& output) noe
     }
   }
   const JointVector carriedRates = k.inverseTransposed.transpose() * carried;
-  const bool isSample = frame.age == 0;  // without one, the motion is not known yet
+  const bool isSample = frame.age == 0;  // without a sample the motion is unknown
   if (isSample && port.started != 0.0) {
     double taken = 0.0;
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -109,7 +109,7 @@ Status PassivityRenderer::render(const TickFrame& frame, TickOutput& output) noe
     }
     alongLayers(port.depth, depth, [&](std::size_t i, double share) { port.energy[i] += share * taken; });
   }
-  // Forgotten: what is left where the tool is no longer.
+  // Forget energy of layers that the tool has left.
   const std::size_t present = output.mode == RenderMode::contact ? layerAt(depth) + 1 : 0;
   for (std::size_t i = present; i < kLayers; ++i) port.energy[i] = std::min(port.energy[i], 0.0);
   port.started = 1.0;

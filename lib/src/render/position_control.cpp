@@ -14,25 +14,25 @@
 namespace enamel {
 namespace {
 
-// The numbers that were chosen; all others are computed. What each trades: lib/docs/position-control.md.
+// These numbers were chosen; all others are computed. lib/docs/position-control.md says what each of them trades.
 constexpr double kForceCost = 20.0;   // of the linear-quadratic design: chatter against stiffness
-constexpr double kModelError = 0.15;  // share of the force that the model does not have: robustness against stiffness
+constexpr double kModelError = 0.15;  // share of the force that the model misses: robustness against stiffness
 constexpr double kSureDeviations = 1.0, kSpeedDeviations = 0.5;  // of the cap: bounce against stiffness
 constexpr double kRepeats = 2.0;                                 // deviations of the ticks in which a command acts
-constexpr double kStick = 0.5;  // of the stiffness with which friction holds: counts that are felt against creep
+constexpr double kStick = 0.5;  // of the stiffness along the surface: encoder steps that are felt against creep
 
-// A person: a step has a deviation of 8 N, or of a fifth of what a weak device can hold; the hand trembles by a
-// sixteenth of it, and moments are forces at 2 cm.
+// Model of a person. A step has a deviation of 8 N, or a fifth of a weak device's largest force. The tremor is a
+// sixteenth of a step. A moment counts as a force at 2 cm.
 constexpr double kStepForce = 8.0, kStepShare = 0.2, kTremorShare = 1.0 / 16.0, kGrip = 0.02;
-constexpr double kPushShare = 0.27;  // a large step, as a share of the largest force, for the designs
+constexpr double kPushShare = 0.27;  // of the designs: a large step as a share of the largest force
 
-constexpr double kEarly = 0.5, kMostTicks = 10.5;  // between two ticks: nothing is new before, all is forgotten beyond
-constexpr double kDoubtTime = 0.1, kMostDoubts = 12.0;  // so many contradictions in this time, s, are a fault
+constexpr double kEarly = 0.5, kMostTicks = 10.5;  // ticks since the last sample: fewer repeat the answer, more reset
+constexpr double kDoubtTime = 0.1, kMostDoubts = 12.0;  // s; more contradictions in this time are a fault
 constexpr double kContradicts = 8.0;                    // deviations of an innovation that no push explains
-constexpr double kRetreat = 50.0;  // 1 / kRetreat^2: how much walls that contradict each other give way for force
-constexpr double kFades = 0.1;     // of the speed along a wall, with which one that is gone retreats
-constexpr double kNear = 2e-5;     // a contact that stays this far outside for a tick carries no force, m
-constexpr int kRefreshTicks = 8;   // between two looks at the inertia
+constexpr double kRetreat = 50.0;                       // 1 / kRetreat^2: how far contradicting walls give way to force
+constexpr double kFades = 0.1;    // share of the speed along a wall at which a vanished wall retreats
+constexpr double kNear = 2e-5;    // m: a contact that stays farther outside for a tick carries no force
+constexpr int kRefreshTicks = 8;  // between two updates of the inertia
 
 }  // namespace
 
@@ -40,7 +40,7 @@ PositionControlOptions positionControlFor(const Mechanism& mechanism, double per
   return {period, mechanism.limits().encoderStep, delayLow, delayHigh, mechanism.limits().drive};
 }
 
-// What the renderer holds: one with rotors behind cables, or one without.
+// The implementation: with rotors behind cables, or rigid.
 class PositionControlRenderer::Controller {
  public:
   virtual ~Controller() = default;
@@ -70,42 +70,42 @@ class PositionControlRenderer::ControllerOf final : public Controller {
   // A plane that the tool must not cross, in joint coordinates: row . (q - here) + gap >= 0.
   struct Wall {
     JointRow row{};
-    double gap = 0.0;        // now, m
+    double gap = 0.0;        // at present, m
     double speed = 0.0;      // of the obstacle along the normal, m/s
-    double name = 0.0;       // the same from tick to tick
-    double retreated = 0.0;  // m: of one that is no longer there
-    double contact = -1.0;   // its number in the frame; -1: no longer there
-    double holds = 0.0;      // the tool has reached it, and the hand has not gone back since
+    double name = 0.0;       // identifies the wall from tick to tick
+    double retreated = 0.0;  // m: of a wall that has vanished
+    double contact = -1.0;   // index in the frame; -1: vanished
+    double holds = 0.0;      // the tool has reached it, and the hand has not moved back since
   };
-  // Plain numbers: all that is kept from tick to tick.
+  // All state between ticks: plain numbers, so that it can be copied bytewise.
   struct Memory {
     double axes[kMaxJoints][kLanes] = {};  // column k: mode k in joint coordinates
     typename Observer::State observer{};
     double started = 0.0, lastTime = 0.0, ticks = 0.0;
-    std::array<JointRow, kMaxLoopDelay + 1> sent{};            // beyond gravity, the last first
+    std::array<JointRow, kMaxLoopDelay + 1> sent{};            // without gravity, newest first
     JointRow lastReading{}, lastEstimate{};                    // joints
-    double step = 0.0;                                         // of the hand, N
-    double contradictions = 0.0, ignored = 0.0, doubts = 0.0;  // doubts: contradictions of late
+    double step = 0.0;                                         // step of the hand, N
+    double contradictions = 0.0, ignored = 0.0, doubts = 0.0;  // doubts: recent contradictions
     double walls = 0.0;
     std::array<Wall, 2 * kMaxContacts> wall{};
     double push = 0.0, merged = 0.0, lastNormal = 0.0;
     FrictionMemory friction;
   };
-  // A wall in the coordinates of the modes, where the hand would take the tool.
+  // A wall in mode coordinates, at the place to which the hand would move the tool.
   struct Target {
-    Lane row;                      // of the modes
-    double gap, size, compliance;  // m; of the row in the metric of the stiffness; 1 / (material's stiffness size^2)
+    Lane row;                      // in mode coordinates
+    double gap, size, compliance;  // m; norm of the row in the metric 1 / stiffness; 1 / (material's stiffness size^2)
     int wall;
   };
-  // The modes when the command acts.
-  struct Ahead {
-    States x, next;        // then, and a tick later without a force
-    States sensitivity;    // how `next` changes with ln(mass), by what acts from now on
+  // The modes at the time when the command acts.
+  struct alignas(64) Ahead {
+    States x, next;        // at that time, and a tick later without a force
+    States sensitivity;    // derivative of `next` by ln(mass), due to what acts from now on
     Lane now;              // measured
-    Lane stiffness, lead;  // of the controller; seconds of speed that it looks ahead
-    Lane inertia;          // of link and rotor
-    Lane wouldBe;          // where the hand would take them
-    double seconds;        // from the sample to then
+    Lane stiffness, lead;  // of the controller; seconds of speed in its prediction
+    Lane inertia;          // of link and rotor together
+    Lane wouldBe;          // place to which the hand would move the modes
+    double seconds;        // from the sample to that time
   };
 
   Lane toModes(const JointRow& v) const noexcept;
@@ -128,10 +128,11 @@ class PositionControlRenderer::ControllerOf final : public Controller {
 
   PositionControlOptions options_;
   int joints_, delay_;
-  double chance_;  // variance of the ticks in which a command acts: one of delayHigh - delayLow + 1 acts in each
-  double acts_;    // in so many ticks at most, by kRepeats deviations
+  // Variance of the number of ticks in which a command acts; one of delayHigh - delayLow + 1 commands acts in each.
+  double chance_;
+  double acts_;  // largest number of ticks in which a command acts, by kRepeats deviations
   Observer observer_;
-  alignas(64) Memory memory_;  // GCC 12 takes it to be
+  alignas(64) Memory memory_;  // GCC 12 assumes this alignment
 };
 
 template <int kMech>
@@ -182,8 +183,8 @@ JointRow PositionControlRenderer::ControllerOf<kMech>::toJoints(const Lane& m) c
   return v;
 }
 
-// Turns the modes towards the eigenvectors of the links' inertia (Jacobi's method): the pair that is coupled most, or
-// all. Then what the hand and the encoders' steps mean in each mode.
+// Rotate the modes towards the eigenvectors of the links' inertia (Jacobi's method): the most coupled pair, or all
+// pairs if `whole`. Then describe the hand's forces and the encoder steps in each mode.
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& frame, bool whole) noexcept {
   constexpr double kCoupled = 0.01, kDecoupled = 1e-9;
@@ -194,7 +195,7 @@ void PositionControlRenderer::ControllerOf<kMech>::decouple(const TickFrame& fra
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < kLanes; ++k)
-        half[i][k] += frame.kinematics.inertia(std::max(i, j), std::min(i, j)) * V[j][k];  // the lower triangle counts
+        half[i][k] += frame.kinematics.inertia(std::max(i, j), std::min(i, j)) * V[j][k];  // only the lower triangle
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < kLanes; ++k) L[i][k] += V[j][i] * half[j][k];
@@ -265,7 +266,7 @@ void PositionControlRenderer::ControllerOf<kMech>::start(const TickFrame& frame)
   memory_.started = 1.0;
 }
 
-// The observer's way to this tick, and its correction where there is a new sample.
+// Advance the observer to this tick, and correct it if there is a new sample.
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::observe(const TickFrame& frame) noexcept {
   Memory& m = memory_;
@@ -345,7 +346,7 @@ void PositionControlRenderer::ControllerOf<kMech>::predict(const TickFrame& fram
   }
 }
 
-// Compliance of the stiffness along a row, m/N.
+// Compliance of the controller along a row, m/N.
 template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::complianceOf(const Ahead& a, const Lane& row) const noexcept {
   double sum = 0.0;
@@ -353,9 +354,8 @@ double PositionControlRenderer::ControllerOf<kMech>::complianceOf(const Ahead& a
   return sum;
 }
 
-// The walls of this tick: the contacts', then those that were there a moment ago. The torque is continuous where the
-// contacts are not: a wall comes forward, and one that is gone goes back, only as fast as the tool moves and as a
-// tremor would take it.
+// Collect the walls of this tick: those of the contacts, then those that vanished recently. The torque stays continuous
+// when contacts are not. Walls that appear or vanish move only as fast as the tool does plus what a tremor would cause.
 template <int kMech>
 int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame, const Ahead& a,
                                                           Wall* walls) noexcept {
@@ -364,7 +364,7 @@ int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame
   const double T = options_.period, moves = k.twist.head<3>().norm();
   JointRow moved{};
   for (int j = 0; j < joints_; ++j) moved[j] = k.q[j] - m.lastReading[j];
-  for (int i = 0; i < static_cast<int>(m.walls); ++i) {  // brought to this tick
+  for (int i = 0; i < static_cast<int>(m.walls); ++i) {  // updated to this tick
     Wall& w = m.wall[i];
     w.contact = -1.0;
     w.gap -= w.speed * T;
@@ -382,7 +382,7 @@ int PositionControlRenderer::ControllerOf<kMech>::collect(const TickFrame& frame
     w.speed = contact.normal.dot(contact.obstacleVelocity);
     w.name = contact.key != 0 ? contact.key : -1.0 - contact.obstacle - 1e3 * contact.part;
     w.contact = c;
-    double was = 0.0;  // one that was not there begins where the tool is
+    double was = 0.0;  // a new wall begins at the tool
     const auto end = m.wall.begin() + static_cast<int>(m.walls);
     const auto before = std::find_if(m.wall.begin(), end, [&](const Wall& other) { return other.name == w.name; });
     if (before != end) {
@@ -446,8 +446,8 @@ int PositionControlRenderer::ControllerOf<kMech>::placeTargets(const TickFrame& 
   return placed;
 }
 
-// Forces, N, that take the modes from where the hand would take them to the nearest place in the free space. Where
-// walls contradict each other, all of them give way by twice the least way.
+// Forces, N, that move the modes from where the hand would take them to the nearest point of the free space. If walls
+// contradict each other, all of them give way by twice the least retreat.
 template <int kMech>
 void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const Target* targets, int count,
                                                            double* force) noexcept {
@@ -477,7 +477,7 @@ void PositionControlRenderer::ControllerOf<kMech>::project(const Ahead& a, const
   for (int i = 0; i < count; ++i) force[i] /= targets[i].size;
 }
 
-// How far a push moves a mass before a command answers it: unseen for half a step of the reading, then for the delay.
+// Distance that a push moves a mass before a command answers: unseen for half an encoder step, then for the delay.
 template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::reboundOf(double push, double mass, double step) const noexcept {
   const double unseen = std::sqrt(0.5 * step), late = (delay_ + 1) * options_.period * std::sqrt(0.5 * push / mass);
@@ -492,9 +492,10 @@ double PositionControlRenderer::ControllerOf<kMech>::readingStep(const JointRow&
   return std::sqrt(square);
 }
 
-// Largest force along a row of the modes that sends the tool out no faster than the push turns it back within the way
-// that it, but at most a step of the hand, makes before an answer. Without a push the tool comes out of the wall in the
-// time of a hand. `speed`: outward, a tick after the command acts, without a force; `step`: of the reading.
+// Largest force along a row of the modes that does not throw the tool out. The push must stop the outward motion within
+// the rebound: the distance that the push, at most a step of the hand, covers before an answer. Without a push the tool
+// leaves the wall within kGrowthTime. `speed`: outward, a tick after the command acts, without force. `step`: of the
+// reading.
 template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a, const Lane& row, double step,
                                                                  double speed, double depth) noexcept {
@@ -502,15 +503,15 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
   double inverse = 0.0;
   for (int k = 0; k < joints_; ++k) inverse += row[k] * row[k] / a.inertia[k];
   const double mass = 1.0 / inverse;
-  States outward{}, push{};  // of the speed and the push, from the states now
+  States outward{}, push{};  // rows that give the speed and the push from the present states
   for (int k = 0; k < joints_; ++k) {
     push[kPush][k] = -row[k] / a.inertia[k] * mass;
     const double rotor = kMech == 4 ? options_.drive.rotorInertia / a.inertia[k] : 0.0;
     if (kMech == 4) outward[1][k] = row[k] * rotor;
     outward[kLink + 1][k] = row[k] * (1.0 - rotor);
   }
-  // What is not known of the mass changes the speed by as much as the net force does until then.
-  double byMass = 0.0, byCommand = 0.0;  // a unit of ln(mass): without a command, and less by a unit command
+  // An error of the mass changes the speed in proportion to the net force until then.
+  double byMass = 0.0, byCommand = 0.0;  // per unit of ln(mass): without a command, and its reduction by a unit command
   for (int i = 0; i < kMech; ++i)
     for (int k = 0; k < joints_; ++k) {
       byMass += outward[i][k] * a.sensitivity[i][k];
@@ -523,8 +524,8 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
   memory_.push = force.mean;
   const double rebound = std::sqrt(2.0 * reboundOf(std::min(sure, memory_.step), mass, step) * sure / mass),
                comesOut = std::min(depth / kGrowthTime, memory_.step * (delay_ + 1) * T / mass);
-  // Largest change of speed z by this command for which speed + z and its deviations stay below a limit. The deviations
-  // are those of the speed now, and what is not known of the mass times (byMass - h z).
+  // Largest change of speed z by this command for which speed + z plus its deviations stays below a limit. The
+  // deviations are that of the present speed, and that of ln(mass) times (byMass - h z).
   const double h = byCommand * mass / T, kappa = kSpeedDeviations * std::sqrt(memory_.observer.scaleVariance);
   const auto change = [&](double limit, double deviation) {
     const double most = limit - speed, own = kSpeedDeviations * deviation, left = 1.0 - kappa * kappa * h * h;
@@ -534,7 +535,7 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
   };
   const double safe = std::max({0.0, change(rebound, uncertain.deviation), change(comesOut, 0.0)}) * mass / T;
   if (options_.delayLow == options_.delayHigh) return safe;
-  // Where chance says when a command acts, it may act in more than one tick, in the place of those that are under way.
+  // With a random delay a command may act in more than one tick, in place of commands that are under way.
   double other = 0.0;
   for (int d = 0; d < options_.delayHigh; ++d) {
     const Lane sent = toModes(memory_.sent[d]);
@@ -543,7 +544,7 @@ double PositionControlRenderer::ControllerOf<kMech>::largestSafe(const Ahead& a,
   return std::min(safe, std::max(0.0, other + (safe - other) / acts_));
 }
 
-// The share of the forces that is given: by the cap, and by the motors' limits.
+// The applied share of the forces, limited by the cap and by the motors.
 template <int kMech>
 double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& frame, const Ahead& a, const Wall* walls,
                                                            const Target* targets, int count, const double* force,
@@ -580,8 +581,7 @@ double PositionControlRenderer::ControllerOf<kMech>::share(const TickFrame& fram
   return std::min(asked, most) / total;
 }
 
-// Friction at the contacts, as torques. What a contact can hold is bounded by the force that balances the hand's push,
-// not by the commanded one: that chatters.
+// Friction torque at the contacts. Its limit uses the force that balances the hand's push; the commanded one chatters.
 template <int kMech>
 JointRow PositionControlRenderer::ControllerOf<kMech>::frictionOf(const TickFrame& frame, const Ahead& a,
                                                                   const Target* targets, const Wall* walls, int count,
@@ -647,7 +647,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   if (kin.q.size() != n || frame.rows.count != frame.contacts.count) return Status::outOfRange;
   const double elapsed = frame.time - m.lastTime;
   output.saturated = false;
-  if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {  // the last answer holds
+  if (m.started != 0.0 && elapsed >= 0.0 && elapsed < kEarly * options_.period) {  // repeat the last answer
     output.mode = m.lastNormal > 0.0 ? RenderMode::contact : RenderMode::free;
     output.normalForce = m.lastNormal;
     output.torque.resize(n);
@@ -659,7 +659,7 @@ Status PositionControlRenderer::ControllerOf<kMech>::render(const TickFrame& fra
   else
     observe(frame);
   m.lastTime = frame.time;
-  if (m.doubts > kMostDoubts) return Status::outOfRange;  // no tool moves so
+  if (m.doubts > kMostDoubts) return Status::outOfRange;  // no tool moves like this
 
   Ahead a;
   predict(frame, a);

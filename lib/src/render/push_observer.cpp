@@ -9,7 +9,7 @@
 namespace enamel {
 namespace {
 
-constexpr double kRefreshed = 2e-3;  // of ln(inertia)
+constexpr double kRefreshed = 2e-3;  // change of ln(inertia) that updates the model
 
 template <bool isFirst, typename First, typename Second>
 const auto& pick(const First& first, const Second& second) noexcept {
@@ -36,7 +36,7 @@ const ObserverSteps<kMech>& steps() noexcept {
 
 template <int kMech>
 PushObserver<kMech>::PushObserver(const ModeData& data) : data_(data), table_(modeTableOf<kMech>(data)), model_{} {
-  (void)steps<kMech>();  // looks at the processor here, not in a tick
+  (void)steps<kMech>();  // detects the processor now, not in a tick
   model_.lagKept = std::exp(-lagOf(data.drive) * data.period);
   model_.growthKept = std::exp(-data.period / kGrowthTime);
   model_.growthSum = kGrowthTime * (1.0 - model_.growthKept);
@@ -75,12 +75,12 @@ template <int kMech>
 void PushObserver<kMech>::believe(State& s, const Lane& reading, const Lane& rate) const noexcept {
   s.count = 1.0;
   Hypothesis& h = s.part[0];
-  h.weight = 1.0;
-  h.age = 0.0;
+  s.weight = s.age = Lane{};
+  s.weight[0] = 1.0;
   Pairs P = {};
   for (int k = 0; k < static_cast<int>(s.modes); ++k) {
     const double growth = kGrowthOfStep * s.step[k], speed = s.step[k] * kGrowthTime / s.inertia[k];
-    // The push that would have made the rate within a tick.
+    // The push that would have caused the rate within a tick.
     const double push = (rate[k] - h.x[kMech - 1][k]) * (s.inertia[k] + data_.drive.rotorInertia) / data_.period;
     for (int i = 0; i < kMech; i += 2) {
       h.x[i][k] = reading[k];
@@ -108,7 +108,7 @@ void PushObserver<kMech>::refresh(State& s) noexcept {
     const double wanted = s.inertia[k] * whole;
     if (std::abs(wanted - s.used[k]) < kRefreshed * wanted) continue;
     s.used[k] = wanted;
-    // A push is known by what it does: its share of the mass goes with it.
+    // A push is known by the acceleration that it causes, so it scales with the mass.
     const double ratio = std::exp(s.scale - s.usedScale[k]);
     s.usedScale[k] = s.scale;
     const auto grows = [&](int i) { return i == kPush || i == kGrowth ? ratio : 1.0; };
@@ -190,7 +190,7 @@ void PushObserver<kMech>::merge(State& s) const noexcept {
 
 template <int kMech>
 void PushObserver<kMech>::advance(const Lane& command, States& x) const noexcept {
-  steps<kMech>().carry(model_, command.data(), Lane{}.data(), 0.0, x);
+  steps<kMech>().carry(model_, command, Lane{}, 0.0, x);
 }
 
 template <int kMech>

@@ -1,14 +1,14 @@
-// What is known of a device and of the hand that pushes it: Kalman filters of the modes, and hypotheses on when the
-// push last jumped. The equations: lib/docs/position-control.md.
+// Observer of the device and of the hand that pushes it: Kalman filters of the modes, and hypotheses on when the push
+// jumped. The equations: lib/docs/position-control.md.
 //
-// A mode has the states of mode_table.hpp and ln(mass / model's). Its process noise is a trembling hand, the wandering
-// growth of the push, and what the model lacks: a share of the force that accelerates the device or stretches a cable.
-// Each tick hypotheses branch off, one for each part of the tick in which the push may have jumped by an unknown size
-// in each mode. A jump of size 1 moves the states by g, so a hypothesis has its own states x, and the covariance P + v
-// g g^T with v the variance of the size (Willsky and Jones 1976). It lives for two samples, then it is merged into the
-// rest by its first two moments. All modes share the hypotheses' weights. A hypothesis teaches nothing of the mass
-// (Schmidt's filter). The modes' opinions on the one mass are fused by their information. A reading says nothing within
-// the largest of its encoders' steps (Steps::weigh()).
+// A mode has the states of mode_table.hpp and ln(mass / model's mass). The process noise has three parts: a trembling
+// hand, random growth of the push, and the model error. The model error is a share of the force that accelerates the
+// device or stretches a cable. Each tick, hypotheses branch off, one for each part of the tick. Each assumes that the
+// push jumped in this part, by an unknown size in each mode. A jump of size 1 moves the states by g. So a hypothesis
+// has states x of its own and the covariance P + v g g^T, with the variance v of the size (Willsky and Jones 1976).
+// After two samples it is merged into the rest by its first two moments. All modes share the weights of the hypotheses.
+// Hypotheses of jumps do not update the mass (Schmidt's filter). The modes' estimates of the one mass are fused by
+// their information. A reading gives no information within the largest of its encoder steps (Steps::weigh()).
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class PushObserver {
   static constexpr int kLag = kMech, kPush = kMech + 1, kGrowth = kMech + 2, kScale = kMech + 3, kStates = kMech + 4;
   static constexpr int kPairs = kStates * (kStates + 1) / 2;  // of a symmetric matrix
   static constexpr int kMost = 1 + 2 * kBins;                 // hypotheses
-  static constexpr double kScalePrior = 0.3;                  // deviation of ln(mass) at the start
+  static constexpr double kScalePrior = 0.3;                  // standard deviation of ln(mass) at the start
   static constexpr int at(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
 
   using States = double[kStates][kLanes];
@@ -33,70 +33,70 @@ class PushObserver {
   using Pairs = double[kPairs][kLanes];
 
   struct Hypothesis {
-    States x, g;         // g: what a jump of size 1 adds
-    Lane v;              // variance of its size
-    double weight, age;  // age in samples
+    States x, g;  // g: effect of a jump of size 1
+    Lane v;       // variance of the jump's size
   };
   // Plain numbers.
   struct State {
-    Hypothesis part[kMost];  // the first: no jump of late
+    Hypothesis part[kMost];  // the first: no recent jump
     Pairs P;
-    double count, modes;
     States mean;
+    Lane weight, age;    // of the hypotheses; age in samples
+    Lane inertia, used;  // of the links' modes in the model; inertia of the numbers in use
+    Lane usedScale;      // ln(mass / model's) of the numbers in use
+    Lane step, tremor;   // standard deviations of the hand's force in the modes
+    Lane readingVariance, readingPrecision, largestStep;  // precision: 1 / standard deviation
+    double count, modes;
     double scale, scaleVariance;  // ln(mass / model's)
-    Lane inertia, used;           // of the links' modes by the model; what the numbers in use are for
-    Lane usedScale;               // ln(mass / model's) of these
-    Lane step, tremor;            // deviations of the hand's force in the modes
-    Lane readingVariance, readingPrecision, largestStep;  // precision: 1 / the root of the variance
   };
-  /// Rounding of a mode's reading: variance, and the largest step among its encoders'.
+  /// Rounding of a mode's reading: its variance, and the largest encoder step in it.
   struct Rounding {
     double variance = 0.0, largest = 0.0;
   };
   struct Moments {
     double mean, deviation;
   };
-  // The numbers of the modes at the inertia in use, and how they change with ln(inertia).
+  // Numbers of the modes at the inertia in use, and their derivatives by ln(inertia).
   struct Model {
     alignas(64) double value[ModeTable<kMech>::kNumbers][kLanes];
     alignas(64) double slope[ModeTable<kMech>::kSlopes][kLanes];
-    double lagKept, growthKept, growthSum;  // of a tick
+    double lagKept, growthKept, growthSum;  // over a tick
   };
 
   explicit PushObserver(const ModeData& data);
 
-  /// Describes mode k: its inertia, deviations of a step of the hand and of its tremor, rounding of a reading.
+  /// Describe mode k: inertia, deviations of a step of the hand and of its tremor, rounding of a reading.
   void describe(State& s, int k, double inertia, double step, double tremor, const Rounding& reading) const noexcept;
-  /// Begins at rest at a reading, in as many modes as were described.
+  /// Start at rest at a reading, in as many modes as were described.
   void start(State& s, int modes, const Lane& reading) noexcept;
-  /// Takes a reading and a rate that no hypothesis explains; keeps what is known of the mass.
+  /// Accept a reading and a rate that no hypothesis explains. Keeps the estimate of the mass.
   void believe(State& s, const Lane& reading, const Lane& rate) const noexcept;
-  /// The model for the state's inertias and scale; reload(): exactly the one that a saved state was used with.
+  /// Update the model to the state's inertias and scale. reload(): restore the exact model of a saved state.
   void refresh(State& s) noexcept;
   void reload(const State& s) noexcept;
-  /// Turns modes i and j into each other.
+  /// Rotate modes i and j into each other.
   void rotate(State& s, int i, int j, double cosine, double sine) const noexcept;
 
-  /// One tick under a command, with the hypotheses that branch off in it; a part of a tick, to first order.
+  /// Predict one tick under a command, with the hypotheses that branch off. shift(): a part of a tick, first order.
   void predict(State& s, const Lane& command) const noexcept;
   void shift(State& s, double seconds) const noexcept;
-  /// The largest innovation of a mode, in deviations, by the hypothesis that expects it most.
+  /// Return the largest innovation of a mode, in deviations, by the hypothesis that fits best.
   double surprise(const State& s, const Lane& reading) const noexcept;
   void correct(State& s, const Lane& reading) const noexcept;
-  /// Ends hypotheses that are old, and sums up: mean, weights, scale.
+  /// End old hypotheses and update mean, weights and scale.
   void merge(State& s) const noexcept;
 
-  /// States a tick later under a command, at the mean scale.
+  /// Advance states by a tick under a command, at the mean scale.
   void advance(const Lane& command, States& x) const noexcept;
-  /// The same, of how states x change with ln(mass), push and all: `d`, then a tick later. Before advance(command, x).
+  /// Advance `d`, the derivative of states x by ln(mass), by a tick; the push scales too. Call it before advance().
   void advanceSensitivity(const Lane& command, const States& x, States& d) const noexcept;
-  /// How mechanical state i changes with ln(mass) by a unit command, a tick later.
+  /// Return the derivative of mechanical state i, a tick later, by ln(mass), per unit command.
   const double (&commandSensitivity(int i) const noexcept)[kLanes] {
     return model_.slope[ModeTable<kMech>::kCommandAt + i];
   }
-  /// A linear function of the states a tick later, as one of the states now.
+  /// Convert a linear function of the states a tick later to one of the present states.
   void pullBack(States& row) const noexcept;
-  /// Mean and deviation of a linear function of the states.
+  /// Return mean and standard deviation of a linear function of the states.
   Moments moments(const State& s, const States& row) const noexcept;
 
   const double (&gain(int i) const noexcept)[kLanes] { return model_.value[ModeTable<kMech>::kGainAt + i]; }

@@ -18,10 +18,10 @@ constexpr double kLargestPosition = 10.0;  // m
 constexpr double kLargestSpeed = 100.0;    // m/s
 constexpr double kLargestGap = 100.0;      // m
 constexpr double kLargestViscosity = 1e3;  // N s/m
-constexpr double kLargestJacobian = 1e3;   // m or 1: a joint's motion of the platform
-constexpr double kLargestInverse = 1e9;    // of it, near a singularity
+constexpr double kLargestJacobian = 1e3;   // m or 1: motion of the platform per joint motion
+constexpr double kLargestInverse = 1e9;    // of its inverse, near a singularity
 
-// The norm, one sum without branches. False for NaN as well.
+// Compare the norm: one sum without branches. False for NaN too.
 template <typename Vector>
 bool within(const Vector& v, double limit) noexcept {
   return v.squaredNorm() <= limit * limit;
@@ -31,7 +31,7 @@ bool isFinite(const Contact& c) noexcept {
   return c.point.allFinite() && c.normal.allFinite() && c.obstacleVelocity.allFinite() && std::isfinite(c.gap);
 }
 
-// A sum is finite only where each number is; that of finite numbers can overflow, and then each is looked at.
+// A sum is finite only if each number is. A sum of finite numbers can overflow; then each number is checked.
 template <typename Matrix>
 bool allFinite(const Matrix& m) noexcept {
   return std::isfinite(m.sum()) || m.allFinite();
@@ -50,7 +50,7 @@ bool isMaterial(const Material& m) noexcept {
          m.slidingFriction <= m.friction && m.viscosity >= 0.0 && m.viscosity <= kLargestViscosity;
 }
 
-// Everything has a limit, so that NaN and infinity pass none.
+// Every value has a limit, so NaN and infinity fail.
 bool isPlausible(const TickFrame& in) noexcept {
   const Kinematics& k = in.kinematics;
   bool plausible = std::isfinite(in.time) && isRotation(k.pose.rotation) && within(k.q, kLargestAngle) &&
@@ -115,7 +115,7 @@ Status Renderer::step(const TickFrame& frame, TickOutput& output) noexcept {
       !(within(output.torque, kLargestTorque) && std::abs(output.normalForce) <= kLargestTorque))
     status = Status::outOfRange;
   if (status == Status::ok) {
-    // A renderer may have cut it.
+    // the renderer may have cut the torque itself
     output.saturated = saturate(output.torque, frame.kinematics.gravity, frame.maxTorque) || output.saturated;
     lastTime_ = frame.time;
   } else {
@@ -133,7 +133,7 @@ void Renderer::reset() noexcept {
   resetState();
 }
 
-// stateBlock() is not const because loadState() writes through it; these two only read.
+// stateBlock() is not const because loadState() writes through it. These two functions only read.
 std::size_t Renderer::stateSize() const noexcept {
   return isReady_ ? sizeof(lastTime_) + const_cast<Renderer*>(this)->stateBlock().size : 0;
 }
@@ -171,8 +171,9 @@ bool saturate(JointVector& torque, const JointVector& gravity, const JointVector
     if (std::abs(torque[i]) <= maxTorque[i]) continue;
     cut = true;
     const double rendered = torque[i] - gravity[i];
-    const double most = std::copysign(maxTorque[i], rendered) - gravity[i];  // of the sign of `rendered`, or gravity's
-    scale = std::min(scale, std::max(0.0, most / rendered));                 // own torque is too large
+    // Limit on the side of `rendered`. The scale becomes 0 if gravity's torque alone exceeds it.
+    const double most = std::copysign(maxTorque[i], rendered) - gravity[i];
+    scale = std::min(scale, std::max(0.0, most / rendered));
   }
   if (!cut) return false;
   for (Eigen::Index i = 0; i < torque.size(); ++i)

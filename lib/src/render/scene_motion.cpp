@@ -7,14 +7,14 @@
 namespace enamel {
 namespace {
 
-constexpr double kLongestFrame = 0.1;                    // s: a pose that is newer than this belongs to a motion
-constexpr double kStretch = 1.2;                         // of a frame: so late may the next one be
-constexpr double kTwistError = 0.5;                      // share of a stated twist, or of the motion
-constexpr double kLeastSpeed = 1e-3, kLeastTurn = 0.02;  // m/s, rad/s: slower is no claim
+constexpr double kLongestFrame = 0.1;                    // s: a newer pose belongs to a motion
+constexpr double kStretch = 1.2;                         // of a frame: how late the next one may be
+constexpr double kTwistError = 0.5;                      // share of the stated twist, or of the motion
+constexpr double kLeastSpeed = 1e-3, kLeastTurn = 0.02;  // m/s, rad/s: smaller differences do not count
 
 bool isSame(const Pose& a, const Pose& b) noexcept { return a.position == b.position && a.rotation == b.rotation; }
 
-// From one pose to another within `time` s: [v; w], W.
+// Twist [v; w] in W between two poses that are `time` s apart.
 Vec6 twistBetween(const Pose& from, const Pose& to, double time) noexcept {
   Vec6 twist;
   twist << (to.position - from.position) / time, rotationVector(to.rotation * from.rotation.transpose()) / time;
@@ -57,13 +57,13 @@ void SceneMotion::followOne(const Obstacle& stated, int number, double before) n
   Glide& glide = glides_[static_cast<std::size_t>(number)];
   const Pose& pose = scene_.obstacles()[static_cast<std::size_t>(number)].pose;
   const bool isNew = !isSame(stated.pose, glide.goal);
-  if (!isNew && glide.left == 0.0 && glide.twist.isZero(0.0) && stated.twist.isZero(0.0)) return;  // most of them
+  if (!isNew && glide.left == 0.0 && glide.twist.isZero(0.0) && stated.twist.isZero(0.0)) return;  // most obstacles
   const double elapsed = time_ - before, since = std::min(time_ - glide.set, kLongestFrame);
   if (!isNew && glide.left == 0.0) glide.twist.setZero();
-  Vec6 measured = glide.twist;  // by the poses
+  Vec6 measured = glide.twist;  // from the poses
   if (isNew) {
     measured = twistBetween(glide.goal, stated.pose, since);
-    if (glide.set == before) {  // new at every tick
+    if (glide.set == before) {  // a new pose in every tick
       glide.left = elapsed;
       glide.twist = agrees(stated.twist, measured) ? stated.twist : measured;
     } else {
@@ -73,7 +73,7 @@ void SceneMotion::followOne(const Obstacle& stated, int number, double before) n
     glide.goal = stated.pose;
     glide.set = time_;
   }
-  const bool begins = isNew && since == kLongestFrame;  // its first pose says nothing about the velocity
+  const bool begins = isNew && since == kLongestFrame;  // the first pose of a motion says nothing about the velocity
   if (!begins && !stated.twist.isZero(0.0) && !agrees(stated.twist, measured)) {
     ++ignored_;
     ignoredObstacle_ = number;
@@ -83,7 +83,7 @@ void SceneMotion::followOne(const Obstacle& stated, int number, double before) n
     next.position = pose.position + elapsed * glide.twist.head<3>();
     next.rotation = rotationFromVector(elapsed * glide.twist.tail<3>()) * pose.rotation;
     glide.left -= elapsed;
-    if (scene_.move(number, next, glide.twist) == Status::ok) return;  // else rounding has spoilt the rotation
+    if (scene_.move(number, next, glide.twist) == Status::ok) return;  // otherwise rounding has spoilt the rotation
   }
   glide.left = 0.0;
   (void)scene_.move(number, glide.goal, glide.twist);

@@ -6,9 +6,9 @@
 namespace enamel {
 namespace {
 
-constexpr double kLeastStep = 1e-3;  // of a tick whose sample is older than the prediction before it, periods
+constexpr double kLeastStep = 1e-3;  // periods, of a tick whose sample is older than the prediction before it
 
-// What forward kinematics starts from; the inertia is computed again.
+// The start of forward kinematics. The inertia is computed again.
 template <typename AnyKinematics, typename Visit>
 void forEachMatrix(AnyKinematics& k, const Visit& visit) {
   visit(k.pose.position);
@@ -21,7 +21,7 @@ void forEachMatrix(AnyKinematics& k, const Visit& visit) {
   visit(k.inverseTransposed);
 }
 
-// With the last command, the sample's time and age, the tick's time, and the guard's reason.
+// Size of a saved frame, with the last command, the sample's time and age, the tick's time, and the guard's reason.
 std::size_t frameSize(int joints) noexcept { return 18 + 16 * static_cast<std::size_t>(joints) + 4; }
 
 }  // namespace
@@ -48,8 +48,8 @@ Status HapticTick::operator()(const Measurement& measurement, Command& command) 
   return status;
 }
 
-// A sample that repeats its time stamp counts as lost, as long as the guard bridges lost samples. A sample older than
-// the prediction before it is moved a little after it.
+// A sample that repeats its time stamp counts as lost while the guard bridges lost samples. A sample that is older than
+// the prediction before it is moved to shortly after it.
 Measurement HapticTick::adjusted(const Measurement& measurement) const noexcept {
   const double period = guard_.options().period;
   Measurement m = measurement;
@@ -60,7 +60,7 @@ Measurement HapticTick::adjusted(const Measurement& measurement) const noexcept 
   } else if (m.age == 0 && m.time > sampleTime_ && frame_.age > 0) {
     m.time = std::max(m.time, frame_.time + kLeastStep * period);
   }
-  if (m.age > 0) {  // nothing came from the device
+  if (m.age > 0) {  // no sample from the device
     m.q = frame_.kinematics.q;
     m.rates = frame_.kinematics.rates;
     m.applied.reset();
@@ -68,7 +68,7 @@ Measurement HapticTick::adjusted(const Measurement& measurement) const noexcept 
   return m;
 }
 
-// The stages, one a line; the frame is what travels.
+// The stages, one per line. They pass the frame along.
 Status HapticTick::tick(const Measurement& measurement) noexcept {
   const int lost = frame_.age;  // periods without a sample before this tick
   const bool isSample = measurement.age == 0;
@@ -95,7 +95,7 @@ Status HapticTick::sense(const Measurement& m) noexcept {
   frame_.age = m.age;
   frame_.applied.reset();
   if (m.applied && m.applied->size() == mechanism_.joints() && guard_.believes(*m.applied)) frame_.applied = m.applied;
-  // Where the device cannot tell, the renderer takes its own answer for what acted, unless the guard changed it.
+  // Without a report the renderer assumes that its own output acted, unless the guard changed it.
   if (!frame_.applied && frame_.reason != GuardReason::none) frame_.applied = frame_.command;
   return Status::ok;
 }

@@ -10,7 +10,8 @@
 namespace enamel {
 namespace {
 
-constexpr double kDependent = 1e-6;  // of a contact's own response: dependent contacts share
+// Regularisation, as a share of a contact's own response, so that dependent contacts share the force.
+constexpr double kDependent = 1e-6;
 
 void requirePositive(double value, bool zero, const char* name, const char* unit) {
   require((value > 0.0 || (zero && value == 0.0)) && std::isfinite(value),

@@ -15,14 +15,14 @@ constexpr std::uint32_t kLinkMagic = 0x4c4d4e45;  // "ENML"
 constexpr unsigned kLinkVersion = 1;
 constexpr unsigned kMeasurement = 1, kCommand = 2, kCall = 3;
 constexpr unsigned kIsEnabled = 1, kHasApplied = 2, kWatchdog = 4;  // flags
-constexpr std::size_t kHead = 56, kTail = 12;                       // tag and checksum
-constexpr double kNanoseconds = 1e9;                                // of a second
+constexpr std::size_t kHead = 56, kTail = 12;                       // bytes; the tail has tag and checksum
+constexpr double kNanoseconds = 1e9;                                // per second
 
 std::uint32_t checksum(const unsigned char* bytes, std::size_t size) noexcept {
   return crc32({reinterpret_cast<const char*>(bytes), size});
 }
 
-// The bytes of a number, the lowest first.
+// The bytes of a number, lowest first.
 template <typename Number>
 void put(unsigned char* at, Number value) noexcept {
   for (std::size_t i = 0; i < sizeof value; ++i) at[i] = static_cast<unsigned char>(value >> (8 * i));
@@ -51,19 +51,19 @@ void putNumbers(unsigned char* at, const JointVector& v) noexcept {
   for (int i = 0; i < kMaxJoints; ++i) putNumber(at + 8 * i, i < v.size() ? v[i] : 0.0);
 }
 
-// False where one is not finite.
+// Returns false if a number is not finite.
 bool getNumbers(const unsigned char* at, int joints, JointVector& v) noexcept {
   v.resize(joints);
   for (int i = 0; i < joints; ++i) v[i] = getNumber(at + 8 * i);
   return v.allFinite();
 }
 
-// What every datagram begins with.
+// The start of every datagram.
 struct Head {
   unsigned kind = 0, joints = 0, flags = 0;
   std::uint64_t client = 0, server = 0, sequence = 0;
   std::int64_t stamp = 0;  // of the sender's clock
-  std::uint64_t echo = 0;  // sequence of the newest datagram from the other end,
+  std::uint64_t echo = 0;  // sequence of the newest datagram from the other end
   std::int64_t echoStamp = 0;
 };
 
@@ -81,7 +81,7 @@ void putHead(const Head& h, Datagram& d) noexcept {
   put(&d[48], h.echoStamp);
 }
 
-// Tag and checksum.
+// Append tag and checksum.
 std::size_t seal(const LinkOptions& options, std::size_t size, Datagram& d) noexcept {
   const std::string_view body(reinterpret_cast<const char*>(d.data()), size - kTail);
   put(&d[size - kTail], options.key ? sipHash(*options.key, body) : 0);
@@ -89,7 +89,7 @@ std::size_t seal(const LinkOptions& options, std::size_t size, Datagram& d) noex
   return size;
 }
 
-// Everything that can be said without a session; kDropReasons where nothing is wrong.
+// Check everything that needs no session. Returns kDropReasons if the datagram is valid.
 int examine(const LinkOptions& options, const unsigned char* d, std::size_t size, bool command, Head& h) noexcept {
   const auto drop = [](DropReason reason) { return static_cast<int>(reason); };
   if (size != (command ? kCommandBytes : kMeasurementBytes)) return drop(DropReason::length);
@@ -117,7 +117,7 @@ bool count(LinkCounts& counts, DropReason reason) noexcept {
   return false;
 }
 
-// Since `stamp` of our own clock, s; a forged one may be any number.
+// Time since `stamp` of our own clock, s. A forged stamp may be any number.
 double since(std::int64_t stamp, std::int64_t now) noexcept {
   return (static_cast<double>(now) - static_cast<double>(stamp)) / kNanoseconds;
 }
@@ -254,7 +254,7 @@ Status LinkClient::measure(Measurement& measurement, std::int64_t now) noexcept 
   if (session_ && now - heard_ > kSessionTimeout) {
     session_ = false;
     commanding_ = false;
-    ++client_;  // what is still under way is of no session
+    ++client_;  // packets in transit then belong to no session
     newest_ = answered_ = 0;
   }
   if (!session_ || !fresh_) return Status::stale;
@@ -316,7 +316,7 @@ bool LinkServer::receive(const unsigned char* d, std::size_t size, std::int64_t 
   if (h.kind == kCall) {
     if (session_ && h.client != client_) return count(counts_, DropReason::session);
     if (!session_) {
-      if (h.client == client_) return count(counts_, DropReason::session);  // a session that has ended stays so
+      if (h.client == client_) return count(counts_, DropReason::session);  // an ended session stays ended
       session_ = true;
       client_ = h.client;
       ++server_;

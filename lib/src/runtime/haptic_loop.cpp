@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kShortestPeriod = 1e-4, kLongestPeriod = 2e-3;  // periods, s
+constexpr double kShortestPeriod = 1e-4, kLongestPeriod = 2e-3;  // limits of the period, s
 
 double since(Clock::time_point begin) noexcept { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
@@ -40,7 +40,8 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
   Status status = device_.measure(measurement_);
   for (bool isOver = false; status != Status::ok && !isOver;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    isOver = since(begin) >= options.firstMeasurement;  // before the question: a thread that was held up asks once more
+    // Check the time before measuring, so that a delayed thread tries once more.
+    isOver = since(begin) >= options.firstMeasurement;
     status = device_.measure(measurement_);
   }
   if (status != Status::ok) {
@@ -48,7 +49,7 @@ LoopBody::LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOp
     throw Error("haptic loop: the device gave no measurement within " + formatNumber(options.firstMeasurement) +
                 " s: " + toString(status));
   }
-  // An earlier loop's fault, and the time since, are not this one's.
+  // Faults and elapsed time of an earlier loop do not belong to this one.
   if (haptics.guard().kept() > 0) haptics.reset();
   tick_.pose = haptics.frame().kinematics.pose;
   tick_.requested = command_.effort = JointVector::Zero(guard.torque.size());
@@ -59,7 +60,7 @@ LoopBody::~LoopBody() { device_.close(); }
 bool LoopBody::step() noexcept {
   const auto begin = Clock::now();
   const GuardOptions& guard = haptics_.guard().options();
-  // The constructor's measurement is the first tick's where there is no newer one.
+  // The first tick uses the constructor's measurement unless a newer one exists.
   Measurement fresh = measurement_;
   Status device = device_.measure(fresh);
   const bool fails = device != Status::ok && device != Status::stale;
@@ -73,7 +74,7 @@ bool LoopBody::step() noexcept {
     silence_ += period_;
     if (silence_ > guard.longestGap * ticks_) reset_ = false;
     heldAll_.fetch_add(1, std::memory_order_relaxed);
-    // A device that is asked more often than it measures may be late by half of what lies between.
+    // If the loop polls faster than the device measures, a sample may be late by half of the difference.
     if (silence_ < ((measurement_.age + 1) * ticks_ + 0.5 * (ticks_ - period_)) * (1.0 - 1e-9)) {
       if (device_.actuate(command_) != Status::ok) unsent_.fetch_add(1, std::memory_order_relaxed);
       return true;
@@ -84,7 +85,7 @@ bool LoopBody::step() noexcept {
   first_ = false;
   const auto measured = Clock::now();
   tick_.measurement = measurement_;
-  tick_.reset = reset_ && silence_ == 0.0 && !stopping_;  // on a measurement: their time goes on from there
+  tick_.reset = reset_ && silence_ == 0.0 && !stopping_;  // on a measurement, because the time continues from there
   if (tick_.reset) {
     reset_ = false;
     haptics_.reset();
@@ -110,7 +111,7 @@ bool LoopBody::step() noexcept {
   if (sink_ != nullptr) sink_->tick(tick_, haptics_);
   ++tick_.number;
 
-  // The ramp out begins with stop(), and again with a fault on the way.
+  // The ramp out begins with stop(), and again with a fault during it.
   const bool fault = haptics_.guard().fault() != GuardReason::none;
   if (!stopping_ || (fault && !faulty_)) left_ = static_cast<int>(std::ceil(guard.rampOut / ticks_)) + 2;
   faulty_ = fault;
@@ -119,7 +120,7 @@ bool LoopBody::step() noexcept {
 
 HapticLoop::MemoryLock::MemoryLock(bool wanted) noexcept {
   if (!wanted) return;
-  // What is mapped later counts too only where no limit can make later allocations fail.
+  // Lock future mappings only if no limit can make later allocations fail.
   rlimit limit{};
   const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
   held = mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
@@ -137,7 +138,7 @@ HapticLoop::HapticLoop(HapticDevice& device, HapticTick& haptics, const HapticLo
           body_.period(), [this] { period(); }, options.priority) {}
 
 HapticLoop::~HapticLoop() {
-  while (!stopped()) {  // within a bounded number of periods, whatever the device does
+  while (!stopped()) {  // ends within a bounded number of periods, whatever the device does
     stop();
     std::this_thread::sleep_for(std::chrono::duration<double>(body_.period()));
   }

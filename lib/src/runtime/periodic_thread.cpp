@@ -24,7 +24,7 @@ std::int64_t now() noexcept {
   return t.tv_sec * kSecond + t.tv_nsec;
 }
 
-constexpr std::int64_t kLongestSleep = kSecond / 20;  // ns: the thread ends within
+constexpr std::int64_t kLongestSleep = kSecond / 20;  // ns: the thread ends within this time
 
 void sleepUntil(std::int64_t deadline) noexcept {
   const timespec t{deadline / kSecond, deadline % kSecond};

@@ -25,7 +25,7 @@ constexpr double kRoom = 4.0;                             // s
 constexpr std::uint64_t kLeastRoom = 8, kMostRoom = 256;  // chunks
 constexpr auto kLook = std::chrono::milliseconds(5), kAgain = std::chrono::milliseconds(50);
 
-// An existing recording is not written over; a pipe or a device is there already.
+// Do not overwrite an existing recording. A pipe or a device exists already.
 int openNew(const std::string& path) {
   struct stat there {};
   const bool isPlain = stat(path.c_str(), &there) != 0 || S_ISREG(there.st_mode);
@@ -93,7 +93,7 @@ void Recorder::start(const HapticTick& tick) {
 
 Recorder::~Recorder() { close(); }
 
-// The tick's side.
+// Functions of the tick's thread.
 
 void Recorder::begin(const HapticTick& tick) noexcept {
   char* chunk = chunkAt(filled_.load(std::memory_order_relaxed));
@@ -153,9 +153,9 @@ void Recorder::makeRoom() const {
     std::this_thread::sleep_for(kLook);
 }
 
-// The writing thread's.
+// Functions of the writing thread.
 
-// Goes on where it stopped.
+// Continue an incomplete write.
 bool Recorder::writeOut(const char* bytes, std::size_t size) noexcept {
   while (done_ < size) {
     errno = 0;
@@ -173,7 +173,7 @@ bool Recorder::writeOut(const char* bytes, std::size_t size) noexcept {
 
 void Recorder::run() noexcept {
   pthread_setname_np(pthread_self(), "recorder");
-  // A pipe whose reader has gone and a limit of the file's size are errors of write(), not the end of the process.
+  // A broken pipe or a file size limit must be an error of write(), not the end of the process.
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGPIPE);
@@ -181,7 +181,7 @@ void Recorder::run() noexcept {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::uint64_t now = 0;
   while (true) {
-    const bool stopping = stop_.load(std::memory_order_acquire);  // before filled_: nothing follows
+    const bool stopping = stop_.load(std::memory_order_acquire);  // read before filled_: nothing follows
     if (now == filled_.load(std::memory_order_acquire)) {
       if (stopping) return;
       std::this_thread::sleep_for(kLook);
@@ -209,7 +209,7 @@ void Recorder::run() noexcept {
 RecordingResult Recorder::close() {
   if (!open_) return result_;
   open_ = false;
-  // What is under way becomes the last chunk; where nothing is, an empty one.
+  // The unfinished chunk becomes the last one. Without one, write an empty chunk.
   const std::uint64_t now = filled_.load(std::memory_order_relaxed);
   ChunkHead head;
   if (ticks_ == 0) {

@@ -19,10 +19,10 @@ namespace enamel {
 namespace recording {
 namespace {
 
-using Json = nlohmann::json;  // ordered_json looks through all keys for each
+using Json = nlohmann::json;  // ordered_json would search all keys for each lookup
 using Written = nlohmann::ordered_json;
 
-// Of the guard's options, as they stand in the header.
+// Options of the guard, named as in the header.
 const std::pair<const char*, double GuardOptions::*> kNumbers[] = {
     {"period", &GuardOptions::period},    {"force", &GuardOptions::force},
     {"moment", &GuardOptions::moment},    {"margin", &GuardOptions::margin},
@@ -48,13 +48,13 @@ const std::pair<const char*, int GuardOptions::*> kCounts[] = {{"longest_gap", &
                                                                {"most_missed", &GuardOptions::mostMissed}};
 
 template <typename Matrix>
-Written listOf(const Matrix& m) {  // by columns; what is unlimited becomes null
+Written listOf(const Matrix& m) {  // by columns; infinity becomes null
   Written list = Written::array();
   for (Eigen::Index i = 0; i < m.size(); ++i) list.push_back(m.data()[i]);
   return list;
 }
 
-// A file's JSON with the key of what is looked at.
+// A JSON value of a file with its key, for messages.
 class Reading {
  public:
   Reading(const Json& json, const std::string& file, const std::string& key) : json_(json), file_(file), key_(key) {}
@@ -83,7 +83,7 @@ class Reading {
     return json_.get<bool>();
   }
   template <typename Matrix>
-  void read(Matrix& m) const {  // of the size that it has
+  void read(Matrix& m) const {  // m has the expected size
     if (!json_.is_array() || json_.size() != static_cast<std::size_t>(m.size()))
       refuse("must be a list of " + std::to_string(m.size()) + " numbers");
     for (Eigen::Index i = 0; i < m.size(); ++i)
@@ -123,7 +123,7 @@ std::string headerText(const RecordingHeader& h) {
   guard["workspace"] = listOf(h.guard.workspace);
   guard["damping"] = listOf(h.guard.damping);
   if (h.guard.delay > 0) guard["delay"] = h.guard.delay;
-  if (h.guard.drive.stiffness > 0.0) {  // else nothing of it counts
+  if (h.guard.drive.stiffness > 0.0) {  // a rigid drive has no effect
     Written& drive = guard["drive"];
     for (const auto& [name, value] : kDrive) drive[name] = h.guard.drive.*value;
     drive["encoder_on_link"] = h.guard.drive.encoderOnLink;
@@ -212,7 +212,7 @@ RecordedTick tickOf(const TickBytes& t, int joints) {
   return tick;
 }
 
-// Fewer bytes than asked for only at the end of the file.
+// Read `size` bytes, or fewer at the end of the file.
 std::size_t readAt(int file, std::uint64_t at, char* bytes, std::size_t size, const std::string& path) {
   std::size_t done = 0;
   while (done < size) {

@@ -1,4 +1,4 @@
-// How a recording stands in a file: lib/docs/recording.md.
+// File format of recordings: lib/docs/recording.md.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ inline constexpr std::uint32_t kChunkMark = 0x4b4e4843;  // "CHNK"
 inline constexpr std::uint32_t kFresh = 1, kLast = 2;
 
 struct ChunkHead {
-  std::uint32_t mark = kChunkMark, crc = 0;  // of all that follows in the chunk
+  std::uint32_t mark = kChunkMark, crc = 0;  // of everything after it in the chunk
   std::uint64_t sequence = 0, lost = 0;
   std::uint32_t ticks = 0, flags = 0;
 };
@@ -29,21 +29,21 @@ static_assert(sizeof(ChunkHead) == 32);
 struct TickBytes {
   std::uint64_t number;
   double time;
-  double q[kMaxJoints], rates[kMaxJoints], applied[kMaxJoints];  // zero beyond their sizes
-  double requested[kMaxJoints], command[kMaxJoints];             // zero beyond the device's joints
+  double q[kMaxJoints], rates[kMaxJoints], applied[kMaxJoints];  // zero past their sizes
+  double requested[kMaxJoints], command[kMaxJoints];             // zero past the device's joints
   double normalForce;
   std::uint64_t stateHash;
-  std::uint8_t sizes[3];  // of q, rates, applied
-  std::uint8_t status, reason, mode, flags, age;  // of the sample, at most 255 periods
+  std::uint8_t sizes[3];                          // of q, rates, applied
+  std::uint8_t status, reason, mode, flags, age;  // age of the sample, at most 255 periods
 };
 static_assert(sizeof(TickBytes) == 320);
 inline constexpr std::uint8_t kEnabled = 1, kSaturated = 2, kReset = 4, kSpins = 8, kFailed = 16;
 
-inline constexpr std::size_t kChunkCrcBegin = 8;  // behind mark and CRC
+inline constexpr std::size_t kChunkCrcBegin = 8;  // after mark and CRC
 inline std::size_t padded(std::size_t size) noexcept { return (size + 7) / 8 * 8; }
 
-/// Eight sums of words and eight sums of those sums (after Fletcher, 1982), folded by FNV-1a; what is left of 64 bytes
-/// is filled with zeros. Additions only: the state of a servo takes 0.1 us.
+/// Return a hash: eight sums of words and eight sums of those sums (after Fletcher, 1982), folded by FNV-1a. The rest
+/// of the last 64 bytes is zero. It needs additions only; the state of a servo takes 0.1 us.
 inline std::uint64_t hashOf(const char* bytes, std::size_t size) noexcept {
   constexpr std::size_t kLanes = 8, kBlock = 8 * kLanes;
   std::uint64_t sum[kLanes] = {}, sums[kLanes] = {}, words[kLanes] = {};

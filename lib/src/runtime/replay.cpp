@@ -14,7 +14,7 @@ namespace {
 
 bool sameBits(double a, double b) noexcept { return std::memcmp(&a, &b, sizeof(a)) == 0; }
 
-// What one tick answered, beside what was recorded.
+// Compares the output of a tick with the recorded one.
 class Comparison {
  public:
   Comparison(ReplayResult& result, const RecordedTick& tick) : result_(result), tick_(tick) {}
@@ -62,7 +62,7 @@ ReplayResult replay(RecordingReader& recording, HapticTick& tick, std::uint64_t 
   std::string state(tick.stateSize(), '\0');
   RecordedChunk chunk;
   bool isGap = from > 0;
-  if (isGap) (void)recording.read(from, chunk);  // throws where there is none
+  if (isGap) (void)recording.read(from, chunk);  // throws if the chunk does not exist
   for (std::uint64_t i = from; i < recording.chunks(); ++i) {
     if (const std::string problem = recording.read(i, chunk); !problem.empty()) {
       if (result.damaged++ == 0) result.damage = problem;

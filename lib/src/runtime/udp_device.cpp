@@ -16,7 +16,7 @@
 namespace enamel {
 namespace {
 
-constexpr int kMostDatagrams = 64;  // a tick
+constexpr int kMostDatagrams = 64;  // per tick
 
 std::int64_t clockNow() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
@@ -50,7 +50,7 @@ int openSocket() {
   return s;
 }
 
-// Takes what has come. Datagrams that are too long come cut, but not to a right length.
+// Receive all waiting datagrams. Datagrams that are too long are cut, and still have a wrong length.
 template <typename Use>
 void drain(int s, const Use& use) noexcept {
   unsigned char bytes[sizeof(Datagram) + 1];
@@ -58,7 +58,7 @@ void drain(int s, const Use& use) noexcept {
     sockaddr_in from{};
     socklen_t length = sizeof(from);
     const ssize_t size = recvfrom(s, bytes, sizeof(bytes), 0, reinterpret_cast<sockaddr*>(&from), &length);
-    if (size < 0 && errno == ECONNREFUSED) continue;  // what was sent before found nobody
+    if (size < 0 && errno == ECONNREFUSED) continue;  // an earlier datagram found no receiver
     if (size < 0) return;
     use(bytes, static_cast<std::size_t>(size), from);
   }
@@ -101,7 +101,7 @@ struct DeviceServer::Server {
   int socket = -1;
   std::uint16_t port = 0;
   sockaddr_in own{}, client{};
-  bool isConnected = false;  // the socket, to the client
+  bool isConnected = false;  // whether the socket is connected to the client
   Measurement measurement;
   Command command;
   Datagram datagram{};
@@ -116,14 +116,13 @@ struct DeviceServer::Server {
     if (socket >= 0) ::close(socket);
   }
 
-  // While a session lasts the system drops what comes from other addresses: a flood does not push out the client's
-  // commands.
+  // During a session the system drops datagrams from other addresses. So a flood cannot displace the client's commands.
   void listen() noexcept {
     if (link.hasSession(clockNow()) == isConnected) return;
     sockaddr_in only = client;
     if (isConnected) only.sin_family = AF_UNSPEC;
     const bool isDone = connect(socket, reinterpret_cast<const sockaddr*>(&only), sizeof(only)) == 0;
-    // A port that the system had chosen is lost with the connection.
+    // A port that the system chose is lost with the connection: bind it again.
     if (isConnected) (void)!bind(socket, reinterpret_cast<const sockaddr*>(&own), sizeof(own));
     isConnected = isDone && !isConnected;
   }
@@ -135,7 +134,7 @@ struct DeviceServer::Server {
     });
     listen();
     const Status measured = device.measure(measurement);
-    // Commands that were taken before stop() end by the watchdog like any others.
+    // Commands received before stop() are ended by the watchdog like any others.
     command.effort = link.torque(measurement.q, period, clockNow());
     (void)device.actuate(command);
     if (measured == Status::ok && !stops)

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPresliding = 2e-4;  // z_c, rad
 
-// Of a device's tolerances.
+// Draws the tolerances of a device.
 class Draw {
  public:
   Draw(std::uint64_t seed, std::uint32_t number) : random_(seed, number) {}
@@ -64,7 +64,7 @@ struct Build {
   void operator()(CartesianParameters&) {}
 };
 
-// A mechanism whose rotors hang on cables.
+// Removes the rotors from the mechanism: they are behind cables.
 struct TakeRotors {
   template <typename Device>
   void operator()(Device& p) const {
@@ -80,7 +80,7 @@ MotorParameters* motorOf(DeviceParameters& parameters) {
   return nullptr;
 }
 
-// Rotor angles that hold `torque` through cables, seen from the joints.
+// Rotor angles that hold `torque` through cables, relative to the joints.
 JointVector windUp(const Imperfections& e, const JointVector& torque) {
   JointVector angle = JointVector::Zero(torque.size());
   if (e.cableStiffness > 0.0)
@@ -156,7 +156,7 @@ Status ImperfectPlant::advance(double time, double duration, const JointVector& 
   return Status::ok;
 }
 
-// Current and friction after h at constant speeds.
+// Advance current and friction by h at constant speeds.
 void ImperfectPlant::relax(double h, const JointVector& command, Rotors& rotors) const noexcept {
   const Imperfections& e = device_.imperfections;
   const double lag = e.currentBandwidth > 0.0 ? -std::expm1(-2.0 * M_PI * e.currentBandwidth * h) : 1.0;
@@ -169,7 +169,7 @@ void ImperfectPlant::relax(double h, const JointVector& command, Rotors& rotors)
   }
 }
 
-// Of the motors, less friction.
+// Torque of the motors minus friction.
 JointVector ImperfectPlant::torqueOf(const Rotors& rotors) const noexcept {
   const Imperfections& e = device_.imperfections;
   JointVector torque = rotors.current;

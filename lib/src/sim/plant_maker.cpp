@@ -9,7 +9,7 @@
 namespace enamel {
 namespace {
 
-// All of them are positive or zero.
+// No value is negative, so the sum is zero only if all are zero.
 bool isPerfect(const Imperfections& i) noexcept {
   return i.currentBandwidth + i.torqueStep + i.torqueRipple + i.cogging + i.coulombFriction + i.cableStiffness +
              i.encoderOffset + i.lengthError + i.massError + i.jitter + i.lostSamples ==
@@ -68,7 +68,7 @@ MakePlant plantMaker(const std::string& plant, const DeviceParameters& parameter
   DeviceParameters imperfect = parameters;
   if (plant == kImperfectStiff) stiffenCables(imperfect);
   const Imperfections& imperfections = imperfectionsOf(imperfect);
-  (void)makeImperfectDevice(imperfect, setup.seed);  // refuses what it cannot be made of
+  (void)makeImperfectDevice(imperfect, setup.seed);  // throws if the device cannot be made
   if (isPerfect(imperfectionsOf(parameters)))
     throw Error(nameOf(parameters) + " has no [imperfections]: its " + plant + " plant would be the closed form");
   setup.jitter = imperfections.jitter;

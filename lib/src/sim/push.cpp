@@ -120,7 +120,7 @@ void setScene(const SceneFile& file, PushSetup& setup) {
 }
 
 bool placeOnSurface(PushSetup& setup) noexcept {
-  // Steps of the distance, which become small as fast as the surface allows.
+  // Move by the distance repeatedly; the steps shrink as fast as the surface permits.
   Contact nearest = nearestContact(setup.scene, setup.tool, setup.start, nullptr);
   for (int step = 0; step < 100 && std::abs(nearest.gap) > 1e-12; ++step) {
     setup.start.position -= nearest.gap * nearest.normal;

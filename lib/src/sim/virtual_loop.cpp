@@ -14,7 +14,7 @@ namespace {
 
 GuardOptions guardOf(const Mechanism& plant, const Mechanism& model, const LoopSetup& setup) {
   GuardOptions guard = guardFor(plant, setup.period);
-  setDrive(model, guard);  // what is known of it
+  setDrive(model, guard);  // the drive as the model knows it
   guard.on = setup.guarded;
   guard.force = setup.force;
   return guard;
@@ -59,7 +59,7 @@ Status VirtualLoop::react(TickRecord& record) noexcept {
   if (measured != Status::ok && measured != Status::stale) return measured;
   if (measured == Status::ok) {
     measurement_.age = 0;
-  } else {  // no sample came
+  } else {  // no sample arrived
     ++measurement_.age;
     measurement_.time = device_.time();
   }

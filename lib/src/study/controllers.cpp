@@ -90,7 +90,7 @@ ControllerFile loadControllers(const std::string& path) {
     throw ConfigurationError(path, 0, key, problem);
   };
   const Json file = Json::parse(readJson(path), nullptr, false);
-  const bool old = file.is_object() && !file.contains("controllers") && file.contains("laws");  // of version 0.2
+  const bool old = file.is_object() && !file.contains("controllers") && file.contains("laws");  // file of version 0.2
   const std::string list = old ? "laws" : "controllers", name = old ? "law" : "controller";
   if (!file.is_object() || !file.contains(list) || !file[list].is_array()) refuse("", "has no list \"" + list + "\"");
   ControllerFile result;

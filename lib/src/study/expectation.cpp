@@ -15,7 +15,7 @@ namespace {
 constexpr int kRuns = 12, kChangedRuns = 8, kSafeRuns = 3, kBisections = 5;
 constexpr double kAfterStep = 0.15, kWithChatter = 1.2;  // s: for the depth; for the last second's chatter too
 
-// A device with a loop.
+// A device and its loop.
 struct Loop {
   DeviceParameters device;
   double period;
@@ -23,7 +23,7 @@ struct Loop {
 };
 
 struct Pushes {
-  double lowest, highest, share;  // N, N; of all forces
+  double lowest, highest, share;  // N, N; share of all forces
   int runs;
   double duration;  // after the step, s
 };
@@ -56,7 +56,7 @@ std::vector<StudyResult> push(const Loop& loop, const Pushes& pushes) {
   return results;
 }
 
-// Of the first `count`; 0: all were lost.
+// Mean of the first `count` runs; 0 if all were lost.
 double meanStiffness(const std::vector<StudyResult>& runs, int count) {
   std::vector<double> values;
   for (int i = 0; i < count; ++i)
@@ -83,7 +83,7 @@ double largestSafePush(const Loop& loop, double share) {
   return safe;
 }
 
-// Calls f with the parts of a device that all kinds have under other names.
+// Scale encoder steps and motor torques, which have other names in each kind of device.
 void change(DeviceParameters& device, double encoderStep, double effort) {
   std::visit(
       [&](auto& d) {
@@ -100,7 +100,7 @@ void change(DeviceParameters& device, double encoderStep, double effort) {
       device);
 }
 
-// Better devices, and better loops.
+// Better devices and better loops.
 std::vector<std::pair<std::string, Loop>> changesOf(const Loop& loop) {
   std::vector<std::pair<std::string, Loop>> changes;
   const auto add = [&](const char* name) -> Loop& { return changes.emplace_back(name, loop).second; };
@@ -139,7 +139,7 @@ WallExpectation expect(const Loop& loop) {
     e.bounce = std::max(e.bounce, run.metrics.bounce);
   }
   e.safePush = largestSafePush(loop, share);
-  const double before = meanStiffness(runs, kChangedRuns);  // the same pushes
+  const double before = meanStiffness(runs, kChangedRuns);  // with the same pushes
   if (!(before > 0.0)) return e;
   const Pushes again{pushes.lowest, pushes.highest, share, kChangedRuns, kAfterStep};
   for (const auto& [name, better] : changesOf(loop))

@@ -86,7 +86,7 @@ void MetricsCollector::add(const TickRecord& tick) {
                           tick.saturated,
                           maxTorque_.size() > 0 ? JointVector(tick.torque.cwiseQuotient(maxTorque_)) : JointVector()};
   const auto rest = static_cast<std::uint64_t>(std::llround(ImpactMonitor::kRestWindow / setup_.period));
-  // The step does not cause a turn in the tick in which it comes.
+  // The step does not cause a reversal in its own tick.
   const std::uint64_t pushed = times_.onset + (setup_.hand.instant > 0.0 ? 1 : 0);
   if (tick.tick >= pushed)
     impact_.push(impact);

@@ -45,7 +45,7 @@ void checkStudy(const StudyPlan& plan) {
 Vec3 queryPoint(const StudyPlan& plan, std::size_t point) noexcept {
   if (plan.grid <= 1) return plan.middle;
   const auto side = static_cast<std::size_t>(plan.grid);
-  const auto along = [&plan](std::size_t i) {  // to the nanometre, so that the numbers read well
+  const auto along = [&plan](std::size_t i) {  // rounded to nanometres, so that the numbers are readable
     const double steps = static_cast<double>(plan.grid - 1);
     return std::nearbyint(1e9 * plan.halfWidth * (2.0 * static_cast<double>(i) - steps) / steps) / 1e9;
   };
@@ -161,7 +161,7 @@ PointStatistics statisticsOf(const std::vector<StudyResult>& runs) {
   s.forceOverRms = spreadOf(overRms);
   s.forceOver95 = spreadOf(over95);
   const Spread& compliance = s.of(&PushMetrics::steadyCompliance);
-  // A deviation of NaN (fewer than two runs) resolves nothing.
+  // A deviation of NaN (fewer than two runs) never gives a stiffness.
   const double standardError = compliance.deviation / std::sqrt(static_cast<double>(compliance.count));
   const double mean = std::abs(compliance.mean);
   const bool stable = s.verdicts[static_cast<std::size_t>(FirstImpactVerdict::unstable)] == 0;
@@ -187,7 +187,7 @@ std::vector<WallSummary> summarise(const StudyPlan& plan, const std::vector<Poin
   const auto higher = [](std::optional<Extreme>& extreme, double value, std::size_t point) {
     if (std::isfinite(value) && (!extreme || value > extreme->value)) extreme = Extreme{value, point};
   };
-  // A mean that does not exist (every run failed) must not pass for the smallest.
+  // A missing mean (every run failed) must not count as the smallest.
   const auto larger = [](double a, double b) { return std::isnan(b) ? a : std::max(a, b); };
   require(plan.grid >= 1, "grid is " + std::to_string(plan.grid) + ", must be at least 1 query point a side");
   std::vector<WallSummary> summaries;

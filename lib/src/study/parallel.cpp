@@ -14,7 +14,7 @@
 namespace enamel {
 namespace {
 
-// Runs a body in an arena of exactly `threads`, more than the machine has if asked for.
+// Run a body in an arena of exactly `threads`, even if the machine has fewer.
 template <typename Body>
 void onThreads(int threads, const Body& body) {
   if (threads < 1 || threads > kMaxThreads)

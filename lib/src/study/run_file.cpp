@@ -18,9 +18,9 @@
 namespace enamel {
 namespace {
 
-constexpr double kMostFaults = 1e9;  // ticks: beyond any run
+constexpr double kMostFaults = 1e9;  // ticks: more than any run has
 
-// The part of a line that the plan alone determines.
+// The part of a line that the plan determines.
 std::string identity(const StudyPlan& plan, const StudyRun& run) {
   const Vec3 point = queryPoint(plan, run.point);
   return std::to_string(run.scenario) + ',' + plan.columns[run.column].name + ',' + formatNumber(point.x()) + ',' +
@@ -140,11 +140,11 @@ RunRange partOf(const StudyPlan& plan, int number, int parts) {
 
 RunFile::RunFile(const StudyPlan& plan, std::string path, bool resume, const RunRange& range)
     : plan_(plan), path_(std::move(path)), file_(nullptr, &std::fclose) {
-  constexpr std::size_t kLongestLine = 400;  // with room: numbers of 17 digits for every metric
+  constexpr std::size_t kLongestLine = 400;  // with margin: numbers of 17 digits for every metric
   if (plan.size() > kLargestRunFile / kLongestLine)
     throw Error(path_ + ": would hold " + std::to_string(plan.size()) + " runs, at most " +
                 std::to_string(kLargestRunFile / kLongestLine) + " are read again");
-  // A pipe would wait for someone to read.
+  // Without O_NONBLOCK a pipe would wait for a reader.
   if (const int number = open(path_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666); number >= 0)
     file_.reset(fdopen(number, "ab"));
   if (!file_) throw Error(path_ + ": cannot write the file: " + std::strerror(errno));

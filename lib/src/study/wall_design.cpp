@@ -21,11 +21,11 @@ namespace {
 constexpr const char* kNoPlant = "wall design: no device to design for";
 constexpr int kPoints = 5, kChildren = 8;
 constexpr double kSettling = 0.5, kAfter = 0.4, kRampTime = 0.05;  // s
-constexpr double kQuiet = 0.25;                                    // s at the end of either part, for the chatter
-constexpr double kLost = 0.02;                                     // m from the wall
-constexpr double kScenePush = 2.0, kOff = 4e-3;                    // s, m: it is off what it was pushed against
+constexpr double kQuiet = 0.25;                                    // s at the end of both parts, for the chatter
+constexpr double kLost = 0.02;                                     // m from the wall: the run is lost
+constexpr double kScenePush = 2.0, kOff = 4e-3;                    // s; m: the tool has left its obstacle
 
-// A device whose model has the wrong mass.
+// A device whose model has a wrong mass.
 class WrongInertia final : public Mechanism {
  public:
   WrongInertia(std::shared_ptr<const Mechanism> mechanism, double factor)
@@ -58,7 +58,7 @@ class WrongInertia final : public Mechanism {
 struct Trial {
   int point = 0;
   bool ramp = false;
-  double force = 0.0, instant = 0.0;  // N; share of the tick in which the step comes
+  double force = 0.0, instant = 0.0;  // N; share of the tick at which the step comes
   std::size_t model = 0;
   std::uint32_t stream = 0;
 };
@@ -109,7 +109,7 @@ void setLoop(const WallDesignSetup& setup, std::uint32_t stream, LoopSetup& loop
   loop.lostSamples = setup.lostSamples;
   loop.seed = setup.seed;
   loop.run = stream;
-  loop.guarded = false;  // controllers run to the end
+  loop.guarded = false;  // controllers must run to the end
 }
 
 std::unique_ptr<Plant> plantOf(const WallDesignSetup& setup, const LoopSetup& loop) {
@@ -148,7 +148,7 @@ TrialResult perform(const WallDesignSetup& setup, const Mechanism& model, const 
       return result;
     }
     const ImpactTick seen{tick.nearest.gap, tick.gapRate, now.force, 0.0, tick.saturated, {}};
-    // A turn in the tick in which the step comes is none of its doing.
+    // The step cannot cause a reversal in its own tick.
     if (i >= onset - watched && i < onset) {
       watch.rest(seen);
       restSum += seen.gap;
@@ -170,14 +170,14 @@ TrialResult perform(const WallDesignSetup& setup, const Mechanism& model, const 
   return result;
 }
 
-// How far the tool drifts across a push in the scene: every other one without a preload, which lets it hover first.
+// Drift of the tool over a push in the scene. Every second push has no preload, so that the tool hovers first.
 double driftInScene(const WallDesignSetup& setup, const Mechanism& model, const MakeRenderer& make, int number,
                     std::uint32_t stream) {
   PushSetup push;
   setLoop(setup, stream, push);
   push.duration = kScenePush;
   push.hand.force = setup.highestForce;
-  push.hand.preload = number % 2 == 0 ? 1.0 : 0.0;  // N; a hand trembles no less on a weaker device
+  push.hand.preload = number % 2 == 0 ? 1.0 : 0.0;  // N; on a weak device a hand trembles as much
   push.hand.instant = randomInstant(push.seed, push.run);
   setScene(*setup.scene, push);
   const std::unique_ptr<Renderer> renderer = make();
@@ -187,15 +187,15 @@ double driftInScene(const WallDesignSetup& setup, const Mechanism& model, const 
   return result.status == Status::ok ? std::min(metrics.metrics().drift, kOff) : kOff;
 }
 
-// How far a value is beyond a limit, as a share of it; from twice the limit on by its logarithm, so that what a
-// controller cannot do at all does not drown the rest.
+// Relative excess of a value over a limit. From twice the limit on it grows with the logarithm, so that an impossible
+// requirement does not dominate the others.
 double beyond(double value, double limit) {
   const double excess = std::max(0.0, value / limit - 1.0);
   return excess > 1.0 ? 1.0 + std::log(excess) : excess;
 }
 
-// Constant delay: the share of the limit at the worst point, a little of the worst run, less what is beyond a limit;
-// a little is kept clear of each limit. Random delay: no run deeper than need be, and quiet.
+// With constant delay: the share of the limit at the worst point, plus a little of the worst run, minus all excess over
+// limits. Each limit has a small reserve. With random delay: low depths, and little chatter.
 double valueOf(const WallDesignSetup& setup, const WallScore& s) {
   constexpr double kClear = 0.93;
   const Kinematics& home = setup.plant->home();
@@ -205,7 +205,7 @@ double valueOf(const WallDesignSetup& setup, const WallScore& s) {
     const double least = setup.highestForce / limitAt(setup, pointOf(setup, 0), setup.highestForce);
     return -(s.deepest + 0.5 * s.ramp + 0.3 * s.bounce) / least - 0.1 * beyond(s.chatter, setup.chatter) - 0.1 * s.lost;
   }
-  // A ramp of jerk j moves a device that answers after t by j t^3 / 6 at least; an observer needs some more.
+  // A ramp of jerk j moves a device that answers after t by at least j t^3 / 6. An observer needs a little more.
   const double jerk = setup.ramp / kRampTime / mass, ramp = (10.0 + 18.0 * late * late) * jerk * T * T * T;
   return std::min(s.share, 1.0) + 0.15 * std::min(s.lowestShare, 1.0) -
          0.6 * beyond(s.chatter, kClear * setup.chatter) - 0.35 * beyond(s.bounce, kClear * setup.bounce) -
@@ -246,7 +246,7 @@ std::vector<Trial> trialsOf(const WallDesignSetup& setup, std::uint32_t number, 
   return trials;
 }
 
-// What steps and ramps say, `results` in the order of `trials`.
+// Score of steps and ramps. `results` are in the order of `trials`.
 WallScore scoreOf(const std::vector<Trial>& trials, const TrialResult* results) {
   WallScore score;
   score.stiffness = score.share = score.lowestShare = std::numeric_limits<double>::infinity();
@@ -295,7 +295,7 @@ void addImpacts(const WallDesignSetup& setup, const MakeRenderer& make, std::uin
   }
 }
 
-// A candidate may be empty: there is no such renderer.
+// An empty candidate has no renderer.
 std::vector<WallScore> evaluateAll(const WallDesignSetup& setup, const std::vector<MakeRenderer>& candidates,
                                    std::uint32_t trialNumber, int threads) {
   require(setup.plant != nullptr, kNoPlant);
@@ -372,11 +372,11 @@ std::vector<double> designController(const WallDesignSetup& setup, const Control
                                                       std::to_string(spec.parameters.size()) + " numbers, " +
                                                       std::to_string(start.size()) + " are given");
   const ControllerUse use{setup.plant, setup.period, setup.delay};
-  (void)spec.with(use, start);  // refuses here
+  (void)spec.with(use, start);  // throws here if the start is invalid
   const auto made = [&](const std::vector<double>& values) -> MakeRenderer {
     try {
       return spec.with(use, values);
-    } catch (const Error&) {  // numbers that no servo has
+    } catch (const Error&) {  // no servo has these numbers
       return {};
     }
   };

@@ -19,9 +19,9 @@ namespace enamel {
 namespace {
 
 constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
-constexpr double kOutside = 0.04;     // m inside the wall
-constexpr double kTouch = 2e-5;       // m: nearer is touched
-constexpr double kImpactTime = 0.03;  // s after the touch, in which the impact is over
+constexpr double kOutside = 0.04;     // m: deeper in the wall is lost
+constexpr double kTouch = 2e-5;       // m: nearer counts as a touch
+constexpr double kImpactTime = 0.03;  // s after the touch; the impact is then over
 constexpr double kPreload = 1.0;      // N
 constexpr std::size_t kMaxFigures = 3;
 using Figures = std::array<double, kMaxFigures>;
@@ -30,26 +30,26 @@ struct Context {
   const WallTrialSetup& setup;
   double share;         // of the forces
   double mass;          // effective along z at home, kg
-  double most;          // what the motors can give there, N
-  double late;          // s from a sample to the first force that answers it, at the longest
+  double most;          // largest force of the motors there, N
+  double late;          // longest time from a sample to the first force that answers it, s
   RandomStream random;  // of the run
   int run;
 };
 
 int ticks(const Context& c, double time) { return static_cast<int>(std::lround(time / c.setup.period)); }
 
-// What the hand does: a force at every tick, held through it, that may jump at an instant inside one.
+// The hand: a force for every tick, constant during the tick. It may jump once inside a tick.
 struct Hand {
   Vec3 normal = Vec3::UnitZ();
   std::optional<Vec3> second;  // normal of another wall through the same point
   double height = 0.0;         // of the start above the wall, m
   double duration = 1.0;
-  int jump = -1;                                                             // its tick
+  int jump = -1;                                                             // tick of the jump
   double instant = 0.0;                                                      // share of that tick
   std::function<Vec3(int tick, bool jumped, const TickRecord& last)> force;  // N
 };
 
-// `seen` tells whether to go on. False: lost.
+// `seen` returns whether to continue. Returns false if the run is lost.
 bool perform(const Context& c, const Hand& hand, const std::function<bool(int, const TickRecord&)>& seen) {
   const WallTrialSetup& s = c.setup;
   LoopSetup loopSetup;
@@ -90,7 +90,7 @@ bool perform(const Context& c, const Hand& hand, const std::function<bool(int, c
   return true;
 }
 
-// The hand's force along the wall's outward normal z, N.
+// Force of the hand along the wall's outward normal z, N.
 Vec3 along(double force) { return {0.0, 0.0, force}; }
 
 double instantOf(const Context& c) { return c.random.uniform(RandomStream::Purpose::instant, 0); }
@@ -146,7 +146,7 @@ bool impact(const Context& c, double speed, Figures& figures) {
   hand.height = 0.02;
   hand.duration = 0.06 / speed + 0.4;
   hand.force = [&](int, bool, const TickRecord& last) {
-    // Brought to its speed, then free but for the noise until it touches.
+    // Controlled to its speed, then free except for noise until it touches.
     if (touched) return along(-c.share * kPreload);
     const bool led = last.pose.position.z() > 3e-4 + speed * c.late;
     return along(led ? -60.0 * c.mass * (last.twist[2] + speed) : 0.0);
@@ -155,7 +155,7 @@ bool impact(const Context& c, double speed, Figures& figures) {
   const bool stayed = perform(c, hand, [&](int, const TickRecord& tick) {
     const double gap = tick.nearest.gap;
     if (!touched) {
-      const double near = kTouch - c.setup.period * tick.gapRate;  // from here on it may be pushed
+      const double near = kTouch - c.setup.period * tick.gapRate;  // the wall may push from here on
       if (tick.rendered[2] > 0.3) early = std::max(early, gap - near);
     }
     touched = touched || gap < kTouch;
@@ -190,7 +190,7 @@ bool release(const Context& c, Figures& figures) {
     if (i <= hand.jump) {
       rest = gap;
     } else if (std::isnan(figures[0]) && gap - rest > kOut) {
-      // Where it passed: forces are held, so the square of the speed is linear in the way.
+      // Speed at this place: forces are constant during a tick, so its square is linear in the way.
       const double share = (kOut - (lastGap - rest)) / (gap - lastGap);
       const double speed = std::sqrt(lastRate * lastRate + share * (rate * rate - lastRate * lastRate));
       const double thrown = (push + pull) / c.mass * c.late, way = 0.5 * thrown * c.late;
@@ -214,7 +214,7 @@ bool slide(const Context& c, Figures& figures) {
   hand.force = [&](int i, bool, const TickRecord& last) {
     const double pressed = 10.0 * c.share * std::min(1.0, i * c.setup.period / 0.05);
     const double drag = i < ticks(c, 0.1) ? 0.0 : 20.0 * (0.1 - way.dot(last.twist.head<3>()));
-    // The guide would hold it back.
+    // Cancel the guide, which would hold it back.
     const Vec3 held = kGuideGrip.stiffness * last.pose.position + kGuideGrip.damping * Vec3(last.twist.head<3>());
     return Vec3(-pressed * hand.normal + (drag + way.dot(held)) * way);
   };

@@ -26,7 +26,7 @@ double betaFraction(double x, double a, double b) noexcept {
   return h;
 }
 
-// I_x(a, b); `rest` is 1 - x, which x may have lost.
+// I_x(a, b). `rest` is 1 - x without cancellation.
 double incompleteBeta(double x, double rest, double a, double b) noexcept {
   if (x <= 0.0) return 0.0;
   if (rest <= 0.0) return 1.0;

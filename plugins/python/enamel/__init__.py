@@ -18,29 +18,29 @@ from ._enamel import *  # noqa: F401,F403
 from ._enamel import __doc__ as _doc  # noqa: F401
 
 data = _Path(__file__).parent / "data"
-"""Folder of the devices, scenes, meshes and servos that come with the package."""
+"""Folder of the devices, scenes, meshes and servos in the package."""
 
 
 class PythonRenderer:
-    """A renderer in Python, for experiments: not for real time (some 10 us a tick, and the interpreter may pause).
+    """A renderer in Python for experiments, not for real time: a tick takes about 10 us, and the interpreter may pause.
 
-    Derive from it, and hand the class, or any callable that makes one, to push(), study(), judge() or trials(). What
-    one of its methods raises ends them with that exception. It has no state that a recording could keep.
+    Derive from this class. Pass the derived class, or any callable that returns an instance, to push(), study(),
+    judge() or trials(). An exception in one of its methods ends that call. A recording cannot store its state.
     """
 
     needs_inertia = False
-    """Whether render() reads the joint-space inertia: ticks then compute it."""
+    """True if render() reads the joint-space inertia: ticks then compute it."""
 
     def activate(self, period):
-        """Prepares for ticks of `period` s."""
+        """Prepare for ticks of `period` s."""
 
     def reset(self):
-        """Back to the state after activate(). Also called at every tick at which the guard lets nothing through."""
+        """Return to the state after activate(). Also called at every tick in which the guard blocks all forces."""
 
     def render(self, tick):
-        """The torque of every joint, (n,), N m or N, gravity included. What is beyond a motor's limit is cut."""
+        """Return the torque of every joint, (n,), N m or N, with gravity. It is cut to the motors' limits."""
         raise NotImplementedError
 
 
 RendererLike = _Union[Renderer, _Callable[[], _Union[Renderer, PythonRenderer]]]  # noqa: F405
-"""What push(), study(), judge() and trials() take for a renderer."""
+"""Types of renderers that push(), study(), judge() and trials() accept."""

@@ -1,4 +1,4 @@
-# Types of the package. What each does: help(enamel.NAME).
+# Types of the package. For documentation see help(enamel.NAME).
 from os import PathLike
 from pathlib import Path
 from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Union

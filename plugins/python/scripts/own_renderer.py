@@ -6,7 +6,7 @@ import enamel
 
 
 class Nonlinear(enamel.PythonRenderer):
-    """A spring that becomes stiffer with depth, f = k d + c d^2, with a damper that acts on the way in."""
+    """A spring that stiffens with depth, f = k d + c d^2, with a damper that acts while the tool moves in."""
 
     def __init__(self, stiffness: float = 3000.0, growth: float = 2e6, damping: float = 4.0) -> None:
         self.stiffness, self.growth, self.damping = stiffness, growth, damping
@@ -41,7 +41,7 @@ for name, renderer in renderers.items():
         f"chatter {score['chatter']:.3f} N m, {score['lost']} runs lost"
     )
 
-# What a renderer raises ends the push.
+# An exception in a renderer ends the push.
 class Broken(enamel.PythonRenderer):
     def render(self, tick: enamel.Tick) -> npt.ArrayLike:
         raise ValueError(f"no idea at {tick.time} s")

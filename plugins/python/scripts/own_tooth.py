@@ -1,4 +1,4 @@
-"""Your own tooth: a mesh file, where a bur touches it, and how stiff it feels where it is pushed.
+"""Your own tooth: load a mesh file, find where a bur touches it, and push against it.
 
     python own_tooth.py [MESH.ply|obj|stl|off [mm per unit of the file]]
 """
@@ -18,7 +18,7 @@ scene.set_tool([((0, 0, 0.6e-3), (0, 0, 0.6e-3), 0.6e-3), ((0, 0, 1.2e-3), (0, 0
 tooth = scene.add_mesh("tooth", vertices, triangles, position=-middle, friction=0.2)
 print(scene.describe(tooth))
 
-# A map of heights: down by what is certainly free, all places at once, until the bur is 10 um inside.
+# A height map: lower the bur at all places in steps that are certainly free, until it is 10 um inside.
 x, y = np.meshgrid(np.linspace(low[0], high[0], 25) - middle[0], np.linspace(low[1], high[1], 25) - middle[1])
 places = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, high[2] - middle[2] + 1e-3)])
 for _ in range(60):

@@ -1,4 +1,4 @@
-// What a contact query answers: a fixed-size snapshot that renderers read and never change.
+// The result of a contact query: a snapshot of fixed size that renderers only read.
 #pragma once
 
 #include <array>
@@ -10,22 +10,22 @@
 
 namespace enamel {
 
-/// One place where the tool is near or in an obstacle. In W.
+/// One place where the tool is near or inside an obstacle, in W.
 struct Contact {
-  Vec3 point = Vec3::Zero();             ///< point of the tool nearest to, or deepest in, the obstacle, m
-  Vec3 normal = Vec3::UnitZ();           ///< outward unit normal of the obstacle there
+  Vec3 point = Vec3::Zero();             ///< tool point nearest to, or deepest in, the obstacle, m
+  Vec3 normal = Vec3::UnitZ();           ///< outward unit normal of the obstacle at the contact
   double gap = 0.0;                      ///< signed distance, m; negative inside the obstacle
-  Vec3 obstacleVelocity = Vec3::Zero();  ///< of the obstacle's material at the point, m/s
+  Vec3 obstacleVelocity = Vec3::Zero();  ///< velocity of the obstacle's material at the point, m/s
   int obstacle = 0;                      ///< number of the obstacle in its scene
-  Material material;                     ///< of the obstacle
+  Material material;                     ///< material of the obstacle, or of the layer of a solid
   int part = -1;                         ///< number of the tool's part; -1: no contact
-  int triangle = -1;                     ///< of the obstacle's mesh; -1: it has none
-  Feature feature = Feature::face;       ///< of the triangle or shape, that the obstacle's nearest point lies on
-  int featureIndex = -1;                 ///< which one, as Feature tells
-  std::uint32_t key = 0;                 ///< the same from tick to tick, from followContacts(); 0: none
+  int triangle = -1;                     ///< triangle of the obstacle's mesh; -1: no mesh
+  Feature feature = Feature::face;       ///< feature of the triangle or shape at the obstacle's nearest point
+  int featureIndex = -1;                 ///< see Feature
+  std::uint32_t key = 0;                 ///< constant from tick to tick in followContacts(); 0: no key
 };
 
-/// Most contacts that one query reports.
+/// Largest number of contacts that one query reports.
 inline constexpr int kMaxContacts = 8;
 
 /// All contacts of one tick, the deepest first. Plain data of fixed size.

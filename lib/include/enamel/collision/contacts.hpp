@@ -1,4 +1,4 @@
-// The contacts of a tool with a scene: what a haptic tick asks of the collision module.
+// The contacts of a tool with a scene, for the haptic tick.
 #pragma once
 
 #include <cstddef>
@@ -17,9 +17,9 @@ struct PartCache;
 struct PartTrack;
 }  // namespace kernel
 
-/// What a tool remembers of its last tick in a scene. Made by makeToolCache(), outside the ticks; not shared between
-/// threads. Copying one allocates, assigning to one for the same scene and tool does not; an empty one, or one that was
-/// moved from, helps no query.
+/// Results of the last tick that speed up the next query of one tool in one scene. Made by makeToolCache() outside the
+/// ticks; not for sharing between threads. A copy allocates; an assignment between caches of the same scene and tool
+/// does not. An empty or moved-from cache is valid and gives no speed-up.
 class ToolCache {
  public:
   ToolCache();
@@ -32,31 +32,39 @@ class ToolCache {
  private:
   friend struct kernel::PartCache;
   friend ToolCache makeToolCache(const Scene& scene, const Tool& tool);
-  std::vector<int> first_;                // by obstacle: the first of its parts; -1: it is no mesh
+  std::vector<int> first_;                // by obstacle: the first of its parts; -1: the obstacle has no mesh
   std::vector<kernel::PartCache> parts_;  // one for each part and mesh
 };
 
-/// Cache for `tool` in `scene` as it is now: 19 KB for each part and mesh, nothing for other shapes. Throws Error:
-/// checkTool() refuses the tool. Realtime: no.
+/// Make a cache for `tool` in the present `scene`. Size: 19 KB for each pair of part and mesh, nothing for other
+/// shapes. Throws Error if checkTool() rejects the tool. Realtime: no.
 ToolCache makeToolCache(const Scene& scene, const Tool& tool);
 
-/// Farthest that a tool may be from the origin of W in a query, m: gaps are then still known to 2 nm.
+/// Largest distance of a tool from the origin of W in a query, m. At this distance gaps are accurate to 2 nm.
 inline constexpr double kFarthestTool = 1e7;
 
-/// All contacts whose gap is at most `margin`, the deepest first (then by obstacle), at most kMaxContacts.
-/// A sphere at p touches an obstacle at every local minimum of the distance |p - x| over its surface, one for each
-/// direction within 15 deg; inside an obstacle at the nearest surface point only. A capsule touches with its two ends
-/// and, where its signed distance is below theirs by more than 1e-9 m, with one point of its axis between them: the
-/// deepest one in an analytic shape; the one nearest to a mesh, and only while both ends are outside of it. The
-/// obstacle's velocity is v + w x r. `cache` may be null and must else come from makeToolCache() of this scene and
-/// tool; the contacts are the same (with meshes whose sign is defined: signedDistance()). Statuses: notFinite
-/// for a pose or margin; outOfRange for a position farther than kFarthestTool; those of checkTool(); no contacts then.
-/// Realtime: yes. Threads: const scene, own cache.
+/// Find all contacts with a gap of at most `margin` (m): the deepest first, then by obstacle, at most kMaxContacts.
+///
+/// Sphere outside an obstacle: one contact at each local minimum of the distance |p - x| from its centre p to the
+/// surface. Minima with directions within 15 deg of each other count as one. For a solid this limit is 30 deg, and if
+/// the smallest gap is above 0.2 mm, only the nearest place gives a contact.
+///
+/// Sphere with its centre inside an obstacle: one contact, at the nearest surface point.
+///
+/// Capsule: contacts at both ends of its axis, as for spheres. One more point between the ends counts if its signed
+/// distance is smaller than that of both ends by more than 1e-9 m. In an analytic shape it is the deepest point of the
+/// axis. With a mesh or a solid it is the point nearest to the surface, and only while both ends are outside.
+///
+/// The obstacle's velocity at a contact is v + w x r. `cache` is null or comes from makeToolCache() of this scene and
+/// tool. It does not change the contacts with meshes whose sign is defined (signedDistance()).
+///
+/// Statuses: notFinite (pose or margin); outOfRange (a position farther than kFarthestTool); those of checkTool().
+/// After an error `contacts` is empty. Realtime: yes. Threads: const scene, own cache.
 Status findContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolCache* cache,
                     ContactSnapshot& contacts) noexcept;
 
-/// Where a tool came from: what followContacts() remembers. Made by makeToolTrack(), outside the ticks; belongs to
-/// whoever owns the tick. Copying as with a ToolCache.
+/// The path of a tool, as followContacts() needs it. Made by makeToolTrack() outside the ticks; it belongs to the owner
+/// of the tick. Copies and assignments: as for ToolCache.
 class ToolTrack {
  public:
   ToolTrack();
@@ -66,14 +74,14 @@ class ToolTrack {
   ToolTrack& operator=(ToolTrack&& other) noexcept;
   ~ToolTrack();
 
-  /// What it remembers, as stateSize() numbers, and back, for the scene and tool that it was made for: what comes next
-  /// is then the same bit for bit (with meshes whose sign is defined). Numbers that no track can have are those of a
-  /// new one. Realtime: yes.
+  /// Save and load the state as stateSize() numbers, for the scene and tool that the track was made for. After a load,
+  /// all later results are the same bit for bit (with meshes whose sign is defined). loadState() replaces invalid
+  /// numbers with the state of a new track. Realtime: yes.
   std::size_t stateSize() const noexcept;
   void saveState(const Scene& scene, double* state) const noexcept;
   void loadState(const Scene& scene, const double* state) noexcept;
 
-  /// Forgets where the tool was, as after makeToolTrack(). Realtime: yes.
+  /// Forget the tool's path, as after makeToolTrack(). Realtime: yes.
   void reset(const Scene& scene) noexcept;
 
  private:
@@ -86,29 +94,37 @@ class ToolTrack {
   std::uint32_t lastKey_ = 0;
 };
 
-/// Track for `tool` in `scene` as it is now. Throws Error: as makeToolCache(). Realtime: no.
+/// Make a track for `tool` in the present `scene`. Throws Error: as makeToolCache(). Realtime: no.
 ToolTrack makeToolTrack(const Scene& scene, const Tool& tool);
 
-/// A tool that is farther than this from where it was at the last tick has been put there, and has not moved, m.
+/// Longest move between two ticks that counts as a motion, m. After a longer one the tool counts as placed there.
 inline constexpr double kLargestMove = 0.02;
 
-/// findContacts() of a tool that moves. The axis of a part never changes sides but where it can go round: it is swept
-/// from where it was, stays outside as long as it crosses no surface, and where it would, its place in the open that is
-/// nearest to it is followed along the surface instead (Zilles & Salisbury, "A constraint-based god-object method",
-/// 1995; with all parts of the axis as Ortega, Redon & Coquillart, 2007, have it, for each part on its own). Contacts
-/// are those of that place, with gaps continued along their normals to where the axis is: however thin a wall is, the
-/// tool is pushed back to the side from which it came, until its way back is free. On that side an open mesh, or one
-/// that crosses itself, has no inside at all: both its faces touch. Where a part begins inside, by the sign of
-/// signedDistance(), it has the contacts of findContacts() until it is out; likewise after a move by more than
-/// kLargestMove and where a mesh was changed. Each contact has a key that it keeps while its part slides on.
-/// `track` must come from makeToolTrack() of this scene and tool. Statuses, Realtime, threads: as findContacts().
+/// Find the contacts of a moving tool: findContacts() without tunnelling.
+///
+/// A part of the tool cannot tunnel through a surface. Its axis is swept from its last position. If the sweep hits a
+/// surface, a god object stays outside and slides along the surface at the free place nearest to the axis. Each part
+/// has its own god object: the whole axis of the part. Sources: Zilles & Salisbury, "A constraint-based god-object
+/// method", 1995; Ortega, Redon & Coquillart, 2007. The contacts are those of the god object, with gaps extended along
+/// their normals to the real axis. The tool is therefore pushed back to the side that it came from, even by a very thin
+/// wall, until the way back is free.
+///
+/// While a part is tracked, an open or self-intersecting mesh has no inside: both faces of a triangle give contacts.
+///
+/// A track starts again at the present position if:
+/// - the part moved by more than kLargestMove since the last tick;
+/// - the mesh was changed, or a solid got material back;
+/// - the god object is closer than 0.01 cell to the sampled surface of a solid.
+///
+/// A part that starts inside, by the sign of signedDistance(), has the contacts of findContacts() until it is outside.
+/// Each contact has a key, which it keeps while the part slides on. `track` must come from makeToolTrack() of this
+/// scene and tool. Statuses, realtime, threads: as findContacts().
 Status followContacts(const Scene& scene, const Tool& tool, const Pose& pose, double margin, ToolTrack& track,
                       ContactSnapshot& contacts) noexcept;
 
-/// The contact of smallest gap, near or far, among equals the first of the scene: the first of findContacts() where its
-/// gap is within the margin. For a scene without surfaces, a pose that findContacts() refuses or a tool that
-/// checkTool() refuses the gap is kNoLimit.
-/// Realtime: yes. Threads: as findContacts().
+/// Return the contact with the smallest gap, at any distance; of equal gaps, the first in the scene. It is the first
+/// contact of findContacts() if its gap is within the margin. The gap is kNoLimit for a scene without surfaces, and for
+/// a pose or tool that findContacts() or checkTool() rejects. Realtime: yes. Threads: as findContacts().
 Contact nearestContact(const Scene& scene, const Tool& tool, const Pose& pose, ToolCache* cache) noexcept;
 
 }  // namespace enamel

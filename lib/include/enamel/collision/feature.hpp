@@ -1,16 +1,15 @@
-// The part of a surface that a nearest point lies on.
+// The part of a surface at a nearest point.
 #pragma once
 
 #include <cstdint>
 
 namespace enamel {
 
-/// Where a point lies on a triangle or a shape. Answers that hold one say which with an index:
-/// - triangle: edge i joins its corners i and (i + 1) % 3, vertex i is its corner i; of a face -1
-/// - box: sum of 3^k (1 + s_k) over the axes k = 0, 1, 2, where s_k is the side of the box along that axis, -1 or 1, or
-/// 0
-///   where the feature extends along it
-/// - all other shapes are one face, -1
+/// Feature of a triangle or shape on which a point lies. Results add an index:
+/// - triangle: edge i joins the corners i and (i + 1) % 3; vertex i is corner i; a face has -1.
+/// - box: the sum of 3^k (1 + s_k) over the axes k = 0, 1, 2. s_k is the side of the box along axis k, -1 or 1. It is
+///   0 if the feature extends along that axis.
+/// - other shapes: one face, -1.
 enum class Feature : std::uint8_t { face, edge, vertex };
 
 }  // namespace enamel

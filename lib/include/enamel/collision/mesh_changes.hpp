@@ -1,4 +1,4 @@
-// What changed in a mesh, on its way from the thread that edits it to one that draws it; neither waits for the other.
+// Changes of a mesh, passed from the thread that edits it to one that draws it. Neither thread waits.
 #pragma once
 
 #include <array>
@@ -10,50 +10,51 @@
 
 namespace enamel {
 
-/// Everything that is different since the change taken before: values, so that the reader need not look at the model.
+/// All differences since the previous change. It contains values, so the reader does not need the model.
 struct MeshChange {
-  std::uint64_t revision = 0;               ///< the mesh is now as it was after so many edits
-  std::vector<int> vertices;                ///< moved or added, each once, in no particular order
-  std::vector<Vec3> positions;              ///< where they are now, m
-  std::vector<int> triangles;               ///< added, replaced or removed, each once
-  std::vector<std::array<int, 3>> corners;  ///< their vertices now; all -1: removed
+  std::uint64_t revision = 0;               ///< number of edits of the mesh, including those of this change
+  std::vector<int> vertices;                ///< moved or added vertices, each once, in any order
+  std::vector<Vec3> positions;              ///< their present positions, m
+  std::vector<int> triangles;               ///< added, replaced or removed triangles, each once
+  std::vector<std::array<int, 3>> corners;  ///< their present vertices; all -1: removed
 };
 
-/// One thread tells and publishes, one takes. Changes that are not taken wait and are joined with later ones: none is
-/// lost, and no list is longer than the mesh. Memory: three lists of all vertices and triangles.
+/// A list of mesh changes: one thread records and publishes, another takes. Changes that are not taken stay and merge
+/// with later ones. Nothing is lost, and no list is longer than the mesh. Memory: three lists of all vertices and
+/// triangles.
 class MeshChanges {
  public:
-  /// For numbers below these. Realtime: no.
+  /// Make lists for vertex and triangle numbers below these. Realtime: no.
   MeshChanges(int vertices, int triangles);
   MeshChanges(const MeshChanges&) = delete;
   MeshChanges& operator=(const MeshChanges&) = delete;
 
-  /// A vertex is at this place now. Editing thread. Realtime: yes.
+  /// Record the present position of a vertex. Editing thread. Realtime: yes.
   void recordVertex(int vertex, const Vec3& position) noexcept;
 
-  /// A triangle has these corners now, all -1 where it was removed. Editing thread. Realtime: yes.
+  /// Record the present corners of a triangle, all -1 if it was removed. Editing thread. Realtime: yes.
   void recordTriangle(int triangle, const std::array<int, 3>& corners) noexcept;
 
-  /// What was told since the last call is one edit more. Where the reader has taken all that was published, what was
-  /// told since then is published; call it now and then, a tick is often enough, as long as something waits. Returns
-  /// how many edits there were. Editing thread. Realtime: yes.
+  /// End an edit, and return the number of edits so far. Records since the last call form one edit. They are published
+  /// if the reader has taken everything that was published before. Otherwise call again later, for example at each
+  /// tick. Editing thread. Realtime: yes.
   std::uint64_t publish() noexcept;
 
-  /// The newest change, or null if nothing was published since the last call; it stays as it is until the next call.
-  /// Reading thread. Realtime: yes.
+  /// Return the newest change, or null if nothing was published since the last call. It stays valid until the next
+  /// call. Reading thread. Realtime: yes.
   const MeshChange* take() noexcept;
 
  private:
-  // Where an item stands in a list that holds each once.
+  // A change, and the position of each item in its lists.
   struct List {
     MeshChange change;
-    std::vector<int> ofVertex, ofTriangle;  // -1: not in it
+    std::vector<int> ofVertex, ofTriangle;  // -1: not in the list
     void clear() noexcept;
   };
   std::array<List, 3> lists_;
-  List* told_ = &lists_[0];       // the editing thread's
-  List* published_ = &lists_[1];  // the reading thread's while isFull_, else the editing one's
-  List* taken_ = &lists_[2];      // the reading thread's
+  List* told_ = &lists_[0];       // owned by the editing thread
+  List* published_ = &lists_[1];  // owned by the reading thread while isFull_, otherwise by the editing thread
+  List* taken_ = &lists_[2];      // owned by the reading thread
   std::atomic<bool> isFull_{false};
   bool isEdited_ = false;
   std::uint64_t edits_ = 0;

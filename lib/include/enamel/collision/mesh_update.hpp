@@ -1,10 +1,12 @@
-// Local changes of a mesh that is in use: a surface that gives way, a tooth that is drilled. The work depends on how
-// much changes, not on the size of the mesh, and the answers are those of a new model built from the changed mesh
-// (triangles keep their numbers; removed ones are never reported).
+// Local changes of a mesh in use, such as a surface that deforms or a tooth that is drilled. The work depends on the
+// size of the change, not on the size of the mesh. Queries then return the same as with a new model of the changed
+// mesh. Triangles keep their numbers, and queries never report removed ones.
 //
-// Common to all: nothing is changed unless the answer is ok. outOfRange: the mesh has no such number or a count is
-// negative. Not while other threads query the model. Realtime: yes (no allocation; work for the triangles at the
-// vertices and the levels above them).
+// Common to all functions:
+// - A status other than ok means that nothing was changed.
+// - outOfRange: the mesh has no such number, or a count is negative.
+// - No other thread may query the model during a change.
+// - Realtime: yes (no allocation; work for the triangles at the vertices and the levels above them).
 #pragma once
 
 #include <array>
@@ -13,32 +15,32 @@
 
 namespace enamel {
 
-/// Moves vertices: positions[i] is the new place of vertices[i], m. All triangles at these vertices follow, their boxes
-/// and normals too. Moved vertices keep their connections: two at one place move together only if both are named.
-/// notFinite: a position is not finite. outOfRange also where a position is farther from the mesh's centre, along an
-/// axis, than 8 to 16 times half its size when it was built.
+/// Move vertices: positions[i] is the new position of vertices[i], m. All triangles at these vertices follow, with
+/// their boxes and normals. Vertices keep their connections: two at one place move together only if both are named.
+/// Statuses: notFinite (a position); outOfRange, also if a position is too far away. The limit is the distance from the
+/// mesh's centre along an axis: 8 to 16 times half the mesh's size when the model was built.
 [[nodiscard]] Status moveVertices(MeshModel& model, const int* vertices, const Vec3* positions, int count) noexcept;
 
-/// Adds vertices; they are numbered on from mesh().vertices.size(). Each is connected to nothing, also where it lies at
-/// the place of another. Errors as moveVertices(); outOfRange also where there is no room for all of them.
+/// Add vertices; their numbers start at mesh().vertices.size(). A new vertex is connected to nothing, even at the place
+/// of another one. Statuses as moveVertices(); outOfRange also if there is not enough room for all.
 [[nodiscard]] Status addVertices(MeshModel& model, const Vec3* positions, int count) noexcept;
 
-/// Adds triangles between vertices; they are numbered on from mesh().triangles.size(). outOfRange also where there is
-/// no room for all of them, or a vertex lies too far away, as for moveVertices().
+/// Add triangles between vertices; their numbers start at mesh().triangles.size(). outOfRange also if there is not
+/// enough room for all, or if a vertex is too far away (moveVertices()).
 [[nodiscard]] Status addTriangles(MeshModel& model, const std::array<int, 3>* corners, int count) noexcept;
 
-/// Removes triangles; those removed before are skipped. Their numbers are not given to others.
+/// Remove triangles; skip those that are already removed. Their numbers are not reused for new triangles.
 [[nodiscard]] Status removeTriangles(MeshModel& model, const int* triangles, int count) noexcept;
 
-/// Gives triangles other corners (indices of vertices), also triangles that were removed: the surface of a cavity
-/// takes the place of what a drill cut away. outOfRange also where a vertex lies too far away, as for moveVertices().
+/// Give triangles other corners (indices of vertices), also triangles that were removed. Use it to replace the material
+/// that a drill removed by the surface of the cavity. outOfRange also if a vertex is too far away (moveVertices()).
 [[nodiscard]] Status replaceTriangles(MeshModel& model, const int* triangles, const std::array<int, 3>* corners,
                                       int count) noexcept;
 
-/// Room that is left for addVertices() and addTriangles(): what the model was built with, less what was added.
+/// Return the remaining room for addVertices() and addTriangles(): the spare capacity of the model minus additions.
 SpareCapacity spareCapacity(const MeshModel& model) noexcept;
 
-/// Whether a triangle is there (not removed).
+/// Return true if a triangle exists and was not removed.
 bool isPresent(const MeshModel& model, int triangle) noexcept;
 
 }  // namespace enamel

@@ -1,6 +1,6 @@
-// OpenMesh triangle meshes (TriMesh_ArrayKernelT of any traits, in float or double) as obstacles that are edited in
-// use. Vertex and face handles are the numbers of vertices and triangles, also after edits. Coordinates in m. Who
-// includes this links OpenMeshCore.
+// OpenMesh triangle meshes as obstacles that can be edited in use (TriMesh_ArrayKernelT of any traits, float or
+// double). Vertex and face handles equal the numbers of vertices and triangles, also after edits. Coordinates are in m.
+// Programs that include this header must link OpenMeshCore.
 #pragma once
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
@@ -21,7 +21,7 @@ Vec3 fromOpenMeshPoint(const Point& p) {
   return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
 }
 
-/// The vertices and faces of an OpenMesh mesh. Throws Error where elements are marked as deleted:
+/// Convert an OpenMesh mesh to vertices and triangles. Throws Error if elements are marked as deleted: call
 /// garbage_collection() first. Realtime: no.
 template <typename Mesh>
 TriangleMesh fromOpenMesh(const Mesh& mesh) {
@@ -45,8 +45,8 @@ TriangleMesh fromOpenMesh(const Mesh& mesh) {
   return result;
 }
 
-/// mesh.add_face() for meshes as they come: an invalid handle, and no word on OpenMesh's error stream, where a corner
-/// is repeated, an edge has a face on this side already, or a corner has no opening for the face. Realtime: no.
+/// Add a face to any mesh without messages on OpenMesh's error stream. Return an invalid handle if a corner is
+/// repeated, an edge already has a face on this side, or a corner has no opening for the face. Realtime: no.
 template <typename Mesh>
 OpenMesh::FaceHandle addFaceTo(Mesh& mesh, OpenMesh::VertexHandle a, OpenMesh::VertexHandle b,
                                OpenMesh::VertexHandle c) {
@@ -55,7 +55,7 @@ OpenMesh::FaceHandle addFaceTo(Mesh& mesh, OpenMesh::VertexHandle a, OpenMesh::V
     if (!mesh.is_valid_handle(v[i]) || v[i] == v[(i + 1) % 3] || !mesh.is_boundary(v[i])) return OpenMesh::FaceHandle();
     const OpenMesh::HalfedgeHandle side = mesh.find_halfedge(v[i], v[(i + 1) % 3]);
     if (side.is_valid() && !mesh.is_boundary(side)) return OpenMesh::FaceHandle();
-    // Between two edges that are there the face fills a gap; what else is in the gap must fit into another one.
+    // Between two existing edges the face fills a gap; the rest of this gap must fit into another one.
     const OpenMesh::HalfedgeHandle next = mesh.find_halfedge(v[(i + 1) % 3], v[(i + 2) % 3]);
     if (!side.is_valid() || !next.is_valid() || mesh.next_halfedge_handle(side) == next) continue;
     OpenMesh::HalfedgeHandle gap = mesh.opposite_halfedge_handle(next);
@@ -67,8 +67,8 @@ OpenMesh::FaceHandle addFaceTo(Mesh& mesh, OpenMesh::VertexHandle a, OpenMesh::V
   return mesh.add_face(a, b, c);
 }
 
-/// The OpenMesh mesh of these vertices and triangles. Throws Error with the number of the first triangle that OpenMesh
-/// cannot hold beside those before (addFaceTo()). Realtime: no.
+/// Convert vertices and triangles to an OpenMesh mesh. Throws Error with the number of the first triangle that OpenMesh
+/// cannot add to those before it (addFaceTo()). Realtime: no.
 template <typename Mesh>
 Mesh toOpenMesh(const TriangleMesh& mesh) {
   using Scalar = typename Mesh::Scalar;
@@ -86,16 +86,16 @@ Mesh toOpenMesh(const TriangleMesh& mesh) {
   return result;
 }
 
-/// An OpenMesh mesh, the model that a scene holds of it, and the list of what changed for a thread that draws. Edits go
-/// through here and reach all three; elements that are deleted stay, marked, so that handles keep their meaning.
-/// Edits while no other thread queries the model; takeChanges() at any time, on one other thread.
+/// An OpenMesh mesh, its model for a scene, and the list of changes for a thread that draws. Edits through this class
+/// reach all three. Deleted elements stay and are marked, so handles keep their meaning. Threads: no other thread may
+/// query the model during an edit; one other thread may call takeChanges() at any time.
 template <typename Mesh>
 class EditableMesh {
  public:
   using Point = typename Mesh::Point;
 
-  /// `spare`: room for what will be added. Throws Error as fromOpenMesh() and MeshModel, and for a vertex without faces
-  /// that is too far away for moveVertices(). Realtime: no.
+  /// `spare`: room for additions. Throws Error as fromOpenMesh() and MeshModel, and for a vertex without faces that is
+  /// too far away for moveVertices(). Realtime: no.
   explicit EditableMesh(Mesh mesh, SpareCapacity spare = {})
       : mesh_(std::move(mesh)),
         model_(std::make_shared<MeshModel>(fromOpenMesh(mesh_), spare)),
@@ -118,13 +118,13 @@ class EditableMesh {
     }
   }
 
-  /// Half-edges, adjacency, attributes. Deleted elements are marked.
+  /// Return the OpenMesh mesh with half-edges, adjacency and attributes. Deleted elements are marked.
   const Mesh& mesh() const noexcept { return mesh_; }
 
-  /// For Obstacle::shape.
+  /// Return the model for Obstacle::shape.
   std::shared_ptr<const MeshModel> model() const noexcept { return model_; }
 
-  /// As enamel::moveVertices(). Realtime: yes, for up to as many vertices as the mesh has.
+  /// Move vertices, as enamel::moveVertices(). Realtime: yes, for at most as many vertices as the mesh has.
   [[nodiscard]] Status moveVertices(const OpenMesh::VertexHandle* vertices, const Point* points, int count) {
     numbers_.clear();
     positions_.clear();
@@ -142,7 +142,7 @@ class EditableMesh {
     return Status::ok;
   }
 
-  /// As removeTriangles(); vertices stay, also those that lose all their faces. Realtime: no, OpenMesh allocates.
+  /// Remove faces, as removeTriangles(). Vertices stay, also those without faces. Realtime: no, OpenMesh allocates.
   [[nodiscard]] Status deleteFaces(const OpenMesh::FaceHandle* faces, int count) {
     numbers_.clear();
     for (int i = 0; i < count; ++i) numbers_.push_back(faces[i].idx());
@@ -155,7 +155,7 @@ class EditableMesh {
     return Status::ok;
   }
 
-  /// An invalid handle where addVertices() refuses it, and then nothing is changed. Realtime: yes.
+  /// Add a vertex. If addVertices() rejects it, return an invalid handle and change nothing. Realtime: yes.
   OpenMesh::VertexHandle addVertex(const Point& point) {
     const Vec3 position = fromOpenMeshPoint(point);
     if (addVertices(*model_, &position, 1) != Status::ok) return OpenMesh::VertexHandle();
@@ -164,22 +164,22 @@ class EditableMesh {
     return vertex;
   }
 
-  /// An invalid handle where there is no room, or OpenMesh cannot hold the face (addFaceTo()); then nothing is changed.
-  /// Realtime: no, OpenMesh allocates.
+  /// Add a face. If the spare capacity is used up or OpenMesh cannot hold the face (addFaceTo()), return an invalid
+  /// handle and change nothing. Realtime: no, OpenMesh allocates.
   OpenMesh::FaceHandle addFace(OpenMesh::VertexHandle a, OpenMesh::VertexHandle b, OpenMesh::VertexHandle c) {
     if (spareCapacity(*model_).triangles == 0) return OpenMesh::FaceHandle();
     const OpenMesh::FaceHandle face = addFaceTo(mesh_, a, b, c);
     if (!face.is_valid()) return face;
     const std::array<int, 3> corners{a.idx(), b.idx(), c.idx()};
-    static_cast<void>(addTriangles(*model_, &corners, 1));  // there is room, and all vertices lie within reach
+    static_cast<void>(addTriangles(*model_, &corners, 1));  // there is room, and all vertices are near enough
     changes_.recordTriangle(face.idx(), corners);
     return face;
   }
 
-  /// Ends an edit: MeshChanges::publish(). Realtime: yes.
+  /// End an edit: MeshChanges::publish(). Realtime: yes.
   std::uint64_t publish() noexcept { return changes_.publish(); }
 
-  /// MeshChanges::take(), on the reading thread. Realtime: yes.
+  /// Take the changes: MeshChanges::take(), on the reading thread. Realtime: yes.
   const MeshChange* takeChanges() noexcept { return changes_.take(); }
 
  private:

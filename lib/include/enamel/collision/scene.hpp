@@ -1,4 +1,4 @@
-// Named obstacles, at rest or moving.
+// Obstacles with names, at rest or moving.
 #pragma once
 
 #include <memory>
@@ -16,30 +16,39 @@ namespace enamel {
 using Shape =
     std::variant<HalfSpace, Box, Sphere, Capsule, std::shared_ptr<const MeshModel>, std::shared_ptr<const Solid>>;
 
-/// Something that the tool may touch. Its pose and twist may change from tick to tick.
+/// An object that the tool may touch. Its pose and twist may change at every tick.
 struct Obstacle {
   std::string name;
   Shape shape;
-  Pose pose;                  ///< of the obstacle's frame in W
-  Vec6 twist = Vec6::Zero();  ///< [v; w] of the obstacle's frame, at its origin, axes of W, m/s and rad/s
-  Material material;          ///< carried through to the contacts; a solid's layers have their own
-  double thickness = 0.0;     ///< above 0: the mesh is the middle of a sheet as thick as this, without an inside, m
+  Pose pose;                  ///< pose of the obstacle's frame in W
+  Vec6 twist = Vec6::Zero();  ///< [v; w] of the obstacle's frame at its origin, axes of W, m/s and rad/s
+  Material material;          ///< passed on to the contacts; a solid has a material for each layer
+  double thickness = 0.0;     ///< above 0: the mesh is the middle of a sheet of this thickness, without an inside, m
 };
 
-/// Limits of an obstacle: distance from the origin of W along each axis, speed, turn rate; m, m/s, rad/s.
+/// Limits of an obstacle: distance from the origin of W along each axis (m), speed (m/s), turn rate (rad/s).
 inline constexpr double kFarthest = 100.0, kFastest = 100.0, kFastestTurn = 1000.0;
 
-/// Obstacles by number. Add them before the ticks begin; in a tick only poses and twists change.
+/// A list of obstacles. Add them before the ticks begin: in a tick only poses and twists may change.
 class Scene {
  public:
-  /// Returns the obstacle's number, counted from 0. Throws Error for a name that is empty or taken, a pose that is not
-  /// finite, farther than kFarthest or not a rotation to 1e-6, a twist above kFastest or kFastestTurn, a shape without
-  /// size, an empty pointer, a thickness that is negative, not finite or of another shape than a mesh. Realtime: no.
+  /// Add an obstacle and return its number, counted from 0. Realtime: no.
+  /// Throws Error for:
+  /// - a name that is empty or already used;
+  /// - a pose that is not finite, farther than kFarthest, or not a rotation within 1e-6;
+  /// - a twist that is not finite, or above kFastest or kFastestTurn;
+  /// - a shape with a size that is not positive and finite, or with an empty pointer;
+  /// - a material with a stiffness not above 0 N/m, friction outside 0 to 10, sliding friction outside 0 to the
+  ///   friction, or a viscosity that is negative or not finite;
+  /// - a thickness that is negative or not finite, or above 0 for a shape other than a mesh.
   int add(Obstacle obstacle);
 
-  /// Moves an obstacle. Statuses: ok; notFinite; outOfRange for a number that no obstacle has, a matrix that is no
-  /// rotation, a position farther than kFarthest, a twist above kFastest or kFastestTurn; the obstacle is then where it
-  /// was. A tick sees the motion as SceneMotion has it. Realtime: yes.
+  /// Set the pose and twist of an obstacle. SceneMotion defines the motion that a tick sees. Realtime: yes.
+  /// Statuses: ok; notFinite; outOfRange. After an error the obstacle is unchanged. outOfRange means:
+  /// - no obstacle has this number;
+  /// - the matrix is not a rotation;
+  /// - the position is farther than kFarthest;
+  /// - the twist is above kFastest or kFastestTurn.
   Status move(int obstacle, const Pose& pose, const Vec6& twist) noexcept;
 
   const std::vector<Obstacle>& obstacles() const noexcept { return obstacles_; }
@@ -48,13 +57,14 @@ class Scene {
   std::vector<Obstacle> obstacles_;
 };
 
-/// Rotation whose third column is `axis` (unit length, W): the frame of a half space or a capsule. Realtime: yes.
+/// Return a rotation whose third column is `axis` (unit length, W): the frame of a half space or a capsule.
+/// Realtime: yes.
 Mat3 frameAlong(const Vec3& axis) noexcept;
 
-/// Half space behind the plane through `point` (m, W) with the outward unit normal `normal` (W).
+/// Return the half space behind the plane through `point` (m, W) with the outward unit normal `normal` (W).
 Obstacle halfSpace(const std::string& name, const Vec3& point, const Vec3& normal);
 
-/// The scene of one half space, "wall".
+/// Return a scene with one half space, "wall".
 Scene flatWall(const Vec3& point = Vec3::Zero(), const Vec3& normal = Vec3::UnitZ());
 
 }  // namespace enamel

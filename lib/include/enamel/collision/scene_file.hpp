@@ -1,4 +1,4 @@
-// Scene files: what the tool is, where it begins and what it can touch.
+// Scene files: the tool, its start position and the obstacles.
 #pragma once
 
 #include <limits>
@@ -16,53 +16,66 @@ namespace enamel {
 /// Content of a scene file.
 struct SceneFile {
   std::string name;
-  Vec3 start = Vec3::Zero();  ///< of the TCP in W, m; the tool does not touch there
-  Tool tool;                  ///< a point at the TCP where the file names none
+  Vec3 start = Vec3::Zero();  ///< TCP in W, m; the tool touches nothing there
+  Tool tool;                  ///< default: a point at the TCP
   Scene scene;
-  std::vector<std::shared_ptr<MeshModel>>
-      meshes;                                  ///< by obstacle, null for other shapes: what the scene holds, to edit
-  std::vector<std::shared_ptr<Solid>> solids;  ///< by obstacle, null for other shapes: what the scene holds, to cut
-  std::optional<Bur> bur;                      ///< where the file names one
-  std::vector<std::string> notes;              ///< a line for each doubt: inside, unit, size of a cell
-  double maxForce = std::numeric_limits<double>::infinity();  ///< that a guard should let a renderer put on the tool, N
+  /// One for each obstacle, null for other shapes: the meshes of the scene, for edits.
+  std::vector<std::shared_ptr<MeshModel>> meshes;
+  std::vector<std::shared_ptr<Solid>> solids;  ///< one for each obstacle, null for other shapes: for cuts
+  std::optional<Bur> bur;                      ///< empty if the file has none
+  std::vector<std::string> notes;              ///< warnings, one line each: unclear inside, unit, size of a cell
+  double maxForce = std::numeric_limits<double>::infinity();  ///< largest rendered force that a guard should allow, N
 };
 
-/// Reads a scene file: `name`, `start` [m], optional `tool` and `max_force` [N], and a list `obstacle` of tables with
-/// `name`, `shape` and optionally the material: `stiffness` [N/m] (default: rigid), `friction` (default 0),
-/// `sliding_friction` (default: `friction`), `viscosity` [N s/m] (default 0). Lengths in m, angles in deg, R = Rz Ry Rx
-/// of `euler_deg` (default 0).
-/// - tool: list of capsules in the platform's frame, `from`, optional `to` (default: a sphere), `radius`
-/// - bur: table with the tool's `part` (default 0), `wear` and `turns` a second (defaults: those of Bur)
-/// - shape = "half_space": `point`, `normal` (outward, of any length)
-/// - shape = "box": `centre`, `size`, optional `euler_deg`
-/// - shape = "sphere": `centre`, `radius`
-/// - shape = "capsule": `from`, `to`, `radius`
-/// - shape = "mesh": `file` (beside the scene file, or absolute), `unit` of its coordinates ("m", "mm" or "um"),
-///   optional `scale` (default 1), `position` (of its origin) and `euler_deg`; with `thin = true` it is a sheet with
-///   two sides and no inside, `thickness` thick
-/// - shape = "solid": as a mesh, which must be closed, with `cell` (default 1e-4) and a list `layer` of tables with
-///   `name`, `hardness` [Pa], a material as above and either `depth` (default 0) or `file`, a mesh in the same
-///   coordinates at whose surface the layer begins
-/// Throws ConfigurationError, with file, line, key, value and limit, on a file that cannot be read, malformed TOML,
-/// unknown or missing keys, wrong types, values out of their range, an empty scene, two obstacles of one name, a start
-/// inside an obstacle, and as loadMesh() and checkMesh(). Realtime: no.
-/// `spare`: room in every mesh for updates.
+/// Read a scene file. Lengths are in m, angles in deg, and `euler_deg` (default 0) means R = Rz Ry Rx. Realtime: no.
+///
+/// Keys of the file:
+/// - `name`, `start` [m], optional `max_force` [N];
+/// - optional list `tool` of capsules in the platform's frame: `from`, optional `to` (default: a sphere), `radius`;
+/// - optional table `bur`: the tool's `part` (default 0), `wear` and `turns` a second (defaults: those of Bur);
+/// - list `obstacle` of tables, each with `name`, `shape`, the keys of its shape, and optionally its material.
+///
+/// Keys of a material: `stiffness` [N/m] (default: rigid), `friction` (default 0), `sliding_friction` (default:
+/// `friction`), `viscosity` [N s/m] (default 0).
+///
+/// Keys of the shapes:
+/// - "half_space": `point`, `normal` (outward, of any length).
+/// - "box": `centre`, `size`, optional `euler_deg`.
+/// - "sphere": `centre`, `radius`.
+/// - "capsule": `from`, `to`, `radius`.
+/// - "mesh": `file` (relative to the scene file, or absolute), `unit` of its coordinates ("m", "mm" or "um"), optional
+///   `scale` (default 1), `position` (of its origin) and `euler_deg`. With `thin = true` the mesh is a sheet with two
+///   sides and no inside, with the key `thickness`.
+/// - "solid": the keys of a mesh without `thin` and `thickness`, optional `cell` (default 1e-4), and a list `layer` of
+///   tables. The mesh must be closed.
+///
+/// Keys of a layer: `name`, `hardness` [Pa], optionally its material, and `depth` (default 0) or `file`. `file` is a
+/// mesh in the same coordinates at whose surface the layer begins.
+///
+/// `spare`: room for updates in every mesh.
+///
+/// Throws ConfigurationError, with file, line, key, value and limit, for:
+/// - a file that cannot be read, or malformed TOML;
+/// - unknown or missing keys, wrong types, values outside their range;
+/// - an empty scene, or two obstacles with the same name;
+/// - a start inside an obstacle;
+/// - a mesh that loadMesh() or checkMesh() rejects.
 SceneFile loadScene(const std::string& path, SpareCapacity spare = {});
 
-/// The same for text in memory; `file` stands in messages, meshes are looked for beside it.
+/// Read a scene from text in memory, as loadScene(). Messages name `file`; mesh paths are relative to it.
 SceneFile parseScene(std::string_view text, const std::string& file, SpareCapacity spare = {});
 
-/// A scene file's text, and the files that it names: `text` names them "mesh-0.ply", "mesh-1.stl" and so on, in a
-/// folder of their own.
+/// The text of a scene file, and its mesh files. In `text` the meshes have the names "mesh-0.ply", "mesh-1.stl" and so
+/// on, so that all files can be in one folder.
 struct PackedScene {
   struct File {
-    std::string name, path;  ///< in `text`; where it is now
+    std::string name, path;  ///< name in `text`, and present path
   };
   std::string text;
   std::vector<File> files;
 };
 
-/// Read a scene file that will be copied to another place. Throw ConfigurationError as loadScene(). Realtime: no.
+/// Read a scene file that will be copied to another place. Throws ConfigurationError as loadScene(). Realtime: no.
 PackedScene packScene(const std::string& path);
 
 }  // namespace enamel

@@ -1,4 +1,4 @@
-// Shapes that stay analytic: a wall is a plane and never a mesh. Each lies in a frame of its own, m.
+// Analytic shapes: a wall is a plane, not a mesh. Each shape is in its own frame, m.
 #pragma once
 
 #include "enamel/collision/feature.hpp"
@@ -6,15 +6,15 @@
 
 namespace enamel {
 
-/// Solid below the plane z = 0; outward normal +z.
+/// The half space below the plane z = 0, with outward normal +z.
 struct HalfSpace {};
 
-/// Solid box about the origin.
+/// A solid box about the origin.
 struct Box {
   Vec3 half = Vec3::Ones();  ///< half edge lengths, m, positive
 };
 
-/// Solid ball about the origin.
+/// A solid ball about the origin.
 struct Sphere {
   double radius = 1.0;  ///< m
 };
@@ -28,14 +28,15 @@ struct Capsule {
 /// Nearest surface point of a shape.
 struct ShapePoint {
   Vec3 point = Vec3::Zero();    ///< on the surface, m
-  Vec3 normal = Vec3::UnitZ();  ///< outward unit normal there
-  double distance = 0.0;        ///< signed, m; negative inside. p = point + distance * normal
+  Vec3 normal = Vec3::UnitZ();  ///< outward unit normal at the point
+  double distance = 0.0;        ///< signed, m; negative inside; p = point + distance * normal
   Feature feature = Feature::face;
-  int featureIndex = -1;  ///< as Feature tells
+  int featureIndex = -1;  ///< see Feature
 };
 
-/// Signed distance of p: exact everywhere; where several surface points are equally near (the middle of a box, the
-/// centre of a sphere) always the same one. Each is a convex function of p. Realtime: yes.
+/// Return the nearest surface point and the signed distance of p, exact everywhere. If several surface points are
+/// equally near (centre of a box or sphere), the result is always the same one. The distance is a convex function of p.
+/// Realtime: yes.
 ShapePoint signedDistance(const HalfSpace& shape, const Vec3& p) noexcept;
 ShapePoint signedDistance(const Box& shape, const Vec3& p) noexcept;
 ShapePoint signedDistance(const Sphere& shape, const Vec3& p) noexcept;

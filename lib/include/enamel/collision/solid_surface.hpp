@@ -1,4 +1,4 @@
-// The surface of a solid as triangles, to draw and to write.
+// The surface of a solid as triangles, for drawing and for files.
 #pragma once
 
 #include <cstdint>
@@ -9,27 +9,30 @@
 
 namespace enamel {
 
-/// Triangles with what it takes to draw them.
+/// Triangles with normals and layers for drawing.
 struct SolidSurface {
   TriangleMesh mesh;
-  std::vector<Vec3> normals;  ///< by vertex: outward, of unit length
-  std::vector<int> layers;    ///< by vertex: just below the surface
+  std::vector<Vec3> normals;  ///< for each vertex: outward unit normal
+  std::vector<int> layers;    ///< for each vertex: the layer just below the surface
 
-  /// The memory stays.
+  /// Remove all triangles and vertices but keep the memory.
   void clear() noexcept;
 };
 
-/// Appends the surface of one brick with these samples, the solid's or a copy from some moment. Vertices on the border
-/// have the same bits as those of the next brick, normals there differ a little. Of the solid only what no cut changes
-/// is read: any thread may do this while another one cuts. Allocates nothing but what `surface` lacks. Realtime: no,
-/// some 10 us for a brick with surface. `step`: 2, 4 or 8 takes only every second, fourth or eighth sample, for a
-/// quarter of the triangles each time: enough to see what is smooth. `coarser`: neighbours that are drawn with twice
-/// the step, bit 13 + x + 3 y + 9 z for the one at (x, y, z), each -1, 0 or 1; the border then has their vertices, to
-/// the bit.
+/// Append the surface of one brick. Realtime: no, about 10 us for a brick with surface.
+/// - `samples`: those of the solid, or an earlier copy.
+/// - `step`: 2, 4 or 8 uses only every second, fourth or eighth sample. Each doubling gives a quarter of the triangles,
+///   enough for smooth regions.
+/// - `coarser`: the neighbours that are drawn with twice the step. Bit 13 + x + 3 y + 9 z is the neighbour at
+///   (x, y, z), each -1, 0 or 1. The common border then has exactly the neighbour's vertices.
+///
+/// Vertices on the border are bit-identical to those of the next brick; their normals differ slightly. The function
+/// reads only parts of the solid that cuts do not change. Any thread may therefore call it while another thread cuts.
+/// It allocates only when `surface` must grow.
 void appendSurface(const Solid& solid, int brick, const BrickSamples& samples, SolidSurface& surface, int step = 1,
                    std::uint32_t coarser = 0);
 
-/// `visit(bit, other)` for every brick that shares a corner with this one, bit as of `coarser` above.
+/// Call `visit(bit, other)` for every brick that shares a corner with this one. `bit` is that of `coarser` above.
 template <typename Visit>
 void forEachNeighbour(const Solid& solid, int brick, const Visit& visit) {
   const double edge = kBrickCells * solid.cell();
@@ -40,11 +43,14 @@ void forEachNeighbour(const Solid& solid, int brick, const Visit& visit) {
   }
 }
 
-/// The surface of all of it: where the interpolation is 0 along the edges of the six tetrahedra around a diagonal of
-/// every cell (Freudenthal 1942; Doi and Koide, "An efficient method of triangulating equi-valued surfaces by using
-/// tetrahedral cells", 1991), a sample of 0 being outside. Watertight, two triangles at every edge, none through
-/// another; empty where nothing is left. Vertices keep 1 % of an edge away from its ends, so that every triangle has an
-/// area. Realtime: no.
+/// Return the surface of the whole solid as a watertight mesh: two triangles at every edge, no triangle through
+/// another. It is empty if the solid is cut away. Realtime: no.
+///
+/// Each cell is divided into six tetrahedra around a diagonal (Freudenthal 1942). Vertices are where the interpolation
+/// is 0 along their edges, and a sample of 0 is outside. Source: Doi and Koide, "An efficient method of triangulating
+/// equi-valued surfaces by using tetrahedral cells", 1991. Vertices keep a distance of 1 % of an edge from its ends, so
+/// that every triangle has an area. If the middle of a triangle is more than 0.25 cells off the surface, the triangle
+/// is split at a new vertex on the surface.
 TriangleMesh surfaceOf(const Solid& solid);
 
 }  // namespace enamel

@@ -13,40 +13,44 @@ struct ServoWeights {
   double torque = 1.0;
 };
 
-/// A servo u[j] = -(K_c | K_i) [q'; q - q_op; xi] with xi' = r - q, and the models that it was designed on. n joints.
+/// A servo u[j] = -(K_c | K_i) [q'; q - q_op; xi] with xi' = r - q for n joints, and the models that it is based on.
 struct ServoDesign {
   double period = 0.0;  ///< Ts, s
   ServoWeights weights;
-  StateSpace plant;      ///< continuous, states [q'; q - q_op], 2n (eq. 5)
-  StateSpace augmented;  ///< sampled, states [q'; q - q_op; xi], 3n (eq. 10)
-  Eigen::MatrixXd P;     ///< 3n x 3n, cost-to-go
-  Eigen::MatrixXd K;     ///< n x 3n, [N m s/rad, N m/rad, N m/(rad s)]
+  StateSpace plant;      ///< continuous, 2n states [q'; q - q_op] (eq. 5)
+  StateSpace augmented;  ///< sampled, 3n states [q'; q - q_op; xi] (eq. 10)
+  Eigen::MatrixXd P;     ///< cost-to-go, 3n x 3n
+  Eigen::MatrixXd K;     ///< gain, n x 3n, [N m s/rad, N m/rad, N m/(rad s)]
 };
 
-/// Adds the integrals of the position error to a plant with states [q'; q - q_op] (eq. 7, with r = 0):
+/// Add the integrals of the position error to a plant with states [q'; q - q_op] (eq. 7, with r = 0):
 /// [x; xi]' = [A 0; (0 -I) 0] [x; xi] + [B; 0] u.
-/// Throws DesignError: the plant has not 2n states and n inputs. Realtime: no.
+/// Throws DesignError if the plant does not have n inputs and 2n states. Realtime: no.
 StateSpace augmentWithIntegrals(const StateSpace& plant);
 
-/// Designs the servo: augment, zero-order hold, Riccati.
-/// `plant`: states [q'; q - q_op], rad/s and rad, inputs torque beyond that of the operating point, N m; `period` in s.
-/// Throws DesignError: as augmentWithIntegrals, zeroOrderHold and solveRiccati; weights negative (torque: not
-/// positive). Realtime: no.
+/// Design the servo: augment the plant, apply a zero-order hold, solve the Riccati equation. Realtime: no.
+/// - `plant`: states [q'; q - q_op], rad/s and rad; inputs are torques relative to the operating point, N m.
+/// - `period` in s.
+///
+/// Throws DesignError: as augmentWithIntegrals, zeroOrderHold and solveRiccati; a weight that is negative or not
+/// finite; a torque weight of zero.
 ServoDesign designServo(const StateSpace& plant, double period, const ServoWeights& weights);
 
-/// A servo whose commands act `delay` samples after their measurement: u = -K [q'; q - q_op; xi] - K_d [u of the last
-/// `delay` samples, the latest first]. K n x 3n, K_d n x (delay n).
+/// A servo for commands that act `delay` samples after their measurement:
+/// u = -K [q'; q - q_op; xi] - K_d [the last `delay` commands u, the newest first]. K is n x 3n, K_d is n x (delay n).
 struct DelayedServo {
   Eigen::MatrixXd K, commandGain;
 };
 
-/// The optimal servo of the same weights for the plant augmented with the commands under way: the gain without delay on
-/// the state that they lead to, x(j + d) = A^d x(j) + sum_(i = 1..d) A^(i-1) B u(j - i). Throws DesignError: a delay that
-/// is negative or above 100. Realtime: no.
+/// Return the optimal servo of the same weights for the plant augmented with the pending commands. It is the gain
+/// without delay, applied to the state that the pending commands will produce:
+/// x(j + d) = A^d x(j) + sum_(i = 1..d) A^(i-1) B u(j - i).
+/// Throws DesignError: a delay that is negative or above 100. Realtime: no.
 DelayedServo servoForDelay(const ServoDesign& design, int delay);
 
-/// The loop as it runs, not as it was designed: states [q'; q - q_op; xi] of the held plant with the integrators that a
-/// tick updates by xi[j+1] = xi[j] + Ts (r[j] - q[j]); input u. Realtime: no.
+/// Return the loop as it runs, which differs from the design in the integrators. A tick updates them by
+/// xi[j+1] = xi[j] + Ts (r[j] - q[j]). The states are [q'; q - q_op; xi] of the held plant, the input is u.
+/// Throws DesignError: sizes that do not match. Realtime: no.
 StateSpace runningLoop(const ServoDesign& design);
 
 }  // namespace enamel

@@ -1,4 +1,4 @@
-// A designed servo as a file: what `enamel design --output` writes and `--gain` reads.
+// The file of a designed servo: `enamel design --output` writes it, `--gain` reads it.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,16 +6,21 @@
 
 namespace enamel {
 
-/// What a renderer needs of a design.
+/// The part of a servo design that a renderer needs.
 struct ServoFile {
-  std::string model;     ///< name of the device file that it was designed on
+  std::string model;     ///< name of the device file of the design
   double period = 0.0;   ///< Ts, s
   Eigen::MatrixXd gain;  ///< (K_c | K_i), n x 3n
 };
 
-/// Reads a design (JSON: the keys "model", "period" in s and "K", a list a row; others are ignored).
-/// Throws ConfigurationError: the file cannot be read or is not JSON; a key is missing or of the wrong type; a period
-/// outside 1e-5 to 0.1 s; a gain that is not n x 3n with n in 1 to kMaxJoints. Realtime: no.
+/// Read a servo design from JSON with the keys "model", "period" (s) and "K" (a list for each row). Other keys are
+/// ignored. Realtime: no.
+/// Throws ConfigurationError:
+/// - the file cannot be read or is not JSON;
+/// - its "kind" is "surface", of an earlier version;
+/// - a key is missing or of the wrong type;
+/// - the period is outside 1e-5 to 0.1 s;
+/// - the gain is not n x 3n with n in 1 to kMaxJoints.
 ServoFile loadServo(const std::string& path);
 
 }  // namespace enamel

@@ -5,7 +5,7 @@
 
 namespace enamel {
 
-/// x' = A x + B u where continuous, x[j+1] = A x[j] + B u[j] where sampled; n states, m inputs.
+/// Linear model with n states and m inputs. Continuous: x' = A x + B u. Sampled: x[j+1] = A x[j] + B u[j].
 struct StateSpace {
   Eigen::MatrixXd A;  ///< n x n
   Eigen::MatrixXd B;  ///< n x m

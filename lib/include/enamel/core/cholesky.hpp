@@ -1,16 +1,16 @@
-// Small positive definite systems in plain loops: the order of the sums does not depend on how the compiler vectorises,
-// nor on where a matrix lies.
+// Cholesky factorisation of small positive definite matrices in plain loops. The order of the sums does not depend on
+// vectorisation by the compiler or on the address of a matrix.
 #pragma once
 
 #include <cmath>
 
 namespace enamel {
 
-/// L with A = L L^T of an n x n matrix, n <= N.
+/// The factor L of A = L L^T for an n x n matrix, n <= N.
 template <int N>
 class Cholesky {
  public:
-  /// False where A is not positive definite. Reads the lower triangle. Realtime: yes.
+  /// Factor A and return true, or false if A is not positive definite. Reads the lower triangle. Realtime: yes.
   bool factor(const double (&A)[N][N], int n) noexcept {
     n_ = n;
     for (int j = 0; j < n; ++j) {
@@ -28,7 +28,7 @@ class Cholesky {
     return true;
   }
 
-  /// x = A^-1 x. Realtime: yes.
+  /// Replace x by A^-1 x. Realtime: yes.
   void solve(double* x) const noexcept {
     for (int i = 0; i < n_; ++i) {
       for (int k = 0; k < i; ++k) x[i] -= L_[i][k] * x[k];
@@ -41,8 +41,8 @@ class Cholesky {
   }
 
  private:
-  double L_[N][N] = {};     // below the diagonal
-  double inverse_[N] = {};  // of the diagonal
+  double L_[N][N] = {};     // the part below the diagonal
+  double inverse_[N] = {};  // inverse of the diagonal
   int n_ = 0;
 };
 

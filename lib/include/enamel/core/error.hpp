@@ -1,4 +1,4 @@
-// Exceptions of the configure phase (load, build, design, activate). Nothing in a tick throws.
+// Exceptions of the configure phase (load, build, design, activate). No function of a tick throws.
 #pragma once
 
 #include <stdexcept>
@@ -7,24 +7,24 @@
 
 namespace enamel {
 
-/// A text as it may stand in a message: one line, control characters as `\xNN`, the middle of more than 2000 bytes left
-/// out.
+/// Return a text in printable form for a message: on one line, with control characters as `\xNN`. The middle of a text
+/// longer than 2000 bytes is left out.
 std::string printable(std::string_view text);
 
-/// Base of every exception that the library throws. Its message is printable(), whatever a file held.
+/// Base of every exception that the library throws. Its message is always printable().
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message) : std::runtime_error(printable(message)) {}
 };
 
-/// A file or a value of a configuration is unusable. The message has the form
+/// Error for an unusable file or configuration value. The message has the form
 /// "FILE:LINE: KEY: what is wrong, the value, the limit and the unit".
 class ConfigurationError : public Error {
  public:
   ConfigurationError(std::string file, int line, std::string key, const std::string& problem);
 
   const std::string& file() const noexcept { return file_; }
-  int line() const noexcept { return line_; }  ///< counted from 1; 0 where no line is to blame
+  int line() const noexcept { return line_; }  ///< counted from 1; 0 if no line applies
   const std::string& key() const noexcept { return key_; }
 
  private:
@@ -33,7 +33,7 @@ class ConfigurationError : public Error {
   std::string key_;
 };
 
-/// A controller cannot be designed from these numbers; the message says which property is missing.
+/// Error for numbers from which no controller can be designed. The message names the missing property.
 class DesignError : public Error {
  public:
   using Error::Error;

@@ -1,4 +1,4 @@
-// Whole files: read with a limit, written whole or not at all.
+// Reading of whole files with a size limit, and atomic writing.
 #pragma once
 
 #include <cstddef>
@@ -9,45 +9,49 @@
 
 namespace enamel {
 
-/// Most bytes of a file that is read as text, unless its reader knows better.
+/// Default limit of the size of a text file, bytes.
 inline constexpr std::size_t kLargestTextFile = std::size_t{16} << 20;
 
-/// Whole content of a file. Throws ConfigurationError: it cannot be opened or read; it is no plain file (a folder, a
-/// pipe, a device) or larger than `most` bytes. Realtime: no.
+/// Return the whole content of a file. Realtime: no. Throws ConfigurationError if the file cannot be opened or read,
+/// is not a regular file (a folder, a pipe, a device), or is larger than `most` bytes. Throws it also if the length
+/// changes during the read.
 std::string readFile(const std::string& path, std::size_t most = kLargestTextFile);
 
-/// Refuses JSON and TOML that would cost their readers more than their length tells: brackets nested, or a dotted key of
-/// parts, beyond 32; beyond 1000 values, more than one for every 4 bytes. Throws ConfigurationError with `file` and
-/// the line. Realtime: no.
+/// Reject JSON and TOML that need far more memory than their length suggests. Realtime: no.
+/// Throws ConfigurationError with `file` for:
+/// - more than 32 levels of nested brackets (also with the line);
+/// - a dotted key of more than 32 parts (also with the line);
+/// - more than 1000 values, if they are more than one for every 4 bytes.
 void checkNesting(std::string_view text, const std::string& file);
 
-/// Text of a JSON file: readFile() and checkNesting(). Realtime: no.
+/// Return the text of a JSON file after readFile() and checkNesting(). Realtime: no.
 std::string readJson(const std::string& path);
 
-/// A file in the making. Until close() it stands under another name beside `path`, and without close() it goes away (a process that is killed
-/// leaves it as PATH.NUMBERS.part):
-/// whoever looks finds what was there before or all of the new. A link stays one. What is no plain file (a pipe,
-/// /dev/stdout) is written as it comes.
+/// Writes a file atomically through a temporary file in the same folder. A reader finds the old content or all of the
+/// new content. close() puts the new file in place. Without close() the temporary file is deleted; a process that is
+/// killed leaves it as PATH.NUMBERS.part. Symbolic links are preserved. A path that is not a regular file (a pipe,
+/// /dev/stdout) is written directly.
 class FileWriter {
  public:
-  /// Throws Error with the file and the cause. Realtime: no.
+  /// Open the file. Throws Error with the file and the cause. Realtime: no.
   explicit FileWriter(const std::string& path);
   ~FileWriter();
   FileWriter(const FileWriter&) = delete;
   FileWriter& operator=(const FileWriter&) = delete;
 
-  /// Throw Error with the file and the cause (is the disk full?): `path` is then as it was. Realtime: no.
+  /// Write bytes; finish the file. Throw Error with the file and the cause, such as a full disk. A regular file at
+  /// `path` is then unchanged. Realtime: no.
   void write(std::string_view bytes);
   void close();
 
  private:
   [[noreturn]] void fail() const;
 
-  std::string path_, target_, beside_;  // beside_: empty where the file is written as it comes
+  std::string path_, target_, beside_;  // beside_: the temporary file; empty if the file is written directly
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
-/// Writes a whole file, as FileWriter does. Throws Error. Realtime: no.
+/// Write a whole file with FileWriter. Throws Error. Realtime: no.
 void writeFile(const std::string& path, std::string_view bytes);
 
 }  // namespace enamel

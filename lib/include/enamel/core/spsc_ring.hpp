@@ -1,4 +1,4 @@
-// A queue of fixed capacity from one thread to another, without waiting on either side.
+// A lock-free queue of fixed capacity from one thread to another.
 #pragma once
 
 #include <array>
@@ -7,13 +7,14 @@
 
 namespace enamel {
 
-/// One producer, one consumer, first in first out (Lamport 1983). Capacity: a power of two. T is copied.
+/// First-in first-out queue for one producer and one consumer (Lamport 1983). The capacity must be a power of two.
+/// Values are copied.
 template <typename T, std::size_t capacity>
 class SpscRing {
   static_assert(capacity >= 2 && (capacity & (capacity - 1)) == 0, "the capacity must be a power of two");
 
  public:
-  /// Appends; false if the ring is full, the value is then dropped. Producer's thread. Realtime: yes.
+  /// Append a value; if the ring is full, drop the value and return false. Producer's thread. Realtime: yes.
   bool push(const T& value) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail - head_.load(std::memory_order_acquire) == capacity) return false;
@@ -22,7 +23,7 @@ class SpscRing {
     return true;
   }
 
-  /// Takes the oldest; false if the ring is empty. Consumer's thread. Realtime: yes.
+  /// Take the oldest value; return false if the ring is empty. Consumer's thread. Realtime: yes.
   bool pop(T& value) noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head == tail_.load(std::memory_order_acquire)) return false;
@@ -32,8 +33,8 @@ class SpscRing {
   }
 
  private:
-  alignas(64) std::atomic<std::size_t> head_{0};  // next to pop
-  alignas(64) std::atomic<std::size_t> tail_{0};  // next to push
+  alignas(64) std::atomic<std::size_t> head_{0};  // next slot to pop
+  alignas(64) std::atomic<std::size_t> tail_{0};  // next slot to push
   std::array<T, capacity> slots_{};
 };
 

@@ -1,4 +1,4 @@
-// Devices of any kind: their parameters, their TOML files, and the mechanisms made from them.
+// Devices of any kind: parameters, TOML files and mechanisms.
 #pragma once
 
 #include <memory>
@@ -13,38 +13,43 @@
 
 namespace enamel {
 
-/// Parameters of a device, by its kind.
+/// Parameters of a device, one type for each kind.
 using DeviceParameters = std::variant<TauParameters, DeltaParameters, CartesianParameters>;
 
-/// Reads a device file. Its `kind` says which: "tau" (also where it is absent), "delta" or "cartesian".
-/// Throws ConfigurationError, with file, line, key, value and limit: a file that cannot be read, malformed TOML,
-/// unknown or missing keys, wrong types, values out of their range, an inertia tensor that no body can have, and a
-/// chain or leg that cannot close at the home pose. Realtime: no.
+/// Read a device file of the kind "tau" (also if the key `kind` is absent), "delta" or "cartesian". Realtime: no.
+/// Throws ConfigurationError, with file, line, key, value and limit, for:
+/// - a file that cannot be read, or malformed TOML;
+/// - unknown or missing keys, wrong types, values outside their range;
+/// - an inertia tensor that no body can have;
+/// - a chain or leg that cannot close at the home pose.
 DeviceParameters loadDevice(const std::string& path);
 
-/// The same for text in memory; `file` stands in messages.
+/// Read a device from text in memory, as loadDevice(); messages name `file`.
 DeviceParameters parseDevice(std::string_view text, const std::string& file);
 
-/// Checks the parameters as loadDevice() does and makes the mechanism. Throws ConfigurationError; also where home is a
-/// singularity or its mass matrix not positive definite. Realtime: no.
+/// Check the parameters as loadDevice() does, and make the mechanism. Throws ConfigurationError, also if home is a
+/// singularity or its mass matrix is not positive definite. Realtime: no.
 std::shared_ptr<const Mechanism> makeMechanism(const DeviceParameters& parameters);
 
 const std::string& nameOf(const DeviceParameters& parameters);
 
-/// More viscous damping of the TCP's twist (axes of W, N s/m, N m s/rad), more viscous friction of every driven joint
-/// (N m s/rad), more mass at the platform's centre of mass (kg). Turns have no damping where the platform cannot turn.
-/// A Cartesian device has no joints but its axes: friction is damping of each of them. Realtime: no.
+/// Add to the parameters of a device. Realtime: no.
+/// - addDamping(): viscous damping of the TCP's twist, axes of W, N s/m and N m s/rad. Rotations have no damping if the
+///   platform cannot rotate.
+/// - addFriction(): viscous friction of every driven joint, N m s/rad. The joints of a Cartesian device are its axes,
+///   so friction is damping of every axis.
+/// - addMass(): mass at the platform's centre of mass, kg.
 void addDamping(DeviceParameters& parameters, const Vec6& damping);
 void addFriction(DeviceParameters& parameters, double friction);
 void addMass(DeviceParameters& parameters, double mass);
 
-/// What the device's file says about real ones; all zero for a Cartesian device, whose drives are its vendor's.
+/// Return the imperfections of the device file. They are zero for a Cartesian device: the vendor controls its drives.
 const Imperfections& imperfectionsOf(const DeviceParameters& parameters) noexcept;
 
 /// Return the device with ideal motors, transmissions, encoders and tolerances. Realtime: no.
 DeviceParameters idealOf(DeviceParameters parameters);
 
-/// Makes its cables rigid, without backlash. Realtime: no.
+/// Make the cables rigid and remove the backlash. Realtime: no.
 void stiffenCables(DeviceParameters& parameters) noexcept;
 
 }  // namespace enamel

@@ -1,5 +1,5 @@
-// What a tick asks of a device, virtual or real: measure, actuate. A device knows time and wires; its geometry and mass
-// are those of a Mechanism.
+// The interface of a haptic device, real or virtual: measure and actuate once a tick. A HapticDevice handles time and
+// wires; a Mechanism holds the geometry and mass.
 #pragma once
 
 #include <cstdint>
@@ -10,43 +10,48 @@
 
 namespace enamel {
 
-/// What a device reports at a tick. A tick without a new sample is a normal tick: `age` says so, and the tick predicts.
+/// One measurement of a device. A tick without a new sample is a normal tick: `age` is then above 0, and the tick
+/// predicts the state.
 struct Measurement {
-  double time = 0.0;  ///< of this tick, s, strictly increasing
+  double time = 0.0;  ///< time of this tick, s, strictly increasing
   JointVector q;      ///< joint coordinates, rad or m
   JointVector rates;  ///< q', rad/s or m/s
-  /// Torque that acted since the last measurement, N m or N; empty where the device cannot tell.
+  /// Torque that acted since the last measurement, N m or N; empty if the device does not report it.
   std::optional<JointVector> applied;
-  bool enabled = true;            ///< the user's enable, such as a dead man's switch; true where the device has none
+  bool enabled = true;            ///< the user's enable, such as a dead man's switch; true if the device has none
   std::uint32_t buttons = 0;      ///< bit i: button i is pressed
-  std::optional<double> gripper;  ///< opening angle, rad; empty where the device has none
-  int age = 0;                    ///< periods since the sample; 0: a new one. Above 0, q, rates and applied are ignored
-  bool failed = false;            ///< the driver cannot go on: the guard's fault `device`; with an age above 0
+  std::optional<double> gripper;  ///< opening angle, rad; empty if the device has none
+  /// Age of the sample, periods. 0: a new sample. Above 0: `q`, `rates` and `applied` are ignored.
+  int age = 0;
+  bool failed = false;  ///< the driver cannot continue (`age` is above 0): the guard's fault `device`
 };
 
-/// What a device is told.
+/// One command to a device.
 struct Command {
-  JointVector effort;  ///< N m or N
+  JointVector effort;  ///< motor torque or force, N m or N
 };
 
-/// A device that can be measured and actuated, in this order, once a tick, between open() and close(). The virtual
-/// device and every driver.
+/// A device that is measured and then actuated once a tick, between open() and close(). The virtual device and all
+/// drivers implement it.
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
 
-  /// Makes the device ready to be measured; its motors give nothing, or what balances gravity, until actuate(). Throws
-  /// Error with the cause. Realtime: no.
+  /// Prepare the device for measure(). Until the first actuate(), the motors give zero effort or balance gravity.
+  /// Throws Error with the cause. Realtime: no.
   virtual void open() {}
 
-  /// Ends what open() began, with the motors off; does nothing on a device that is not open. Realtime: no.
+  /// Switch the motors off and release what open() acquired; do nothing if the device is not open. Realtime: no.
   virtual void close() noexcept {}
 
-  /// Statuses: ok; stale where there is no measurement since the last call; any other where the driver cannot go on:
-  /// the loop then stops rendering. Realtime: yes.
+  /// Read the newest measurement. Realtime: yes.
+  /// Statuses:
+  /// - ok: a new measurement;
+  /// - stale: no new measurement since the last call;
+  /// - any other: the driver cannot continue, and the guard stops rendering.
   [[nodiscard]] virtual Status measure(Measurement& measurement) noexcept = 0;
 
-  /// Realtime: yes.
+  /// Send a command to the motors. Returns a status other than ok if the command was not sent. Realtime: yes.
   [[nodiscard]] virtual Status actuate(const Command& command) noexcept = 0;
 };
 

@@ -1,8 +1,9 @@
-// For authors of plugins in C++: a class and one macro make a plugin; nothing throws across the boundary.
+// For authors of plugins in C++. A class and one macro make a plugin. No exception crosses the boundary.
 //
 //   class MyWall {
 //    public:
-//     static constexpr bool kNeedsInertia = true;  // where its renderers' needsInertia() does
+//     static constexpr bool kNeedsInertia = true;  // if needsInertia() of its renderers returns true
+//
 //     static const EnamelDescription& describe() noexcept;
 //     explicit MyWall(const enamel::PluginConfiguration& configuration);             // configure: throws Error
 //     std::unique_ptr<enamel::Renderer> activate(double period) const;               // throws Error
@@ -25,19 +26,19 @@
 
 namespace enamel {
 
-/// What configure() was given, read and checked.
+/// The configuration passed to configure(), read and checked.
 class PluginConfiguration {
  public:
-  /// Throws ConfigurationError: as parseDevice() and parseScene(); a parameter that the description does not have,
-  /// twice the same one, or none for one without a default.
+  /// Throws ConfigurationError as parseDevice() and parseScene(), and if a parameter is unknown, given twice, or
+  /// missing without a default.
   PluginConfiguration(const EnamelDescription& description, const EnamelConfiguration& configuration);
 
-  /// Throws ConfigurationError where the host gave no device.
+  /// Return the device. Throws ConfigurationError if the host gave none.
   const DeviceParameters& device() const;
   const std::optional<SceneFile>& scene() const noexcept { return scene_; }
 
-  /// A parameter's value: text; a finite number within [low, high] in `unit`; "on" or "off". Throws ConfigurationError
-  /// naming key, value and limits.
+  /// Return the value of a parameter: a text, a finite number within [low, high] in `unit`, or "on" or "off". Throws
+  /// ConfigurationError with key, value and limits.
   const std::string& text(const std::string& key) const;
   double number(const std::string& key, double low, double high, const std::string& unit) const;
   bool flag(const std::string& key) const;
@@ -48,7 +49,7 @@ class PluginConfiguration {
   std::map<std::string, std::string> parameters_;
 };
 
-/// The other side of the table: an instance of a plugin. Used by ENAMEL_PLUGIN.
+/// An instance of a plugin behind the table. Used by ENAMEL_PLUGIN.
 class PluginInstance {
  public:
   using Activate = std::function<std::unique_ptr<Renderer>(double period)>;
@@ -73,13 +74,13 @@ class PluginInstance {
   TickFrame frame_;
 };
 
-/// Plugin::kNeedsInertia where a class has it: whether its renderers read the inertia.
+/// Whether a plugin's renderers read the inertia: Plugin::kNeedsInertia, or false if the class does not have it.
 template <typename Plugin, typename = void>
 inline constexpr bool pluginNeedsInertia = false;
 template <typename Plugin>
 inline constexpr bool pluginNeedsInertia<Plugin, std::void_t<decltype(Plugin::kNeedsInertia)>> = Plugin::kNeedsInertia;
 
-/// The table of a plugin class.
+/// Return the table of a plugin class.
 template <typename Plugin>
 const EnamelPlugin& pluginTable() noexcept {
   static const EnamelPlugin table = {
@@ -122,6 +123,6 @@ const EnamelPlugin& pluginTable() noexcept {
 
 }  // namespace enamel
 
-/// Once, in one source file of the plugin, outside namespaces.
+/// Export a plugin class. Use once, in one source file of the plugin, outside namespaces.
 #define ENAMEL_PLUGIN(Class) \
   extern "C" const EnamelPlugin* enamel_plugin(void) { return &enamel::pluginTable<Class>(); }

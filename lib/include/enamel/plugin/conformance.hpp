@@ -1,4 +1,4 @@
-// Does a plugin keep the contract of abi.h? For authors, before a host finds out.
+// Tests of the contract of abi.h, for authors of plugins.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace enamel {
 
-/// One thing that the contract asks for, and what the plugin did.
+/// A requirement of the contract, and the result of its check.
 struct ConformanceResult {
   enum class Verdict { passed, failed, notChecked };
   std::string what;
@@ -18,14 +18,15 @@ struct ConformanceResult {
 
 struct ConformanceOptions {
   double period = 1e-3;  ///< s
-  int ticks = 2000;      ///< of the path into a wall and out again
-  /// Allocations and releases of the process so far; empty: allocation in a tick is not checked.
+  int ticks = 2000;      ///< on the path into a wall and out again
+  /// Return the number of allocations and releases of the process so far. Empty: allocations in a tick are not checked.
   std::function<long()> allocationCount;
 };
 
-/// Runs every check and reports each one when it is done, so that a crash shows in which it happened. The plugin is
-/// configured with `setup`; its device (or the text of one) also makes the path. Exceptions out of the plugin are
-/// caught and reported. Returns whether nothing failed. Throws Error: the device of `setup` is unusable. Realtime: no.
+/// Run every check, and report each one when it is done. After a crash the last report shows where it happened. The
+/// plugin is configured with `setup`. The device of `setup` also defines the path. Exceptions from the plugin are
+/// caught and reported. Return whether no check failed. Throws Error if the device of `setup` is unusable. Realtime:
+/// no.
 bool checkPlugin(const std::shared_ptr<const PluginLibrary>& library, const PluginSetup& setup,
                  const ConformanceOptions& options, const std::function<void(const ConformanceResult&)>& report);
 

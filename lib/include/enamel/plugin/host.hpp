@@ -1,4 +1,4 @@
-// For hosts: finding, loading and running renderer plugins.
+// For hosts: find, load and run renderer plugins.
 #pragma once
 
 #include <map>
@@ -12,19 +12,24 @@
 
 namespace enamel {
 
-/// A plugin cannot be loaded or used; the message names the file and the reason.
+/// Thrown if a plugin cannot be loaded or used. The message names the file and the reason.
 class PluginError : public Error {
  public:
   using Error::Error;
 };
 
-/// A loaded plugin. The library stays loaded as long as this or a renderer made from it lives.
+/// A loaded plugin. The library stays loaded while this object or a renderer made from it exists.
 class PluginLibrary {
  public:
-  /// Loads a shared library, its symbols kept to itself (RTLD_LOCAL). Throws PluginError: not a file, not an ELF
-  /// library, one of another architecture, a library that cannot be loaded (such as one that needs a missing symbol),
-  /// without enamel_plugin(), of another ABI version or other struct sizes, with missing functions or an empty or
-  /// malformed description, one that throws. A library that crashes or hangs takes the process with it. Realtime: no.
+  /// Load a shared library with local symbols (RTLD_LOCAL). Throws PluginError in these cases:
+  ///
+  /// - the path is not a file, not an ELF library, or has another architecture;
+  /// - the library cannot be loaded, for example because of a missing symbol;
+  /// - enamel_plugin() is missing or throws;
+  /// - the ABI version or a struct size differs, or functions are missing;
+  /// - the description is empty or malformed.
+  ///
+  /// A library that crashes or hangs does the same to the process. Realtime: no.
   static std::shared_ptr<const PluginLibrary> load(const std::string& path);
   ~PluginLibrary();
   PluginLibrary(const PluginLibrary&) = delete;
@@ -43,33 +48,33 @@ class PluginLibrary {
   const EnamelDescription* description_ = nullptr;
 };
 
-/// What a renderer from a plugin is made with: see EnamelConfiguration. Empty texts are not given.
+/// Configuration of a plugin's renderer, see EnamelConfiguration. Empty texts are not passed.
 struct PluginSetup {
   std::string devicePath, deviceText, scenePath, sceneText;
   std::map<std::string, std::string> parameters;
 };
 
-/// A renderer that runs in the plugin: the contract of Renderer holds, and an output that is not finite becomes a
-/// fault. activate() throws PluginError with the plugin's reason. Throws PluginError: no memory, or the plugin refuses
-/// the configuration. Realtime: no; step() and reset() as far as the plugin's are.
+/// Make a renderer that runs in the plugin. It keeps the contract of Renderer. An output that is not finite becomes a
+/// fault. Throws PluginError if memory is exhausted or the plugin rejects the configuration. activate() throws
+/// PluginError with the plugin's reason. Realtime: no; step() and reset() if the plugin's are.
 std::unique_ptr<Renderer> makeRenderer(std::shared_ptr<const PluginLibrary> library, const PluginSetup& setup);
 
 /// One file of a plugin folder.
 struct PluginFinding {
   std::string path;
-  std::shared_ptr<const PluginLibrary> library;  ///< nullptr where it was refused
-  std::string reason;                            ///< why it was refused
+  std::shared_ptr<const PluginLibrary> library;  ///< nullptr if it was rejected
+  std::string reason;                            ///< why it was rejected
 };
 
-/// Return the paths of all *.so of a folder, in order. Throws PluginError: the folder cannot be read. Realtime: no.
+/// Return the paths of all *.so of a folder, in order. Throws PluginError if the folder cannot be read. Realtime: no.
 std::vector<std::string> pluginFiles(const std::string& folder);
 
-/// Every *.so of a folder, by name. Throws PluginError: the folder cannot be read. Realtime: no.
+/// Load every *.so of a folder, in order of their names. Throws PluginError if the folder cannot be read. Realtime: no.
 std::vector<PluginFinding> findPlugins(const std::string& folder);
 
-/// A plugin by its path (a text with '/' or ending in .so) or by its name, of those in `folder`: enamel_NAME.so and
-/// NAME.so (with _ for -) are tried first, the other files only if these are not it. Throws PluginError: as
-/// PluginLibrary::load(), or no plugin of that name, with those that there are. Realtime: no.
+/// Find a plugin by its path (a text with '/' or ending in .so) or by its name in `folder`. A search by name first
+/// tries enamel_NAME.so and NAME.so (with _ for -), then all other files. Throws PluginError as PluginLibrary::load().
+/// Throws PluginError also if the name is unknown; the message lists the known names. Realtime: no.
 std::shared_ptr<const PluginLibrary> findPlugin(const std::string& nameOrPath, const std::string& folder);
 
 }  // namespace enamel

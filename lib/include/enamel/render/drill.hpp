@@ -1,4 +1,4 @@
-// A bur that takes away what it is pressed against, a little every tick.
+// A bur that removes a little of the material that it is pressed against at every tick.
 #pragma once
 
 #include <array>
@@ -9,34 +9,41 @@
 
 namespace enamel {
 
-/// Cuts solids. While the bur spins and is pressed with F against material of hardness H, it removes the volume
+/// A spinning bur that cuts solids. Pressed with force F against material of hardness H, it removes the volume
+///
 ///   V' = K F v / H,   v = 2 pi r n: speed of its surface
-/// (Archard, "Contact and rubbing of flat surfaces", 1953; per area it is Preston's law, "The theory and design of
-/// plate glass polishing machines", 1927, with K / H for his coefficient). The surface recedes against the force, every
-/// tick by the volume over the area of the whole bur: where less of it touches, less is cut, and the rest is cut at the
-/// next tick. Where the renderer lets the device go in, the bur is taken to be at the surface; so only what a bur has
-/// swept that rests on the surface is ever removed.
+///
+/// Source: Archard, "Contact and rubbing of flat surfaces", 1953. Per area this is Preston's law ("The theory and
+/// design of plate glass polishing machines", 1927) with K / H as his coefficient.
+///
+/// The surface recedes against the force. Per tick it recedes by the volume over the area of the whole bur. If the bur
+/// touches with less than its whole area, it cuts less, and the rest follows at the next tick. If the tool penetrates
+/// the surface, the model puts the bur back on the surface. The drill therefore removes only material swept by a bur
+/// that rests on the surface.
 class Drill {
  public:
-  /// `solids` by obstacle of the scene, null where it cannot be cut. Throws Error: a part that the tool does not have
-  /// or whose radius is not in 0 to Solid::kLargestBur; a wear that is not positive and finite; turns outside 0 to
-  /// 10 000 a second. Realtime: no.
+  /// `solids` has one entry per obstacle of the scene, null for an obstacle that cannot be cut. Throws Error if the
+  /// tool does not have the part, or if the part's radius is outside 0 to Solid::kLargestBur. Throws Error if the wear
+  /// is not positive and finite, or the turns are outside 0 to 10 000 per second. Realtime: no.
   Drill(const Tool& tool, std::vector<std::shared_ptr<Solid>> solids, const Bur& bur = {});
 
-  /// Whether the bur spins; at first it does not. Realtime: yes.
+  /// Start or stop the bur. It does not spin at first. Realtime: yes.
   void spin(bool on) noexcept { isOn_ = on; }
   bool spins() const noexcept { return isOn_; }
 
-  /// Before the renderer: corrects the contacts for the cut that goes on: gaps, the velocity at which the surface
-  /// recedes, and a stiffness of at most 20 N/mm more than 26 deg beside the force. Realtime: yes.
+  /// Correct the contacts before the renderer reads them, to account for the cut under way. Change gaps and the
+  /// velocity at which the surface recedes. Limit the stiffness of contacts more than 26 deg off the force to 20 N/mm.
+  /// Realtime: yes.
   void correct(ContactSnapshot& contacts) noexcept;
 
-  /// The last stage of a tick: cuts with the force of the wall on the tool, W, N; its mean over some 20 ticks counts.
-  /// `contacts` are those that correct() was given; `elapsed` since the last cut, s. Realtime: yes.
+  /// Cut material; the last stage of a tick. `force` is the force of the wall on the tool, W, N; a mean over about 20
+  /// ticks counts. `contacts` are those passed to correct(). `elapsed` is the time since the last cut, s. Realtime:
+  /// yes.
   void cut(const Scene& scene, const Pose& pose, const Vec3& force, double elapsed,
            const ContactSnapshot& contacts) noexcept;
 
-  /// What the last tick took away, m^3, by layer; how fast it let the surface recede, m/s. Realtime: yes.
+  /// Return the volume that the last tick removed, per layer, m^3. feed() returns the speed at which the surface
+  /// receded, m/s. Realtime: yes.
   const RemovedVolume& removed() const noexcept { return removed_; }
   double feed() const noexcept { return feed_; }
 
@@ -47,14 +54,14 @@ class Drill {
   double area_;     // of the bur, m^2
   bool isOn_ = false;
   std::vector<std::shared_ptr<Solid>> solids_;
-  int obstacle_ = -1;                        // that was cut at the last tick
-  Vec3 way_ = Vec3::Zero();                  // against which the surface recedes, W
-  double rough_ = 0.0;                       // so far a surface that was cut may be above its samples, m
-  std::array<double, kMaxContacts> gaps_{};  // of this tick's contacts, before they were corrected, m
-  double advance_ = 0.0;                     // of the surface in a tick, by Archard's law, m
-  Segment last_;                             // the bur then, in the obstacle's frame
+  int obstacle_ = -1;                        // cut at the last tick
+  Vec3 way_ = Vec3::Zero();                  // direction against which the surface recedes, W
+  double rough_ = 0.0;                       // height of a cut surface above its samples, at most, m
+  std::array<double, kMaxContacts> gaps_{};  // of this tick's contacts, before the correction, m
+  double advance_ = 0.0;                     // of the surface per tick, by Archard's law, m
+  Segment last_;                             // the bur at the last tick, in the obstacle's frame
   Vec3 force_ = Vec3::Zero();                // W
-  double owed_ = 0.0;                        // that could not be cut, m^3
+  double owed_ = 0.0;                        // volume not yet cut, m^3
   double hardness_ = 0.0;
   RemovedVolume removed_{};
   double feed_ = 0.0;

@@ -1,5 +1,5 @@
-// The frame of a tick: everything that one tick knows and computes, each quantity once. HapticTick (tick.hpp) sends it
-// through the stages, in this order; each stage fills its own part and reads those before it.
+// The frame of a tick: all data of one tick, each quantity computed once. HapticTick (tick.hpp) passes the frame
+// through these stages in order. Each stage fills its own part and reads the parts before it.
 //
 //   sense -> find contacts -> contact rows and responses -> render -> guard -> cut
 #pragma once
@@ -16,73 +16,79 @@
 
 namespace enamel {
 
-/// One number a joint, in plain storage.
+/// One number per joint, in plain storage.
 using JointRow = std::array<double, kMaxJoints>;
 
-/// What a unit force on the tool at a contact does, along its normal n and, where the contact has friction, along two
-/// directions t of its surface. M is the joint-space inertia, D takes out the joints without a motor.
+/// Effect of a unit force on the tool at a contact. The force acts along the normal n or, with friction, along two
+/// tangents t. M is the joint-space inertia. D removes the joints without a motor.
 struct ContactRow {
-  JointRow normal{};         ///< N = J^T [n; r x n]: joint torques of the force, N m or N for 1 N
-  JointRow response{};       ///< M^-1 D N: joint accelerations that the motors give for it, rad/s^2 or m/s^2
+  JointRow normal{};         ///< N = J^T [n; r x n]: joint torques of the force, N m or N per N
+  JointRow response{};       ///< M^-1 D N: joint accelerations caused by the motors for it, rad/s^2 or m/s^2
   double mass = 0.0;         ///< 1 / (N^T response): effective mass along the normal, kg
   Mat3 axes = Mat3::Zero();  ///< columns t1, t2, n in W; zero without friction
-  std::array<JointRow, 2> tangent{}, tangentResponse{};  ///< the same of t1 and t2; zero without friction
+  std::array<JointRow, 2> tangent{}, tangentResponse{};  ///< the same for t1 and t2; zero without friction
 };
 
-/// Joint-space inertia and contacts as a renderer with needsInertia() reads them.
+/// Joint-space inertia and contacts for a renderer with needsInertia().
 struct ContactRows {
-  int count = -1;                ///< rows that are filled: that of the contacts; -1: nobody asked for them
+  int count = -1;                ///< number of filled rows, one per contact; -1: not computed
   Cholesky<kMaxJoints> inertia;  ///< factors of M
   std::array<ContactRow, kMaxContacts> row;
 };
 
-/// What a renderer is doing.
+/// State of a renderer.
 enum class RenderMode : std::uint8_t {
-  free = 0,  ///< no contact: gravity is balanced
+  free = 0,  ///< no contact; the torque balances gravity
   contact,   ///< a wall is rendered
-  fault,     ///< the frame was unusable: see the status
+  fault,     ///< the frame was invalid; see the status
 };
 
-/// Name of a mode in plain words. Realtime: yes.
+/// Return the name of a mode in plain words. Realtime: yes.
 const char* toString(RenderMode mode) noexcept;
 
-/// What a renderer answers.
+/// Output of a renderer.
 struct TickOutput {
-  JointVector torque;  ///< N m or N, gravity included; finite and within +-maxTorque whatever the status
+  JointVector torque;  ///< with gravity, N m or N; finite and within +-maxTorque with any status
   RenderMode mode = RenderMode::fault;
-  bool saturated = false;    ///< a motor's limit cut the torque
-  double normalForce = 0.0;  ///< of the wall on the tool along the deepest contact's normal, N
+  bool saturated = false;    ///< a motor's limit reduced the torque
+  double normalForce = 0.0;  ///< force of the wall on the tool along the deepest contact's normal, N
 };
 
-/// What is known at a tick. All in SI; poses, twists and contacts in W. Joint vectors have n entries.
+/// Data of one tick, in SI units. Poses, twists and contacts are in W. Joint vectors have n entries.
 ///
 /// A tick without a new sample has `age` k > 0. Kinematics and contacts are then those of the last sample, k periods
-/// old. A renderer predicts from them and answers with a torque as at any other tick; it neither restarts nor learns.
-/// The time between two ticks may differ from the period: a sample may be late, and where ticks are missing, the last
-/// torque acted until this one.
+/// old. The renderer predicts from them and returns a torque as at any other tick. It neither restarts nor learns.
+///
+/// The time between two ticks may differ from the period, for example if a sample is late. If ticks are missing, the
+/// last torque acted until this tick.
 struct TickFrame {
   // Sense.
   double time = 0.0;                   ///< s, strictly increasing
-  int age = 0;                         ///< periods since the sample; 0: a new sample
-  Kinematics kinematics;               ///< measured; the inertia where the renderer asked for it
-  JointVector maxTorque;               ///< limit of every motor, N m or N; 0: a joint without a motor
-  std::optional<JointVector> applied;  ///< torque that acted since the last tick, N m or N; empty: not known
+  int age = 0;                         ///< age of the sample, periods; 0: a new sample
+  Kinematics kinematics;               ///< from the measurement; with the inertia if the renderer needs it
+  JointVector maxTorque;               ///< limit of each motor, N m or N; 0: a joint without a motor
+  std::optional<JointVector> applied;  ///< torque that acted since the last tick, N m or N; empty: unknown
 
-  // Find contacts; contact rows and responses.
-  ContactSnapshot contacts;  ///< at the pose; the deepest first
+  // Find contacts, contact rows and responses.
+  ContactSnapshot contacts;  ///< at the pose, deepest first
   ContactRows rows;
 
   // Render.
   TickOutput output;
 
   // Guard.
-  JointVector command;                     ///< what reaches the motors, N m or N
-  GuardReason reason = GuardReason::none;  ///< why it is not what was requested
+  JointVector command;                     ///< torque for the motors, N m or N
+  GuardReason reason = GuardReason::none;  ///< why the command differs from the requested torque
 };
 
-/// The stage `contact rows and responses`: factors the inertia and fills the rows of all contacts. Status outOfRange
-/// where the inertia is missing, not positive definite or of a joint outside 1e-12 to 1e6 kg m^2 or kg, or the
-/// contacts' count cannot be; the frame then has no rows. Realtime: yes.
+/// Factor the inertia and fill the rows of all contacts (stage `contact rows and responses`). Status outOfRange in
+/// these cases; the frame then has no rows:
+///
+/// - the inertia is missing or not positive definite;
+/// - the inertia of a joint is outside 1e-12 to 1e6 kg m^2 or kg;
+/// - the number of contacts is invalid.
+///
+/// Realtime: yes.
 [[nodiscard]] Status fillContactRows(TickFrame& frame) noexcept;
 
 }  // namespace enamel

@@ -1,11 +1,18 @@
-// The guard: decides what a renderer's torque becomes before it reaches the motors. In every HapticTick, on by default.
+// The guard decides which torque reaches the motors. It is part of every HapticTick and on by default.
 //
-// A request that no rule objects to passes bit for bit. The rules, in this order: finite numbers; a measurement that
-// can be (jumps, frozen encoders, the clock); a driver that fails; force, torque and slew; workspace and speed; the
-// energy that the tool was given; oscillation; missed deadlines; samples that come too fast; the user's enable. Cuts
-// scale the part beyond gravity, so a force becomes smaller and is never turned. A fault ramps the torque to what
-// balances gravity where the configuration is known, to zero where it is not, and stays until reset(). Told at length,
-// with what it cannot see: lib/docs/guard.md.
+// A request that breaks no rule passes unchanged, bit for bit. Each tick the guard checks for faults in this order:
+//
+// 1. invalid numbers, joints that jump, frozen encoders, the clock, late ticks;
+// 2. a failed driver, an unreachable configuration, a failed renderer;
+// 3. workspace, speed, and the energy given to the tool;
+// 4. missed deadlines, and samples that come too fast;
+// 5. oscillation.
+//
+// Without a fault it applies the user's enable, the ramp in, the brake, and the limits of force, torque and slew. A
+// limit scales the part of the torque above gravity. The force then becomes smaller and keeps its direction.
+//
+// A fault ramps the torque to the torque that balances gravity, or to zero if the configuration is unknown. It stays
+// latched until reset(). Details, and the faults that the guard cannot detect: lib/docs/guard.md.
 #pragma once
 
 #include <array>
@@ -25,155 +32,172 @@ inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 /// Largest GuardOptions::delay, ticks.
 inline constexpr int kMostGuardDelay = 3;
 
-/// Limits and budgets of a guard: guardFor() derives them from a device; tighten what should be tighter.
+/// Limits and budgets of a guard. guardFor() derives them from a device. Make them tighter where the application allows
+/// it.
 struct GuardOptions {
-  bool on = true;        ///< false: everything passes; ticks are kept all the same
-  double period = 1e-3;  ///< of the ticks, s
+  bool on = true;        ///< false: every torque passes; ticks are still recorded
+  double period = 1e-3;  ///< period of the ticks, s
 
-  JointVector torque;                           ///< largest of every motor, N m or N; 0: a joint without a motor
-  JointVector slew;                             ///< largest change, N m/s or N/s
-  double force = kUnlimited;                    ///< largest rendered at the TCP, N
-  double moment = kUnlimited;                   ///< the same, N m
-  Vec3 workspace = Vec3::Constant(kUnlimited);  ///< half widths of a box about home, m
-  double margin = 5e-3;                         ///< beyond it: the stop, m
+  JointVector torque;                           ///< largest torque of each motor, N m or N; 0: a joint without a motor
+  JointVector slew;                             ///< largest rate of change of each torque, N m/s or N/s
+  double force = kUnlimited;                    ///< largest rendered force at the TCP, N
+  double moment = kUnlimited;                   ///< largest rendered moment at the TCP, N m
+  Vec3 workspace = Vec3::Constant(kUnlimited);  ///< half widths of a box around home, m; the brake acts outside
+  double margin = 5e-3;                         ///< distance from that box to the stop, m
 
-  double speed = 1.0, stopSpeed = 3.0;  ///< of the TCP: where the brake begins, and the stop, m/s
-  double turn = 20.0, stopTurn = 60.0;  ///< rad/s
-  double brake = 0.0, brakeTurn = 0.0;  ///< damping on what is beyond, N s/m and N m s/rad
+  double speed = 1.0, stopSpeed = 3.0;  ///< TCP speeds at which brake and stop begin, m/s
+  double turn = 20.0, stopTurn = 60.0;  ///< the same of the angular speed, rad/s
+  double brake = 0.0, brakeTurn = 0.0;  ///< damping of the excess speed, N s/m and N m s/rad
 
-  JointVector rate;         ///< faster is no motion of a joint, rad/s or m/s
-  JointVector encoderStep;  ///< of the encoders, rad or m
-  Drive drive;              ///< between motors and links: what rotors and cables hold is not the tool's energy
-  JointVector linkInertia;  ///< of each link by itself, without rotors, kg m^2 or kg; needed behind cables
-  int delay = 0;            ///< of the commands, ticks; used if the device does not report what acted
-  int longestGap = 4;       ///< between two ticks, and between two samples, periods
-  int mostMissed = 10;      ///< ticks and samples that were missed, of which 1 % are forgotten a tick
+  JointVector rate;         ///< largest plausible rate of each joint, rad/s or m/s
+  JointVector encoderStep;  ///< encoder step of each joint, rad or m
+  /// Transmission between motors and links. The energy account excludes the energy stored in rotors and cables.
+  Drive drive;
+  JointVector linkInertia;  ///< of each link alone, without rotors, kg m^2 or kg; required with cables
+  int delay = 0;            ///< delay of the commands, ticks; used if the device does not report the torque
+  int longestGap = 4;       ///< longest time between two ticks or two samples, periods
+  int mostMissed = 10;      ///< largest number of missed ticks and samples; each tick forgets 1 % of them
 
-  Mat6 damping = Mat6::Zero();  ///< mechanical, of the TCP's twist: what the device itself takes out, SI
-  double energy = 0.0;          ///< budget, J
-  double power = 0.0;           ///< that does not count against the budget, W
-  double softest = 500.0;       ///< wall that may give back all that it took: F^2 / (2 K) at most, N/m
+  Mat6 damping = Mat6::Zero();  ///< the device's own mechanical damping of the TCP's twist, N s/m, N m s/rad
+  double energy = 0.0;          ///< energy budget, J
+  double power = 0.0;           ///< power that does not count against the budget, W
+  double softest = 500.0;       ///< stiffness K of the softest wall, N/m; it may return at most F^2 / (2 K)
 
-  double oscillation = 0.7;  ///< rms change of a rendered torque in a tick, over 0.1 s; a share of the motor's limit
-  double engage = 0.1;       ///< demanded torque beyond gravity at which it engages, a share of every motor's limit
-  double rampIn = 0.1;       ///< s
-  double rampOut = 0.02;     ///< s
+  /// Largest change of a rendered torque per tick, rms over 0.1 s, as a share of the motor's limit.
+  double oscillation = 0.7;
+  /// The renderer engages below this demanded torque above gravity, as a share of each motor's limit.
+  double engage = 0.1;
+  double rampIn = 0.1;    ///< duration of the ramp in, s
+  double rampOut = 0.02;  ///< duration of the ramp out, s
 };
 
-/// Options for a device and ticks of `period` s: the motors' limits, their whole range within half a millisecond, a
-/// brake that damps the lightest direction at home by 5 % a tick, the mechanical damping of the model at home, an
-/// energy budget of the largest force at home in its weakest direction over 0.7 mm, and beside it that force at 1 mm/s.
-/// Throws Error: a period outside 1e-5 to 0.1 s. Realtime: no.
+/// Return options for a device and ticks of `period` s:
+///
+/// - torque: the motors' limits; slew: their whole range within half a millisecond;
+/// - brake: damps the lightest direction at home by 5 % per tick;
+/// - damping: the mechanical damping of the model at home;
+/// - energy: F over 0.7 mm; power: F at 1 mm/s. F is the largest force at home in the weakest of the six axis
+///   directions.
+///
+/// Throws Error if the period is outside 1e-5 to 0.1 s. Realtime: no.
 GuardOptions guardFor(const Mechanism& device, double period);
 
-/// Sets drive and linkInertia to those of a device at home. Realtime: no.
+/// Set drive and linkInertia to those of a device at home. Realtime: no.
 void setDrive(const Mechanism& device, GuardOptions& options);
 
-/// One tick as the guard keeps it.
+/// Record of one tick.
 struct GuardTick {
   double time = 0.0;                       ///< s
-  JointVector q;                           ///< measured, rad or m
-  JointVector requested, applied;          ///< N m or N
-  double energy = 0.0;                     ///< that the tool was given beyond what it gave, by the worse account, J
-  GuardReason reason = GuardReason::none;  ///< why the two differ
+  JointVector q;                           ///< measured joint coordinates, rad or m
+  JointVector requested, applied;          ///< torques, N m or N
+  double energy = 0.0;                     ///< net energy given to the tool, the larger of two accounts, J
+  GuardReason reason = GuardReason::none;  ///< why applied and requested differ
 };
 
-/// How many ticks are kept; none is added once a fault has ramped out.
+/// Number of recorded ticks. Recording stops once a fault has ramped out.
 inline constexpr std::size_t kGuardTicks = 1000;
 
-/// A guard with its memory. A value: a copy continues as the original does.
+/// The guard of one device, with its memory. A guard is a value: a copy continues as the original does.
 class Guard {
  public:
-  /// Throws Error: a torque limit beyond the device's, or one joint's number missing; limits that are negative or not
-  /// numbers; a period outside 1e-5 to 0.1 s. Realtime: no.
+  /// Throws Error in these cases:
+  ///
+  /// - a torque limit exceeds the device's;
+  /// - a vector does not have one number per joint;
+  /// - a limit is negative or NaN, or a slew, rate, encoder step or softest wall is not positive;
+  /// - a stop is below its limit, the delay is outside 0 to kMostGuardDelay, or longestGap is below 1;
+  /// - cables without inertias of rotors and links;
+  /// - the period is outside 1e-5 to 0.1 s.
+  ///
+  /// Realtime: no.
   Guard(const Mechanism& device, const GuardOptions& options);
 
-  /// One tick: reads kinematics, contacts and requested torque of the frame, writes its command and reason. The
-  /// kinematics count where their q is that of the measurement. `status` is that of everything before. What a moving
-  /// obstacle does to the tool is not held against the renderer. Realtime: yes (no allocation).
+  /// Guard one tick. Read kinematics, contacts and requested torque of the frame; write its command and reason.
+  /// `status` is the status of all earlier stages. The kinematics count only if their q equals the measured q. The
+  /// energy account excludes the work of a moving obstacle. Realtime: yes (no allocation).
   void step(const Measurement& measurement, Status status, TickFrame& frame) noexcept;
 
-  /// Forgets a fault. What is rendered next ramps in once the demanded force is small. Realtime: yes.
+  /// Clear a fault. The renderer's torque then ramps in once the demanded force is small. Realtime: yes.
   void reset() noexcept;
 
-  /// As new, for a device at rest that nothing acts on yet: nothing ramps in. Realtime: yes.
+  /// Restart as after construction, for a device at rest without any torque. There is then no ramp in. Realtime: yes.
   void restart() noexcept;
 
-  /// The fault that is latched, or none; whether anything of the renderer's torque is let through. Realtime: yes.
+  /// Return the latched fault, or `none`. engaged() returns whether any of the renderer's torque passes. Realtime: yes.
   GuardReason fault() const noexcept { return state_.fault; }
   bool engaged() const noexcept { return state_.open || state_.weight > 0.0; }
 
   const GuardOptions& options() const noexcept { return options_; }
 
-  /// Return whether a report of the acting torque (Measurement::applied) is plausible. Each motor must be within 1.5
-  /// times its limit. The report must contain at least 0.75 of the commands of the last 0 to kMostGuardDelay ticks (by
-  /// regression over 10 ms); it may contain more, such as effects of an application. The command replaces a report that
-  /// is rejected. Realtime: yes.
+  /// Return whether a report of the acting torque (Measurement::applied) is plausible. Each torque must be within 1.5
+  /// times its motor's limit. The report must contain at least 0.75 of the commands of the last 0 to kMostGuardDelay
+  /// ticks, by regression over 10 ms. It may contain more, such as effects of an application. The command replaces a
+  /// rejected report. Realtime: yes.
   bool believes(const JointVector& applied) const noexcept;
 
-  /// Return the number of rejected reports since construction or restart(), and the joint of the last one (-1: none).
-  /// Realtime: yes.
+  /// Return the number of rejected reports since construction or restart(). ignoredJoint() returns the joint of the
+  /// last one, or -1. Realtime: yes.
   std::uint64_t ignoredReports() const noexcept { return ignored_; }
   int ignoredJoint() const noexcept { return ignoredJoint_; }
 
-  /// The state between ticks, as stateSize() numbers, and back; the ticks that are kept stay. Numbers that no state can
-  /// have are those after reset(). Realtime: yes.
+  /// Save and load the state between ticks, stateSize() numbers. The recorded ticks are not part of it and remain.
+  /// Invalid numbers give the state after reset(). Realtime: yes.
   static std::size_t stateSize() noexcept;
   void saveState(double* state) const noexcept;
   void loadState(const double* state) noexcept;
 
-  /// The ticks that are kept: how many, and one by its age, 0 the newest. Realtime: yes.
+  /// Return the number of recorded ticks. tick() returns one by its age; 0 is the newest. Realtime: yes.
   std::size_t kept() const noexcept { return count_ < kGuardTicks ? count_ : kGuardTicks; }
   const GuardTick& tick(std::size_t age) const noexcept { return ring_[(count_ - 1 - age) % kGuardTicks]; }
 
  private:
   using Row = std::array<double, kMaxJoints>;
-  // Torque of a motor, stretch of its cable and its rate, a period later: by themselves and by the command.
+  // Motor torque, cable stretch and stretch rate one period later, from their present values and from the command.
   struct Transmission {
     double kept[3][3], command[3];
-    double share;  // of what is left for rotor and link that reaches the link
+    double share;  // share of the torque left for rotor and link that reaches the link
   };
   static constexpr int kReportLags = kMostGuardDelay + 1;
-  // Energy that the tool was given, by one opinion on the torque that acted.
+  // Energy given to the tool, computed from one estimate of the acting torque.
   struct Account {
     double energy = 0.0;                     // J
-    double held = 0.0;                       // by rotors and cables, J
-    Row beyond{};                            // that reached the links beyond gravity before the last tick
-    Row lagged{}, stretch{}, stretchRate{};  // of motors and cables: torque beyond gravity, rad or m, and its rate
+    double held = 0.0;                       // energy stored in rotors and cables, J
+    Row beyond{};                            // torque above gravity that reached the links before the last tick
+    Row lagged{}, stretch{}, stretchRate{};  // motor torque above gravity; cable stretch, rad or m, and its rate
   };
   struct State {
     GuardReason fault = GuardReason::none;
     bool started = false;   // there was a tick since reset()
     bool acted = false;     // `torque` was applied
-    bool open = false;      // the renderer is let through
-    bool withheld = false;  // it was not, at some tick: ramp in
-    bool known = true;      // of a fault: the configuration
-    bool shedding = false;  // of a fault: the rendered part is gone
+    bool open = false;      // the renderer is admitted
+    bool withheld = false;  // the renderer was blocked at some tick: ramp in
+    bool known = true;      // during a fault: the configuration is known
+    bool shedding = false;  // during a fault: the rendered part was removed at once
     double time = 0.0;
-    double sampleTime = 0.0;  // of the last sample, with what follows
+    double sampleTime = 0.0;  // of the last sample, as the next three
     Row q{};
     Vec6 twist = Vec6::Zero();
-    Row acting{};                         // applied since then, the mean
-    double ticks = 0.0;                   // since then
-    Row torque{};                         // applied last; of a joint without a motor what the wall would have needed
-    Row gravity{};                        // at the last tick
-    Row rendered{};                       // requested beyond gravity, at the last tick
-    Vec3 surface = Vec3::Zero();          // velocity of what was touched at the last tick, W
+    Row acting{};                 // mean torque applied since the last sample
+    double ticks = 0.0;           // since the last sample
+    Row torque{};                 // last applied torque; at a joint without a motor: the torque that the wall needs
+    Row gravity{};                // gravity torque at the last tick
+    Row rendered{};               // torque above gravity requested at the last tick
+    Vec3 surface = Vec3::Zero();  // velocity of the touched surface at the last tick, W
     Mat3 rotation = Mat3::Identity();     // of the platform at the last sample
-    double weight = 0.0;                  // of the rendered part
-    Row from{}, fromGravity{};            // where a fault's ramp begins
-    int rampTicks = 0;                    // of it
-    Account commanded, reported;          // by what was commanded, and by what the device reports
-    bool reports = false;                 // the device has reported
-    std::array<Row, kReportLags> sent{};  // applied at the last ticks, the newest first
+    double weight = 0.0;                  // weight of the rendered part
+    Row from{}, fromGravity{};            // torques at the start of a fault's ramp
+    int rampTicks = 0;                    // ticks since that start
+    Account commanded, reported;          // from the guard's commands; from the device's reports
+    bool reports = false;                 // the device has reported a torque
+    std::array<Row, kReportLags> sent{};  // torques applied at the last ticks, newest first
     Row match{}, power{};                 // means of report times command, and of the oldest command squared
-    double interval = 0.0;                // mean time between samples, less a period, s
-    double peak = 0.0;                    // largest rendered force of late, N
+    double interval = 0.0;                // mean time between samples, minus one period, s
+    double peak = 0.0;                    // largest recent rendered force, N
     Row jerk{};                           // mean square change of the rendered torque, shares
-    double missed = 0.0;                  // ticks
-    Row pace{}, claimed{};  // of a joint at rest: counts a tick before it stopped, counts that its rate predicts since
-    std::array<bool, kMaxJoints> even{};  // whether the pace was that of the tick before
-    std::array<int, kMaxJoints> still{};  // for how many ticks
+    double missed = 0.0;                  // missed ticks
+    Row pace{}, claimed{};  // counts per tick before a joint stopped; counts predicted from its rate since then
+    std::array<bool, kMaxJoints> even{};  // whether the pace equals that of the tick before
+    std::array<int, kMaxJoints> still{};  // ticks without a change of the reading
   };
 
   template <typename AnyState, typename Visit>
@@ -201,10 +225,10 @@ class Guard {
   GuardOptions options_;
   int n_;
   bool damped_;
-  std::array<Transmission, kMaxJoints> transmission_{};  // behind cables
-  double lag_ = 0.0, mostHeld_ = 0.0;                    // of the motors, 1/s; largest of Account::held, J
-  JointVector most_;                                     // of the motors, whatever the options, N m or N
-  Row weight_{};                                         // of a joint in a comparison of torques: 1 / most_^2
+  std::array<Transmission, kMaxJoints> transmission_{};  // of devices with cables
+  double lag_ = 0.0, mostHeld_ = 0.0;                    // lag of the motors, 1/s; upper bound of Account::held, J
+  JointVector most_;                                     // the motors' own limits, N m or N
+  Row weight_{};                                         // weight of a joint in a comparison of torques: 1 / most_^2
   std::uint64_t ignored_ = 0;
   int ignoredJoint_ = -1;
   State state_;

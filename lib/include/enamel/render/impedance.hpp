@@ -1,4 +1,4 @@
-// The conventional wall: a spring and a damper along the contact's normal.
+// The conventional wall: a spring and a damper along the contact normal.
 #pragma once
 
 #include "enamel/render/friction.hpp"
@@ -8,22 +8,40 @@ namespace enamel {
 
 /// Parameters of the impedance wall.
 struct ImpedanceOptions {
-  double stiffness = 6000.0;  ///< K_r, N/m on the penetration depth
-  double damping = 0.0;       ///< B_r, N s/m on the approach speed
+  double stiffness = 6000.0;  ///< K_r on the penetration depth, N/m
+  double damping = 0.0;       ///< B_r on the approach speed, N s/m
 };
 
-/// Mechanical damping along the normal that a device must have for the wall to be passive, N s/m: K_r Ts / 2 + |B_r|
-/// ("A Position-Control Based Approach ...", eq. 16; Colgate and Brown 1994); a device with more has a stable wall.
-/// `period` in s. Says nothing about delay. Realtime: yes.
+/// Return the mechanical damping along the normal above which the wall is passive, N s/m:
+///
+///   b > K_r Ts / 2 + |B_r|
+///
+/// Source: Colgate and Brown 1994; "A Position-Control Based Approach ...", eq. 16. `period` is Ts, s. Realtime: yes.
+///
+/// The bound assumes exact positions and torques without delay. Under these assumptions a device with more damping has
+/// a stable wall. The bound is not a stability guarantee on a real device:
+///
+/// - It ignores quantisation by encoders, which can cause limit cycles even above the bound. Conditions with
+///   quantisation and Coulomb friction: Diolaiti, Niemeyer, Barbagli and Salisbury 2006.
+/// - It ignores delay, which raises the required damping. Boundaries with delay: Hulin, Albu-Schäffer and Hirzinger
+///   2014.
+///
+/// Enamel implements neither of these conditions. Its simulations include both effects: evaluateWall()
+/// (study/wall_design.hpp) and runWallTrials() (study/wall_trials.hpp) round encoders and delay commands. They test a
+/// spring and prove nothing.
 double requiredDamping(const ImpedanceOptions& options, double period) noexcept;
 
-/// tau = g(q) + J^T sum_k [f_k n_k + t_k; (p_k - p) x (f_k n_k + t_k)], f_k = max(0, K depth_k + B_r approach speed_k)
-/// for every contact with a negative gap: the wall pushes and never pulls. K is K_r in series with the obstacle's
-/// stiffness; t_k is the friction of FrictionMemory, stuck with K_r and B_r. On any mechanism. A wall that asks for
-/// more damping than the device has is rendered all the same: compare requiredDamping() and warn.
+/// Render each contact with a negative gap as a spring and a damper, on any mechanism:
+///
+///   tau = g(q) + J^T sum_k [f_k n_k + t_k; (p_k - p) x (f_k n_k + t_k)]
+///   f_k = max(0, K depth_k + B_r approach speed_k)
+///
+/// The wall pushes and never pulls. K is K_r in series with the obstacle's stiffness. t_k is the friction of
+/// FrictionMemory; it sticks with K_r and B_r. The renderer does not compare requiredDamping() with the damping of the
+/// device. Compare them before use and warn the user.
 class ImpedanceRenderer final : public Renderer {
  public:
-  /// Throws Error: a stiffness or damping that is negative or not finite.
+  /// Throws Error if stiffness or damping is negative or not finite.
   explicit ImpedanceRenderer(const ImpedanceOptions& options);
 
  private:
@@ -34,7 +52,7 @@ class ImpedanceRenderer final : public Renderer {
   void stateLoaded() noexcept override;
 
   struct State {
-    std::array<double, kMaxJoints> q{};  // of the last sample
+    std::array<double, kMaxJoints> q{};  // at the last sample
     double sampleTime = 0.0, started = 0.0;
     FrictionMemory friction;
   };

@@ -1,4 +1,4 @@
-// A wall that never gives more energy than it took, whatever its spring: passivity in the time domain.
+// Time-domain passivity: a wall that never returns more energy than it took, with any spring.
 #pragma once
 
 #include <cstdint>
@@ -8,37 +8,41 @@
 
 namespace enamel {
 
-/// What a wall may give.
+/// Bound on the energy that a wall may return.
 enum class PassivityBound : std::uint8_t {
-  energy,  ///< what it has taken, anywhere
-  memory,  ///< at a depth what it has taken at that depth
+  energy,  ///< energy taken at any depth
+  memory,  ///< at each depth, the energy taken at that depth
 };
 
-/// Passivity observer and controller (Hannaford and Ryu 2002, eq. 6 and 12) around another renderer, at the port
-/// between its torques and the joints:
-///   E_k = E_(k-1) - r_(k-1)^T (q_k - q_(k-1)),   r = torque that really acted - gravity,
-/// is what the wall has taken from the tool, less the work of a moving obstacle. Before a torque r acts, the energy
-/// that it will give at the present rates, r^T q' T, is compared with E (a tick ahead: Ryu, Preusche, Hannaford and
-/// Hirzinger 2005), and r becomes smaller by one factor where that is more: to nothing while E < 0. That is the damper
-/// of the controller along the force, no firmer than the force, so that the wall neither turns nor pulls. Off the wall
-/// what it took is forgotten, what it gave too much is not: the next contact owes it.
+/// Passivity observer and controller (Hannaford and Ryu 2002, eq. 6 and 12) around another renderer. They act at the
+/// port between its torques and the joints. The observer computes the energy that the wall has taken from the tool:
 ///
-/// With PassivityBound::memory, E is kept in layers of 40 um of the deepest contact's depth (the idea of Ryu and Yoon
-/// 2014, who remember the force over the depth on the way in and stay below it on the way out; here the energy of a
-/// layer, so that a wall that turns within one is counted exactly). On the way out the factor is that of the layer that
-/// has least for its part of the next tick's motion; what a layer has left when the tool is out of it is forgotten,
-/// what it owes is not. All deeper than 5.1 mm is one layer.
+///   E_k = E_(k-1) - r_(k-1)^T (q_k - q_(k-1)),   r = acting torque - gravity
 ///
-/// Without delay no contact gives energy. With one, a wall sees what a late torque gave when it is done: it then gives
-/// nothing until the debt is paid, which bounds the energy and no more.
+/// The work of a moving obstacle is subtracted.
+///
+/// Before a torque r acts, the controller predicts the energy that it will return at the present rates, r^T q' T. It
+/// compares this energy with E one tick ahead (Ryu, Preusche, Hannaford and Hirzinger 2005). If it exceeds E, one
+/// factor reduces r; the factor is zero while E < 0. The effect is the controller's damper along the force, never
+/// larger than the force. The wall therefore neither pulls nor changes the direction of the force. When the tool leaves
+/// the wall, a positive E is forgotten. A negative E remains: the next contact must first take this energy.
+///
+/// PassivityBound::memory keeps E in layers of 40 um of the deepest contact's depth. The idea is that of Ryu and Yoon
+/// 2014, who store the force over the depth on the way in and stay below it on the way out. Here each layer stores
+/// energy, so a motion that turns within a layer is counted exactly. On the way out, the layer with the least energy
+/// for its part of the next motion determines the factor. When the tool has left a layer, the remaining energy of the
+/// layer is forgotten. A debt of the layer is kept. All depths above 5.1 mm are one layer.
+///
+/// Without delay no contact returns energy. With delay, the observer sees the effect of a late torque only afterwards.
+/// The wall then returns nothing until its debt is paid. This bounds the energy but nothing else.
 class PassivityRenderer final : public Renderer {
  public:
-  /// Throws Error: no wall.
+  /// Throws Error if `wall` is null.
   explicit PassivityRenderer(std::unique_ptr<Renderer> wall, PassivityBound bound = PassivityBound::energy);
 
   bool needsInertia() const noexcept override { return wall_->needsInertia(); }
 
-  /// E, with memory the sum over the layers, J. Realtime: yes.
+  /// Return E, J; with PassivityBound::memory the sum over the layers. Realtime: yes.
   double energy() const noexcept;
 
  private:
@@ -51,8 +55,8 @@ class PassivityRenderer final : public Renderer {
   std::unique_ptr<Renderer> wall_;
   PassivityBound bound_;
   double period_ = 0.0;
-  std::vector<unsigned char> state_;   // the port's, then the wall's
-  std::vector<unsigned char> loaded_;  // the wall's, as it took it
+  std::vector<unsigned char> state_;   // of the port, then of the wall
+  std::vector<unsigned char> loaded_;  // state of the wall, as the wall accepted it
 };
 
 }  // namespace enamel

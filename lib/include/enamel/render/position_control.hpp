@@ -1,16 +1,21 @@
-// Position control of a tool at a wall: it pushes and never pulls, lets the tool slide, and is as stiff as counts,
-// delay and transmission allow. The whole story, with its equations: lib/docs/position-control.md.
+// Position control of a tool at a wall. The wall pushes and never pulls, and the tool can slide. Encoder counts, delay
+// and transmission limit its stiffness. Explanation with equations: lib/docs/position-control.md.
 //
 //   measured joints -> observer of modes and push -> where the hand would take the tool
 //                   -> nearest place in the free space -> force towards it
 //
-// Modes. The eigenvectors of the links' inertia turn the device into independent one-axis systems (mode_table.hpp).
-// Observer. A Kalman filter a mode whose noise is the device's data, three hypotheses on when the push last jumped, and
-// ln(mass) as one more state (push_observer.hpp). A lost sample is a prediction.
-// Controller. Each mode has the linear-quadratic design of its inertia: torque = K (target - w), where w is where the
-// hand would take the mode. The target is the point nearest to w, in the metric K, that violates no contact. The force
-// is then a sum of contact normals with factors that are not negative, one contact or many (contact_projection.hpp).
-// A cap keeps the outward speed below what the push turns back within the depth that no controller avoids.
+// Modes: the eigenvectors of the links' inertia decouple the device into independent one-axis systems (mode_table.hpp).
+//
+// Observer: each mode has a Kalman filter. Its noise follows from the device's data. Further hypotheses cover the time
+// of the push's last jump. ln(mass) is one more state (push_observer.hpp). After a lost sample the filter only
+// predicts.
+//
+// Controller: each mode has a linear-quadratic design for its inertia, torque = K (target - w). Here w is where the
+// hand would take the mode. The target is the point nearest to w, in the metric K, that violates no contact. The torque
+// is then a sum of contact normals with non-negative factors, for one contact or many (contact_projection.hpp).
+//
+// Cap: it limits the outward speed that a force may cause. The push must turn the tool back within the depth that no
+// controller can avoid.
 #pragma once
 
 #include <memory>
@@ -19,41 +24,45 @@
 
 namespace enamel {
 
-/// Largest delay that can be stated, ticks.
+/// Largest delay of PositionControlOptions, ticks.
 inline constexpr int kMaxLoopDelay = 8;
 
-/// What position control is told of a device. Everything else it computes.
+/// Data of a device for position control. The renderer computes all other numbers.
 struct PositionControlOptions {
   double period = 1e-3;             ///< of the ticks, s
-  JointVector encoderStep;          ///< step of each joint's encoder, rad or m: as many as the device has joints
-  int delayLow = 0, delayHigh = 0;  ///< a command acts this many ticks late: constant, or anything between the two
-  Drive drive;                      ///< between command and joint
+  JointVector encoderStep;          ///< step of each joint's encoder, rad or m; one per joint of the device
+  int delayLow = 0, delayHigh = 0;  ///< delay of a command, ticks: constant if equal, else random in between
+  Drive drive;                      ///< transmission between command and joint
 };
 
-/// Options for a device. Realtime: yes.
+/// Return options for a device. Realtime: yes.
 PositionControlOptions positionControlFor(const Mechanism& mechanism, double period, int delayLow, int delayHigh);
 
-/// What position control has learnt and has not used.
+/// Estimates and counters of position control.
 struct PositionControlState {
-  double mass = 1.0;       ///< of the links, over the model's
-  double deviation = 0.0;  ///< of ln(mass)
-  double push = 0.0;       ///< of the hand against the contacts that carry force, N; 0: there is none
-  double ignored = 0.0;    ///< samples that no push explains, since reset()
-  double merged = 0.0;     ///< contacts of the last tick that others already say
+  double mass = 1.0;       ///< estimated mass of the links over the model's
+  double deviation = 0.0;  ///< standard deviation of ln(mass)
+  double push = 0.0;       ///< estimated push of the hand against the loaded contacts, N; 0: no push
+  double ignored = 0.0;    ///< samples ignored since reset() because no push explains them
+  double merged = 0.0;     ///< redundant contacts of the last tick: others already hold the tool
 };
 
-/// Position control on any mechanism with as many joints as encoder steps were given.
+/// The renderer of position control. The mechanism must have as many joints as there are encoder steps.
 class PositionControlRenderer final : public Renderer {
  public:
-  /// Throws Error: no or more than kMaxJoints encoder steps, one that is not positive; delays outside 0 to
-  /// kMaxLoopDelay, low above high; a period outside 1e-5 to 0.1 s; numbers of the drive that are negative or not
-  /// finite, a cable without a rotor; at activate(), a period other than `period`.
+  /// Throws Error in these cases:
+  ///
+  /// - the number of encoder steps is outside 1 to kMaxJoints, or a step is not positive and finite;
+  /// - a delay is outside 0 to kMaxLoopDelay, or delayLow is above delayHigh;
+  /// - the period is outside 1e-5 to 0.1 s;
+  /// - a number of the drive is negative or not finite, or a cable has no rotor;
+  /// - at activate(): the period differs from `period`.
   explicit PositionControlRenderer(const PositionControlOptions& options);
   ~PositionControlRenderer() override;
 
   bool needsInertia() const noexcept override { return true; }
 
-  /// Realtime: yes.
+  /// Return the estimates of the last tick. Realtime: yes.
   PositionControlState state() const noexcept;
 
  private:

@@ -1,4 +1,4 @@
-// One haptic tick, from what a device measured to the torque that its motors get: the stages of frame.hpp in order.
+// One haptic tick, from a measurement to the torque of the motors. It runs the stages of frame.hpp in order.
 #pragma once
 
 #include <cstddef>
@@ -14,55 +14,60 @@
 
 namespace enamel {
 
-/// Obstacles farther from the tool than this are no contacts of a tick, m.
+/// Margin of contact search, m. Obstacles farther from the tool than this are not contacts of a tick.
 inline constexpr double kContactMargin = 1e-3;
 
-/// The tick of one device and one tool: owns the frame and what lasts from tick to tick; refers to mechanism, scene and
-/// renderer, which must outlive it. Obstacles may move between ticks, none may be added.
-/// Poses may come at the rate of the ticks or at that of frames: SceneMotion says what a tick sees of them.
+/// The ticks of one device and one tool. The object owns the frame and all data that last from tick to tick. It refers
+/// to mechanism, scene and renderer, which must outlive it. Obstacles may move between ticks; do not add any. A host
+/// may set their poses at every tick or at frame rate. SceneMotion computes the poses that a tick uses.
 ///
-/// A tick without a new sample (Measurement::age above 0, or a time stamp that repeats) keeps kinematics and contacts
-/// of the last one; the renderer predicts, the drill waits. The guard lets GuardOptions::longestGap of them through.
-/// While the guard lets nothing through, the renderer is reset at every tick: it starts again where it is let in.
+/// A tick has no new sample if Measurement::age is above 0 or the time stamp repeats. It then keeps kinematics and
+/// contacts of the last tick. The renderer predicts, and the drill does not cut. The guard accepts up to
+/// GuardOptions::longestGap such ticks in a row. While the guard blocks the renderer, each tick resets it.
 class HapticTick {
  public:
-  /// Activates the renderer for ticks of `guard.period` s. `start`: about where the platform is at the first tick (home
-  /// where that is no pose or cannot be reached). Throws Error: as Renderer::activate(), Guard and
-  /// makeToolTrack(). Realtime: no.
+  /// Activate the renderer for ticks of `guard.period` s. `start` is the approximate pose of the platform at the first
+  /// tick. An invalid or unreachable `start` is replaced by the home pose. Throws Error as Renderer::activate(), Guard
+  /// and makeToolTrack(). Realtime: no.
   HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer,
              const GuardOptions& guard, const Pose& start = Pose{});
 
-  /// The same with guardFor(mechanism, period).
+  /// Do the same with guardFor(mechanism, period).
   HapticTick(const Mechanism& mechanism, const Scene& scene, const Tool& tool, Renderer& renderer, double period,
              const Pose& start = Pose{})
       : HapticTick(mechanism, scene, tool, renderer, guardFor(mechanism, period), start) {}
 
-  /// One tick. Statuses: those of Mechanism::track(), findContacts(), fillContactRows() and Renderer::step(); stale
-  /// without any sample so far; stopped where the guard has latched a fault. Whatever the status, the command is what
-  /// guard() let through. Realtime: yes.
+  /// Run one tick and write the command of the motors. With every status the command is the torque that the guard
+  /// admits.
+  ///
+  /// - stale: there was no sample yet.
+  /// - stopped: the guard has latched a fault.
+  /// - Other statuses are those of Mechanism::track(), followContacts(), fillContactRows() and Renderer::step().
+  ///
+  /// Realtime: yes.
   [[nodiscard]] Status operator()(const Measurement& measurement, Command& command) noexcept;
 
-  /// From the next tick on this bur cuts what it is pressed against; null: none does. It must outlive the ticks. What
-  /// it has cut is no part of the tick's state. Realtime: yes.
+  /// Attach a bur. From the next tick on, it cuts the material that it is pressed against. Null detaches it. The bur
+  /// must outlive the ticks. The material that it has cut is not part of the tick's state. Realtime: yes.
   void attach(Drill* drill) noexcept { drill_ = drill; }
-  /// What is attached, null: nothing. Realtime: yes.
+  /// Return the attached bur, or null. Realtime: yes.
   Drill* drill() const noexcept { return drill_; }
 
-  /// Goes on after a fault: guard and renderer start again, obstacles are at their stated poses. Realtime: yes.
+  /// Continue after a fault: reset guard and renderer, and put obstacles at their stated poses. Realtime: yes.
   void reset() noexcept;
 
-  /// Starts again as after construction, with the platform about at `start`. Realtime: yes.
+  /// Restart as after construction, with the platform near `start`. Realtime: yes.
   void restart(const Pose& start) noexcept;
 
-  /// Everything about the last tick. Realtime: yes.
+  /// Return the data of the last tick. Realtime: yes.
   const TickFrame& frame() const noexcept { return frame_; }
   const Guard& guard() const noexcept { return guard_; }
   const Renderer& renderer() const noexcept { return renderer_; }
   const SceneMotion& obstacles() const noexcept { return obstacles_; }
 
-  /// Save and load all state needed to continue bit for bit, stateSize() bytes aligned as doubles, the renderer's last.
-  /// The ticks that the guard keeps and the attached drill are not part of it. Invalid once an obstacle was moved or
-  /// changed. Bytes that no state can have give one as after reset(). Realtime: yes.
+  /// Save and load all state needed to continue bit for bit: stateSize() bytes, aligned as doubles, the renderer's
+  /// last. The guard's record of past ticks and the attached drill are not part of it. A saved state becomes invalid
+  /// when an obstacle is moved or changed. Bytes of an invalid state give the state after reset(). Realtime: yes.
   std::size_t stateSize() const noexcept { return numbers() * sizeof(double) + renderer_.stateSize(); }
   void saveState(void* state) const noexcept;
   void loadState(const void* state) noexcept;

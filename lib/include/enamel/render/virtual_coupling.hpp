@@ -1,4 +1,4 @@
-// The virtual coupling: a tool of the program's own touches the wall, and a spring and a damper tie the device to it.
+// Virtual coupling: a virtual tool touches the wall, and a spring and a damper connect the device to it.
 #pragma once
 
 #include "enamel/render/renderer.hpp"
@@ -12,16 +12,21 @@ struct VirtualCouplingOptions {
   double mass = 0.02;         ///< m of the virtual tool, kg
 };
 
-/// J. E. Colgate, M. C. Stanley, J. M. Brown 1995, "Issues in the haptic display of tool use": the device is tied to a
-/// virtual tool, and only that touches what is simulated, by constraints as stiff as one likes: what the device feels
-/// is K and B at most. The virtual tool is the device's tool moved by an offset e, W. From tick to tick, implicitly:
-///   m (v+ - v) / T = -K e+ - B (v+ - v_device) + sum_k n_k f_k,   f_k >= 0, g_k + n_k . e+ + f_k / k_material >= 0,
-/// one of the two zero, and the device gets K e+ + B (v+ - v_device) at the TCP with the contacts' moments. No
-/// friction; at most the six deepest contacts; obstacles that move push by where they are. Device damping beyond
-/// requiredDamping() of K and B makes it passive, whatever the obstacles.
+/// Connect the device to a virtual tool by a spring and a damper (J. E. Colgate, M. C. Stanley, J. M. Brown 1995,
+/// "Issues in the haptic display of tool use"). Only the virtual tool touches the obstacles. Its contacts may be
+/// arbitrarily stiff, because the device feels at most K and B. The virtual tool is the device's tool, displaced by e
+/// in W. Each tick solves one implicit step:
+///
+///   m (v+ - v) / T = -K e+ - B (v+ - v_device) + sum_k n_k f_k
+///   f_k >= 0,   g_k + n_k . e+ + f_k / k_material >= 0,   one of the two is zero
+///
+/// The device receives the force K e+ + B (v+ - v_device) at the TCP, and the moments of the contacts. The coupling
+/// renders no friction. At most the six deepest contacts count. A moving obstacle acts by its position, not by its
+/// velocity. The wall is passive if the damping of the device exceeds requiredDamping() of K and B, for any obstacles.
+/// The limits of that bound (impedance.hpp) apply.
 class VirtualCouplingRenderer final : public Renderer {
  public:
-  /// Throws Error: a stiffness or mass that is not positive or not finite; a damping that is negative or not finite.
+  /// Throws Error if the stiffness or the mass is not positive and finite, or the damping is negative or not finite.
   explicit VirtualCouplingRenderer(const VirtualCouplingOptions& options);
 
  private:

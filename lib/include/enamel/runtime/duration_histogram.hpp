@@ -1,4 +1,4 @@
-// Quantiles of durations that one thread measures and another one reads while it does.
+// Quantiles of durations. One thread measures, and another may read at the same time.
 #pragma once
 
 #include <array>
@@ -7,22 +7,23 @@
 
 namespace enamel {
 
-/// Counts durations in eight classes an octave from 100 ns to 100 ms (each 9 % wide); shorter and longer ones fall into
-/// the first and last class. One thread adds, any thread reads.
+/// Count durations in eight classes per octave, from 100 ns to 100 ms; each class is 9 % wide. Shorter and longer
+/// durations count in the first and last class. One thread adds; any thread reads.
 class DurationHistogram {
  public:
-  /// Counts a duration, s; negative ones count as 0. Realtime: yes.
+  /// Count a duration, s. Negative durations count as 0. Realtime: yes.
   void add(double duration) noexcept;
 
-  /// Upper end of the class that holds the quantile p in [0, 1], s; 0 while empty. Realtime: yes.
+  /// Return the upper end of the class that contains the quantile p in [0, 1], s; 0 if empty. Realtime: yes.
   double quantile(double p) const noexcept;
 
-  /// Largest duration so far, s. Realtime: yes.
+  /// Return the largest duration so far, s. Realtime: yes.
   double largest() const noexcept { return largest_.load(std::memory_order_relaxed); }
 
   std::uint64_t count() const noexcept;
 
-  /// Those of durations from `low` to below `high`, s, by whole classes: those whose middle is there. Realtime: yes.
+  /// Return the number of durations from `low` to below `high`, s. It counts the classes whose middle is in that range.
+  /// Realtime: yes.
   std::uint64_t count(double low, double high) const noexcept;
 
  private:

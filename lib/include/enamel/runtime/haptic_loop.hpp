@@ -1,7 +1,7 @@
-// The loop of a device: one thread that measures, ticks and actuates, on absolute time.
+// The loop of a device: one thread that measures, ticks and actuates, on absolute time. The life of the object is the
+// life of the loop:
 //
-// Made of what it refers to, and over when it is destroyed: nothing has to be started, stopped or freed by hand.
-//   construction: open the device, lock memory, first measurement, start the thread
+//   construction: open the device, lock memory, take the first measurement, start the thread
 //   destruction:  ramp the rendered part out through the guard, join the thread, close the device
 #pragma once
 
@@ -15,66 +15,72 @@
 
 namespace enamel {
 
-/// A tick of a loop: what was measured, asked for and commanded, why, and how long it took. Plain data.
+/// Record of one tick of a loop: measurement, requested torque, command, reason, durations. Plain data.
 struct LoopTick {
-  std::uint64_t number = 0;   ///< ticks before this one
-  Measurement measurement;    ///< that the tick was given
+  std::uint64_t number = 0;   ///< number of ticks before this one
+  Measurement measurement;    ///< input of the tick
   Pose pose;                  ///< of the platform
   Vec6 twist = Vec6::Zero();  ///< of the platform, m/s, rad/s
-  JointVector requested;      ///< by the renderer, N m or N
-  Command command;            ///< what the guard made of it
+  JointVector requested;      ///< torque requested by the renderer, N m or N
+  Command command;            ///< as the guard changed it
   double normalForce = 0.0;   ///< as the renderer reports it, N
   RenderMode mode = RenderMode::free;
-  GuardReason reason = GuardReason::none;  ///< why the command is not what was requested
+  GuardReason reason = GuardReason::none;  ///< why the command differs from the requested torque
   Status status = Status::ok;              ///< of the haptic tick
-  Status device = Status::ok;              ///< of measure(), else of actuate()
-  bool reset = false;                      ///< HapticTick::reset() came before it
+  Status device = Status::ok;              ///< of measure() or, if that was ok, of actuate()
+  bool reset = false;                      ///< HapticTick::reset() was called before this tick
   double compute = 0.0;                    ///< from the end of measure() to actuate(), s
-  double age = 0.0;  ///< of the command: from the beginning of measure() to the end of actuate(), s
+  double age = 0.0;  ///< age of the command: from the start of measure() to the end of actuate(), s
 };
 
-/// What sees every tick of a loop, on the loop's thread.
+/// Receiver of every tick of a loop, on the loop's thread.
 class TickSink {
  public:
   virtual ~TickSink() = default;
 
-  /// After actuate(). `haptics` has the whole of TickFrame and TickOutput, and the guard. Must be Realtime: yes.
+  /// Called after actuate(). `haptics` has the TickFrame with its output, and the guard. Must be Realtime: yes.
   virtual void tick(const LoopTick& tick, const HapticTick& haptics) noexcept = 0;
 };
 
 struct HapticLoopOptions {
-  /// Of the thread, 1e-4 to 2e-3 s; 0: that of the ticks. A shorter one asks the device more often: ticks are made
-  /// where there is a new measurement (a device that runs on its own clock).
+  /// Period of the thread, 1e-4 to 2e-3 s; 0: that of the ticks. A shorter one polls the device more often, for a
+  /// device with its own clock. A tick then runs when there is a new measurement.
   double period = 0.0;
-  double firstMeasurement = 1.0;  ///< for how long the constructor waits for it, s
-  int priority = 80;              ///< of SCHED_FIFO
-  bool lockMemory = true;         ///< mlockall(), for as long as the loop lives
-  TickSink* sink = nullptr;       ///< outlives the loop
+  double firstMeasurement = 1.0;  ///< longest wait of the constructor for a measurement, s
+  int priority = 80;              ///< SCHED_FIFO priority
+  bool lockMemory = true;         ///< lock memory with mlockall() during the life of the loop
+  TickSink* sink = nullptr;       ///< must outlive the loop
 };
 
-/// What the thread of a HapticLoop does once a period; runs without a thread too, on simulated time.
+/// The work of a HapticLoop in one period. It also runs without a thread, on simulated time.
 ///
-/// Where the device has no new sample (stale), the tick predicts (Measurement::age), for up to GuardOptions::longestGap
-/// periods of the ticks; then the guard's fault `late` ramps out. Any other status of measure() is the fault `device`;
-/// LoopTick::device has the status. A device that is back does not end a fault: reset() does.
+/// If the device has no new sample (stale), the tick predicts (Measurement::age). This lasts for up to
+/// GuardOptions::longestGap tick periods. Then the guard's fault `late` ramps the torque out. Any other status of
+/// measure() is the fault `device`; LoopTick::device has the status. The fault remains when the device returns, until
+/// reset().
 class LoopBody {
  public:
-  /// Opens the device, waits for its first measurement, resets a tick that has run before. Throws Error: the guard is
-  /// off; a period outside 1e-4 to 2e-3 s, or longer than that of the ticks; no measurement within `firstMeasurement`;
-  /// as HapticDevice::open().
+  /// Open the device and wait for its first measurement. Reset a tick that has run before. Throws Error as
+  /// HapticDevice::open(), and in these cases:
+  ///
+  /// - the guard is off;
+  /// - the period is outside 1e-4 to 2e-3 s, or longer than that of the ticks;
+  /// - no measurement arrives within `firstMeasurement`.
   LoopBody(HapticDevice& device, HapticTick& haptics, const HapticLoopOptions& options);
-  ~LoopBody();  ///< HapticDevice::close()
+  ~LoopBody();  ///< calls HapticDevice::close()
   LoopBody(const LoopBody&) = delete;
   LoopBody& operator=(const LoopBody&) = delete;
 
-  /// One period. True until the rendered part has ramped out after stop(). Realtime: yes.
+  /// Run one period. Return true until the rendered part has ramped out after stop(). Realtime: yes.
   bool step() noexcept;
 
-  /// From the next step on; reset() does nothing while the device is silent. Realtime: yes.
+  /// Stop, or reset the tick, at the next step. reset() has no effect while the device does not respond. Realtime: yes.
   void stop() noexcept { stopping_ = true; }
   void reset() noexcept { reset_ = true; }
 
-  /// Of the last tick. Realtime: yes.
+  /// Return the last tick. age() returns the ages of commands, held() the number of periods without a measurement.
+  /// unsent() returns the number of commands that actuate() refused, period() the period of the thread, s. Realtime:
+  /// yes.
   const LoopTick& tick() const noexcept { return tick_; }
 
   const DurationHistogram& age() const noexcept { return age_; }
@@ -86,45 +92,46 @@ class LoopBody {
   HapticDevice& device_;
   HapticTick& haptics_;
   TickSink* sink_;
-  double period_, ticks_;  // of the thread, of the ticks, s
+  double period_, ticks_;  // of the thread; of the ticks; s
   LoopTick tick_;
   Measurement measurement_;
   Command command_;
   bool stopping_ = false, reset_ = false, first_ = true, faulty_ = false;
-  double silence_ = 0.0;  // since the last measurement, s
-  int left_ = 0;          // ticks until the rendered part is out
+  double silence_ = 0.0;  // time since the last measurement, s
+  int left_ = 0;          // ticks until the rendered part has ramped out
   DurationHistogram age_;
   std::atomic<std::uint64_t> heldAll_{0}, unsent_{0};
 };
 
-/// A thread with a LoopBody. Refers to device and haptics, which must outlive it and are its own as long as it lives.
-/// Functions are for one other thread at a time.
+/// A thread with a LoopBody. It refers to device and haptics, which must outlive it. No other code may use them while
+/// it lives. Threads: one other thread at a time may call its functions, unless stated otherwise.
 class HapticLoop {
  public:
-  /// The thread runs when it returns. Throws as LoopBody and PeriodicThread do; the device is closed again then.
+  /// Start the thread. It runs when the constructor returns. Throws Error as LoopBody and PeriodicThread; the device is
+  /// then closed again.
   HapticLoop(HapticDevice& device, HapticTick& haptics, const HapticLoopOptions& options = {});
 
-  /// stop(), and waits for the end: some 50 ms.
+  /// Stop and wait for the end, about 50 ms.
   ~HapticLoop();
   HapticLoop(const HapticLoop&) = delete;
   HapticLoop& operator=(const HapticLoop&) = delete;
 
-  /// Ramps the rendered part out; what balances gravity stays until the loop is destroyed. Both: false where 16
-  /// commands are waiting already. Realtime: yes.
+  /// Ramp the rendered part out. The torque that balances gravity remains until the loop is destroyed. stop() and
+  /// reset() return false if 16 commands are waiting. Realtime: yes.
   bool stop() noexcept { return commands_.push(LoopCommand::stop); }
 
-  /// Goes on after a fault of the guard; does nothing while the device is silent.
+  /// Continue after a fault of the guard. Has no effect while the device does not respond.
   bool reset() noexcept { return commands_.push(LoopCommand::reset); }
 
-  /// Whether the rendered part is out after stop(). Realtime: yes.
+  /// Return whether the rendered part has ramped out after stop(). Realtime: yes.
   bool stopped() const noexcept { return stopped_.load(std::memory_order_acquire); }
 
-  /// Moves latest() to the newest tick; false: there is none since the last call. Realtime: yes.
+  /// Move latest() to the newest tick. Return false if no tick was added since the last call. Realtime: yes.
   bool refresh() noexcept { return state_.refresh(); }
   const LoopTick& latest() const noexcept { return state_.latest(); }
 
-  /// Any thread, Realtime: yes. Wake-up error, compute time of all that a period does, missed periods, whether the
-  /// real-time class was granted; age of the commands.
+  /// Return timing: wake-up error, compute time of a whole period, missed periods, and whether the real-time class was
+  /// granted. age() returns the age of commands. Threads: any. Realtime: yes.
   const PeriodicTiming& timing() const noexcept { return thread_.timing(); }
   const DurationHistogram& age() const noexcept { return body_.age(); }
   std::uint64_t held() const noexcept { return body_.held(); }      ///< periods without a new measurement
@@ -146,7 +153,7 @@ class HapticLoop {
   std::atomic<bool> stopped_{false};
   SpscRing<LoopCommand, 16> commands_;
   TripleBuffer<LoopTick> state_;
-  PeriodicThread thread_;  // last: ends before what it uses
+  PeriodicThread thread_;  // last member: ends before the members that it uses
 };
 
 }  // namespace enamel

@@ -1,4 +1,4 @@
-// A thread that calls a function at a fixed rate, and says how well it kept it.
+// A thread that calls a function at a fixed rate and measures how accurately it does so.
 #pragma once
 
 #include <atomic>
@@ -10,24 +10,25 @@
 
 namespace enamel {
 
-/// How a periodic thread has done so far. Written by the thread, read by any.
+/// Timing of a periodic thread. The thread writes it; any thread may read it.
 struct PeriodicTiming {
   DurationHistogram wakeUp;               ///< from the deadline to the call, s
-  DurationHistogram interval;             ///< from the call before, s
-  DurationHistogram compute;              ///< of the call, s
-  std::atomic<std::uint64_t> periods{0};  ///< calls
-  std::atomic<std::uint64_t> missed{0};   ///< deadlines that passed before the call for an earlier one had returned
-  std::atomic<bool> realtime{false};      ///< the operating system granted the real-time class (SCHED_FIFO)
+  DurationHistogram interval;             ///< from one call to the next, s
+  DurationHistogram compute;              ///< duration of the call, s
+  std::atomic<std::uint64_t> periods{0};  ///< number of calls
+  /// Number of deadlines that passed while an earlier call was running.
+  std::atomic<std::uint64_t> missed{0};
+  std::atomic<bool> realtime{false};  ///< the operating system granted SCHED_FIFO
 };
 
-/// Calls `work` once a period from a thread of its own, from construction to destruction, which takes up to 50 ms.
+/// Call `work` once per period in a separate thread, from construction to destruction. Destruction takes up to 50 ms.
 ///
-/// Sleeps on CLOCK_MONOTONIC to absolute deadlines, so that errors do not add up. Deadlines that have passed are
-/// skipped and counted, never made up for in a burst. Asks for SCHED_FIFO at `priority` and, where that is refused,
-/// runs in the normal class with 1 ns of timer slack: see PeriodicTiming::realtime. `work` must not throw.
+/// The thread sleeps on CLOCK_MONOTONIC until absolute deadlines, so errors do not accumulate. It skips and counts
+/// missed deadlines and does not repeat them. It requests SCHED_FIFO at `priority`. If that is refused, it runs in the
+/// normal class with 1 ns of timer slack; see PeriodicTiming::realtime. `work` must not throw.
 class PeriodicThread {
  public:
-  /// Throws Error: a period outside 10 us to 10 s, or the thread cannot be started. Realtime: no.
+  /// Throws Error if the period is outside 10 us to 10 s, or the thread cannot start. Realtime: no.
   PeriodicThread(double period, std::function<void()> work, int priority = 80);
   ~PeriodicThread();
   PeriodicThread(const PeriodicThread&) = delete;

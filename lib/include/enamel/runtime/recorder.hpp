@@ -1,4 +1,4 @@
-// Records haptic ticks while they run, so that they can be replayed bit for bit.
+// Record haptic ticks while they run, to replay them bit for bit.
 #pragma once
 
 #include <atomic>
@@ -12,53 +12,55 @@
 
 namespace enamel {
 
-/// How a recording ended.
+/// Result of a recording.
 struct RecordingResult {
-  std::uint64_t ticks = 0;  ///< that are in the file
-  std::uint64_t lost = 0;   ///< that are not: there was no room left while the file could not be written fast enough
-  std::string problem;  ///< why the end of the recording could not be written; empty: all that is not lost stands there
+  std::uint64_t ticks = 0;  ///< ticks in the file
+  /// Ticks that are not in the file because the buffer was full. The file could not be written fast enough.
+  std::uint64_t lost = 0;
+  /// Why the end of the recording could not be written. Empty: the file has all ticks that were not lost.
+  std::string problem;
 };
 
-/// Writes a recording from a thread of its own. The tick's side only copies into chunks that were allocated before:
-/// room for 4 s, at least 8 and at most 256 chunks. Where that is full, because the disk is or because it is slow,
-/// ticks are lost and counted, and recording goes on with a new chunk as soon as one is free.
+/// Write a recording from a separate thread. The tick's thread only copies into preallocated chunks: room for 4 s, at
+/// least 8 and at most 256 chunks. If they are full, because the disk is full or slow, ticks are lost and counted.
+/// Recording continues with a new chunk as soon as one is free.
 class Recorder final : public TickSink {
  public:
-  /// Writes bytes and returns how many of them, fewer or none where it cannot (errno tells why): then it is asked
+  /// Write bytes and return how many were written. It may return fewer or 0 (errno has the reason); it is then called
   /// again. Must not throw.
   using Write = std::function<std::size_t(const char* bytes, std::size_t size)>;
 
-  /// Begins a recording of `tick`'s ticks, and writes its header. Throws Error with the file and the cause: there is
-  /// such a file already, it cannot be made or written. Realtime: no.
+  /// Begin a recording of the ticks of `tick`, and write its header. Throws Error with the file and the cause if the
+  /// file exists already, or cannot be created or written. Realtime: no.
   Recorder(const std::string& path, RecordingHeader header, const HapticTick& tick);
 
-  /// The same to somewhere else. `path` stands in messages.
+  /// Record to another destination. `path` appears in messages only.
   Recorder(Write write, const std::string& path, RecordingHeader header, const HapticTick& tick);
 
-  /// close().
+  /// Calls close().
   ~Recorder() override;
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Records a tick that `tick` has just done, numbered by the caller; `reset`: HapticTick::reset() came before it.
-  /// Realtime: yes (copies 320 bytes, hashes the renderer's state; where a chunk begins, copies the whole state).
+  /// Record the tick that `tick` has just run. The caller numbers the ticks. `reset`: HapticTick::reset() was called
+  /// before it. Realtime: yes (copies 320 bytes and hashes the renderer's state; copies the whole state at the start of
+  /// a chunk).
   void add(std::uint64_t number, const Measurement& measurement, const HapticTick& tick, const Command& command,
            Status status, bool reset = false) noexcept;
 
-  /// The same for a loop: HapticLoopOptions::sink. Realtime: yes.
+  /// Record a tick of a loop, as HapticLoopOptions::sink. Realtime: yes.
   void tick(const LoopTick& tick, const HapticTick& haptics) noexcept override {
     add(tick.number, tick.measurement, haptics, tick.command, tick.status, tick.reset);
   }
 
-  /// Ticks that were lost so far. Any thread. Realtime: yes.
+  /// Return the number of ticks lost so far. Threads: any. Realtime: yes.
   std::uint64_t lost() const noexcept { return allLost_.load(std::memory_order_relaxed); }
 
-  /// For simulations, which can wait: returns once there is room for a tick, or the file cannot be written. Realtime:
-  /// no.
+  /// Wait until there is room for a tick, or until the file cannot be written. For simulations. Realtime: no.
   void makeRoom() const;
 
-  /// Writes what is left and ends the recording; no add() may be under way or follow. Where the file cannot be written,
-  /// it ends with the last whole chunk. The first call counts. Realtime: no.
+  /// Write the remaining ticks and end the recording. add() must not run at the same time or later. If the file cannot
+  /// be written, it ends with the last complete chunk. Only the first call has an effect. Realtime: no.
   RecordingResult close();
 
  private:
@@ -75,12 +77,12 @@ class Recorder final : public TickSink {
   RecordingResult result_;
   bool open_ = true;
 
-  // Of the tick's thread.
+  // Used by the tick's thread.
   std::uint64_t lostNow_ = 0, sequence_ = 0;
   std::size_t ticks_ = 0;  // of the chunk being filled
   std::string rendererState_;
 
-  // Chunk i, as it stands in the file, lies at i % room_. The tick's thread fills, the other one writes.
+  // Chunk i of the file is at i % room_. The tick's thread fills chunks; the other thread writes them.
   std::size_t room_ = 0, chunkSize_ = 0;
   std::string chunks_;
   std::atomic<std::uint64_t> allLost_{0};
@@ -88,8 +90,8 @@ class Recorder final : public TickSink {
   alignas(64) std::atomic<std::uint64_t> written_{0};
   std::atomic<bool> stop_{false}, failing_{false};
 
-  // Of the writing thread.
-  std::size_t done_ = 0;  // bytes of the chunk under way
+  // Used by the writing thread.
+  std::size_t done_ = 0;  // bytes of the present chunk
   std::uint64_t bytes_ = 0, ticksWritten_ = 0;
   int error_ = 0;
   std::thread thread_;

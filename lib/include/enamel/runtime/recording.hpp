@@ -1,4 +1,4 @@
-// Recordings of haptic ticks: what stands in one, and how it is read. The format, byte by byte: lib/docs/recording.md.
+// Recordings of haptic ticks: contents and reader. The format, byte by byte: lib/docs/recording.md.
 #pragma once
 
 #include <cstddef>
@@ -16,63 +16,63 @@
 
 namespace enamel {
 
-/// Ticks of a chunk; the last chunk may have fewer.
+/// Number of ticks of a chunk. The last chunk may have fewer.
 inline constexpr std::size_t kChunkTicks = 128;
 
-/// What a recording is of: enough to build its HapticTick again.
+/// Subject of a recording: all data needed to build its HapticTick again.
 struct RecordingHeader {
-  std::string deviceFile, deviceText;             ///< of the device file: where it was, its TOML
-  std::string sceneFile, sceneText;               ///< the same of the scene file; empty: the wall z = 0 and a point
-  std::uint32_t files = 0;                        ///< CRC-32 of what it only names: meshes, the file of a servo
-  std::string renderer, plugin;                   ///< its name; the plugin's file, empty where it was linked
-  std::map<std::string, std::string> parameters;  ///< of the renderer, by the names that plugins give them
-  Pose start;                                     ///< that HapticTick was made with
+  std::string deviceFile, deviceText;             ///< device file: its path, its TOML text
+  std::string sceneFile, sceneText;               ///< the same for the scene file; empty: the wall z = 0 and a point
+  std::uint32_t files = 0;                        ///< CRC-32 of the referenced files: meshes, a servo's file
+  std::string renderer, plugin;                   ///< name of the renderer; path of the plugin, empty if linked
+  std::map<std::string, std::string> parameters;  ///< of the renderer, by the names in plugins
+  Pose start;                                     ///< start pose of the HapticTick
 
-  // The Recorder fills in what follows.
-  GuardOptions guard;             ///< with the period
-  int joints = 0;                 ///< of the device
-  std::size_t stateSize = 0;      ///< HapticTick::stateSize(), bytes: at every chunk's first tick
-  std::size_t rendererState = 0;  ///< Renderer::stateSize(), bytes: of it, a hash at every tick
+  // The Recorder sets the following fields.
+  GuardOptions guard;             ///< includes the period
+  int joints = 0;                 ///< number of joints of the device
+  std::size_t stateSize = 0;      ///< HapticTick::stateSize(), bytes; the state is recorded at each chunk's first tick
+  std::size_t rendererState = 0;  ///< Renderer::stateSize(), bytes; a hash of the state is recorded at each tick
 };
 
-/// CRC-32 of the corners and triangles of all meshes of a scene; 0 where there is none. Realtime: no.
+/// Return the CRC-32 of corners and triangles of all meshes of a scene; 0 without meshes. Realtime: no.
 std::uint32_t meshChecksum(const Scene& scene);
 
-/// CRC-32 of IEEE 802.3 of `bytes`, continued from that of what stood before. Realtime: yes.
+/// Return the CRC-32 (IEEE 802.3) of `bytes`. `before` is the CRC-32 of the preceding bytes. Realtime: yes.
 std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0) noexcept;
 
-/// A tick as it was recorded.
+/// A recorded tick.
 struct RecordedTick {
-  std::uint64_t number = 0;     ///< counted by the loop; what it missed is missing
-  Measurement measurement;      ///< joint vectors as the device gave them, also of a wrong size
-  JointVector requested;        ///< by the renderer, N m or N
-  JointVector command;          ///< what the guard made of it, N m or N
+  std::uint64_t number = 0;     ///< counted by the loop; missed ticks leave gaps
+  Measurement measurement;      ///< joint vectors from the device, even with a wrong size
+  JointVector requested;        ///< torque requested by the renderer, N m or N
+  JointVector command;          ///< as the guard changed it, N m or N
   double normalForce = 0.0;     ///< as the renderer reports it, N
   std::uint64_t stateHash = 0;  ///< of the renderer's state after the tick
   Status status = Status::ok;   ///< of the haptic tick
   GuardReason reason = GuardReason::none;
   RenderMode mode = RenderMode::free;
   bool saturated = false;
-  bool reset = false;  ///< HapticTick::reset() came before it
-  bool spins = false;  ///< the bur did: Drill::spins()
+  bool reset = false;  ///< HapticTick::reset() was called before this tick
+  bool spins = false;  ///< the bur spins: Drill::spins()
 };
 
-/// What was written at once.
+/// A group of ticks written together.
 struct RecordedChunk {
-  std::uint64_t sequence = 0;  ///< counted from 0
-  std::uint64_t lost = 0;      ///< ticks that could not be recorded, just before this chunk
-  bool fresh = false;          ///< its first tick was the HapticTick's first
-  bool last = false;           ///< the recording was closed behind it
-  std::string state;           ///< HapticTick::saveState() after its first tick; empty where it has none
+  std::uint64_t sequence = 0;  ///< number of the chunk, from 0
+  std::uint64_t lost = 0;      ///< ticks lost just before this chunk
+  bool fresh = false;          ///< its first tick was the first tick of the HapticTick
+  bool last = false;           ///< the recording was closed after it
+  std::string state;           ///< HapticTick::saveState() after its first tick; empty: not recorded
   std::vector<RecordedTick> ticks;
 };
 
-/// Reads a recording, one chunk at a time: memory does not grow with the file. A file that was cut off, by a crash or
-/// while it is being written, is read to its last whole chunk.
+/// Read a recording one chunk at a time. Memory use does not grow with the file. A truncated file is read up to its
+/// last complete chunk, for example after a crash or while it is being written.
 class RecordingReader {
  public:
-  /// Throws ConfigurationError: the file cannot be opened, is no plain file, no recording or of another version; its
-  /// header is damaged or has values that no recording can have. Realtime: no.
+  /// Throws ConfigurationError if the file cannot be opened, is not a regular file or a recording, or has another
+  /// version. Throws it also if the header is damaged or contains invalid values. Realtime: no.
   explicit RecordingReader(const std::string& path);
   ~RecordingReader();
   RecordingReader(const RecordingReader&) = delete;
@@ -80,18 +80,18 @@ class RecordingReader {
 
   const RecordingHeader& header() const noexcept { return header_; }
 
-  /// Chunks that the file has bytes of; the last one may be cut off.
+  /// Return the number of chunks in the file. The last one may be truncated.
   std::uint64_t chunks() const noexcept { return chunks_; }
 
-  /// Reads chunk `number`. Returns what is wrong with it, or "" where all of it could be read; only then `chunk` is
-  /// that chunk. Throws Error: no such number. Realtime: no.
+  /// Read chunk `number`. Return an empty text if it is complete, else what is wrong with it; `chunk` is then invalid.
+  /// Throws Error if the file does not have that chunk. Realtime: no.
   std::string read(std::uint64_t number, RecordedChunk& chunk);
 
  private:
   std::string path_;
   int file_;
   RecordingHeader header_;
-  std::uint64_t begin_ = 0, size_ = 0, chunkSize_ = 0, chunks_ = 0;  // bytes; of a whole chunk
+  std::uint64_t begin_ = 0, size_ = 0, chunkSize_ = 0, chunks_ = 0;  // bytes; chunkSize_: of a complete chunk
   std::string buffer_;
 };
 

@@ -1,4 +1,4 @@
-// The latest value from one thread to another, without waiting on either side.
+// Pass the latest value from one thread to another without waiting.
 #pragma once
 
 #include <array>
@@ -7,28 +7,29 @@
 
 namespace enamel {
 
-/// One writer, one reader; the reader gets the newest complete value and may miss others. Three copies of T: one that
-/// the writer fills, one that the reader reads, one in between that the two exchange by a single atomic operation.
+/// A buffer with one writer and one reader. The reader gets the newest complete value and may miss others. There are
+/// three copies of T: one for the writer, one for the reader, and one that both exchange by a single atomic operation.
 template <typename T>
 class TripleBuffer {
  public:
-  /// Where the writer puts the next value; holds an old one. Writer's thread. Realtime: yes.
+  /// Return the place for the next value; it contains an old value. Threads: the writer's. Realtime: yes.
   T& next() noexcept { return slots_[writer_]; }
 
-  /// Makes the value of next() the newest. Writer's thread. Realtime: yes.
+  /// Make the value of next() the newest. Threads: the writer's. Realtime: yes.
   void publish() noexcept {
     const std::uint8_t fresh = static_cast<std::uint8_t>(writer_ | kFresh);
     writer_ = middle_.exchange(fresh, std::memory_order_acq_rel) & kIndex;
   }
 
-  /// Moves to the newest value; false if there is none since the last call. Reader's thread. Realtime: yes.
+  /// Move to the newest value. Return false if nothing was published since the last call. Threads: the reader's.
+  /// Realtime: yes.
   bool refresh() noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
     reader_ = middle_.exchange(reader_, std::memory_order_acq_rel) & kIndex;
     return true;
   }
 
-  /// The value of the last refresh(); T{} before the first. Reader's thread. Realtime: yes.
+  /// Return the value of the last refresh(), or T{} before the first. Threads: the reader's. Realtime: yes.
   const T& latest() const noexcept { return slots_[reader_]; }
 
  private:

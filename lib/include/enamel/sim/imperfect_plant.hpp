@@ -1,4 +1,4 @@
-// A device that is not ideal: what its file's [imperfections] put between command and motion, and between motion and
+// A device that is not ideal. The [imperfections] of its file act between command and motion, and between motion and
 // measurement.
 #pragma once
 
@@ -11,30 +11,34 @@
 
 namespace enamel {
 
-/// One of the devices that a file's tolerances allow. Immutable; may be shared between threads.
+/// One device within the tolerances of a file. Immutable; may be shared between threads.
 struct ImperfectDevice {
   Imperfections imperfections;
-  std::shared_ptr<const Mechanism> mechanism;  ///< as built, without rotors where cables hold them
+  std::shared_ptr<const Mechanism> mechanism;  ///< as built; without rotors if cables hold them
   double rotorInertia = 0.0;                   ///< as built, kg m^2
   JointVector offset;                          ///< of the encoders, rad
 };
 
-/// Draws the device of a number and a seed: lengths, masses, the offset of each encoder. The encoders are set at home,
-/// where they tell what `parameters` expect there but for their offset. Throws ConfigurationError: as makeMechanism()
-/// of what was drawn; Error: a Cartesian device, of whose drives nothing is known. Realtime: no.
+/// Draw one device from a seed and a number: lengths, masses, and the offset of each encoder. The encoders are set at
+/// home: there they report the coordinates that `parameters` expect, plus their offset. Throws ConfigurationError as
+/// makeMechanism() of the drawn device. Throws Error for a Cartesian device, because nothing is known about its drives.
+/// Realtime: no.
 ImperfectDevice makeImperfectDevice(const DeviceParameters& parameters, std::uint64_t seed, std::uint32_t number = 0);
 
-/// A rotor behind every joint. With c the command, m the motor's torque, th and w the rotor's angle and speed, J its
-/// inertia, q the joint and T the torque on it:
-///   m' = 2 pi f (round(c) - m)                               amplifier and current loop
-///   J w' = m (1 + r sin N th) + a sin N th - F - T           ripple and cogging
-///   F = F_c z / z_c,  z' = w - |w| z / z_c                   Coulomb friction (P. Dahl, "A solid friction model",
-///   1968) T = k (th - q -+ b/2) + d (w - q'), 0 within the play b  cable and backlash
-/// A rigid transmission has th = q, and its rotors are in the mechanism. The encoders are on the rotors.
+/// A plant with a rotor behind each joint. c is the command and m the motor's torque. The rotor has the angle th, the
+/// speed w and the inertia J. q is the joint and T the torque on it.
+///
+///   m' = 2 pi f (round(c) - m)                           amplifier and current loop.
+///   J w' = m (1 + r sin N th) + a sin N th - F - T       ripple and cogging.
+///   F = F_c z / z_c,  z' = w - |w| z / z_c               Coulomb friction.
+///   T = k (th - q -+ b/2) + d (w - q')                   cable; T is 0 within the backlash b.
+///
+/// The friction is that of P. Dahl, "A solid friction model", 1968. A rigid transmission has th = q, and its rotors are
+/// part of the mechanism. The encoders are on the rotors.
 class ImperfectPlant final : public Plant {
  public:
-  /// Integrated in steps of at most `step` s: half of it current and friction, exactly at constant speed, then the
-  /// motion by RK4, then their other half (Strang 1968).
+  /// Integrate in steps of at most `step` s (Strang 1968). Each step has three parts: half a step of current and
+  /// friction, exact at constant speed; the motion by RK4; the other half of current and friction.
   explicit ImperfectPlant(ImperfectDevice device, double step = 5e-5) noexcept
       : Plant(*device.mechanism), device_(std::move(device)), step_(step) {}
 

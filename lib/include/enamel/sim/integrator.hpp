@@ -1,5 +1,5 @@
-// Fixed-step integration of a mechanism's motion in pose and twist: no drift off the constraints, because the pose is
-// the state and the chains follow from it.
+// Fixed-step integration of a mechanism's motion in pose and twist. The pose is the state, and the chains follow from
+// it. The integration therefore does not drift off the constraints.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -18,15 +18,15 @@ struct DeviceState {
   Pose pose() const noexcept { return {position, orientation.toRotationMatrix()}; }
 };
 
-/// How the motion between two ticks is integrated. What each costs and how far it is from the converged motion:
-/// `enamel study --convergence`.
+/// Method of integration between two ticks. `enamel study --convergence` prints the cost of each method and its
+/// distance from the converged motion.
 enum class Integrator : std::uint8_t {
-  rungeKutta4,        ///< classical, fourth order (Kutta 1901), four evaluations a step
+  rungeKutta4,        ///< classical, fourth order (Kutta 1901), four evaluations per step
   midpoint,           ///< Runge's second-order method (1895), two evaluations
   semiImplicitEuler,  ///< first order, one evaluation: the new velocity moves the pose
 };
 
-/// Rates of a state.
+/// Rates of change of a state.
 struct DeviceSlope {
   Vec3 position;                            ///< m/s
   Eigen::Matrix<double, 4, 1> orientation;  ///< of the quaternion's coefficients, 1/s
@@ -63,7 +63,7 @@ inline DeviceSlope weighted(const DeviceSlope& k1, const DeviceSlope& k2, const 
           k1.twist + 2.0 * (k2.twist + k3.twist) + k4.twist};
 }
 
-// Kutta's step for any state that moved() and weighted() are there for; `state` is unchanged where a slope has none.
+// Kutta's step for any state with moved() and weighted(). `state` is unchanged if a slope fails.
 template <typename Slope, typename State, typename SlopeAt>
 Status rungeKutta4(double time, double dt, const SlopeAt& slopeAt, State& state) noexcept {
   Slope k1, k2, k3, k4;
@@ -77,11 +77,10 @@ Status rungeKutta4(double time, double dt, const SlopeAt& slopeAt, State& state)
 
 }  // namespace detail
 
-/// One step of the classical fourth-order Runge-Kutta method under constant joint torques (N m or N) and the wrench
-/// load(time, pose, twist) on the platform at the TCP (N, N m). The quaternion is integrated as a vector and brought
-/// back to unit length at every evaluation. Returns the status of the first configuration that is not regular; `state`
-/// is then unchanged.
-/// Realtime: yes, if `load` is.
+/// Integrate one step by the classical fourth-order Runge-Kutta method. The joint torques are constant (N m or N).
+/// load(time, pose, twist) is the wrench on the platform at the TCP (N, N m). The quaternion is integrated as a vector
+/// and normalised at every evaluation. Returns the status of the first singular configuration; `state` is then
+/// unchanged. Realtime: yes, if `load` is.
 template <typename WrenchAt>
 [[nodiscard]] Status stepRungeKutta4(const Mechanism& mechanism, double time, double dt, const JointVector& torque,
                                      const WrenchAt& load, DeviceState& state) noexcept {
@@ -93,7 +92,7 @@ template <typename WrenchAt>
   return status;
 }
 
-/// One step of the midpoint method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
+/// Integrate one step by the midpoint method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
 template <typename WrenchAt>
 [[nodiscard]] Status stepMidpoint(const Mechanism& mechanism, double time, double dt, const JointVector& torque,
                                   const WrenchAt& load, DeviceState& state) noexcept {
@@ -107,7 +106,7 @@ template <typename WrenchAt>
   return Status::ok;
 }
 
-/// One step of the semi-implicit Euler method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
+/// Integrate one step by the semi-implicit Euler method, otherwise as stepRungeKutta4(). Realtime: yes, if `load` is.
 template <typename WrenchAt>
 [[nodiscard]] Status stepSemiImplicitEuler(const Mechanism& mechanism, double time, double dt,
                                            const JointVector& torque, const WrenchAt& load,
@@ -121,7 +120,7 @@ template <typename WrenchAt>
   return Status::ok;
 }
 
-/// One step of the given method. Realtime: yes, if `load` is.
+/// Integrate one step by the given method. Realtime: yes, if `load` is.
 template <typename WrenchAt>
 [[nodiscard]] Status stepMotion(Integrator integrator, const Mechanism& mechanism, double time, double dt,
                                 const JointVector& torque, const WrenchAt& load, DeviceState& state) noexcept {

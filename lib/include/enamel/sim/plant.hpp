@@ -1,4 +1,4 @@
-// What moves between two ticks: a device in motion, behind the same interface whatever computes it.
+// The interface of a plant: the device in motion between two ticks, with any model of its dynamics.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace enamel {
 
-/// The wrench load(time, pose, twist) of the surroundings on the platform at the TCP, N, N m. Refers to a callable,
-/// which must outlive it. Called several times a step of integration.
+/// The wrench load(time, pose, twist) of the surroundings on the platform at the TCP, N, N m. It refers to a callable,
+/// which must outlive it. An integration step calls it several times.
 class ExternalWrench {
  public:
   template <typename F, typename = std::enable_if_t<!std::is_same_v<std::decay_t<F>, ExternalWrench>>>
@@ -27,47 +27,53 @@ class ExternalWrench {
   Vec6 (*call_)(const void*, double, const Pose&, const Vec6&) noexcept;
 };
 
-/// Faster than this a plant means nothing (rigid links, motors without speed limit, steps of a tick), m/s and rad/s.
+/// Largest speeds of a plant, m/s and rad/s. Above them its model is invalid: rigid links, motors without speed limit,
+/// steps of one tick.
 inline constexpr double kMaxPlantSpeed = 20.0, kMaxPlantTurnRate = 1000.0;
 
-/// A device in motion. Refers to its mechanism.
+/// A device in motion. It refers to its mechanism.
 class Plant {
  public:
-  /// The mechanism that it is: geometry, limits of its motors and encoders.
+  /// `mechanism` is the simulated device: its geometry, and the limits of its motors and encoders.
   explicit Plant(const Mechanism& mechanism) : mechanism_(mechanism) {}
   virtual ~Plant() = default;
   Plant& operator=(const Plant&) = delete;
 
-  /// Copy the plant with its state. The copy moves on bit for bit as the original does, and shares only immutable data
-  /// with it. Throws Error: a plant that cannot be copied. Realtime: no.
+  /// Copy the plant with its state. The copy moves on bit for bit as the original does. The two share only immutable
+  /// data. Throws Error if the plant cannot be copied. Realtime: no.
   [[nodiscard]] virtual std::unique_ptr<Plant> clone() const = 0;
 
   const Mechanism& mechanism() const noexcept { return mechanism_; }
 
-  /// At rest at a pose, under the torque that balances gravity there. Statuses: those of Mechanism::reach(); others
-  /// where it cannot be assembled. Realtime: no.
+  /// Put the plant at rest at a pose, under the torque that balances gravity there. Returns a status of
+  /// Mechanism::reach(), or another status if the plant cannot be assembled. Realtime: no.
   [[nodiscard]] virtual Status start(const Pose& pose) = 0;
 
-  /// Moves on from `time` by `duration` (s) under constant motor torques (N m or N) and a load. Returns ok, or the
-  /// status of the configuration that it could not leave, outOfRange where it would become faster than kMaxPlantSpeed
-  /// or kMaxPlantTurnRate: it then stays where it is. Realtime: as each plant says.
+  /// Move on from `time` by `duration` (s) under constant motor torques (N m or N) and a load. On any status but ok the
+  /// plant does not move.
+  ///
+  /// - ok: the plant has moved.
+  /// - outOfRange: it would exceed kMaxPlantSpeed or kMaxPlantTurnRate.
+  /// - Other statuses: the status of the configuration that it cannot leave.
+  ///
+  /// Realtime: as each plant states.
   [[nodiscard]] virtual Status advance(double time, double duration, const JointVector& torque,
                                        const ExternalWrench& load) noexcept = 0;
 
-  /// What the encoders see where the platform is at `truth`, state() with its kinematics: joint coordinates and rates.
-  /// Realtime: yes.
+  /// Return the joint coordinates and rates at the encoders. `truth` has the kinematics of state(). Realtime: yes.
   virtual void read(const Kinematics& truth, JointVector& q, JointVector& rates) const noexcept {
     q = truth.q;
     rates = truth.rates;
   }
 
-  /// The truth. Realtime: yes.
+  /// Return the true state. Realtime: yes.
   const DeviceState& state() const noexcept { return state_; }
 
  protected:
   Plant(const Plant&) = default;
 
-  /// state() at rest at a pose, and the mechanism there. Statuses of Mechanism::reach(); nothing is then changed.
+  /// Set state() to rest at a pose, and compute the kinematics there. Returns a status of Mechanism::reach(); on an
+  /// error nothing changes.
   [[nodiscard]] Status rest(const Pose& pose, Kinematics& kinematics) noexcept;
 
   DeviceState state_;
@@ -76,10 +82,11 @@ class Plant {
   const Mechanism& mechanism_;
 };
 
-/// Whether a state is within kMaxPlantSpeed and kMaxPlantTurnRate. Realtime: yes.
+/// Return whether a state is within kMaxPlantSpeed and kMaxPlantTurnRate. Realtime: yes.
 bool isWithinSpeedLimits(const DeviceState& state) noexcept;
 
-/// The mechanism's own dynamics (Mechanism::accelerate()), integrated in pose and twist. Realtime: yes, if the load is.
+/// A plant with the mechanism's own dynamics (Mechanism::accelerate()), integrated in pose and twist. Realtime: yes, if
+/// the load is.
 class ClosedFormPlant final : public Plant {
  public:
   explicit ClosedFormPlant(const Mechanism& mechanism, Integrator integrator = Integrator::rungeKutta4,

@@ -1,4 +1,4 @@
-// What position control does on a device, from simulated pushes, and which of the device's data limits it.
+// Performance of position control on a device, from simulated pushes, and the device data that limit it.
 #pragma once
 
 #include <string>
@@ -8,30 +8,32 @@
 
 namespace enamel {
 
-/// Largest depth of a push that counts as safe, m: the bound of the paper's Table II.
+/// Largest safe depth of a push, m: the bound of the paper's Table II.
 inline constexpr double kSafeDepth = 1e-3;
 
-/// A better device, and what it brings.
+/// A better device, and the gain from it.
 struct DeviceChange {
   std::string name;   ///< "half the encoder step"
   double gain = 0.0;  ///< of the mean depth stiffness: 0.6 is 60 % more
 };
 
-/// Pushes at home along z at one delay.
+/// Results of pushes at home along z at one delay.
 struct WallExpectation {
-  int delay = 0;           ///< of a command, ticks
-  int runs = 0, lost = 0;  ///< lost: left the workspace, stopped by the guard, unstable; not in the numbers below
-  double stiffness = 0.0;  ///< K_d, mean, N/m
-  double chatter = 0.0;    ///< largest, N m or N
-  double bounce = 0.0;     ///< largest, m
-  double safePush = 0.0;   ///< largest step of the hand that goes less than kSafeDepth deep and loses no run, N
-  std::vector<DeviceChange> changes;  ///< the most helpful first
+  int delay = 0;  ///< delay of a command, ticks
+  /// Lost runs left the workspace, were stopped by the guard, or were unstable. The numbers below exclude them.
+  int runs = 0, lost = 0;
+  double stiffness = 0.0;  ///< mean K_d, N/m
+  double chatter = 0.0;    ///< largest chatter, N m or N
+  double bounce = 0.0;     ///< largest bounce, m
+  /// Largest step of the hand that stays below kSafeDepth and loses no run, N.
+  double safePush = 0.0;
+  std::vector<DeviceChange> changes;  ///< most helpful first
 };
 
-/// Steps of 8 to 15 N after 1 N, less on a weak device (forceShare()), at a random instant inside a tick, with
-/// encoders, the hand's noise and the device's [imperfections], at delays of 0 to `largestDelay` ticks of `period` s;
-/// then the same with one of the device's data changed. In simulation. The result does not depend on `threads`. Throws
-/// Error: as makeMechanism(), positionControlFor() and runPush(). Realtime: no.
+/// Simulate pushes on a device at delays of 0 to `largestDelay` ticks of `period` s. Each push is a step of 8 to 15 N
+/// after 1 N, smaller on a weak device (forceShare()), at a random time within a tick. Encoders, the hand's noise and
+/// the device's [imperfections] are included. Then repeat with one of the device's data changed. The result does not
+/// depend on `threads`. Throws Error as makeMechanism(), positionControlFor() and runPush(). Realtime: no.
 std::vector<WallExpectation> expectWall(const DeviceParameters& device, double period, int largestDelay, int threads);
 
 }  // namespace enamel

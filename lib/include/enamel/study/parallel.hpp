@@ -1,4 +1,4 @@
-// Work on several cores whose result does not depend on how many there are (oneTBB behind a plain interface).
+// Work on several cores (oneTBB behind a plain interface). The result does not depend on their number.
 #pragma once
 
 #include <cstddef>
@@ -6,20 +6,20 @@
 
 namespace enamel {
 
-/// Most threads that can be asked for.
+/// Largest number of threads.
 inline constexpr int kMaxThreads = 256;
 
-/// How many threads this process may keep busy. Realtime: no.
+/// Return the number of threads that this process may use. Realtime: no.
 int availableThreads();
 
-/// Calls body(0) ... body(count - 1), each once, on `threads` threads. The first exception of a body is passed on.
-/// Throws Error: threads outside 1 to kMaxThreads. Realtime: no.
+/// Call body(0) ... body(count - 1), each once, on `threads` threads. The first exception of a body is rethrown. Throws
+/// Error if threads are outside 1 to kMaxThreads. Realtime: no.
 void parallelFor(std::size_t count, int threads, const std::function<void(std::size_t)>& body);
 
-/// Calls work(i) on `threads` threads and then done(i) on one thread at a time in the order of i, for i = first, ...,
-/// count - 1. At most 4 indices a thread are worked on ahead of done(). Once stop() is true no further index is begun;
-/// those under way are finished. Returns the first index that was not done. The first exception is passed on.
-/// Throws Error: as parallelFor(). Realtime: no.
+/// Call work(i) for i = first, ..., count - 1 on `threads` threads. Then call done(i) on one thread at a time, in the
+/// order of i. Work is at most 4 indices per thread ahead of done(). After stop() is true, no further index begins;
+/// those under way finish. Return the first index without done(). The first exception is rethrown. Throws Error as
+/// parallelFor(). Realtime: no.
 std::size_t parallelInOrder(std::size_t first, std::size_t count, int threads,
                             const std::function<void(std::size_t)>& work, const std::function<void(std::size_t)>& done,
                             const std::function<bool()>& stop);

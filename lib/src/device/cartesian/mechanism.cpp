@@ -9,7 +9,7 @@
 namespace enamel {
 namespace {
 
-// Coefficients of the exponential map at an angle t; series where the quotients lose digits.
+// Coefficients of the exponential map at an angle t. A series replaces the quotients where they lose digits.
 struct TurnCoefficients {
   double sine;    // sin t / t
   double cosine;  // (1 - cos t) / t^2
@@ -27,7 +27,7 @@ TurnCoefficients turnCoefficients(double t) noexcept {
 
 double lengthOf(const Vec3& v) noexcept { return std::sqrt(v.dot(v)); }
 
-// E(v), and its inverse.
+// E(v), the left Jacobian of the exponential map, and its inverse.
 Mat3 leftJacobian(const Vec3& turn) noexcept {
   const TurnCoefficients k = turnCoefficients(lengthOf(turn));
   const Mat3 cross = crossMatrix(turn);
@@ -38,15 +38,16 @@ Mat3 inverseLeftJacobian(const Vec3& turn) noexcept {
   const double t = lengthOf(turn);
   const TurnCoefficients k = turnCoefficients(t);
   const Mat3 cross = crossMatrix(turn);
-  // 1/t^2 - (1 + cos t) / (2 t sin t) = (1 - (sin t / t) / (2 (1 - cos t) / t^2)) / t^2; series: 1/12 + t^2/720 +
-  // t^4/30240.
+  // 1/t^2 - (1 + cos t) / (2 t sin t) = (1 - (sin t / t) / (2 (1 - cos t) / t^2)) / t^2.
+  //
+  // Series: 1/12 + t^2/720 + t^4/30240.
   const double square = t * t;
   const double quadratic = t < 1e-1 ? (1.0 + square / 60.0 * (1.0 + square / 42.0 * (1.0 + square / 40.0))) / 12.0
                                     : (1.0 - 0.5 * k.sine / k.cosine) / square;
   return Mat3::Identity() - 0.5 * cross + quadratic * cross.lazyProduct(cross);
 }
 
-// v of R = exp([v]x), for angles below pi; longer than kMaxCartesianTurn where R turns by more.
+// v of R = exp([v]x), for angles below pi. Longer than kMaxCartesianTurn if R turns by more.
 Vec3 turnOf(const Mat3& rotation) noexcept {
   const Vec3 axis(0.5 * (rotation(2, 1) - rotation(1, 2)), 0.5 * (rotation(0, 2) - rotation(2, 0)),
                   0.5 * (rotation(1, 0) - rotation(0, 1)));  // sin t n
@@ -91,7 +92,7 @@ double CartesianMechanism::massAt(const Vec3& position, Vec3& gradient) const no
   return device_.massTable.at(position, device_.halfWidths, gradient);
 }
 
-// Everything but q, rates, pose and twist; the pose must be set.
+// Fill everything except q, rates, pose and twist. The pose must be set.
 void CartesianMechanism::evaluate(const Vec3& turn, bool withInertia, Kinematics& kinematics) const noexcept {
   const int n = device_.axes;
   kinematics.jacobian.setIdentity(6, n);
@@ -185,7 +186,7 @@ Status CartesianMechanism::accelerate(const Pose& pose, const Vec6& twist, const
   Vec3 gradient;
   const double mass = massAt(pose.position, gradient);
   acceleration.head<3>() = force / mass + device_.gravity;
-  if (!device_.massTable.isEmpty()) {  // Lagrange: d/dt (m v) - 1/2 |v|^2 grad m = the forces
+  if (!device_.massTable.isEmpty()) {  // Lagrange: d/dt (m v) - 1/2 |v|^2 grad m = sum of forces
     const Vec3 v = twist.head<3>();
     acceleration.head<3>() -= (gradient.dot(v) * v - 0.5 * v.squaredNorm() * gradient) / mass;
   }
@@ -193,7 +194,7 @@ Status CartesianMechanism::accelerate(const Pose& pose, const Vec6& twist, const
   if (device_.axes == 3) return Status::ok;
   const Vec3 driven = inverseLeftJacobian(turn).transpose().lazyProduct(Vec3(torque.segment<3>(3)));
   const Vec3 moment = driven + wrench.tail<3>() - opposing.tail<3>();
-  // Euler's equation in the axes of P, where the tensor is constant.
+  // Euler's equation in the axes of P, where the inertia tensor is constant.
   const Mat3 toP = pose.rotation.transpose();
   const Vec3 spin = toP.lazyProduct(Vec3(twist.tail<3>()));
   const Vec3 gyroscopic = spin.cross(Vec3(device_.inertia.lazyProduct(spin)));

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostMasses = 64;  // points of a table along an axis
 
-// Whether an axis of turning has a motor.
+// Whether a rotational axis has a motor.
 bool turns(const CartesianParameters& device) {
   return device.axes == 6 && (device.driven[3] || device.driven[4] || device.driven[5]);
 }
@@ -51,19 +51,19 @@ void check(const CartesianParameters& device, const Fail& fail) {
   if (turns(device)) requirePositive(device.maxMoment, "max_moment", "N m", fail);
   requirePositive(device.angleStep, "angle_step", "rad", fail);
   checkInertia(device.inertia, "platform.inertia", fail);
-  // The motion of turns divides by it.
+  // The equation of motion divides by the principal moments.
   const double least = eigenvaluesOf(device.inertia)[0];
   if (!(least > 0.0))
     fail("platform.inertia",
          "has the principal moment " + formatNumber(least) + ", must be greater than 0 kg m^2 for a device of 6 axes");
 }
 
-// Refuses a key that only a device of 6 axes has.
+// Rejects a key that only a device of 6 axes has.
 void refuseTurn(TomlTable& table, const std::string& key) {
   if (table.has(key)) table.fail(key, "stands beside axes = 3: only a device of 6 axes turns");
 }
 
-// One number an axis: 1 with a motor, 0 without.
+// One number per axis: 1 with a motor, 0 without.
 void readDriven(TomlTable& root, CartesianParameters& device) {
   const std::vector<double> flags = root.numbers("driven");
   if (flags.size() != static_cast<std::size_t>(device.axes))
@@ -97,7 +97,7 @@ void readMass(TomlTable& platform, CartesianParameters& device) {
 }  // namespace
 
 double MassTable::at(const Vec3& position, const Vec3& halfWidths, Vec3& gradient) const noexcept {
-  // Cell and place in it along each axis.
+  // Cell, and position inside it, along each axis.
   std::array<int, 3> cell;
   Vec3 place, perMetre;
   for (int i = 0; i < 3; ++i) {

@@ -5,7 +5,7 @@
 namespace enamel {
 namespace {
 
-// One leg in its coordinates (t1, t2, t3).
+// Dynamics of one leg in its coordinates (t1, t2, t3).
 class LegDynamics {
  public:
   LegDynamics(const DeltaModel& model, const DeltaConfiguration& configuration, int i) noexcept
@@ -15,7 +15,7 @@ class LegDynamics {
     b_.row(1) = toWorld({c_.cos1 * lower, c_.cos3 / c_.sin3 * c_.cosElbow * lower, c_.sin1 * lower});
     b_.row(2) = toWorld({0.0, -1.0 / (model.b * c_.sin3), 0.0});
 
-    // Bars: the centre of mass is at a l1 + h l2 + (b cos t3 / 2) v; h' and h'' by t3.
+    // Bars: the centre of mass is at a l1 + h l2 + (b cos t3 / 2) v. hSlope_ and hBend_ are h' and h'' by t3.
     h_ = model.e + 0.5 * model.b * c_.sin3;
     hSlope_ = 0.5 * model.b * c_.cos3;
     hBend_ = -0.5 * model.b * c_.sin3;
@@ -27,7 +27,7 @@ class LegDynamics {
     m_(1, 1) = m * (model.e * model.e + be * c_.sin3 + bb * c_.sin3 * c_.sin3 / 3.0);
     m_(1, 2) = m_(2, 1) = 0.0;
     m_(2, 2) = m * bb / 3.0;
-    lowerSlope_ = m * (be + bb * c_.sin3 / 1.5) * c_.cos3;  // of m_(1, 1) by t3
+    lowerSlope_ = m * (be + bb * c_.sin3 / 1.5) * c_.cos3;  // derivative of m_(1, 1) by t3
   }
 
   Vec3 toLeg(const Vec3& v) const noexcept {
@@ -76,7 +76,7 @@ class LegDynamics {
   const DeltaModel& model_;
   const DeltaLeg& c_;
   double cosPhi_, sinPhi_;
-  Mat3 b_, m_;  // t' = b_ v, axes of W; inertia of t
+  Mat3 b_, m_;  // t' = b_ v in the axes of W; inertia matrix of t
   double h_, hSlope_, hBend_, carried_, lowerSlope_;
 };
 

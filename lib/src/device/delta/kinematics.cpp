@@ -7,19 +7,19 @@
 namespace enamel {
 namespace {
 
-// (x, y, z) of equation (1).
+// The vector (x, y, z) of equation (1).
 Vec3 deltaReach(const DeltaModel& model, int i, const Vec3& position) noexcept {
   return {model.cosPhi[i] * position.x() + model.sinPhi[i] * position.y() - model.radial,
           model.cosPhi[i] * position.y() - model.sinPhi[i] * position.x() + model.lateral,
           position.z() + model.homeDistance};
 }
 
-// A direction of a leg's frame in W.
+// Rotate a direction from the frame of a leg to W.
 Vec3 deltaToWorld(const DeltaModel& model, int i, const Vec3& v) noexcept {
   return {model.cosPhi[i] * v[0] - model.sinPhi[i] * v[1], model.sinPhi[i] * v[0] + model.cosPhi[i] * v[1], v[2]};
 }
 
-// What follows from the three angles of every leg; refuses what is not on the branch of home.
+// Complete a configuration from the three angles of every leg. Rejects configurations off the branch of home.
 Status completeDelta(const DeltaModel& model, DeltaConfiguration& c) noexcept {
   std::array<Vec3, 3> bar;
   double smallest = 1.0;
@@ -37,7 +37,7 @@ Status completeDelta(const DeltaModel& model, DeltaConfiguration& c) noexcept {
   return Status::ok;
 }
 
-// Newton's method from `position`; false where it does not converge.
+// Newton's method from `position`. Returns false if it does not converge.
 bool findDelta(const DeltaModel& model, Vec3 position, DeltaConfiguration& c) noexcept {
   const double longestStep = 0.5 * model.b, lastStep = 1e-7 * model.b;
   for (int iteration = 0; iteration < kMaxDeltaIterations; ++iteration) {
@@ -59,7 +59,7 @@ bool findDelta(const DeltaModel& model, Vec3 position, DeltaConfiguration& c) no
     if (!std::isfinite(length)) return false;
     if (length > longestStep) step *= longestStep / length;
     position += step;
-    if (length < lastStep) {  // quadratic convergence: what is left is (1e-7)^2 of the size
+    if (length < lastStep) {  // quadratic convergence: the remaining error is (1e-7)^2 of the size
       c.position = position;
       return true;
     }
@@ -67,8 +67,8 @@ bool findDelta(const DeltaModel& model, Vec3 position, DeltaConfiguration& c) no
   return false;
 }
 
-// The angles t2 and t3 of a position that Newton's method found, and the checks. A leg on the inner sheet of its
-// surface (t3 < 0) is not a configuration of this branch.
+// Set the angles t2 and t3 of a position that Newton's method found, and check it. A leg on the inner sheet of its
+// surface (t3 < 0) is not on this branch.
 Status settleDelta(const DeltaModel& model, DeltaConfiguration& c) noexcept {
   for (int i = 0; i < 3; ++i) {
     DeltaLeg& leg = c.leg[i];
@@ -97,7 +97,7 @@ Status inverseKinematics(const DeltaModel& model, const Vec3& position, DeltaCon
     if (!(std::abs(leg.cos3) <= 1.0)) return Status::unreachable;
     leg.sin3 = std::sqrt((1.0 - leg.cos3) * (1.0 + leg.cos3));
     leg.reach = model.link + model.b * leg.sin3;
-    // The triangle base joint, elbow, platform joint in the plane of the leg.
+    // The triangle of base joint, elbow and platform joint in the plane of the leg.
     const double distance = std::sqrt(reach[0] * reach[0] + reach[2] * reach[2]);
     const double cosine =
         (model.a * model.a + (distance - leg.reach) * (distance + leg.reach)) / (2.0 * model.a * distance);

@@ -10,7 +10,7 @@
 namespace enamel {
 namespace {
 
-// Everything but q, rates and twist.
+// Fill everything except q, rates and twist.
 void evaluate(const DeltaModel& model, const DeltaConfiguration& configuration, bool withInertia,
               Kinematics& kinematics) noexcept {
   const Mat3 j = jacobian(configuration);

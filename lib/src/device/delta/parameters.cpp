@@ -14,7 +14,7 @@ void requireFinite(double value, const std::string& key, const std::string& unit
   if (!std::isfinite(value)) fail(key, "is " + formatNumber(value) + " " + unit + ", must be finite");
 }
 
-// At home the TCP is the origin of W: every leg must reach its platform joint there.
+// At home the TCP is the origin of W, and every leg must reach its platform joint.
 void checkLegs(const DeltaParameters& device, const Fail& fail) {
   const DeltaGeometry& g = device.geometry;
   const double lateral = g.f - g.s, radial = g.c - g.r;

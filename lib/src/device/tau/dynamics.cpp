@@ -8,8 +8,8 @@
 namespace enamel {
 namespace {
 
-// One chain in its own frame (t, u, y) with the coordinates (a, b, w). The inertias are those of the kinetic energy
-// of link 1, turning about the base, of link 2, carried by the knee, and of the rotors at a and b.
+// Dynamics of one chain in its frame (t, u, y) with the coordinates (a, b, w). The kinetic energy has three parts: that
+// of link 1, which turns about the base, of link 2, which the knee carries, and of the rotors at a and b.
 class ChainDynamics {
  public:
   ChainDynamics(const TauModel& model, const ChainModel& chain, const ChainConfiguration& c) noexcept
@@ -22,7 +22,7 @@ class ChainDynamics {
     link2Y_ = c.sinLift * inverse2;
   }
 
-  /// Vector of W in (t, u, y), and back.
+  /// Rotate a vector from W to (t, u, y), and back.
   Vec3 toChain(const Vec3& v) const noexcept {
     return {c_.cosYaw * v.x() - c_.sinYaw * v.z(), c_.sinYaw * v.x() + c_.cosYaw * v.z(), v.y()};
   }
@@ -30,20 +30,20 @@ class ChainDynamics {
     return {c_.cosYaw * v[0] + c_.sinYaw * v[1], v[2], c_.cosYaw * v[1] - c_.sinYaw * v[0]};
   }
 
-  /// Rates (a', b', w') of a tip velocity in (t, u, y).
+  /// Rates (a', b', w') from a tip velocity in (t, u, y).
   Vec3 rates(const Vec3& v) const noexcept {
     return {inverseRadius_ * v[0], liftU_ * v[1] + liftY_ * v[2], link2U_ * v[1] + link2Y_ * v[2]};
   }
 
-  /// Force at the tip, in (t, u, y), of generalised forces on (a, b, w): the transpose of rates().
+  /// Force at the tip, in (t, u, y), from generalised forces on (a, b, w): the transpose of rates().
   Vec3 tipForce(const Vec3& n) const noexcept {
     return {inverseRadius_ * n[0], liftU_ * n[1] + link2U_ * n[2], liftY_ * n[1] + link2Y_ * n[2]};
   }
 
-  /// The same of a force on w alone.
+  /// The same for a force on w alone.
   Vec3 link2Force(double n) const noexcept { return {0.0, link2U_ * n, link2Y_ * n}; }
 
-  /// Inertia seen at the tip, axes (t, u, y).
+  /// Inertia at the tip in the axes (t, u, y).
   Mat3 tipInertia() const noexcept {
     const double cb = c_.cosLift, sb = c_.sinLift, cw = c_.cosLink2, sw = c_.sinLink2;
     const Mat3 &i1 = m_.inertia1, &i2 = m_.inertia2;
@@ -106,7 +106,7 @@ class ChainDynamics {
             -c_.sinLift * b2 - c_.sinLink2 * w2};
   }
 
-  /// tipInertia in the axes of W.
+  /// tipInertia() in the axes of W.
   Mat3 inertiaInWorld(const Mat3& w) const noexcept {
     const double c = c_.cosYaw, s = c_.sinYaw;
     Mat3 result;
@@ -128,7 +128,7 @@ class ChainDynamics {
   double inverseRadius_, liftU_, liftY_, link2U_, link2Y_;  // the rows of rates()
 };
 
-// The platform's inertia at the TCP in the axes of W.
+// Inertia of the platform at the TCP in the axes of W.
 struct PlatformInertia {
   double mass;
   Vec3 moment;
@@ -147,7 +147,7 @@ void setPlatform(const PlatformInertia& p, Mat6& lambda) noexcept {
   lambda.bottomRightCorner<3, 3>() = p.inertia;
 }
 
-// Adds the lower triangle and the whole lower left block.
+// Adds only the lower triangle, and the whole lower left block.
 void addTip(const Mat3& w, const Vec3& arm, Mat6& lambda) noexcept {
   Mat3 turned;  // [arm]x W
   for (int j = 0; j < 3; ++j) turned.col(j) = arm.cross(w.col(j));
@@ -162,7 +162,7 @@ void mirror(Mat6& m) noexcept {
     for (int j = i + 1; j < 6; ++j) m(i, j) = m(j, i);
 }
 
-// Number by number: a load of two waits for the stores of each.
+// One number at a time: a vector load of two would wait for both stores.
 void addWrench(const Vec3& force, const Vec3& arm, Vec6& wrench) noexcept {
   const Vec3 moment = arm.cross(force);
   for (int k = 0; k < 3; ++k) {
@@ -171,7 +171,7 @@ void addWrench(const Vec3& force, const Vec3& arm, Vec6& wrench) noexcept {
   }
 }
 
-// Wrench at the TCP that balances gravity and the velocity terms, plus Lambda where asked for.
+// Wrench at the TCP that balances gravity and the velocity terms. Also Lambda, with withInertia.
 template <bool withGravity, bool withVelocity, bool withInertia>
 void assemble(const TauModel& model, const TauConfiguration& configuration, const Vec6& twist, const Vec6& torque,
               Vec6& wrench, Mat6& lambda) noexcept {
@@ -214,7 +214,7 @@ void assemble(const TauModel& model, const TauConfiguration& configuration, cons
   if (withInertia) mirror(lambda);
 }
 
-// Solves m x = b for a symmetric positive definite m by LDL^T without pivoting; reads the lower triangle.
+// Solve m x = b for a symmetric positive definite m by LDL^T without pivoting. Reads the lower triangle only.
 Vec6 solvePositiveDefinite(const Mat6& m, const Vec6& b) noexcept {
   double l[6][6], inverse[6];
   for (int j = 0; j < 6; ++j) {
@@ -265,7 +265,7 @@ Mat6 massMatrix(const TauModel& model, const TauConfiguration& configuration) no
   return massMatrix(model, configuration, jacobian(model, configuration));
 }
 
-// The forces on a and b are torques of joints already; what acts on w goes by way of the tip.
+// Forces on a and b are joint torques already. A force on w acts through the tip.
 Vec6 gravityTorque(const TauModel& model, const TauConfiguration& configuration, const Mat6& jacobian) noexcept {
   const Vec3 moment = configuration.pose.rotation * model.platformMoment;
   Vec6 torque, wrench;

@@ -1,4 +1,4 @@
-// Forward kinematics: the elevations from the loop equations, from a near start or along a way from home.
+// Forward kinematics: solve the loop equations for the elevations, from a near start or along a path from home.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -11,15 +11,15 @@ namespace enamel {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kNearShare = 0.25;  // of link 2
+constexpr double kNearShare = 0.25;  // of the length of link 2
 
-// What the driven angles alone determine.
+// The knees, which depend on the driven angles only.
 struct Knees {
   std::array<double, 3> sinYaw, cosYaw, sinLift, cosLift;
   std::array<Vec3, 3> point;  // K_i, m
 };
 
-// Elevations of the three links 2 as points on the unit circle.
+// Elevations of the three links 2, as points on the unit circle.
 struct Elevations {
   std::array<double, 3> cosine, sine;
 };
@@ -40,8 +40,8 @@ Knees kneesAt(const TauModel& model, const Vec6& q) noexcept {
   return k;
 }
 
-// Directions from the knees to the tips of a start, projected onto the legs' planes; false where a tip would have to
-// move by more than kNearShare of link 2 to get there: that is no near start.
+// Project the directions from the knees to the tips of a start onto the planes of the legs. Returns false if a tip
+// would move by more than kNearShare of link 2; the start is then too far away.
 bool project(const TauModel& model, const Knees& knees, const TauConfiguration& start, Elevations& e) noexcept {
   bool near = true;
   for (int i = 0; i < 3; ++i) {
@@ -58,7 +58,7 @@ bool project(const TauModel& model, const Knees& knees, const TauConfiguration& 
   return near;
 }
 
-// Turns the elevations by the angles, to third order in the angle: always exactly on the circle, no trigonometry.
+// Rotate the elevations by small angles, to third order. The result is exactly on the circle and needs no trigonometry.
 void turn(Elevations& e, const Vec3& angle) noexcept {
   for (int i = 0; i < 3; ++i) {
     const double half = angle[i] * (0.5 + angle[i] * angle[i] * (1.0 / 24.0));  // tan(angle / 2)
@@ -70,7 +70,7 @@ void turn(Elevations& e, const Vec3& angle) noexcept {
   }
 }
 
-// One evaluation of the loop equations: residuals, matrix, and what the second-order term needs.
+// One evaluation of the loop equations: residuals, matrix, and the data of the second-order term.
 struct Loop {
   std::array<Vec3, 3> tip, slope, side;
   Vec3 residual;  // m^2
@@ -114,11 +114,11 @@ Correction correction(const Knees& knees, const Loop& loop) noexcept {
   return {d - inverse * loop.matrix.solveScaled(curvature), d.cwiseAbs().maxCoeff()};
 }
 
-// The iteration converges cubically: after a Newton step below this the next error is below 1e-14 rad.
+// The iteration converges cubically: after a smaller Newton step the error is below 1e-14 rad.
 constexpr double kLastStep = 2e-6;  // rad
 constexpr int kMaxIterations = 8;
-constexpr double kContraction = 0.3;   // of successive steps; cubic convergence does far better
-constexpr double kLargestFirst = 0.2;  // rad: a start further away is no near start
+constexpr double kContraction = 0.3;   // largest ratio of successive steps; cubic convergence is far better
+constexpr double kLargestFirst = 0.2;  // rad: a larger first step means that the start is too far away
 
 struct Solution {
   bool converged = false;
@@ -128,7 +128,7 @@ struct Solution {
   double determinant = 0.0;       // at the last evaluation
 };
 
-// Iterates from `e`, as long as the steps contract and the determinant keeps `sign`.
+// Iterate from `e` while the steps contract and the determinant keeps the sign of the home branch.
 Solution iterate(const TauModel& model, const Knees& knees, double smallestDeterminant, double largestFirst,
                  Elevations& e) noexcept {
   Solution solution;
@@ -152,13 +152,13 @@ Solution iterate(const TauModel& model, const Knees& knees, double smallestDeter
   return solution;
 }
 
-// Whether no singularity can lie between two configurations this close: the determinant hardly changes.
+// Whether two near configurations are on the same side of all singularities: the determinant hardly changes.
 bool sameSide(double determinant, double other) noexcept {
   const double ratio = other / determinant;
   return ratio > 0.6 && ratio < 1.6;
 }
 
-// Whether the elbows have the signs of the home branch and the tips stand before their yaw axes.
+// Whether the elbows have the signs of the home branch and the tips are in front of their yaw axes.
 bool chainsOnBranch(const TauModel& model, const Knees& knees, const Elevations& e) noexcept {
   for (int i = 0; i < 3; ++i) {
     const ChainModel& chain = model.chain[i];
@@ -170,7 +170,7 @@ bool chainsOnBranch(const TauModel& model, const Knees& knees, const Elevations&
   return true;
 }
 
-// Fills the configuration from a solution and returns its residual, m.
+// Fill the configuration from a solution and return its residual, m.
 double fill(const TauModel& model, const Knees& knees, const Elevations& e, TauConfiguration& configuration) noexcept {
   for (int i = 0; i < 3; ++i) {
     const ChainModel& chain = model.chain[i];
@@ -202,7 +202,7 @@ double fill(const TauModel& model, const Knees& knees, const Elevations& e, TauC
   return std::max({error(side1, 0), error(p2 - p1, 1), error(side2, 2)});
 }
 
-// A necessary condition: the knees are close enough for the tips' distances.
+// A necessary condition: the distances between the knees permit those between the tips.
 bool tipsCanMeet(const TauModel& model, const Knees& knees) noexcept {
   for (int k = 0; k < 3; ++k) {
     const int j = (k + 1) % 3;
@@ -244,8 +244,8 @@ ForwardKinematicsReport forwardKinematicsFromHome(const TauModel& model, const V
   const double length = way.cwiseAbs().maxCoeff();
 
   TauConfiguration current = model.home;
-  Vec3 tangent = Vec3::Zero();  // of the elevations along the way, for the whole way; zero before the first step
-  double done = 0.0;            // share of the way behind us
+  Vec3 tangent = Vec3::Zero();  // derivative of the elevations for the whole path; zero before the first step
+  double done = 0.0;            // share of the path that is done
   double share = length > 0.0 ? std::min(1.0, 0.05 / length) : 1.0;
   double determinant = model.homeSign * std::abs(loopMeasure(model, model.home)) * loopScale(model);
   int iterations = 0;
@@ -272,7 +272,7 @@ ForwardKinematicsReport forwardKinematicsFromHome(const TauModel& model, const V
         configuration = current;
         return {Status::ok, iterations, residual};
       }
-      // Direction of the elevations along the way, from the loop equations' derivative.
+      // Derivative of the elevations along the path, from the derivative of the loop equations.
       const auto sides = sidesOf(current);
       std::array<Vec3, 3> velocity;  // of the tips at fixed elevations
       for (int i = 0; i < 3; ++i) {
@@ -290,7 +290,7 @@ ForwardKinematicsReport forwardKinematicsFromHome(const TauModel& model, const V
       share *= 2.0;
     } else {
       share *= 0.5;
-      ++iterations;  // bounds the walk also where no iteration was made
+      ++iterations;  // limits the walk even if a step needs no iteration
       if (share * length < 1e-4) return {Status::singular, iterations, 0.0};
     }
   }

@@ -34,7 +34,7 @@ Status inverseKinematics(const TauModel& model, const Pose& pose, TauConfigurati
     const double inverseRadius = 1.0 / c.radius;
     c.sinYaw = d.x() * inverseRadius;
     c.cosYaw = d.z() * inverseRadius;
-    // In the leg's plane, as complex numbers: rho + i h = e^{ib} (L1 + L2 e^{ic}).
+    // In the plane of the leg, as complex numbers: rho + i h = e^{ib} (L1 + L2 e^{ic}).
     const double along = l1 + l2 * cosElbow, across = l2 * c.sinElbow;
     const double inverse = 1.0 / distanceSquared;
     c.cosLift = (c.radius * along + d.y() * across) * inverse;
@@ -76,7 +76,7 @@ Status inverseKinematics(const TauModel& model, const Pose& pose, Vec6& q) noexc
 
 namespace {
 
-// Rows of q' by the tip's velocity.
+// The rows that map the tip's velocity to q'.
 struct RateRows {
   Vec3 yaw, lift;
 };
@@ -130,9 +130,9 @@ Vec6 wrenchFromTorques(const TauModel& model, const TauConfiguration& configurat
 
 namespace {
 
-// The map from rates to the twist, prepared once a configuration: tips' velocities with free elevations, then the
-// elevations' rates from the loop equations, then the rigid motion of the three tips. It takes the rates of the yaw and
-// of the lift joint of a chain at once: a Pair holds a number for each.
+// The map from rates to the twist, prepared once per configuration. First the tips' velocities at free elevations, then
+// the rates of the elevations from the loop equations, then the rigid motion of the three tips. A Pair holds a number
+// for the yaw joint and one for the lift joint of a chain, so both rates are mapped at once.
 class TwistMap {
  public:
   using Pair = Eigen::Array<double, 2, 1>;
@@ -152,8 +152,8 @@ class TwistMap {
     slopeInPlane_ = Vec3(inPlane_.dot(slopes_[0]), inPlane_.dot(slopes_[1]), 0.0);
   }
 
-  /// Sets the columns of chain i: the twists when its tip moves with either velocity (that of the yaw has no y) at
-  /// fixed elevations, the other tips only as their elevations follow.
+  /// Set the columns of chain i: the twists for the two velocities of its tip at fixed elevations. The yaw velocity has
+  /// no y. The other tips move only with their elevations.
   template <int i>
   void setColumns(const Vec3& yaw, const Vec3& lift, Mat6& jacobian) const noexcept {
     const Pair x(yaw.x(), lift.x()), y = Pair(0.0, 1.0) * lift.y(), z(yaw.z(), lift.z());
@@ -162,8 +162,11 @@ class TwistMap {
     const Pair drift = along(sides_[i]), driftBefore = along(sides_[before]);
     Pair rate[3];  // of the elevations
     for (int j = 0; j < 3; ++j) rate[j] = rates_(j, i) * drift - rates_(j, before) * driftBefore;
-    // With e1 and e2, the velocities of tips 1 and 2 beyond that of tip 0: w x d1 = e1 and w x d2 = e2, solved along
-    // d1, d2 and their normal N: w = (n.e2) d1 - (n.e1) d2 + ((n x d1).e1 / |d1|^2) N, n = N / |N|^2.
+    // e1 and e2 are the velocities of tips 1 and 2 relative to tip 0.
+    //
+    // Solve w x d1 = e1 and w x d2 = e2 in the basis d1, d2 and their normal N, with n = N / |N|^2:
+    //
+    //   w = (n.e2) d1 - (n.e1) d2 + ((n x d1).e1 / |d1|^2) N.
     Pair n1 = slopeAlongN_[1] * rate[1] - slopeAlongN_[0] * rate[0];
     Pair n2 = slopeAlongN_[2] * rate[2] - slopeAlongN_[0] * rate[0];
     Pair p1 = slopeInPlane_[1] * rate[1] - slopeInPlane_[0] * rate[0];
@@ -187,11 +190,11 @@ class TwistMap {
 
  private:
   std::array<Vec3, 3> slopes_, sides_;
-  Mat3 rates_;  // of the elevations by the drifts
+  Mat3 rates_;  // of the elevations from the drifts
   Vec3 arm0_, d1_, d2_, normal_, n_, inPlane_, slopeAlongN_, slopeInPlane_;
 };
 
-// Velocity of a tip per unit yaw rate and per unit lift rate, at fixed elevation of link 2.
+// Velocity of a tip per unit yaw rate and per unit lift rate, at a fixed elevation of link 2.
 Vec3 tipPerYaw(const ChainConfiguration& c) noexcept { return {c.radius * c.cosYaw, 0.0, -c.radius * c.sinYaw}; }
 
 Vec3 tipPerLift(const ChainModel& chain, const ChainConfiguration& c) noexcept {

@@ -9,7 +9,7 @@
 namespace enamel {
 namespace {
 
-// Everything but q and rates.
+// Fill everything except q, rates and twist.
 void evaluate(const TauModel& model, const TauConfiguration& configuration, bool withInertia,
               Kinematics& kinematics) noexcept {
   const Mat6 jacobian = enamel::jacobian(model, configuration);
@@ -36,7 +36,7 @@ Status TauMechanism::track(const JointVector& q, const JointVector& rates, bool 
   if (q.size() != 6 || rates.size() != 6 || kinematics.q.size() != 6) return Status::outOfRange;
   if (!rates.allFinite()) return Status::notFinite;
   TauConfiguration configuration;
-  // The search reads the tips only: where they were, moved on by the joints' way since, to first order.
+  // The search reads only the tips. Start with the last ones, moved by the joints' motion since then, to first order.
   const Vec6 moved = kinematics.jacobian.leftCols<6>() * Vec6(q - kinematics.q);
   for (int i = 0; i < 3; ++i) {
     const Vec3 arm = kinematics.pose.rotation * model_.chain[i].platform;

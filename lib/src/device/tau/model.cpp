@@ -20,7 +20,7 @@ Mat3 inertiaAboutOrigin(const Mat3& inertia, double mass, const Vec3& com) {
   return symmetric + mass * (com.squaredNorm() * Mat3::Identity() - com * com.transpose());
 }
 
-constexpr double kSmallestHomeMeasure = 1e-4;  // of the parallel singularity at home, dimensionless
+constexpr double kSmallestHomeMeasure = 1e-4;  // dimensionless loop measure at home
 
 }  // namespace
 

@@ -21,7 +21,7 @@ void checkLink(const LinkParameters& link, const std::string& key, const Fail& f
   checkInertia(link.inertia, key + ".inertia", fail);
 }
 
-// At home P equals W: the spherical joint stands at `platform` in W and the two links must reach it.
+// At home P equals W: the spherical joint is at `platform` in W, and the two links must reach it.
 void checkClosure(const ChainParameters& chain, const std::string& key, const Fail& fail) {
   const Vec3 reach = chain.platform - chain.base;
   const double distance = reach.norm();

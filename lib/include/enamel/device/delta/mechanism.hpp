@@ -6,11 +6,12 @@
 
 namespace enamel {
 
-/// Three joints, three freedoms: the platform keeps the axes of W. A pose turned by more than 1e-9 and a twist that
-/// turns faster than 1e-9 rad/s are unreachable; moments on the platform are borne by the legs and do nothing.
+/// Mechanism of a delta: three joints, three degrees of freedom. The platform keeps the axes of W. A pose rotated by
+/// more than 1e-9 rad is unreachable, and so is a twist that rotates faster than 1e-9 rad/s. The legs carry all
+/// moments on the platform, so moments have no effect.
 class DeltaMechanism final : public Mechanism {
  public:
-  /// Throws ConfigurationError: as makeModel(), and as setHome(). Realtime: no.
+  /// Throws ConfigurationError: as makeModel() and setHome(). Realtime: no.
   explicit DeltaMechanism(const DeltaParameters& parameters);
 
   const DeltaModel& model() const noexcept { return model_; }

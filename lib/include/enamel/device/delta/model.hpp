@@ -1,29 +1,40 @@
-// The immutable model of a delta and the configuration that every algorithm works on.
+// The immutable model of a delta, and the configuration that all algorithms use.
 //
-// Frames. The base frame B has the axes of W and its origin on the axis of symmetry in the plane of the base joints:
-// p_B = p + (0, 0, h), h the home distance. Leg i turns B by phi_i about z: u outwards, v across, w = z.
+// Frames. The base frame B has the axes of W. Its origin is on the axis of symmetry, in the plane of the base joints:
+// p_B = p + (0, 0, h), where h is the home distance. Leg i rotates B by phi_i about z: u outwards, v across, w = z.
 //
-// Geometry of a leg (Stamper 1997, with the letters of parameters.hpp; f and s are both offsets across the leg, along
-// v, so only f - s matters, as only r - c does of the radii):
-//   base joint, axis v            B  = (r, s, 0)
-//   elbow, axis v                 K  = B + a l1,           l1 = (cos t1, 0, sin t1)
-//   centre of the near crossbar   E  = K + e l2,           l2 = (cos t2, 0, sin t2)
-//   centre of the far crossbar    G  = E + b n,            n  = (sin t3 cos t2, cos t3, sin t3 sin t2)
-//   platform joint, axis v        A  = G + d l2  =  p + (c, f, 0)
-// where t1 is the driven angle, positive towards the user, t2 the inclination of the parallelogram and t3 the angle of
-// its bars from v. Both bars have the direction n and the crossbars stay parallel to v: the platform cannot turn.
-// With x = u.p + c - r, y = v.p + f - s, z = w.p + h, L = d + e + b sin t3 and the elbow g = t2 - t1 this is
+// Geometry of a leg (Stamper 1997, with the letters of parameters.hpp):
+//
+// - base joint, axis v            B  = (r, s, 0)
+// - elbow, axis v                 K  = B + a l1,           l1 = (cos t1, 0, sin t1)
+// - centre of the near crossbar   E  = K + e l2,           l2 = (cos t2, 0, sin t2)
+// - centre of the far crossbar    G  = E + b n,            n  = (sin t3 cos t2, cos t3, sin t3 sin t2)
+// - platform joint, axis v        A  = G + d l2  =  p + (c, f, 0)
+//
+// t1 is the driven angle, positive towards the user. t2 is the inclination of the parallelogram. t3 is the angle of its
+// bars from v. f and s are offsets across the leg, along v, so only f - s matters. Of the radii only r - c matters.
+// Both bars have the direction n, and the crossbars stay parallel to v. The platform therefore cannot rotate.
+//
+// With x = u.p + c - r, y = v.p + f - s, z = w.p + h, L = d + e + b sin t3 and the elbow angle g = t2 - t1:
+//
 //   x = a cos t1 + L cos t2,  y = b cos t3,  z = a sin t1 + L sin t2.                                             (1)
-// Rates: (1) differentiated, projected on l2, l1 and v:
-//   t1' = (x' cos t2 + y' cot t3 + z' sin t2) / (a sin g),                                                         (2)
-//   t2' = -(x' cos t1 + y' cot t3 cos g + z' sin t1) / (L sin g),   t3' = -y' / (b sin t3).                         (3)
-// Joint coordinates q = (t1 of leg 0, 1, 2).
 //
-// Branch: elbows outwards (sin g > 0), 0 < t3 < pi, lower links leaning towards the user (sin t2 > 0) and the bars'
-// directions in the order of home (sign of their determinant). Seen from the platform, its joint is on the surface of a
-// convex body about each elbow (a disc of radius d + e in the leg's plane, rounded by b), on the side of the user.
-// Three such surfaces meet once on this branch: certainly for d + e = 0 (spheres); otherwise found by search, not
-// proven (tests/hard/delta.cpp).
+// The derivative of (1), projected on l2, l1 and v, gives the rates:
+//
+//   t1' = (x' cos t2 + y' cot t3 + z' sin t2) / (a sin g),                                                        (2)
+//
+//   t2' = -(x' cos t1 + y' cot t3 cos g + z' sin t1) / (L sin g),   t3' = -y' / (b sin t3).                       (3)
+//
+// The joint coordinates are q = (t1 of leg 0, 1, 2).
+//
+// Branch of home:
+// - the elbows point outwards (sin g > 0), and 0 < t3 < pi;
+// - the lower links lean towards the user (sin t2 > 0);
+// - the bars' directions have the order of home (sign of their determinant).
+//
+// Seen from the platform, a platform joint is on a convex surface about its elbow, on the side of the user. The surface
+// is a disc of radius d + e in the leg's plane, rounded by b. Three such surfaces meet in one point on this branch. For
+// d + e = 0 (spheres) this is certain. Otherwise it is the result of a search, without proof (tests/hard/delta.cpp).
 #pragma once
 
 #include <array>
@@ -33,7 +44,7 @@
 
 namespace enamel {
 
-/// One leg in a given configuration.
+/// One leg in a configuration.
 struct DeltaLeg {
   double cos1, sin1;          ///< of t1
   double cos2, sin2;          ///< of t2
@@ -43,14 +54,14 @@ struct DeltaLeg {
   Vec3 row;                   ///< t1' = row . v, axes of W, rad/m
 };
 
-/// A configuration of the device: the position and everything about the legs that follows from it. Plain data.
+/// A configuration of the device: the position, and all leg quantities that follow from it. Plain data.
 struct DeltaConfiguration {
-  Vec3 position;  ///< of the TCP, m
+  Vec3 position;  ///< TCP, m
   std::array<DeltaLeg, 3> leg;
-  double parallel;  ///< determinant of the bars' directions, positive as at home; 0 where the platform gains a freedom
+  double parallel;  ///< determinant of the bars' directions; positive as at home, 0 at a parallel singularity
 };
 
-/// Immutable model of a device. Made by makeModel(); safe to share between threads.
+/// Immutable model of a device, made by makeModel(). Threads may share it.
 struct DeltaModel {
   std::array<double, 3> cosPhi, sinPhi;
   double a, b, e;
@@ -58,18 +69,18 @@ struct DeltaModel {
   double radial;        ///< r - c, m
   double lateral;       ///< f - s, m
   double homeDistance;  ///< h, m
-  double order;         ///< +1 or -1: makes the determinant of the bars' directions positive at home
+  double order;         ///< +1 or -1; makes the determinant of the bars' directions positive at home
 
-  double upperInertia;  ///< of upper link and rotor about the base joint, kg m^2
-  double upperMoment;   ///< mass times centre of mass along l1, kg m
-  double barsMass;      ///< of both bars of a leg, kg
+  double upperInertia;  ///< of the upper link and rotor about the base joint, kg m^2
+  double upperMoment;   ///< mass times distance of the centre of mass along l1, kg m
+  double barsMass;      ///< both bars of a leg, kg
   double platformMass;  ///< kg
-  double friction;      ///< N m s/rad
-  Vec3 damping;         ///< N s/m
+  double friction;      ///< viscous, of each driven joint, N m s/rad
+  Vec3 damping;         ///< viscous, of the TCP's velocity, N s/m
   Vec3 gravity;         ///< in W, m/s^2
 };
 
-/// Builds the model. Throws ConfigurationError (see checkDelta). Realtime: no.
+/// Build the model. Throws ConfigurationError (see checkDelta). Realtime: no.
 DeltaModel makeModel(const DeltaParameters& parameters);
 
 }  // namespace enamel

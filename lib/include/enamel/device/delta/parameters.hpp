@@ -1,9 +1,9 @@
 // Parameters of a delta (3-DOF translational parallel haptic device) and their TOML file.
 //
 // Structure and letters: R. E. Stamper, "A Three Degree of Freedom Parallel Manipulator with Only Translational Degrees
-// of Freedom", PhD thesis, University of Maryland, 1997; dimensions of a desktop device in these letters: S. Martin and
+// of Freedom", PhD thesis, University of Maryland, 1997. Dimensions of a desktop device in these letters: S. Martin and
 // N. Hillier, "Characterisation of the Novint Falcon haptic device for application as a robot manipulator", ACRA 2009.
-// model.hpp states the geometry and derives the equations.
+// model.hpp contains the geometry and the equations.
 #pragma once
 
 #include <array>
@@ -14,34 +14,34 @@
 
 namespace enamel {
 
-/// Stamper's dimensions, the same for the three legs; m. In the frame of a leg u points outwards, v along the axes of
-/// the leg's base, elbow and platform joints, w along the axis of symmetry towards the user.
+/// Stamper's dimensions in m, the same for the three legs. In the frame of a leg, u points outwards. v has the
+/// direction of the axes of the base, elbow and platform joints. w is the axis of symmetry, towards the user.
 struct DeltaGeometry {
   double a = 0.0;               ///< upper link, from the base joint to the elbow
   double b = 0.0;               ///< bars of the parallelogram
-  double c = 0.0;               ///< platform joint from the TCP, along u
+  double c = 0.0;               ///< from the TCP to the platform joint, along u
   double d = 0.0;               ///< from the parallelogram to the platform joint
   double e = 0.0;               ///< from the elbow to the parallelogram
-  double f = 0.0;               ///< platform joint from the TCP, along v
-  double r = 0.0;               ///< base joint from the axis of symmetry, along u
-  double s = 0.0;               ///< base joint from the axis of symmetry, along v
-  std::array<double, 3> phi{};  ///< turn of each leg's u from W's x about W's z, rad
+  double f = 0.0;               ///< from the TCP to the platform joint, along v
+  double r = 0.0;               ///< from the axis of symmetry to the base joint, along u
+  double s = 0.0;               ///< from the axis of symmetry to the base joint, along v
+  std::array<double, 3> phi{};  ///< angle of each leg's u from W's x about W's z, rad
 };
 
-/// The driven link with all that turns with it except the rotor: drum, elbow shaft.
+/// The driven link and the parts that rotate with it, such as the drum and the elbow shaft, but without the rotor.
 struct UpperLinkParameters {
   double mass = 0.0;     ///< kg
-  double com = 0.0;      ///< centre of mass, along the link from the base joint, m
-  double inertia = 0.0;  ///< about the centre of mass and the axis v, kg m^2
+  double com = 0.0;      ///< distance of the centre of mass from the base joint along the link, m
+  double inertia = 0.0;  ///< about the axis v through the centre of mass, kg m^2
 };
 
-/// The two bars of a leg's parallelogram: uniform and thin.
+/// The two bars of a leg's parallelogram, uniform and thin.
 struct BarParameters {
-  double mass = 0.0;     ///< of one bar, kg
-  double spacing = 0.0;  ///< between the two, along v, m; for pictures: the motion does not depend on it
+  double mass = 0.0;     ///< one bar, kg
+  double spacing = 0.0;  ///< distance of the bars along v, m; only for drawing, without effect on the motion
 };
 
-/// The body that carries the tool. It does not turn: mass is all that counts.
+/// The body that carries the tool. It does not rotate, so it needs no inertia.
 struct DeltaPlatformParameters {
   double mass = 0.0;            ///< kg
   Vec3 damping = Vec3::Zero();  ///< viscous damping of the TCP's velocity, axes of W, N s/m
@@ -50,7 +50,7 @@ struct DeltaPlatformParameters {
 struct DeltaParameters {
   std::string name;
   Vec3 gravity = Vec3::Zero();  ///< in W, m/s^2
-  double homeDistance = 0.0;    ///< of W's origin (the home pose) in front of the plane of the base joints, m
+  double homeDistance = 0.0;    ///< from the plane of the base joints to W's origin (home), towards the user, m
   DeltaGeometry geometry;
   UpperLinkParameters upperLink;
   BarParameters bar;
@@ -59,15 +59,18 @@ struct DeltaParameters {
   Imperfections imperfections;
 };
 
-/// Reads a file of `kind = "delta"`. Throws ConfigurationError, with file, line, key, value and limit, on a file that
-/// cannot be read, malformed TOML, unknown or missing keys, wrong types, values out of their range, a device of another
-/// kind, and a leg that does not close at the home pose. Realtime: no.
+/// Read a device file with `kind = "delta"`. Realtime: no.
+/// Throws ConfigurationError, with file, line, key, value and limit, for:
+/// - a file that cannot be read, or malformed TOML;
+/// - unknown or missing keys, wrong types, values outside their range;
+/// - a leg that does not close at the home pose;
+/// - a device of another kind.
 DeltaParameters loadDelta(const std::string& path);
 
-/// The same for text in memory; `file` stands in messages.
+/// Read the parameters from text in memory, as loadDelta(); messages name `file`.
 DeltaParameters parseDelta(std::string_view text, const std::string& file);
 
-/// Checks parameters that did not come from a file. Throws ConfigurationError. Realtime: no.
+/// Check parameters that did not come from a file. Throws ConfigurationError. Realtime: no.
 void checkDelta(const DeltaParameters& parameters);
 
 }  // namespace enamel

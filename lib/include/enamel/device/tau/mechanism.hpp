@@ -6,7 +6,7 @@
 
 namespace enamel {
 
-/// Six joints, six freedoms. Joint vectors and poses mean what they mean in kinematics.hpp.
+/// Mechanism of a TAU: six joints, six degrees of freedom. Joint vectors and poses are those of kinematics.hpp.
 class TauMechanism final : public Mechanism {
  public:
   /// Throws ConfigurationError: as makeModel(). Realtime: no.

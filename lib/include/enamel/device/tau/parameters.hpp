@@ -1,8 +1,12 @@
 // Parameters of a TAU device (6-DOF parallel haptic device with three R-R-R-S chains) and their TOML file.
 //
-// Structure: "A Position-Control Based Approach to Haptic Rendering of Stiff Objects", section II. Each chain has a yaw
-// joint about the vertical axis and a lift joint, both driven and meeting at `base`, link 1, a passive elbow, link 2,
-// and a spherical joint at `platform`. Every length, mass and pose is a parameter.
+// Structure: "A Position-Control Based Approach to Haptic Rendering of Stiff Objects", section II. The parts of each
+// chain, in order:
+// - a yaw joint about the vertical axis and a lift joint, both driven, with axes that meet at `base`;
+// - link 1, a passive elbow and link 2;
+// - a spherical joint at `platform`.
+//
+// Every length, mass and pose is a parameter.
 #pragma once
 
 #include <array>
@@ -13,8 +17,8 @@
 
 namespace enamel {
 
-/// A rigid link. Its frame L has its origin at the proximal joint, x lateral (the yaw tangent), y the in-plane
-/// normal and z along the link.
+/// A rigid link. Its frame L has its origin at the proximal joint. x is lateral (the yaw tangent), y is the normal in
+/// the plane of the chain, and z points along the link.
 struct LinkParameters {
   double length = 0.0;          ///< m
   double mass = 0.0;            ///< kg
@@ -22,7 +26,7 @@ struct LinkParameters {
   Mat3 inertia = Mat3::Zero();  ///< tensor about the centre of mass, axes of L, kg m^2
 };
 
-/// A uniform solid cylinder about the link's axis. Units: m, kg, m.
+/// Return a uniform solid cylinder about the link's axis. Units: m, kg, m.
 LinkParameters uniformRod(double length, double mass, double radius) noexcept;
 
 struct ChainParameters {
@@ -42,16 +46,20 @@ struct TauParameters {
   Imperfections imperfections;
 };
 
-/// Reads the file of a TAU (also without `kind`). Throws ConfigurationError, with file, line, key, value and limit, on a file that cannot
-/// be read, malformed TOML, unknown or missing keys, wrong types, values out of their range, an inertia tensor
-/// that no body can have, and a chain that cannot close at the home pose; a device of another kind. Realtime: no.
+/// Read the file of a TAU; the key `kind` may be absent. Realtime: no.
+/// Throws ConfigurationError, with file, line, key, value and limit, for:
+/// - a file that cannot be read, or malformed TOML;
+/// - unknown or missing keys, wrong types, values outside their range;
+/// - an inertia tensor that no body can have;
+/// - a chain that cannot close at the home pose;
+/// - a device of another kind.
 TauParameters loadTau(const std::string& path);
 
-/// The same for text in memory; `file` stands in messages.
+/// Read the parameters from text in memory, as loadTau(); messages name `file`.
 TauParameters parseTau(std::string_view text, const std::string& file);
 
-/// Checks parameters that did not come from a file: the ranges and the closure at home that loadTau checks.
-/// Throws ConfigurationError. Realtime: no.
+/// Check parameters that did not come from a file: the ranges and the closure at home, as loadTau(). Throws
+/// ConfigurationError. Realtime: no.
 void checkTau(const TauParameters& parameters);
 
 }  // namespace enamel
