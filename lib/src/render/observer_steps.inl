@@ -7,47 +7,128 @@ constexpr double kScaleWander = 0.03;                       // deviation of ln(m
 constexpr double kMostScale = 0.5;                          // limit of ln(mass)
 constexpr double kForgotten = 4e-18, kLeastWeight = 1e-26;  // smallest weights: of a hypothesis, of the first one
 
-// One number a mode, as a vector. GCC unrolls loops over so few numbers before it sees that they are a vector.
-using Wide = double __attribute__((vector_size(sizeof(Lane))));
-using Bits = std::uint64_t __attribute__((vector_size(sizeof(Lane))));
-// The same in memory.
-using Stored = double __attribute__((vector_size(sizeof(Lane)), aligned(sizeof(double)), may_alias));
+// One number a mode, in registers of the level's width. Plain loops over so few numbers are unrolled before GCC sees
+// that they are vectors.
+#if defined(__AVX512F__)
+constexpr int kWidth = 8;
+#elif defined(__AVX2__)
+constexpr int kWidth = 4;
+#else
+constexpr int kWidth = 2;
+#endif
+constexpr int kParts = kLanes / kWidth;
+using Part = double __attribute__((vector_size(kWidth * sizeof(double))));
+using PartInMemory __attribute__((aligned(sizeof(double)), may_alias)) = Part;
+using Bits = std::uint64_t __attribute__((vector_size(kWidth * sizeof(double))));
 
-inline Stored& wide(double* lane) noexcept { return *reinterpret_cast<Stored*>(lane); }
-inline const Stored& wide(const double* lane) noexcept { return *reinterpret_cast<const Stored*>(lane); }
-inline Wide wide(const Lane& lane) noexcept { return wide(lane.data()); }
+struct Mask {
+  decltype(Part{} < Part{}) part[kParts];
+};
 
-inline Wide larger(Wide a, Wide b) noexcept { return a > b ? a : b; }
-inline Wide smaller(Wide a, Wide b) noexcept { return a < b ? a : b; }
-inline Wide sizeOf(Wide a) noexcept { return a < 0.0 ? -a : a; }
-inline Wide rootOf(Wide a) noexcept {
-  double roots[kLanes];
-  std::memcpy(roots, &a, sizeof a);
-  for (double& root : roots) root = std::sqrt(root);
-  return wide(roots);
+struct Wide {
+  Part part[kParts];
+  Wide() = default;
+  Wide(double all) noexcept {
+    for (Part& p : part) p = Part{} + all;
+  }
+  explicit Wide(const double* lane) noexcept {
+    for (int i = 0; i < kParts; ++i) part[i] = *reinterpret_cast<const PartInMemory*>(lane + i * kWidth);
+  }
+  double operator[](int lane) const noexcept { return part[lane / kWidth][lane % kWidth]; }
+};
+template <typename Operation>
+inline Wide each(const Operation& operation) noexcept {
+  Wide result;
+  for (int i = 0; i < kParts; ++i) result.part[i] = operation(i);
+  return result;
+}
+template <typename Operation>
+inline Mask test(const Operation& operation) noexcept {
+  Mask result;
+  for (int i = 0; i < kParts; ++i) result.part[i] = operation(i);
+  return result;
+}
+inline Wide operator+(const Wide& a, const Wide& b) noexcept {
+  return each([&](int i) { return a.part[i] + b.part[i]; });
+}
+inline Wide operator-(const Wide& a, const Wide& b) noexcept {
+  return each([&](int i) { return a.part[i] - b.part[i]; });
+}
+inline Wide operator*(const Wide& a, const Wide& b) noexcept {
+  return each([&](int i) { return a.part[i] * b.part[i]; });
+}
+inline Wide operator/(const Wide& a, const Wide& b) noexcept {
+  return each([&](int i) { return a.part[i] / b.part[i]; });
+}
+inline Wide operator-(const Wide& a) noexcept {
+  return each([&](int i) { return -a.part[i]; });
+}
+inline Wide& operator+=(Wide& a, const Wide& b) noexcept { return a = a + b; }
+inline Wide& operator*=(Wide& a, const Wide& b) noexcept { return a = a * b; }
+inline Mask operator<(const Wide& a, const Wide& b) noexcept {
+  return test([&](int i) { return a.part[i] < b.part[i]; });
+}
+inline Mask operator>(const Wide& a, const Wide& b) noexcept { return b < a; }
+inline Mask operator&(const Mask& a, const Mask& b) noexcept {
+  return test([&](int i) { return a.part[i] & b.part[i]; });
+}
+inline Wide select(const Mask& mask, const Wide& yes, const Wide& no) noexcept {
+  return each([&](int i) { return mask.part[i] ? yes.part[i] : no.part[i]; });
+}
+// A number a mode in memory.
+struct Stored {
+  double* lane;
+  explicit Stored(double* at) noexcept : lane(at) {}
+  Stored(const Stored&) = default;
+  Stored& operator=(const Stored&) = delete;  // would copy the address
+  operator Wide() const noexcept { return Wide(lane); }
+  void operator=(const Wide& value) const noexcept {
+    for (int i = 0; i < kParts; ++i) *reinterpret_cast<PartInMemory*>(lane + i * kWidth) = value.part[i];
+  }
+  void operator+=(const Wide& value) const noexcept { *this = Wide(lane) + value; }
+  void operator-=(const Wide& value) const noexcept { *this = Wide(lane) - value; }
+  void operator*=(const Wide& value) const noexcept { *this = Wide(lane) * value; }
+};
+inline Stored wide(double* lane) noexcept { return Stored(lane); }
+inline Stored wide(Lane& lane) noexcept { return Stored(lane.data()); }
+inline Wide wide(const double* lane) noexcept { return Wide(lane); }
+inline Wide wide(const Lane& lane) noexcept { return Wide(lane.data()); }
+
+inline Wide larger(const Wide& a, const Wide& b) noexcept { return select(a > b, a, b); }
+inline Wide smaller(const Wide& a, const Wide& b) noexcept { return select(a < b, a, b); }
+inline Wide sizeOf(const Wide& a) noexcept { return select(a < 0.0, -a, a); }
+inline Wide rootOf(const Wide& a) noexcept {
+#if defined(__AVX512F__)
+  return each([&](int i) { return _mm512_sqrt_pd(a.part[i]); });
+#elif defined(__AVX2__)
+  return each([&](int i) { return _mm256_sqrt_pd(a.part[i]); });
+#else
+  return each([&](int i) { return Part{std::sqrt(a.part[i][0]), std::sqrt(a.part[i][1])}; });
+#endif
 }
 
 // Standard deviation of the growth of a push that begins with a step.
-inline Wide growthOf(Wide step) noexcept { return 0.7 / kGrowthTime * step; }
+inline Wide growthOf(const Wide& step) noexcept { return 0.7 / kGrowthTime * step; }
 
 // Return e^x for x <= 0, accurate to 1e-9, as 2^n times a polynomial.
-inline Wide exponentialOf(Wide x) noexcept {
+inline Wide exponentialOf(const Wide& exponent) noexcept {
   constexpr double kRound = 6755399441055744.0, kLn2 = 0.69314718055994531;  // 1.5 2^52 moves n into the last bits
-  x = larger(x, x - x - 700.0);
-  const Wide shifted = x * (1.0 / kLn2) + kRound, f = x - (shifted - kRound) * kLn2;
-  Bits bits;
-  std::memcpy(&bits, &shifted, sizeof bits);
-  bits = (bits + 1023u) << 52;
-  Wide power;
-  std::memcpy(&power, &bits, sizeof power);
-  const Wide p =
-      1.0 +
-      f * (1.0 + f / 2.0 * (1.0 + f / 3.0 * (1.0 + f / 4.0 * (1.0 + f / 5.0 * (1.0 + f / 6.0 * (1.0 + f / 7.0))))));
+  const Wide x = larger(exponent, -700.0), shifted = x * (1.0 / kLn2) + kRound, f = x - (shifted - kRound) * kLn2;
+  const Wide power = each([&](int i) {
+    Bits bits;
+    std::memcpy(&bits, &shifted.part[i], sizeof bits);
+    bits = (bits + 1023u) << 52;
+    Part part;
+    std::memcpy(&part, &bits, sizeof part);
+    return part;
+  });
+  Wide p = 1.0 + f * (1.0 / 7.0);
+  for (const double per : {1.0 / 6.0, 1.0 / 5.0, 1.0 / 4.0, 1.0 / 3.0, 1.0 / 2.0, 1.0}) p = 1.0 + f * per * p;
   return power * p;
 }
 
 // Tail of the normal distribution over its density (Mills' ratio) for t >= 0: a fitted rational function, good to 4e-8.
-inline Wide tailOverDensity(Wide t) noexcept {
+inline Wide tailOverDensity(const Wide& t) noexcept {
   const Wide above = 92.2835971468 + t * (86.6668246159 + t * (38.2572925158 + t * (9.04015486331 + t)));
   const Wide below =
       73.6316549559 + t * (127.899835069 + t * (95.7568419035 + t * (39.2552261967 + t * (9.04018809296 + t))));
@@ -111,7 +192,7 @@ struct Steps {
   static void propagate(const Model& m, const Lane& command, const Lane& matters, double scale,
                         const Wide (&Q)[Observer::kPairs], States& x, Pairs& P) noexcept {
     const double em = m.lagKept, eg = m.growthKept, cg = m.growthSum;
-    const auto p = [&P](int i, int j) -> Stored& { return wide(P[at(i, j)]); };
+    const auto p = [&P](int i, int j) { return wide(P[at(i, j)]); };
     Wide slope[kMech], half[kMech][kStates];
     slopes(m, command, matters, x, slope);
     for (int i = 0; i < kMech; ++i)
@@ -157,43 +238,29 @@ struct Steps {
     const Wide centre = sizeOf(e) * perD, l = centre - 0.5 * width, u = centre + 0.5 * width;
     const Wide atL = exponentialOf(-0.5 * l * l) * kPerRootTwoPi, ratio = exponentialOf(-centre * width);
     const Wide tailL = tailOverDensity(sizeOf(l)), tailU = ratio * tailOverDensity(sizeOf(u));
-    const Wide one = e - e + 1.0;
-    const Wide inside = l > 0.0 ? tailL - tailU : 1.0 - atL * (tailL + tailU);  // share inside / density at l
-    const Wide perInside = 1.0 / inside, density = (l > 0.0 ? one : atL) * perInside;
-    const Wide mean = density * (1.0 - ratio), shrinks = mean * mean - density * (l - u * ratio);
-    const Wide as = gaussian / smaller(larger(shrinks, 1e-9 * one), one);
-    const auto cut = (width > kNarrow) & (l < kFar);
-    wide(seen.innovation.data()) = cut ? (e < 0.0 ? -mean : mean) * as * perD : e;
-    wide(seen.variance.data()) = cut ? as : all;
-    wide(seen.square.data()) = cut ? (l > 0.0 ? l * l : 0.0 * one) : e * e / all;
-    const Wide volume = step * wide(precision) * perInside;
-    wide(seen.volume.data()) = cut ? (l > 0.0 ? volume : volume * kPerRootTwoPi) : rootOf(all) * wide(precision);
+    const Mask isOutside = l > 0.0;
+    // Share inside / density at l.
+    const Wide inside = select(isOutside, tailL - tailU, 1.0 - atL * (tailL + tailU)), perInside = 1.0 / inside;
+    const Wide density = select(isOutside, 1.0, atL) * perInside, mean = density * (1.0 - ratio);
+    const Wide shrinks = mean * mean - density * (l - u * ratio);
+    const Wide as = gaussian / smaller(larger(shrinks, 1e-9), 1.0), volume = step * wide(precision) * perInside;
+    const Mask cut = (width > kNarrow) & (l < kFar);
+    wide(seen.innovation) = select(cut, select(e < 0.0, -mean, mean) * as * perD, e);
+    wide(seen.variance) = select(cut, as, all);
+    wide(seen.square) = select(cut, select(isOutside, l * l, 0.0), e * e / all);
+    wide(seen.volume) = select(cut, select(isOutside, volume, volume * kPerRootTwoPi), rootOf(all) * wide(precision));
   }
 
   // Gains of a reading of state `read` by 1 / its variance, its column of P before, and P after. Readings also correct
   // the mass.
-  static void correctCovariance(Wide inverse, int read, Pairs& P, Wide (&column)[kStates],
+  static void correctCovariance(const Wide& inverse, int read, Pairs& P, Wide (&column)[kStates],
                                 Wide (&gain)[kStates]) noexcept {
     for (int i = 0; i < kStates; ++i) {
       column[i] = wide(P[at(i, read)]);
       gain[i] = column[i] * inverse;
     }
-    for (int i = 0; i < kStates; ++i)
-      for (int j = 0; j <= i; ++j) wide(P[at(i, j)]) -= gain[i] * column[j];
-  }
-
-  // Add to P the share of a hypothesis with states x around the mean, and of its jump along g with size variance v.
-  static void gather(const Hypothesis& h, const Wide (&mean)[kStates], double share, Pairs& P) noexcept {
-    Wide away[kStates], jump[kStates];
-    const Wide size = share * wide(h.v);
-    for (int i = 0; i < kStates; ++i) {
-      away[i] = wide(h.x[i]) - mean[i];
-      jump[i] = wide(h.g[i]);
-    }
-    for (int i = 0; i < kStates; ++i) {
-      const Wide a = share * away[i], b = size * jump[i];
-      for (int j = 0; j <= i; ++j) wide(P[at(i, j)]) += a * away[j] + b * jump[j];
-    }
+    for (int i = 0, n = 0; i < kStates; ++i)
+      for (int j = 0; j <= i; ++j, ++n) wide(P[n]) -= gain[i] * column[j];
   }
 
   // A tick under a command, and new hypotheses of a jump within it.
@@ -207,8 +274,7 @@ struct Steps {
     // the mode by less than the rounding in a tick.
     const Wide moves = 0.5 * data.period * data.period * net / (wide(s.used) + data.drive.rotorInertia);
     Lane matters;
-    const Wide one = step - step + 1.0;
-    wide(matters.data()) = moves * moves * s.scaleVariance > wide(s.readingVariance) ? one : 0.0 * one;
+    wide(matters) = select(moves * moves * s.scaleVariance > wide(s.readingVariance), 1.0, 0.0);
     if (kMech == 4) force = larger(force, larger(sizeOf(wide(command)), sizeOf(push)));
     const double lack2 = data.modelError * data.modelError, disturbance = data.drive.disturbance;
     const Wide lacks = lack2 * force * force, rotor = lacks + disturbance * disturbance;
@@ -233,12 +299,13 @@ struct Steps {
     }
     for (int b = 0; b < kBins; ++b) {
       Hypothesis& h = s.part[count + b];
-      h = s.part[0];
+      std::memcpy(h.x, s.part[0].x, sizeof h.x);
+      std::memset(h.g, 0, sizeof h.g);
+      std::memcpy(h.g, m.value + Table::kOnsetAt + b * kMech, kMech * sizeof h.g[0]);
+      wide(h.g[kPush]) = 1.0;
+      wide(h.v) = step * step;
       s.weight[count + b] = kJumpRate * 1e-3 / kBins * s.weight[0];
       s.age[count + b] = 0.0;
-      std::memcpy(h.g, m.value + Table::kOnsetAt + b * kMech, kMech * sizeof h.g[0]);
-      wide(h.g[kPush]) = one;
-      wide(h.v.data()) = step * step;
     }
     s.weight[0] *= 1.0 - kJumpRate * 1e-3;
     s.count = count + kBins;
@@ -248,31 +315,34 @@ struct Steps {
   static void correct(int read, const Lane& reading, State& s) noexcept {
     static_assert(kMost <= kLanes, "a number a hypothesis is a vector, too");
     const int modes = static_cast<int>(s.modes), count = static_cast<int>(s.count);
-    Wide column[kStates], gain[kStates];
+    // First all readings are weighed: none waits for another.
+    Evidence seen[kMost];
     double square[kLanes] = {}, volume[kLanes], least = 1e300;
-    for (double& one : volume) one = 1.0;
+    wide(volume) = 1.0;
     for (int p = 0; p < count; ++p) {
-      Hypothesis& h = s.part[p];
-      const Wide jumped = wide(h.v) * wide(h.g[read]);  // zero in the first hypothesis
+      const Hypothesis& h = s.part[p];
       Lane e{}, expected;
-      wide(expected.data()) = (p == 0 ? Wide(wide(s.P[at(read, read)])) : column[read]) + jumped * wide(h.g[read]);
       for (int k = 0; k < modes; ++k) e[k] = reading[k] - h.x[read][k];
-      Evidence seen;
-      weigh(e, expected, s.readingVariance, s.readingPrecision, s.largestStep, seen);
+      wide(expected) = wide(s.P[at(read, read)]) + wide(h.v) * wide(h.g[read]) * wide(h.g[read]);
+      weigh(e, expected, s.readingVariance, s.readingPrecision, s.largestStep, seen[p]);
       for (int k = 0; k < modes; ++k) {
-        square[p] += seen.square[k];
-        volume[p] *= seen.volume[k];
+        square[p] += seen[p].square[k];
+        volume[p] *= seen[p].volume[k];
       }
       least = std::min(least, square[p]);
-      const Wide inverse = 1.0 / wide(seen.variance);
+    }
+    Wide column[kStates], gain[kStates];
+    for (int p = 0; p < count; ++p) {
+      Hypothesis& h = s.part[p];
+      const Wide inverse = 1.0 / wide(seen[p].variance), innovation = wide(seen[p].innovation);
       if (p == 0) {
         correctCovariance(inverse, read, s.P, column, gain);
-        for (int i = 0; i < kStates; ++i) wide(h.x[i]) += gain[i] * wide(seen.innovation);
-        for (double& scale : h.x[kScale]) scale = std::min(std::max(scale, -kMostScale), kMostScale);
+        for (int i = 0; i < kStates; ++i) wide(h.x[i]) += gain[i] * innovation;
+        wide(h.x[kScale]) = smaller(larger(wide(h.x[kScale]), -kMostScale), kMostScale);
         continue;
       }
-      const Wide per = wide(seen.innovation) * inverse, seenJump = wide(h.g[read]);
-      wide(h.v.data()) -= jumped * jumped * inverse;
+      const Wide seenJump = wide(h.g[read]), jumped = wide(h.v) * seenJump, per = innovation * inverse;
+      wide(h.v) -= jumped * jumped * inverse;
       for (int i = 0; i < kScale; ++i) {
         wide(h.x[i]) += (column[i] + jumped * wide(h.g[i])) * per;
         wide(h.g[i]) -= gain[i] * seenJump;
@@ -288,25 +358,37 @@ struct Steps {
   static void merge(State& s) noexcept {
     const int count = static_cast<int>(s.count);
     const auto ends = [&](int p) { return p == 0 || s.age[p] >= 1.0; };
+    int ending[kMost], endings = 0;
     double total = 0.0;
-    int ending = 0;
     for (int p = 0; p < count; ++p) {
       if (!ends(p)) continue;
+      ending[endings++] = p;
       total += s.weight[p];
-      ++ending;
     }
-    if (ending > 1 && total > 0.0) {
-      Wide x[kStates] = {};
-      for (int p = 0; p < count; ++p)
-        for (int i = 0; ends(p) && i < kStates; ++i) x[i] += s.weight[p] / total * wide(s.part[p].x[i]);
-      const Wide growth = growthOf(wide(s.step));
-      for (int p = 0; p < count; ++p) {
-        if (!ends(p)) continue;
-        const double share = s.weight[p] / total;
-        gather(s.part[p], x, share, s.P);
-        if (p > 0) wide(s.P[at(kGrowth, kGrowth)]) += share * growth * growth;
+    if (endings > 1 && total > 0.0) {
+      // P of the mixture: each state's distance from the mean, and its jump.
+      Wide mean[kStates] = {}, away[kMost][kStates], size[kMost], jumped = {};
+      double share[kMost];
+      for (int e = 0; e < endings; ++e) {
+        share[e] = s.weight[ending[e]] / total;
+        size[e] = share[e] * wide(s.part[ending[e]].v);
+        if (e > 0) jumped += share[e];
+        for (int i = 0; i < kStates; ++i) mean[i] += share[e] * wide(s.part[ending[e]].x[i]);
       }
-      for (int i = 0; i < kStates; ++i) wide(s.part[0].x[i]) = x[i];
+      for (int e = 0; e < endings; ++e)
+        for (int i = 0; i < kStates; ++i) away[e][i] = wide(s.part[ending[e]].x[i]) - mean[i];
+      for (int i = 0, n = 0; i < kStates; ++i)
+        for (int j = 0; j <= i; ++j, ++n) {
+          Wide sum = wide(s.P[n]) + share[0] * away[0][i] * away[0][j];
+          for (int e = 1; e < endings; ++e) {
+            const States& g = s.part[ending[e]].g;
+            sum += share[e] * away[e][i] * away[e][j] + size[e] * wide(g[i]) * wide(g[j]);
+          }
+          wide(s.P[n]) = sum;
+        }
+      const Wide growth = growthOf(wide(s.step));
+      wide(s.P[at(kGrowth, kGrowth)]) += jumped * growth * growth;
+      for (int i = 0; i < kStates; ++i) wide(s.part[0].x[i]) = mean[i];
     }
     s.weight[0] = std::max(total, kLeastWeight);
     int kept = 1;

@@ -1,4 +1,6 @@
 // Compiled for AVX2, without fused products, like the baseline.
+#include <immintrin.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,6 @@
 // For AVX-512; without fused products, as the baseline.
+#include <immintrin.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
