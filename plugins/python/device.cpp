@@ -111,7 +111,7 @@ void addDevice(py::module_& m) {
       .def_property_readonly(
           "count",
           [](const Device& self) {
-            warnDeprecated("Device.count: its name is encoder_step now, the old one ends with version 0.4");
+            warnDeprecated("Device.count: is now called encoder_step; version 0.4 removes the old name");
             return self.mechanism->limits().encoderStep;
           },
           "The old name of encoder_step.")

@@ -256,7 +256,7 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
     CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup),
                       ContainsSubstring("bad.json") && ContainsSubstring(reason));
   };
-  refuse("nonsense", "is not the JSON of a servo design");
+  refuse("nonsense", "must be the JSON file of a servo design");
   refuse(R"({"model": "a", "period": 0.001})", "K: is missing");
   refuse(R"({"model": "a", "period": 0, "K": [[1, 2, 3]]})", "period: is 0, must be in 1e-05 to 0.1 s");
   refuse(R"({"model": "a", "period": 0.001, "K": [[1, 2]]})", "K[0]: must be a list of 3 numbers");

@@ -56,7 +56,7 @@ class Devices(unittest.TestCase):
             device.reach([1.0, 0.0])
         with self.assertRaisesRegex(enamel.Error, "duration is -1"):
             enamel.push(device, enamel.impedance(), duration=-1.0)
-        with self.assertRaisesRegex(enamel.Error, "plant wood is not among closed-form"):
+        with self.assertRaisesRegex(enamel.Error, "unknown plant \"wood\": must be closed-form"):
             enamel.push(device, enamel.impedance(), plant="wood")
         with self.assertRaises(enamel.DesignError):
             enamel.design_servo(device, torque=-1.0)

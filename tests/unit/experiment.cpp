@@ -376,7 +376,7 @@ TEST_CASE("a servo's gain from a file", "[experiment]") {
   CHECK(refused(folder / "neither.json") == folder / "neither.json" + ": K: is missing");
   std::ofstream(folder / "old.json") << "{\"kind\": \"surface\", \"model\": \"a\", \"period\": 0.001}";
   CHECK(refused(folder / "old.json") ==
-        folder / "old.json" + ": kind: is \"surface\", of position control, which needs no file any more");
+        folder / "old.json" + ": kind: is \"surface\": position control does not need a file any more");
 }
 
 namespace {

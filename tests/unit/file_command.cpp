@@ -84,7 +84,7 @@ TEST_CASE("what is no plain file is not read", "[file_command]") {
   const std::string pipe = "'" + (folder / "pipe.ply") + "' ";
   const std::string timely = "timeout 3000 " + kTool;
   for (const std::string& file : {pipe, std::string("/dev/zero ")}) {
-    const std::string reason = "is no plain file, but a pipe or a device";
+    const std::string reason = "is a pipe or a device, must be a regular file";
     refused(timely + "push --device " + file, reason);
     refused(timely + "push " + kDevice + "--scene " + file, reason);
     refused(timely + "push " + kDevice + "--renderer hold --gain " + file, reason);
@@ -114,7 +114,7 @@ TEST_CASE("nothing that a file or a command line holds reaches the terminal as i
   refused(kTool + "push --device " + file("b.toml", "name = \"x\"\n\"\\u001b[2J\" = 1\n"), "b.toml");
   refused(kTool + "push --device " + file("c.toml", "name = \"" + std::string(100000, 'x') + "\"\n"), "c.toml:1: name");
   refused(kTool + "push --device '" + escape + "'", "\\x1b[2J\\x07: cannot open the file");
-  refused(kTool + "push " + kDevice + "--renderer '" + escape + "'", "there is no plugin \"\\x1b[2J\\x07\"");
+  refused(kTool + "push " + kDevice + "--renderer '" + escape + "'", "unknown plugin \"\\x1b[2J\\x07\"");
   refused(kTool + "push " + kDevice + "'" + escape + "'", "\\x1b[2J", 2);
   refused(kTool + "push " + kDevice + "--force '" + escape + "'", "\\x1b[2J", 2);
   refused(kTool + "mesh " + file("d.obj", "v 1 2 " + escape + "\n"), "\\x1b[2J");

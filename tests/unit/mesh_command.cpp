@@ -169,7 +169,7 @@ TEST_CASE("a closed mesh is made a solid, and its surface a mesh", "[unit]") {
   }
   test::writeFile(folder / "flap.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 2 0\n3 0 1 2\n");
   CHECK_THAT(test::run("mesh " + (folder / "flap.off") + " --solid").output,
-             ContainsSubstring("flap.off: a solid is made of a closed mesh"));
+             ContainsSubstring("flap.off: the mesh of a solid must be closed"));
   CHECK_THAT(test::run(command + " --output a.obj").output,
              ContainsSubstring("a.obj: meshes are written as .ply or .stl"));
   CHECK(test::run("mesh " + (folder / "wedge.off") + " --solid --cell 0").status != 0);

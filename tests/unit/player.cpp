@@ -286,7 +286,7 @@ TEST_CASE("player: what is no recording, of another device, without ticks, not f
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(Player("/no/such/file"), test::ContainsSubstring("/no/such/file: cannot open the file"));
   test::writeFile(folder / "text.rec", "no recording at all, but long enough to have a head");
-  CHECK_THROWS_WITH(Player(folder / "text.rec"), test::ContainsSubstring("is no recording"));
+  CHECK_THROWS_WITH(Player(folder / "text.rec"), test::ContainsSubstring("is not a recording"));
   Run empty;
   record(empty, folder / "empty.rec", 0);
   CHECK_THROWS_WITH(Player(folder / "empty.rec"), test::ContainsSubstring("has no tick that can be read"));

@@ -55,8 +55,8 @@ TEST_CASE("a recorded push replays bit for bit, linked and as a plugin", "[recor
   CHECK(replay(servo).status == 1);
   for (const auto& [options, problem] :
        {std::pair{"--set stiffness=x", "parameter stiffness of impedance is \"x\", must be a number"},
-        {"--from 1000000", "a.rec: has 12 chunks, there is no chunk 1000000"},
-        {"--renderer nothing", "there is no plugin \"nothing\""}}) {
+        {"--from 1000000", "a.rec: has 12 chunks, chunk 1000000 does not exist"},
+        {"--renderer nothing", "unknown plugin \"nothing\""}}) {
     const auto refused = replay(options);
     CHECK(refused.status == 1);
     CHECK_THAT(refused.output, test::ContainsSubstring(problem));

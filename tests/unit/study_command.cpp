@@ -287,7 +287,7 @@ TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
   };
   servo = whole;
   servo["period"] = 2e-3;
-  refused("slow.json", "the servo is for ticks of 0.002 s, these take 0.001 s");
+  refused("slow.json", "the servo is for ticks of 0.002 s, the period here is 0.001 s");
   servo = whole;
   servo["K"] = nlohmann::json::array();
   for (int i = 0; i < 3; ++i) servo["K"].push_back(std::vector<double>(9, 1.0));

@@ -42,8 +42,9 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
     requireRefused(test::viewer("--script '" + folder / "good.txt' --frame-rate " + rate), 2, "--frame-rate: ");
   requireRefused(test::viewer(headless + "--frame-rate 30"), 2, "--headless excludes --frame-rate");
   REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
-  requireRefused(test::viewer("--headless --script '" + folder / "pipe'"), 1, "is no plain file");
-  requireRefused(test::viewer("--headless --script /dev/zero"), 1, "is no plain file");
+  requireRefused(test::viewer("--headless --script '" + folder / "pipe'"), 1,
+                 "is a pipe or a device, must be a regular file");
+  requireRefused(test::viewer("--headless --script /dev/zero"), 1, "is a pipe or a device, must be a regular file");
   test::writeFile(folder / "long.txt", std::string(2000000, 'x'));
   requireRefused(test::viewer("--headless --script '" + folder / "long.txt'"), 1, "at most 1048576 are read");
   test::writeFile(folder / "escape.txt", "0 \x1b[2J\n0 end\n");
@@ -106,7 +107,7 @@ TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
   requireRefused(test::viewer(headless + "--gain '" + folder / "neither.json'"), 1, "neither.json: K: is missing");
   test::writeFile(folder / "surface.json", "{\"kind\": \"surface\"}");
   requireRefused(test::viewer(headless + "--gain '" + folder / "surface.json'"), 1,
-                 "surface.json: kind: is \"surface\", of position control");
+                 "surface.json: kind: is \"surface\": position control");
   // A plugin stands beside the linked renderers, or in the place of the one of its name.
   test::writeFile(folder / "own.txt", "0 renderer position-control\n0 renderer hold\n0 renderer template\n0 end\n");
   CHECK(test::viewer("--headless --renderer template --script '" + folder / "own.txt'").status == 0);
