@@ -74,11 +74,11 @@ class Scenes(unittest.TestCase):
 
     def test_old_names_warn(self):
         device = enamel.Device(enamel.data / "devices/tau-detailed.toml")
-        with self.assertWarnsRegex(DeprecationWarning, "Device.count: its name is encoder_step now"):
+        with self.assertWarnsRegex(DeprecationWarning, "Device.count: is now called encoder_step"):
             count = device.count
         self.assertTrue((count == device.encoder_step).all())
         push = lambda plant: enamel.push(device, enamel.impedance(), plant=plant, duration=1.1).ticks["gap"]
-        with self.assertWarnsRegex(DeprecationWarning, "plant real: its name is imperfect now"):
+        with self.assertWarnsRegex(DeprecationWarning, "plant real: is now called imperfect"):
             old = push("real")
         self.assertTrue((old == push("imperfect")).all())
 

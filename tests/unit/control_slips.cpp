@@ -173,11 +173,11 @@ TEST_CASE("pushes and studies of nothing", "[control_slips]") {
                           }});
   REQUIRE(plan.size() == 2 * 4 * 3);
   CHECK(runAt(plan, 23).run == 2);
-  CHECK_THROWS_WITH(runAt(plan, 24), "run 24 is asked for, the study has 24");
+  CHECK_THROWS_WITH(runAt(plan, 24), "run 24 does not exist, the study has 24 runs");
   CHECK_THROWS_WITH(runAt(plan, static_cast<std::size_t>(-1)), ContainsSubstring("the study has 24"));
   StudyRun run = runAt(plan, 0);
   run.column = 1;
-  CHECK_THROWS_WITH(performRun(plan, run), ContainsSubstring("column 1 and point 0"));
+  CHECK_THROWS_WITH(performRun(plan, run), ContainsSubstring("column 1 or point 0 does not exist"));
   run.column = 0;
   run.point = 4;
   CHECK_THROWS_WITH(performRun(plan, run), ContainsSubstring("the study has 1 and 4"));

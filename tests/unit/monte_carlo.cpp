@@ -406,7 +406,7 @@ TEST_CASE("a column may have shorter ticks: delay and density of the noise stay"
   REQUIRE(performRun(plan, run, [&](const TickRecord&) { ++ticks; }).status == Status::ok);
   CHECK(ticks == 5200);
   plan.columns[1].period = 0.3e-3;
-  CHECK_THROWS_WITH(setupOf(plan, run), test::ContainsSubstring("no multiple"));
+  CHECK_THROWS_WITH(setupOf(plan, run), test::ContainsSubstring("not a multiple"));
 }
 
 TEST_CASE("a run that the guard stops says so and is not measured", "[monte_carlo]") {

@@ -43,7 +43,7 @@ TEST_CASE("commands take an old name, do the same and warn on standard error", "
   const std::string study = "study --device '" + test::deviceFile("tau-detailed.toml") +
                             "' --grid 1 --runs 1 --scenario 1 --renderers position-control --no-convergence --plant ";
   (void)stdoutOf(study + "real --output '" + (folder / "study") + "'");
-  CHECK_THAT(test::readFile(errors), ContainsSubstring("--plant real: its name is imperfect now"));
+  CHECK_THAT(test::readFile(errors), ContainsSubstring("--plant real: is now called imperfect"));
   CHECK(nlohmann::json::parse(test::readFile(folder / "study/study.json")).at("plant") == "imperfect");
   const auto refused = test::run(push + "realistic");
   CHECK(refused.status == 2);
