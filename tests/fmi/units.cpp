@@ -569,8 +569,8 @@ TEST_CASE("fmi: the command writes units and says what it cannot", "[fmi]") {
           nearestContact(scene.scene, scene.tool, pose, nullptr).gap);
   }
   for (const auto& [options, reason] :
-       std::map<std::string, std::string>{{" --scene x.toml", "--scene and --set are of a renderer"},
-                                          {" --renderer wood", "no plugin"},
+       std::map<std::string, std::string>{{" --scene x.toml", "--scene and --set need --renderer"},
+                                          {" --renderer wood", "unknown plugin \"wood\""},
                                           {" --renderer impedance --period 1", "0.1"},
                                           {" --plant wood", "wood"},
                                           {" --substeps 0", "--substeps is 0"}}) {

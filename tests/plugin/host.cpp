@@ -154,7 +154,7 @@ TEST_CASE("a small study through plugins writes the same runs as the linked rend
                     ENAMEL_PLUGINS "/enamel_impedance.so --set delay-high=1")
               .status == 0);
   CHECK_THAT(test::run(common + (folder / "typo") + "' --renderers template --set relase=off").output,
-             ContainsSubstring("relase, which no plugin"));
+             ContainsSubstring("relase, which is not a parameter of any plugin"));
   const std::string linked = test::readFile(folder / "linked/runs.csv");
   CHECK(std::count(linked.begin(), linked.end(), '\n') == 2 * 2 * 4 * 2 + 1);
   std::string plugins = test::readFile(folder / "plugins/runs.csv");

@@ -180,7 +180,7 @@ TEST_CASE("pushes and studies of nothing", "[control_slips]") {
   CHECK_THROWS_WITH(performRun(plan, run), ContainsSubstring("column 1 or point 0 does not exist"));
   run.column = 0;
   run.point = 4;
-  CHECK_THROWS_WITH(performRun(plan, run), ContainsSubstring("the study has 1 and 4"));
+  CHECK_THROWS_WITH(performRun(plan, run), ContainsSubstring("the study has 1 columns and 4 points"));
   for (const int runs : {0, -1}) {
     plan.runs = runs;
     CHECK_THROWS_WITH(runAt(plan, 0), ContainsSubstring("the study has 0"));

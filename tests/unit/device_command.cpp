@@ -82,8 +82,8 @@ TEST_CASE("slips in a command line of device are told", "[device_command]") {
     CHECK(result.status != 0);
     CHECK_THAT(result.output, ContainsSubstring(message));
   };
-  refuses("", "give --serve or --connect HOST:PORT");
-  refuses("--serve --connect localhost", "give --serve or --connect HOST:PORT");
+  refuses("", "give either --serve or --connect HOST:PORT");
+  refuses("--serve --connect localhost", "give either --serve or --connect HOST:PORT");
   refuses("--serve --bind 0.0.0.0 --duration 0.1",
           "0.0.0.0 can be reached from other machines: give a key, or use 127.0.0.1");
   refuses("--serve --key /nowhere", "/nowhere");

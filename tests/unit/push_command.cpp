@@ -194,7 +194,7 @@ TEST_CASE("push: one plant for linked renderers and plugins, with the damping of
   CHECK_THAT(file.output, ContainsSubstring("mechanical damping 3.5 N s/m") && !ContainsSubstring("eq. 16"));
   CHECK_THAT(more.output, ContainsSubstring("mechanical damping 4 N s/m"));
   CHECK_THAT(hard.output,
-             ContainsSubstring("need more than 3.5 N s/m") && ContainsSubstring("(eq. 16), there are 3.5"));
+             ContainsSubstring("need more than 3.5 N s/m") && ContainsSubstring("(eq. 16), the device has 3.5"));
 }
 
 TEST_CASE("push: hold with a servo of enamel design --output, linked and as a plugin", "[push_command]") {
@@ -227,9 +227,9 @@ TEST_CASE("push: hold with a servo of enamel design --output, linked and as a pl
   refuses({{hold + "--gain '" + fast + "'", "ticks of 0.0005 s, the period here is 0.001 s"},
            {hold + "--gain '" + (folder / "three.json") + "'", "for 3 joints, the device has 6"},
            {"--gain /no/such/servo.json", "/no/such/servo.json"},
-           {"--gain '" + same + "'", "same.json: is an LQR design, for hold, which --renderer does not name"},
-           {"--renderer impedance --gain '" + same + "'", "for hold, which --renderer does not name"},
-           {plugin + "--gain '" + same + "'", "for hold, which --renderer does not name"}});
+           {"--gain '" + same + "'", "same.json: is an LQR design for hold, but --renderer does not name hold"},
+           {"--renderer impedance --gain '" + same + "'", "for hold, but --renderer does not name hold"},
+           {plugin + "--gain '" + same + "'", "for hold, but --renderer does not name hold"}});
 }
 
 TEST_CASE("push: position control, linked and as a plugin, is told of the plant's drives", "[push_command]") {

@@ -82,7 +82,7 @@ TEST_CASE("what a recording cannot be, and disks that are full", "[recording]") 
   }
   const auto twice = test::run(push + "'" + (folder / "b") + "' --output '" + (folder / "./b") + "'");
   CHECK(twice.status == 1);
-  CHECK_THAT(twice.output, test::ContainsSubstring("--record and --output are one file"));
+  CHECK_THAT(twice.output, test::ContainsSubstring("--record and --output must be different files"));
   CHECK(test::readFile(file) == before);
 
   const std::string full = folder / "full.rec";
@@ -92,7 +92,7 @@ TEST_CASE("what a recording cannot be, and disks that are full", "[recording]") 
   const auto rest = test::run("replay '" + full + "'");
   CHECK(rest.status == 0);
   CHECK_THAT(rest.output,
-             test::ContainsSubstring("it was not closed") && test::ContainsSubstring("equal, bit for bit"));
+             test::ContainsSubstring("the recording was not closed") && test::ContainsSubstring("equal, bit for bit"));
   // A recording that was to be replaced stays whole; where there is room, it is replaced.
   const auto kept = test::runCommand("ulimit -f 300; '" ENAMEL_TOOL "' " + push + "'" + file + "' --overwrite");
   CHECK(kept.status == 1);

@@ -294,7 +294,7 @@ TEST_CASE("study: a given gain is the one that is used", "[study_command]") {
   refused("three.json", "the servo is for 3 joints, the device has 6");
   CHECK(run("study --renderers impedance --grid 1 --runs 1 --output '" + (folder / "spring") + "' --gain '" +
             (folder / "same.json") + "'")
-            .output.find("same.json: is an LQR design, for hold, which --renderers does not name") !=
+            .output.find("same.json: is an LQR design for hold, but --renderers does not name hold") !=
         std::string::npos);
 }
 
