@@ -174,8 +174,9 @@ TEST_CASE("study: the paper's ordering holds, nothing is infinite", "[study_comm
   CHECK(report.find("not met") != std::string::npos);
   CHECK(report.find("no joint saturates") != std::string::npos);
   CHECK(report.find("Speed against error") != std::string::npos);
-  CHECK(report.find("it is the default") != std::string::npos);
-  CHECK(report.find("the deepest point of the continuous motion, between ticks too") != std::string::npos);
+  CHECK(report.find("the study uses it by default") != std::string::npos);
+  CHECK(report.find("the depth of the first reversal of the continuous motion (also between ticks)") !=
+        std::string::npos);
   CHECK(report.find("<h1>On a stiff wall: position control, hold, impedance</h1>") != std::string::npos);
   CHECK(
       report.find("<th>here, as in the paper (hold, impedance)</th><th>here, position control in contact space</th>") !=
