@@ -72,7 +72,7 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
     requireRefused(test::viewer("--headless --script '" + folder / "bad.txt'"), 1, message);
   };
   script("0 jump\n0 end\n", "bad.txt:1: jump: is not a known command");
-  script("# remark\n1 pause\n0.5 end\n", "bad.txt:3: time: is earlier than that of the step before");
+  script("# remark\n1 pause\n0.5 end\n", "bad.txt:3: time: is earlier than that of the previous step");
   script("0 hand 1 2\n1 end\n", "bad.txt:1: hand: is missing");
   script("0 hand 1 2 nan\n1 end\n", "bad.txt:1: hand: is \"nan\", must be a number");
   script("0 spin fast\n1 end\n", "bad.txt:1: spin: must be on or off");
@@ -81,10 +81,10 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
   script("0 set colour 1\n1 end\n", "bad.txt:1: set: \"colour\" is not a known setting");
   script("0 set delay 1.5\n1 end\n", "bad.txt:1: delay: must be a whole number");
   script("0 set delay 9\n1 end\n", "bad.txt:1: delay: is 9, must be in 0 to 8");
-  script("0 picture ../x\n1 end\n", "bad.txt:1: picture: is \"../x\", must consist of letters");
+  script("0 picture ../x\n1 end\n", "bad.txt:1: picture: is \"../x\", must have only letters");
   script("0 size 10x10\n1 end\n", "bad.txt:1: size: is \"10x10\", must be WIDTHxHEIGHT");
   script("0 pause\n", "bad.txt:1: end: is missing");
-  script("0 end\n1 pause\n", "bad.txt:2: stands after the end");
+  script("0 end\n1 pause\n", "bad.txt:2: comes after the end");
   script("0 pause now\n1 end\n", "bad.txt:1: now: is not expected here");
   script("0 renderer granite\n1 end\n",
          "bad.txt:1: renderer: is \"granite\", must be position-control, impedance, hold or passivity");
@@ -94,7 +94,8 @@ TEST_CASE("plugins and gains: what is asked of what is not there", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "good.txt", "0 end\n");
   const std::string headless = "--headless --script '" + folder / "good.txt" + "' ";
-  requireRefused(test::viewer(headless + "--set stiffness=1"), 1, "--set is for plugins, and --renderer names none");
+  requireRefused(test::viewer(headless + "--set stiffness=1"), 1,
+                 "--set is for plugins only, but --renderer does not name a plugin");
   // A parameter does not take the argument behind it.
   requireRefused(test::viewer(headless + "--renderer template --set stiffness=3000 /no/such/scene.toml"), 1,
                  "/no/such/scene.toml: cannot open the file");
@@ -140,9 +141,9 @@ TEST_CASE("recordings that cannot be played, and what cannot be done with one", 
     requireRefused(test::viewer(arguments + "--script '" + folder / "bad.txt'"), 1, "bad.txt:1: " + message);
   };
   for (const char* word : {"hand", "spin", "renderer", "set", "scene", "push", "swap", "undo"})
-    script(std::string("0 ") + word, play, std::string(word) + ": is not for a recording");
+    script(std::string("0 ") + word, play, std::string(word) + ": is not available for a recording");
   for (const char* word : {"seek", "next-event", "step-back"})
-    script(std::string("0 ") + word, "--headless ", std::string(word) + ": is for a recording: there is no --play");
+    script(std::string("0 ") + word, "--headless ", std::string(word) + ": is for recordings only: give --play");
   script("0 seek -1", play, "seek: is -1, must be in 0 to 1e+09");
   std::filesystem::remove(folder / "wedge.obj");
   requireRefused(test::viewer(headless + "--play '" + folder / "mesh.rec'"), 1, "wedge.obj: cannot open the file");
@@ -176,7 +177,7 @@ TEST_CASE("no display, no OpenGL, closed in contact", "[viewer]") {
   const test::TemporaryFolder folder;
   test::writeFile(folder / "good.txt", "0 end\n");
   const std::string script = "--script '" + folder / "good.txt'";
-  requireRefused(test::viewer(script), 1, "no display to open a window on");
+  requireRefused(test::viewer(script), 1, "cannot open a window, no display");
   requireRefused(test::viewer("--headless " + script, "env __EGL_VENDOR_LIBRARY_DIRS=/nonexistent"), 1,
                  "no OpenGL without a display");
   if (!test::haveXvfb()) return test::skipTest("Xvfb is missing");
