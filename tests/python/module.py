@@ -111,7 +111,7 @@ class Scenes(unittest.TestCase):
         np.testing.assert_allclose(moved["velocity"][0], [1, 0, 0])
         with self.assertRaisesRegex(enamel.Error, "ball"):
             scene.add_sphere("ball", (0, 0, 1), 0.25)
-        with self.assertRaisesRegex(enamel.Error, "is no mesh"):
+        with self.assertRaisesRegex(enamel.Error, "is not a mesh"):
             scene.mesh(wall)
 
     def test_meshes_without_copies_and_out_of_their_scene(self):

@@ -1,7 +1,7 @@
 """Stiff contact on haptic devices: Enamel in Python.
 
 SI units. World frame W: x right, y up, z from the wall towards the user, origin at the centre of the workspace. A twist
-is [v; w], a wrench [f; m]: both at the TCP and in the axes of W.
+is [v; w], a wrench [f; m]; both are at the TCP and in the axes of W.
 
 Five lines plot a push:
 
@@ -22,25 +22,25 @@ data = _Path(__file__).parent / "data"
 
 
 class PythonRenderer:
-    """A renderer in Python, for experiments: not for real time (some 10 us a tick, and the interpreter may pause).
+    """A renderer in Python, for experiments. It is not for real time: some 10 us a tick, and the interpreter may pause.
 
-    Derive from it, and hand the class, or any callable that makes one, to push(), study(), judge() or trials(). What
-    one of its methods raises ends them with that exception. It has no state that a recording could keep.
+    Derive a class from it, and pass the class, or any callable that makes an object of it, to push(), study(), judge()
+    or trials(). An exception in one of its methods ends them. A recording cannot store its state.
     """
 
     needs_inertia = False
-    """Whether render() reads the joint-space inertia: ticks then compute it."""
+    """Whether render() reads the joint-space inertia. Ticks compute it only then."""
 
     def activate(self, period):
-        """Prepares for ticks of `period` s."""
+        """Prepare for ticks of `period` s."""
 
     def reset(self):
-        """Back to the state after activate(). Also called at every tick at which the guard lets nothing through."""
+        """Return to the state after activate(). Also called at every tick at which the guard lets no torque through."""
 
     def render(self, tick):
-        """The torque of every joint, (n,), N m or N, gravity included. What is beyond a motor's limit is cut."""
+        """Return the torque of every joint, (n,), N m or N, with gravity. Motors limit it to their largest torque."""
         raise NotImplementedError
 
 
 RendererLike = _Union[Renderer, _Callable[[], _Union[Renderer, PythonRenderer]]]  # noqa: F405
-"""What push(), study(), judge() and trials() take for a renderer."""
+"""Type of a renderer for push(), study(), judge() and trials()."""
