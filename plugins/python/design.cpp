@@ -8,16 +8,16 @@ namespace enamel::python {
 void addDesign(py::module_& m) {
   py::class_<ServoDesign>(m, "ServoDesign",
                           "A servo u = -K [q'; q - q_op; xi] and the models for which it was designed.")
-      .def_readonly("period", &ServoDesign::period, "Ts, s.")
+      .def_readonly("period", &ServoDesign::period, "Period of the ticks T_s, s.")
       .def_readonly("K", &ServoDesign::K, "Gain, (n, 3n), N m s/rad, N m/rad and N m/(rad s).")
-      .def_readonly("P", &ServoDesign::P, "(3n, 3n), cost-to-go.")
+      .def_readonly("P", &ServoDesign::P, "Cost-to-go matrix, (3n, 3n).")
       .def_property_readonly(
           "A", [](const ServoDesign& self) -> const Eigen::MatrixXd& { return self.plant.A; },
           py::return_value_policy::reference_internal,
           "State matrix of the continuous plant with states [q'; q - q_op], (2n, 2n).")
       .def_property_readonly(
           "B", [](const ServoDesign& self) -> const Eigen::MatrixXd& { return self.plant.B; },
-          py::return_value_policy::reference_internal, "(2n, n).");
+          py::return_value_policy::reference_internal, "Input matrix of the continuous plant, (2n, n).");
   m.def(
       "design_servo",
       [](const Device& device, const std::optional<Array>& position, double period, double velocity, double weight,

@@ -81,7 +81,8 @@ TEST_CASE("files that are no plugins are refused with what they are", "[plugin]"
   CHECK(std::count(listed.output.begin(), listed.output.end(), '\n') == 3);
   CHECK_THAT(listed.output, ContainsSubstring("refused: ") && ContainsSubstring("text.so: is not a shared library"));
   CHECK_THAT(test::run("plugins '" ENAMEL_PLUGINS "'").output,
-             ContainsSubstring("impedance 0.2.0") && ContainsSubstring("--set stiffness=6000  of the wall, N/m") &&
+             ContainsSubstring("impedance 0.2.0") &&
+                 ContainsSubstring("--set stiffness=6000  stiffness of the wall, N/m") &&
                  ContainsSubstring("template"));
   CHECK(test::run("plugins /no/such/folder").status == 1);
 }

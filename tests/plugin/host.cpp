@@ -277,7 +277,7 @@ TEST_CASE("a plugin's gain comes from a file", "[plugin]") {
   }
   setup.parameters = {{"gain", folder / "servo.json"}};
   CHECK_THROWS_WITH(makeRenderer(library("position_control"), setup),
-                    ContainsSubstring("gain: is of mode hold, mode surface needs no file"));
+                    ContainsSubstring("gain: is only for mode hold: mode surface does not need a file"));
   for (const auto& [key, value, reason] : {std::tuple{"mode", "rubber", "is \"rubber\", must be surface or hold"},
                                            {"delay", "0.5", "delay: is 0.5, must be a whole number of ticks"},
                                            {"delay", "9", "delay: is 9, must be in 0 to 8 ticks"},

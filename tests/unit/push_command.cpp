@@ -262,7 +262,8 @@ TEST_CASE("push: position control, linked and as a plugin, is told of the plant'
   test::writeFile(folder / "old.json", R"({"kind": "surface", "model": "a", "period": 0.001})");
   refuses({{"--gain '" + (folder / "old.json") + "'",
             "old.json: kind: is \"surface\": position control does not need a file"},
-           {plugin + "--set 'gain=" + (folder / "old.json") + "'", "gain: is of mode hold, mode surface needs no file"},
+           {plugin + "--set 'gain=" + (folder / "old.json") + "'",
+            "gain: is only for mode hold: mode surface does not need a file"},
            {plugin + "--set drive=loose", "drive: is \"loose\", must be device, rigid or ideal"},
            {"--delay constant:9", "delay is 9 to 9 ticks, must be within 0 to 8"}});
 }

@@ -1,4 +1,4 @@
-"""The paper's figure 8: one push of 12 N with its law and with the spring, tick by tick, and then a study over the wall.
+"""The paper's figure 8: one push of 12 N with its controller and with the spring, tick by tick, and then a study over the wall.
 
     python figure_8.py [PICTURE.png]     # the picture needs matplotlib
 """
