@@ -93,7 +93,7 @@ void addExport(CLI::App& app) {
   CLI::App* command = app.add_subcommand("export",
                                          "Writes the ticks of a recording (push --record) as CSV: one line a tick; the "
                                          "first line names columns and units.\nThe pose is the forward kinematics of "
-                                         "the measured joints. It is empty if there is no measurement or no solution.");
+                                         "the measured joints. It is empty if the kinematics have no solution.");
   command->add_option("file", options->file, "recording")->required();
   command->add_option("--csv", options->csv, "file to write, or /dev/stdout")->required();
   addOverwrite(*command, options->overwrite);

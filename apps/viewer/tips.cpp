@@ -15,8 +15,8 @@ bool has(const Rect& area, const ImVec2& at) {
 
 constexpr const char* kNumberTip[] = {
     "Depth of the tool's lowest point in the nearest wall, or its distance, mm, along the wall's normal.",
-    ("Force of the motors on the tool, N, as delivered in this tick, without the part that carries its weight: along "
-     "the wall's normal (negative: it pulls into the wall), along the wall, and total."),
+    ("Force of the motors on the tool, N, as delivered in this tick, without the part that carries its weight. Shown "
+     "along the wall's normal (negative: it pulls into the wall), along the wall, and in total."),
     "Force of the hand into the wall, N.\nforce = grip x (hand - tool) - damping x speed",
     "Stiffness that the hand feels now, kN/m. Only while the tool is in the wall.\nforce of the hand / penetration"};
 constexpr const char* kChartTip[] = {

@@ -85,7 +85,8 @@ std::vector<Entry> entriesOf(zip_t* archive, const std::string& path, std::size_
     if (lower.back() == '/') lower.pop_back();
     const auto [same, isNew] = seen.emplace(lower, entry.name);
     if (!isNew)
-      throw Error(path + ": holds \"" + same->second + "\" and \"" + entry.name + "\", which differ only in case");
+      throw Error(path + ": holds \"" + same->second + "\" and \"" + entry.name +
+                  "\", which are the same file if case is ignored");
     entries.push_back(std::move(entry));
   }
   return entries;

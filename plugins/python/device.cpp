@@ -83,8 +83,9 @@ void addMotion(py::class_<Device>& device) {
           },
           py::arg("position"), py::arg("torque"), py::arg("rotation") = py::none(), py::arg("twist") = py::none(),
           py::arg("wrench") = py::none(),
-          "Return the acceleration V' = [v'; w'], (6,), m/s^2 and rad/s^2, at a pose and twist under joint torques and "
-          "a wrench on the platform at the TCP (N, N m), with gravity, friction and damping. Raises Error as reach() "
+          "Return the acceleration V' = [v'; w'], (6,), m/s^2 and rad/s^2, at a pose and twist (forward dynamics). "
+          "Loads are joint torques, a wrench on the platform at the TCP (N, N m), gravity, friction and damping. "
+          "Raises Error as reach() "
           "does.");
 }
 

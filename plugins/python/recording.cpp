@@ -115,7 +115,7 @@ void addRecording(py::module_& m) {
           "period", [](const Recording& self) { return self.header().guard.period; }, "Period of the ticks, s.")
       .def("ticks", &Recording::ticks,
            "Return all ticks as a structured array, one row a tick, SI units. Position and rotation are the forward "
-           "kinematics, NaN if there is no solution. Lost ticks are missing: the column `tick` has the numbers. Raises "
+           "kinematics, NaN without a solution. Lost ticks are missing: the column `tick` has the numbers. Raises "
            "Error if a chunk is damaged.")
       .def("replay", &Recording::replayed, py::arg("renderer"),
            "Run a renderer, the same or another one, on the recorded measurements and compare its answers bit for bit. "

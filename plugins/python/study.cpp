@@ -138,8 +138,8 @@ void addStudy(py::module_& m) {
   py::class_<Study>(m, "Study", "The runs of a Monte Carlo study over a wall.")
       .def_property_readonly(
           "runs", &runsOf,
-          "Runs as a structured array, one row a run: scenario, renderer (a number in `renderers`), point and run, and "
-          "the metrics by their symbols, SI units, NaN if the run does not have one.")
+          "Runs as a structured array, one row a run. Columns: scenario, renderer (a number in `renderers`), point, "
+          "run, and the metrics by their symbols, SI units. A metric is NaN if the run does not have it.")
       .def_property_readonly(
           "renderers",
           [](const Study& self) {

@@ -110,8 +110,8 @@ void addWall(py::module_& m) {
       ofJudge.documented(deviceAnd("renderer"), "dict",
                          "Evaluate a renderer in simulated pushes, ramps and impacts at five points of a wall, with "
                          "encoders and with forces within the motors' limits. Return stiffness (N/m), shares of the "
-                         "physical limit, chatter (N m or N), bounce, ramp, impact and deepest (m), and the numbers of "
-                         "runs that were lost or have no stiffness. Raises Error. The GIL is released.");
+                         "physical limit, chatter (N m or N), and bounce, ramp, impact and deepest (m). Also return "
+                         "the numbers of runs that were lost or have no stiffness. Raises Error. The GIL is released.");
   const std::string trialsDoc =
       ofTrials.documented(deviceAnd("renderer"), "list",
                           "Simulate what people do with a wall: step, ramp, impact, release, slide, corner, pulse, "

@@ -213,7 +213,7 @@ TEST_CASE("compare: ranks computed from the runs, the same bytes in parts", "[co
     CHECK(result.status != 0);
     CHECK_THAT(result.output, ContainsSubstring(why));
   };
-  refused("--delays constant:1", "has no impedance for a delay of 1 to 1 ticks");
+  refused("--delays constant:1", "has no values of impedance for a delay of 1 to 1 ticks");
   refused("--device-damping impedance=4", "impedance-edge needs device damping");
 }
 

@@ -164,9 +164,10 @@ void addRanking(Page& page, const CompareOptions& options, const std::vector<Con
   for (const std::string& plant : options.plants) page.paragraph(sentenceOf(onPlant(conditions, plant)));
   page.heading("Ranking");
   page.paragraph(
-      "The rank, 1 is the best, is the mean of six ranks of what a hand feels: the depth of the tool, the chatter of "
-      "the motors, the drag of a frictionless wall, the pull after the push is released, the energy that the wall "
-      "gives, and the stiffness as a share of the physical limit. A renderer that loses runs ranks behind those that "
+      "Rank 1 is the best. The rank is the mean of six ranks of what a hand feels. These are the depth of the tool, "
+      "the chatter of the motors, and the drag of a frictionless wall. The others are the pull after a release, the "
+      "energy that the wall gives, and the stiffness as a share of the physical limit. A renderer that loses runs "
+      "ranks behind those that "
       "lose fewer. Values that a hand does not feel count as zero: chatter below 0.05 N m, drag below 3.5 %, a pull "
       "below 0.1 N, energy below 1 mJ.");
   for (const std::string& plant : options.plants) {

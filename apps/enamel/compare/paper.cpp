@@ -98,7 +98,7 @@ std::string delayClaim(const Condition& c, const RendererScore& s) {
         plantTitle(c.plant));
   return fmt::format(
       "“With a random delay, 3 of 90 runs exceed 1 mm, none exceeds 1.1 mm” ({}): {} of {} finished runs exceed 1 mm, "
-      "the deepest reaches {:.2f} mm, and {} of {} runs are lost: <b>{}</b>. (The paper uses exact rates, here they "
+      "and the deepest reaches {:.2f} mm. {} of {} runs are lost: <b>{}</b>. (The paper uses exact rates, here they "
       "come from encoders.)",
       plantTitle(c.plant), deep, s.depth.size(), 1e3 * most, s.lost, s.runs,
       s.lost == 0 && deep <= 3 && most < 1.1e-3 ? "holds" : "refuted");
@@ -150,9 +150,8 @@ void addPaper(Page& page, const std::vector<Condition>& conditions) {
   addTableThree(page, conditions);
   page.paragraph(
       "Table IV: the lowest stiffness of the servo over the wall against the highest of the paper's spring of 6000 "
-      "N/m. In the paper: K_z1 17 174 against 3 112.6, in co-simulation 16 743 (13 367 with a random delay) against 5 "
-      "360.2; "
-      "K_zs 92 387 against 6 180.5, in co-simulation 34 306 (54 634) against 6 302.2.");
+      "N/m. In the paper, K_z1 is 17 174 against 3 112.6, and in co-simulation 16 743 (13 367 with a random delay) "
+      "against 5 360.2. K_zs is 92 387 against 6 180.5, and in co-simulation 34 306 (54 634) against 6 302.2.");
   addTableFour(page, conditions);
 }
 

@@ -68,8 +68,8 @@ std::string reason(const Study& study, const Findings& findings, std::size_t hol
   const double withMass = correlation(values, over(points, [](const SurveyPoint&p) { return p.mass; })),
                withLever = correlation(values, over(points, [](const SurveyPoint&p) { return 1.0 / p.lever; }));
   std::string text = fmt::format(
-      "<b>Reason.</b> Over the wall, the correlation of K_z1 is {:.2f} with the device's effective mass (the mass that "
-      "a force along the normal must accelerate) and {:.2f} with the inverse of the lever |dz/dq| of the joints{}.",
+      "<b>Reason.</b> Over the wall, the correlation of K_z1 with the device's effective mass is {:.2f}. Its "
+      "correlation with the inverse of the lever |dz/dq| of the joints is {:.2f}{}.",
       withMass, withLever,
       withMass > 0.7 && withLever > 0.7 ? ". The servo has the same stiffness in the joints everywhere: the tool is "
                                           "softer at points where the joints move it more"
@@ -78,8 +78,8 @@ std::string reason(const Study& study, const Findings& findings, std::size_t hol
     const std::vector<double> s = row(study, findings, scheduled, stiffnessOf);
     const double gone = (s.back() / s.front() - 1.0) / (k.back() / k.front() - 1.0);
     text += fmt::format(
-        " With a servo designed at every query point, K_z1 {} by {} instead of {}: {:.0f} % of the trend is due to the "
-        "device, the rest to the design of the servo at home.",
+        " With a servo designed at every query point, K_z1 {} by {} instead of {}. Thus {:.0f} % of the trend is due "
+        "to the device, the rest to the design at home.",
         s.back() > s.front() ? "rises" : "falls", percent(std::abs(s.back() / s.front() - 1.0)),
         percent(std::abs(k.back() / k.front() - 1.0)), 100.0 * gone);
   }
