@@ -1,11 +1,11 @@
 #include "mesh_prepare.hpp"
 
 // Decimater's headers need those of the mesh first.
-#include <Eigen/Geometry>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -294,8 +294,8 @@ struct Candidate {
   Deviation there, back;
 };
 
-// About the fewest triangles whose deviation, measured both ways, is allowed: a quarter of them as long as that goes,
-// then the number halved in between.
+// About the fewest triangles whose deviation, measured both ways, is allowed: a quarter of them as long as that goes, then
+// the number halved in between.
 Candidate decimateWithin(const Mesh& mesh, const TriangleMesh& closed, double most) {
   const MeshModel model(closed);
   const auto candidate = [&](std::size_t faces) {
