@@ -62,7 +62,7 @@ void explain(const SceneFile& file, double seconds) {
   fmt::print("a tick queries {} of part and obstacle, {} of them with a mesh: {:.3g} KB of lists of near triangles\n",
              count(file.tool.count * obstacles, "pair"), file.tool.count * meshes,
              1e-3 * kBytesOfCache * meshes * file.tool.count);
-  fmt::print("\nthe tool slides over the scene at 30 mm/s; time for the contacts of a tick, us:\n");
+  fmt::print("\nthe tool slides over the obstacles at 30 mm/s; time for the contacts of a tick, us:\n");
   fmt::print("{:<24} {:>10} {:>10} {:>10} {:>9} {:>9}\n", "", "median", "p99", "p99.9", "at once", "touching %");
   if (obstacles > 1)
     for (const Obstacle& obstacle : file.scene.obstacles()) {
