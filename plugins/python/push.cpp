@@ -149,7 +149,7 @@ Push push(const Device& device, const py::object& renderer, const PushOptions& o
 }  // namespace
 
 void addPush(py::module_& m) {
-  py::class_<Push>(m, "Push", "Result of a push.")
+  py::class_<Push>(m, "Push", "Result of a push: its ticks, metrics and verdict.")
       .def_readonly("ticks", &Push::ticks,
                     "Ticks as a structured array, one row a tick, SI units: state and measurement before the tick's "
                     "torque acts. modes, statuses and guard_reasons give the names of the numbers.")

@@ -215,7 +215,7 @@ class Runs(unittest.TestCase):
 
         with self.assertRaisesRegex(KeyError, "tired"):
             enamel.push(self.device, Tired)
-        with self.assertRaisesRegex(ValueError, r"what render\(\) returned has the shape \(1,\), must be \(6,\)"):
+        with self.assertRaisesRegex(ValueError, r"the result of render\(\) has the shape \(1,\), must be \(6,\)"):
             enamel.push(self.device, Wrong)
         with self.assertRaisesRegex(OSError, "not at 0.001 s"):
             enamel.push(self.device, Unwilling)
