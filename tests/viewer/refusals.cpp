@@ -66,7 +66,8 @@ TEST_CASE("scenes, devices and scripts that cannot be read", "[viewer]") {
     CHECK(test::readFile(picture) != "mine");
   }
   requireRefused(test::viewer(headless + "--size huge"), 2, "--size is \"huge\", must be WIDTHxHEIGHT");
-  requireRefused(test::viewer(headless + "--record /proc/nowhere"), 1, "/proc/nowhere: cannot make the folder");
+  requireRefused(test::viewer(headless + "--record /proc/nowhere"), 1,
+                 "/proc/nowhere: cannot create the folder for pictures");
   const auto script = [&](const std::string& text, const std::string& message) {
     test::writeFile(folder / "bad.txt", text);
     requireRefused(test::viewer("--headless --script '" + folder / "bad.txt'"), 1, message);
