@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -38,10 +38,10 @@ const std::vector<ActionRow>& actionRows() {
       {Action::sound, "sound", "M", "sound of the bur, on or off", GLFW_KEY_M, false, Source::live},
       {Action::help, "help", "F1", "this help", GLFW_KEY_F1, false},
       {Action::panels, "panels", "F2", "panels", GLFW_KEY_F2, false},
-      {Action::timing, "timing", "F3", "timing of the haptic loop, guard events", GLFW_KEY_F3, false},
+      {Action::timing, "timing", "F3", "timing of the loop, guard events", GLFW_KEY_F3, false},
       {Action::charts, "charts", "F4", "charts", GLFW_KEY_F4, false},
       {Action::fullScreen, "full-screen", "F5", "full screen", GLFW_KEY_F5, false},
-      {Action::screenshot, "screenshot", "Ctrl+P", "save a picture (PNG) in the working folder", GLFW_KEY_P, true},
+      {Action::screenshot, "screenshot", "Ctrl+P", "save a PNG in the working folder", GLFW_KEY_P, true},
       {Action::cancel, "cancel", "Esc", "end the tour, the help or typing", GLFW_KEY_ESCAPE, false},
       {Action::quit, "quit", "Ctrl+Q", "end the viewer", GLFW_KEY_Q, true},
   };

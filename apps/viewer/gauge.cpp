@@ -52,8 +52,7 @@ void drawChartTitles(const Layout& layout, const OverlayInput& input, const Brus
                torques.perChain > 0 ? format("chain %d", joint / torques.perChain + 1) : format("joint %d", joint + 1));
     x += 66 * s;
   }
-  if (dashed)
-    brush.text(gFonts.small, x, y, kMuted, torques.perChain > 0 ? "dashed: second joint" : "dashed: from joint 4");
+  if (dashed) brush.text(gFonts.small, x, y, kMuted, torques.perChain > 0 ? "dashed: 2nd joint" : "dashed: joints 4+");
 }
 
 std::string verdictText(const TestPush& test) {
